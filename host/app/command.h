@@ -1,0 +1,40 @@
+// What every command of the program shares. Each command lives in a file of its own,
+// command_NAME.cpp, and adds itself to the command line with add_NAME_command.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+namespace impactdic::app {
+
+// Options that every command understands.
+struct Common {
+  std::string device = "auto";
+  int threads = 0;  // 0: as many as the machine has cores
+  bool quiet = false;
+  int verbosity = 0;  // -v, -vv
+  bool force = false;
+  std::string job_file;
+};
+
+// Adds --device, -j, -q, -v, --force, --job to a command. Every other option of the command can
+// stand in the job file too, under its long name without the dashes (see job.h).
+void add_common_options(CLI::App& command, Common& common);
+
+// Makes DIR ready for results: creates it; refuses one that holds files unless `force`.
+// Throws InvalidArgument or FileError.
+std::filesystem::path prepare_output_directory(const std::string& dir, bool force);
+
+void add_devices_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+void add_track_command(CLI::App& app);
+void add_correlate_command(CLI::App& app);
+void add_synth_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
+void add_fit_command(CLI::App& app);
+void add_compare_command(CLI::App& app);
+void add_rod_command(CLI::App& app);
+void add_verify_command(CLI::App& app);
+
+}  // namespace impactdic::app

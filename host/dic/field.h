@@ -1,0 +1,87 @@
+// Displacement fields: what is asked for and what comes back. The same for every implementation
+// (double-precision reference on the host, OpenCL kernels on a device).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/base/image.h"
+
+namespace impactdic {
+
+// How a window's displacement is measured.
+enum class FieldMethod : std::uint8_t {
+  // The dissertation's section 2.2: both windows mean-free, spline interpolation with N points
+  // between pixels, FFT cross-correlation of equal zero-padded windows, largest value. Biased
+  // towards zero; kept so that the published numbers can be remade.
+  published,
+  // Template window in a larger search area, ZNCC (Lewis 1995) with the numerator by FFT, peak of
+  // the spline through the correlation map. Unbiased.
+  zncc,
+  // ZNCC seed, then inverse-compositional Gauss–Newton on an affine warp with B-spline
+  // interpolation (Pan, Li and Tong 2013).
+  icgn,
+};
+const char* to_string(FieldMethod method);
+FieldMethod parse_field_method(const std::string& name);  // throws InvalidArgument
+
+struct FieldOptions {
+  FieldMethod method = FieldMethod::icgn;
+  int window_px = 15;       // interrogation window (subset), odd or even, 5 … 129
+  int search_px = 8;        // largest displacement searched about the guess, each way
+  int interp_points = 5;    // spline points between pixels of the published method, 0 … 9
+  int spline_degree = 5;    // B-spline of the IC-GN warp: 3, 5 or 7
+  int max_iterations = 30;  // of IC-GN
+  double min_correlation = 0.6;  // ZNCC below which a window is low_correlation
+  double min_texture = 1.0;      // rms contrast of a window, grey levels of 255, below which no_texture
+  void validate() const;         // throws InvalidArgument naming the option
+};
+
+enum class WindowStatus : std::uint8_t {
+  ok = 0,
+  masked = 1,           // not (wholly) on the surface to be measured
+  no_texture = 2,       // contrast too low to be correlated
+  low_correlation = 3,  // best ZNCC below the threshold
+  at_search_edge = 4,   // the peak lies on the edge of the search area: it may be larger
+  not_converged = 5,    // IC-GN left its window or ran out of iterations
+  out_of_view = 6,      // the window or its search area leaves the picture
+};
+const char* to_string(WindowStatus status);
+
+// A window is `window_px`² pixels whose first pixel is (x0, y0); its centre is
+// x0 + (window_px − 1)/2. `guess` is the whole-pixel displacement about which it is searched.
+struct Window {
+  std::int32_t x0 = 0, y0 = 0;
+  std::int32_t guess_u = 0, guess_v = 0;
+};
+
+// One window's result; NaN where it could not be measured. Displacement in px from the first to
+// the second frame, x right, y down.
+struct WindowMotion {
+  float u = 0, v = 0;
+  float u_sd = 0, v_sd = 0;     // from the image noise (see measure_noise)
+  float correlation = 0;        // ZNCC at the result, −1 … 1
+  float peak_ratio = 0;         // best peak over the best elsewhere (> 2 px away), ZNCC map
+  float ux = 0, uy = 0, vx = 0, vy = 0;  // displacement gradient (icgn only, else 0)
+  WindowStatus status = WindowStatus::ok;
+};
+
+// A batch: `pairs` frame pairs, `windows` per pair.
+struct FieldBatch {
+  int pairs = 0;
+  int windows = 0;
+  std::vector<WindowMotion> motion;  // (pairs, windows), row-major
+  const WindowMotion& at(int pair, int window) const {
+    return motion[static_cast<std::size_t>(pair) * windows + window];
+  }
+};
+
+// Grid of windows with centres every `spacing_px`, symmetric about (cx, cy), whose pixels all lie
+// within `radius_px` of it. Row by row from the top.
+std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int window_px,
+                              int spacing_px);
+// Grid that fills the rectangle (x, y, width, height).
+std::vector<Window> rectangle_grid(int x, int y, int width, int height, int window_px,
+                                   int spacing_px);
+
+}  // namespace impactdic

@@ -1,0 +1,27 @@
+// The rigid motion (u, v, rotation) that a displacement field carries, found robustly.
+#pragma once
+
+#include <span>
+
+namespace impactdic {
+
+// One measured displacement at one point, px, image axes (y down); sd one standard deviation.
+struct PointMotion {
+  double x_px = 0, y_px = 0, u_px = 0, v_px = 0, sd_px = 1;
+};
+
+struct RigidMotion {
+  bool ok = false;
+  double dx_px = 0, dy_px = 0;  // of the point (cx, cy)
+  double rot_rad = 0;           // counter-clockwise as seen on the screen
+  double dx_sd_px = 0, dy_sd_px = 0, rot_sd_rad = 0;
+  int used = 0;                 // points that carried weight
+  double residual_px = 0;       // robust scatter of the points about the motion
+};
+
+// Weighted Kabsch/Procrustes fit of a rotation about (cx, cy) and a translation with Tukey weights
+// (Arun, Huang and Blostein 1987; Beaton and Tukey 1974), started from a consensus so that up to
+// half of the points may be wrong. Finite rotations are exact. Fewer than three points: not ok.
+RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, double cy_px);
+
+}  // namespace impactdic

@@ -1,0 +1,41 @@
+#include "host/base/parse.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+namespace {
+
+TEST(Parse, NumbersMustBeTheWholeText) {
+  EXPECT_EQ(parse_int(" 42 ", "--n"), 42);
+  EXPECT_DOUBLE_EQ(parse_double("-2.5e3", "--x"), -2500);
+  EXPECT_DOUBLE_EQ(parse_double("+1", "--x"), 1);
+  for (const char* bad : {"", "4x", "1 2", "nan", "inf", "--1", "0x10"}) {
+    EXPECT_THROW(parse_double(bad, "--x"), InvalidArgument) << bad;
+  }
+  EXPECT_THROW(parse_int("1.5", "--n"), InvalidArgument);
+}
+
+TEST(Parse, ListsAreCounted) {
+  EXPECT_EQ(parse_doubles("1,2.5,-3", ',', 3, "--roi"), (std::vector<double>{1, 2.5, -3}));
+  EXPECT_THROW(parse_doubles("1,2", ',', 3, "--roi"), InvalidArgument);
+  EXPECT_THROW(parse_doubles("1,,2", ',', 3, "--roi"), InvalidArgument);
+}
+
+TEST(Parse, ShortestReadsBackExactly) {
+  for (double value : {0.1, 1.0 / 3, 1e-300, -2.647, 30000.0}) {
+    EXPECT_EQ(parse_double(shortest(value), "value"), value);
+  }
+  EXPECT_EQ(shortest(std::nan("")), "");
+}
+
+TEST(Error, IsOneLineWithPlaceAndHint) {
+  const FormatError error("a.cine", 44, "width is\n0", "is it a cine file?");
+  EXPECT_EQ(error.line(), "width is 0 (a.cine, byte 44): is it a cine file?");
+}
+
+}  // namespace
+}  // namespace impactdic
