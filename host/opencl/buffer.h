@@ -1,0 +1,90 @@
+// Typed device memory: move-only, sized in elements.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/opencl/engine.h"
+
+namespace impactdic {
+
+template <typename T>
+class Buffer {
+ public:
+  Buffer() = default;
+  // Allocates `count` elements (at least one, since OpenCL knows no empty buffer).
+  // Throws OpenClError.
+  Buffer(const Engine& engine, std::size_t count, cl_mem_flags flags = CL_MEM_READ_WRITE)
+      : count_(count) {
+    try {
+      buffer_ = cl::Buffer(engine.context(), flags, std::max<std::size_t>(count, 1) * sizeof(T));
+    } catch (const cl::Error& error) {
+      throw OpenClError(
+          std::string(error.what()) + " of " + std::to_string(count * sizeof(T)) + " bytes",
+          error.err());
+    }
+  }
+  Buffer(Buffer&&) noexcept = default;
+  Buffer& operator=(Buffer&&) noexcept = default;
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  std::size_t size() const { return count_; }
+  const cl::Buffer& get() const { return buffer_; }
+
+  // Blocking copies on the engine's queue; `offset` in elements. Throw OpenClError, and
+  // InvalidArgument where they would pass the end.
+  void write(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
+    if (!fits(host.size(), offset)) return;
+    try {
+      cl::Event event;
+      engine.queue().enqueueWriteBuffer(buffer_, CL_TRUE, offset * sizeof(T), host.size_bytes(),
+                                        host.data(), nullptr, &event);
+      engine.profiler().add("copy to device", event, static_cast<double>(host.size_bytes()));
+    } catch (const cl::Error& error) {
+      throw OpenClError(error.what(), error.err());
+    }
+  }
+  void read(Engine& engine, std::span<T> host, std::size_t offset = 0) const {
+    if (!fits(host.size(), offset)) return;
+    try {
+      cl::Event event;
+      engine.queue().enqueueReadBuffer(buffer_, CL_TRUE, offset * sizeof(T), host.size_bytes(),
+                                       host.data(), nullptr, &event);
+      engine.profiler().add("copy from device", event, static_cast<double>(host.size_bytes()));
+    } catch (const cl::Error& error) {
+      throw OpenClError(error.what(), error.err());
+    }
+  }
+  std::vector<T> to_vector(Engine& engine) const {
+    std::vector<T> host(count_);
+    read(engine, host);
+    return host;
+  }
+  // Grows to at least `count` elements; the contents are then undefined.
+  void reserve(const Engine& engine, std::size_t count) {
+    if (count > count_) *this = Buffer(engine, count);
+  }
+
+ private:
+  // False where there is nothing to copy.
+  bool fits(std::size_t count, std::size_t offset) const {
+    if (offset + count > count_) throw InvalidArgument("copy beyond the end of a device buffer");
+    return count != 0;
+  }
+
+  cl::Buffer buffer_;
+  std::size_t count_ = 0;
+};
+
+template <typename T>
+Buffer<T> make_buffer(Engine& engine, std::span<const T> host) {
+  Buffer<T> buffer(engine, host.size());
+  buffer.write(engine, host);
+  return buffer;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,18 @@
+# cmake -DOUT=file.cpp -DROOT=repository -P embed_kernels.cmake: every kernels/*.cl and *.h as text.
+file(GLOB sources RELATIVE ${ROOT} ${ROOT}/kernels/*.cl ${ROOT}/kernels/*.h)
+list(SORT sources)
+set(head "#include <map>
+#include <string>
+#include <string_view>
+namespace impactdic {
+const std::map<std::string, std::string_view>& embedded_kernels() {
+  static const std::map<std::string, std::string_view> kernels = {
+")
+file(WRITE ${OUT} "${head}")
+foreach(source ${sources})
+  file(READ ${ROOT}/${source} content)
+  file(APPEND ${OUT} "{\"${source}\", R\"opencl_c(")
+  file(APPEND ${OUT} "${content}")
+  file(APPEND ${OUT} ")opencl_c\"},\n")
+endforeach()
+file(APPEND ${OUT} "  };\n  return kernels;\n}\n}  // namespace impactdic\n")

@@ -1,0 +1,89 @@
+#include "host/opencl/fft_plan.h"
+
+#include <clFFT.h>
+
+#include <cmath>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+namespace {
+
+void check(clfftStatus status, const char* call) {
+  if (status != CLFFT_SUCCESS) throw OpenClError(call, static_cast<int>(status));
+}
+
+// clFFT's own global state. Never torn down: at exit the drivers may already be unloaded.
+void set_up_once() {
+  static const bool ready = [] {
+    clfftSetupData data;
+    check(clfftInitSetupData(&data), "clfftInitSetupData");
+    check(clfftSetup(&data), "clfftSetup");
+    return true;
+  }();
+  (void)ready;
+}
+
+}  // namespace
+
+struct FftPlan::Impl {
+  Engine& engine;
+  std::size_t width, height, batch;
+  clfftPlanHandle handle = 0;
+
+  Impl(Engine& owner, std::size_t w, std::size_t h, std::size_t b)
+      : engine(owner), width(w), height(h), batch(b) {}
+  ~Impl() { clfftDestroyPlan(&handle); }
+
+  void run(const cl::CommandQueue& queue, const cl::Buffer& data, clfftDirection direction) {
+    cl_command_queue raw_queue = queue();
+    cl_mem raw_data = data();
+    cl_event raw_event = nullptr;
+    check(clfftEnqueueTransform(handle, direction, 1, &raw_queue, 0, nullptr, &raw_event, &raw_data,
+                                nullptr, nullptr),
+          "clfftEnqueueTransform");
+    const double points = static_cast<double>(width * height * batch);
+    engine.profiler().add("clfft", cl::Event(raw_event), 16 * points,
+                          5 * points * std::log2(static_cast<double>(width * height)));
+  }
+};
+
+FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::size_t batch) {
+  set_up_once();
+  impl_ = std::make_unique<Impl>(engine, width, height, batch);
+  const std::size_t lengths[2] = {width, height};
+  clfftPlanHandle& plan = impl_->handle;
+  check(clfftCreateDefaultPlan(&plan, engine.context()(), CLFFT_2D, lengths),
+        "clfftCreateDefaultPlan");
+  check(clfftSetPlanPrecision(plan, CLFFT_SINGLE), "clfftSetPlanPrecision");
+  check(clfftSetLayout(plan, CLFFT_COMPLEX_INTERLEAVED, CLFFT_COMPLEX_INTERLEAVED),
+        "clfftSetLayout");
+  check(clfftSetResultLocation(plan, CLFFT_INPLACE), "clfftSetResultLocation");
+  check(clfftSetPlanBatchSize(plan, batch), "clfftSetPlanBatchSize");
+  cl_command_queue queue = engine.queue()();
+  check(clfftBakePlan(plan, 1, &queue, nullptr, nullptr), "clfftBakePlan");
+}
+
+FftPlan::~FftPlan() = default;
+FftPlan::FftPlan(FftPlan&&) noexcept = default;
+FftPlan& FftPlan::operator=(FftPlan&&) noexcept = default;
+
+void FftPlan::forward(const cl::CommandQueue& queue, const cl::Buffer& data) {
+  impl_->run(queue, data, CLFFT_FORWARD);
+}
+void FftPlan::inverse(const cl::CommandQueue& queue, const cl::Buffer& data) {
+  impl_->run(queue, data, CLFFT_BACKWARD);
+}
+std::size_t FftPlan::batch() const { return impl_->batch; }
+
+std::size_t FftPlan::good_size(std::size_t length) {
+  for (std::size_t size = std::max<std::size_t>(length, 1);; ++size) {
+    std::size_t rest = size;
+    for (std::size_t prime : {2, 3, 5, 7, 11, 13}) {
+      while (rest % prime == 0) rest /= prime;
+    }
+    if (rest == 1) return size;
+  }
+}
+
+}  // namespace impactdic
