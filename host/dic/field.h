@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/base/image.h"
+#include "kernels/types.h"
 
 namespace impactdic {
 
@@ -37,7 +37,8 @@ struct FieldOptions {
   void validate() const;         // throws InvalidArgument naming the option
 };
 
-enum class WindowStatus : std::uint8_t {
+// The values stand in WindowMotion::status and in files.
+enum class WindowStatus : std::int32_t {
   ok = 0,
   masked = 1,           // not (wholly) on the surface to be measured
   no_texture = 2,       // contrast too low to be correlated
@@ -48,36 +49,8 @@ enum class WindowStatus : std::uint8_t {
 };
 const char* to_string(WindowStatus status);
 
-// A window is `window_px`² pixels whose first pixel is (x0, y0); its centre is
-// x0 + (window_px − 1)/2. `guess` is the whole-pixel displacement about which it is searched.
-struct Window {
-  std::int32_t x0 = 0, y0 = 0;
-  std::int32_t guess_u = 0, guess_v = 0;
-};
-
-// One window's result; NaN where it could not be measured. Displacement in px from the first to
-// the second frame, x right, y down.
-struct WindowMotion {
-  float u = 0, v = 0;
-  float u_sd = 0, v_sd = 0;     // from the image noise (see measure_noise)
-  float correlation = 0;        // ZNCC at the result, −1 … 1
-  float peak_ratio = 0;         // best peak over the best elsewhere (> 2 px away), ZNCC map
-  float ux = 0, uy = 0, vx = 0, vy = 0;  // displacement gradient (icgn only, else 0)
-  WindowStatus status = WindowStatus::ok;
-};
-
-// A batch: `pairs` frame pairs, `windows` per pair.
-struct FieldBatch {
-  int pairs = 0;
-  int windows = 0;
-  std::vector<WindowMotion> motion;  // (pairs, windows), row-major
-  const WindowMotion& at(int pair, int window) const {
-    return motion[static_cast<std::size_t>(pair) * windows + window];
-  }
-};
-
-// Grid of windows with centres every `spacing_px`, symmetric about (cx, cy), whose pixels all lie
-// within `radius_px` of it. Row by row from the top.
+// Grid of windows with centres every `spacing_px`, symmetric about (cx, cy) to the nearest pixel,
+// whose pixels all lie within `radius_px` of it. Row by row from the top; frames and guess are 0.
 std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int window_px,
                               int spacing_px);
 // Grid that fills the rectangle (x, y, width, height).

@@ -2,7 +2,9 @@
 
 #include <clFFT.h>
 
+#include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "host/base/error.h"
 
@@ -13,20 +15,32 @@ void check(clfftStatus status, const char* call) {
   if (status != CLFFT_SUCCESS) throw OpenClError(call, static_cast<int>(status));
 }
 
-// clFFT's own global state. Never torn down: at exit the drivers may already be unloaded.
-void set_up_once() {
-  static const bool ready = [] {
+// clFFT's own global state: set up with the first plan, torn down with the last one.
+class Library {
+ public:
+  Library() {
     clfftSetupData data;
     check(clfftInitSetupData(&data), "clfftInitSetupData");
     check(clfftSetup(&data), "clfftSetup");
-    return true;
-  }();
-  (void)ready;
-}
+  }
+  ~Library() { clfftTeardown(); }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  static std::shared_ptr<Library> share() {
+    static std::mutex mutex;
+    static std::weak_ptr<Library> current;
+    const std::lock_guard<std::mutex> lock(mutex);
+    std::shared_ptr<Library> library = current.lock();
+    if (!library) current = library = std::make_shared<Library>();
+    return library;
+  }
+};
 
 }  // namespace
 
 struct FftPlan::Impl {
+  std::shared_ptr<Library> library = Library::share();
   Engine& engine;
   std::size_t width, height, batch;
   clfftPlanHandle handle = 0;
@@ -48,9 +62,8 @@ struct FftPlan::Impl {
   }
 };
 
-FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::size_t batch) {
-  set_up_once();
-  impl_ = std::make_unique<Impl>(engine, width, height, batch);
+FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::size_t batch)
+    : impl_(std::make_unique<Impl>(engine, width, height, batch)) {
   const std::size_t lengths[2] = {width, height};
   clfftPlanHandle& plan = impl_->handle;
   check(clfftCreateDefaultPlan(&plan, engine.context()(), CLFFT_2D, lengths),

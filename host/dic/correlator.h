@@ -1,0 +1,35 @@
+// Displacements of interrogation windows between frames: one interface, the double-precision
+// reference on the host and the OpenCL device behind it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/base/image.h"
+#include "host/dic/field.h"
+
+namespace impactdic {
+
+class Engine;
+
+class Correlator {
+ public:
+  virtual ~Correlator() = default;
+  // Puts a frame into slot `slot` (0 … slots − 1), replacing what was there. The first frame sets
+  // the size; another size throws InvalidArgument.
+  virtual void set_frame(int slot, const Frame& frame) = 0;
+  // Measures every window; the result stands at the window's index. Windows may name any slots
+  // that hold a frame. A window that cannot be measured has a status, never an exception.
+  virtual std::vector<WindowMotion> correlate(std::span<const Window> windows) = 0;
+};
+
+// Plain double-precision implementation of every method, one window at a time: what the kernels
+// are tested against. Slow.
+std::unique_ptr<Correlator> make_reference_correlator(const FieldOptions& options, int slots);
+
+// The same on an OpenCL device. `engine` must outlive the correlator.
+std::unique_ptr<Correlator> make_opencl_correlator(Engine& engine, const FieldOptions& options,
+                                                   int slots);
+
+}  // namespace impactdic

@@ -1,0 +1,52 @@
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/dic/field.h"
+
+namespace impactdic {
+
+namespace {
+void check_grid(int window_px, int spacing_px) {
+  if (window_px < 1) throw InvalidArgument("the window must have pixels", "--window");
+  if (spacing_px < 1) throw InvalidArgument("the spacing must be at least 1 px", "--spacing");
+}
+}  // namespace
+
+std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int window_px,
+                              int spacing_px) {
+  check_grid(window_px, spacing_px);
+  std::vector<Window> windows;
+  const double half = (window_px - 1) / 2.0;
+  const int middle_x = static_cast<int>(std::lround(cx_px - half));
+  const int middle_y = static_cast<int>(std::lround(cy_px - half));
+  const int steps = static_cast<int>(std::max(0.0, radius_px) / spacing_px) + 1;
+  for (int j = -steps; j <= steps; ++j) {
+    for (int i = -steps; i <= steps; ++i) {
+      Window window{};
+      window.x0 = middle_x + i * spacing_px;
+      window.y0 = middle_y + j * spacing_px;
+      // The corner farthest from the centre decides.
+      const double dx = std::abs(window.x0 + half - cx_px) + half;
+      const double dy = std::abs(window.y0 + half - cy_px) + half;
+      if (std::hypot(dx, dy) <= radius_px) windows.push_back(window);
+    }
+  }
+  return windows;
+}
+
+std::vector<Window> rectangle_grid(int x, int y, int width, int height, int window_px,
+                                   int spacing_px) {
+  check_grid(window_px, spacing_px);
+  std::vector<Window> windows;
+  for (int y0 = y; y0 + window_px <= y + height; y0 += spacing_px) {
+    for (int x0 = x; x0 + window_px <= x + width; x0 += spacing_px) {
+      Window window{};
+      window.x0 = x0;
+      window.y0 = y0;
+      windows.push_back(window);
+    }
+  }
+  return windows;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,40 @@
+// Plain data that host and kernels share, byte for byte: 4-byte scalars only, no pointers.
+#ifndef IMPACTDIC_KERNELS_TYPES_H_
+#define IMPACTDIC_KERNELS_TYPES_H_
+
+#ifdef __OPENCL_C_VERSION__
+typedef int idic_int;
+#else
+#include <cstdint>
+namespace impactdic {
+using idic_int = std::int32_t;
+#endif
+
+// One interrogation window to be found again: its first pixel (x0, y0) in frame slot `first`
+// (its centre is x0 + (window − 1)/2), and where to look for it in frame slot `second`: displaced
+// by about (guess_u, guess_v) px and turned by about guess_rot_rad (counter-clockwise on screen).
+typedef struct Window {
+  idic_int first, second;
+  idic_int x0, y0;
+  idic_int guess_u, guess_v;
+  float guess_rot_rad;
+} Window;
+
+// One window's result; NaN where it could not be measured. Displacement of the window's centre in
+// px from the first to the second frame, x right, y down. sd: one standard deviation, from the
+// residual between the two pictures. correlation: ZNCC at the result, −1 … 1. peak_ratio: highest
+// peak of the correlation map over the highest one more than 2 px away from it. ux … vy: the
+// displacement's gradient ∂u/∂x, ∂u/∂y, ∂v/∂x, ∂v/∂y (0 where the method has none).
+// status: a WindowStatus (host/dic/field.h).
+typedef struct WindowMotion {
+  float u, v;
+  float u_sd, v_sd;
+  float correlation, peak_ratio;
+  float ux, uy, vx, vy;
+  idic_int status;
+} WindowMotion;
+
+#ifndef __OPENCL_C_VERSION__
+}  // namespace impactdic
+#endif
+#endif  // IMPACTDIC_KERNELS_TYPES_H_

@@ -1,0 +1,177 @@
+// The OpenCL layer itself: devices, sources, cache, buffers, profiler, clFFT plans.
+#include <gtest/gtest.h>
+
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "host/opencl/buffer.h"
+#include "host/opencl/fft_plan.h"
+#include "host/opencl/kernel_source.h"
+#include "tests/support/engine.h"
+
+namespace impactdic {
+namespace {
+
+using testing::shared_engine;
+
+TEST(Device, ChoiceNamesWhatThereIs) {
+  const auto devices = list_devices();
+  ASSERT_FALSE(devices.empty());
+  EXPECT_EQ(choose_device(devices, "0").index, 0);
+  EXPECT_EQ(choose_device(devices, devices[0].name.substr(0, 6)).index, 0);
+  EXPECT_THROW(choose_device(devices, "99"), InvalidArgument);
+  EXPECT_THROW(choose_device(devices, "-1"), InvalidArgument);
+  EXPECT_THROW(choose_device(devices, "no such device"), InvalidArgument);
+  EXPECT_THROW(choose_device({}, "auto"), OpenClError);
+}
+
+TEST(KernelSource, IncludesEachFileOnceWithLineNumbers) {
+  const std::string source = kernel_source("unpack.cl");
+  EXPECT_NE(source.find("#line 1 \"kernels/config.h\""), std::string::npos);
+  EXPECT_EQ(source.find("#include \"kernels/"), std::string::npos);
+  EXPECT_EQ(kernel_source("unpack.cl", IMPACTDIC_SOURCE_DIR), source);
+  EXPECT_THROW(kernel_source("no_such.cl"), BuildError);
+}
+
+TEST(Engine, BuildErrorCarriesLogAndOptions) {
+  try {
+    shared_engine().kernel("unpack.cl", "unpack", {{"PIXEL", "no_such_type"}});
+    FAIL() << "compiled nonsense";
+  } catch (const BuildError& error) {
+    EXPECT_NE(error.line().find("-DPIXEL=no_such_type"), std::string::npos);
+    EXPECT_EQ(error.line().find('\n'), std::string::npos);
+  }
+}
+
+class Unpack : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(Unpack, GivesEveryPixelAndTouchesNothingElse) {
+  Engine& engine = shared_engine();
+  const std::size_t count = GetParam();
+  constexpr float kCanary = -77.0f;
+  std::vector<unsigned short> pixels(count);
+  std::iota(pixels.begin(), pixels.end(), static_cast<unsigned short>(60000));
+  auto input = make_buffer<unsigned short>(engine, pixels);
+  auto output = make_buffer<float>(engine, std::vector<float>(count + 64, kCanary));
+  auto kernel = engine.kernel("unpack.cl", "unpack", {{"PIXEL", "ushort"}});
+  kernel.setArg(0, input.get());
+  kernel.setArg(1, output.get());
+  kernel.setArg(2, static_cast<cl_ulong>(count));
+  kernel.setArg(3, cl_ulong{0});
+  engine.launch(engine.queue(), kernel, cl::NDRange(round_up(count, 64)), cl::NDRange(64));
+  const auto result = output.to_vector(engine);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    ASSERT_EQ(result[i], i < count ? static_cast<float>(pixels[i]) : kCanary) << i;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Sizes, Unpack, ::testing::Values(1, 63, 64, 65, 100003));
+
+TEST(Buffer, RefusesToCopyBeyondItsEnd) {
+  Engine& engine = shared_engine();
+  Buffer<float> buffer(engine, 4);
+  std::vector<float> host(5);
+  EXPECT_THROW(buffer.write(engine, host), InvalidArgument);
+  EXPECT_THROW(buffer.read(engine, host), InvalidArgument);
+}
+
+TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
+  const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test";
+  std::filesystem::remove_all(folder);
+  const ProgramCache cache(folder);
+  const std::vector<unsigned char> binary = {1, 0, 2, 255};
+  EXPECT_FALSE(cache.load("key"));
+  cache.store("key", binary);
+  EXPECT_EQ(cache.load("key"), binary);
+  EXPECT_FALSE(cache.load("another key"));
+  const auto entry = std::filesystem::directory_iterator(folder)->path();
+  std::fstream(entry, std::ios::in | std::ios::out | std::ios::ate).seekp(-1, std::ios::end) << 'x';
+  EXPECT_FALSE(cache.load("key"));
+  EXPECT_FALSE(std::filesystem::exists(entry));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(ProgramCache, CompiledProgramsComeBackInANewEngine) {
+  const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test_engine";
+  std::filesystem::remove_all(folder);
+  EngineOptions options;
+  options.cache_dir = folder;
+  for (int round = 0; round < 2; ++round) {
+    Engine engine(std::to_string(shared_engine().device().index), options);
+    EXPECT_NO_THROW(engine.kernel("unpack.cl", "unpack"));
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder),
+                          std::filesystem::directory_iterator()),
+            1);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Profiler, CountsCallsBytesAndFlops) {
+  EngineOptions options;
+  options.profile = true;
+  Engine engine(std::to_string(shared_engine().device().index), options);
+  auto pixels = make_buffer<unsigned char>(engine, std::vector<unsigned char>(1000, 7));
+  Buffer<float> image(engine, 1000);
+  auto kernel = engine.kernel("unpack.cl", "unpack");
+  kernel.setArg(0, pixels.get());
+  kernel.setArg(1, image.get());
+  kernel.setArg(2, cl_ulong{1000});
+  kernel.setArg(3, cl_ulong{0});
+  for (int i = 0; i < 3; ++i) {
+    engine.launch(engine.queue(), kernel, cl::NDRange(1024), cl::NDRange(64), {5000, 1000});
+  }
+  bool seen = false;
+  for (const ProfileRow& row : engine.profiler().rows()) {
+    if (row.name != "unpack") continue;
+    seen = true;
+    EXPECT_EQ(row.calls, 3u);
+    EXPECT_EQ(row.bytes, 15000);
+    EXPECT_EQ(row.flops, 3000);
+    EXPECT_GE(row.total_s, row.median_s);
+  }
+  EXPECT_TRUE(seen);
+  EXPECT_NE(engine.profiler().table().find("copy to device"), std::string::npos);
+}
+
+TEST(FftPlan, MatchesTheDefinitionAndInverts) {
+  Engine& engine = shared_engine();
+  constexpr std::size_t kWidth = 12, kHeight = 10, kBatch = 3;
+  using Complex = std::complex<float>;
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  std::vector<Complex> data(kWidth * kHeight * kBatch);
+  for (Complex& value : data) value = {normal(random), normal(random)};
+  auto buffer = make_buffer<Complex>(engine, data);
+  FftPlan plan(engine, kWidth, kHeight, kBatch);
+  plan.forward(engine.queue(), buffer.get());
+  const auto spectrum = buffer.to_vector(engine);
+  // One coefficient of the last picture by the definition of the transform.
+  const std::size_t kx = 5, ky = 3, base = 2 * kWidth * kHeight;
+  std::complex<double> sum = 0;
+  for (std::size_t y = 0; y < kHeight; ++y) {
+    for (std::size_t x = 0; x < kWidth; ++x) {
+      const double turns = static_cast<double>(kx * x) / kWidth + static_cast<double>(ky * y) / kHeight;
+      sum += std::complex<double>(data[base + y * kWidth + x]) *
+             std::polar(1.0, -2 * std::numbers::pi * turns);
+    }
+  }
+  const auto got = std::complex<double>(spectrum[base + ky * kWidth + kx]);
+  // Single precision over 120 terms of size one.
+  EXPECT_NEAR(std::abs(got - sum), 0, 1e-4);
+  plan.inverse(engine.queue(), buffer.get());
+  const auto back = buffer.to_vector(engine);
+  for (std::size_t i = 0; i < data.size(); ++i) ASSERT_NEAR(std::abs(back[i] - data[i]), 0, 1e-5);
+}
+
+TEST(FftPlan, GoodSizesAreProductsOfSmallPrimes) {
+  EXPECT_EQ(FftPlan::good_size(31), 32u);
+  EXPECT_EQ(FftPlan::good_size(17), 18u);
+  EXPECT_EQ(FftPlan::good_size(49), 49u);
+  EXPECT_EQ(FftPlan::good_size(1), 1u);
+}
+
+}  // namespace
+}  // namespace impactdic
