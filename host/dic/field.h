@@ -27,14 +27,14 @@ FieldMethod parse_field_method(const std::string& name);  // throws InvalidArgum
 
 struct FieldOptions {
   FieldMethod method = FieldMethod::icgn;
-  int window_px = 15;       // interrogation window (subset), odd or even, 5 … 129
-  int search_px = 8;        // largest displacement searched about the guess, each way
-  int interp_points = 5;    // spline points between pixels of the published method, 0 … 9
-  int spline_degree = 5;    // B-spline of the IC-GN warp: 3, 5 or 7
-  int max_iterations = 30;  // of IC-GN
+  int window_px = 15;            // interrogation window (subset), odd or even, 5 … 129
+  int search_px = 8;             // largest displacement searched about the guess, each way
+  int interp_points = 5;         // spline points between pixels of the published method, 0 … 9
+  int spline_degree = 5;         // B-spline of the IC-GN warp: 3, 5 or 7
+  int max_iterations = 30;       // of IC-GN
   double min_correlation = 0.6;  // ZNCC below which a window is low_correlation
-  double min_texture = 1.0;      // rms contrast of a window, grey levels of 255, below which no_texture
-  void validate() const;         // throws InvalidArgument naming the option
+  double min_texture = 1.0;  // rms contrast of a window, grey levels of 255, below which no_texture
+  void validate() const;     // throws InvalidArgument naming the option
 };
 
 // The values stand in WindowMotion::status and in files.

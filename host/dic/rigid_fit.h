@@ -15,8 +15,8 @@ struct RigidMotion {
   double dx_px = 0, dy_px = 0;  // of the point (cx, cy)
   double rot_rad = 0;           // counter-clockwise as seen on the screen
   double dx_sd_px = 0, dy_sd_px = 0, rot_sd_rad = 0;
-  int used = 0;                 // points that carried weight
-  double residual_px = 0;       // robust scatter of the points about the motion
+  int used = 0;            // points that carried weight
+  double residual_px = 0;  // robust scatter of the points about the motion
 };
 
 // Weighted Kabsch/Procrustes fit of a rotation about (cx, cy) and a translation with Tukey weights

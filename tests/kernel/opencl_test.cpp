@@ -153,7 +153,8 @@ TEST(FftPlan, MatchesTheDefinitionAndInverts) {
   std::complex<double> sum = 0;
   for (std::size_t y = 0; y < kHeight; ++y) {
     for (std::size_t x = 0; x < kWidth; ++x) {
-      const double turns = static_cast<double>(kx * x) / kWidth + static_cast<double>(ky * y) / kHeight;
+      const double turns =
+          static_cast<double>(kx * x) / kWidth + static_cast<double>(ky * y) / kHeight;
       sum += std::complex<double>(data[base + y * kWidth + x]) *
              std::polar(1.0, -2 * std::numbers::pi * turns);
     }

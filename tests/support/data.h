@@ -15,7 +15,7 @@ inline std::filesystem::path data_path(const std::string& name) {
 }  // namespace impactdic::testing
 
 // Skips the running test, saying what is missing, where the clip is not on this machine.
-#define IMPACTDIC_NEED_DATA(name)                                                        \
-  if (!std::filesystem::exists(impactdic::testing::data_path(name))) {                   \
-    GTEST_SKIP() << "needs " << impactdic::testing::data_path(name).string();            \
+#define IMPACTDIC_NEED_DATA(name)                                             \
+  if (!std::filesystem::exists(impactdic::testing::data_path(name))) {        \
+    GTEST_SKIP() << "needs " << impactdic::testing::data_path(name).string(); \
   }

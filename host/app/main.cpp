@@ -1,0 +1,71 @@
+// The command line: reads the request, runs the command, turns errors into one line and a status.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "host/app/command.h"
+#include "host/app/job.h"
+#include "host/base/error.h"
+
+namespace {
+
+enum ExitStatus { kDone = 0, kFailed = 1, kWrongRequest = 2 };
+
+int report(const std::string& line, ExitStatus status) {
+  std::fprintf(stderr, "impactdic: error: %s\n", line.c_str());
+  return status;
+}
+
+// What CLI11 found wrong, in our one-line form.
+int report_usage(const CLI::App& app, const CLI::ParseError& error) {
+  std::string command;
+  for (const CLI::App* used : app.get_subcommands()) command = " " + used->get_name();
+  std::string what = error.what();
+  for (char& c : what) {
+    if (c == '\n') c = ' ';
+  }
+  return report(what + " (command line): see impactdic" + command + " --help", kWrongRequest);
+}
+
+void add_commands(CLI::App& app) {
+  using namespace impactdic::app;
+  add_devices_command(app);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(
+      "impactdic measures impacts filmed by high-speed cameras: the ball's centre, "
+      "displacement field, velocity and spin in every frame.",
+      "impactdic");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "impactdic " IMPACTDIC_VERSION);
+  app.footer("impactdic COMMAND --help explains a command, with an example.");
+  add_commands(app);
+  try {
+    std::vector<std::string> arguments(argv + 1, argv + argc);
+    arguments = impactdic::app::expand_job(app, std::move(arguments));
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(arguments);
+    return kDone;
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return report_usage(app, error);
+  } catch (const impactdic::InvalidArgument& error) {
+    return report(error.line(), kWrongRequest);
+  } catch (const impactdic::Error& error) {
+    return report(error.line(), kFailed);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", kFailed);
+  } catch (const std::exception& error) {
+    return report(error.what(), kFailed);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return run(argc, argv); }
