@@ -1,0 +1,13 @@
+// Camera noise that depends only on (seed, frame, row), never on the order in which threads work.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace impactdic {
+
+// Adds independent normal deviates of standard deviation `sigma` to one row of a frame.
+void add_row_noise(std::span<double> row, double sigma, std::uint64_t seed, std::int64_t frame,
+                   int row_index);
+
+}  // namespace impactdic

@@ -1,0 +1,91 @@
+#include "sim/speckle/placement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/units.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kFirstGap = 3;   // px
+constexpr double kGapStep = 0.1;  // px
+constexpr int kTriesPerGap = 60;
+constexpr double kCell = 6;     // px
+constexpr double kMargin = 24;  // of the grid beyond the ball, px
+
+}  // namespace
+
+Random::Random(std::uint64_t seed, std::uint64_t stream) {
+  std::seed_seq both{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32),
+                     static_cast<std::uint32_t>(stream)};
+  engine_.seed(both);
+}
+
+double Random::uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+
+double Random::normal() {
+  const double u = 1 - uniform();
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * kPi * uniform());
+}
+
+Placement::Placement(double ball_radius_px)
+    : radius_px_(ball_radius_px),
+      gap_px_(kFirstGap),
+      cells_(static_cast<int>(std::ceil(2 * (ball_radius_px + kMargin) / kCell)) + 1),
+      grid_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_)) {}
+
+std::size_t Placement::cell(double x_px, double y_px) const {
+  const auto index = [&](double at) {
+    return std::clamp(static_cast<int>((at + radius_px_ + kMargin) / kCell), 0, cells_ - 1);
+  };
+  return static_cast<std::size_t>(index(y_px)) * static_cast<std::size_t>(cells_) +
+         static_cast<std::size_t>(index(x_px));
+}
+
+bool Placement::fits(const std::vector<InkDisc>& shape, double x_px, double y_px) const {
+  for (const InkDisc& d : shape) {
+    const double x = x_px + d.x_px, y = y_px + d.y_px;
+    const double near = std::max(0.0, d.radius_px + largest_px_ + gap_px_);
+    const int reach = static_cast<int>(std::ceil(near / kCell));
+    const std::size_t home = cell(x, y);
+    const int row = static_cast<int>(home) / cells_, column = static_cast<int>(home) % cells_;
+    for (int v = std::max(0, row - reach); v <= std::min(cells_ - 1, row + reach); ++v) {
+      for (int u = std::max(0, column - reach); u <= std::min(cells_ - 1, column + reach); ++u) {
+        for (const int other : grid_[static_cast<std::size_t>(v * cells_ + u)]) {
+          const InkDisc& o = discs_[static_cast<std::size_t>(other)];
+          const double apart = d.radius_px + o.radius_px + gap_px_;
+          const double dx = x - o.x_px, dy = y - o.y_px;
+          if (apart > 0 && dx * dx + dy * dy < apart * apart) return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+void Placement::place(std::vector<InkDisc> shape, Random& random) {
+  double size = 0, largest = 0;
+  for (const InkDisc& d : shape) {
+    size = std::max(size, std::hypot(d.x_px, d.y_px) + d.radius_px);
+    largest = std::max(largest, d.radius_px);
+  }
+  const double reach = radius_px_ + 0.7 * size;
+  double x, y;
+  for (int tries = 1;; ++tries) {
+    const double away = reach * std::sqrt(random.uniform()), angle = 2 * kPi * random.uniform();
+    x = away * std::cos(angle);
+    y = away * std::sin(angle);
+    if (fits(shape, x, y)) break;
+    if (tries % kTriesPerGap == 0) gap_px_ -= kGapStep;
+  }
+  for (InkDisc& d : shape) {
+    d.x_px += x;
+    d.y_px += y;
+    grid_[cell(d.x_px, d.y_px)].push_back(static_cast<int>(discs_.size()));
+    discs_.push_back(d);
+  }
+  largest_px_ = std::max(largest_px_, largest);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,42 @@
+// Places speckles on a disc one after the other, keeping a gap between them while there is room.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "sim/speckle/pattern.h"
+
+namespace impactdic {
+
+// The same numbers on every platform: the engine is fixed by the C++ standard, the rest is ours.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t stream);
+  double uniform();  // [0, 1)
+  double normal();   // Box & Muller (1958)
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// Each shape goes where it keeps the current gap to all placed before; after many vain tries the
+// gap shrinks (below 0: overlap), for good. Fed with the largest first, it packs densely.
+class Placement {
+ public:
+  explicit Placement(double ball_radius_px);
+  // `shape`: discs about an origin, px. It is moved to a free place on the ball, rim included.
+  void place(std::vector<InkDisc> shape, Random& random);
+  const std::vector<InkDisc>& discs() const { return discs_; }
+
+ private:
+  bool fits(const std::vector<InkDisc>& shape, double x_px, double y_px) const;
+  std::size_t cell(double x_px, double y_px) const;
+
+  double radius_px_, gap_px_, largest_px_ = 0;
+  int cells_;  // a side
+  std::vector<std::vector<int>> grid_;
+  std::vector<InkDisc> discs_;
+};
+
+}  // namespace impactdic

@@ -1,0 +1,95 @@
+// Pictures of a speckled ball, computed from formulas at the ball's exact sub-pixel pose: no
+// picture is ever resampled, so the motion between two frames is known to double precision.
+//
+// The model. Every speckle is a disc or a line of full ink, blurred by the lens (Gaussian, σ) in
+// closed form to a coverage S_i(x). The ball shows white · ∏(1 − S_i) + ink · (1 − ∏(1 − S_i)),
+// times the lamp's shading; the ball's own blurred disc covers the background; a static bar may
+// cover both. Each pixel is the mean of that over its square (Gauss–Legendre; error ≤ 0.01 grey
+// levels at any σ >= 0.3 px, see tests/unit/speckle_test.cpp).
+// A compressed ball's picture is the affine image of the round one under the same lens: the share
+// of the lens's blur that the compression takes away along its axis is put back by Gauss–Hermite
+// quadrature.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/base/image.h"
+#include "sim/speckle/blur.h"
+#include "sim/speckle/motion.h"
+#include "sim/speckle/pattern.h"
+
+namespace impactdic {
+
+// A straight static bar in front of the ball, endless along its direction.
+struct OccludingBar {
+  double x_px = 0, y_px = 0;  // a point on its centre line
+  double angle_deg = 0;       // direction, counter-clockwise from image-right
+  double width_px = 0;
+  double level = 90;
+};
+
+// Camera, light and surroundings. Grey levels and noise are of 255 at every bit depth.
+struct Scene {
+  int width = 512, height = 512;  // px
+  double white = 200, ink = 40, background = 30;
+  double psf_sigma_px = 0.6;  // the lens; 0.3 or more
+  double noise_sigma = 0;     // grey levels, independent in every pixel
+  std::uint64_t noise_seed = 1;
+  // Light on the ball falls linearly from 1 at the rim facing the lamp to 1 − shading at the rim
+  // opposite. Fixed to the lamp: it follows the centre and does not turn with the ball.
+  double shading = 0;     // 0 … 1
+  double lamp_deg = 135;  // where the lamp is, counter-clockwise from image-right
+  std::optional<OccludingBar> bar;
+  int bits = 8;  // of the frames: 8 … 16
+
+  // Throws InvalidArgument.
+  void validate() const;
+};
+
+// A horizontal bar whose upper edge hides the lower `fraction` (0 … 1) of the disc's area of a ball
+// at this pose, as a racket does.
+OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px);
+
+// Renders one ball in one scene. All tables are made in the constructor; rendering is const, may
+// be called from several threads, and uses all of TBB's threads itself. The result does not depend
+// on their number.
+class BallRenderer {
+ public:
+  // Throws InvalidArgument for an impossible scene.
+  BallRenderer(SpeckleBall ball, const Scene& scene);
+
+  // The picture without noise or rounding, grey levels of 255, (height, width).
+  Image<double> exact(const BallPose& pose) const;
+  Image<double> exact(const ShutterPath& path) const;
+
+  // The camera's frame: noise of (seed, frame_index), rounded and clipped at scene.bits.
+  void render(const BallPose& pose, std::int64_t frame_index, Frame& out) const;
+  void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const;
+
+  const SpeckleBall& ball() const { return ball_; }
+  const Scene& scene() const { return scene_; }
+
+ private:
+  struct Placed;  // the ball at one instant, in screen axes
+  struct Band;    // samples of some pixel rows
+
+  std::vector<Placed> instants(const ShutterPath& path) const;
+  Placed place(const BallPose& pose, double shift_px, double weight) const;
+  void add_rows(const Placed& placed, int first, int last, Image<double>& out) const;
+  void paint_discs(const Placed& placed, Band& band) const;
+  void paint_lines(const Placed& placed, Band& band) const;
+  void sum_pixels(const Placed& placed, const Band& band, Image<double>& out) const;
+  double bar_coverage(double x_px, double y_px) const;
+  Image<double> make_backdrop() const;
+
+  SpeckleBall ball_;
+  Scene scene_;
+  BlurredDisc outline_;
+  std::vector<BlurredDisc> inks_;  // one per disc
+  Quadrature pixel_;
+  Image<double> backdrop_;  // background and bar
+};
+
+}  // namespace impactdic
