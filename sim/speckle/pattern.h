@@ -1,4 +1,4 @@
-// The fourteen painted balls of the speckle study, as lists of discs and lines.
+// The sixteen painted balls of the speckle study, as lists of discs and lines.
 #pragma once
 
 #include <cstdint>
@@ -35,9 +35,9 @@ struct PatternSpec {
   int lines = 0;          // (f): straight lines 2 px wide
 };
 
-// The fourteen, in order. The density of e2 is not in the source; 0.60 is ours.
+// The sixteen of Fig. 2.3, in order. The density of e2 is not in the source; 0.60 is ours.
 const std::vector<PatternSpec>& pattern_specs();
-// Throws InvalidArgument naming the fourteen.
+// Throws InvalidArgument naming the sixteen.
 const PatternSpec& find_pattern(const std::string& name);
 
 // Paints a ball. The same name, seed and radius give the same ball. Areas and density are those of
