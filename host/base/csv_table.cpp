@@ -1,0 +1,104 @@
+#include "host/base/csv_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/base/units.h"
+
+namespace impactdic {
+
+CsvTable CsvTable::read(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw FileError("cannot read the table", file.string());
+  }
+  CsvTable table;
+  table.file_ = file.string();
+  std::string line;
+  std::size_t number = 0;
+  while (std::getline(stream, line)) {
+    ++number;
+    // A byte order mark, as spreadsheets write it.
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    if (trim(line).empty()) continue;
+    std::vector<std::string> fields = split(line, ',');
+    for (std::string& field : fields) field = trim(field);
+    if (table.columns_.empty()) {
+      for (std::size_t i = 0; i < fields.size(); ++i) {
+        if (std::find(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(i), fields[i]) !=
+            fields.begin() + static_cast<std::ptrdiff_t>(i)) {
+          throw FormatError(table.file_, -1, "column '" + fields[i] + "' stands twice");
+        }
+      }
+      table.columns_ = std::move(fields);
+      continue;
+    }
+    if (fields.size() != table.columns_.size()) {
+      throw FormatError(table.file_ + ", line " + std::to_string(number), -1,
+                        "the row has " + std::to_string(fields.size()) + " fields, the header " +
+                            std::to_string(table.columns_.size()));
+    }
+    table.rows_.push_back(std::move(fields));
+    table.lines_.push_back(number);
+  }
+  if (table.columns_.empty()) {
+    throw FormatError(table.file_, -1, "the table is empty", "its first line names the columns");
+  }
+  return table;
+}
+
+bool CsvTable::has(const std::string& column) const {
+  return std::find(columns_.begin(), columns_.end(), column) != columns_.end();
+}
+
+std::size_t CsvTable::index(const std::string& column) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), column);
+  if (found == columns_.end()) {
+    throw FormatError(file_, -1, "column '" + column + "' is missing",
+                      "names carry their unit; see docs/calibration.md");
+  }
+  return static_cast<std::size_t>(found - columns_.begin());
+}
+
+std::string CsvTable::where(std::size_t row) const {
+  return file_ + ", line " + std::to_string(lines_[row]);
+}
+
+std::vector<double> CsvTable::numbers(const std::string& column) const {
+  const std::size_t i = index(column);
+  std::vector<double> values(rows_.size(), kNotMeasured);
+  for (std::size_t row = 0; row < rows_.size(); ++row) {
+    const std::string& field = rows_[row][i];
+    if (field.empty()) continue;
+    try {
+      values[row] = parse_double(field, column);
+    } catch (const InvalidArgument&) {
+      throw FormatError(where(row) + ", column " + column, -1, "'" + field + "' is no number",
+                        "leave a field empty where nothing was measured");
+    }
+  }
+  return values;
+}
+
+std::vector<double> CsvTable::filled_numbers(const std::string& column) const {
+  std::vector<double> values = numbers(column);
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    if (std::isnan(values[row])) {
+      throw FormatError(where(row) + ", column " + column, -1, "the field is empty");
+    }
+  }
+  return values;
+}
+
+std::vector<std::string> CsvTable::text(const std::string& column) const {
+  const std::size_t i = index(column);
+  std::vector<std::string> values;
+  values.reserve(rows_.size());
+  for (const auto& row : rows_) values.push_back(row[i]);
+  return values;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,38 @@
+// Reading tables of numbers: comma-separated, one header line, one row a line.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace impactdic {
+
+class CsvTable {
+ public:
+  // Throws FileError where the file cannot be read, FormatError (file, line) where it has no
+  // header, repeats a column, or a row has another number of fields than the header.
+  static CsvTable read(const std::filesystem::path& file);
+
+  std::size_t rows() const { return rows_.size(); }
+  const std::vector<std::string>& columns() const { return columns_; }
+  bool has(const std::string& column) const;
+  // A column as numbers; an empty field, "not measured", is NaN. Throws FormatError naming file and
+  // column where the column is missing, and line too where a field is no finite number.
+  std::vector<double> numbers(const std::string& column) const;
+  // As `numbers`, but an empty field is an error too.
+  std::vector<double> filled_numbers(const std::string& column) const;
+  std::vector<std::string> text(const std::string& column) const;
+  const std::string& file() const { return file_; }
+  // Where row `row` stands, for messages: "FILE, line N".
+  std::string where(std::size_t row) const;
+
+ private:
+  std::size_t index(const std::string& column) const;
+
+  std::string file_;
+  std::vector<std::string> columns_;
+  std::vector<std::vector<std::string>> rows_;
+  std::vector<std::size_t> lines_;  // 1 is the header's
+};
+
+}  // namespace impactdic
