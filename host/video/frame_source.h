@@ -14,12 +14,12 @@ namespace impactdic {
 
 // What a file says of itself. Absent facts are absent, never guessed.
 struct VideoInfo {
-  std::string path;          // as opened
-  std::string format;        // "Phantom cine", "Photron mraw", "TIFF", ...
-  std::string camera;        // model, "" where the file does not say
-  std::string storage;       // how pixels are stored: "12-bit packed", "16-bit little-endian", ...
+  std::string path;     // as opened
+  std::string format;   // "Phantom cine", "Photron mraw", "TIFF", ...
+  std::string camera;   // model, "" where the file does not say
+  std::string storage;  // how pixels are stored: "12-bit packed", "16-bit little-endian", ...
   int width = 0, height = 0;
-  int bits = 8;              // effective bits of a pixel
+  int bits = 8;  // effective bits of a pixel
   std::int64_t frame_count = 0;
   std::int64_t first_frame_number = 0;  // the file's own number of frame 0 (relative to a trigger)
   std::optional<double> fps;            // rate of the *stored* frames, 1/s
@@ -44,6 +44,11 @@ class FrameSource {
     (void)index;
     return std::nullopt;
   }
+  // The exposure that the camera noted for this frame, in seconds; nullopt where it did not.
+  virtual std::optional<double> frame_exposure_s(std::int64_t index) {
+    (void)index;
+    return std::nullopt;
+  }
 };
 
 struct RawLayout {
@@ -52,8 +57,11 @@ struct RawLayout {
 
 struct VideoOptions {
   std::optional<RawLayout> raw;  // read the file as headerless pixels
+  // Packed 10-bit cine: give the camera's 10-bit codes instead of linear 12-bit values.
+  bool phantom_codes = false;
   // Opens containers (.avi .mp4 ...) and picture files (.png .bmp .jpg); set by the program where
-  // the codec library is built, empty otherwise. Gets the paths in order: one container or pictures.
+  // the codec library is built, empty otherwise. Gets the paths in order: one container or
+  // pictures.
   std::function<std::unique_ptr<FrameSource>(const std::vector<std::string>&)> open_codec;
 };
 

@@ -1,0 +1,86 @@
+#include "host/video/byte_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+
+ByteFile::ByteFile(const std::string& path) : path_(path) {
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw FileError("cannot open the file", path, std::strerror(errno));
+  struct stat facts {};
+  if (::fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode)) {
+    ::close(descriptor_);
+    throw FileError("not a regular file", path);
+  }
+  size_ = facts.st_size;
+}
+
+ByteFile::~ByteFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+ByteFile::ByteFile(ByteFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(std::exchange(other.size_, 0)) {}
+
+bool ByteFile::holds(std::int64_t offset, std::int64_t count) const {
+  return offset >= 0 && count >= 0 && offset <= size_ && count <= size_ - offset;
+}
+
+void ByteFile::read_at(std::int64_t offset, void* out, std::size_t count) const {
+  if (!holds(offset, static_cast<std::int64_t>(count))) {
+    throw FormatError(path_, offset, "the file ends too early",
+                      "it has " + std::to_string(size_) + " bytes; was it copied whole?");
+  }
+  auto* to = static_cast<std::uint8_t*>(out);
+  while (count > 0) {
+    const ssize_t got = ::pread(descriptor_, to, count, offset);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw FileError("cannot read the file", path_, std::strerror(errno));
+    if (got == 0) throw FormatError(path_, offset, "the file became shorter while being read");
+    to += got;
+    offset += got;
+    count -= static_cast<std::size_t>(got);
+  }
+}
+
+std::vector<std::uint8_t> ByteFile::bytes_at(std::int64_t offset, std::size_t count) const {
+  if (!holds(offset, static_cast<std::int64_t>(count))) read_at(offset, nullptr, count);
+  std::vector<std::uint8_t> bytes(count);
+  read_at(offset, bytes.data(), count);
+  return bytes;
+}
+
+std::vector<std::uint8_t> ByteFile::head(std::size_t count, std::int64_t offset) const {
+  const std::int64_t rest = std::max<std::int64_t>(0, size_ - offset);
+  return bytes_at(offset, std::min<std::size_t>(count, static_cast<std::size_t>(rest)));
+}
+
+void check_frame_size(const std::string& path, std::int64_t width, std::int64_t height,
+                      int bytes_per_pixel) {
+  constexpr std::int64_t kMaxSide = 1 << 20;
+  const std::string size = std::to_string(width) + " x " + std::to_string(height);
+  if (width < 1 || height < 1) throw FormatError(path, -1, "a picture of " + size + " pixels");
+  if (width > kMaxSide || height > kMaxSide || width * height > kMaxFrameBytes / bytes_per_pixel) {
+    throw FormatError(path, -1, "absurd picture size " + size, "the header is damaged");
+  }
+}
+
+void check_frame_index(const std::string& path, std::int64_t index, std::int64_t count) {
+  if (index < 0 || index >= count) {
+    throw InvalidArgument("no frame " + std::to_string(index), path,
+                          "the clip holds frames 0 to " + std::to_string(count - 1));
+  }
+}
+
+}  // namespace impactdic

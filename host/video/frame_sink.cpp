@@ -1,0 +1,160 @@
+#include "host/video/frame_sink.h"
+
+#include <cerrno>
+#include <cstring>
+#include <map>
+#include <utility>
+
+#include "host/base/error.h"
+#include "host/video/byte_file.h"
+#include "host/video/writers.h"
+
+namespace impactdic {
+
+SinkFormat parse_sink_format(const std::string& text) {
+  static const std::map<std::string, SinkFormat> kFormats = {{"tiff", SinkFormat::tiff},
+                                                             {"raw", SinkFormat::raw},
+                                                             {"cine", SinkFormat::cine},
+                                                             {"cine10", SinkFormat::cine_packed10},
+                                                             {"cine12", SinkFormat::cine_packed12},
+                                                             {"mraw", SinkFormat::mraw},
+                                                             {"mraw12", SinkFormat::mraw_packed12},
+                                                             {"png", SinkFormat::png},
+                                                             {"avi", SinkFormat::avi},
+                                                             {"mp4", SinkFormat::mp4}};
+  const auto found = kFormats.find(text);
+  if (found == kFormats.end()) {
+    throw InvalidArgument("\"" + text + "\" is no format to write", "--format",
+                          "tiff, raw, cine, cine10, cine12, mraw, mraw12, png, avi or mp4");
+  }
+  return found->second;
+}
+
+std::string sink_extension(SinkFormat format) {
+  switch (format) {
+    case SinkFormat::tiff:
+      return ".tif";
+    case SinkFormat::raw:
+      return ".raw";
+    case SinkFormat::cine:
+    case SinkFormat::cine_packed10:
+    case SinkFormat::cine_packed12:
+      return ".cine";
+    case SinkFormat::mraw:
+    case SinkFormat::mraw_packed12:
+      return ".mraw";
+    case SinkFormat::png:
+      return "";
+    case SinkFormat::avi:
+      return ".avi";
+    case SinkFormat::mp4:
+      return ".mp4";
+  }
+  return "";
+}
+
+void check_frame(const Frame& frame, const VideoInfo& info) {
+  if (frame.width() != info.width || frame.height() != info.height) {
+    throw InvalidArgument("a frame of " + std::to_string(frame.width()) + " x " +
+                              std::to_string(frame.height()) + " pixels for a clip of " +
+                              std::to_string(info.width) + " x " + std::to_string(info.height),
+                          info.path);
+  }
+  if (frame.bits != info.bits || (frame.type == PixelType::u8) != (frame.bits <= 8)) {
+    throw InvalidArgument("a frame of " + std::to_string(frame.bits) + " bits for a clip of " +
+                              std::to_string(info.bits),
+                          info.path);
+  }
+}
+
+std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
+                                     const VideoInfo& asked, const OpenCodecSink& open_codec) {
+  VideoInfo info = asked;
+  info.path = path;
+  if (info.bits < 1 || info.bits > 16) {
+    throw InvalidArgument("no clip of " + std::to_string(info.bits) + " bits", path, "1 to 16");
+  }
+  check_frame_size(path, info.width, info.height, 2);
+  const Packing plain = info.bits <= 8 ? Packing::u8 : Packing::u16;
+  switch (format) {
+    case SinkFormat::tiff:
+      return open_tiff_sink(path, info);
+    case SinkFormat::raw:
+      return open_raw_sink(path, info);
+    case SinkFormat::cine:
+      return open_cine_sink(path, plain, info);
+    case SinkFormat::cine_packed10:
+      return open_cine_sink(path, Packing::packed10, info);
+    case SinkFormat::cine_packed12:
+      return open_cine_sink(path, Packing::packed12, info);
+    case SinkFormat::mraw:
+      return open_mraw_sink(path, plain, info);
+    case SinkFormat::mraw_packed12:
+      return open_mraw_sink(path, Packing::packed12, info);
+    case SinkFormat::png:
+    case SinkFormat::avi:
+    case SinkFormat::mp4:
+      break;
+  }
+  if (!open_codec) {
+    throw InvalidArgument("this program was built without codecs", path,
+                          "tiff, raw, cine and mraw are written");
+  }
+  return open_codec(path, format, info);
+}
+
+OutputFile::OutputFile(const std::string& path) : path_(path) {
+  file_ = std::fopen(path.c_str(), "wb");
+  if (file_ == nullptr) throw FileError("cannot write the file", path, std::strerror(errno));
+}
+
+OutputFile::~OutputFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::remove(path_.c_str());
+}
+
+void OutputFile::append(const void* bytes, std::size_t count) {
+  if (std::fwrite(bytes, 1, count, file_) != count) {
+    throw FileError("cannot write the file", path_, std::strerror(errno));
+  }
+}
+
+void OutputFile::finish() {
+  if (file_ == nullptr) return;
+  if (std::fflush(file_) != 0) {
+    throw FileError("cannot write the file", path_, std::strerror(errno));
+  }
+  std::FILE* file = std::exchange(file_, nullptr);
+  if (std::fclose(file) != 0) {
+    throw FileError("cannot write the file", path_, std::strerror(errno));
+  }
+}
+
+void pack_frame(const Frame& frame, Packing packing, bool bottom_up,
+                std::vector<std::uint8_t>& stored) {
+  const auto width = static_cast<std::size_t>(frame.width());
+  const int height = frame.height();
+  stored.resize(
+      static_cast<std::size_t>(packed_bytes(packing, std::int64_t{frame.width()} * height)));
+  const auto from = [&](int y) { return bottom_up ? height - 1 - y : y; };
+  if (packing == Packing::u8) {
+    for (int y = 0; y < height; ++y) {
+      std::memcpy(stored.data() + static_cast<std::size_t>(y) * width, frame.u8.row(from(y)),
+                  width);
+    }
+    return;
+  }
+  if (packing == Packing::u16) {
+    for (int y = 0; y < height; ++y) {
+      pack_16(frame.u16.row(from(y)), width,
+              stored.data() + 2 * static_cast<std::size_t>(y) * width);
+    }
+    return;
+  }
+  // Packed pixels run on from row to row, always from the top.
+  const auto pack = packing == Packing::packed10 ? pack_10 : pack_12;
+  pack(frame.u16.data(), frame.u16.size(), stored.data());
+}
+
+}  // namespace impactdic

@@ -1,0 +1,56 @@
+// Which reader takes a clip.
+#include <filesystem>
+
+#include "host/base/error.h"
+#include "host/video/file_kind.h"
+#include "host/video/natural_order.h"
+#include "host/video/readers.h"
+
+namespace impactdic {
+namespace {
+
+std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptions& options) {
+  switch (tell_file_kind(path)) {
+    case FileKind::cine:
+      return open_cine(path, options.phantom_codes);
+    case FileKind::mraw:
+    case FileKind::cih:
+      return open_mraw(path);
+    case FileKind::tiff:
+      return open_tiff(path);
+    case FileKind::picture:
+      return open_image_sequence({path}, options);
+    case FileKind::container:
+      if (!options.open_codec) {
+        throw InvalidArgument("this program was built without codecs", path,
+                              "convert the clip to TIFF, or build with IMPACTDIC_CODECS");
+      }
+      return options.open_codec({path});
+    case FileKind::unknown:
+      break;
+  }
+  throw FormatError(path, 0, "the format is not known",
+                    "headerless pixels need --raw WIDTHxHEIGHTxBITS");
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
+                                        const VideoOptions& options) {
+  namespace fs = std::filesystem;
+  if (inputs.empty()) throw InvalidArgument("no video is named");
+  if (options.raw) {
+    if (inputs.size() > 1) throw InvalidArgument("raw pixels come in one file", inputs[1]);
+    return open_raw(inputs[0], *options.raw);
+  }
+  if (inputs.size() > 1) return open_image_sequence(inputs, options);
+  const std::string& input = inputs[0];
+  if (fs::is_directory(input)) return open_image_sequence(pictures_in_folder(input), options);
+  if (!fs::exists(input) && is_pattern(input)) {
+    const auto files = files_of_pattern(input);
+    return files.size() == 1 ? open_file(files[0], options) : open_image_sequence(files, options);
+  }
+  return open_file(input, options);
+}
+
+}  // namespace impactdic
