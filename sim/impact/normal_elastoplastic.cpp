@@ -53,7 +53,7 @@ double thornton(double x) { return x < 1 ? x * std::sqrt(x) : 1 + 1.5 * (x - 1);
 
 void ElasticPlasticSurface::validate() const {
   require(radius_m > 0 && std::isfinite(radius_m), "radius_m", "must be a positive length");
-  require(effective_modulus_pa > 0 && std::isfinite(effective_modulus_pa), "effective_modulus_pa",
+  require(effective_modulus_pa > 0 && std::isfinite(effective_modulus_pa), "reduced_modulus_pa",
           "must be positive");
   require(yield_strength_pa > 0 && std::isfinite(yield_strength_pa), "yield_strength_pa",
           "must be positive");
@@ -65,7 +65,7 @@ double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa,
 }
 
 ElasticPlasticLaw::ElasticPlasticLaw(const ElasticPlasticSurface& surface, PlasticLoading loading,
-                                     PlasticResidual residual)
+                                     ResidualLaw residual)
     : surface_(surface), loading_(loading), residual_(residual) {
   surface_.validate();
   yield_constant_ = 1.295 * std::exp(0.736 * surface_.poisson);
@@ -96,7 +96,7 @@ double ElasticPlasticLaw::residual_m(double largest_m) const {
     const double radius_ratio = std::pow((2 * force + 1) / 3, 1.5) / force;
     return largest_m - critical_compression_m_ * std::cbrt(force * force / radius_ratio);
   }
-  if (residual_ == PlasticResidual::kKogutEtsion) {
+  if (residual_ == ResidualLaw::kKogutEtsion) {
     return largest_m * (1 - std::pow(x, -0.28)) * (1 - std::pow(x, -0.69));
   }
   // Jackson's fit holds from x = 1.9; below, the loading is Hertz and nothing stays.
@@ -106,7 +106,7 @@ double ElasticPlasticLaw::residual_m(double largest_m) const {
 
 double ElasticPlasticLaw::unloading_exponent(double largest_m) const {
   const double x = largest_m / critical_compression_m_;
-  if (loading_ == PlasticLoading::kThornton || residual_ == PlasticResidual::kJackson || x <= 1) {
+  if (loading_ == PlasticLoading::kThornton || residual_ == ResidualLaw::kJackson || x <= 1) {
     return 1.5;
   }
   return 1.5 * std::pow(x, -0.0331);

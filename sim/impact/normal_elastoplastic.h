@@ -8,6 +8,8 @@
 //   Thornton 1997 (loading, unloading, restitution), Johnson 1985 (restitution).
 #pragma once
 
+#include "sim/impact/model.h"
+
 namespace impactdic {
 
 // The two bodies in contact. `yield_strength_pa` is that of the weaker one.
@@ -25,14 +27,13 @@ struct ElasticPlasticSurface {
 double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa, double poisson2);
 
 enum class PlasticLoading { kJacksonGreen, kKogutEtsion, kThornton };
-// Which deformation stays. Thornton's loading has its own and ignores this.
-enum class PlasticResidual { kJackson, kKogutEtsion };
 
-// P(compression) on the way in and on the way out. Force and deformation are zero or positive.
+// P(compression) on the way in and on the way out. Thornton's loading has its own residual and
+// ignores `residual`. Force and deformation are zero or positive.
 class ElasticPlasticLaw {
  public:
   ElasticPlasticLaw(const ElasticPlasticSurface& surface, PlasticLoading loading,
-                    PlasticResidual residual);
+                    ResidualLaw residual);
 
   // Where yield begins: w_c = (pi C Sy / 2 E*)^2 R with C = 1.295 exp(0.736 nu), and its force
   // P_c = 4/3 (R/E*)^2 (pi C Sy / 2)^3.
@@ -63,7 +64,7 @@ class ElasticPlasticLaw {
 
   ElasticPlasticSurface surface_;
   PlasticLoading loading_;
-  PlasticResidual residual_;
+  ResidualLaw residual_;
   double yield_constant_;  // C
   double critical_compression_m_, critical_force_n_;
 };

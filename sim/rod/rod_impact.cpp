@@ -346,7 +346,7 @@ void RodJob::validate() const {
 RodJob rigid_rod_preset() {
   RodJob job;
   job.axial_modes = job.bending_modes = 0;
-  job.residual = PlasticResidual::kJackson;
+  job.residual = ResidualLaw::kJackson;
   return job;
 }
 

@@ -29,7 +29,7 @@ struct RodJob {
   RodBody body;
   ElasticPlasticSurface surface{0.0088, 109.1823e9, 300e6, 0.29};
   PlasticLoading loading = PlasticLoading::kJacksonGreen;
-  PlasticResidual residual = PlasticResidual::kKogutEtsion;
+  ResidualLaw residual = ResidualLaw::kKogutEtsion;
   double friction_kinetic = 0.13;  // Coulomb; sticks while the flat can hold the tip
   int axial_modes = 10;            // 0 and 0: the rigid rod
   int bending_modes = 12;

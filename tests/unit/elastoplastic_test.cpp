@@ -14,7 +14,7 @@ const ElasticPlasticSurface kSteel{0.0088, effective_modulus_pa(200e9, 0.29, 200
                                    0.29};
 constexpr double kMass_kg = 0.5784;
 
-ElasticPlasticLaw law(PlasticLoading loading, PlasticResidual residual) {
+ElasticPlasticLaw law(PlasticLoading loading, ResidualLaw residual) {
   return {kSteel, loading, residual};
 }
 
@@ -24,7 +24,7 @@ double yield_speed(const ElasticPlasticLaw& law) {
 }
 
 TEST(ElasticPlastic, CriticalPointOfTheSource) {
-  const auto l = law(PlasticLoading::kJacksonGreen, PlasticResidual::kJackson);
+  const auto l = law(PlasticLoading::kJacksonGreen, ResidualLaw::kJackson);
   EXPECT_NEAR(kSteel.effective_modulus_pa, 109.18e9, 0.005e9);
   EXPECT_NEAR(l.critical_compression_m(), 4.213e-7, 0.0005e-7);
   EXPECT_NEAR(l.critical_force_n(), 3.7344, 0.00005);
@@ -33,7 +33,7 @@ TEST(ElasticPlastic, CriticalPointOfTheSource) {
 TEST(ElasticPlastic, EveryLawIsHertzBeforeYield) {
   for (auto loading :
        {PlasticLoading::kJacksonGreen, PlasticLoading::kKogutEtsion, PlasticLoading::kThornton}) {
-    const auto l = law(loading, PlasticResidual::kKogutEtsion);
+    const auto l = law(loading, ResidualLaw::kKogutEtsion);
     const double w = 0.7 * l.critical_compression_m();
     const double hertz =
         4.0 / 3 * kSteel.effective_modulus_pa * std::sqrt(kSteel.radius_m) * std::pow(w, 1.5);
@@ -45,7 +45,7 @@ TEST(ElasticPlastic, EveryLawIsHertzBeforeYield) {
 }
 
 TEST(ElasticPlastic, KogutEtsionJumpsAsPrinted) {
-  const auto l = law(PlasticLoading::kKogutEtsion, PlasticResidual::kKogutEtsion);
+  const auto l = law(PlasticLoading::kKogutEtsion, ResidualLaw::kKogutEtsion);
   const double w_c = l.critical_compression_m();
   const auto jump = [&](double x) {
     return l.loading_force_n(w_c * x * (1 + 1e-9)) / l.loading_force_n(w_c * x * (1 - 1e-9)) - 1;
@@ -60,7 +60,7 @@ TEST(ElasticPlastic, KogutEtsionJumpsAsPrinted) {
 TEST(ElasticPlastic, ThorntonIntegratesToItsClosedForm) {
   EXPECT_NEAR(thornton_restitution(0.5), 0.930626, 5e-7);
   EXPECT_EQ(thornton_restitution(1.5), 1);
-  const auto l = law(PlasticLoading::kThornton, PlasticResidual::kJackson);
+  const auto l = law(PlasticLoading::kThornton, ResidualLaw::kJackson);
   for (double ratio : {0.9, 0.5, 0.1, 0.01}) {
     EXPECT_NEAR(l.restitution(kMass_kg, yield_speed(l) / ratio), thornton_restitution(ratio), 1e-10)
         << ratio;
@@ -71,7 +71,7 @@ TEST(ElasticPlastic, JohnsonFallsWithTheQuarterPowerOfSpeed) {
   const double slow = johnson_restitution(kSteel, kMass_kg, 1);
   EXPECT_NEAR(johnson_restitution(kSteel, kMass_kg, 16) / slow, 0.5, 1e-12);
   // Thornton's law reaches the same exponent far past yield.
-  const auto l = law(PlasticLoading::kThornton, PlasticResidual::kJackson);
+  const auto l = law(PlasticLoading::kThornton, ResidualLaw::kJackson);
   const double fast = 1e4 * yield_speed(l);
   EXPECT_NEAR(l.restitution(kMass_kg, 16 * fast) / l.restitution(kMass_kg, fast), 0.5, 1e-4);
 }
@@ -79,7 +79,7 @@ TEST(ElasticPlastic, JohnsonFallsWithTheQuarterPowerOfSpeed) {
 TEST(ElasticPlastic, EnergyIsTheAreaUnderTheCurve) {
   for (auto loading :
        {PlasticLoading::kJacksonGreen, PlasticLoading::kKogutEtsion, PlasticLoading::kThornton}) {
-    const auto l = law(loading, PlasticResidual::kKogutEtsion);
+    const auto l = law(loading, ResidualLaw::kKogutEtsion);
     const double top = 300 * l.critical_compression_m();
     double in = 0, out = 0;
     constexpr int kSteps = 400000;
@@ -96,7 +96,7 @@ TEST(ElasticPlastic, EnergyIsTheAreaUnderTheCurve) {
 }
 
 TEST(ElasticPlastic, UnloadingStartsAtTheLoadingCurveAndEndsAtTheResidual) {
-  for (auto residual : {PlasticResidual::kJackson, PlasticResidual::kKogutEtsion}) {
+  for (auto residual : {ResidualLaw::kJackson, ResidualLaw::kKogutEtsion}) {
     const auto l = law(PlasticLoading::kJacksonGreen, residual);
     double before = -1;
     for (double x : {2.0, 5.0, 20.0, 100.0, 500.0}) {
@@ -114,7 +114,7 @@ TEST(ElasticPlastic, ImpossibleSurfacesNameTheirKey) {
   ElasticPlasticSurface bad = kSteel;
   bad.yield_strength_pa = -1;
   try {
-    ElasticPlasticLaw(bad, PlasticLoading::kThornton, PlasticResidual::kJackson);
+    ElasticPlasticLaw(bad, PlasticLoading::kThornton, ResidualLaw::kJackson);
     FAIL();
   } catch (const InvalidArgument& error) {
     EXPECT_EQ(error.where(), "yield_strength_pa");

@@ -7,6 +7,7 @@
 
 #include "host/base/error.h"
 #include "host/base/units.h"
+#include "sim/rod/verify_cases.h"
 
 namespace impactdic {
 namespace {
@@ -128,6 +129,12 @@ TEST(Rod, ImpossibleJobsNameTheirKey) {
   job = at(rigid_rod_preset(), 45);
   job.vn_m_s = 1;
   EXPECT_EQ(key(job), "initial");
+}
+
+TEST(Rod, EveryRowOfTheVerifyTablePasses) {
+  for (const VerifyCase& row : rod_cases()) {
+    EXPECT_NEAR(row.compute(), row.expected, row.tolerance) << row.group << ": " << row.name;
+  }
 }
 
 }  // namespace
