@@ -19,16 +19,21 @@ enum class CircleStatus {
 };
 const char* to_string(CircleStatus status);
 
-// A measured circle with one standard deviation of each figure. With `ellipse` fitted,
-// r(φ) = R + e1 cos 2φ + e2 sin 2φ (φ from x towards y, image axes, y down).
+// A measured circle with one standard deviation of each figure. Where the rim demands it an
+// ellipse is fitted: semi-axes R ± |e| with |e|² = e1² + e2² and the long one at angle
+// ½ atan2(e2, e1), which is r(φ) = R + e1 cos 2φ + e2 sin 2φ to first order in e/R (φ from x
+// towards y, image axes, y down). R is then `circle.r_px`. Otherwise e1 = e2 = 0.
 struct CircleFit {
   CircleStatus status = CircleStatus::no_ball;
   Circle circle;
   double cx_sd_px = 0, cy_sd_px = 0, r_sd_px = 0;
+  bool ellipse = false;
   double e1_px = 0, e2_px = 0;
-  double residual_px = 0;      // robust scatter of the accepted rim points
-  int rim_points = 0;          // accepted
-  double rim_fraction = 0;     // share of the full rim that carried the fit, 0 … 1
+  double e1_sd_px = 0, e2_sd_px = 0;
+  bool bright = true;       // the ball is brighter than what lies behind it
+  double residual_px = 0;   // robust scatter of the accepted rim points
+  int rim_points = 0;       // accepted
+  double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
 };
 
 struct CircleOptions {
@@ -36,6 +41,7 @@ struct CircleOptions {
   std::optional<std::pair<double, double>> radius_range_px;
   int rays = 720;
   bool allow_ellipse = true;
+  // Throws InvalidArgument.
   void validate() const;
 };
 
@@ -43,16 +49,25 @@ struct CircleOptions {
 struct CirclePrior {
   Circle predicted;
   double centre_sd_px = 2.0;
-  std::optional<double> radius_px, radius_sd_px;      // of the uncompressed ball
-  std::optional<double> compression_axis_rad;         // image axes, y down
+  double e1_px = 0, e2_px = 0;  // predicted shape, as in CircleFit
+  // How far the rim may lie from the predicted shape about its own centre; 2.5 % of the radius
+  // where absent.
+  std::optional<double> rim_sd_px;
+  std::optional<bool> bright;                     // tried both ways where absent
+  std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
+  std::optional<double> compression_axis_rad;     // image axes, y down
 };
 
 // Finds the ball anywhere in a frame (Hough transform on a prepared picture, section 3.2.1 of
-// Ghaednia's dissertation); good to about a pixel. nullopt where there is none.
+// Ghaednia's dissertation); good to about a pixel. nullopt where there is none. Every circle that
+// the transform proposes must prove itself by its rim (measure_circle), so that speckles, a
+// highlight inside the ball or a straight edge are not taken for a ball. Safe on several threads.
 std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options);
 
 // Measures the ball near `prior` to a fraction of a pixel: sub-pixel edge along radial rays with a
-// local edge level, robust circle (or ellipse) fit.
+// local edge level, robust circle (or ellipse) fit. Uses nothing but its arguments, so the frames
+// of a clip may be measured on several threads at once. Throws InvalidArgument for a prior without
+// a radius or options that contradict each other.
 CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
                          const CircleOptions& options);
 

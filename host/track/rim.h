@@ -1,0 +1,121 @@
+// The rim of a ball in a picture: what measure_circle's three steps share. Internal to host/track.
+//
+//   search_rim  rays over a wide range, strong edges, a robust first rim      (rim_search.cpp)
+//   trace_rim   rays close to that rim, the sub-pixel edge of each            (rim_edge.cpp)
+//   fit_rim     robust circle or ellipse through those edges                  (rim_fit.cpp)
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "host/base/image.h"
+#include "host/track/circle.h"
+
+namespace impactdic {
+
+// An ellipse about (cx, cy) with semi-axes r ± |e| (see CircleFit); all in px, image axes.
+struct Rim {
+  double cx = 0, cy = 0, r = 0, e1 = 0, e2 = 0;
+
+  // Distance of the rim from the centre in the direction φ, from cos 2φ and sin 2φ; exact.
+  double radius_at(double cos2, double sin2) const {
+    const double e_sq = e1 * e1 + e2 * e2;
+    return (r * r - e_sq) / std::sqrt(r * r + e_sq - 2 * r * (e1 * cos2 + e2 * sin2));
+  }
+};
+
+// A bilinear and a bicubic look at a picture. The point must lie inside by one pixel (bilinear) or
+// two (bicubic).
+template <typename T>
+class Sampler {
+ public:
+  explicit Sampler(ImageView<const T> picture) : picture_(picture) {}
+
+  float bilinear(float x, float y) const {
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
+    const T* a = picture_.data + iy * picture_.pitch + ix;
+    const T* b = a + picture_.pitch;
+    const float top = a[0] + fx * (static_cast<float>(a[1]) - a[0]);
+    const float bottom = b[0] + fx * (static_cast<float>(b[1]) - b[0]);
+    return top + fy * (bottom - top);
+  }
+
+  // Cubic convolution with the kernel of Keys (1981), a = −½: exact for quadratics.
+  float bicubic(float x, float y) const {
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    float wx[4], wy[4];
+    weights(x - static_cast<float>(ix), wx);
+    weights(y - static_cast<float>(iy), wy);
+    const T* row = picture_.data + (iy - 1) * picture_.pitch + (ix - 1);
+    float column[4] = {};
+    for (int j = 0; j < 4; ++j, row += picture_.pitch) {
+      for (int i = 0; i < 4; ++i) column[i] += wy[j] * static_cast<float>(row[i]);
+    }
+    return (wx[0] * column[0] + wx[1] * column[1]) + (wx[2] * column[2] + wx[3] * column[3]);
+  }
+
+  // How far from (x, y) in the direction (dx, dy) the picture reaches, `margin` pixels kept free.
+  float reach(float x, float y, float dx, float dy, float margin) const {
+    const float right = static_cast<float>(picture_.width - 1) - margin;
+    const float bottom = static_cast<float>(picture_.height - 1) - margin;
+    const float far_x = dx > 0 ? (right - x) / dx : dx < 0 ? (margin - x) / dx : 1e9f;
+    const float far_y = dy > 0 ? (bottom - y) / dy : dy < 0 ? (margin - y) / dy : 1e9f;
+    return far_x < far_y ? far_x : far_y;
+  }
+  bool inside(float x, float y, float margin) const {
+    return x >= margin && y >= margin && x <= static_cast<float>(picture_.width - 1) - margin &&
+           y <= static_cast<float>(picture_.height - 1) - margin;
+  }
+
+ private:
+  static void weights(float t, float (&w)[4]) {
+    w[0] = t * (-0.5f + t * (1.0f - 0.5f * t));
+    w[1] = 1.0f + t * t * (-2.5f + 1.5f * t);
+    w[2] = t * (0.5f + t * (2.0f - 1.5f * t));
+    w[3] = t * t * (-0.5f + 0.5f * t);
+  }
+  ImageView<const T> picture_;
+};
+
+// The robust first rim.
+struct RimSearch {
+  bool found = false;
+  Rim rim;
+  bool bright = true;
+  double support = 0;  // share of the rays in view that have a strong edge within 1 px of the rim
+  double in_view = 0;  // share of the full rim whose rays lie in the picture
+  double blur_px = 1;  // scale of the edge: contrast / steepest slope / √(2π)
+};
+RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options);
+
+// One sub-pixel edge: direction from the rim's centre and distance beyond the rim.
+struct RimPoint {
+  float cos, sin;
+  float excess;  // px, positive outside `rim`
+  int sector;    // 0 … kRimSectors − 1, by the angle
+};
+inline constexpr int kRimSectors = 48;
+struct RimTrace {
+  std::vector<RimPoint> points;  // accepted only, in the order of the angle
+  int rays_in_view = 0;
+  double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
+};
+// Casts options.rays rays across `rim` and keeps the clean edges: ball inside, background outside,
+// and the usual shape between them. `trace` keeps its memory from call to call.
+void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, int rays,
+               RimTrace& trace);
+
+// The fit through traced points.
+struct RimFit {
+  bool ok = false;
+  Rim rim;
+  bool ellipse = false;
+  double sd[5] = {};       // cx, cy, r, e1, e2
+  double residual_px = 0;  // robust scatter
+  int points = 0;          // with a weight of at least one half
+  double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
+};
+RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool allow_ellipse);
+
+}  // namespace impactdic
