@@ -88,4 +88,25 @@ Quadrature gauss_legendre(int count) {
   return rule;
 }
 
+Quadrature shared_samples(int per_pixel, int taps) {
+  // Weights w_k = ∫ ℓ_k: integrate the Lagrange polynomials exactly by Gauss–Legendre.
+  const Quadrature exact = gauss_legendre(taps / 2 + 1);
+  Quadrature rule;
+  for (int k = 0; k < taps; ++k) {
+    rule.node.push_back((k - (taps - 1) / 2.0) / per_pixel);
+  }
+  for (const double here : rule.node) {
+    double weight = 0;
+    for (std::size_t i = 0; i < exact.node.size(); ++i) {
+      double lagrange = 1;
+      for (const double other : rule.node) {
+        if (other != here) lagrange *= (exact.node[i] - other) / (here - other);
+      }
+      weight += exact.weight[i] * lagrange;
+    }
+    rule.weight.push_back(weight);
+  }
+  return rule;
+}
+
 }  // namespace impactdic

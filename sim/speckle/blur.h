@@ -1,5 +1,5 @@
 // Shapes seen through a lens: a disc, and a straight edge, under a Gaussian point spread function.
-// Plus the Gauss–Legendre nodes with which the renderer integrates over pixels.
+// Plus the rules with which the renderer integrates over pixels and exposures.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace impactdic {
 // that is the cdf of the noncentral χ² of two degrees of freedom (Marcum 1960). Tabulated by
 // integrating its derivative (Nuttall 1975, ∂Q₁(a, b)/∂a = b e^{−(a²+b²)/2} I₁(ab))
 //   ∂/∂d = −(r/σ²) exp(−(d − r)²/2σ²) · e^{−rd/σ²} I₁(rd/σ²)
-// inward from where it vanishes. Absolute error below 5e-6 (a test compares with the integral).
+// inward from where it vanishes. Absolute error below 1e-5 (a test compares with the integral).
 class BlurredDisc {
  public:
   // Both lengths > 0, px.
@@ -45,10 +45,16 @@ double blurred_edge(double into_px, double sigma_px);
 inline constexpr double kEdgeReach = 4.5;
 
 struct Quadrature {
-  std::vector<double> node;    // in (−1/2, 1/2), ascending
+  std::vector<double> node;    // ascending
   std::vector<double> weight;  // sums to 1
 };
 // Gauss–Legendre rule of `count` >= 1 nodes on (−1/2, 1/2).
 Quadrature gauss_legendre(int count);
+
+// Mean over (−1/2, 1/2) from `taps` samples 1/per_pixel apart, symmetric about 0: the integral of
+// the polynomial through them. The samples lie outside the interval too, where they serve the
+// neighbouring pixels, so that a smooth picture costs per_pixel² samples a pixel at a far higher
+// order than per_pixel Gauss–Legendre nodes have. `taps` − `per_pixel` must be even and >= 0.
+Quadrature shared_samples(int per_pixel, int taps);
 
 }  // namespace impactdic

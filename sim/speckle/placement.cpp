@@ -11,6 +11,7 @@ namespace {
 constexpr double kFirstGap = 3;   // px
 constexpr double kGapStep = 0.1;  // px
 constexpr int kTriesPerGap = 60;
+constexpr int kSweeps = 60;
 constexpr double kCell = 6;     // px
 constexpr double kMargin = 24;  // of the grid beyond the ball, px
 
@@ -43,23 +44,29 @@ std::size_t Placement::cell(double x_px, double y_px) const {
          static_cast<std::size_t>(index(x_px));
 }
 
+template <typename Visit>
+bool Placement::each_near(double x_px, double y_px, double near_px, const Visit& visit) const {
+  const int reach = static_cast<int>(std::ceil(std::max(0.0, near_px) / kCell));
+  const int home = static_cast<int>(cell(x_px, y_px)), row = home / cells_, column = home % cells_;
+  for (int v = std::max(0, row - reach); v <= std::min(cells_ - 1, row + reach); ++v) {
+    for (int u = std::max(0, column - reach); u <= std::min(cells_ - 1, column + reach); ++u) {
+      for (const int other : grid_[static_cast<std::size_t>(v * cells_ + u)]) {
+        if (!visit(static_cast<std::size_t>(other))) return false;
+      }
+    }
+  }
+  return true;
+}
+
 bool Placement::fits(const std::vector<InkDisc>& shape, double x_px, double y_px) const {
   for (const InkDisc& d : shape) {
     const double x = x_px + d.x_px, y = y_px + d.y_px;
-    const double near = std::max(0.0, d.radius_px + largest_px_ + gap_px_);
-    const int reach = static_cast<int>(std::ceil(near / kCell));
-    const std::size_t home = cell(x, y);
-    const int row = static_cast<int>(home) / cells_, column = static_cast<int>(home) % cells_;
-    for (int v = std::max(0, row - reach); v <= std::min(cells_ - 1, row + reach); ++v) {
-      for (int u = std::max(0, column - reach); u <= std::min(cells_ - 1, column + reach); ++u) {
-        for (const int other : grid_[static_cast<std::size_t>(v * cells_ + u)]) {
-          const InkDisc& o = discs_[static_cast<std::size_t>(other)];
-          const double apart = d.radius_px + o.radius_px + gap_px_;
-          const double dx = x - o.x_px, dy = y - o.y_px;
-          if (apart > 0 && dx * dx + dy * dy < apart * apart) return false;
-        }
-      }
-    }
+    const bool free = each_near(x, y, d.radius_px + largest_px_ + gap_px_, [&](std::size_t other) {
+      const InkDisc& o = discs_[other];
+      const double apart = d.radius_px + o.radius_px + gap_px_;
+      return apart <= 0 || std::hypot(x - o.x_px, y - o.y_px) >= apart;
+    });
+    if (!free) return false;
   }
   return true;
 }
@@ -86,6 +93,39 @@ void Placement::place(std::vector<InkDisc> shape, Random& random) {
     discs_.push_back(d);
   }
   largest_px_ = std::max(largest_px_, largest);
+}
+
+bool Placement::push_apart(std::size_t index, double gap_px) {
+  bool moved = false;
+  const InkDisc at = discs_[index];
+  each_near(at.x_px, at.y_px, at.radius_px + largest_px_ + gap_px, [&](std::size_t other) {
+    if (other == index) return true;
+    InkDisc &a = discs_[index], &b = discs_[other];
+    const double dx = b.x_px - a.x_px, dy = b.y_px - a.y_px, apart = std::hypot(dx, dy);
+    const double lacking = a.radius_px + b.radius_px + gap_px - apart;
+    if (lacking <= 0 || apart == 0) return true;
+    const double push = lacking / (2 * apart);
+    a = {a.x_px - push * dx, a.y_px - push * dy, a.radius_px};
+    b = {b.x_px + push * dx, b.y_px + push * dy, b.radius_px};
+    moved = true;
+    return true;
+  });
+  return moved;
+}
+
+void Placement::spread(double gap_px) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool moved = false;
+    for (std::size_t i = 0; i < discs_.size(); ++i) moved = push_apart(i, gap_px) || moved;
+    if (!moved) break;
+    for (auto& members : grid_) members.clear();
+    for (std::size_t i = 0; i < discs_.size(); ++i) {
+      InkDisc& d = discs_[i];
+      const double away = std::hypot(d.x_px, d.y_px), limit = radius_px_ + 0.7 * d.radius_px;
+      if (away > limit) d = {d.x_px * limit / away, d.y_px * limit / away, d.radius_px};
+      grid_[cell(d.x_px, d.y_px)].push_back(static_cast<int>(i));
+    }
+  }
 }
 
 }  // namespace impactdic

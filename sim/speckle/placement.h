@@ -27,11 +27,19 @@ class Placement {
   explicit Placement(double ball_radius_px);
   // `shape`: discs about an origin, px. It is moved to a free place on the ball, rim included.
   void place(std::vector<InkDisc> shape, Random& random);
+  // Pushes discs that are closer than `gap_px` apart from each other, so that what is crowded still
+  // shows as separate speckles. For shapes of one disc.
+  void spread(double gap_px);
   const std::vector<InkDisc>& discs() const { return discs_; }
 
  private:
+  // Calls visit(disc index) for every placed disc whose cell is within `near_px`; stops when it
+  // returns false, and returns that.
+  template <typename Visit>
+  bool each_near(double x_px, double y_px, double near_px, const Visit& visit) const;
   bool fits(const std::vector<InkDisc>& shape, double x_px, double y_px) const;
   std::size_t cell(double x_px, double y_px) const;
+  bool push_apart(std::size_t index, double gap_px);
 
   double radius_px_, gap_px_, largest_px_ = 0;
   int cells_;  // a side

@@ -16,7 +16,7 @@
 namespace impactdic {
 namespace {
 
-constexpr int kRowsPerBand = 8;
+constexpr int kRowsPerBand = 16;
 
 struct Vec {
   double x, y;
@@ -27,12 +27,9 @@ Vec direction(double angle_deg) {
   return {std::cos(angle_deg * kRadPerDeg), -std::sin(angle_deg * kRadPerDeg)};
 }
 
-// Nodes per pixel side: enough for an edge of this blur to err by less than 0.003 grey levels.
-int pixel_nodes(double sigma_px) {
-  if (sigma_px >= 0.55) return 3;
-  if (sigma_px >= 0.42) return 4;
-  return 5;
-}
+// Samples a side of a pixel that resolve the product of several edges of this blur.
+int samples_per_pixel(double sigma_px) { return sigma_px >= 0.5 ? 3 : sigma_px >= 0.4 ? 4 : 5; }
+constexpr int kExtraTaps = 6;  // of the pixel rule beyond the pixel's own samples
 
 // Gauss–Hermite rule for a normal deviate of standard deviation 1.
 struct NormalNode {
@@ -101,35 +98,40 @@ struct BallRenderer::Placed {
   }
 };
 
-// Samples of pixel rows first … last − 1 and columns left … right − 1, `nodes` a side of a pixel.
+// Samples of pixel rows first … last − 1 and columns left … right − 1, with those that the pixel
+// rule takes from beyond. Sample g of the picture lies at (g + 1/2) / per_pixel − 1/2.
 struct BallRenderer::Band {
-  int first, last, left, right, nodes;
+  int first, last, left, right, per_pixel;
   std::vector<double> y, x;  // sample positions, px
-  std::vector<float> clear;  // ∏(1 − S_i), (rows · nodes, columns · nodes)
+  std::vector<float> clear;  // ∏(1 − S_i), (samples in y, samples in x)
 
-  Band(int first_row, int last_row, int first_column, int last_column, const Quadrature& rule)
+  Band(int first_row, int last_row, int first_column, int last_column, int samples_a_side)
       : first(first_row),
         last(last_row),
         left(first_column),
         right(last_column),
-        nodes(static_cast<int>(rule.node.size())) {
-    for (int row = first; row < last; ++row) {
-      for (const double node : rule.node) y.push_back(row + node);
-    }
-    for (int column = left; column < right; ++column) {
-      for (const double node : rule.node) x.push_back(column + node);
-    }
+        per_pixel(samples_a_side) {
+    const auto positions = [&](int from, int to) {
+      std::vector<double> at;
+      for (int g = from * per_pixel - kExtraTaps / 2; g < to * per_pixel + kExtraTaps / 2; ++g) {
+        at.push_back((g + 0.5) / per_pixel - 0.5);
+      }
+      return at;
+    };
+    y = positions(first, last);
+    x = positions(left, right);
     clear.assign(x.size() * y.size(), 1.0F);
   }
   float* row(std::size_t index) { return clear.data() + index * x.size(); }
   const float* row(std::size_t index) const { return clear.data() + index * x.size(); }
-  // Samples of the pixels that columns from … to (px, absolute) touch.
+  // Indices [begin, end) of the samples whose column lies in [from, to], px.
   std::pair<int, int> samples(double from, double to) const {
-    const auto pixel = [&](double at) {
-      return static_cast<int>(std::lround(std::clamp(at, left - 1.0, right + 0.0)));
+    const auto index = [&](double at) {
+      return std::clamp((at - x.front()) * per_pixel, -1.0, static_cast<double>(x.size()));
     };
-    return {std::max(0, pixel(from) - left) * nodes,
-            std::min(right - left, pixel(to) - left + 1) * nodes};
+    return {
+        static_cast<int>(std::ceil(std::max(0.0, index(from)))),
+        static_cast<int>(std::floor(std::min(index(to), static_cast<double>(x.size()) - 1) + 1))};
   }
 };
 
@@ -173,7 +175,8 @@ BallRenderer::BallRenderer(SpeckleBall ball, const Scene& scene)
     : ball_(std::move(ball)),
       scene_((scene.validate(), scene)),
       outline_(ball_.radius_px, scene.psf_sigma_px),
-      pixel_(gauss_legendre(pixel_nodes(scene.psf_sigma_px))) {
+      per_pixel_(samples_per_pixel(scene.psf_sigma_px)),
+      pixel_(shared_samples(per_pixel_, per_pixel_ + kExtraTaps)) {
   inks_.reserve(ball_.discs.size());
   for (const InkDisc& disc : ball_.discs) inks_.emplace_back(disc.radius_px, scene.psf_sigma_px);
   backdrop_ = make_backdrop();
@@ -289,7 +292,7 @@ void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
     const BlurredDisc& ink = inks_[i];
     const Vec centre = placed.discs[i];
     const double reach = ink.reach_px(), core = ink.core_px();
-    if (centre.y + reach < band.first - 0.5 || centre.y - reach > band.last - 0.5) continue;
+    if (centre.y + reach < band.y.front() || centre.y - reach > band.y.back()) continue;
     for (std::size_t j = 0; j < band.y.size(); ++j) {
       const double dy = band.y[j] - centre.y;
       const Span chord = placed.chord(dy, reach);
@@ -298,7 +301,7 @@ void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
       const auto [begin, end] = band.samples(centre.x + chord.first, centre.x + chord.last);
       int full_begin = end, full_end = end;  // samples that the ink covers entirely
       if (const Span full = placed.chord(dy, core); core > 0 && !full.empty()) {
-        const auto inner = band.samples(centre.x + full.first + 1, centre.x + full.last - 1);
+        const auto inner = band.samples(centre.x + full.first, centre.x + full.last);
         if (inner.first < inner.second) std::tie(full_begin, full_end) = inner;
       }
       const auto paint = [&](int from, int to) {
@@ -344,36 +347,49 @@ void BallRenderer::paint_lines(const Placed& placed, Band& band) const {
 }
 
 void BallRenderer::sum_pixels(const Placed& placed, const Band& band, Image<double>& out) const {
-  const std::size_t nodes = pixel_.node.size();
-  const double white = scene_.white - scene_.ink;
-  for (int y = band.first; y < band.last; ++y) {
-    const Span inside = placed.chord(y - placed.cy, std::max(0.0, outline_.core_px() - 1));
-    for (int x = band.left; x < band.right; ++x) {
-      const double dx = x - placed.cx;
-      const bool covered = dx > inside.first && dx < inside.last;
+  const std::size_t taps = pixel_.weight.size();
+  const auto step = static_cast<std::size_t>(per_pixel_);
+  const auto columns = static_cast<std::size_t>(band.right - band.left);
+  const double contrast = scene_.white - scene_.ink;
+  std::vector<double> seen(band.x.size());             // one row of samples, above the background
+  std::vector<double> means(band.y.size() * columns);  // each row of samples, mean over columns
+  for (std::size_t j = 0; j < band.y.size(); ++j) {
+    const float* clear = band.row(j);
+    const double y = band.y[j], dy = y - placed.cy;
+    const Span near = placed.chord(dy, outline_.reach_px());
+    const Span inside = placed.chord(dy, outline_.core_px());
+    std::fill(seen.begin(), seen.end(), 0.0);
+    const auto [begin, end] = near.empty()
+                                  ? std::pair(0, 0)
+                                  : band.samples(placed.cx + near.first, placed.cx + near.last);
+    for (int s = begin; s < end; ++s) {
+      const auto i = static_cast<std::size_t>(s);
+      const double dx = band.x[i] - placed.cx;
+      const double light = placed.shade0 + placed.shade_x * band.x[i] + placed.shade_y * y;
+      double value = light * (scene_.ink + contrast * clear[i]) - scene_.background;
+      if (!(dx > inside.first && dx < inside.last)) value *= outline_(placed.distance(dx, dy));
+      if (scene_.bar) value *= 1 - bar_coverage(band.x[i], y);
+      seen[i] = value;
+    }
+    for (std::size_t x = 0; x < columns; ++x) {
       double sum = 0;
-      for (std::size_t j = 0; j < nodes; ++j) {
-        const std::size_t sy = static_cast<std::size_t>(y - band.first) * nodes + j;
-        const float* clear = band.row(sy);
-        double row_sum = 0;
-        for (std::size_t i = 0; i < nodes; ++i) {
-          const std::size_t sx = static_cast<std::size_t>(x - band.left) * nodes + i;
-          const double px = band.x[sx], py = band.y[sy];
-          const double light = placed.shade0 + placed.shade_x * px + placed.shade_y * py;
-          double seen = light * (scene_.ink + white * clear[sx]) - scene_.background;
-          if (!covered) seen *= outline_(placed.distance(px - placed.cx, py - placed.cy));
-          if (scene_.bar) seen *= 1 - bar_coverage(px, py);
-          row_sum += pixel_.weight[i] * seen;
-        }
-        sum += pixel_.weight[j] * row_sum;
-      }
-      out(x, y) += placed.weight * sum;
+      for (std::size_t k = 0; k < taps; ++k) sum += pixel_.weight[k] * seen[x * step + k];
+      means[j * columns + x] = sum;
+    }
+  }
+  for (int y = band.first; y < band.last; ++y) {
+    double* row = out.row(y) + band.left;
+    for (std::size_t k = 0; k < taps; ++k) {
+      const double weight = placed.weight * pixel_.weight[k];
+      const double* mean =
+          means.data() + (static_cast<std::size_t>(y - band.first) * step + k) * columns;
+      for (std::size_t x = 0; x < columns; ++x) row[x] += weight * mean[x];
     }
   }
 }
 
 void BallRenderer::add_rows(const Placed& placed, int first, int last, Image<double>& out) const {
-  const double reach = outline_.reach_px() + 0.5;
+  const double reach = outline_.reach_px() + pixel_.node.back();
   const auto clip = [](double at, int limit) {
     return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(limit)));
   };
@@ -382,7 +398,7 @@ void BallRenderer::add_rows(const Placed& placed, int first, int last, Image<dou
   const int left = clip(std::ceil(placed.cx - reach), out.width());
   const int right = clip(std::floor(placed.cx + reach) + 1, out.width());
   if (first >= last || left >= right) return;
-  Band band(first, last, left, right, pixel_);
+  Band band(first, last, left, right, per_pixel_);
   paint_discs(placed, band);
   paint_lines(placed, band);
   sum_pixels(placed, band, out);

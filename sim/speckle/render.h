@@ -4,8 +4,8 @@
 // The model. Every speckle is a disc or a line of full ink, blurred by the lens (Gaussian, σ) in
 // closed form to a coverage S_i(x). The ball shows white · ∏(1 − S_i) + ink · (1 − ∏(1 − S_i)),
 // times the lamp's shading; the ball's own blurred disc covers the background; a static bar may
-// cover both. Each pixel is the mean of that over its square (Gauss–Legendre; error ≤ 0.01 grey
-// levels at any σ >= 0.3 px, see tests/unit/speckle_test.cpp).
+// cover both. Each pixel is the mean of that over its square (error ≤ 0.01 grey levels at any
+// σ >= 0.3 px against finer quadrature, see tests/unit/render_test.cpp).
 // A compressed ball's picture is the affine image of the round one under the same lens: the share
 // of the lens's blur that the compression takes away along its axis is put back by Gauss–Hermite
 // quadrature.
@@ -88,8 +88,9 @@ class BallRenderer {
   Scene scene_;
   BlurredDisc outline_;
   std::vector<BlurredDisc> inks_;  // one per disc
-  Quadrature pixel_;
-  Image<double> backdrop_;  // background and bar
+  int per_pixel_;                  // samples a side of a pixel
+  Quadrature pixel_;               // a pixel's mean from those samples and its neighbours'
+  Image<double> backdrop_;         // background and bar
 };
 
 }  // namespace impactdic
