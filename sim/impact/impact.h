@@ -9,8 +9,8 @@
 
 namespace impactdic {
 
-// Plane motion of the mass centre. (qt, qn) is its displacement since the first touch of the
-// surface, so that qn = -deflection for a ball (the source's q1, q2, q3, its Eqs 3.1-3.4).
+// Plane motion of the mass centre. qt counts from t = 0 and qn from the first touch of the surface,
+// so that qn = -deflection for a ball in contact (the source's q1, q2, q3, its Eqs 3.1-3.4).
 struct PlaneState {
   double qt_m = 0, qn_m = 0, angle_rad = 0;
   double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
@@ -46,7 +46,8 @@ struct Phase {
   // partial_slip, gross_slip, frictionless.
   const char* name = "";
   double start_s = 0, end_s = 0;
-  double friction_work_j = 0;  // tangential phases: work that friction did on the body
+  double slip_j =
+      0;  // tangential phases: dissipated by friction; negative: the rule feeds energy in
 };
 
 struct ImpactResult {
@@ -57,8 +58,10 @@ struct ImpactResult {
   double t_max_compression_s =
       0;  // from the contact's start, as are the phases of a job without gap
   double max_deflection_m = 0;
-  double max_force_n = 0;
-  double restitution = 0;  // of the contact point's normal velocity (source Eq. 3.11)
+  double max_force_n = 0;         // P_m: the normal force at the maximum compression
+  double peak_force_n = 0;        // the largest normal force: a damper shifts it before that
+  double separation_force_n = 0;  // normal force at that moment; negative: the surface pulls
+  double restitution = 0;         // of the contact point's normal velocity (source Eq. 3.11)
   double tip_vt_start_m_s = 0, tip_vt_final_m_s = 0;
   double impulse_t_n_s = 0, impulse_n_n_s = 0;  // of the contact force
   std::vector<Phase> phases;

@@ -10,6 +10,7 @@ namespace impactdic {
 // What a contact remembers of its normal motion. A law gets it with every call and keeps nothing
 // itself, so that one law serves many integrations at once.
 struct NormalMemory {
+  bool compressing = true;      // the deflection grows
   bool unloading = false;       // the deflection has passed a maximum and has not yet exceeded it
   double max_deflection_m = 0;  // the largest deflection so far, at which unloading began
   double max_force_n = 0;       // the spring's force there
@@ -31,7 +32,9 @@ class NormalLaw {
   virtual double work_j(double deflection_m, const NormalMemory& memory) const = 0;
   // The part of work_j that the spring would give back on unloading; the rest is plastic. J.
   virtual double stored_j(double deflection_m, const NormalMemory& memory) const;
-  // The memory after the rate has turned from compression to restitution at this deflection.
+  // The memory after the rate has turned from compression to restitution at this deflection. (The
+  // integration clears `compressing` here, sets it when the rate turns back, and clears `unloading`
+  // when the deflection exceeds max_deflection_m again.)
   virtual NormalMemory turn(double deflection_m, const NormalMemory& memory) const;
   // The duration of the contact, roughly (within a factor of about three): sets scales, s.
   virtual double duration_estimate_s(double mass_kg, double speed_m_s) const = 0;

@@ -1,0 +1,389 @@
+#include "sim/impact/contact_integration.h"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+
+namespace {
+
+namespace odeint = boost::numeric::odeint;
+
+using Dopri5 = odeint::runge_kutta_dopri5<ImpactState>;
+
+// The error of a step against each state's own scale, so that metres, radians and joules are all
+// met to the same relative accuracy, also where a state passes through zero.
+class ScaledError {
+ public:
+  using value_type = double;
+  using algebra_type = Dopri5::algebra_type;
+  using operations_type = Dopri5::operations_type;
+
+  ScaledError() = default;
+  ScaledError(double tolerance, const ImpactState& scale) {
+    // Errors of a few hundred steps add up: a tenth per step keeps the sum near the tolerance.
+    for (std::size_t i = 0; i < kStateSize; ++i) inverse_[i] = 10 / (tolerance * scale[i]);
+  }
+
+  double error(algebra_type&, const ImpactState&, const ImpactState&, const ImpactState& x_error,
+               double) const {
+    double largest = 0;
+    for (std::size_t i = 0; i < kStateSize; ++i) {
+      const double scaled = std::abs(x_error[i]) * inverse_[i];
+      if (!(scaled <= largest)) largest = scaled;
+    }
+    return std::isnan(largest) ? 1e9 : largest;
+  }
+
+ private:
+  ImpactState inverse_{};
+};
+
+using Stepper = odeint::controlled_runge_kutta<Dopri5, ScaledError>;
+
+struct Scales {
+  double duration_s;
+  ImpactState state;
+};
+
+Scales scales_of(const ImpactJob& job, const NormalLaw& normal, const ContactPoint& touch,
+                 const ImpactState& start) {
+  const double speed_n = touch.rate_m_s;
+  const double reach = job.body.shape == Shape::kRod ? job.body.length_m / 2 : job.body.radius_m();
+  const double speed = std::max({speed_n, std::abs(start[kVt]), std::abs(start[kOmega]) * reach});
+  const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
+  const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);
+  const double energy = 0.5 * job.body.mass_kg * speed * speed;
+  Scales scales{duration, {}};
+  scales.state[kQt] = scales.state[kTip] = speed * duration;
+  scales.state[kQn] = deflection;
+  scales.state[kAngle] = speed / reach * duration;
+  scales.state[kVt] = speed;
+  scales.state[kVn] = speed_n;
+  scales.state[kOmega] = speed / reach;
+  scales.state[kDamping] = scales.state[kSlip] = energy;
+  scales.state[kSprings] = deflection * std::sqrt(job.body.radius_m() * deflection);
+  return scales;
+}
+
+struct AcceptedStep {
+  double time_s = 0;
+  ImpactState x{}, rate{};
+};
+
+class Integration {
+ public:
+  Integration(const ImpactJob& job, const NormalLaw& normal, FrictionLaw& friction,
+              ContactDynamics& dynamics, double start_s, const ImpactState& start,
+              TrajectoryRequest& request)
+      : job_(job),
+        normal_(normal),
+        friction_(friction),
+        dynamics_(dynamics),
+        request_(request),
+        start_s_(start_s),
+        touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
+        scales_(scales_of(job, normal, touch_, start)),
+        stepper_(ScaledError(job.solver.relative_tolerance, scales_.state)) {
+    now_.time_s = start_s;
+    now_.x = start;
+  }
+
+  ContactOutcome run() {
+    friction_.begin(touch_);
+    begin_phase(normal_phase_, PhaseKind::kNormal, "compression");
+    begin_phase(tangential_phase_, PhaseKind::kTangential, friction_.mode());
+    double step_s = 1e-3 * scales_.duration_s;
+    const double longest_s = 200 * scales_.duration_s;
+    while (!done_ && now_.time_s - start_s_ < longest_s) {
+      dynamics_(now_.x, now_.rate, now_.time_s);
+      previous_ = now_;
+      arm_guards();
+      while (!advance(step_s) && now_.time_s - start_s_ < longest_s) {
+      }
+    }
+    return finish();
+  }
+
+ private:
+  // The guards are the normal law's, then the friction law's.
+  enum NormalGuard { kTurn, kSeparation, kReload, kNormalGuards };
+  static constexpr int kGuards = kNormalGuards + FrictionLaw::kMaxGuards;
+  struct GuardValues {
+    std::array<double, kGuards> value;
+    int count;
+  };
+
+  // Positive while the mode lasts; a guard of another phase stays at 1.
+  GuardValues guards(const ImpactState& x) const {
+    const ContactPoint at = dynamics_.contact_point(x);
+    GuardValues guards{};
+    const NormalMemory& memory = dynamics_.memory;
+    guards.value[kTurn] = memory.compressing ? at.rate_m_s : -at.rate_m_s;
+    guards.value[kSeparation] = 1;
+    guards.value[kReload] = 1;
+    if (!memory.compressing) {
+      switch (job_.contact.restitution_damping) {
+        case RestitutionDamping::kToZeroForce:
+          guards.value[kSeparation] = dynamics_.normal_force_n(at);
+          break;
+        case RestitutionDamping::kToZeroDeflection:
+          guards.value[kSeparation] = at.deflection_m;
+          break;
+        case RestitutionDamping::kNone:
+          guards.value[kSeparation] = at.deflection_m - memory.residual_m;
+          break;
+      }
+    } else if (memory.unloading) {
+      guards.value[kReload] = memory.max_deflection_m - at.deflection_m;
+    }
+    FrictionLaw::Guards friction;
+    const int count = friction_.guards(at, friction);
+    std::copy_n(friction.begin(), count, guards.value.begin() + kNormalGuards);
+    guards.count = kNormalGuards + count;
+    return guards;
+  }
+
+  // A guard that starts at zero was just crossed, or begins there: it counts only once it has been
+  // positive.
+  void arm_guards() {
+    now_guards_ = guards(now_.x);
+    first_of_segment_ = true;
+  }
+
+  // A mode whose guard is never positive was wrong from its start: the next one takes its place
+  // there.
+  bool leave_at_once(const GuardValues& middle, const GuardValues& end) {
+    for (int i = 0; i < end.count; ++i) {
+      if (now_guards_.value[i] > 0 || middle.value[i] > 0 || end.value[i] > 0) continue;
+      if (++idle_switches_ > 20) throw Error("the contact's modes chatter", "integration");
+      switch_modes(i);
+      return true;
+    }
+    idle_switches_ = 0;
+    return false;
+  }
+
+  ImpactState single_step(const AcceptedStep& from, double step_s) {
+    ImpactState x, rate;
+    rk_.do_step(std::cref(dynamics_), from.x, from.rate, from.time_s, x, rate, step_s);
+    return x;
+  }
+
+  // One step, or the part of it up to the first event. Returns whether a mode has changed.
+  bool advance(double& step_s) {
+    AcceptedStep next;
+    next.time_s = now_.time_s;
+    int failures = 0;
+    while (stepper_.try_step(std::cref(dynamics_), now_.x, now_.rate, next.time_s, next.x,
+                             next.rate, step_s) == odeint::fail) {
+      if (++failures > 500) throw Error("the step size vanishes", "integration");
+    }
+    const double taken = next.time_s - now_.time_s;
+    ImpactState middle;
+    stepper_.stepper().calc_state(now_.time_s + 0.5 * taken, middle, now_.x, now_.rate, now_.time_s,
+                                  next.x, next.rate, next.time_s);
+    const GuardValues middle_guards = guards(middle), next_guards = guards(next.x);
+
+    if (first_of_segment_) {
+      first_of_segment_ = false;
+      if (leave_at_once(middle_guards, next_guards)) return true;
+    }
+    double event_s = taken;
+    int event = -1;
+    for (int i = 0; i < next_guards.count; ++i) {
+      const double root = guard_root(i, taken, middle_guards.value[i], next_guards.value[i]);
+      if (root < event_s || (root == event_s && event < 0 && root < taken)) {
+        event_s = root;
+        event = i;
+      }
+    }
+    if (event < 0) {
+      record_until(next, nullptr);
+      accept(next);
+      now_guards_ = next_guards;
+      return false;
+    }
+    AcceptedStep at_event;
+    at_event.time_s = now_.time_s + event_s;
+    at_event.x = single_step(now_, event_s);
+    record_until(at_event, &now_);
+    accept(at_event);
+    switch_modes(event);
+    step_s = std::min(step_s, taken);
+    return true;
+  }
+
+  // The time from now_ at which guard i falls through zero, infinite if it does not.
+  double guard_root(int i, double taken, double middle, double end) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    const double begin = now_guards_.value[i];
+    double low = 0, high = taken, low_value = begin;
+    if (begin > 0 && middle <= 0) {
+      high = 0.5 * taken;
+    } else if (middle > 0 && end <= 0) {
+      low = 0.5 * taken;
+    } else {
+      return kNever;
+    }
+    const auto value = [&](double step) { return guards(single_step(now_, step)).value[i]; };
+    if (low > 0) low_value = value(low);
+    double high_value = value(high);
+    if (high_value > 0 && high < taken) high_value = value(high = taken);
+    if (!(low_value > 0)) {  // the interpolant and the step differ by rounding: it is there
+      return begin > 0 ? low : kNever;
+    }
+    if (high_value > 0) return kNever;
+    if (high_value == 0) return high;
+    boost::uintmax_t iterations = 100;
+    const auto close = [taken](double a, double b) { return std::abs(b - a) <= 1e-15 * taken; };
+    return boost::math::tools::toms748_solve(value, low, high, low_value, high_value, close,
+                                             iterations)
+        .second;
+  }
+
+  // Hands over the points that were asked for up to `next`. Within a whole step they come from the
+  // dense output; within a part of one (`from` given) from single steps, since the interpolant of
+  // the whole step has seen the far side of the switch.
+  void record_until(const AcceptedStep& next, const AcceptedStep* from) {
+    for (double t = request_.next_s(); t <= next.time_s; t = request_.next_s()) {
+      ImpactState x;
+      if (from != nullptr) {
+        x = single_step(*from, t - from->time_s);
+      } else {
+        stepper_.stepper().calc_state(t, x, now_.x, now_.rate, now_.time_s, next.x, next.rate,
+                                      next.time_s);
+      }
+      request_.take(t, x);
+    }
+  }
+
+  void accept(const AcceptedStep& next) {
+    const ContactPoint at = dynamics_.contact_point(next.x);
+    friction_.step(at);
+    if (!force_peak_found_ && dynamics_.memory.compressing) look_for_force_peak(next, at);
+    previous_ = now_;
+    now_ = next;
+  }
+
+  // A damper shifts the largest force before the largest deflection.
+  void look_for_force_peak(const AcceptedStep& next, const ContactPoint& at) {
+    const double force = dynamics_.normal_force_n(at);
+    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
+    if (force < last_force_n_) {
+      force_peak_found_ = true;
+      const auto negative_force = [&](double step) {
+        return -dynamics_.normal_force_n(dynamics_.contact_point(single_step(previous_, step)));
+      };
+      const auto [place, value] = boost::math::tools::brent_find_minima(
+          negative_force, 0.0, next.time_s - previous_.time_s, 26);
+      outcome_.peak_force_n = std::max(outcome_.peak_force_n, -value);
+    }
+    last_force_n_ = force;
+  }
+
+  void switch_modes(int event) {
+    const ContactPoint at = dynamics_.contact_point(now_.x);
+    switch (event) {
+      case kTurn:
+        turn(at);
+        break;
+      case kSeparation:
+        done_ = true;
+        break;
+      case kReload:
+        dynamics_.memory.unloading = false;
+        break;
+      default:
+        friction_.cross(event - kNormalGuards, at);
+        begin_phase(tangential_phase_, PhaseKind::kTangential, friction_.mode());
+    }
+  }
+
+  void turn(const ContactPoint& at) {
+    NormalMemory& memory = dynamics_.memory;
+    if (!memory.compressing) {
+      memory.compressing = true;
+      begin_phase(normal_phase_, PhaseKind::kNormal, "compression");
+      return;
+    }
+    if (outcome_.t_max_compression_s == 0) outcome_.t_max_compression_s = now_.time_s - start_s_;
+    const double force = dynamics_.normal_force_n(at);
+    if (at.deflection_m > outcome_.max_deflection_m) {
+      outcome_.max_deflection_m = at.deflection_m;
+      outcome_.max_force_n = force;
+    }
+    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
+    memory = normal_.turn(at.deflection_m, memory);
+    begin_phase(normal_phase_, PhaseKind::kNormal, "restitution");
+  }
+
+  // Each of the two sequences of phases has one open at a time, outcome_.phases[open].
+  void begin_phase(int& open, PhaseKind kind, const char* name) {
+    if (open >= 0) {
+      if (std::string_view(outcome_.phases[open].name) == name) return;
+      end_phase(open);
+    }
+    open = static_cast<int>(outcome_.phases.size());
+    outcome_.phases.push_back({kind, name, now_.time_s, now_.time_s, now_.x[kSlip]});
+  }
+
+  void end_phase(int open) {
+    Phase& phase = outcome_.phases[open];
+    phase.end_s = now_.time_s;
+    phase.slip_j = phase.kind == PhaseKind::kTangential ? now_.x[kSlip] - phase.slip_j : 0;
+  }
+
+  ContactOutcome finish() {
+    end_phase(normal_phase_);
+    end_phase(tangential_phase_);
+    const ContactPoint at = dynamics_.contact_point(now_.x);
+    outcome_.separated = done_;
+    outcome_.end_s = now_.time_s;
+    outcome_.end = now_.x;
+    outcome_.end_point = at;
+    outcome_.separation_force_n = done_ ? dynamics_.normal_force_n(at) : 0;
+    const double stored = normal_.stored_j(at.deflection_m, dynamics_.memory);
+    outcome_.plastic_j = normal_.work_j(at.deflection_m, dynamics_.memory) - stored;
+    outcome_.released_j = done_ ? stored : 0;
+    return std::move(outcome_);
+  }
+
+  const ImpactJob& job_;
+  const NormalLaw& normal_;
+  FrictionLaw& friction_;
+  ContactDynamics& dynamics_;
+  TrajectoryRequest& request_;
+  double start_s_;
+  ContactPoint touch_;
+  Scales scales_;
+  Stepper stepper_;
+  Dopri5 rk_;
+  AcceptedStep now_, previous_;
+  GuardValues now_guards_{};
+  bool done_ = false, force_peak_found_ = false, first_of_segment_ = false;
+  int idle_switches_ = 0;
+  double last_force_n_ = 0;
+  int normal_phase_ = -1, tangential_phase_ = -1;
+  ContactOutcome outcome_;
+};
+
+}  // namespace
+
+ContactOutcome integrate_contact(const ImpactJob& job, const NormalLaw& normal,
+                                 FrictionLaw& friction, ContactDynamics& dynamics, double start_s,
+                                 const ImpactState& start, TrajectoryRequest& request) {
+  return Integration(job, normal, friction, dynamics, start_s, start, request).run();
+}
+
+}  // namespace impactdic
