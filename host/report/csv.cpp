@@ -1,0 +1,161 @@
+#include "host/report/csv.h"
+
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+
+namespace impactdic {
+
+const char* const kTrackCsvHeader =
+    "frame,time_s,status,cx_px,cy_px,r_px,cx_sd_px,cy_sd_px,r_sd_px,dx_px,dy_px,rot_deg,dx_sd_px,"
+    "dy_sd_px,rot_sd_deg,windows,x_m,y_m,vx_m_s,vy_m_s,vt_m_s,vn_m_s,omega_rad_s,vx_sd_m_s,"
+    "vy_sd_m_s,omega_sd_rad_s";
+const char* const kMotionCsvHeader =
+    "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows";
+
+namespace {
+
+// Appends ",value"; an empty cell for NaN.
+class Line {
+ public:
+  explicit Line(std::string text) : text_(std::move(text)) {}
+  template <typename... Values>
+  Line& add(Values... values) {
+    ((text_ += "," + shortest(values)), ...);
+    return *this;
+  }
+  Line& add_text(const std::string& word) {
+    text_ += "," + word;
+    return *this;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+std::ofstream open_for_writing(const std::filesystem::path& path, std::ios::openmode mode) {
+  std::ofstream file(path, mode);
+  if (!file) throw FileError("cannot write the file", path.string());
+  return file;
+}
+
+void check(const std::ofstream& file, const std::filesystem::path& path) {
+  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
+}
+
+TrackRow parse_row(const std::vector<std::string>& cells, const std::string& where) {
+  const auto number = [&](std::size_t i) {
+    return cells[i].empty() ? kNotMeasured : parse_double(cells[i], where);
+  };
+  TrackRow row;
+  row.frame = parse_int(cells[0], where);
+  row.time_s = parse_double(cells[1], where);
+  row.status = parse_track_status(cells[2]);
+  row.cx_px = number(3);
+  row.cy_px = number(4);
+  row.r_px = number(5);
+  row.cx_sd_px = number(6);
+  row.cy_sd_px = number(7);
+  row.r_sd_px = number(8);
+  row.dx_px = number(9);
+  row.dy_px = number(10);
+  row.rot_rad = number(11) * kRadPerDeg;
+  row.dx_sd_px = number(12);
+  row.dy_sd_px = number(13);
+  row.rot_sd_rad = number(14) * kRadPerDeg;
+  row.windows = cells[15].empty() ? 0 : static_cast<int>(parse_int(cells[15], where));
+  row.circle_ok = !std::isnan(row.cx_px);
+  row.motion_ok = !std::isnan(row.dx_px);
+  return row;
+}
+
+}  // namespace
+
+std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
+  const SiRow si = to_si(row, scale);
+  Line line(std::to_string(row.frame));
+  line.add(row.time_s).add_text(to_string(row.status));
+  line.add(row.cx_px, row.cy_px, row.r_px, row.cx_sd_px, row.cy_sd_px, row.r_sd_px);
+  line.add(row.dx_px, row.dy_px, row.rot_rad * kDegPerRad, row.dx_sd_px, row.dy_sd_px,
+           row.rot_sd_rad * kDegPerRad);
+  line.add_text(std::to_string(row.windows));
+  line.add(si.x_m, si.y_m, si.vx_m_s, si.vy_m_s, si.vt_m_s, si.vn_m_s, si.omega_rad_s);
+  line.add(si.vx_sd_m_s, si.vy_sd_m_s, si.omega_sd_rad_s);
+  return line.text();
+}
+
+TrackCsv::TrackCsv(std::filesystem::path path, const SiScale& scale,
+                   const std::vector<TrackRow>& done)
+    : path_(std::move(path)), scale_(scale), file_(open_for_writing(path_, std::ios::trunc)) {
+  file_ << kTrackCsvHeader << "\n";
+  for (const TrackRow& row : done) add(row);
+}
+
+void TrackCsv::add(const TrackRow& row) { file_ << track_csv_line(row, scale_) << "\n"; }
+
+void TrackCsv::flush() {
+  file_.flush();
+  check(file_, path_);
+}
+
+void TrackCsv::finish(const std::vector<TrackRow>& rows, const SiScale& scale) {
+  flush();
+  const std::filesystem::path temporary = path_.string() + ".part";
+  {
+    std::ofstream file = open_for_writing(temporary, std::ios::trunc);
+    file << kTrackCsvHeader << "\n";
+    for (const TrackRow& row : rows) file << track_csv_line(row, scale) << "\n";
+    file.flush();
+    check(file, temporary);
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path_, error);
+  if (error) throw FileError("cannot replace the file: " + error.message(), path_.string());
+}
+
+std::vector<TrackRow> read_track_csv(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the file", path.string());
+  std::string line;
+  if (!std::getline(file, line) || trim(line) != kTrackCsvHeader) {
+    throw FormatError(path.string(), 0, "this is not a track.csv: its header differs");
+  }
+  const std::size_t columns = split(kTrackCsvHeader, ',').size();
+  std::vector<TrackRow> rows;
+  for (int number = 2; std::getline(file, line); ++number) {
+    const bool whole = !file.eof();  // the line ended with a newline
+    const auto cells = split(trim(line), ',');
+    if (cells.size() != columns) {
+      if (!whole) break;
+      throw FormatError(path.string(), -1,
+                        "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
+                            " cells, not " + std::to_string(columns));
+    }
+    if (whole) rows.push_back(parse_row(cells, path.string() + ", line " + std::to_string(number)));
+  }
+  return rows;
+}
+
+MotionCsv::MotionCsv(std::filesystem::path path)
+    : path_(std::move(path)), file_(open_for_writing(path_, std::ios::trunc)) {
+  file_ << kMotionCsvHeader << "\n";
+}
+
+void MotionCsv::add(const CorrelatedFrame& frame) {
+  const RigidMotion& m = frame.motion;
+  Line line(std::to_string(frame.frame));
+  line.add(frame.time_s).add_text(frame.is_reference ? "reference" : to_string(frame.status));
+  if (m.ok) {
+    line.add(m.dx_px, m.dy_px, m.rot_rad * kDegPerRad, m.dx_sd_px, m.dy_sd_px,
+             m.rot_sd_rad * kDegPerRad);
+  } else {
+    line.add_text(",,,,,");
+  }
+  line.add_text(std::to_string(m.used));
+  file_ << line.text() << std::endl;
+  check(file_, path_);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,51 @@
+// The tables that people open: track.csv and motion.csv. Empty cells are values that were not
+// measured. Headers are part of the interface and never change order.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "host/track/correlate_clip.h"
+#include "host/track/track_row.h"
+
+namespace impactdic {
+
+extern const char* const kTrackCsvHeader;
+extern const char* const kMotionCsvHeader;
+
+// One line of track.csv without its end.
+std::string track_csv_line(const TrackRow& row, const SiScale& scale);
+
+// track.csv while a clip is running: every row is on disk soon after it was measured. The scale
+// may only be known at the end; `finish` then writes the whole table anew with it, in one step.
+class TrackCsv {
+ public:
+  // Starts the file anew with the rows of an earlier run, if any. Throws FileError here and below
+  // where the file cannot be written.
+  TrackCsv(std::filesystem::path path, const SiScale& scale, const std::vector<TrackRow>& done);
+  void add(const TrackRow& row);
+  void flush();
+  void finish(const std::vector<TrackRow>& rows, const SiScale& scale);
+
+ private:
+  std::filesystem::path path_;
+  SiScale scale_;
+  std::ofstream file_;
+};
+
+// Reads a track.csv back, as far as its pixels go. A last line that was cut off is dropped.
+// Throws FileError, FormatError.
+std::vector<TrackRow> read_track_csv(const std::filesystem::path& path);
+
+class MotionCsv {
+ public:
+  explicit MotionCsv(std::filesystem::path path);
+  void add(const CorrelatedFrame& frame);
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream file_;
+};
+
+}  // namespace impactdic

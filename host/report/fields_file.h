@@ -1,0 +1,47 @@
+// fields.h5: the displacement field of every frame, self-describing. Datasets of shape
+// (time, window) with dimension scales `time` (s) and `window` (index); see docs/file-formats.md.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "host/dic/field.h"
+#include "host/track/track_row.h"
+
+namespace impactdic {
+
+// Written as attributes of the file: every option, version, device, driver, source, axes.
+using Attributes = std::map<std::string, std::variant<double, std::string>>;
+
+class FieldsFile {
+ public:
+  // Starts the file anew with room for `window_count` windows a frame. Throws FileError here and
+  // below.
+  static FieldsFile create(const std::filesystem::path& path, std::size_t window_count,
+                           int window_px, const Attributes& attributes);
+  // Opens the file of an earlier run and keeps its first `rows` frames. Throws FormatError where
+  // it holds fewer.
+  static FieldsFile resume(const std::filesystem::path& path, int window_px, std::size_t rows);
+  ~FieldsFile();
+  FieldsFile(FieldsFile&&) noexcept;
+
+  // One frame's field. `windows` and `field` have the file's window count, or are empty: then all
+  // values are NaN and every window's status is `masked`. centre_*: see TrackRow.
+  void add(std::int64_t frame, double time_s, std::span<const Window> windows,
+           std::span<const WindowMotion> field, const TrackRow* row);
+  void flush();
+  // Attributes as they stand in the file; throws FormatError where it is missing.
+  double number(const std::string& name);
+  std::size_t rows() const;
+
+ private:
+  struct Impl;
+  explicit FieldsFile(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace impactdic

@@ -1,0 +1,139 @@
+#include "host/report/hdf5.h"
+
+#include <hdf5_hl.h>
+
+#include <algorithm>
+#include <array>
+
+#include "host/base/error.h"
+
+namespace impactdic::hdf5 {
+namespace {
+
+void check(herr_t status, const std::string& what) {
+  if (status < 0) throw FileError("HDF5 cannot write", what, "is the disk full?");
+}
+
+Handle file_access() {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access");
+  check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V110), "file access");
+  return access;
+}
+
+}  // namespace
+
+Handle::Handle(hid_t id, Close close, const std::string& what) : id_(id), close_(close) {
+  if (id < 0) throw FileError("HDF5 cannot open or make it", what);
+}
+
+Handle& Handle::operator=(Handle&& other) noexcept {
+  std::swap(id_, other.id_);
+  std::swap(close_, other.close_);
+  return *this;
+}
+
+Handle::~Handle() {
+  if (id_ >= 0) close_(id_);
+}
+
+File File::create(const std::string& path) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const Handle access = file_access();
+  return {path, Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose,
+                       path)};
+}
+
+File File::open(const std::string& path) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const Handle access = file_access();
+  return {path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, path)};
+}
+
+void File::flush() { check(H5Fflush(get(), H5F_SCOPE_GLOBAL), path_); }
+
+void File::set_attribute(const std::string& object, const std::string& name,
+                         const std::string& text) {
+  check(H5LTset_attribute_string(get(), object.c_str(), name.c_str(), text.c_str()), name);
+}
+
+void File::set_attribute(const std::string& object, const std::string& name, double value) {
+  check(H5LTset_attribute_double(get(), object.c_str(), name.c_str(), &value, 1), name);
+}
+
+double File::number_attribute(const std::string& object, const std::string& name) {
+  double value = 0;
+  if (H5LTget_attribute_double(get(), object.c_str(), name.c_str(), &value) < 0) {
+    throw FormatError(path_, -1, "the attribute " + name + " is missing");
+  }
+  return value;
+}
+
+Table Table::create(File& file, const std::string& name, std::size_t columns, hid_t type,
+                    const void* fill) {
+  // Chunks of about 256 KiB: few enough to index, small enough to read one window's history.
+  const hsize_t width = std::max<std::size_t>(columns, 1);
+  const hsize_t depth = std::clamp<hsize_t>((1u << 18) / (width * H5Tget_size(type)), 1, 16384);
+  const int rank = columns == 0 ? 1 : 2;
+  const std::array<hsize_t, 2> none = {0, width}, most = {H5S_UNLIMITED, width},
+                               chunk = {depth, width};
+  const Handle space(H5Screate_simple(rank, none.data(), most.data()), H5Sclose, name);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
+  check(H5Pset_chunk(properties.get(), rank, chunk.data()), name);
+  check(H5Pset_fill_value(properties.get(), type, fill), name);
+  Table table;
+  table.name_ = name;
+  table.columns_ = columns;
+  table.dataset_ = Handle(H5Dcreate2(file.get(), name.c_str(), type, space.get(), H5P_DEFAULT,
+                                     properties.get(), H5P_DEFAULT),
+                          H5Dclose, file.path() + ", " + name);
+  return table;
+}
+
+Table Table::open(File& file, const std::string& name) {
+  Table table;
+  table.name_ = name;
+  table.dataset_ =
+      Handle(H5Dopen2(file.get(), name.c_str(), H5P_DEFAULT), H5Dclose, file.path() + ", " + name);
+  const Handle space(H5Dget_space(table.get()), H5Sclose, name);
+  std::array<hsize_t, 2> size = {0, 0};
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 1 || rank > 2) throw FormatError(file.path(), -1, name + " has another shape");
+  H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+  table.rows_ = size[0];
+  table.columns_ = rank == 2 ? size[1] : 0;
+  return table;
+}
+
+void Table::append(hid_t type, const void* values, std::size_t count) {
+  const hsize_t width = std::max<std::size_t>(columns_, 1);
+  const hsize_t added = count / width;
+  if (added * width != count) throw InvalidArgument("only whole rows can be appended", name_);
+  if (added == 0) return;
+  const int rank = columns_ == 0 ? 1 : 2;
+  const std::array<hsize_t, 2> size = {rows_ + added, width}, start = {rows_, 0},
+                               block = {added, width};
+  check(H5Dset_extent(get(), size.data()), name_);
+  const Handle target(H5Dget_space(get()), H5Sclose, name_);
+  check(H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
+                            nullptr),
+        name_);
+  const Handle source(H5Screate_simple(rank, block.data(), nullptr), H5Sclose, name_);
+  check(H5Dwrite(get(), type, source.get(), target.get(), H5P_DEFAULT, values), name_);
+  rows_ += added;
+}
+
+void Table::truncate(std::size_t rows) {
+  const std::array<hsize_t, 2> size = {rows, std::max<std::size_t>(columns_, 1)};
+  check(H5Dset_extent(get(), size.data()), name_);
+  rows_ = rows;
+}
+
+void Table::attach_scale(unsigned dimension, const Table& scale) {
+  check(H5DSattach_scale(get(), scale.get(), dimension), name_);
+}
+
+void Table::become_scale(const std::string& name) {
+  check(H5DSset_scale(get(), name.c_str()), name_);
+}
+
+}  // namespace impactdic::hdf5

@@ -1,0 +1,108 @@
+// The few things that we need of HDF5, with errors as exceptions and handles that close.
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace impactdic::hdf5 {
+
+// An HDF5 identifier that is closed once.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Handle() = default;
+  // Throws FileError naming `what` where `id` is invalid.
+  Handle(hid_t id, Close close, const std::string& what);
+  Handle(Handle&& other) noexcept { *this = std::move(other); }
+  Handle& operator=(Handle&& other) noexcept;
+  ~Handle();
+  hid_t get() const { return id_; }
+
+ private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+// The element type of a C++ scalar in memory.
+template <typename T>
+hid_t native_type();
+template <>
+inline hid_t native_type<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+inline hid_t native_type<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template <>
+inline hid_t native_type<std::uint8_t>() {
+  return H5T_NATIVE_UINT8;
+}
+template <>
+inline hid_t native_type<std::int32_t>() {
+  return H5T_NATIVE_INT32;
+}
+template <>
+inline hid_t native_type<std::int64_t>() {
+  return H5T_NATIVE_INT64;
+}
+
+class File {
+ public:
+  // Creates the file anew, or opens it for writing. HDF5 must not print: errors are ours.
+  static File create(const std::string& path);
+  static File open(const std::string& path);
+  hid_t get() const { return handle_.get(); }
+  const std::string& path() const { return path_; }
+  void flush();
+
+  void set_attribute(const std::string& object, const std::string& name, const std::string& text);
+  void set_attribute(const std::string& object, const std::string& name, double value);
+  double number_attribute(const std::string& object, const std::string& name);
+
+ private:
+  File(std::string path, Handle handle) : path_(std::move(path)), handle_(std::move(handle)) {}
+  std::string path_;
+  Handle handle_;
+};
+
+// A dataset that grows along its first dimension: (rows, columns), or (rows) where columns is 0.
+class Table {
+ public:
+  Table() = default;
+  // `fill` marks cells never written.
+  template <typename T>
+  static Table create(File& file, const std::string& name, std::size_t columns, T fill) {
+    return create(file, name, columns, native_type<T>(), &fill);
+  }
+  static Table open(File& file, const std::string& name);
+
+  // Appends whole rows; `values` has rows · max(columns, 1) elements.
+  template <typename T>
+  void append(std::span<const T> values) {
+    append(native_type<T>(), values.data(), values.size());
+  }
+  std::size_t rows() const { return rows_; }
+  // Forgets the rows from `rows` on.
+  void truncate(std::size_t rows);
+  // Makes `scale` the dimension scale of this table's dimension `dimension`.
+  void attach_scale(unsigned dimension, const Table& scale);
+  // Marks this one-dimensional table as the dimension scale `name`.
+  void become_scale(const std::string& name);
+  hid_t get() const { return dataset_.get(); }
+
+ private:
+  static Table create(File& file, const std::string& name, std::size_t columns, hid_t type,
+                      const void* fill);
+  void append(hid_t type, const void* values, std::size_t count);
+  std::string name_;
+  Handle dataset_;
+  std::size_t columns_ = 0, rows_ = 0;
+};
+
+}  // namespace impactdic::hdf5

@@ -1,0 +1,14 @@
+// Pictures to PNG files (libpng).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+
+namespace impactdic {
+
+// `bgr` holds (height, width, 3) bytes, blue first. Throws FileError.
+void write_png_bgr(const std::filesystem::path& path, int width, int height,
+                   std::span<const std::uint8_t> bgr);
+
+}  // namespace impactdic

@@ -1,0 +1,87 @@
+#include "host/report/summary.h"
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+struct Mean {
+  double sum = 0;
+  int count = 0;
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+  double value() const { return count > 0 ? sum / count : kNotMeasured; }
+};
+
+}  // namespace
+
+json describe_input(const VideoInfo& info, const std::string& sha256) {
+  json input = {{"path", info.path},         {"sha256", sha256},         {"format", info.format},
+                {"width_px", info.width},    {"height_px", info.height}, {"bits", info.bits},
+                {"frames", info.frame_count}};
+  input["camera"] = info.camera.empty() ? json(nullptr) : json(info.camera);
+  input["fps"] = info.fps ? json(*info.fps) : json(nullptr);
+  input["exposure_s"] = info.exposure_s ? json(*info.exposure_s) : json(nullptr);
+  return input;
+}
+
+json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale) {
+  std::map<std::string, int> statuses;
+  Mean speed, circle_speed, radius, rotation, windows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TrackRow& row = rows[i];
+    ++statuses[to_string(row.status)];
+    if (row.circle_ok) radius.add(row.r_px);
+    if (row.circle_ok && i + 1 < rows.size() && rows[i + 1].circle_ok) {
+      circle_speed.add(std::hypot(rows[i + 1].cx_px - row.cx_px, rows[i + 1].cy_px - row.cy_px));
+    }
+    if (row.motion_ok) {
+      speed.add(std::hypot(row.dx_px, row.dy_px));
+      rotation.add(row.rot_rad * kDegPerRad);
+      windows.add(row.windows);
+    }
+  }
+  const bool metres = scale.metre_per_px > 0;
+  const double to_m_s = metres && scale.fps > 0 ? scale.metre_per_px * scale.fps : kNotMeasured;
+  return {
+      {"frames_analysed", rows.size()},
+      {"frames_by_status", statuses},
+      {"ball",
+       {{"radius_px", number(radius.value())},
+        {"radius_m", number(metres ? radius.value() * scale.metre_per_px : kNotMeasured)}}},
+      {"mean_motion",
+       {{"speed_px_per_frame", number(speed.value())},
+        {"speed_m_s", number(speed.value() * to_m_s)},
+        {"circle_speed_px_per_frame", number(circle_speed.value())},
+        {"rotation_deg_per_frame", number(rotation.value())},
+        {"windows", number(windows.value())}}},
+      {"scale_m_per_px", number(metres ? scale.metre_per_px : kNotMeasured)},
+      {"analysed_fps", number(scale.fps > 0 ? scale.fps : kNotMeasured)},
+      {"surface_angle_deg", scale.surface_angle_rad * kDegPerRad},
+  };
+}
+
+void write_json(const std::filesystem::path& path, const json& summary) {
+  const std::filesystem::path temporary = path.string() + ".part";
+  {
+    std::ofstream file(temporary);
+    file << summary.dump(2) << "\n" << std::flush;
+    if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
+}
+
+}  // namespace impactdic

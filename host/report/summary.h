@@ -1,0 +1,23 @@
+// summary.json of `track` and `correlate`: the run in figures.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "host/track/track_row.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic {
+
+// The input as it describes itself, with its SHA-256.
+nlohmann::json describe_input(const VideoInfo& info, const std::string& sha256);
+
+// Frames by status, mean speed, ball, scale. Figures that were not measured are null.
+nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale);
+
+// Writes `summary` to a temporary file and renames it. Throws FileError.
+void write_json(const std::filesystem::path& path, const nlohmann::json& summary);
+
+}  // namespace impactdic

@@ -1,0 +1,56 @@
+// Full-field displacement of any speckled surface in a clip, and the robust rigid motion of the
+// region about its centre.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/dic/field.h"
+#include "host/dic/rigid_fit.h"
+#include "host/track/frame_range.h"
+#include "host/track/roi.h"
+#include "host/track/track_row.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic {
+
+class Engine;
+
+enum class ReferenceFrame { first, previous };
+
+struct CorrelateOptions {
+  FieldOptions field;
+  int spacing_px = 0;  // 0: half a window, rounded up
+  FrameRange frames;
+  Roi roi;  // where windows stand; the motion is that of its centre
+  ReferenceFrame reference = ReferenceFrame::first;
+  Image<std::uint8_t> mask;  // empty, or the picture's size: windows stand on non-zero pixels only
+  double fps = 0;            // of the stored frames; 0 where unknown (time_s then counts frames)
+  int effective_spacing_px() const {
+    return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
+  }
+};
+
+// The windows that the options ask for, in whole-picture pixels. Throws InvalidArgument where none
+// fits.
+std::vector<Window> region_grid(const CorrelateOptions& options);
+
+// Motion from the reference to this frame. Frame 0 is the reference itself: zero by definition.
+struct CorrelatedFrame {
+  std::int64_t frame = 0;
+  double time_s = 0;
+  bool is_reference = false;
+  TrackStatus status = TrackStatus::ok;
+  RigidMotion motion;                   // of the region's centre
+  std::span<const WindowMotion> field;  // per window of region_grid; empty for the reference
+};
+
+using CorrelateSink = std::function<void(const CorrelatedFrame&)>;
+
+void correlate_clip(FrameSource& source, Engine& engine, const CorrelateOptions& options,
+                    const CorrelateSink& sink, const ProgressFn& progress);
+
+}  // namespace impactdic

@@ -1,0 +1,43 @@
+// From a ball's circle in two frames to the windows on its surface, and from their measured
+// displacements to its rigid motion.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/dic/field.h"
+#include "host/dic/rigid_fit.h"
+#include "host/track/circle.h"
+#include "host/track/track_row.h"
+
+namespace impactdic {
+
+// What is expected of a motion before it is measured: displacement of (cx, cy) and rotation
+// (counter-clockwise on screen).
+struct MotionGuess {
+  double cx_px = 0, cy_px = 0, dx_px = 0, dy_px = 0, rot_rad = 0;
+};
+
+// Sets frames and guess of every window to where `guess` carries its centre.
+void aim_windows(std::span<Window> windows, int window_px, int first_slot, int second_slot,
+                 const MotionGuess& guess);
+
+// The measured windows as points for the rigid fit: those with status ok, at their centres. Their
+// sd is at least `floor_px`, so that no window with a lucky residual outweighs the rest.
+std::vector<PointMotion> field_points(std::span<const Window> windows,
+                                      std::span<const WindowMotion> motions, int window_px,
+                                      double floor_px = 0.002);
+
+// Displacement of the point (cx, cy) by a locally weighted linear fit to the field about it
+// (Cleveland 1979, tricube weights over the nearest windows, robust), as section 2.2 interpolates
+// the velocity at the centroid.
+struct CentreMotion {
+  bool ok = false;
+  double u_px = 0, v_px = 0, u_sd_px = 0, v_sd_px = 0;
+};
+CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, double cy_px);
+
+// Why too few windows carried a motion.
+TrackStatus explain_failure(std::span<const WindowMotion> motions);
+
+}  // namespace impactdic

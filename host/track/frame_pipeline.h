@@ -1,0 +1,28 @@
+// Reads the analysed frames of a clip in order, a batch at a time, decoding ahead on other
+// threads. Every stage is bounded: memory does not grow with the clip.
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <vector>
+
+#include "host/track/frame_range.h"
+#include "host/track/roi.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic {
+
+struct FrameBatch {
+  std::int64_t first_index = 0;  // of frames[0] among the analysed frames
+  std::vector<Frame> frames;     // cropped to the region of interest
+  std::exception_ptr error;      // why the frame after these could not be read
+};
+
+// Calls `consume` with every batch in order, on one thread at a time; up to `batch` frames each,
+// from analysed frame `first_index` on. Two batches are decoded ahead. An error of the reader
+// comes out of this call after the frames before it have been consumed.
+void for_each_batch(FrameSource& source, const FrameRange& range, std::int64_t first_index,
+                    const Roi& roi, int batch, const std::function<void(FrameBatch&)>& consume);
+
+}  // namespace impactdic

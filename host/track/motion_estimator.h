@@ -1,0 +1,66 @@
+// How the ball moved between two frames: one interface, one estimator per method behind it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/base/image.h"
+#include "host/dic/field.h"
+#include "host/track/field_motion.h"
+#include "host/track/track_row.h"
+
+namespace impactdic {
+
+class Engine;
+
+enum class Estimator {
+  field,  // interrogation windows on the ball, robust rigid fit to their displacements
+};
+const char* to_string(Estimator estimator);
+Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
+
+struct EstimatorOptions {
+  Estimator estimator = Estimator::field;
+  FieldOptions field;
+  int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
+  double rim_margin_px = 3;  // windows keep this far inside the rim
+  int fewest_windows = 3;    // that may carry a motion
+  int effective_spacing_px() const {
+    return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
+  }
+  void validate() const;  // throws InvalidArgument
+};
+
+// One pair of frames: what is known before, and what comes out.
+struct PairMotion {
+  int first_slot = 0, second_slot = 0;
+  Circle first, second;      // the ball in both frames
+  double guess_rot_rad = 0;  // of a pair before this one
+  // Results.
+  TrackStatus status = TrackStatus::low_correlation;
+  RigidMotion motion;   // of the ball's centre in the first frame
+  CentreMotion centre;  // the field interpolated there
+  std::vector<Window> windows;
+  std::vector<WindowMotion> field;
+};
+
+class MotionEstimator {
+ public:
+  virtual ~MotionEstimator() = default;
+  virtual void set_frame(int slot, const Frame& frame) = 0;
+  // Measures every pair; a pair that cannot be measured has a status.
+  virtual void measure(std::span<PairMotion> pairs) = 0;
+  // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
+  // whole clip, so that window i of every frame is the same place on the ball. Empty where the
+  // estimator has no windows.
+  virtual std::span<const Window> grid() const = 0;
+};
+
+// `radius_px` is the ball's, `slots` how many frames are held at once. `engine` must outlive it.
+std::unique_ptr<MotionEstimator> make_motion_estimator(Engine& engine,
+                                                       const EstimatorOptions& options,
+                                                       double radius_px, int slots);
+
+}  // namespace impactdic

@@ -1,0 +1,50 @@
+// The main job: ball, motion and field of every frame of a clip.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "host/base/progress.h"
+#include "host/track/circle.h"
+#include "host/track/frame_range.h"
+#include "host/track/motion_estimator.h"
+#include "host/track/roi.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic {
+
+class Engine;
+
+struct TrackOptions {
+  EstimatorOptions estimator;
+  CircleOptions circle;
+  FrameRange frames;
+  Roi roi;                 // in whole-picture pixels, as every result
+  bool with_field = true;  // false: circles only, no device needed
+  double fps = 0;          // of the stored frames; 0 where unknown (time_s then counts frames)
+  int batch = 16;          // frames in flight on the device
+  // Continues an earlier run: rows before `start_index` are not given out again, the frames just
+  // before it only warm up the tracker; the windows' grid is that of `grid_radius_px`.
+  std::int64_t start_index = 0;
+  std::optional<double> grid_radius_px;
+};
+
+// One finished frame. Views are valid during the call only.
+struct TrackedFrame {
+  const TrackRow& row;
+  const Frame& frame;      // cropped to the region of interest
+  const PairMotion* pair;  // field towards the next frame; nullptr where there is none
+};
+
+// Called once per analysed frame, in order.
+using TrackSink = std::function<void(const TrackedFrame&)>;
+
+// The windows' grid, once it is known: before the first row with a ball. `radius_px` is the ball's.
+using GridSink = std::function<void(std::span<const Window> grid, double radius_px)>;
+
+// Runs the whole clip. `engine` may be null without field. Errors of the reader come out after
+// every row that could still be measured has gone to `sink`.
+void track_clip(FrameSource& source, Engine* engine, const TrackOptions& options,
+                const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress);
+
+}  // namespace impactdic
