@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "host/base/error.h"
-#include "host/track/ball_tracker.h"
 #include "host/track/frame_pipeline.h"
 
 namespace impactdic {
@@ -27,7 +26,7 @@ class ClipTracker {
         options_(options),
         grid_ready_(grid_ready),
         sink_(sink),
-        tracker_(options.circle) {}
+        tracker_(options.ball) {}
 
   void take(FrameBatch& batch) {
     std::vector<Pending> frames;
@@ -58,7 +57,7 @@ class ClipTracker {
     const double rate =
         options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
     made.row.time_s = static_cast<double>(index) / rate;
-    const CircleFit fit = tracker_.track(frame);
+    const CircleFit fit = tracker_.track(frame, index);
     made.circle = fit.circle;
     set_circle(made.row, fit);
     made.frame = std::move(frame);
@@ -183,7 +182,7 @@ void track_clip(FrameSource& source, Engine* engine, const TrackOptions& options
                 const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress) {
   constexpr std::int64_t kWarmUp = 16;
   options.estimator.validate();
-  options.circle.validate();
+  options.ball.validate();
   if (options.with_field && engine == nullptr) throw InvalidArgument("the field needs a device");
   ClipTracker tracker(engine, options, grid_ready, sink);
   const std::int64_t from = std::max<std::int64_t>(0, options.start_index - kWarmUp);

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "host/base/progress.h"
-#include "host/track/circle.h"
+#include "host/track/ball_tracker.h"
 #include "host/track/frame_range.h"
 #include "host/track/motion_estimator.h"
 #include "host/track/roi.h"
@@ -17,7 +17,7 @@ class Engine;
 
 struct TrackOptions {
   EstimatorOptions estimator;
-  CircleOptions circle;
+  BallTrackerOptions ball;
   FrameRange frames;
   Roi roi;                 // in whole-picture pixels, as every result
   bool with_field = true;  // false: circles only, no device needed

@@ -1,0 +1,128 @@
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "host/app/command.h"
+#include "host/app/field_options.h"
+#include "host/app/job.h"
+#include "host/app/run_context.h"
+#include "host/app/video_options.h"
+#include "host/base/error.h"
+#include "host/base/log.h"
+#include "host/report/csv.h"
+#include "host/report/fields_file.h"
+#include "host/report/summary.h"
+#include "host/track/correlate_clip.h"
+
+namespace impactdic::app {
+namespace {
+
+struct Request {
+  Common common;
+  VideoRequest video;
+  FieldRequest field;
+  std::string output, frames, roi, reference = "first", mask;
+};
+
+ReferenceFrame parse_reference(const std::string& word) {
+  if (word == "first") return ReferenceFrame::first;
+  if (word == "previous") return ReferenceFrame::previous;
+  throw InvalidArgument("'" + word + "' is not a reference", "--reference", "first or previous");
+}
+
+Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
+  if (path.empty()) return {};
+  VideoRequest request;
+  request.inputs = {path};
+  const auto source = open_requested(request, true);
+  if (source->info().width != clip.width || source->info().height != clip.height) {
+    throw InvalidArgument("the mask has another size than the clip", path);
+  }
+  Frame frame;
+  source->read(0, frame);
+  Image<std::uint8_t> mask(frame.width(), frame.height());
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    mask.data()[i] =
+        frame.type == PixelType::u8 ? frame.u8.data()[i] != 0 : frame.u16.data()[i] != 0;
+  }
+  return mask;
+}
+
+void run_correlate(const CLI::App& command, const Request& request) {
+  const auto source = open_requested(request.video, request.common.quiet);
+  const VideoInfo& info = source->info();
+  CorrelateOptions options;
+  options.field = resolve(request.field);
+  options.spacing_px = request.field.spacing_px;
+  options.frames = parse_frame_range(request.frames, info.frame_count);
+  options.roi = parse_roi(request.roi, info.width, info.height);
+  options.reference = parse_reference(request.reference);
+  options.mask = read_mask(request.mask, info);
+  options.fps = resolve_fps(request.video, info, "");
+  if (options.frames.count() < 2) {
+    throw InvalidArgument("a displacement needs two frames", info.path,
+                          "several pictures form a sequence");
+  }
+  std::vector<Window> windows = region_grid(options);
+  const auto folder = prepare_output_directory(request.output, request.common.force);
+  RunContext run(request.common);
+  write_job(command, folder / "job.toml");
+
+  const std::string sha256 = sha256_of_clip(request.video);
+  Attributes attributes = run.attributes(info, sha256);
+  describe(request.field, attributes);
+  attributes["option_reference"] = request.reference;
+  MotionCsv motion_csv(folder / "motion.csv");
+  auto fields =
+      FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px, attributes);
+  int measured = 0;
+  Stopwatch watch;
+  {
+    TerminalProgress progress("correlate", request.common.quiet);
+    correlate_clip(
+        *source, run.engine(), options,
+        [&](const CorrelatedFrame& frame) {
+          motion_csv.add(frame);
+          fields.add(frame.frame, frame.time_s, windows, frame.field, nullptr);
+          if (!frame.is_reference && frame.status == TrackStatus::ok) ++measured;
+        },
+        std::ref(progress));
+  }
+  fields.flush();
+  const double rate = static_cast<double>(options.frames.count()) / watch.seconds();
+  nlohmann::json summary = {{"input", describe_input(info, sha256)},
+                            {"device", run.describe()},
+                            {"frames_analysed", options.frames.count()},
+                            {"frames_measured", measured},
+                            {"windows", windows.size()},
+                            {"frames_per_s", rate}};
+  write_json(folder / "summary.json", summary);
+  if (!request.common.quiet) {
+    std::printf("%d of %lld frames measured with %zu windows, %.1f frames/s; results in %s\n",
+                measured, static_cast<long long>(options.frames.count() - 1), windows.size(), rate,
+                folder.string().c_str());
+  }
+  run.print_profile();
+}
+
+}  // namespace
+
+void add_correlate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "correlate", "Full-field displacement of any speckled surface, from frame to frame");
+  auto request = std::make_shared<Request>();
+  add_video_options(*command, request->video);
+  command->add_option("-o,--output", request->output, "Folder for the results")->required();
+  command->add_option("--reference", request->reference, "Measure against: first or previous")
+      ->capture_default_str();
+  command->add_option("--roi", request->roi, "X,Y,W,H: the rectangle that is measured, px");
+  command->add_option("--mask", request->mask, "Picture: windows stand on its non-zero pixels");
+  command->add_option("--frames", request->frames, "A:B[:STEP]: frames analysed, B excluded");
+  add_field_options(*command, request->field);
+  add_common_options(*command, request->common);
+  command->footer(
+      "Writes motion.csv (rigid motion of the region about its centre), fields.h5, summary.json "
+      "and job.toml.\nExample:\n  impactdic correlate plate.tif --roi 100,80,200,200 -o results\n");
+  command->callback([command, request] { run_correlate(*command, *request); });
+}
+
+}  // namespace impactdic::app

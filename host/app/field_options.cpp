@@ -1,0 +1,59 @@
+#include "host/app/field_options.h"
+
+namespace impactdic::app {
+
+void add_field_options(CLI::App& command, FieldRequest& request) {
+  FieldOptions& field = request.field;
+  command.add_option("--window", field.window_px, "Side of an interrogation window, px")
+      ->capture_default_str();
+  command
+      .add_option("--spacing", request.spacing_px,
+                  "Distance of the windows' centres, px; 0 is half a window")
+      ->capture_default_str();
+  command
+      .add_option("--search", field.search_px,
+                  "Largest displacement searched about the expected one, px each way")
+      ->capture_default_str();
+  command
+      .add_option("--method", request.method,
+                  "icgn (ZNCC, then IC-GN with affine warp), zncc (FFT cross-correlation "
+                  "normalised over the overlap) or published (equal windows, spline points)")
+      ->capture_default_str();
+  command
+      .add_option("--interp", field.interp_points,
+                  "Spline points between pixels of the published method, 0 to 9")
+      ->capture_default_str();
+  command
+      .add_option("--spline-degree", field.spline_degree, "B-spline of the IC-GN warp: 3, 5 or 7")
+      ->capture_default_str();
+  command
+      .add_option("--min-correlation", field.min_correlation,
+                  "ZNCC below which a window counts as not found")
+      ->capture_default_str();
+  command
+      .add_option("--min-texture", field.min_texture,
+                  "Contrast of a window (rms, grey levels of 255) below which it is left out")
+      ->capture_default_str();
+}
+
+FieldOptions resolve(const FieldRequest& request) {
+  FieldOptions field = request.field;
+  field.method = parse_field_method(request.method);
+  field.validate();
+  return field;
+}
+
+void describe(const FieldRequest& request, Attributes& attributes) {
+  const FieldOptions& field = request.field;
+  attributes["option_method"] = request.method;
+  attributes["option_window_px"] = double(field.window_px);
+  attributes["option_spacing_px"] = double(request.spacing_px);
+  attributes["option_search_px"] = double(field.search_px);
+  attributes["option_interp"] = double(field.interp_points);
+  attributes["option_spline_degree"] = double(field.spline_degree);
+  attributes["option_max_iterations"] = double(field.max_iterations);
+  attributes["option_min_correlation"] = field.min_correlation;
+  attributes["option_min_texture"] = field.min_texture;
+}
+
+}  // namespace impactdic::app

@@ -1,0 +1,25 @@
+// The options of the displacement field, shared by `track` and `correlate`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "host/dic/field.h"
+#include "host/report/fields_file.h"
+
+namespace impactdic::app {
+
+struct FieldRequest {
+  FieldOptions field;
+  std::string method = "icgn";
+  int spacing_px = 0;
+};
+
+// Adds --window, --spacing, --search, --interp, --method, --spline-degree and the thresholds.
+void add_field_options(CLI::App& command, FieldRequest& request);
+// Turns the words into values. Throws InvalidArgument.
+FieldOptions resolve(const FieldRequest& request);
+// The same as attributes of fields.h5.
+void describe(const FieldRequest& request, Attributes& attributes);
+
+}  // namespace impactdic::app

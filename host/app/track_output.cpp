@@ -1,0 +1,118 @@
+#include "host/app/track_output.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "host/app/overlay_output.h"
+#include "host/base/error.h"
+
+namespace impactdic::app {
+
+namespace {
+// Rows between two writes to the disk: what a killed run may lose.
+constexpr std::size_t kFlushEvery = 64;
+}  // namespace
+
+struct TrackOutput::Impl {
+  OutputOptions options;
+  std::vector<TrackRow> rows;
+  std::int64_t done = 0;
+  std::optional<double> grid_radius;
+  std::unique_ptr<TrackCsv> csv;
+  std::unique_ptr<FieldsFile> fields;
+  std::unique_ptr<OverlayOutput> overlay;
+  std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
+  std::size_t unflushed = 0;
+
+  std::filesystem::path csv_path() const { return options.folder / "track.csv"; }
+  std::filesystem::path fields_path() const { return options.folder / "fields.h5"; }
+
+  // The last row of an earlier run may be the clip's last frame or stand before a frame that
+  // could not be read then: it is measured again.
+  void take_over() {
+    if (!options.resume || !std::filesystem::exists(csv_path())) return;
+    rows = read_track_csv(csv_path());
+    if (!rows.empty()) rows.pop_back();
+    if (options.with_field && std::filesystem::exists(fields_path()) && !rows.empty()) {
+      fields = std::make_unique<FieldsFile>(
+          FieldsFile::resume(fields_path(), options.window_px, rows.size()));
+      grid_radius = fields->number("grid_radius_px");
+    } else if (options.with_field) {
+      rows.clear();
+    }
+    done = static_cast<std::int64_t>(rows.size());
+  }
+
+  void write_field(const TrackRow& row, const PairMotion* pair) {
+    if (!options.with_field) return;
+    if (!fields) {
+      before_grid.push_back(row);
+      return;
+    }
+    if (pair != nullptr) {
+      fields->add(row.frame, row.time_s, pair->windows, pair->field, &row);
+    } else {
+      fields->add(row.frame, row.time_s, {}, {}, &row);
+    }
+  }
+
+  void open_fields(std::size_t window_count, double radius_px) {
+    if (fields) return;
+    options.attributes["grid_radius_px"] = radius_px;
+    fields = std::make_unique<FieldsFile>(
+        FieldsFile::create(fields_path(), window_count, options.window_px, options.attributes));
+    for (const TrackRow& row : before_grid) write_field(row, nullptr);
+    before_grid.clear();
+  }
+
+  void flush() {
+    csv->flush();
+    if (fields) fields->flush();
+    unflushed = 0;
+  }
+};
+
+TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()) {
+  impl_->options = std::move(options);
+  impl_->take_over();
+  impl_->csv = std::make_unique<TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->rows);
+  if (impl_->options.overlay) {
+    impl_->overlay = std::make_unique<OverlayOutput>(impl_->options.folder);
+  }
+}
+
+TrackOutput::~TrackOutput() = default;
+
+std::int64_t TrackOutput::rows_done() const { return impl_->done; }
+std::optional<double> TrackOutput::grid_radius_px() const { return impl_->grid_radius; }
+const std::vector<TrackRow>& TrackOutput::rows() const { return impl_->rows; }
+
+void TrackOutput::set_grid(std::span<const Window> grid, double radius_px) {
+  impl_->open_fields(grid.size(), radius_px);
+}
+
+void TrackOutput::add(const TrackedFrame& frame) {
+  impl_->rows.push_back(frame.row);
+  impl_->csv->add(frame.row);
+  impl_->write_field(frame.row, frame.pair);
+  if (impl_->overlay) {
+    impl_->overlay->add(frame, impl_->options.roi, impl_->options.window_px);
+  }
+  if (++impl_->unflushed >= kFlushEvery) impl_->flush();
+}
+
+nlohmann::json TrackOutput::finish() {
+  SiScale scale = impl_->options.scale;
+  const auto radius = median_radius_px(impl_->rows);
+  if (impl_->options.ball_diameter_m > 0 && radius) {
+    scale.metre_per_px = impl_->options.ball_diameter_m / (2 * *radius);
+  }
+  // A clip without any ball still gets its (empty) field file.
+  if (impl_->options.with_field) impl_->open_fields(0, 0);
+  impl_->flush();
+  impl_->csv->finish(impl_->rows, scale);
+  if (impl_->overlay) impl_->overlay->finish();
+  return summarise_track(impl_->rows, scale);
+}
+
+}  // namespace impactdic::app

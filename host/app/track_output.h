@@ -1,0 +1,48 @@
+// The files that `track` leaves behind, written while the clip runs.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/report/csv.h"
+#include "host/report/fields_file.h"
+#include "host/report/summary.h"
+#include "host/track/track_clip.h"
+
+namespace impactdic::app {
+
+struct OutputOptions {
+  std::filesystem::path folder;
+  SiScale scale;               // metre_per_px 0 where only the ball's diameter is known
+  double ball_diameter_m = 0;  // 0: unknown
+  int window_px = 15;
+  bool with_field = true, overlay = false, resume = false;
+  Roi roi;
+  Attributes attributes;
+};
+
+class TrackOutput {
+ public:
+  // With `resume` takes over the rows of an earlier run. Throws FileError, FormatError.
+  explicit TrackOutput(OutputOptions options);
+  ~TrackOutput();
+
+  std::int64_t rows_done() const;
+  // Of the earlier run's grid; nullopt where there was none.
+  std::optional<double> grid_radius_px() const;
+  void set_grid(std::span<const Window> grid, double radius_px);
+  void add(const TrackedFrame& frame);
+  // Puts the scale into the table, closes everything and sums it up.
+  nlohmann::json finish();
+  const std::vector<TrackRow>& rows() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace impactdic::app

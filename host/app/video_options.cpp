@@ -1,0 +1,76 @@
+#include "host/app/video_options.h"
+
+#include <cstdio>
+#include <filesystem>
+
+#include "host/base/error.h"
+#include "host/base/sha256.h"
+#ifdef IMPACTDIC_WITH_CODECS
+#include "host/video/codec/codec.h"
+#endif
+
+namespace impactdic::app {
+
+void add_video_options(CLI::App& command, VideoRequest& request) {
+  command
+      .add_option("video", request.inputs,
+                  "Clip: .cine, .mraw/.cih/.cihx, .tif (multi-page), .avi/.mp4/.mov/.mkv, a folder "
+                  "or quoted glob of pictures, several pictures, or raw pixels with --raw")
+      ->required();
+  command.add_option("--raw", request.raw, "WIDTHxHEIGHTxBITS: the file is bare pixels");
+  command.add_option("--fps", request.fps, "Frames a second; overrides the file's own rate")
+      ->check(CLI::PositiveNumber);
+}
+
+std::unique_ptr<FrameSource> open_requested(const VideoRequest& request, bool quiet) {
+  VideoOptions options;
+  if (!request.raw.empty()) options.raw = parse_raw_layout(request.raw);
+#ifdef IMPACTDIC_WITH_CODECS
+  options.open_codec = open_codec;
+#endif
+  auto source = open_video(request.inputs, options);
+  if (!quiet && request.fps == 0) {
+    for (const std::string& warning : source->info().warnings) {
+      std::fprintf(stderr, "impactdic: warning: %s\n", warning.c_str());
+    }
+  }
+  return source;
+}
+
+double resolve_fps(const VideoRequest& request, const VideoInfo& info,
+                   const std::string& needed_for) {
+  if (request.fps > 0) return request.fps;
+  if (info.fps) return *info.fps;
+  if (!needed_for.empty()) {
+    throw InvalidArgument("the file does not say its frame rate, which " + needed_for + " needs",
+                          info.path, "give it with --fps");
+  }
+  return 0;
+}
+
+std::string sha256_of_clip(const VideoRequest& request) {
+  namespace fs = std::filesystem;
+  if (request.inputs.size() == 1 && fs::is_regular_file(request.inputs.front())) {
+    return sha256_of_file(request.inputs.front());
+  }
+  std::string listing;
+  for (const std::string& input : request.inputs) {
+    if (fs::is_directory(input)) {
+      std::vector<std::string> lines;
+      for (const auto& entry : fs::directory_iterator(input)) {
+        if (!entry.is_regular_file()) continue;
+        lines.push_back(entry.path().filename().string() + " " + std::to_string(entry.file_size()) +
+                        "\n");
+      }
+      std::sort(lines.begin(), lines.end());
+      for (const std::string& line : lines) listing += line;
+    } else if (fs::is_regular_file(input)) {
+      listing += sha256_of_file(input) + "\n";
+    } else {
+      listing += input + "\n";  // a glob
+    }
+  }
+  return sha256_of_text(listing);
+}
+
+}  // namespace impactdic::app
