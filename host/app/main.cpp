@@ -34,6 +34,7 @@ int report_usage(const CLI::App& app, const CLI::ParseError& error) {
 void add_commands(CLI::App& app) {
   using namespace impactdic::app;
   add_devices_command(app);
+  add_info_command(app);
 }
 
 int run(int argc, char** argv) {
