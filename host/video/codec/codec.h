@@ -1,0 +1,44 @@
+// Containers and picture files through OpenCV: what needs a codec. The rest of the program sees
+// OpenCV only here and never in a header.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/video/frame_sink.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic {
+
+// For VideoOptions::open_codec. One container (.avi .mp4 .mov .mkv), or pictures (.png .bmp .jpg
+// .pgm) as a sequence. Colour becomes luminance. Containers give 8 bits; reads in order are fast,
+// going back in a clip with inter-frame compression decodes it again from its start.
+// Throws FileError, FormatError.
+std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths);
+
+// For open_sink: SinkFormat::png (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
+// Throws InvalidArgument (more than 8 bits for a container), FileError.
+std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
+                                           const VideoInfo& info);
+
+// A colour MP4 for looking at, such as an overlay. Width and height must be even.
+class Mp4Writer {
+ public:
+  // Throws FileError where the encoder or the disk refuses, InvalidArgument for an odd size.
+  Mp4Writer(const std::string& path, int width, int height, double fps);
+  ~Mp4Writer();
+  Mp4Writer(const Mp4Writer&) = delete;
+  Mp4Writer& operator=(const Mp4Writer&) = delete;
+  // `bgr`: (height, width, 3) bytes: blue, green, red; `pitch` bytes from row to row.
+  void write(const std::uint8_t* bgr, std::ptrdiff_t pitch);
+  // Completes the file; throws FileError where it is not there afterwards.
+  void finish();
+
+ private:
+  struct Encoder;
+  std::unique_ptr<Encoder> encoder_;
+};
+
+}  // namespace impactdic

@@ -1,0 +1,189 @@
+#include "host/video/codec/container.h"
+
+#include <cmath>
+#include <deque>
+#include <mutex>
+#include <opencv2/videoio.hpp>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/video/byte_file.h"
+#include "host/video/codec/grey.h"
+#include "host/video/file_kind.h"
+
+namespace impactdic {
+namespace {
+
+constexpr std::size_t kKept = 16;  // decoded frames that stay at hand
+
+std::string code_name(int fourcc) {
+  std::string name;
+  for (int i = 0; i < 4; ++i) {
+    const char c = static_cast<char>(fourcc >> (8 * i) & 0xff);
+    name += c > 32 && c < 127 ? c : ' ';
+  }
+  return trim(name);
+}
+
+// Codecs whose frames stand alone: a seek to one of them is exact.
+bool is_intra_only(const std::string& code) {
+  static const std::set<std::string> kIntra = {"rawv", "Y800", "GREY", "Y8", "FFV1",
+                                               "HFYU", "MJPG", "DIB",  "",   "mjpg"};
+  return kIntra.contains(code);
+}
+bool is_lossless(const std::string& code) {
+  return is_intra_only(code) && code != "MJPG" && code != "mjpg";
+}
+
+// A decoder that goes forward, with the last frames kept: threads that share a clip ask for its
+// frames nearly but not exactly in order.
+class ContainerSource : public FrameSource {
+ public:
+  explicit ContainerSource(const std::string& path) {
+    info_.path = path;
+    open_decoder();
+    fill_info();
+  }
+
+  const VideoInfo& info() const override { return info_; }
+
+  void read(std::int64_t index, Frame& frame) override {
+    check_frame_index(info_.path, index, info_.frame_count);
+    const std::lock_guard lock(mutex_);
+    try {
+      frame = decoded(index);
+    } catch (const cv::Exception& error) {
+      throw FormatError(info_.path, -1, "the clip cannot be decoded", error.err);
+    }
+  }
+
+ private:
+  struct Decoded {
+    std::int64_t index;
+    Frame frame;
+  };
+
+  void open_decoder() {
+    silence_codecs();
+    try {
+      // "file:" keeps a colon in the name from being taken for a protocol.
+      capture_.open("file:" + info_.path, cv::CAP_FFMPEG);
+    } catch (const cv::Exception& error) {
+      throw FormatError(info_.path, -1, "the container cannot be read", error.err);
+    }
+    if (!capture_.isOpened()) {
+      throw FormatError(info_.path, -1, "the container cannot be read",
+                        "it is damaged, or its codec is not installed");
+    }
+    next_ = 0;
+  }
+
+  void fill_info() {
+    const std::string code = code_name(static_cast<int>(capture_.get(cv::CAP_PROP_FOURCC)));
+    intra_only_ = is_intra_only(code);
+    info_.format = lower_extension(info_.path) == ".avi" ? "AVI" : "video container";
+    info_.storage = "8-bit, " + (code.empty() ? "uncompressed" : code);
+    const double width = capture_.get(cv::CAP_PROP_FRAME_WIDTH);
+    const double height = capture_.get(cv::CAP_PROP_FRAME_HEIGHT);
+    check_frame_size(info_.path, static_cast<std::int64_t>(width),
+                     static_cast<std::int64_t>(height), 3);
+    info_.width = static_cast<int>(width);
+    info_.height = static_cast<int>(height);
+    info_.bits = 8;
+    count_frames();
+    if (!is_lossless(code)) {
+      info_.warnings.push_back("lossy compression (" + code + "): grey levels are not exact");
+    }
+    const double fps = capture_.get(cv::CAP_PROP_FPS);
+    if (std::isfinite(fps) && fps > 0) info_.fps = fps;
+    // 600 1/s is what a common writer puts into AVI for anything faster.
+    if (!info_.fps || *info_.fps < 500 || *info_.fps == 600) {
+      info_.warnings.push_back("the container states " + shortest(info_.fps.value_or(0)) +
+                               " frames/s, which containers often get wrong: check, give --fps");
+    }
+    const cv::Mat first = grab_next();
+    if (is_colored(first)) info_.warnings.push_back("colour pictures: read as luminance");
+    keep(first);
+  }
+
+  // Matroska does not store the number of frames: there they are counted once.
+  void count_frames() {
+    const ByteFile file(info_.path);
+    const bool counted = load_u32(file.bytes_at(0, 4).data()) != 0xa3df451au;
+    const double stated = capture_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (counted && stated >= 1 && stated < 1e9) {
+      info_.frame_count = std::llround(stated);
+      return;
+    }
+    while (capture_.grab()) ++info_.frame_count;
+    if (info_.frame_count == 0) throw FormatError(info_.path, -1, "the clip holds no frames");
+    open_decoder();
+  }
+
+  cv::Mat grab_next() {
+    cv::Mat picture;
+    if (!capture_.read(picture) || picture.empty()) {
+      throw FormatError(info_.path, -1, "frame " + std::to_string(next_) + " cannot be decoded",
+                        "the container states " + std::to_string(info_.frame_count) +
+                            " frames; was it copied whole?");
+    }
+    if (picture.cols != info_.width || picture.rows != info_.height) {
+      throw FormatError(info_.path, -1, "the picture size changes within the clip");
+    }
+    return picture;
+  }
+
+  const Frame& keep(const cv::Mat& picture) {
+    Decoded entry;
+    if (kept_.size() == kKept) {
+      entry = std::move(kept_.front());
+      kept_.pop_front();
+    }
+    entry.index = next_++;
+    to_frame(picture, info_.path, entry.frame);
+    kept_.push_back(std::move(entry));
+    return kept_.back().frame;
+  }
+
+  const Frame& decoded(std::int64_t index) {
+    for (const Decoded& entry : kept_) {
+      if (entry.index == index) return entry.frame;
+    }
+    const auto near = static_cast<std::int64_t>(kKept);
+    if (index < next_ || (intra_only_ && index >= next_ + near)) go_to(index);
+    while (next_ + near <= index) {
+      if (!capture_.grab()) break;  // the read below says what is missing
+      ++next_;
+    }
+    const Frame* frame = nullptr;
+    while (next_ <= index) frame = &keep(grab_next());
+    return *frame;
+  }
+
+  // Exact whatever the codec: back to the start, unless frames stand alone.
+  void go_to(std::int64_t index) {
+    kept_.clear();
+    if (intra_only_ && capture_.set(cv::CAP_PROP_POS_FRAMES, static_cast<double>(index)) &&
+        std::llround(capture_.get(cv::CAP_PROP_POS_FRAMES)) == index) {
+      next_ = index;
+      return;
+    }
+    open_decoder();
+  }
+
+  VideoInfo info_;
+  std::mutex mutex_;
+  cv::VideoCapture capture_;
+  bool intra_only_ = false;
+  std::int64_t next_ = 0;  // the frame that the decoder gives next
+  std::deque<Decoded> kept_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_container(const std::string& path) {
+  return std::make_unique<ContainerSource>(path);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,51 @@
+#include "host/video/codec/grey.h"
+
+#include <cstdlib>
+#include <mutex>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+
+void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame) {
+  const int depth = picture.depth(), channels = picture.channels();
+  if ((depth != CV_8U && depth != CV_16U) || (channels != 1 && channels != 3 && channels != 4)) {
+    throw FormatError(path, -1, "unsupported pixels", "8 or 16 bits, grey or RGB are read");
+  }
+  frame.reset(picture.cols, picture.rows, depth == CV_8U ? 8 : 16);
+  cv::Mat target(picture.rows, picture.cols, CV_MAKETYPE(depth, 1),
+                 const_cast<void*>(frame.bytes()));
+  if (channels == 1) {
+    picture.copyTo(target);
+  } else {
+    cv::cvtColor(picture, target, channels == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
+  }
+}
+
+bool is_colored(const cv::Mat& picture) {
+  if (picture.channels() < 3) return false;
+  std::vector<cv::Mat> planes;
+  cv::split(picture, planes);
+  return cv::norm(planes[0], planes[1], cv::NORM_INF) > 0 ||
+         cv::norm(planes[1], planes[2], cv::NORM_INF) > 0;
+}
+
+cv::Mat as_mat(const Frame& frame) {
+  return {frame.height(), frame.width(), frame.type == PixelType::u8 ? CV_8UC1 : CV_16UC1,
+          const_cast<void*>(frame.bytes())};
+}
+
+void silence_codecs() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    // OpenCV's FFmpeg backend takes its level from here; a person's own setting stays.
+    ::setenv("OPENCV_FFMPEG_DEBUG", "1", 0);
+    ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  });
+}
+
+}  // namespace impactdic

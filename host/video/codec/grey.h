@@ -1,0 +1,21 @@
+// OpenCV pictures to frames and back. Only for the sources of this folder.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "host/base/image.h"
+
+namespace impactdic {
+
+// Grey or colour, 8 or 16 bits, to a grey frame (ITU-R BT.601 luminance).
+// Throws FormatError for other kinds.
+void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame);
+// True where red, green and blue differ somewhere.
+bool is_colored(const cv::Mat& picture);
+// The frame's own memory as a picture; valid as long as the frame.
+cv::Mat as_mat(const Frame& frame);
+// OpenCV and FFmpeg report to stderr unless told once that the library does not print.
+void silence_codecs();
+
+}  // namespace impactdic
