@@ -82,14 +82,15 @@ std::vector<BallPose> constant_motion(const ConstantMotion& motion, int frames) 
   return poses;
 }
 
-std::vector<BallPose> read_motion_csv(const std::filesystem::path& file, const BallPose& start) {
+MotionTable read_motion_csv(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw FileError("cannot read the motion", file.string(), "is the path right?");
   std::string line;
   if (!std::getline(in, line)) throw FormatError(file.string(), 0, "the file is empty");
   const auto columns = read_header(line, file.string());
-  std::vector<BallPose> poses;
-  BallPose sum = start;  // where summed columns have led
+  MotionTable table;
+  table.placed = columns.count("cx_px") != 0;
+  BallPose sum;  // where summed columns have led
   for (int number = 2; std::getline(in, line); ++number) {
     if (trim(line).empty()) continue;
     const std::string where = file.string() + ", line " + std::to_string(number);
@@ -106,14 +107,14 @@ std::vector<BallPose> read_motion_csv(const std::filesystem::path& file, const B
     pose.angle_deg = row.need("angle_deg", pose.angle_deg);
     pose.compression = row.need("compression", pose.compression);
     pose.compression_axis_deg = row.need("compression_axis_deg", pose.compression_axis_deg);
-    poses.push_back(pose);
+    table.poses.push_back(pose);
     // The last row's motion may be empty; then nothing follows that would need it.
     sum.cx_px += row.get("dx_px", 0);
     sum.cy_px += row.get("dy_px", 0);
     sum.angle_deg += row.get("rot_deg", 0);
   }
-  if (poses.empty()) throw FormatError(file.string(), -1, "no row follows the header");
-  return poses;
+  if (table.poses.empty()) throw FormatError(file.string(), -1, "no row follows the header");
+  return table;
 }
 
 void write_truth_csv(const std::filesystem::path& file, std::span<const BallPose> poses,
@@ -131,6 +132,17 @@ void write_truth_csv(const std::filesystem::path& file, std::span<const BallPose
     } else {
       out << ",,\n";
     }
+  }
+  out.close();
+  if (!out) throw FileError("cannot write the truth", file.string(), "is the disk full?");
+}
+
+void write_compression_csv(const std::filesystem::path& file, std::span<const BallPose> poses) {
+  std::ofstream out(file);
+  out << "frame,compression,compression_axis_deg\n";
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    out << k << ',' << shortest(poses[k].compression) << ','
+        << shortest(poses[k].compression_axis_deg) << '\n';
   }
   out.close();
   if (!out) throw FileError("cannot write the truth", file.string(), "is the disk full?");

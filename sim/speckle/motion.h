@@ -11,10 +11,10 @@ namespace impactdic {
 // Image axes: x right, y down, pixel centres at integers. Angles are positive counter-clockwise
 // as seen on the screen.
 struct BallPose {
-  double cx_px = 0, cy_px = 0;      // the ball's centre
-  double angle_deg = 0;             // turned from the pattern's own position
-  double compression = 0;           // 0 … 0.5: the ball is shorter by this share along the axis
-  double compression_axis_deg = 0;  // direction of that axis on the screen
+  double cx_px = 0, cy_px = 0;       // the ball's centre
+  double angle_deg = 0;              // turned from the pattern's own position
+  double compression = 0;            // 0 … 0.5: the ball is shorter by this share along the axis
+  double compression_axis_deg = 90;  // direction of that axis on the screen
 };
 
 // The ball while the shutter is open: it moves straight from `open` to `middle` to `close`.
@@ -31,17 +31,24 @@ struct ConstantMotion {
 // Poses of `frames` frames; frame k is the start plus k steps (no sum accumulates).
 std::vector<BallPose> constant_motion(const ConstantMotion& motion, int frames);
 
+struct MotionTable {
+  std::vector<BallPose> poses;
+  bool placed = false;  // positions were given; otherwise they are relative to the first frame's
+};
 // Reads poses from CSV with a header. Columns known: cx_px and cy_px, or dx_px and dy_px (each row
-// the motion to the next one; summed from `start`); angle_deg, or rot_deg (summed likewise);
-// compression; compression_axis_deg. Others (frame, time_s, r_px) are ignored, so a truth.csv is
-// such a file. Throws FileError, or FormatError naming the line.
-std::vector<BallPose> read_motion_csv(const std::filesystem::path& file, const BallPose& start);
+// the motion to the next one; summed); angle_deg, or rot_deg (summed likewise); compression;
+// compression_axis_deg (90 where absent). Others (frame, time_s, r_px) are ignored, so a truth.csv
+// is such a file. Throws FileError, or FormatError naming the line.
+MotionTable read_motion_csv(const std::filesystem::path& file);
 
 // Writes exactly frame,time_s,cx_px,cy_px,r_px,dx_px,dy_px,rot_deg: row k's motion is from frame k
 // to k + 1, dx and dy at the ball's centre; the last row's motion is empty. Numbers read back as
 // the same doubles. r_px is the radius of the ball when it is not compressed. Throws FileError.
 void write_truth_csv(const std::filesystem::path& file, std::span<const BallPose> poses,
                      double radius_px, double fps);
+
+// Writes frame,compression,compression_axis_deg, the truth that truth.csv has no columns for.
+void write_compression_csv(const std::filesystem::path& file, std::span<const BallPose> poses);
 
 // The ball while frame `index` is exposed: the shutter is open for `exposure` (0 … 1) of the frame
 // interval, its middle at the frame's own time, so that the truth is the pose at mid-exposure.

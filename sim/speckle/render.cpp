@@ -152,7 +152,7 @@ void Scene::validate() const {
   }
 }
 
-OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px) {
+OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px, double angle_deg) {
   if (!(fraction >= 0 && fraction <= 1)) {
     throw InvalidArgument("the hidden share of the ball is out of range", "occlude", "0 … 1");
   }
@@ -166,8 +166,11 @@ OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px)
   }
   OccludingBar bar;
   bar.width_px = 2.5 * radius_px;
-  bar.x_px = pose.cx_px;
-  bar.y_px = pose.cy_px + radius_px * (low + high) / 2 + bar.width_px / 2;
+  bar.angle_deg = angle_deg;
+  const Vec down = direction(angle_deg - 90);
+  const double away = radius_px * (low + high) / 2 + bar.width_px / 2;
+  bar.x_px = pose.cx_px + away * down.x;
+  bar.y_px = pose.cy_px + away * down.y;
   return bar;
 }
 

@@ -48,9 +48,11 @@ struct Scene {
   void validate() const;
 };
 
-// A horizontal bar whose upper edge hides the lower `fraction` (0 … 1) of the disc's area of a ball
-// at this pose, as a racket does.
-OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px);
+// A bar that hides the share `fraction` (0 … 1) of the disc's area of a ball at this pose: all that
+// lies beyond a chord, on the lower side, as a racket does. `angle_deg` is the chord's direction,
+// counter-clockwise from image-right.
+OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px,
+                        double angle_deg = 0);
 
 // Renders one ball in one scene. All tables are made in the constructor; rendering is const, may
 // be called from several threads, and uses all of TBB's threads itself. The result does not depend

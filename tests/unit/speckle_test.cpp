@@ -157,7 +157,7 @@ TEST_F(MotionFile, TruthHasTheStatedHeaderAndExactRows) {
 TEST_F(MotionFile, TruthReadsBackAsTheSameMotion) {
   const std::vector<BallPose> poses = constant_motion({{100.1, 200.2, 0}, 0.37, -0.61, 3.3}, 40);
   write_truth_csv(dir_ / "truth.csv", poses, 115, 10000);
-  const std::vector<BallPose> read = read_motion_csv(dir_ / "truth.csv", BallPose{});
+  const std::vector<BallPose> read = read_motion_csv(dir_ / "truth.csv").poses;
   ASSERT_EQ(read.size(), poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
     EXPECT_EQ(read[k].cx_px, poses[k].cx_px);
@@ -166,31 +166,33 @@ TEST_F(MotionFile, TruthReadsBackAsTheSameMotion) {
   }
 }
 
-TEST_F(MotionFile, StepsAreSummedFromTheStart) {
-  const auto poses = read_motion_csv(write("dx_px,dy_px,rot_deg,compression,compression_axis_deg\n"
-                                           "1,2,3,0,90\n0.5,0,-1,0.01,90\n,,,0.02,90\n"),
-                                     BallPose{10, 20, 30});
+TEST_F(MotionFile, StepsAreSummed) {
+  const MotionTable table =
+      read_motion_csv(write("dx_px,dy_px,rot_deg,compression,compression_axis_deg\n"
+                            "1,2,3,0,80\n0.5,0,-1,0.01,80\n,,,0.02,80\n"));
+  const auto& poses = table.poses;
+  EXPECT_FALSE(table.placed);
   ASSERT_EQ(poses.size(), 3u);
-  EXPECT_EQ(poses[0].cx_px, 10);
-  EXPECT_EQ(poses[1].cx_px, 11);
-  EXPECT_EQ(poses[2].cx_px, 11.5);
-  EXPECT_EQ(poses[2].cy_px, 22);
-  EXPECT_EQ(poses[2].angle_deg, 32);
+  EXPECT_EQ(poses[0].cx_px, 0);
+  EXPECT_EQ(poses[1].cx_px, 1);
+  EXPECT_EQ(poses[2].cx_px, 1.5);
+  EXPECT_EQ(poses[2].cy_px, 2);
+  EXPECT_EQ(poses[2].angle_deg, 2);
   EXPECT_EQ(poses[2].compression, 0.02);
-  EXPECT_EQ(poses[2].compression_axis_deg, 90);
+  EXPECT_EQ(poses[2].compression_axis_deg, 80);
 }
 
 TEST_F(MotionFile, DamagedFilesAreRefusedByLine) {
-  EXPECT_THROW(read_motion_csv(dir_ / "none.csv", {}), FileError);
-  EXPECT_THROW(read_motion_csv(write(""), {}), FormatError);
-  EXPECT_THROW(read_motion_csv(write("a,b\n1,2\n"), {}), FormatError);
-  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n"), {}), FormatError);
-  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n1\n"), {}), FormatError);
-  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n1,\n"), {}), FormatError);
+  EXPECT_THROW(read_motion_csv(dir_ / "none.csv"), FileError);
+  EXPECT_THROW(read_motion_csv(write("")), FormatError);
+  EXPECT_THROW(read_motion_csv(write("a,b\n1,2\n")), FormatError);
+  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n")), FormatError);
+  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n1\n")), FormatError);
+  EXPECT_THROW(read_motion_csv(write("cx_px,cy_px\n1,\n")), FormatError);
   // A step in the middle that is empty leaves all later poses unknown.
-  EXPECT_THROW(read_motion_csv(write("dx_px,dy_px\n1,1\n,\n1,1\n"), {}), FormatError);
+  EXPECT_THROW(read_motion_csv(write("dx_px,dy_px\n1,1\n,\n1,1\n")), FormatError);
   try {
-    read_motion_csv(write("cx_px,cy_px\n1,2\n1,x\n"), {});
+    read_motion_csv(write("cx_px,cy_px\n1,2\n1,x\n"));
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(error.line().find("line 3"), std::string::npos) << error.line();

@@ -1,0 +1,18 @@
+// A whole synthetic clip, frames in order.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "host/base/progress.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+
+// Renders frame k at poses[k], the shutter open for `exposure` (0 … 1) of the frame interval around
+// it. Frames are rendered by all threads and handed to `consume` one after the other in order.
+// What `consume` throws ends the clip and is thrown on.
+void render_clip(const BallRenderer& renderer, std::span<const BallPose> poses, double exposure,
+                 const std::function<void(const Frame&)>& consume, const ProgressFn& progress = {});
+
+}  // namespace impactdic
