@@ -63,9 +63,8 @@ std::optional<std::size_t> first_cut(const std::vector<BallPose>& poses, const R
   return std::nullopt;
 }
 
-std::unique_ptr<FrameSink> open_clip(const std::filesystem::path& folder, const Request& request,
-                                     std::size_t frames) {
-  const SinkFormat format = parse_sink_format(request.format);
+std::unique_ptr<FrameSink> open_clip(const std::filesystem::path& folder, SinkFormat format,
+                                     const Request& request, std::size_t frames) {
   VideoInfo info;
   info.width = request.scene.width;
   info.height = request.scene.height;
@@ -82,6 +81,7 @@ std::unique_ptr<FrameSink> open_clip(const std::filesystem::path& folder, const 
 }
 
 void run_synth(const CLI::App& command, Request request) {
+  const SinkFormat format = parse_sink_format(request.format);
   parse_size(request.size, request.scene);
   request.scene.noise_seed = request.seed;
   const SynthMotion motion = make_motion(request.motion, request.scene.width, request.scene.height);
@@ -93,7 +93,7 @@ void run_synth(const CLI::App& command, Request request) {
   const RunContext run(request.common, false);
   const BallRenderer renderer(make_ball(request), request.scene);
   const auto folder = prepare_output_directory(request.output, request.common.force);
-  const auto sink = open_clip(folder, request, motion.poses.size());
+  const auto sink = open_clip(folder, format, request, motion.poses.size());
   write_job(command, folder / "job.toml");
   write_truth_csv(folder / "truth.csv", motion.poses, request.radius_px, request.fps);
   if (std::any_of(motion.poses.begin(), motion.poses.end(),

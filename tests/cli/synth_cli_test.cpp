@@ -1,0 +1,132 @@
+// `impactdic synth` from outside: what it writes is the stated scene at the stated truth.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "host/video/frame_source.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SynthCommand : public testing::Test {
+ protected:
+  SynthCommand()
+      : dir_(fs::temp_directory_path() /
+             ("impactdic_synth_" +
+              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+    fs::remove_all(dir_);
+    fs::create_directories(dir_);
+  }
+  ~SynthCommand() override {
+    std::error_code ignored;
+    fs::remove_all(dir_, ignored);
+  }
+  // Exit status of `impactdic synth -o dir_/name options`; stderr in dir_/errors.
+  int synth(const std::string& name, const std::string& options) const {
+    const std::string command = std::string(IMPACTDIC_PROGRAM) + " synth -o " +
+                                (dir_ / name).string() + " " + options + " >" +
+                                (dir_ / "out").string() + " 2>" + (dir_ / "errors").string();
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  std::string text(const fs::path& file) const {
+    std::ifstream in(dir_ / file, std::ios::binary);
+    std::stringstream all;
+    all << in.rdbuf();
+    return all.str();
+  }
+  fs::path dir_;
+};
+
+struct Format {
+  const char* option;
+  const char* file;
+  int bits;
+};
+
+// The clip read back, frame by frame, against the renderer at the poses of truth.csv.
+TEST_F(SynthCommand, EveryFormatHoldsTheScenesPicturesAtTheTruthsPoses) {
+  for (const Format& format : {Format{"tiff", "video.tif", 8}, Format{"tiff", "video.tif", 12},
+                               Format{"raw", "video.raw", 16}, Format{"cine", "video.cine", 8},
+                               Format{"cine12", "video.cine", 12}, Format{"mraw", "video.mraw", 10},
+                               Format{"mraw12", "video.mraw", 12}}) {
+    const std::string name = std::string(format.option) + std::to_string(format.bits);
+    SCOPED_TRACE(name);
+    ASSERT_EQ(synth(name,
+                    "--pattern b1 --radius-px 30 --size 90x84 --frames 3 --noise 1.5"
+                    " --velocity-px 0.37,-0.61 --rotation-deg 3 --shading 0.3 --format " +
+                        std::string(format.option) + " --bits " + std::to_string(format.bits)),
+              0);
+    Scene scene;
+    scene.width = 90;
+    scene.height = 84;
+    scene.noise_sigma = 1.5;
+    scene.shading = 0.3;
+    scene.bits = format.bits;
+    const BallRenderer renderer(paint_ball("b1", 1, 30), scene);
+    const auto poses = read_motion_csv(dir_ / name / "truth.csv").poses;
+    VideoOptions options;
+    if (name == "raw16") options.raw = RawLayout{90, 84, 16};
+    const auto clip = open_video({(dir_ / name / format.file).string()}, options);
+    ASSERT_EQ(clip->info().frame_count, 3);
+    ASSERT_EQ(poses.size(), 3u);
+    EXPECT_NEAR(poses[1].cx_px - poses[0].cx_px, 0.37, 1e-12);
+    EXPECT_NEAR(poses[1].cy_px, (84 - 1) / 2.0, 1e-12);  // the path lies in the middle
+    for (int k = 0; k < 3; ++k) {
+      Frame stored, expected;
+      clip->read(k, stored);
+      renderer.render(poses[static_cast<std::size_t>(k)], k, expected);
+      ASSERT_EQ(stored.width(), expected.width());
+      const Image<float> a = stored.to_float(), b = expected.to_float();
+      for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a.data()[i], b.data()[i]) << i;
+    }
+  }
+}
+
+TEST_F(SynthCommand, TheJobFileRemakesTheClipOnAnyNumberOfThreads) {
+  ASSERT_EQ(synth("a",
+                  "--pattern f1 --radius-px 40 --size 128x128 --frames 6 --noise 2 -j 1"
+                  " --exposure 0.4 --occlude 0.3 --compression 0.01"),
+            0);
+  ASSERT_EQ(synth("b", "--job " + (dir_ / "a/job.toml").string() + " -j 3"), 0);
+  EXPECT_EQ(text("a/video.tif"), text("b/video.tif"));
+  EXPECT_EQ(text("a/truth.csv"), text("b/truth.csv"));
+  EXPECT_EQ(text("a/compression.csv"), text("b/compression.csv"));
+  EXPECT_NE(text("a/compression.csv").find("\n5,0.05,90\n"), std::string::npos);
+}
+
+TEST_F(SynthCommand, MotionFilesAreFollowed) {
+  std::ofstream(dir_ / "motion.csv") << "cx_px,cy_px,angle_deg\n50,51,0\n50.25,51.5,-4\n";
+  ASSERT_EQ(synth("clip", "--pattern none --radius-px 30 --size 100x100 --motion " +
+                              (dir_ / "motion.csv").string()),
+            0);
+  EXPECT_EQ(text("clip/truth.csv"),
+            "frame,time_s,cx_px,cy_px,r_px,dx_px,dy_px,rot_deg\n"
+            "0,0,50,51,30,0.25,0.5,-4\n1,1e-04,50.25,51.5,30,,,\n");
+}
+
+TEST_F(SynthCommand, WrongRequestsAreOneLineAndStatus2) {
+  for (const char* options :
+       {"--pattern z9", "--size 12", "--bits 20", "--velocity-px 1", "--blur 0.1", "--format xyz",
+        "--radius-px -3", "--unknown 1", "--motion /nowhere.csv --rotation-deg 2"}) {
+    EXPECT_EQ(synth("none", options), 2) << options;
+    const std::string line = text("errors");
+    EXPECT_EQ(line.rfind("impactdic: error: ", 0), 0u) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    EXPECT_FALSE(fs::exists(dir_ / "none")) << options;
+  }
+  EXPECT_EQ(synth("none", "--motion /nowhere.csv"), 1);
+  fs::create_directories(dir_ / "full/x");
+  EXPECT_EQ(synth("full", "--frames 1 --radius-px 30"), 2);
+}
+
+}  // namespace
+}  // namespace impactdic
