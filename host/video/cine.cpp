@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <numeric>
 
 #include "host/base/error.h"
 #include "host/base/parse.h"
@@ -11,8 +12,8 @@
 namespace impactdic {
 namespace {
 
-constexpr double kTicksPerSecond = 4294967296.0;  // 2^32
-constexpr std::int64_t kFlags = 3;                // lowest bits of a time stamp
+constexpr double kTicksPerSecond = 4294967296.0;   // 2^32
+constexpr double kStampsPerSecond = 1073741824.0;  // 2^30: the two lowest bits are flags
 
 // "2015-07-24T20:47:01.123456Z".
 std::string iso_utc(std::uint64_t ticks) {
@@ -70,7 +71,7 @@ class CineSource : public FrameSource {
   std::optional<double> frame_time_s(std::int64_t index) override {
     check_frame_index(info_.path, index, info_.frame_count);
     if (!info_.has_timestamps) return std::nullopt;
-    return static_cast<double>(ticks(index) - ticks(0)) / kTicksPerSecond;
+    return static_cast<double>(stamp(index) - stamp(0)) / kStampsPerSecond;
   }
 
   std::optional<double> frame_exposure_s(std::int64_t index) override {
@@ -100,10 +101,12 @@ class CineSource : public FrameSource {
     return at + annotation;
   }
 
-  // Camera time of a frame in 2^-32 s; the two lowest bits are flags.
-  std::int64_t ticks(std::int64_t index) const {
-    const auto bytes = file_.bytes_at(header_.times->offset + 8 * index, 8);
-    return load_i64(bytes.data()) & ~kFlags;
+  // A time stamp in 2^-30 s since 1970; the difference of any two cannot overflow.
+  static std::int64_t stamp_of(const std::uint8_t* bytes) {
+    return static_cast<std::int64_t>(load_u64(bytes) >> 2);
+  }
+  std::int64_t stamp(std::int64_t index) const {
+    return stamp_of(file_.bytes_at(header_.times->offset + 8 * index, 8).data());
   }
 
   void fill_info() {
@@ -133,31 +136,37 @@ class CineSource : public FrameSource {
     add("white_level", header_.white_level);
   }
 
+  // Stamps of `count` frames from `start` on.
+  std::vector<std::int64_t> stamps(std::int64_t start, std::int64_t count) const {
+    const auto bytes =
+        file_.bytes_at(header_.times->offset + 8 * start, static_cast<std::size_t>(8 * count));
+    std::vector<std::int64_t> values(static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = stamp_of(&bytes[8 * i]);
+    return values;
+  }
+
   // The median interval of the first stamps in seconds.
   double median_interval_s() const {
-    const std::int64_t count = std::min<std::int64_t>(info_.frame_count - 1, 1000);
-    std::vector<double> intervals;
-    for (std::int64_t i = 0; i < count; ++i) {
-      intervals.push_back(static_cast<double>(ticks(i + 1) - ticks(i)) / kTicksPerSecond);
-    }
-    const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-    std::nth_element(intervals.begin(), middle, intervals.end());
-    return *middle;
+    auto intervals = stamps(0, std::min<std::int64_t>(info_.frame_count, 1001));
+    std::adjacent_difference(intervals.begin(), intervals.end(), intervals.begin());
+    const auto first = intervals.begin() + 1;  // what stands before is no difference
+    const auto middle = first + (intervals.end() - first) / 2;
+    std::nth_element(first, middle, intervals.end());
+    return static_cast<double>(*middle) / kStampsPerSecond;
   }
 
   // The first frame whose stamp lies before its neighbour's or absurdly far after it; −1: none.
   std::int64_t first_wrong_stamp(double interval_s) const {
     constexpr std::int64_t kChunk = 8192;
-    const double longest = 1000 * interval_s * kTicksPerSecond;
-    std::int64_t previous = ticks(0);
+    const double longest = 1000 * interval_s * kStampsPerSecond;
+    std::int64_t previous = stamp(0);
     for (std::int64_t start = 1; start < info_.frame_count; start += kChunk) {
-      const std::int64_t here = std::min(kChunk, info_.frame_count - start);
-      const auto stamps =
-          file_.bytes_at(header_.times->offset + 8 * start, static_cast<std::size_t>(8 * here));
-      for (std::int64_t i = 0; i < here; ++i) {
-        const std::int64_t stamp = load_i64(&stamps[static_cast<std::size_t>(8 * i)]) & ~kFlags;
-        if (stamp <= previous || static_cast<double>(stamp - previous) > longest) return start + i;
-        previous = stamp;
+      const auto chunk = stamps(start, std::min(kChunk, info_.frame_count - start));
+      for (std::size_t i = 0; i < chunk.size(); ++i) {
+        if (chunk[i] <= previous || static_cast<double>(chunk[i] - previous) > longest) {
+          return start + static_cast<std::int64_t>(i);
+        }
+        previous = chunk[i];
       }
     }
     return -1;

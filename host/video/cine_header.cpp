@@ -173,8 +173,8 @@ void check_frame_table(const ByteFile& file, CineHeader& header) {
   }
   const auto first = file.bytes_at(header.offset_table, 8 * std::min<std::int64_t>(count, 2));
   const std::int64_t at = load_i64(first.data());
-  const bool no_gap = count > 1 ? load_i64(&first[8]) - at == bytes
-                                : file.holds(at, bytes) && file.size() - at == bytes;
+  const std::int64_t next = count > 1 ? load_i64(&first[8]) : file.size();
+  const bool no_gap = file.holds(at, bytes) && next == at + bytes;
   header.annotated = !no_gap;
   const std::int64_t least = bytes + (header.annotated ? 8 : 0);
   for (std::int64_t start = 0; start < count; start += kChunk) {

@@ -34,13 +34,13 @@ using testing::write_bytes;
 
 enum class Outcome { read, refused };
 
-// Opens the clip and reads its first, middle and last frames.
+// Opens the clip and reads its first and last frames.
 Outcome try_clip(const std::string& path, const VideoOptions& options = {}) {
   try {
     const auto clip = open_video({path}, options);
     const std::int64_t count = clip->info().frame_count;
     Frame frame;
-    for (const std::int64_t k : {std::int64_t{0}, count / 2, count - 1}) {
+    for (const std::int64_t k : {std::int64_t{0}, count - 1}) {
       clip->read(k, frame);
       clip->frame_time_s(k);
       clip->frame_exposure_s(k);
@@ -67,22 +67,27 @@ struct Victim {
   bool cut_is_fatal;         // every cut loses a frame
 };
 
-std::vector<Victim> victims(const TemporaryFolder& folder) {
-  std::vector<Victim> list;
+// Four frames of random pixels.
+void write_clip(const std::string& path, SinkFormat format, int bits) {
   VideoInfo info;
   info.width = 48;
   info.height = 20;
+  info.bits = bits;
   info.frame_count = 4;
   info.fps = 1000;
   info.exposure_s = 1e-4;
+  const auto sink = open_sink(path, format, info);
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    sink->write(testing::random_frame(info.width, info.height, bits, k));
+  }
+  sink->finish();
+}
+
+std::vector<Victim> victims(const TemporaryFolder& folder) {
+  std::vector<Victim> list;
   const auto make = [&](SinkFormat format, int bits, const char* tag, bool fatal) {
-    info.bits = bits;
     const std::string name = std::string("made_") + tag + sink_extension(format);
-    auto sink = open_sink(folder.file(name), format, info);
-    for (std::uint32_t k = 0; k < 4; ++k) {
-      sink->write(testing::random_frame(info.width, info.height, bits, k));
-    }
-    sink->finish();
+    write_clip(folder.file(name), format, bits);
     auto bytes = testing::file_bytes(folder.file(name));
     const std::size_t header = std::min<std::size_t>(bytes.size(), 14500);
     list.push_back({name, std::move(bytes), header, fatal});
@@ -217,13 +222,14 @@ TEST_F(Damage, TheContentsTellTheFormat) {
   }
 }
 
-// A written cine with one field of the header replaced.
+// A written cine of 8 bits and four frames with one field of the header replaced.
 Outcome cine_with(const TemporaryFolder& folder, std::size_t at, std::uint32_t value) {
-  const auto list = victims(folder);
-  auto bytes = list[0].bytes;
+  const std::string path = folder.file("changed.cine");
+  write_clip(path, SinkFormat::cine, 8);
+  auto bytes = testing::file_bytes(path);
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i));
-  write_bytes(folder.file("changed.cine"), bytes);
-  return try_clip(folder.file("changed.cine"));
+  write_bytes(path, bytes);
+  return try_clip(path);
 }
 
 TEST_F(Damage, AbsurdCineFields) {
@@ -296,22 +302,18 @@ TEST_F(Damage, LeftJustifiedPixelsComeToTheLowBits) {
 }
 
 TEST_F(Damage, TiffPagesInALoop) {
-  const auto list = victims(folder_);
-  for (const Victim& victim : list) {
-    if (victim.name != "made_8.tif") continue;
-    auto bytes = victim.bytes;
-    // The first page's directory: where it is, its tag count, then the next page's place.
-    const auto u16 = [&](std::size_t at) {
-      return static_cast<std::uint8_t>(bytes[at]) | static_cast<std::uint8_t>(bytes[at + 1]) << 8;
-    };
-    const std::size_t first = static_cast<std::size_t>(u16(4) | u16(6) << 16);
-    const std::size_t next = first + 2 + 12 * static_cast<std::size_t>(u16(first));
-    for (std::size_t i = 0; i < 4; ++i) bytes[next + i] = bytes[4 + i];
-    write_bytes(folder_.file("loop.tif"), bytes);
-    EXPECT_EQ(try_clip(folder_.file("loop.tif")), Outcome::refused);
-    return;
-  }
-  FAIL() << "no victim";
+  const std::string path = folder_.file("loop.tif");
+  write_clip(path, SinkFormat::tiff, 8);
+  auto bytes = testing::file_bytes(path);
+  // The first page's directory: its place, its count of tags, then the next page's place.
+  const auto u16 = [&](std::size_t at) {
+    return static_cast<std::uint8_t>(bytes[at]) | static_cast<std::uint8_t>(bytes[at + 1]) << 8;
+  };
+  const std::size_t first = static_cast<std::size_t>(u16(4) | u16(6) << 16);
+  const std::size_t next = first + 2 + 12 * static_cast<std::size_t>(u16(first));
+  for (std::size_t i = 0; i < 4; ++i) bytes[next + i] = bytes[4 + i];
+  write_bytes(path, bytes);
+  EXPECT_EQ(try_clip(path), Outcome::refused);
 }
 
 TEST_F(Damage, RawLayouts) {
