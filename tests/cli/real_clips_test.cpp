@@ -1,0 +1,156 @@
+// The main job on real camera files with known truth.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <numeric>
+
+#include "tests/support/data.h"
+#include "tests/support/program.h"
+
+namespace impactdic::testing {
+namespace {
+
+// rms of `values` about the quadratic in their index that fits them best.
+double rms_about_quadratic(const std::vector<double>& values) {
+  const auto n = static_cast<Eigen::Index>(values.size());
+  Eigen::MatrixXd powers(n, 3);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    powers.row(i) << 1, double(i), double(i * i);
+    right(i) = values[static_cast<std::size_t>(i)];
+  }
+  const Eigen::VectorXd rest = right - powers * powers.colPivHouseholderQr().solve(right);
+  return std::sqrt(rest.squaredNorm() / static_cast<double>(n));
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+CsvTable track(const std::string& clip, const std::string& options, const ScratchFolder& folder) {
+  const Outcome outcome = run_program("track " + quoted(data_path(clip)) + " -o " +
+                                      quoted(folder / "out") + " --force " + options);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return CsvTable(folder / "out/track.csv");
+}
+
+TEST(RealClips, BallOnPhotronClip) {
+  IMPACTDIC_NEED_DATA("mraw/ball_12bit.cihx");
+  const ScratchFolder folder;
+  const CsvTable table = track("mraw/ball_12bit.cihx", "", folder);
+  ASSERT_EQ(table.rows, 15u);
+  for (std::size_t i = 0; i < table.rows; ++i) {
+    EXPECT_EQ(table.text("status")[i], i + 1 < table.rows ? "ok" : "last_frame") << i;
+  }
+  // The ball falls freely: its centre follows a quadratic in time.
+  EXPECT_LE(rms_about_quadratic(table.numbers("cx_px")), 0.003);
+  EXPECT_LE(rms_about_quadratic(table.numbers("cy_px")), 0.005);
+  for (double r : table.numbers("r_px")) EXPECT_NEAR(r, 63.47, 0.15);
+  const auto cx = table.numbers("cx_px"), cy = table.numbers("cy_px");
+  double path = 0;
+  for (std::size_t i = 1; i < cx.size(); ++i) path += std::hypot(cx[i] - cx[i - 1], cy[i] - cy[i - 1]);
+  EXPECT_NEAR(path / 14, 2.647, 0.005);
+  // The stored rate: frame 14 is 14/30000 s after frame 0.
+  EXPECT_NEAR(table.numbers("time_s").back(), 14.0 / 30000, 1e-12);
+}
+
+class EightBitCopies : public ::testing::TestWithParam<std::pair<const char*, double>> {};
+
+TEST_P(EightBitCopies, GiveTheSameCentres) {
+  const auto [clip, tolerance_px] = GetParam();
+  IMPACTDIC_NEED_DATA(clip);
+  const ScratchFolder deep, shallow;
+  const CsvTable want = track("mraw/ball_12bit.cihx", "--no-field", deep);
+  const CsvTable got = track(clip, "--no-field --fps 30000", shallow);
+  ASSERT_EQ(got.rows, want.rows);
+  for (const char* column : {"cx_px", "cy_px"}) {
+    for (std::size_t i = 0; i < got.rows; ++i) {
+      EXPECT_NEAR(got.numbers(column)[i], want.numbers(column)[i], tolerance_px) << column << i;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Clips, EightBitCopies,
+                         ::testing::Values(std::pair("avi/ball_Y800.avi", 0.02),
+                                           std::pair("avi/ball_MJPG.avi", 0.05),
+                                           std::pair("avi/ball_DIB8_bottomup_w382.avi", 0.02)));
+
+// Per-window columns of the second frame's field, through h5py.
+CsvTable field_of(const ScratchFolder& folder) {
+  const std::string script =
+      "import h5py,sys\n"
+      "f=h5py.File(sys.argv[1])\n"
+      "names=['x_px','y_px','u_px','v_px','status']\n"
+      "print(','.join(names))\n"
+      "for row in zip(*[f[n][1] for n in names]): print(','.join(map(str,row)))\n";
+  std::ofstream(folder / "dump.py") << script;
+  const std::string command = "python3 " + quoted(folder / "dump.py") + " " +
+                              quoted(folder / "out/fields.h5") + " > " + quoted(folder / "f.csv");
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return CsvTable(folder / "f.csv");
+}
+
+void correlate(const std::string& arguments, const ScratchFolder& folder) {
+  const Outcome outcome =
+      run_program("correlate " + arguments + " -o " + quoted(folder / "out"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+}
+
+TEST(RealClips, TranslationOfAPictureWithZeros) {
+  IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
+  const ScratchFolder folder;
+  correlate(quoted(data_path("speckle/Pattern_1.bmp")) + " " +
+                quoted(data_path("speckle/Pattern_1_Translation.bmp")) + " --search 10",
+            folder);
+  const CsvTable field = field_of(folder);
+  ASSERT_GT(field.rows, 3000u);
+  for (const std::string& status : field.text("status")) ASSERT_EQ(status, "0");
+  for (const char* column : {"u_px", "v_px"}) {
+    const auto values = field.numbers(column);
+    EXPECT_NEAR(mean(values), 7.084, 0.005) << column;
+    std::size_t close = 0;
+    for (double value : values) close += std::abs(value - 7.084) <= 0.03;
+    EXPECT_GE(static_cast<double>(close), 0.95 * static_cast<double>(values.size())) << column;
+  }
+}
+
+TEST(RealClips, Sample14OfTheDicChallenge) {
+  IMPACTDIC_NEED_DATA("speckle/sample14/command.csv");
+  const ScratchFolder folder;
+  correlate(quoted(data_path("speckle/sample14/Sample14 Reference.tif")) + " " +
+                quoted(data_path("speckle/sample14/Sample14 L1 Amp0.1b.tif")) + " --window 33",
+            folder);
+  std::vector<double> truth;
+  std::istringstream lines(read_text(data_path("speckle/sample14/command.csv")));
+  std::string line;
+  while (std::getline(lines, line)) truth.push_back(std::stod(line.substr(line.find(',') + 1)));
+  const CsvTable field = field_of(folder);
+  ASSERT_GT(field.rows, 3000u);
+  const auto x = field.numbers("x_px"), u = field.numbers("u_px");
+  double sum = 0;
+  for (std::size_t i = 0; i < field.rows; ++i) {
+    ASSERT_EQ(field.text("status")[i], "0") << x[i];
+    const double error = u[i] - truth[static_cast<std::size_t>(std::lround(x[i]))];
+    sum += error * error;
+  }
+  EXPECT_LE(std::sqrt(sum / static_cast<double>(field.rows)), 0.02);
+}
+
+TEST(RealClips, TurningWheelFrameToFrame) {
+  IMPACTDIC_NEED_DATA("wheel/gold_DICe_solution_0.txt");
+  const ScratchFolder folder;
+  correlate(quoted(data_path("wheel")) + " --reference previous --roi 304,172,81,81", folder);
+  const CsvTable gold(data_path("wheel/gold_DICe_solution_0.txt"));
+  const CsvTable motion(folder / "out/motion.csv");
+  ASSERT_EQ(motion.rows, gold.rows);
+  const auto steps = motion.numbers("rot_deg"), turned = gold.numbers("ROTATION_Z");
+  double sum = 0;
+  for (std::size_t i = 0; i < motion.rows; ++i) {
+    EXPECT_EQ(motion.text("status")[i], i == 0 ? "reference" : "ok");
+    sum += steps[i];
+    // The gold angle is clockwise on the screen, in radians.
+    EXPECT_NEAR(sum, -turned[i] * 180 / M_PI, 0.4) << i;
+  }
+}
+
+}  // namespace
+}  // namespace impactdic::testing

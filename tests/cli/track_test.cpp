@@ -1,0 +1,128 @@
+// `track` on a synthetic clip: accuracy, files, job, resume, device.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "host/report/csv.h"
+#include "tests/support/data.h"
+#include "tests/support/program.h"
+
+namespace impactdic::testing {
+namespace {
+
+// The demo's clips: pattern e1, radius 115 px, exact truth.
+class SyntheticClip {
+ public:
+  explicit SyntheticClip(const std::string& options) {
+    const Outcome outcome = run_program("synth --pattern e1 --frames 12 " + options + " -o " +
+                                        quoted(folder_ / "clip"));
+    if (outcome.status != 0) throw std::runtime_error(outcome.err);
+  }
+  Outcome track(const std::string& out, const std::string& options = "") const {
+    return run_program("track " + quoted(folder_ / "clip/video.tif") + " --fps 10000 -o " +
+                       quoted(folder_ / out) + " " + options);
+  }
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  CsvTable truth() const { return CsvTable(folder_ / "clip/truth.csv"); }
+  CsvTable result(const std::string& out) const { return CsvTable(path(out) / "track.csv"); }
+
+ private:
+  ScratchFolder folder_;
+};
+
+const SyntheticClip& turning_clip() {
+  static const SyntheticClip clip("--velocity-px 1,1 --rotation-deg 3");
+  return clip;
+}
+
+void expect_mean_error(const SyntheticClip& clip, const std::string& column, double largest) {
+  const auto want = clip.truth().numbers(column), got = clip.result("out").numbers(column);
+  ASSERT_EQ(want.size(), got.size());
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < got.size(); ++i) {
+    ASSERT_FALSE(std::isnan(got[i])) << column << " in frame " << i;
+    sum += got[i] - want[i];
+  }
+  EXPECT_LE(std::abs(sum / static_cast<double>(got.size() - 1)), largest) << column;
+}
+
+TEST(Track, MeasuresTranslationWithoutBias) {
+  const SyntheticClip clip("--velocity-px 1,0 --rotation-deg 0");
+  ASSERT_EQ(clip.track("out").status, 0);
+  expect_mean_error(clip, "dx_px", 0.01);
+  expect_mean_error(clip, "dy_px", 0.01);
+  expect_mean_error(clip, "rot_deg", 0.02);
+}
+
+TEST(Track, MeasuresMotionInTwoDirectionsWithSpin) {
+  const SyntheticClip& clip = turning_clip();
+  ASSERT_EQ(clip.track("out", "--force").status, 0);
+  expect_mean_error(clip, "dx_px", 0.01);
+  expect_mean_error(clip, "dy_px", 0.01);
+  expect_mean_error(clip, "rot_deg", 0.02);
+}
+
+TEST(Track, FilesHoldWhatTheInterfacePromises) {
+  const SyntheticClip& clip = turning_clip();
+  ASSERT_EQ(clip.track("files", "--force --ball-diameter-mm 67 --surface-angle-deg 30 --overlay")
+                .status,
+            0);
+  const CsvTable table = clip.result("files");
+  EXPECT_EQ(table.header, kTrackCsvHeader);
+  ASSERT_EQ(table.rows, 12u);
+  EXPECT_EQ(table.text("status").back(), "last_frame");
+  EXPECT_EQ(table.text("dx_px").back(), "");
+  // 67 mm over the ball's diameter, 10 000 frames/s; world y is up, the image's down.
+  const double speed = 0.067 / 230 * 1e4;
+  EXPECT_NEAR(table.numbers("vx_m_s")[3], speed, 0.01);
+  EXPECT_NEAR(table.numbers("vy_m_s")[3], -speed, 0.01);
+  EXPECT_NEAR(table.numbers("vt_m_s")[3], speed * (std::cos(M_PI / 6) - 0.5), 0.01);
+  EXPECT_NEAR(table.numbers("vn_m_s")[3], -speed * (0.5 + std::cos(M_PI / 6)), 0.01);
+  EXPECT_NEAR(table.numbers("omega_rad_s")[3], 3 * M_PI / 180 * 1e4, 4);
+  const auto summary = nlohmann::json::parse(read_text(clip.path("files/summary.json")));
+  EXPECT_EQ(summary["frames_by_status"]["ok"], 11);
+  EXPECT_NEAR(summary["scale_m_per_px"].get<double>(), 0.067 / 230, 1e-6);
+  EXPECT_EQ(summary["input"]["sha256"].get<std::string>().size(), 64u);
+  for (const char* name : {"fields.h5", "job.toml", "overlay/frame_000011.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(clip.path("files") / name)) << name;
+  }
+}
+
+TEST(Track, JobFileRerunsBitForBit) {
+  const SyntheticClip& clip = turning_clip();
+  ASSERT_EQ(clip.track("first", "--force --window 17 --ball-diameter-mm 67").status, 0);
+  const Outcome again = run_program("track --job " + quoted(clip.path("first/job.toml")) +
+                                    " --force -o " + quoted(clip.path("second")));
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(read_text(clip.path("first/track.csv")), read_text(clip.path("second/track.csv")));
+  EXPECT_EQ(read_text(clip.path("first/job.toml")), read_text(clip.path("second/job.toml")));
+}
+
+TEST(Track, ResumeGoesOnWhereARunEnded) {
+  const SyntheticClip& clip = turning_clip();
+  ASSERT_EQ(clip.track("whole", "--force").status, 0);
+  ASSERT_EQ(clip.track("parts", "--force").status, 0);
+  // As a killed run leaves it: the table ends in the middle of a line.
+  std::istringstream lines(read_text(clip.path("parts/track.csv")));
+  std::string line, kept;
+  for (int i = 0; i < 6 && std::getline(lines, line); ++i) kept += line + "\n";
+  std::ofstream(clip.path("parts/track.csv")) << kept << "5,0.00";
+  const Outcome outcome = clip.track("parts", "--resume");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const CsvTable whole = clip.result("whole"), parts = clip.result("parts");
+  ASSERT_EQ(parts.rows, whole.rows);
+  for (std::size_t i = 0; i < whole.rows; ++i) {
+    EXPECT_EQ(parts.text("frame")[i], whole.text("frame")[i]);
+    EXPECT_EQ(parts.text("status")[i], whole.text("status")[i]);
+  }
+  for (const char* column : {"cx_px", "dx_px", "rot_deg"}) {
+    for (std::size_t i = 0; i + 1 < whole.rows; ++i) {
+      // The tracker was warmed up on fewer frames: the same within a fraction of its uncertainty.
+      EXPECT_NEAR(parts.numbers(column)[i], whole.numbers(column)[i], 2e-3) << column << i;
+    }
+  }
+}
+
+
+}  // namespace
+}  // namespace impactdic::testing

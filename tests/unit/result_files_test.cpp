@@ -1,0 +1,139 @@
+// track.csv, fields.h5 and the conversion to SI units.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "host/base/error.h"
+#include "host/report/csv.h"
+#include "host/report/fields_file.h"
+#include "tests/support/program.h"
+
+namespace impactdic {
+namespace {
+
+using testing::ScratchFolder;
+
+TrackRow example_row(std::int64_t frame) {
+  TrackRow row;
+  row.frame = frame;
+  row.time_s = static_cast<double>(frame) / 3;
+  row.status = TrackStatus::ok;
+  row.circle_ok = row.motion_ok = true;
+  row.cx_px = 100.123456789;
+  row.cy_px = 50;
+  row.r_px = 115;
+  row.cx_sd_px = row.cy_sd_px = row.r_sd_px = 1e-3;
+  row.dx_px = 1;
+  row.dy_px = -2;
+  row.rot_rad = 0.05;
+  row.dx_sd_px = row.dy_sd_px = 2e-4;
+  row.rot_sd_rad = 1e-6;
+  row.windows = 57;
+  return row;
+}
+
+TEST(ToSi, TurnsImageAxesIntoWorldAndLocalOnes) {
+  SiScale scale{2e-4, 1e4, M_PI / 2, 512};
+  const SiRow si = to_si(example_row(0), scale);
+  EXPECT_NEAR(si.x_m, 100.123456789 * 2e-4, 1e-15);
+  EXPECT_NEAR(si.y_m, (511 - 50) * 2e-4, 1e-15);
+  EXPECT_NEAR(si.vx_m_s, 2, 1e-12);
+  EXPECT_NEAR(si.vy_m_s, 4, 1e-12);  // up, where the image's y is down
+  // A surface standing upright: its tangent points up, its normal to the left.
+  EXPECT_NEAR(si.vt_m_s, 4, 1e-12);
+  EXPECT_NEAR(si.vn_m_s, -2, 1e-12);
+  EXPECT_NEAR(si.omega_rad_s, 500, 1e-9);
+  EXPECT_NEAR(si.omega_sd_rad_s, 1e-2, 1e-12);
+}
+
+TEST(ToSi, UnknownScaleOrRateGivesNothing) {
+  const SiRow no_scale = to_si(example_row(0), {0, 1e4, 0, 512});
+  EXPECT_TRUE(std::isnan(no_scale.x_m) && std::isnan(no_scale.vx_m_s));
+  EXPECT_NEAR(no_scale.omega_rad_s, 500, 1e-9);
+  const SiRow no_rate = to_si(example_row(0), {2e-4, 0, 0, 512});
+  EXPECT_FALSE(std::isnan(no_rate.x_m));
+  EXPECT_TRUE(std::isnan(no_rate.vx_m_s) && std::isnan(no_rate.omega_rad_s));
+}
+
+TEST(TrackCsv, ReadsBackToTheLastBit) {
+  const ScratchFolder folder;
+  TrackRow lost;
+  lost.frame = 1;
+  lost.time_s = 0.1;
+  TrackCsv csv(folder / "track.csv", {}, {});
+  csv.add(example_row(0));
+  csv.add(lost);
+  csv.finish({example_row(0), lost}, {2e-4, 1e4, 0, 512});
+  const auto rows = read_track_csv(folder / "track.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].cx_px, 100.123456789);
+  EXPECT_EQ(rows[0].time_s, 0);
+  EXPECT_NEAR(rows[0].rot_rad, 0.05, 1e-17);
+  EXPECT_EQ(rows[0].windows, 57);
+  EXPECT_FALSE(rows[1].circle_ok || rows[1].motion_ok);
+  EXPECT_EQ(rows[1].status, TrackStatus::no_ball);
+  EXPECT_TRUE(std::isnan(rows[1].cx_px));
+}
+
+TEST(TrackCsv, DropsALineThatWasCutOffAndRefusesDamage) {
+  const ScratchFolder folder;
+  const auto write = [&](const std::string& text) {
+    std::ofstream(folder / "t.csv") << kTrackCsvHeader << "\n" << text;
+  };
+  const std::string good = track_csv_line(example_row(0), {});
+  write(good + "\n" + good.substr(0, 40));
+  EXPECT_EQ(read_track_csv(folder / "t.csv").size(), 1u);
+  // A number cut short still looks like one: without its newline it does not count.
+  write(good + "\n" + good);
+  EXPECT_EQ(read_track_csv(folder / "t.csv").size(), 1u);
+  write(good.substr(0, 40) + "\n" + good + "\n");
+  EXPECT_THROW(read_track_csv(folder / "t.csv"), FormatError);
+  write("0,0,splendid" + good.substr(6) + "\n");
+  EXPECT_THROW(read_track_csv(folder / "t.csv"), Error);
+  std::ofstream(folder / "t.csv") << "frame,x\n1,2\n";
+  EXPECT_THROW(read_track_csv(folder / "t.csv"), FormatError);
+  EXPECT_THROW(read_track_csv(folder / "none.csv"), FileError);
+}
+
+TEST(FieldsFile, GrowsIsReadByH5pyAndResumes) {
+  const ScratchFolder folder;
+  const auto path = folder / "fields.h5";
+  std::vector<Window> windows(3);
+  std::vector<WindowMotion> field(3);
+  for (int i = 0; i < 3; ++i) {
+    windows[i].x0 = 10 * i;
+    field[i].u = 0.5f + static_cast<float>(i);
+    field[i].status = i == 1 ? 3 : 0;
+  }
+  {
+    auto file = FieldsFile::create(path, 3, 15, {{"grid_radius_px", 42.5}, {"axes", "x right"}});
+    for (int k = 0; k < 4; ++k) file.add(k, 0.1 * k, windows, field, nullptr);
+    file.add(4, 0.4, {}, {}, nullptr);
+  }
+  {
+    auto file = FieldsFile::resume(path, 15, 4);
+    EXPECT_EQ(file.number("grid_radius_px"), 42.5);
+    EXPECT_EQ(file.rows(), 4u);
+    EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr),
+                 InvalidArgument);
+    file.add(4, 0.4, windows, field, nullptr);
+  }
+  EXPECT_THROW(FieldsFile::resume(path, 15, 6), FormatError);
+  std::ofstream(folder / "check.py") << R"(
+import h5py, numpy, sys
+f = h5py.File(sys.argv[1])
+assert f['u_px'].shape == (5, 3), f['u_px'].shape
+assert list(f['x_px'][4]) == [7, 17, 27]
+assert numpy.isnan(f['u_px'][4][1]) and f['u_px'][4][2] == 2.5
+assert list(f['status'][2]) == [0, 3, 0]
+assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
+assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
+)";
+  const std::string command = "python3 " + testing::quoted(folder / "check.py") + " " +
+                              testing::quoted(path);
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace impactdic
