@@ -83,7 +83,7 @@ CsvTable field_of(const ScratchFolder& folder) {
       "print(','.join(names))\n"
       "for row in zip(*[f[n][1] for n in names]): print(','.join(map(str,row)))\n";
   std::ofstream(folder / "dump.py") << script;
-  const std::string command = "python3 " + quoted(folder / "dump.py") + " " +
+  const std::string command = "/usr/bin/python3 " + quoted(folder / "dump.py") + " " +
                               quoted(folder / "out/fields.h5") + " > " + quoted(folder / "f.csv");
   EXPECT_EQ(std::system(command.c_str()), 0);
   return CsvTable(folder / "f.csv");

@@ -7,7 +7,7 @@
 #include "host/base/error.h"
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
-#include "tests/support/program.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
@@ -130,7 +130,7 @@ assert list(f['status'][2]) == [0, 3, 0]
 assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
 assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
 )";
-  const std::string command = "python3 " + testing::quoted(folder / "check.py") + " " +
+  const std::string command = "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " +
                               testing::quoted(path);
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
