@@ -48,7 +48,8 @@ TEST(RealClips, BallOnPhotronClip) {
   for (double r : table.numbers("r_px")) EXPECT_NEAR(r, 63.47, 0.15);
   const auto cx = table.numbers("cx_px"), cy = table.numbers("cy_px");
   double path = 0;
-  for (std::size_t i = 1; i < cx.size(); ++i) path += std::hypot(cx[i] - cx[i - 1], cy[i] - cy[i - 1]);
+  for (std::size_t i = 1; i < cx.size(); ++i)
+    path += std::hypot(cx[i] - cx[i - 1], cy[i] - cy[i - 1]);
   EXPECT_NEAR(path / 14, 2.647, 0.005);
   // The stored rate: frame 14 is 14/30000 s after frame 0.
   EXPECT_NEAR(table.numbers("time_s").back(), 14.0 / 30000, 1e-12);
@@ -90,8 +91,7 @@ CsvTable field_of(const ScratchFolder& folder) {
 }
 
 void correlate(const std::string& arguments, const ScratchFolder& folder) {
-  const Outcome outcome =
-      run_program("correlate " + arguments + " -o " + quoted(folder / "out"));
+  const Outcome outcome = run_program("correlate " + arguments + " -o " + quoted(folder / "out"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 }
 

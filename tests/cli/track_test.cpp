@@ -64,9 +64,9 @@ TEST(Track, MeasuresMotionInTwoDirectionsWithSpin) {
 
 TEST(Track, FilesHoldWhatTheInterfacePromises) {
   const SyntheticClip& clip = turning_clip();
-  ASSERT_EQ(clip.track("files", "--force --ball-diameter-mm 67 --surface-angle-deg 30 --overlay")
-                .status,
-            0);
+  ASSERT_EQ(
+      clip.track("files", "--force --ball-diameter-mm 67 --surface-angle-deg 30 --overlay").status,
+      0);
   const CsvTable table = clip.result("files");
   EXPECT_EQ(table.header, kTrackCsvHeader);
   ASSERT_EQ(table.rows, 12u);
@@ -122,7 +122,6 @@ TEST(Track, ResumeGoesOnWhereARunEnded) {
     }
   }
 }
-
 
 }  // namespace
 }  // namespace impactdic::testing

@@ -1,10 +1,10 @@
 // From windows and their displacements to a motion of the ball.
+#include "host/track/field_motion.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
-
-#include "host/track/field_motion.h"
 
 namespace impactdic {
 namespace {
@@ -44,8 +44,8 @@ TEST(InterpolateAt, FollowsALinearFieldThroughWrongWindows) {
   std::vector<PointMotion> points;
   for (int i = 0; i < 100; ++i) {
     const double x = 8.0 * (i % 10), y = 8.0 * (i / 10);
-    points.push_back({x, y, 1 + 0.01 * x - 0.02 * y + noise(random), 2 + 0.03 * x + noise(random),
-                      0.005});
+    points.push_back(
+        {x, y, 1 + 0.01 * x - 0.02 * y + noise(random), 2 + 0.03 * x + noise(random), 0.005});
     if (i % 7 == 3) points.back().u_px += 4;  // found at a wrong place
   }
   const CentreMotion centre = interpolate_at(points, 33.3, 41.7);

@@ -115,8 +115,7 @@ TEST(FieldsFile, GrowsIsReadByH5pyAndResumes) {
     auto file = FieldsFile::resume(path, 15, 4);
     EXPECT_EQ(file.number("grid_radius_px"), 42.5);
     EXPECT_EQ(file.rows(), 4u);
-    EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr),
-                 InvalidArgument);
+    EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr), InvalidArgument);
     file.add(4, 0.4, windows, field, nullptr);
   }
   EXPECT_THROW(FieldsFile::resume(path, 15, 6), FormatError);
@@ -130,8 +129,8 @@ assert list(f['status'][2]) == [0, 3, 0]
 assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
 assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
 )";
-  const std::string command = "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " +
-                              testing::quoted(path);
+  const std::string command =
+      "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " + testing::quoted(path);
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 

@@ -1,0 +1,189 @@
+#include "host/dic/rigid_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+namespace impactdic {
+namespace {
+
+// Points of the plane as complex numbers, x + iy in image axes. With y down, a turn by θ
+// counter-clockwise as seen on the screen is a factor e^{−iθ}.
+using Complex = std::complex<double>;
+
+constexpr int kHypotheses = 60;
+constexpr int kRounds = 30;
+// Tukey's constant for 95 % efficiency on one normal component, and the median of the length of a
+// two-dimensional normal residual.
+constexpr double kTukey = 4.685, kRayleighMedian = 1.17741;
+// Residuals smaller than this (in units of the points' sd) are not told apart.
+constexpr double kSmallestScale = 1e-3;
+
+struct Pair {
+  Complex from, to;
+  double sd;
+};
+
+struct Motion {
+  Complex turn{1, 0}, shift{0, 0};  // to = turn · from + shift
+  Complex operator()(Complex z) const { return turn * z + shift; }
+};
+
+double residual(const Motion& motion, const Pair& pair) {
+  return std::abs(pair.to - motion(pair.from)) / pair.sd;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double median_residual(const Motion& motion, const std::vector<Pair>& pairs) {
+  std::vector<double> lengths;
+  lengths.reserve(pairs.size());
+  for (const Pair& pair : pairs) lengths.push_back(residual(motion, pair));
+  return median(lengths);
+}
+
+struct Sums {
+  double weight = 0, inertia = 0;
+  Complex centroid, moved;
+};
+
+// Weighted Procrustes: the turn is the phase of Σ w conj(from − centroid)(to − moved).
+Motion fit(const std::vector<Pair>& pairs, const std::vector<double>& weights, Sums& sums) {
+  sums = {};
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    sums.weight += weights[i];
+    sums.centroid += weights[i] * pairs[i].from;
+    sums.moved += weights[i] * pairs[i].to;
+  }
+  sums.centroid /= sums.weight;
+  sums.moved /= sums.weight;
+  Complex product = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Complex arm = pairs[i].from - sums.centroid;
+    product += weights[i] * std::conj(arm) * (pairs[i].to - sums.moved);
+    sums.inertia += weights[i] * std::norm(arm);
+  }
+  Motion motion;
+  if (std::abs(product) > 0) motion.turn = product / std::abs(product);
+  motion.shift = sums.moved - motion.turn * sums.centroid;
+  return motion;
+}
+
+// Least median of residuals over motions through two points each (Rousseeuw 1984): right while
+// fewer than half of the points are wrong.
+Motion consensus(const std::vector<Pair>& pairs) {
+  Motion best;
+  double least = INFINITY;
+  std::uint32_t state = 12345;  // a fixed sequence: the same points give the same motion
+  const auto next = [&] {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 8) % pairs.size();
+  };
+  for (int k = 0; k < kHypotheses; ++k) {
+    const Pair &a = pairs[next()], &b = pairs[next()];
+    const Complex arm = b.from - a.from, moved = b.to - a.to;
+    if (std::abs(arm) == 0 || std::abs(moved) == 0) continue;
+    Motion motion;
+    motion.turn = moved / arm / std::abs(moved / arm);
+    motion.shift = (a.to + b.to) / 2.0 - motion.turn * (a.from + b.from) / 2.0;
+    const double typical = median_residual(motion, pairs);
+    if (typical < least) {
+      least = typical;
+      best = motion;
+    }
+  }
+  return best;
+}
+
+double tukey(double length, double cut) {
+  const double q = length / cut;
+  return q < 1 ? (1 - q * q) * (1 - q * q) : 0;
+}
+
+// Variance of one residual component as the M-estimator sees it (Huber 1981, eq. 6.6):
+// mean ψ² over the square of mean ψ', in units of the points' variance.
+double effective_variance(const Motion& motion, const std::vector<Pair>& pairs, double cut) {
+  double psi2 = 0, slope = 0;
+  for (const Pair& pair : pairs) {
+    const double length = residual(motion, pair), q = length / cut;
+    if (q >= 1) continue;
+    const double weight = tukey(length, cut);
+    psi2 += weight * weight * length * length;
+    slope += 2 * weight - 4 * (1 - q * q) * q * q;
+  }
+  const double n = 2.0 * static_cast<double>(pairs.size());
+  return slope > 0 ? psi2 * n * n / ((n - 3) * slope * slope) : INFINITY;
+}
+
+}  // namespace
+
+RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, double cy_px) {
+  RigidMotion result;
+  if (points.size() < 3) return result;
+  const Complex centre(cx_px, cy_px);
+  std::vector<Pair> pairs;
+  for (const PointMotion& p : points) {
+    const Complex from = Complex(p.x_px, p.y_px) - centre;
+    pairs.push_back({from, from + Complex(p.u_px, p.v_px), p.sd_px});
+  }
+  Motion motion = consensus(pairs);
+  // The scatter of the consensus sets the cut once; it must not follow the weights down.
+  const double scale = std::max(median_residual(motion, pairs) / kRayleighMedian, kSmallestScale) *
+                       (1 + 5.0 / (2.0 * static_cast<double>(pairs.size())));
+  double cut = kTukey * scale;
+  std::vector<double> weights(pairs.size());
+  Sums sums;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      weights[i] = tukey(residual(motion, pairs[i]), cut) / (pairs[i].sd * pairs[i].sd);
+    }
+    if (std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }) < 3) {
+      return result;
+    }
+    const Motion before = motion;
+    motion = fit(pairs, weights, sums);
+    // After the first round the scatter about the fit, not about two points, sets the cut.
+    if (round == 0) {
+      cut = kTukey * std::max(median_residual(motion, pairs) / kRayleighMedian, kSmallestScale);
+    }
+    if (std::abs(motion.turn - before.turn) < 1e-14 &&
+        std::abs(motion.shift - before.shift) < 1e-12) {
+      break;
+    }
+  }
+  if (sums.inertia <= 0) return result;
+
+  double full_weight = 0, full_inertia = 0, squares = 0, counted = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const double w = 1 / (pairs[i].sd * pairs[i].sd);
+    full_weight += w;
+    full_inertia += w * std::norm(pairs[i].from - sums.centroid);
+    const double share = weights[i] / w;
+    counted += share;
+    squares += share * std::norm(pairs[i].to - motion(pairs[i].from));
+    result.used += share > 0;
+  }
+  const double variance = effective_variance(motion, pairs, cut);
+  const double shift_variance = variance / full_weight;
+  const double turn_variance = variance / full_inertia;
+  result.ok = std::isfinite(variance);
+  result.dx_px = motion.shift.real();
+  result.dy_px = motion.shift.imag();
+  result.rot_rad = -std::arg(motion.turn);
+  result.rot_sd_rad = std::sqrt(turn_variance);
+  // The centre lies `centroid` away from where the translation is known best.
+  result.dx_sd_px =
+      std::sqrt(shift_variance + turn_variance * sums.centroid.imag() * sums.centroid.imag());
+  result.dy_sd_px =
+      std::sqrt(shift_variance + turn_variance * sums.centroid.real() * sums.centroid.real());
+  result.residual_px = std::sqrt(squares / (2 * counted));
+  return result;
+}
+
+}  // namespace impactdic
