@@ -1,0 +1,45 @@
+// IC-GN refinement of interrogation windows on the device (kernels/icgn.cl).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/dic/device_frames.h"
+#include "host/dic/field.h"
+#include "host/dic/spline_frames.h"
+
+namespace impactdic {
+
+class IcgnRefiner {
+ public:
+  // Takes window_px, spline_degree, max_iterations, min_correlation and min_texture of `options`.
+  // `engine` must outlive the refiner. Throws InvalidArgument.
+  IcgnRefiner(Engine& engine, const FieldOptions& options, int slots);
+
+  // Says that the picture in `slot` is a new one (or that there is one at all).
+  void frame_changed(int slot) { splines_.frame_changed(slot); }
+  // Pixels of the picture in `slot` outside this disc carry no weight when it is a window's first
+  // frame; a window with less than half of its pixels inside is masked. An infinite radius, the
+  // default, takes the disc away.
+  void set_disc(int slot, double cx_px, double cy_px, double radius_px);
+
+  // Refines the first `count` windows in place: in_out holds the seeds (u, v; the rotation is the
+  // window's guess_rot_rad). Windows whose seed is not ok stay as they are. Enqueues only.
+  void refine(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
+              Buffer<WindowMotion>& in_out);
+
+  const SplineFrames& splines() const { return splines_; }
+
+ private:
+  Engine& engine_;
+  FieldOptions options_;
+  Tiling tiling_;
+  SplineFrames splines_;
+  cl::Kernel kernel_;
+  std::vector<cl_float4> discs_;
+  Buffer<cl_float4> device_discs_;
+  bool discs_changed_ = true;
+  cl_float4 noise_;
+};
+
+}  // namespace impactdic

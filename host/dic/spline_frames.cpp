@@ -1,0 +1,120 @@
+#include "host/dic/spline_frames.h"
+
+#include <algorithm>
+
+#include "host/dic/spline_taps.h"
+#include "host/opencl/arguments.h"
+#include "kernels/spline.h"
+
+namespace impactdic {
+namespace {
+
+// Frames filtered at once: bounds the memory of the intermediate result.
+constexpr std::size_t kBatch = 32;
+
+void zero(Engine& engine, const Buffer<float>& buffer) {
+  try {
+    engine.queue().enqueueFillBuffer(buffer.get(), 0.0f, 0, buffer.size() * sizeof(float));
+  } catch (const cl::Error& error) {
+    throw OpenClError(error.what(), error.err());
+  }
+}
+
+}  // namespace
+
+Tiling choose_tiling(const Engine& engine, int group_on_gpu) {
+  Tiling tiling;
+  if (engine.device().is_gpu) {
+    while (static_cast<std::size_t>(group_on_gpu) > engine.device().max_work_group) {
+      group_on_gpu /= 2;
+    }
+    tiling.group = group_on_gpu;
+    return tiling;
+  }
+  cl_uint width = 1;
+  engine.device().handle.getInfo(CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, &width);
+  tiling.vector = width >= 16 ? 16 : width >= 8 ? 8 : 4;
+  tiling.group = 1;
+  return tiling;
+}
+
+SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots)
+    : engine_(engine),
+      degree_(degree),
+      presmooth_sigma_px_(presmooth_sigma_px),
+      tiling_(choose_tiling(engine, 64)),
+      changed_(static_cast<std::size_t>(slots), false) {
+  const auto taps = prefilter_taps(degree, presmooth_sigma_px);
+  radius_ = static_cast<int>(taps.size()) - 1;
+  taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
+  const Defines defines = {{"SPLINE_DEGREE", std::to_string(degree)},
+                           {"VECTOR", std::to_string(tiling_.vector)}};
+  rows_kernel_ = engine.kernel("prefilter.cl", "prefilter_rows", defines);
+  columns_kernel_ = engine.kernel("prefilter.cl", "prefilter_columns", defines);
+  gradients_kernel_ = engine.kernel("prefilter.cl", "gradients", defines);
+}
+
+void SplineFrames::frame_changed(int slot) {
+  if (slot < 0 || slot >= slots()) throw InvalidArgument("no such frame slot");
+  changed_[static_cast<std::size_t>(slot)] = true;
+}
+
+void SplineFrames::allocate(const DeviceFrames& frames) {
+  width_ = frames.width();
+  height_ = frames.height();
+  const auto vector = static_cast<std::size_t>(tiling_.vector);
+  const std::size_t plane_pitch = round_up(static_cast<std::size_t>(width_), vector);
+  const std::size_t pitch = round_up(plane_pitch + 2 * SPLINE_PAD, vector);
+  const auto height = static_cast<std::size_t>(height_);
+  const std::size_t count = changed_.size();
+  plane_pitch_ = static_cast<int>(plane_pitch);
+  pitch_ = static_cast<int>(pitch);
+  rows_ = Buffer<float>(engine_, std::min(count, kBatch) * height * pitch);
+  coefficients_ =
+      Buffer<float>(engine_, (count * (height + 2 * SPLINE_PAD) + 2 * kGuardRows) * pitch);
+  planes_ = Buffer<float>(engine_, count * 3 * height * plane_pitch + vector);
+  batch_ = Buffer<cl_int>(engine_, kBatch);
+  // Idle lanes of vectors may read what no frame has filled yet.
+  zero(engine_, coefficients_);
+  zero(engine_, planes_);
+}
+
+void SplineFrames::prepare(const DeviceFrames& frames) {
+  std::vector<int> slots;
+  for (std::size_t slot = 0; slot < changed_.size(); ++slot) {
+    if (changed_[slot]) slots.push_back(static_cast<int>(slot));
+  }
+  if (slots.empty()) return;
+  if (coefficients_.size() == 0) allocate(frames);
+  for (std::size_t first = 0; first < slots.size(); first += kBatch) {
+    const std::size_t last = std::min(slots.size(), first + kBatch);
+    launch(frames, {slots.begin() + static_cast<std::ptrdiff_t>(first),
+                    slots.begin() + static_cast<std::ptrdiff_t>(last)});
+  }
+  std::fill(changed_.begin(), changed_.end(), false);
+}
+
+void SplineFrames::launch(const DeviceFrames& frames, const std::vector<int>& slots) {
+  batch_.write(engine_, slots);
+  const std::size_t across = tiling_.vector == 1 ? 64 : 1;
+  const auto columns = round_up(static_cast<std::size_t>(pitch_ / tiling_.vector), across);
+  const auto pixels = round_up(static_cast<std::size_t>(plane_pitch_ / tiling_.vector), across);
+  const auto height = static_cast<std::size_t>(height_), count = slots.size();
+  const double area = static_cast<double>(width_) * height_ * static_cast<double>(count);
+  const cl::NDRange local(across, 1, 1);
+  set_arguments(rows_kernel_, frames.images().get(), rows_.get(), taps_.get(), radius_,
+                batch_.get(), width_, height_, pitch_);
+  engine_.launch(engine_.queue(), rows_kernel_, cl::NDRange(columns, height, count), local,
+                 {8 * area, area * (3.0 * radius_ + 1)});
+  set_arguments(columns_kernel_, rows_.get(), coefficients_.get(), taps_.get(), radius_,
+                batch_.get(), height_, pitch_, coefficient_offset());
+  engine_.launch(engine_.queue(), columns_kernel_,
+                 cl::NDRange(columns, height + 2 * SPLINE_PAD, count), local,
+                 {8 * area, area * (3.0 * radius_ + 1)});
+  set_arguments(gradients_kernel_, coefficients_.get(), planes_.get(), batch_.get(), height_,
+                pitch_, plane_pitch_, coefficient_offset());
+  engine_.launch(engine_.queue(), gradients_kernel_, cl::NDRange(pixels, height, count), local,
+                 {16 * area, area * (4.0 * degree_ * degree_ + 6.0 * degree_)});
+}
+
+}  // namespace impactdic

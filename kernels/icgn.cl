@@ -1,0 +1,301 @@
+#include "kernels/config.h"
+#include "kernels/linalg.h"
+#include "kernels/reduce.h"
+#include "kernels/spline.h"
+#include "kernels/types.h"
+
+// Sub-pixel registration of square windows by inverse-compositional Gauss–Newton with an affine
+// warp and the ZNSSD criterion (Baker and Matthews 2004; Pan, Li and Tong 2013).
+//
+// The window f of the first frame is laid on the second frame's spline g through
+// W(X) = t + A X, X from the window's centre. In each step the least-squares regression
+//   g(W(X)) ≈ offset + gain · (f + ∇fᵀ D(X) δ),  D δ = (du + ux X + uy Y, dv + vx X + vy Y)
+// gives the increment δ, and W becomes W ∘ (1 + Dδ)⁻¹. Offset and gain are free in the
+// regression, so that the minimum is that of ZNSSD exactly. Its normal matrix holds f and ∇f
+// alone: it is made and factorised once.
+
+#define CHUNKS ((WINDOW_PX + VECTOR - 1) / VECTOR) /* of a row, VECTOR pixels each */
+#define UNITS (WINDOW_PX * CHUNKS)
+#define HALF_PX (0.5f * (WINDOW_PX - 1))
+#define COLUMNS 8 /* of the regression: 1, f, fx, fx X, fx Y, fy, fy X, fy Y; X, Y over HALF_PX */
+#define SUMS (COLUMNS * (COLUMNS + 1) / 2)
+
+// Steps smaller than this end the iteration, px anywhere in the window. What is then left is
+// about a tenth of it.
+#define CLOSE_ENOUGH_PX 5e-4f
+// Smallest pivot of the normal matrix relative to its diagonal: below, there is no texture in
+// some direction. A hundred roundings.
+#define SMALLEST_PIVOT 1e-5f
+
+// WindowStatus of host/dic/field.h.
+#define STATUS_OK 0
+#define STATUS_MASKED 1
+#define STATUS_NO_TEXTURE 2
+#define STATUS_LOW_CORRELATION 3
+#define STATUS_NOT_CONVERGED 5
+#define STATUS_OUT_OF_VIEW 6
+#define STATUS_RUNNING (-1)
+
+// What the work-items of a group share about their window.
+typedef struct Shared {
+  float a[4];    // A, row by row
+  float t[2];    // displacement of the centre
+  float origin;  // grey level taken off both pictures, so that sums of squares keep their digits
+  float correlation, gain, variance;
+  int status;
+  float normal[SUMS], factor[SUMS];
+  float right[COLUMNS + 1];  // regressors times g, and g²
+  float solution[COLUMNS];
+} Shared;
+
+// One unit of the template: VECTOR pixels of a row.
+typedef struct Pixels {
+  REAL x, y;  // from the window's centre, px
+  REAL weight;
+  REAL column[COLUMNS];
+} Pixels;
+
+static inline void load_pixels(__global const float* value, const int plane, const int plane_pitch,
+                               const int unit, const float origin, const float4 disc,
+                               const Window window, Pixels* p) {
+  const int row = unit / CHUNKS, first = (unit % CHUNKS) * VECTOR;
+  const int at = row * plane_pitch + first;
+  p->x = LANE_NUMBERS + ((float)first - HALF_PX);
+  p->y = (REAL)(row - HALF_PX);
+  const REAL from_x = p->x + ((float)window.x0 + HALF_PX - disc.x);
+  const REAL from_y = p->y + ((float)window.y0 + HALF_PX - disc.y);
+  const REAL one = 1.0f, none = 0.0f;
+  p->weight = (p->x <= HALF_PX) && (from_x * from_x + from_y * from_y <= disc.z) ? one : none;
+  const REAL w = p->weight, x = p->x * (1.0f / HALF_PX), y = p->y * (1.0f / HALF_PX);
+  const REAL slope_x = w * LOAD_REAL(value + plane + at);
+  const REAL slope_y = w * LOAD_REAL(value + 2 * plane + at);
+  p->column[0] = w;
+  p->column[1] = w * (LOAD_REAL(value + at) - origin);
+  p->column[2] = slope_x;
+  p->column[3] = slope_x * x;
+  p->column[4] = slope_x * y;
+  p->column[5] = slope_y;
+  p->column[6] = slope_y * x;
+  p->column[7] = slope_y * y;
+}
+
+// The normal matrix of the window; its factor where it has one. Lane 0 judges.
+static inline void make_template(__global const float* value, const int plane,
+                                 const int plane_pitch, const float4 disc, const Window window,
+                                 const float min_contrast, __local float* scratch,
+                                 __local Shared* shared) {
+  const int item = (int)get_local_id(0);
+  REAL sums[SUMS];
+  for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
+  for (int base = 0; base < UNITS; base += GROUP) {
+    if (base + item < UNITS) {
+      Pixels p;
+      load_pixels(value, plane, plane_pitch, base + item, shared->origin, disc, window, &p);
+#pragma unroll
+      for (int i = 0; i < COLUMNS; ++i) {
+#pragma unroll
+        for (int j = 0; j <= i; ++j) sums[TRIANGLE(i, j)] += p.column[i] * p.column[j];
+      }
+    }
+  }
+  GROUP_SUMS(sums, SUMS, scratch, shared->normal)
+  if (item == 0) {
+    for (int k = 0; k < SUMS; ++k) shared->factor[k] = shared->normal[k];
+    const float count = shared->normal[0];
+    const float spread = shared->normal[TRIANGLE(1, 1)] -
+                         shared->normal[TRIANGLE(1, 0)] * shared->normal[TRIANGLE(1, 0)] / count;
+    if (count < 0.5f * WINDOW_PX * WINDOW_PX) {
+      shared->status = STATUS_MASKED;
+    } else if (!(spread >= count * min_contrast * min_contrast) ||
+               !cholesky(shared->factor, COLUMNS, SMALLEST_PIVOT)) {
+      shared->status = STATUS_NO_TEXTURE;
+    }
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// False where a corner of the warped window leaves the picture; the warp is affine, so the corners
+// tell for all pixels.
+static inline int in_view(__local const Shared* shared, const Window window, const int width,
+                          const int height) {
+  const float x = (float)window.x0 + HALF_PX + shared->t[0];
+  const float y = (float)window.y0 + HALF_PX + shared->t[1];
+  const float reach_x = HALF_PX * (fabs(shared->a[0]) + fabs(shared->a[1]));
+  const float reach_y = HALF_PX * (fabs(shared->a[2]) + fabs(shared->a[3]));
+  return x - reach_x >= 0.0f && x + reach_x <= (float)(width - 1) && y - reach_y >= 0.0f &&
+         y + reach_y <= (float)(height - 1);
+}
+
+// W ∘ (1 + Dδ)⁻¹. Returns the largest displacement of a pixel by δ (an upper bound), px.
+static inline float compose(__local Shared* shared) {
+  const float by_gain = 1.0f / shared->gain, by_half = by_gain / HALF_PX;
+  __local const float* s = shared->solution;
+  const float du = s[2] * by_gain, ux = s[3] * by_half, uy = s[4] * by_half;
+  const float dv = s[5] * by_gain, vx = s[6] * by_half, vy = s[7] * by_half;
+  const float determinant = (1.0f + ux) * (1.0f + vy) - uy * vx;
+  const float inverse[4] = {(1.0f + vy) / determinant, -uy / determinant, -vx / determinant,
+                            (1.0f + ux) / determinant};
+  const float a[4] = {shared->a[0], shared->a[1], shared->a[2], shared->a[3]};
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      shared->a[2 * i + j] = a[2 * i] * inverse[j] + a[2 * i + 1] * inverse[2 + j];
+    }
+    shared->t[i] -= shared->a[2 * i] * du + shared->a[2 * i + 1] * dv;
+  }
+  const float move_x = fabs(du) + HALF_PX * (fabs(ux) + fabs(uy));
+  const float move_y = fabs(dv) + HALF_PX * (fabs(vx) + fabs(vy));
+  return fmax(move_x, move_y);
+}
+
+// Lane 0: one Gauss–Newton step from the sums over the second picture.
+static inline void step(__local Shared* shared, const Window window, const float2 seed,
+                        const int width, const int height) {
+  const float count = shared->normal[0];
+  const float mean_f = shared->normal[TRIANGLE(1, 0)] / count;
+  const float mean_g = shared->right[0] / count;
+  const float ff = shared->normal[TRIANGLE(1, 1)] - count * mean_f * mean_f;
+  const float gg = shared->right[COLUMNS] - count * mean_g * mean_g;
+  const float fg = shared->right[1] - count * mean_f * mean_g;
+  shared->correlation = fg / sqrt(ff * gg);
+  for (int k = 0; k < COLUMNS; ++k) shared->solution[k] = shared->right[k];
+  cholesky_solve(shared->factor, COLUMNS, shared->solution);
+  shared->gain = shared->solution[1];
+  if (!(shared->gain > 0.0f)) {
+    shared->status = STATUS_LOW_CORRELATION;
+    return;
+  }
+  float residual = shared->right[COLUMNS];
+  for (int k = 0; k < COLUMNS; ++k) residual -= shared->solution[k] * shared->right[k];
+  shared->variance = fmax(residual, 0.0f) / (count - COLUMNS);
+  const float moved = compose(shared);
+  if (!(fabs(shared->t[0] - seed.x) <= HALF_PX && fabs(shared->t[1] - seed.y) <= HALF_PX)) {
+    shared->status = STATUS_NOT_CONVERGED;
+  } else if (!in_view(shared, window, width, height)) {
+    shared->status = STATUS_OUT_OF_VIEW;
+  } else if (moved < CLOSE_ENOUGH_PX) {
+    shared->status = STATUS_OK;
+  }
+}
+
+// Variance of the spline at (tx, ty) between pixels, in units of a pixel's: A + B c + C c²,
+// c = cos 2πt, along each axis. Mean over the window, whose pixels may all lie differently.
+static inline float interpolation_noise(__local const Shared* shared, const float4 noise) {
+  float sum = 0.0f;
+  for (int j = -2; j <= 2; ++j) {
+    for (int i = -2; i <= 2; ++i) {
+      const float x = 0.5f * HALF_PX * (float)i, y = 0.5f * HALF_PX * (float)j;
+      const float cx = cospi(2.0f * (HALF_PX + shared->t[0] + shared->a[0] * x + shared->a[1] * y));
+      const float cy = cospi(2.0f * (HALF_PX + shared->t[1] + shared->a[2] * x + shared->a[3] * y));
+      sum += (noise.x + cx * (noise.y + cx * noise.z)) * (noise.x + cy * (noise.y + cy * noise.z));
+    }
+  }
+  return sum / 25.0f;
+}
+
+// Lane 0: standard deviation of displacement component 0 (u) or 1 (v). Both frames' noise shifts
+// the result alike, but the residual holds the second one's after interpolation: it is scaled up
+// to two frames' worth.
+static inline float deviation(__local Shared* shared, const int component, const float scale) {
+  const float inverse =
+      cholesky_inverse_diagonal(shared->factor, COLUMNS, 2 + 3 * component, shared->solution);
+  return sqrt(shared->variance * scale * inverse) / shared->gain;
+}
+
+static inline void store(__global WindowMotion* motion, __local Shared* shared,
+                         const float min_correlation, const float4 noise) {
+  if (shared->status == STATUS_RUNNING) shared->status = STATUS_NOT_CONVERGED;
+  if (shared->status == STATUS_OK && !(shared->correlation >= min_correlation)) {
+    shared->status = STATUS_LOW_CORRELATION;
+  }
+  motion->status = shared->status;
+  motion->correlation = shared->correlation;
+  if (shared->status == STATUS_OK) {
+    const float scale = 2.0f / (1.0f + interpolation_noise(shared, noise));
+    motion->u = shared->t[0];
+    motion->v = shared->t[1];
+    motion->u_sd = deviation(shared, 0, scale);
+    motion->v_sd = deviation(shared, 1, scale);
+    motion->ux = shared->a[0] - 1.0f;
+    motion->uy = shared->a[1];
+    motion->vx = shared->a[2];
+    motion->vy = shared->a[3] - 1.0f;
+  } else {
+    motion->u = motion->v = motion->u_sd = motion->v_sd = NAN;
+    motion->ux = motion->uy = motion->vx = motion->vy = NAN;
+  }
+}
+
+static inline void start(__local Shared* shared, const Window window, const WindowMotion seed,
+                         const int width, const int height) {
+  const float turn = window.guess_rot_rad;
+  shared->a[0] = shared->a[3] = cos(turn);
+  shared->a[1] = sin(turn);  // counter-clockwise with y down
+  shared->a[2] = -sin(turn);
+  shared->t[0] = seed.u;
+  shared->t[1] = seed.v;
+  shared->correlation = NAN;
+  const int inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + WINDOW_PX <= width &&
+                     window.y0 + WINDOW_PX <= height && in_view(shared, window, width, height);
+  shared->status = inside ? STATUS_RUNNING : STATUS_OUT_OF_VIEW;
+}
+
+// Refines every window whose seed is ok (u, v of `motions`; the rotation of the window's guess) in
+// place. coefficients, planes: of SplineFrames (prefilter.cl), the former from element
+// `offset` on. discs: (slots) centre x, y and squared radius; pixels of the first frame
+// outside carry no weight. noise: A, B, C of interpolation_noise. One group of GROUP a window.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
+    __global const float* coefficients, const int offset, __global const float* planes,
+    const int width, const int height, const int pitch, const int plane_pitch,
+    __global const float4* discs, __global const Window* windows, __global WindowMotion* motions,
+    const float min_contrast, const float min_correlation, const int max_iterations,
+    const float4 noise) {
+  __local float scratch[REDUCE_SCRATCH(SUMS)];
+  __local Shared shared;
+  const int item = (int)get_local_id(0);
+  const Window window = windows[get_group_id(0)];
+  const WindowMotion seed = motions[get_group_id(0)];
+  if (seed.status != STATUS_OK) return;
+  if (item == 0) start(&shared, window, seed, width, height);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  const int plane = height * plane_pitch;
+  __global const float* value =
+      planes + (size_t)window.first * 3 * plane + window.y0 * plane_pitch + window.x0;
+  const float4 disc = discs[window.first];
+  if (shared.status == STATUS_RUNNING) {
+    if (item == 0) shared.origin = value[(WINDOW_PX / 2) * plane_pitch + WINDOW_PX / 2];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    make_template(value, plane, plane_pitch, disc, window, min_contrast, scratch, &shared);
+  }
+  __global const float* second = coefficients + offset +
+                                 (size_t)window.second * (height + 2 * SPLINE_PAD) * pitch +
+                                 SPLINE_PAD * pitch + SPLINE_PAD;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    if (shared.status != STATUS_RUNNING) break;
+    // Whole pixels of the displacement are taken off, so that floats keep all their digits for the
+    // position within the window.
+    const float whole_x = rint(shared.t[0]), whole_y = rint(shared.t[1]);
+    const float rest_x = HALF_PX + (shared.t[0] - whole_x);
+    const float rest_y = HALF_PX + (shared.t[1] - whole_y);
+    __global const float* origin =
+        second + (window.y0 + (int)whole_y) * pitch + window.x0 + (int)whole_x;
+    REAL sums[COLUMNS + 1];
+    for (int k = 0; k <= COLUMNS; ++k) sums[k] = 0.0f;
+    for (int base = 0; base < UNITS; base += GROUP) {
+      if (base + item < UNITS) {
+        Pixels p;
+        load_pixels(value, plane, plane_pitch, base + item, shared.origin, disc, window, &p);
+        const REAL x = rest_x + shared.a[0] * p.x + shared.a[1] * p.y;
+        const REAL y = rest_y + shared.a[2] * p.x + shared.a[3] * p.y;
+        const REAL zero = 0.0f;
+        const REAL g = p.weight > 0.0f ? spline_sample(origin, pitch, x, y) - shared.origin : zero;
+#pragma unroll
+        for (int k = 0; k < COLUMNS; ++k) sums[k] += p.column[k] * g;
+        sums[COLUMNS] += g * g;
+      }
+    }
+    GROUP_SUMS(sums, COLUMNS + 1, scratch, shared.right)
+    if (item == 0) step(&shared, window, (float2)(seed.u, seed.v), width, height);
+    barrier(CLK_LOCAL_MEM_FENCE);
+  }
+  if (item == 0) store(&motions[get_group_id(0)], &shared, min_correlation, noise);
+}
