@@ -158,12 +158,11 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
     int measured = 0, differing = 0;
     for (std::size_t k = 0; k < windows.size(); ++k) {
       const WindowMotion expected = reference.refine(windows[k], seeds[k]);
-      // A window on the edge of a criterion may fall either way.
-      if (result[k].status != expected.status) {
-        ++differing;
-        continue;
-      }
-      if (expected.status != static_cast<idic_int>(WindowStatus::ok)) continue;
+      // Without texture chance decides why a window fails; a window on the edge of a criterion
+      // may fail in one of the two.
+      const auto ok = static_cast<idic_int>(WindowStatus::ok);
+      differing += (result[k].status == ok) != (expected.status == ok);
+      if (result[k].status != ok || expected.status != ok) continue;
       ++measured;
       // Single precision and the convergence limit against double precision.
       EXPECT_NEAR(result[k].u, expected.u, std::max(1e-4, 0.03 * expected.u_sd)) << k;
@@ -176,7 +175,7 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
       EXPECT_EQ(result[k].peak_ratio, 3.0f);
     }
     EXPECT_GT(measured, param.window_px < 60 ? 20 : 1);
-    EXPECT_LE(differing, static_cast<int>(windows.size()) / 20);
+    EXPECT_LE(differing, static_cast<int>(windows.size()) / 100);
     EXPECT_EQ(result[1].status, static_cast<idic_int>(WindowStatus::at_search_edge));
     for (std::size_t k = windows.size(); k < result.size(); ++k) {
       EXPECT_EQ(result[k].u, seeds[0].u);  // beyond `count` nothing is touched
