@@ -24,6 +24,7 @@ std::array<double, 8> basis(int degree, double t) {
 }
 
 int mirror(int i, int size) {
+  if (i >= 0 && i < size) return i;
   if (size == 1) return 0;
   const int period = 2 * (size - 1);
   i = std::abs(i) % period;
@@ -107,7 +108,18 @@ double BSplineImage::coefficient(int x, int y) const {
   return coefficients_(mirror(x, width()), mirror(y, height()));
 }
 
-double BSplineImage::value(double x_px, double y_px) const { return sample(x_px, y_px).value; }
+double BSplineImage::value(double x_px, double y_px) const {
+  const int x = static_cast<int>(std::floor(x_px)), y = static_cast<int>(std::floor(y_px));
+  const auto wx = bspline_weights(degree_, x_px - x), wy = bspline_weights(degree_, y_px - y);
+  const int x0 = x - (degree_ - 1) / 2, y0 = y - (degree_ - 1) / 2;
+  double sum = 0;
+  for (int j = 0; j <= degree_; ++j) {
+    double row = 0;
+    for (int i = 0; i <= degree_; ++i) row += wx[i] * coefficient(x0 + i, y0 + j);
+    sum += wy[j] * row;
+  }
+  return sum;
+}
 
 BSplineImage::Sample BSplineImage::sample(double x_px, double y_px) const {
   const int x = static_cast<int>(std::floor(x_px)), y = static_cast<int>(std::floor(y_px));

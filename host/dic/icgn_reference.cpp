@@ -17,6 +17,9 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Row = Eigen::Matrix<double, 1, 6>;
 
+// As CLOSE_ENOUGH_PX of kernels/icgn.cl.
+constexpr double kCloseEnoughPx = 5e-4;
+
 // The pixels of a window that carry weight: where they are from its centre, grey level and the
 // derivatives by du, ux, uy, dv, vx, vy.
 struct Template {
@@ -80,6 +83,130 @@ double noise_in_window(int degree, const Warp& warp, const Vector2d& centre, dou
   return sum / 25;
 }
 
+// The pixels of the window inside the disc.
+Template make_template(const BSplineImage& first, const Window& window, int side,
+                       const Vector2d& disc_centre, double disc_radius_px) {
+  const double half = (side - 1) / 2.0;
+  Template model;
+  model.at.resize(side * side, 2);
+  model.f.resize(side * side);
+  model.jacobian.resize(side * side, 6);
+  Eigen::Index count = 0;
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) {
+      const Vector2d p(window.x0 + i, window.y0 + j);
+      if ((p - disc_centre).norm() > disc_radius_px) continue;
+      const double x = i - half, y = j - half;
+      const auto s = first.sample(p.x(), p.y());
+      model.at.row(count) << x, y;
+      model.f(count) = s.value;
+      model.jacobian.row(count) << s.slope_x, s.slope_x * x, s.slope_x * y, s.slope_y,
+          s.slope_y * x, s.slope_y * y;
+      ++count;
+    }
+  }
+  model.at.conservativeResize(count, 2);
+  model.f.conservativeResize(count);
+  model.jacobian.conservativeResize(count, 6);
+  return model;
+}
+
+// W ∘ (1 + Dδ)⁻¹.
+void compose(const Row& delta, Warp& warp) {
+  const Matrix2d step = (Matrix2d() << 1 + delta(1), delta(2), delta(4), 1 + delta(5)).finished();
+  warp.a = warp.a * step.inverse();
+  warp.t -= warp.a * Vector2d(delta(0), delta(3));
+}
+
+// Largest displacement of a pixel by δ (an upper bound), px.
+double largest_move(const Row& delta, double half) {
+  return std::max(std::abs(delta(0)) + half * (std::abs(delta(1)) + std::abs(delta(2))),
+                  std::abs(delta(3)) + half * (std::abs(delta(4)) + std::abs(delta(5))));
+}
+
+// The minimum of ZNSSD about a start.
+struct Minimum {
+  WindowStatus status = WindowStatus::ok;
+  Warp warp;
+  double correlation = std::numeric_limits<double>::quiet_NaN();
+  double sd_u_px = 0, sd_v_px = 0;
+};
+
+class Registration {
+ public:
+  Registration(Template model, const BSplineImage& second, const Vector2d& centre, double half)
+      : model_(std::move(model)), second_(second), centre_(centre), half_(half) {
+    contrast_ = centred_norm(model_.f);
+    f_unit_ = (model_.f.array() - model_.f.mean()).matrix() / contrast_;
+    project_out(f_unit_, model_.jacobian);
+    const Eigen::Matrix<double, 6, 6> hessian = model_.jacobian.transpose() * model_.jacobian;
+    solver_.compute(hessian);
+    singular_ =
+        !(solver_.vectorD().minCoeff() > 1e-9 * hessian.diagonal().maxCoeff() / (1 + half * half));
+  }
+  bool singular() const { return singular_; }
+  double rms_contrast() const {
+    return contrast_ / std::sqrt(static_cast<double>(model_.f.size()));
+  }
+
+  // Iterates to double precision; a step of the first `max_iterations` must be below
+  // kCloseEnoughPx.
+  Minimum run(const Warp& start, int max_iterations) const {
+    Minimum result;
+    result.warp = start;
+    bool close = false;
+    for (int iteration = 0; iteration < 20 * max_iterations; ++iteration) {
+      const double moved = step(result);
+      if (result.status != WindowStatus::ok) return result;
+      if ((result.warp.t - start.t).cwiseAbs().maxCoeff() > half_) {
+        result.status = WindowStatus::not_converged;
+      } else if (!in_view(second_, result.warp, centre_, half_)) {
+        result.status = WindowStatus::out_of_view;
+      }
+      close = close || moved < kCloseEnoughPx;
+      if (iteration + 1 == max_iterations && !close) result.status = WindowStatus::not_converged;
+      if (result.status != WindowStatus::ok || moved < 1e-9) return result;
+    }
+    return result;
+  }
+
+ private:
+  // One Gauss–Newton step: g ≈ offset + gain (f + J δ), where δ sees only what f and a constant
+  // leave over. Returns the largest move.
+  double step(Minimum& result) const {
+    Eigen::VectorXd g(model_.f.size());
+    for (Eigen::Index k = 0; k < g.size(); ++k) {
+      const Vector2d p = centre_ + result.warp.t + result.warp.a * model_.at.row(k).transpose();
+      g(k) = second_.value(p.x(), p.y());
+    }
+    result.correlation = f_unit_.dot((g.array() - g.mean()).matrix()) / centred_norm(g);
+    const double gain = f_unit_.dot(g) / contrast_;
+    if (!(gain > 0)) {
+      result.status = WindowStatus::low_correlation;
+      return 0;
+    }
+    project_out(f_unit_, g);
+    const Row q = solver_.solve(model_.jacobian.transpose() * g).transpose();
+    const double variance =
+        (g - model_.jacobian * q.transpose()).squaredNorm() / static_cast<double>(g.size() - 8);
+    const Eigen::Matrix<double, 6, 6> inverse =
+        solver_.solve(Eigen::Matrix<double, 6, 6>::Identity());
+    result.sd_u_px = std::sqrt(variance * inverse(0, 0)) / gain;
+    result.sd_v_px = std::sqrt(variance * inverse(3, 3)) / gain;
+    const Row delta = q / gain;
+    compose(delta, result.warp);
+    return largest_move(delta, half_);
+  }
+
+  Template model_;
+  const BSplineImage& second_;
+  Vector2d centre_;
+  double half_, contrast_;
+  Eigen::VectorXd f_unit_;
+  Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver_;
+  bool singular_ = false;
+};
+
 }  // namespace
 
 IcgnReference::IcgnReference(const FieldOptions& options, int slots)
@@ -121,95 +248,38 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
   WindowMotion motion = seed;
   motion.correlation = std::numeric_limits<float>::quiet_NaN();
 
-  const double turn = window.guess_rot_rad;
-  Warp warp{
-      (Matrix2d() << std::cos(turn), std::sin(turn), -std::sin(turn), std::cos(turn)).finished(),
-      Vector2d(seed.u, seed.v)};
+  const double c = std::cos(window.guess_rot_rad), s = std::sin(window.guess_rot_rad);
+  const Warp start{(Matrix2d() << c, s, -s, c).finished(), Vector2d(seed.u, seed.v)};
   if (window.x0 < 0 || window.y0 < 0 || window.x0 + side > second.width() ||
-      window.y0 + side > second.height() || !in_view(second, warp, centre, half)) {
+      window.y0 + side > second.height() || !in_view(second, start, centre, half)) {
     return failed(motion, WindowStatus::out_of_view);
   }
-
-  Template model;
-  model.at.resize(side * side, 2);
-  model.f.resize(side * side);
-  model.jacobian.resize(side * side, 6);
-  Eigen::Index count = 0;
-  for (int j = 0; j < side; ++j) {
-    for (int i = 0; i < side; ++i) {
-      const double px = window.x0 + i, py = window.y0 + j, x = i - half, y = j - half;
-      if (std::hypot(px - first.cx_px, py - first.cy_px) > first.radius_px) continue;
-      const auto s = first.spline.sample(px, py);
-      model.at.row(count) << x, y;
-      model.f(count) = s.value;
-      model.jacobian.row(count) << s.slope_x, s.slope_x * x, s.slope_x * y, s.slope_y,
-          s.slope_y * x, s.slope_y * y;
-      ++count;
-    }
+  Template model =
+      make_template(first.spline, window, side, {first.cx_px, first.cy_px}, first.radius_px);
+  if (static_cast<double>(model.f.size()) < 0.5 * side * side) {
+    return failed(motion, WindowStatus::masked);
   }
-  if (count < 0.5 * side * side) return failed(motion, WindowStatus::masked);
-  model.at.conservativeResize(count, 2);
-  model.f.conservativeResize(count);
-  model.jacobian.conservativeResize(count, 6);
-
-  const double contrast = centred_norm(model.f);
-  const double floor = options_.min_texture * first.full_scale / 255;
-  if (contrast < floor * std::sqrt(static_cast<double>(count))) {
+  const Registration registration(std::move(model), second, centre, half);
+  if (registration.rms_contrast() < options_.min_texture * first.full_scale / 255 ||
+      registration.singular()) {
     return failed(motion, WindowStatus::no_texture);
   }
-  const Eigen::VectorXd f_unit = (model.f.array() - model.f.mean()).matrix() / contrast;
-  project_out(f_unit, model.jacobian);
-  const Eigen::Matrix<double, 6, 6> hessian = model.jacobian.transpose() * model.jacobian;
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver(hessian);
-  if (solver.vectorD().minCoeff() <= 1e-9 * hessian.diagonal().maxCoeff() / (1 + half * half)) {
-    return failed(motion, WindowStatus::no_texture);
-  }
-
-  Eigen::VectorXd g(count);
-  double gain = 1, variance = 0;
-  bool converged = false;
-  for (int iteration = 0; iteration < options_.max_iterations && !converged; ++iteration) {
-    for (Eigen::Index k = 0; k < count; ++k) {
-      const Vector2d p = centre + warp.t + warp.a * model.at.row(k).transpose();
-      g(k) = second.value(p.x(), p.y());
-    }
-    motion.correlation =
-        static_cast<float>(f_unit.dot((g.array() - g.mean()).matrix()) / centred_norm(g));
-    // g ≈ offset + gain (f + J δ): δ sees only what f and a constant leave over.
-    Eigen::MatrixXd rest = g;
-    project_out(f_unit, rest);
-    const Row q = solver.solve(model.jacobian.transpose() * rest.col(0)).transpose();
-    const Eigen::VectorXd fitted = model.jacobian * q.transpose();
-    variance = (rest.col(0) - fitted).squaredNorm() / static_cast<double>(count - 8);
-    // The gain at the minimum; its coupling with δ vanishes there.
-    gain = f_unit.dot(g) / contrast;
-    if (!(gain > 0)) return failed(motion, WindowStatus::low_correlation);
-    const Row delta = q / gain;
-    const Matrix2d step = (Matrix2d() << 1 + delta(1), delta(2), delta(4), 1 + delta(5)).finished();
-    warp.a = warp.a * step.inverse();
-    warp.t -= warp.a * Vector2d(delta(0), delta(3));
-    if (std::abs(warp.t.x() - seed.u) > half || std::abs(warp.t.y() - seed.v) > half) {
-      return failed(motion, WindowStatus::not_converged);
-    }
-    if (!in_view(second, warp, centre, half)) return failed(motion, WindowStatus::out_of_view);
-    converged = delta.cwiseAbs().maxCoeff() < 1e-9;
-  }
-  if (!converged) return failed(motion, WindowStatus::not_converged);
-  if (motion.correlation < options_.min_correlation) {
+  const Minimum found = registration.run(start, options_.max_iterations);
+  motion.correlation = static_cast<float>(found.correlation);
+  if (found.status != WindowStatus::ok) return failed(motion, found.status);
+  if (found.correlation < options_.min_correlation) {
     return failed(motion, WindowStatus::low_correlation);
   }
-  const Eigen::Matrix<double, 6, 6> inverse = solver.solve(Eigen::Matrix<double, 6, 6>::Identity());
-  const double both = variance * 2 /
-                      (1 + noise_in_window(options_.spline_degree, warp, centre, half)) /
-                      (gain * gain);
-  motion.u = static_cast<float>(warp.t.x());
-  motion.v = static_cast<float>(warp.t.y());
-  motion.u_sd = static_cast<float>(std::sqrt(both * inverse(0, 0)));
-  motion.v_sd = static_cast<float>(std::sqrt(both * inverse(3, 3)));
-  motion.ux = static_cast<float>(warp.a(0, 0) - 1);
-  motion.uy = static_cast<float>(warp.a(0, 1));
-  motion.vx = static_cast<float>(warp.a(1, 0));
-  motion.vy = static_cast<float>(warp.a(1, 1) - 1);
+  const double both_frames =
+      std::sqrt(2 / (1 + noise_in_window(options_.spline_degree, found.warp, centre, half)));
+  motion.u = static_cast<float>(found.warp.t.x());
+  motion.v = static_cast<float>(found.warp.t.y());
+  motion.u_sd = static_cast<float>(found.sd_u_px * both_frames);
+  motion.v_sd = static_cast<float>(found.sd_v_px * both_frames);
+  motion.ux = static_cast<float>(found.warp.a(0, 0) - 1);
+  motion.uy = static_cast<float>(found.warp.a(0, 1));
+  motion.vx = static_cast<float>(found.warp.a(1, 0));
+  motion.vy = static_cast<float>(found.warp.a(1, 1) - 1);
   return motion;
 }
 
