@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 // case; "" where there is none.
 std::string sibling(const fs::path& path, std::initializer_list<const char*> extensions) {
   for (const char* wanted : extensions) {
-    fs::path exact = path;
-    if (fs::exists(exact.replace_extension(wanted))) return exact.string();
     std::error_code error;
+    fs::path exact = path;
+    if (fs::exists(exact.replace_extension(wanted), error)) return exact.string();
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     for (const auto& entry : fs::directory_iterator(folder, error)) {
       const fs::path& other = entry.path();

@@ -89,7 +89,8 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   const int status = ::glob(pattern.c_str(), 0, nullptr, &found);
   std::vector<std::string> files;
   for (std::size_t i = 0; status == 0 && i < found.gl_pathc; ++i) {
-    if (!fs::is_directory(found.gl_pathv[i])) files.emplace_back(found.gl_pathv[i]);
+    std::error_code error;
+    if (!fs::is_directory(found.gl_pathv[i], error)) files.emplace_back(found.gl_pathv[i]);
   }
   ::globfree(&found);
   if (files.empty()) throw FileError("no file matches the pattern", pattern);

@@ -45,8 +45,11 @@ std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
   }
   if (inputs.size() > 1) return open_image_sequence(inputs, options);
   const std::string& input = inputs[0];
-  if (fs::is_directory(input)) return open_image_sequence(pictures_in_folder(input), options);
-  if (!fs::exists(input) && is_pattern(input)) {
+  std::error_code not_there;  // what cannot be looked at is an error of its reader below
+  if (fs::is_directory(input, not_there)) {
+    return open_image_sequence(pictures_in_folder(input), options);
+  }
+  if (!fs::exists(input, not_there) && is_pattern(input)) {
     const auto files = files_of_pattern(input);
     return files.size() == 1 ? open_file(files[0], options) : open_image_sequence(files, options);
   }

@@ -337,6 +337,7 @@ TEST_F(Damage, WhatIsNotThere) {
   EXPECT_THROW(open_video({}), InvalidArgument);
   EXPECT_THROW(open_video({folder_.file("no.cine")}), FileError);
   EXPECT_THROW(open_video({folder_.file("no*.tif")}), FileError);
+  EXPECT_THROW(open_video({folder_.file(std::string(5000, 'n') + ".mraw")}), FileError);
   EXPECT_THROW(open_video({folder_.file("")}), InvalidArgument);  // a folder without pictures
   victims(folder_);
   EXPECT_THROW(open_video({folder_.file("made_8.cine"), folder_.file("made_16.cine")}),
