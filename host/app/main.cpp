@@ -35,6 +35,7 @@ void add_commands(CLI::App& app) {
   using namespace impactdic::app;
   add_devices_command(app);
   add_info_command(app);
+  add_rod_command(app);
   add_synth_command(app);
 }
 

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/units.h"
+#include "sim/rod/free_flight.h"
 
 namespace impactdic {
 namespace {
@@ -16,70 +17,11 @@ namespace {
 constexpr std::size_t kSeed = 4;  // frames that start a fit
 // A release leaves the parabola slowly: so many frames pass before one can be seen to be off it.
 constexpr std::size_t kGuard = 6;
-constexpr double kOutOfFlight_sd = 5;  // a frame that far from free flight is not in it
 // Below these a camera's noise is rounding; they keep noise-free tables from ending at once.
 constexpr double kLeastPositionNoise_m = 1e-7;
 constexpr double kLeastAngleNoise_rad = 1e-6;
 
 double square(double x) { return x * x; }
-
-// A polynomial in time by least squares.
-struct Polynomial {
-  Eigen::VectorXd coefficients;
-  Eigen::MatrixXd cofactor;  // covariance for unit noise
-  double reference_s = 0, rms = 0;
-  std::size_t count = 0;
-
-  Eigen::VectorXd powers(double time) const {
-    Eigen::VectorXd p(coefficients.size());
-    double power = 1;
-    for (Eigen::Index i = 0; i < p.size(); ++i, power *= time - reference_s) p[i] = power;
-    return p;
-  }
-  double at(double time) const { return powers(time).dot(coefficients); }
-  double leverage(double time) const {
-    const Eigen::VectorXd p = powers(time);
-    return p.dot(cofactor * p);
-  }
-};
-
-Polynomial fit(const std::vector<double>& time, const std::vector<double>& value, std::size_t first,
-               std::size_t last, int degree, double reference_s) {
-  Polynomial result;
-  result.reference_s = reference_s;
-  result.coefficients = Eigen::VectorXd::Zero(degree + 1);
-  std::vector<std::size_t> rows;
-  for (std::size_t i = first; i <= last; ++i) {
-    if (!std::isnan(value[i])) rows.push_back(i);
-  }
-  result.count = rows.size();
-  Eigen::MatrixXd design(rows.size(), degree + 1);
-  Eigen::VectorXd target(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    design.row(static_cast<Eigen::Index>(i)) = result.powers(time[rows[i]]);
-    target[static_cast<Eigen::Index>(i)] = value[rows[i]];
-  }
-  const Eigen::MatrixXd normal = design.transpose() * design;
-  result.cofactor = normal.ldlt().solve(Eigen::MatrixXd::Identity(degree + 1, degree + 1));
-  result.coefficients = design.colPivHouseholderQr().solve(target);
-  result.rms = (design * result.coefficients - target).norm() /
-               std::sqrt(std::max<double>(1, static_cast<double>(rows.size()) - degree - 1));
-  return result;
-}
-
-// Noise of one frame from third differences (variance 20 sigma^2): smooth motion has none, and the
-// median does not see the blow.
-double noise(const std::vector<double>& value, double least) {
-  std::vector<double> third;
-  for (std::size_t i = 3; i < value.size(); ++i) {
-    const double d = value[i] - 3 * value[i - 1] + 3 * value[i - 2] - value[i - 3];
-    if (!std::isnan(d)) third.push_back(std::abs(d));
-  }
-  if (third.empty()) return least;
-  std::nth_element(third.begin(), third.begin() + static_cast<std::ptrdiff_t>(third.size() / 2),
-                   third.end());
-  return std::max(least, third[third.size() / 2] / 0.6745 / std::sqrt(20.0));
-}
 
 // The table's motion in the axes n, t, b.
 class Analysis {
@@ -93,7 +35,6 @@ class Analysis {
   void choose_axes();
   void project();
   void find_blow();
-  bool in_flight(std::size_t first, std::size_t last, std::size_t frame) const;
   void grow(RodSide& side, bool forward) const;
   void differentiate();
   void locate_blow();
@@ -179,8 +120,8 @@ void Analysis::project() {
   flat_ = unfallen();
   result_.pair_spread_rad = spread_count > 0 ? std::sqrt(spread / spread_count) : kNotMeasured;
   result_.position_noise_m =
-      std::max(noise(qt_, kLeastPositionNoise_m), noise(qn_, kLeastPositionNoise_m));
-  result_.angle_noise_rad = noise(angle_, kLeastAngleNoise_rad);
+      std::max(frame_noise(qt_, kLeastPositionNoise_m), frame_noise(qn_, kLeastPositionNoise_m));
+  result_.angle_noise_rad = frame_noise(angle_, kLeastAngleNoise_rad);
 }
 
 std::vector<double> Analysis::unfallen() const {
@@ -198,7 +139,7 @@ void Analysis::find_blow() {
   double largest = 0;
   for (std::size_t k = kSeed; k + kSeed + 1 < time_.size(); ++k) {
     const auto slope = [&](const std::vector<double>& v, std::size_t from) {
-      const Polynomial line = fit(time_, v, from, from + kSeed - 1, 1, time_[k]);
+      const PolynomialFit line = fit_polynomial(time_, v, from, from + kSeed - 1, 1, time_[k]);
       return line.count >= 3 ? line.coefficients[1] : kNotMeasured;
     };
     const auto change = [&](const std::vector<double>& v) {
@@ -226,32 +167,19 @@ void Analysis::find_blow() {
   split_ = peak;
 }
 
-// Whether `frame` lies on the free flight that the frames first..last show.
-bool Analysis::in_flight(std::size_t first, std::size_t last, std::size_t frame) const {
-  const auto agrees = [&](const std::vector<double>& value, double sigma) {
-    if (std::isnan(value[frame])) return true;  // hidden: no reason to stop
-    const Polynomial line = fit(time_, value, first, last, 1, time_[split_]);
-    if (line.count < 3) return false;
-    const double spread = sigma * std::sqrt(1 + line.leverage(time_[frame]));
-    return std::abs(value[frame] - line.at(time_[frame])) <= kOutOfFlight_sd * spread;
-  };
-  return agrees(qt_, result_.position_noise_m) && agrees(flat_, result_.position_noise_m) &&
-         agrees(angle_, result_.angle_noise_rad);
-}
-
 // From a few frames a little off the blow, first towards it, then away from it.
 void Analysis::grow(RodSide& side, bool forward) const {
+  const FreeFlight flight(time_, {{qt_, result_.position_noise_m},
+                                  {flat_, result_.position_noise_m},
+                                  {angle_, result_.angle_noise_rad}});
   const std::size_t last_frame = time_.size() - 1;
   if (forward) {
-    while (side.first > 0 && side.first > result_.before.last + 1 &&
-           in_flight(side.first, side.last, side.first - 1)) {
-      --side.first;
-    }
-    while (side.last < last_frame && in_flight(side.first, side.last, side.last + 1)) ++side.last;
+    flight.widen_down(side.first, side.last, result_.before.last + 1);
+    flight.widen_up(side.first, side.last, last_frame);
     if (side.last < last_frame) side.last = std::max(side.last - kGuard, side.first + kSeed - 1);
   } else {
-    while (side.last < split_ + 1 && in_flight(side.first, side.last, side.last + 1)) ++side.last;
-    while (side.first > 0 && in_flight(side.first, side.last, side.first - 1)) --side.first;
+    flight.widen_up(side.first, side.last, split_ + 1);
+    flight.widen_down(side.first, side.last, 0);
     if (side.first > 0) side.first = std::min(side.first + kGuard, side.last + 1 - kSeed);
   }
 }
@@ -283,12 +211,13 @@ void Analysis::locate_blow() {
     const double reference = time_[split_];
     const auto& before = result_.before;
     const auto& after = result_.after;
-    const Polynomial a = fit(time_, v, before.first, before.last, 1, reference);
-    const Polynomial b = fit(time_, v, after.first, after.last, 1, reference);
-    const Eigen::VectorXd gap = scale * (b.coefficients - a.coefficients);
-    numerator -= gap[0] * gap[1];
-    denominator += gap[1] * gap[1];
-    variance += square(scale * sigma * gap[1]) * (a.leverage(reference) + b.leverage(reference));
+    const PolynomialFit a = fit_polynomial(time_, v, before.first, before.last, 1, reference);
+    const PolynomialFit b = fit_polynomial(time_, v, after.first, after.last, 1, reference);
+    const double offset = scale * (b.coefficients[0] - a.coefficients[0]);
+    const double slope = scale * (b.coefficients[1] - a.coefficients[1]);
+    numerator -= offset * slope;
+    denominator += slope * slope;
+    variance += square(scale * sigma * slope) * (a.leverage(reference) + b.leverage(reference));
   };
   add(qt_, 1, result_.position_noise_m);
   add(flat_, 1, result_.position_noise_m);
@@ -299,12 +228,12 @@ void Analysis::locate_blow() {
 void Analysis::measure_side(RodSide& side, bool before) {
   const double instant = result_.impact_s.value;
   const auto line = [&](const std::vector<double>& v) {
-    return fit(time_, v, side.first, side.last, 1, instant);
+    return fit_polynomial(time_, v, side.first, side.last, 1, instant);
   };
-  const auto slope = [](const Polynomial& p, double least) {
-    return Measured{p.coefficients[1], std::max(p.rms, least) * std::sqrt(p.cofactor(1, 1))};
+  const auto slope = [](const PolynomialFit& p, double least) {
+    return Measured{p.coefficients[1], std::max(p.rms, least) * std::sqrt(p.cofactor_at(1, 1))};
   };
-  const Polynomial t = line(qt_), n = line(flat_), a = line(angle_);
+  const PolynomialFit t = line(qt_), n = line(flat_), a = line(angle_);
   if (std::min({t.count, n.count, a.count}) < kSeed) {
     throw FormatError(markers_.file, -1,
                       std::string("fewer than 4 frames of free flight ") +
@@ -315,7 +244,7 @@ void Analysis::measure_side(RodSide& side, bool before) {
   side.vn_m_s.value -= options_.gravity_m_s2 * (instant - time_[0]);
   side.vn_m_s.sd = std::hypot(side.vn_m_s.sd, options_.gravity_m_s2 * result_.impact_s.sd);
   side.omega_rad_s = slope(a, 0);
-  side.angle_rad = {a.coefficients[0], a.rms * std::sqrt(a.cofactor(0, 0))};
+  side.angle_rad = {a.coefficients[0], a.rms * std::sqrt(a.cofactor_at(0, 0))};
   const RodFrame& next = result_.frames[before ? side.last : side.first];
   side.difference_vt_m_s = next.vt_m_s;
   side.difference_vn_m_s = next.vn_m_s;
@@ -329,17 +258,18 @@ void Analysis::measure_gravity(RodSide& side) const {
   if (side.last - side.first + 1 < 6) return;
   const double middle = time_[(side.first + side.last) / 2];
   const auto parabola = [&](const std::vector<double>& v) {
-    return fit(time_, v, side.first, side.last, 2, middle);
+    return fit_polynomial(time_, v, side.first, side.last, 2, middle);
   };
-  const Polynomial n = parabola(qn_), t = parabola(qt_), b = parabola(qb_);
+  const PolynomialFit n = parabola(qn_), t = parabola(qt_), b = parabola(qb_);
   if (n.count < 6) return;
   const double fall = -2 * n.coefficients[2];
-  side.gravity_m_s2 = {fall, 2 * n.rms * std::sqrt(n.cofactor(2, 2))};
+  side.gravity_m_s2 = {fall, 2 * n.rms * std::sqrt(n.cofactor_at(2, 2))};
   side.gravity_tilt_deg =
       std::atan2(2 * std::hypot(t.coefficients[2], b.coefficients[2]), fall) * kDegPerRad;
   std::vector<double> velocity;
   for (const RodFrame& frame : result_.frames) velocity.push_back(frame.vn_m_s);
-  side.gravity_slope_m_s2 = -fit(time_, velocity, side.first, side.last, 1, middle).coefficients[1];
+  side.gravity_slope_m_s2 =
+      -fit_polynomial(time_, velocity, side.first, side.last, 1, middle).coefficients[1];
 }
 
 RodMeasurement Analysis::run() {

@@ -1,0 +1,242 @@
+#include "sim/fit/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "sim/fit/grid_fit.h"
+#include "sim/fit/parallel.h"
+#include "sim/fit/restitution_duration.h"
+#include "sim/fit/trajectory_fit.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kNormal95 = 1.959963984540054;
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+ShotFit fit_restitution_duration(const Shot& shot, const FitJob& job) {
+  const ImpactJob impact = job_of_shot(job.impact, shot);
+  const double e = shot.restitution.value;
+  const double duration = shot.contact_s.value;
+  const SpringAndDamper pair = spring_and_damper(impact, e, duration);
+  // Carried over by differences: both figures have their own deviation.
+  const double e_step = 1e-4 * e, t_step = 1e-4 * duration;
+  const SpringAndDamper other_e = spring_and_damper(impact, e - e_step, duration);
+  const SpringAndDamper other_t = spring_and_damper(impact, e, duration + t_step);
+  const double k_e = (pair.stiffness - other_e.stiffness) / e_step * shot.restitution.sd;
+  const double k_t = (other_t.stiffness - pair.stiffness) / t_step * shot.contact_s.sd;
+  const double b_e =
+      (pair.damping_n_s_per_m - other_e.damping_n_s_per_m) / e_step * shot.restitution.sd;
+  const double b_t =
+      (other_t.damping_n_s_per_m - pair.damping_n_s_per_m) / t_step * shot.contact_s.sd;
+  ShotFit fit;
+  fit.shot = shot;
+  const auto add = [&](FitParameter p, double value, double sd) {
+    fit.parameters.push_back({p, key_of(p, job.impact.normal), value, sd, value - kNormal95 * sd,
+                              value + kNormal95 * sd, true, false, "determined by the data"});
+  };
+  add(FitParameter::kStiffness, pair.stiffness, std::hypot(k_e, k_t));
+  add(FitParameter::kDamping, pair.damping_n_s_per_m, std::hypot(b_e, b_t));
+  fit.covariance = {k_e * k_e + k_t * k_t, k_e * b_e + k_t * b_t, k_e * b_e + k_t * b_t,
+                    b_e * b_e + b_t * b_t};
+  fit.measurements = fit.free_parameters = 2;
+  fit.aic = fit.chi_square = fit.reduced_chi_square = fit.rms_m = kNotMeasured;
+  return fit;
+}
+
+PooledEstimate pool(const FitResult& result, std::size_t index, double outlier_sd) {
+  PooledEstimate pooled;
+  pooled.key = result.shots[0].parameters[index].key;
+  std::vector<double> values;
+  double weights = 0, weighted = 0;
+  for (const ShotFit& shot : result.shots) {
+    const ParameterEstimate& p = shot.parameters[index];
+    values.push_back(p.value);
+    if (p.determined && p.sd > 0) weights += 1 / (p.sd * p.sd), weighted += p.value / (p.sd * p.sd);
+  }
+  const auto count = static_cast<double>(values.size());
+  for (double v : values) pooled.mean += v / count;
+  for (double v : values) pooled.scatter_sd += (v - pooled.mean) * (v - pooled.mean);
+  pooled.scatter_sd = count > 1 ? std::sqrt(pooled.scatter_sd / (count - 1)) : kNotMeasured;
+  pooled.value = weights > 0 ? weighted / weights : kNotMeasured;
+  pooled.sd = weights > 0 ? std::sqrt(1 / weights) : kNotMeasured;
+  double compared = 0;
+  for (const ShotFit& shot : result.shots) {
+    const ParameterEstimate& p = shot.parameters[index];
+    if (!(p.determined && p.sd > 0)) continue;
+    pooled.chi_square += std::pow((p.value - pooled.value) / p.sd, 2);
+    ++compared;
+  }
+  // Shots that scatter more than their own deviations widen the pooled one (Birge 1932).
+  if (compared > 1) pooled.sd *= std::sqrt(std::max(1.0, pooled.chi_square / (compared - 1)));
+  pooled.determined = compared > 0 || std::all_of(result.shots.begin(), result.shots.end(),
+                                                  [&](const ShotFit& shot) {
+                                                    return shot.parameters[index].determined;
+                                                  });
+  const double middle = median(values);
+  std::vector<double> off;
+  for (double v : values) off.push_back(std::abs(v - middle));
+  const double spread = 1.4826 * median(off);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double own = result.shots[i].parameters[index].sd;
+    const double allowed = std::hypot(spread, std::isnan(own) ? 0 : own);
+    if (values.size() >= 4 && off[i] > outlier_sd * allowed) {
+      pooled.outliers.push_back(result.shots[i].shot.file);
+    }
+  }
+  return pooled;
+}
+
+}  // namespace
+
+std::string key_of(FitParameter parameter, NormalModel normal) {
+  switch (parameter) {
+    case FitParameter::kStiffness:
+      return normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
+    case FitParameter::kDamping:
+      return "damping_n_s_per_m";
+    case FitParameter::kFrictionKinetic:
+      return "friction_kinetic";
+    case FitParameter::kFrictionStatic:
+      return "friction_static";
+    case FitParameter::kPoisson:
+      return "poisson";
+    case FitParameter::kYieldStrength:
+      return "yield_strength_pa";
+    case FitParameter::kContactTime:
+      return "contact_time_s";
+    case FitParameter::kSurfaceAngle:
+      return "surface_angle_deg";
+    case FitParameter::kScale:
+      return "scale";
+  }
+  return "";
+}
+
+double law_parameter(const ImpactJob& job, FitParameter parameter) {
+  const Contact& contact = job.contact;
+  switch (parameter) {
+    case FitParameter::kStiffness:
+      return contact.stiffness;
+    case FitParameter::kDamping:
+      return contact.damping_n_s_per_m;
+    case FitParameter::kFrictionKinetic:
+      return contact.friction_kinetic;
+    case FitParameter::kFrictionStatic:
+      return contact.friction_static;
+    case FitParameter::kPoisson:
+      return contact.poisson;
+    case FitParameter::kYieldStrength:
+      return contact.yield_strength_pa;
+    default:
+      return kNotMeasured;
+  }
+}
+
+void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
+  switch (parameter) {
+    case FitParameter::kStiffness:
+      job.contact.stiffness = value;
+      break;
+    case FitParameter::kDamping:
+      job.contact.damping_n_s_per_m = value;
+      break;
+    case FitParameter::kFrictionKinetic:
+      job.contact.friction_kinetic = value;
+      break;
+    case FitParameter::kFrictionStatic:
+      job.contact.friction_static = value;
+      break;
+    case FitParameter::kPoisson:
+      job.contact.poisson = value;
+      break;
+    case FitParameter::kYieldStrength:
+      job.contact.yield_strength_pa = value;
+      break;
+    default:
+      break;
+  }
+}
+
+ImpactJob job_of_shot(const ImpactJob& laws, const Shot& shot) {
+  ImpactJob job = laws;
+  job.surface_angle_deg = shot.surface_angle_deg;
+  job.initial = {};
+  job.initial.vt_m_s = shot.before.vt_m_s.value;
+  job.initial.vn_m_s = shot.before.vn_m_s.value;
+  const double spin = shot.before.omega_rad_s.value;
+  job.initial.omega_rad_s = std::isnan(spin) ? 0 : spin;
+  // Without a coefficient Coulomb's law is no friction.
+  if (job.friction == FrictionModel::kCoulomb && job.contact.friction_kinetic == 0) {
+    job.friction = FrictionModel::kNone;
+  }
+  return job;
+}
+
+void time_contact(Shot& shot, const ImpactJob& laws) {
+  if (laws.normal != NormalModel::kLinearSpringDamper && laws.normal != NormalModel::kHertzDamper) {
+    return;
+  }
+  const Estimate crossing = shot.crossing_above_lowest_m;
+  const ContactTiming timing =
+      timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),
+                           crossing.value, shot.contact_s.value);
+  const double sd = std::abs(timing.duration_s * crossing.sd / crossing.value);
+  const double start = shot.crossing_s - timing.crossing_s;
+  const double later = start - shot.contact_start_s.value;
+  const double angle = shot.surface_angle_deg * kRadPerDeg;
+  const double vt = shot.before.vt_m_s.value, vn = shot.before.vn_m_s.value;
+  shot.contact_start_s = {start, sd};
+  shot.contact_s = {timing.duration_s, sd};
+  shot.contact_end_s = {start + timing.duration_s, sd};
+  shot.t_max_compression_s -= later;
+  shot.max_deflection_m.value += vn * later;
+  shot.max_deflection_m.sd = std::abs(vn) * sd;
+  shot.touch_x_m += (std::cos(angle) * vt - std::sin(angle) * vn) * later;
+  shot.touch_y_m += (std::sin(angle) * vt + std::cos(angle) * vn) * later;
+}
+
+FitResult calibrate(const FitJob& job, int threads) {
+  if (job.shots.empty()) throw InvalidArgument("no tracks are named", "tracks");
+  const bool spring = job.impact.normal == NormalModel::kLinearSpringDamper ||
+                      job.impact.normal == NormalModel::kHertzDamper;
+  if (!spring && job.method != FitMethod::kTrajectory) {
+    throw InvalidArgument("this method needs a law with stiffness and damping", "fit.method",
+                          "trajectory fits any law");
+  }
+  FitResult result;
+  result.shots.resize(job.shots.size());
+  if (job.method == FitMethod::kPublishedGrid) result.surfaces.resize(job.shots.size());
+  parallel_for(job.shots.size(), threads, [&](std::size_t i) {
+    const Track track = read_track(job.shots[i].track);
+    Shot shot = measure_shot(track, {job.impact.body, job.shots[i].surface_angle_deg,
+                                     job.impact.gravity_m_s2, job.flight_frames});
+    time_contact(shot, job.impact);
+    switch (job.method) {
+      case FitMethod::kTrajectory:
+        result.shots[i] = fit_trajectory(track, shot, job);
+        break;
+      case FitMethod::kPublishedGrid:
+        result.shots[i] = fit_grid(track, shot, job, result.surfaces[i]);
+        break;
+      case FitMethod::kRestitutionDuration:
+        result.shots[i] = fit_restitution_duration(shot, job);
+        break;
+    }
+  });
+  const std::size_t laws =
+      job.method == FitMethod::kTrajectory ? job.parameters.size() : std::size_t{2};
+  for (std::size_t i = 0; i < laws; ++i) {
+    result.pooled.push_back(pool(result, i, job.outlier_sd));
+  }
+  return result;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,129 @@
+#include "sim/fit/restitution_duration.h"
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstdint>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/base/units.h"
+#include "sim/impact/impact.h"
+
+namespace impactdic {
+namespace {
+
+// acos(z)/sqrt(1 - z^2), continued through z = 1 (overdamped) where it is 1.
+double compression_angle(double zeta) {
+  const double gap = 1 - zeta * zeta;
+  if (std::abs(gap) < 1e-10) return 1;
+  return gap > 0 ? std::acos(zeta) / std::sqrt(gap) : std::acosh(zeta) / std::sqrt(-gap);
+}
+
+struct Outcome {
+  double log_restitution, log_duration;
+};
+
+Outcome outcome(ImpactJob& job, double stiffness, double damping) {
+  job.contact.stiffness = stiffness;
+  job.contact.damping_n_s_per_m = damping;
+  const ImpactResult impact = simulate_impact(job);
+  return {std::log(std::max(impact.restitution, 1e-12)), std::log(impact.contact_s)};
+}
+
+// A start: the linear pair, and for Hertz the linear spring's force at the same deepest point.
+SpringAndDamper start(const ImpactJob& job, double restitution, double duration_s) {
+  SpringAndDamper pair = linear_closed_form(job.body.mass_kg, restitution, duration_s);
+  if (job.normal == NormalModel::kHertzDamper) {
+    const double speed = std::abs(job.initial.vn_m_s);
+    const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
+    pair.stiffness /= std::sqrt(depth);
+  }
+  return pair;
+}
+
+}  // namespace
+
+SpringAndDamper linear_closed_form(double mass_kg, double restitution, double duration_s) {
+  if (!(restitution > 0 && restitution <= 1)) {
+    throw InvalidArgument(
+        "a spring and a damper give a restitution from 0 to 1, not " + shortest(restitution),
+        "restitution");
+  }
+  if (!(duration_s > 0)) throw InvalidArgument("the duration must be positive", "duration");
+  const double target = std::log(restitution);
+  const auto miss = [&](double zeta) { return -zeta * compression_angle(zeta) - target; };
+  double high = 1;
+  while (miss(high) > 0) high *= 2;
+  std::uintmax_t iterations = 200;
+  const auto root = boost::math::tools::toms748_solve(
+      miss, 0.0, high, boost::math::tools::eps_tolerance<double>(52), iterations);
+  const double zeta = (root.first + root.second) / 2;
+  const double omega = (compression_angle(zeta) + kPi / 2) / duration_s;
+  return {mass_kg * omega * omega, 2 * zeta * mass_kg * omega};
+}
+
+SpringAndDamper spring_and_damper(ImpactJob job, double restitution, double duration_s) {
+  if (job.normal != NormalModel::kLinearSpringDamper && job.normal != NormalModel::kHertzDamper) {
+    throw InvalidArgument("restitution_duration needs a law with stiffness and damping", "normal",
+                          "linear_spring_damper or hertz_damper");
+  }
+  // The normal motion alone decides: no friction, no spin.
+  job.friction = FrictionModel::kNone;
+  SpringAndDamper pair = start(job, restitution, duration_s);
+  const double target_e = std::log(restitution), target_t = std::log(duration_s);
+  // Newton in (ln k, b) with a Jacobian by differences; damping never below zero.
+  const double damping_unit = std::sqrt(job.body.mass_kg * pair.stiffness) * 1e-4;
+  for (int i = 0; i < 60; ++i) {
+    const Outcome here = outcome(job, pair.stiffness, pair.damping_n_s_per_m);
+    const double miss_e = target_e - here.log_restitution, miss_t = target_t - here.log_duration;
+    if (std::abs(miss_e) < 1e-11 && std::abs(miss_t) < 1e-11) return pair;
+    constexpr double kStep = 1e-5;
+    const double step_b = std::max(damping_unit, 1e-5 * pair.damping_n_s_per_m);
+    const Outcome stiffer = outcome(job, pair.stiffness * std::exp(kStep), pair.damping_n_s_per_m);
+    const Outcome damped = outcome(job, pair.stiffness, pair.damping_n_s_per_m + step_b);
+    const double e_k = (stiffer.log_restitution - here.log_restitution) / kStep;
+    const double t_k = (stiffer.log_duration - here.log_duration) / kStep;
+    const double e_b = (damped.log_restitution - here.log_restitution) / step_b;
+    const double t_b = (damped.log_duration - here.log_duration) / step_b;
+    const double det = e_k * t_b - e_b * t_k;
+    const double dk = std::clamp((miss_e * t_b - e_b * miss_t) / det, -1.0, 1.0);
+    const double db = (e_k * miss_t - t_k * miss_e) / det;
+    pair.stiffness *= std::exp(dk);
+    const double before = pair.damping_n_s_per_m;
+    pair.damping_n_s_per_m = std::max(before + db, before / 10);
+    if (std::abs(dk) < 1e-12 && std::abs(db) < 1e-12 * damping_unit) return pair;
+    // Differences limit the last digits; there the figures are met as well as they can be.
+    if (i > 20 && std::abs(miss_e) < 1e-8 && std::abs(miss_t) < 1e-8) return pair;
+  }
+  throw InvalidArgument("no stiffness and damping give a restitution of " + shortest(restitution) +
+                            " in " + shortest(duration_s) + " s",
+                        "restitution_duration");
+}
+
+ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
+                                   double crossing_above_lowest_m, double start_s) {
+  ImpactJob trial = job;
+  trial.friction = FrictionModel::kNone;
+  const double gravity = job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg);
+  double duration = start_s;
+  for (int i = 0; i < 50; ++i) {
+    const SpringAndDamper pair = spring_and_damper(trial, restitution, duration);
+    trial.contact.stiffness = pair.stiffness;
+    trial.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+    const ImpactResult impact = simulate_impact(trial);
+    // Both flights with the fall taken out are straight lines.
+    const double end = impact.contact_s;
+    const double in = job.initial.vn_m_s, out = impact.final.vn_m_s + gravity * end;
+    const double at_end = impact.final.qn_m + gravity * end * end / 2;
+    const double cross = (at_end - out * end) / (in - out);
+    const double height = in * cross - gravity * cross * cross / 2 + impact.max_deflection_m;
+    const double factor = std::clamp(crossing_above_lowest_m / height, 0.5, 2.0);
+    duration *= factor;
+    if (std::abs(factor - 1) < 1e-10) return {duration, cross};
+  }
+  throw InvalidArgument("no duration of the contact fits the path's lowest point",
+                        "restitution_duration");
+}
+
+}  // namespace impactdic

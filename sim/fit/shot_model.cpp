@@ -1,0 +1,257 @@
+#include "sim/fit/shot_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "sim/impact/impact.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Below these a stated deviation is rounding, not noise.
+constexpr double kLeastPosition_sd_m = 1e-10, kLeastTurn_sd_rad = 1e-9;
+
+bool is_law(FitParameter p) {
+  return p != FitParameter::kContactTime && p != FitParameter::kSurfaceAngle &&
+         p != FitParameter::kScale;
+}
+
+double upper_bound(FitParameter p) {
+  switch (p) {
+    case FitParameter::kPoisson:
+      return 0.5;
+    case FitParameter::kFrictionKinetic:
+    case FitParameter::kFrictionStatic:
+      return 10;
+    default:
+      return kInfinity;
+  }
+}
+
+}  // namespace
+
+ShotModel::ShotModel(const Track& track, const Shot& shot, const ImpactJob& laws,
+                     const std::vector<FitParameter>& parameters,
+                     const std::vector<FitParameter>& unknowns)
+    : laws_(laws), shot_(shot), interval_s_(track.interval_s) {
+  has_spin_ = !std::isnan(shot.before.omega_rad_s.value);
+  build_rows(track, shot);
+  add_unknowns(shot, parameters, unknowns);
+  if (residuals_ <= unknowns_.size()) {
+    throw FormatError(shot.file, -1, "the track has fewer measurements than there are unknowns");
+  }
+}
+
+void ShotModel::build_rows(const Track& track, const Shot& shot) {
+  const std::size_t first = shot.before.first, last = shot.after.last;
+  const auto sd_or = [](double sd, double otherwise, double least) {
+    return std::max(std::isnan(sd) ? otherwise : sd, least);
+  };
+  for (std::size_t i = first; i <= last; ++i) {
+    const std::size_t at = i - first;
+    time_s_.push_back(track.time_s[i]);
+    const double sd = sd_or(track.position_sd_m[i], shot.noise_m, kLeastPosition_sd_m);
+    if (!std::isnan(track.x_m[i]) && !std::isnan(track.y_m[i])) {
+      rows_.push_back({Row::Kind::kX, at, track.x_m[i], sd});
+      rows_.push_back({Row::Kind::kY, at, track.y_m[i], sd});
+    }
+    if (i == last) continue;
+    // A motion without its own deviation cannot be weighed against the centres: left out.
+    if (!std::isnan(track.dx_m[i]) && !std::isnan(track.motion_sd_m[i])) {
+      const double motion_sd = std::max(track.motion_sd_m[i], kLeastPosition_sd_m);
+      rows_.push_back({Row::Kind::kDx, at, track.dx_m[i], motion_sd});
+      rows_.push_back({Row::Kind::kDy, at, track.dy_m[i], motion_sd});
+    }
+    if (has_spin_ && !std::isnan(track.turn_rad[i]) && !std::isnan(track.turn_sd_rad[i])) {
+      rows_.push_back({Row::Kind::kTurn, at, track.turn_rad[i],
+                       std::max(track.turn_sd_rad[i], kLeastTurn_sd_rad)});
+    }
+  }
+  has_spin_ = std::any_of(rows_.begin(), rows_.end(),
+                          [](const Row& row) { return row.kind == Row::Kind::kTurn; });
+  residuals_ = rows_.size();
+}
+
+void ShotModel::add_unknowns(const Shot& shot, const std::vector<FitParameter>& parameters,
+                             const std::vector<FitParameter>& unknowns) {
+  const double speed = std::abs(shot.before.vn_m_s.value);
+  for (FitParameter p : parameters) {
+    const double start = law_parameter(laws_, p);
+    const double step = 1e-4 * std::max(std::abs(start), p == FitParameter::kDamping ? 0.1 : 1e-2);
+    unknowns_.push_back(
+        {Unknown::Kind::kParameter, p, start, step,
+         p == FitParameter::kStiffness || p == FitParameter::kYieldStrength ? 1e-6 * start : 0.0,
+         upper_bound(p)});
+  }
+  for (FitParameter p : unknowns) {
+    const double span = time_s_.back() - time_s_.front();
+    if (p == FitParameter::kContactTime) {
+      const double start = shot.contact_start_s.value;
+      unknowns_.push_back({Unknown::Kind::kParameter, p, start, 1e-3 * interval_s_,
+                           start - span / 4, start + span / 4});
+    } else if (p == FitParameter::kSurfaceAngle) {
+      unknowns_.push_back({Unknown::Kind::kParameter, p, shot.surface_angle_deg, 1e-2,
+                           shot.surface_angle_deg - 45, shot.surface_angle_deg + 45});
+    } else {
+      unknowns_.push_back({Unknown::Kind::kParameter, p, 1, 1e-4, 0.5, 2});
+    }
+  }
+  const auto motion = [&](Unknown::Kind kind, double start, double step) {
+    unknowns_.push_back({kind, {}, start, step, -kInfinity, kInfinity});
+  };
+  motion(Unknown::Kind::kTouchX, shot.touch_x_m, 1e-6);
+  motion(Unknown::Kind::kTouchY, shot.touch_y_m, 1e-6);
+  motion(Unknown::Kind::kTangentialVelocity, shot.before.vt_m_s.value, 1e-4 * speed);
+  motion(Unknown::Kind::kNormalVelocity, shot.before.vn_m_s.value, 1e-4 * speed);
+  if (has_spin_) {
+    motion(Unknown::Kind::kSpin, shot.before.omega_rad_s.value,
+           1e-4 * speed / laws_.body.radius_m());
+  }
+}
+
+double ShotModel::value_or(FitParameter parameter, const double* values, double otherwise) const {
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    if (unknowns_[i].kind == Unknown::Kind::kParameter && unknowns_[i].parameter == parameter) {
+      return values[i];
+    }
+  }
+  return otherwise;
+}
+
+ImpactJob ShotModel::impact_of(const double* values) const {
+  ImpactJob laws = laws_;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    const Unknown& u = unknowns_[i];
+    if (u.kind == Unknown::Kind::kParameter && is_law(u.parameter)) {
+      set_law_parameter(laws, u.parameter, values[i]);
+    }
+  }
+  ImpactJob job = job_of_shot(laws, shot_);
+  job.surface_angle_deg = value_or(FitParameter::kSurfaceAngle, values, shot_.surface_angle_deg);
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    switch (unknowns_[i].kind) {
+      case Unknown::Kind::kTangentialVelocity:
+        job.initial.vt_m_s = values[i];
+        break;
+      case Unknown::Kind::kNormalVelocity:
+        job.initial.vn_m_s = values[i];
+        break;
+      case Unknown::Kind::kSpin:
+        job.initial.omega_rad_s = values[i];
+        break;
+      default:
+        break;
+    }
+  }
+  return job;
+}
+
+bool ShotModel::predict(const double* values, Prediction& p) const {
+  const ImpactJob job = impact_of(values);
+  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
+  std::vector<double> times(time_s_);
+  for (double& time : times) time -= start;
+  ImpactResult impact;
+  try {
+    impact = simulate_impact(job, {0, times});
+  } catch (const Error&) {
+    return false;  // these values have no impact: the solver must step back
+  }
+  if (!impact.separated || impact.trajectory.size() != times.size()) return false;
+  double x = 0, y = 0;
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) {
+    if (unknowns_[i].kind == Unknown::Kind::kTouchX) x = values[i];
+    if (unknowns_[i].kind == Unknown::Kind::kTouchY) y = values[i];
+  }
+  const double angle = job.surface_angle_deg * kRadPerDeg;
+  const double c = std::cos(angle), s = std::sin(angle);
+  for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy}) v->resize(times.size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const PlaneState& state = impact.trajectory[i].state;
+    p.x[i] = x + c * state.qt_m - s * state.qn_m;
+    p.y[i] = y + s * state.qt_m + c * state.qn_m;
+    p.vx[i] = c * state.vt_m_s - s * state.vn_m_s;
+    p.vy[i] = s * state.vt_m_s + c * state.vn_m_s;
+    p.angle[i] = state.angle_rad;
+  }
+  return true;
+}
+
+double ShotModel::predicted(const Row& row, const Prediction& p) const {
+  const std::size_t i = row.frame;
+  switch (row.kind) {
+    case Row::Kind::kX:
+      return p.x[i];
+    case Row::Kind::kY:
+      return p.y[i];
+    case Row::Kind::kDx:
+      return p.x[i + 1] - p.x[i];
+    case Row::Kind::kDy:
+      return p.y[i + 1] - p.y[i];
+    case Row::Kind::kTurn:
+      return p.angle[i + 1] - p.angle[i];
+  }
+  return 0;
+}
+
+bool ShotModel::evaluate(const double* values, double* residual, double* jacobian) const {
+  Prediction here;
+  if (!predict(values, here)) return false;
+  const double scale = value_or(FitParameter::kScale, values, 1);
+  const auto measured = [&](const Row& row) {
+    return row.kind == Row::Kind::kTurn ? row.measured : scale * row.measured;
+  };
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    residual[r] = (predicted(rows_[r], here) - measured(rows_[r])) / rows_[r].sd;
+  }
+  if (jacobian == nullptr) return true;
+  std::vector<double> moved(values, values + size());
+  Prediction high, low;
+  for (std::size_t u = 0; u < size(); ++u) {
+    const Unknown& unknown = unknowns_[u];
+    const auto column = [&](const auto& derivative) {
+      for (std::size_t r = 0; r < rows_.size(); ++r) {
+        jacobian[r * size() + u] = derivative(rows_[r]) / rows_[r].sd;
+      }
+    };
+    if (unknown.kind == Unknown::Kind::kTouchX || unknown.kind == Unknown::Kind::kTouchY) {
+      const auto kind = unknown.kind == Unknown::Kind::kTouchX ? Row::Kind::kX : Row::Kind::kY;
+      column([&](const Row& row) { return row.kind == kind ? 1.0 : 0.0; });
+    } else if (unknown.kind == Unknown::Kind::kParameter &&
+               unknown.parameter == FitParameter::kScale) {
+      column([&](const Row& row) { return row.kind == Row::Kind::kTurn ? 0.0 : -row.measured; });
+    } else {
+      // Central differences, one-sided at a bound.
+      const double up = std::min(values[u] + unknown.step, unknown.upper);
+      const double down = std::max(values[u] - unknown.step, unknown.lower);
+      moved[u] = up;
+      if (!predict(moved.data(), high)) return false;
+      moved[u] = down;
+      if (!predict(moved.data(), low)) return false;
+      moved[u] = values[u];
+      column([&](const Row& row) {
+        return (predicted(row, high) - predicted(row, low)) / (up - down);
+      });
+    }
+  }
+  return true;
+}
+
+double ShotModel::path_rms_m(const double* values) const {
+  Prediction here;
+  if (!predict(values, here)) return kNotMeasured;
+  const double scale = value_or(FitParameter::kScale, values, 1);
+  double sum = 0, count = 0;
+  for (const Row& row : rows_) {
+    if (row.kind != Row::Kind::kX && row.kind != Row::Kind::kY) continue;
+    const double off = predicted(row, here) - scale * row.measured;
+    sum += off * off, ++count;
+  }
+  return std::sqrt(sum / count);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,248 @@
+#include "sim/fit/trajectory_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "sim/fit/restitution_duration.h"
+#include "sim/fit/shot_model.h"
+#include "sim/fit/verdict.h"
+
+namespace impactdic {
+namespace {
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr double kChiSquare95 = 3.841458820694124;  // one degree of freedom
+constexpr double kNormal95 = 1.959963984540054;
+// Directions of the scaled normal matrix weaker than this cannot be told from rounding.
+constexpr double kSingular = 1e-8;
+// An interval wider than this part of its value is not parabolic any more: profile it.
+constexpr double kWeak = 0.2;
+
+class Cost final : public ceres::CostFunction {
+ public:
+  // `fixed`: an unknown held at its value (its column is zero), or none if >= size.
+  Cost(const ShotModel& model, std::size_t fixed) : model_(model), fixed_(fixed) {
+    set_num_residuals(static_cast<int>(model.residuals()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(model.size()));
+  }
+  bool Evaluate(const double* const* values, double* residuals, double** jacobians) const override {
+    double* jacobian = jacobians != nullptr ? jacobians[0] : nullptr;
+    if (!model_.evaluate(values[0], residuals, jacobian)) return false;
+    if (jacobian != nullptr && fixed_ < model_.size()) {
+      for (std::size_t r = 0; r < model_.residuals(); ++r) {
+        jacobian[r * model_.size() + fixed_] = 0;
+      }
+    }
+    return true;
+  }
+
+ private:
+  const ShotModel& model_;
+  std::size_t fixed_;
+};
+
+struct Solution {
+  std::vector<double> values;
+  double chi_square = std::numeric_limits<double>::infinity();
+  bool converged = false;
+};
+
+Solution solve(const ShotModel& model, std::vector<double> start, std::size_t fixed) {
+  Solution solution{std::move(start)};
+  ceres::Problem::Options problem_options;
+  ceres::Problem problem(problem_options);
+  problem.AddResidualBlock(new Cost(model, fixed), nullptr, solution.values.data());
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const Unknown& u = model.unknowns()[i];
+    const int index = static_cast<int>(i);
+    if (std::isfinite(u.lower)) {
+      problem.SetParameterLowerBound(solution.values.data(), index, u.lower);
+    }
+    if (std::isfinite(u.upper)) {
+      problem.SetParameterUpperBound(solution.values.data(), index, u.upper);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 100;
+  options.function_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-11;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (summary.termination_type == ceres::FAILURE) return solution;
+  solution.chi_square = 2 * summary.final_cost;
+  solution.converged = summary.termination_type == ceres::CONVERGENCE;
+  return solution;
+}
+
+std::vector<double> start_values(const ShotModel& model) {
+  std::vector<double> values;
+  for (const Unknown& u : model.unknowns()) {
+    values.push_back(std::clamp(u.start, u.lower, u.upper));
+  }
+  return values;
+}
+
+// The laws at the start: stiffness and damping from (e, T), friction from the impulses.
+ImpactJob laws_at_start(const Shot& shot, const FitJob& job) {
+  ImpactJob laws = job.impact;
+  const auto fits = [&](FitParameter p) {
+    return std::find(job.parameters.begin(), job.parameters.end(), p) != job.parameters.end();
+  };
+  if (fits(FitParameter::kStiffness) || fits(FitParameter::kDamping)) {
+    const double e = std::clamp(shot.restitution.value, 0.05, 0.999);
+    const SpringAndDamper pair =
+        spring_and_damper(job_of_shot(laws, shot), e, shot.contact_s.value);
+    if (fits(FitParameter::kStiffness)) laws.contact.stiffness = pair.stiffness;
+    if (fits(FitParameter::kDamping)) laws.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+  }
+  if (fits(FitParameter::kFrictionKinetic) && laws.contact.friction_kinetic == 0) {
+    laws.contact.friction_kinetic = std::clamp(std::abs(shot.friction.sound), 1e-3, 2.0);
+    laws.contact.friction_static =
+        std::max(laws.contact.friction_static, laws.contact.friction_kinetic);
+  }
+  return laws;
+}
+
+// Covariance for unit noise of every unknown; infinite variance along directions the data leaves
+// open.
+Eigen::MatrixXd cofactor(const ShotModel& model, const std::vector<double>& values) {
+  const auto size = static_cast<Eigen::Index>(model.size());
+  Matrix jacobian(static_cast<Eigen::Index>(model.residuals()), size);
+  std::vector<double> residual(model.residuals());
+  if (!model.evaluate(values.data(), residual.data(), jacobian.data())) {
+    throw Error("the fitted model has no impact", "trajectory fit");
+  }
+  Eigen::VectorXd scale(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    scale[i] = jacobian.col(i).norm();
+    if (scale[i] > 0) jacobian.col(i) /= scale[i];
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
+  const auto& sigma = svd.singularValues();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const Eigen::VectorXd direction = svd.matrixV().col(k);
+    if (sigma[k] > kSingular * sigma[0]) {
+      result += direction * direction.transpose() / (sigma[k] * sigma[k]);
+      continue;
+    }
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (std::abs(direction[i]) > 1e-6) result(i, i) = infinity;
+    }
+  }
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (Eigen::Index j = 0; j < size; ++j) {
+      result(i, j) = scale[i] > 0 && scale[j] > 0 ? result(i, j) / scale[i] / scale[j]
+                     : i == j                     ? infinity
+                                                  : 0;
+    }
+  }
+  return result;
+}
+
+// Where the chi square, minimised over all the others, has risen by the 95 % quantile. NaN where it
+// does not rise that far before the bound or 64 steps of one deviation.
+double profile_end(const ShotModel& model, const Solution& best, std::size_t index, double step,
+                   double rise) {
+  const Unknown& unknown = model.unknowns()[index];
+  const double centre = best.values[index];
+  double inside = centre, outside = kNotMeasured;
+  std::vector<double> values = best.values;
+  const auto excess = [&](double at) {
+    std::vector<double> start = values;
+    start[index] = at;
+    const Solution solution = solve(model, start, index);
+    if (!std::isfinite(solution.chi_square)) return std::numeric_limits<double>::infinity();
+    values = solution.values;
+    return solution.chi_square - best.chi_square - rise;
+  };
+  for (int i = 0; i < 7 && std::isnan(outside); ++i, step *= 2) {
+    const double at = std::clamp(centre + step, unknown.lower, unknown.upper);
+    if (excess(at) > 0) {
+      outside = at;
+    } else {
+      inside = at;
+      if (at == unknown.lower || at == unknown.upper) return kNotMeasured;
+    }
+  }
+  if (std::isnan(outside)) return kNotMeasured;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = (inside + outside) / 2;
+    (excess(middle) > 0 ? outside : inside) = middle;
+  }
+  return (inside + outside) / 2;
+}
+
+ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::size_t index,
+                           double sd, double inflation, const FitJob& job) {
+  const Unknown& unknown = model.unknowns()[index];
+  ParameterEstimate p;
+  p.parameter = unknown.parameter;
+  p.key = key_of(unknown.parameter, job.impact.normal);
+  p.value = best.values[index];
+  p.sd = std::isfinite(sd) ? sd : kNotMeasured;
+  p.ci95_low = p.value - kNormal95 * p.sd;
+  p.ci95_high = p.value + kNormal95 * p.sd;
+  const bool positive = unknown.lower >= 0;  // a quantity whose size is its meaning
+  const bool weak = std::isnan(p.sd) || (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
+  if (weak) {
+    p.profiled = true;
+    const double step = std::isnan(p.sd) ? std::max(std::abs(p.value), unknown.step) / 8
+                                         : std::max(p.sd, unknown.step);
+    const double rise = kChiSquare95 * inflation;
+    p.ci95_low = profile_end(model, best, index, -step, rise);
+    p.ci95_high = profile_end(model, best, index, step, rise);
+  }
+  p.determined = !std::isnan(p.ci95_low) && !std::isnan(p.ci95_high);
+  return p;
+}
+
+}  // namespace
+
+ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job) {
+  const ImpactJob laws = laws_at_start(shot, job);
+  const ShotModel model(track, shot, laws, job.parameters, job.unknowns);
+  const Solution best = solve(model, start_values(model), model.size());
+  if (!std::isfinite(best.chi_square)) {
+    throw InvalidArgument("the model has no impact at its start values", shot.file,
+                          "are mass, diameter and the fixed contact values right?");
+  }
+  ShotFit fit;
+  fit.shot = shot;
+  fit.chi_square = best.chi_square;
+  fit.measurements = static_cast<long>(model.residuals());
+  fit.free_parameters = static_cast<long>(model.size());
+  fit.reduced_chi_square =
+      best.chi_square / static_cast<double>(fit.measurements - fit.free_parameters);
+  fit.aic = best.chi_square + 2.0 * static_cast<double>(fit.free_parameters);
+  fit.rms_m = model.path_rms_m(best.values.data());
+  fit.converged = best.converged;
+  if (!best.converged) fit.warnings.push_back("the fit had not converged after 100 iterations");
+  const double inflation = std::max(1.0, fit.reduced_chi_square);
+  const Eigen::MatrixXd unit = cofactor(model, best.values);
+  const std::size_t reported = job.parameters.size() + job.unknowns.size();
+  for (std::size_t i = 0; i < reported; ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    fit.parameters.push_back(
+        estimate(model, best, i, std::sqrt(unit(at, at) * inflation), inflation, job));
+    for (std::size_t j = 0; j < reported; ++j) {
+      const double value = unit(at, static_cast<Eigen::Index>(j)) * inflation;
+      fit.covariance.push_back(std::isfinite(value) ? value : kNotMeasured);
+    }
+  }
+  add_verdicts(fit, model.impact_of(best.values.data()));
+  return fit;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,74 @@
+#include "sim/fit/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/impact/impact.h"
+
+namespace impactdic {
+namespace {
+
+bool slides_throughout(const ImpactResult& impact) {
+  return std::none_of(impact.phases.begin(), impact.phases.end(), [](const Phase& phase) {
+    const std::string name = phase.name;
+    return name == "sticking" || name == "rolling" || name == "partial_slip";
+  });
+}
+
+std::string friction_words(const ImpactJob& job, const ImpactResult& impact) {
+  const double tip = std::abs(impact.tip_vt_start_m_s);
+  if (tip < 0.02 * std::abs(job.initial.vn_m_s)) {
+    return "the ball arrives without tangential motion, so friction has nothing to act on; an "
+           "oblique impact would determine it";
+  }
+  if (!slides_throughout(impact)) {
+    return "the ball stops sliding before it leaves, and from then on the friction no longer "
+           "shows: only a lower bound is known; an impact at a more grazing angle, where it slides "
+           "throughout, would determine it";
+  }
+  return "the rotation or the tangential velocity is not measured well enough; more frames of "
+         "flight on both sides, or a track with rotation, would determine it";
+}
+
+std::string words(FitParameter parameter, const ImpactJob& job, const ImpactResult& impact) {
+  switch (parameter) {
+    case FitParameter::kStiffness:
+      return "the motion during contact does not show it; more frames within the contact (a higher "
+             "frame rate) or less noise would determine it";
+    case FitParameter::kDamping:
+      return "the loss of normal velocity is within the noise; more frames of flight on both sides "
+             "or a faster impact would determine it";
+    case FitParameter::kFrictionKinetic:
+      return friction_words(job, impact);
+    case FitParameter::kFrictionStatic:
+      return "the sticking phase is too short or absent; an impact at a steeper angle, with "
+             "rotation measured during contact, would determine it";
+    case FitParameter::kPoisson:
+      return "only the tangential stiffness during contact shows it; an oblique impact that grips "
+             "the surface, with rotation measured during contact, would determine it";
+    case FitParameter::kYieldStrength:
+      return "the impact stays elastic; a faster impact, or the depth of the permanent dent, would "
+             "determine it";
+    case FitParameter::kContactTime:
+      return "the onset of the contact is hidden by noise; a higher frame rate would determine it";
+    case FitParameter::kSurfaceAngle:
+      return "friction and a tilt of the surface look alike in one impact; the surface measured in "
+             "the picture, or impacts at two speeds or spins, would determine it";
+    case FitParameter::kScale:
+      return "only the fall under gravity shows it here; a longer flight or a known diameter would "
+             "determine it";
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_verdicts(ShotFit& fit, const ImpactJob& solution) {
+  const ImpactResult impact = simulate_impact(solution);
+  for (ParameterEstimate& p : fit.parameters) {
+    p.verdict = p.determined ? "determined by the data" : words(p.parameter, solution, impact);
+  }
+}
+
+}  // namespace impactdic

@@ -1,0 +1,175 @@
+// Calibration against tracks whose parameters are known.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "sim/fit/calibration.h"
+#include "sim/fit/restitution_duration.h"
+#include "tests/support/synthetic_track.h"
+
+namespace impactdic {
+namespace {
+
+using testing::SyntheticTrack;
+using testing::TemporaryFolder;
+using testing::write_track;
+
+// The tennis ball of chapter 3 with the pair that its Fig. 3.29 gives.
+constexpr double kStiffness = 12526, kDamping = 6.85;
+
+ImpactJob tennis(double angle_deg, double vt, double vn) {
+  ImpactJob job;
+  job.normal = NormalModel::kLinearSpringDamper;
+  job.friction = vt == 0 ? FrictionModel::kNone : FrictionModel::kCoulomb;
+  job.body.shape = Shape::kHollowSphere;
+  job.body.mass_kg = 0.0567;
+  job.body.diameter_m = 0.067;
+  job.contact.stiffness = kStiffness;
+  job.contact.damping_n_s_per_m = kDamping;
+  job.surface_angle_deg = angle_deg;
+  job.initial.vt_m_s = vt;
+  job.initial.vn_m_s = vn;
+  return job;
+}
+
+FitJob fit_job(const ImpactJob& truth, const std::vector<std::filesystem::path>& tracks) {
+  FitJob job;
+  job.impact = truth;
+  job.impact.contact.stiffness = 0;  // what is fitted is not known beforehand
+  job.impact.contact.damping_n_s_per_m = 0;
+  for (const auto& track : tracks) job.shots.push_back({track, truth.surface_angle_deg});
+  job.parameters = {FitParameter::kStiffness, FitParameter::kDamping};
+  return job;
+}
+
+TEST(RestitutionDuration, ClosedFormOfTheSource) {
+  // Forwards by the printed formulas, back by the solver.
+  const double m = 0.0567, k = 13385, b = 5.36;
+  const double zeta = b / (2 * std::sqrt(k * m)), omega = std::sqrt(k / m);
+  const double root = std::sqrt(1 - zeta * zeta);
+  const double e = std::exp(-zeta * std::acos(zeta) / root);
+  const double duration = std::acos(zeta) / (omega * root) + kPi / (2 * omega);
+  const SpringAndDamper pair = linear_closed_form(m, e, duration);
+  EXPECT_NEAR(pair.stiffness / k, 1, 1e-12);
+  EXPECT_NEAR(pair.damping_n_s_per_m / b, 1, 1e-12);
+  EXPECT_NEAR(linear_closed_form(m, 1, duration).damping_n_s_per_m, 0, 1e-12);
+  EXPECT_THROW(linear_closed_form(m, 1.01, duration), InvalidArgument);
+}
+
+TEST(RestitutionDuration, SimulatedPairsComeBack) {
+  for (NormalModel normal : {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper}) {
+    for (double gravity : {0.0, 9.81}) {
+      ImpactJob job = tennis(0, 0, -3.26);
+      job.normal = normal;
+      job.gravity_m_s2 = gravity;
+      job.contact.stiffness = normal == NormalModel::kHertzDamper ? 875000 : 12526;
+      const ImpactResult impact = simulate_impact(job);
+      const SpringAndDamper pair = spring_and_damper(job, impact.restitution, impact.contact_s);
+      EXPECT_NEAR(pair.stiffness / job.contact.stiffness, 1, 1e-7);
+      EXPECT_NEAR(pair.damping_n_s_per_m / job.contact.damping_n_s_per_m, 1, 1e-6);
+    }
+  }
+}
+
+TEST(Shot, MeasuresWhatTheImpactDid) {
+  TemporaryFolder folder;
+  for (double noise : {0.0, 20e-6}) {
+    SyntheticTrack track{tennis(30, -1.6, -2.8)};
+    track.job.contact.friction_kinetic = 0.1;
+    track.position_noise_m = noise;
+    track.stated_sd_m = -1;
+    write_track(track, folder / "track.csv");
+    const ImpactResult impact = simulate_impact(track.job);
+    const Shot shot = measure_shot(read_track(folder / "track.csv"), {track.job.body, 30});
+    const double start = (track.frames_before + track.touch) / track.fps;
+    // Without noise a frame (0.1 ms): the onset is no polynomial. With it four deviations.
+    const auto allowed = [&](double sd) { return noise > 0 ? 4 * sd : 1e-4; };
+    EXPECT_NEAR(shot.contact_start_s.value, start, allowed(shot.contact_start_s.sd));
+    EXPECT_NEAR(shot.contact_s.value, impact.contact_s, 2 * allowed(shot.contact_s.sd));
+    EXPECT_NEAR(shot.restitution.value, impact.restitution,
+                1e-4 + 5 * shot.restitution.sd * (noise > 0));
+    EXPECT_NEAR(shot.max_deflection_m.value, impact.max_deflection_m,
+                3e-4 + 4 * shot.max_deflection_m.sd * (noise > 0));
+    EXPECT_NEAR(shot.friction.sound, 0.1, 1e-3 + 5 * shot.friction_sd * (noise > 0));
+    EXPECT_GT(shot.friction.rolling_cap, shot.friction.sound);
+  }
+}
+
+TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
+  TemporaryFolder folder;
+  for (NormalModel normal : {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper}) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    track.job.normal = normal;
+    if (normal == NormalModel::kHertzDamper) track.job.contact.stiffness = 200000;
+    track.position_noise_m = 20e-6;
+    write_track(track, folder / "track.csv");
+    FitJob job = fit_job(track.job, {folder / "track.csv"});
+    job.method = FitMethod::kRestitutionDuration;
+    const ShotFit fit = calibrate(job, 1).shots[0];
+    const double truth[] = {track.job.contact.stiffness, kDamping};
+    for (std::size_t p = 0; p < 2; ++p) {
+      EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
+      EXPECT_LT(fit.parameters[p].sd, 0.03 * truth[p]);
+    }
+  }
+}
+
+TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
+  TemporaryFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  write_track(track, folder / "track.csv");
+  const FitResult result = calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+  EXPECT_NEAR(result.shots[0].parameters[0].value / kStiffness, 1, 1e-4);
+  EXPECT_NEAR(result.shots[0].parameters[1].value / kDamping, 1, 1e-4);
+  EXPECT_TRUE(result.shots[0].converged);
+  EXPECT_EQ(result.shots[0].parameters[0].key, "stiffness_n_per_m");
+}
+
+TEST(Fit, PublishedGridGivesThePublishedPair) {
+  TemporaryFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  write_track(track, folder / "track.csv");
+  FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.method = FitMethod::kPublishedGrid;
+  const FitResult result = calibrate(job, 1);
+  const ErrorSurface& s = result.surfaces[0];
+  EXPECT_EQ(s.grid_stiffness, 13000);
+  EXPECT_EQ(s.grid_damping, 7);
+  std::printf("spline minimum %.1f N/m, %.4f N s/m\n", s.spline_stiffness, s.spline_damping);
+  EXPECT_NEAR(s.spline_stiffness, 12628, 10);
+  EXPECT_NEAR(s.spline_damping, 6.88, 0.005);
+}
+
+TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  TemporaryFolder folder;
+  std::vector<std::filesystem::path> tracks;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    track.position_noise_m = 20e-6;
+    track.seed = seed;
+    tracks.push_back(folder / (std::to_string(seed) + ".csv"));
+    write_track(track, tracks.back());
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const FitResult result = calibrate(fit_job(tennis(0, 0, -3.26), tracks), 2);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const double truth[] = {kStiffness, kDamping};
+  for (std::size_t p = 0; p < 2; ++p) {
+    int inside = 0;
+    for (const ShotFit& shot : result.shots) {
+      const ParameterEstimate& e = shot.parameters[p];
+      inside += e.ci95_low <= truth[p] && truth[p] <= e.ci95_high;
+    }
+    std::printf("%s: %d of 400 inside, pooled %.3f +- %.3f\n", result.pooled[p].key.c_str(), inside,
+                result.pooled[p].value, result.pooled[p].sd);
+    EXPECT_GE(inside, 372);
+    EXPECT_LE(inside, 388);
+    EXPECT_NEAR(result.pooled[p].value, truth[p], 4 * result.pooled[p].sd);
+  }
+  std::printf("400 shots in %.2f s\n", took.count());
+}
+
+}  // namespace
+}  // namespace impactdic
