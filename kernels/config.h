@@ -8,10 +8,38 @@
 #define PIXEL uchar
 #endif
 
+// Interrogation window and largest displacement searched each way, px. Where transforms are used,
+// window + 2·search must not pass FFT_PX.
+#ifndef WINDOW_PX
+#define WINDOW_PX 15
+#endif
+#ifndef SEARCH_PX
+#define SEARCH_PX 8
+#endif
+
+// Side of the transform: 16, 32 or 64 in correlate.cl, any length clFFT knows elsewhere.
+#ifndef FFT_PX
+#define FFT_PX 32
+#endif
+
 // Everything that works on pictures: neighbouring pixels of a row that a work-item holds as one
 // vector. 1 on GPUs; 4, 8 or 16 on CPUs.
 #ifndef VECTOR
 #define VECTOR 1
+#endif
+
+// correlate.cl: work-items that share a window (LANES · VECTOR divides FFT_PX), and windows of a
+// work-group.
+#ifndef LANES
+#define LANES (FFT_PX / VECTOR)
+#endif
+#ifndef WINDOWS_PER_GROUP
+#define WINDOWS_PER_GROUP 1
+#endif
+
+// published.cl: spline points between pixels.
+#ifndef INTERP_POINTS
+#define INTERP_POINTS 5
 #endif
 
 // prefilter.cl, icgn.cl, rigid.cl, ring.cl: degree of the B-spline, 3, 5 or 7.
@@ -22,11 +50,6 @@
 // Kernels that share one task among a group: its work-items, a power of two.
 #ifndef GROUP
 #define GROUP 64
-#endif
-
-// icgn.cl: side of the window, px.
-#ifndef WINDOW_PX
-#define WINDOW_PX 15
 #endif
 
 #endif  // IMPACTDIC_KERNELS_CONFIG_H_

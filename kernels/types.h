@@ -23,7 +23,8 @@ typedef struct Window {
 // One window's result; NaN where it could not be measured. Displacement of the window's centre in
 // px from the first to the second frame, x right, y down. sd: one standard deviation, from the
 // residual between the two pictures. correlation: ZNCC at the result, −1 … 1. peak_ratio: highest
-// peak of the correlation map over the highest one more than 2 px away from it. ux … vy: the
+// peak of the correlation map over the highest other local maximum more than 2 px away from it
+// along x or y; at most 1000, which also stands for there being none. ux … vy: the
 // displacement's gradient ∂u/∂x, ∂u/∂y, ∂v/∂x, ∂v/∂y (0 where the method has none).
 // status: a WindowStatus (host/dic/field.h).
 typedef struct WindowMotion {
@@ -33,6 +34,18 @@ typedef struct WindowMotion {
   float ux, uy, vx, vy;
   idic_int status;
 } WindowMotion;
+
+// The correlation map about its highest value: `nx` × `ny` values of `values` (row by row, nx to a
+// row) with the highest at (x, y) of them, which is the displacement (shift_x, shift_y) px. second:
+// the highest other peak (see peak_ratio). status: ok, or why there is none.
+#define PEAK_PATCH_PX 13
+typedef struct CorrelationPeak {
+  idic_int status;
+  idic_int shift_x, shift_y;
+  idic_int x, y, nx, ny;
+  float value, second;
+  float values[PEAK_PATCH_PX * PEAK_PATCH_PX];
+} CorrelationPeak;
 
 #ifndef __OPENCL_C_VERSION__
 }  // namespace impactdic

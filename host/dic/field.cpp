@@ -1,0 +1,71 @@
+#include "host/dic/field.h"
+
+#include <array>
+#include <string>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+
+namespace impactdic {
+namespace {
+
+void check_range(double value, double low, double high, const char* what, const char* option) {
+  // The negated form also refuses NaN.
+  if (!(value >= low && value <= high)) {
+    throw InvalidArgument(std::string(what) + " must be between " + shortest(low) + " and " +
+                              shortest(high) + ", not " + shortest(value),
+                          option);
+  }
+}
+
+}  // namespace
+
+const char* to_string(FieldMethod method) {
+  switch (method) {
+    case FieldMethod::published:
+      return "published";
+    case FieldMethod::zncc:
+      return "zncc";
+    case FieldMethod::icgn:
+      return "icgn";
+  }
+  return "?";
+}
+
+FieldMethod parse_field_method(const std::string& name) {
+  for (const auto method : {FieldMethod::published, FieldMethod::zncc, FieldMethod::icgn}) {
+    if (name == to_string(method)) return method;
+  }
+  throw InvalidArgument("there is no method '" + name + "'", "--method",
+                        "published, zncc and icgn exist");
+}
+
+void FieldOptions::validate() const {
+  check_range(window_px, 5, 129, "the window", "--window");
+  check_range(search_px, 1, 128, "the search distance", "--search");
+  check_range(interp_points, 0, 9, "the points between pixels", "--interp");
+  check_range(max_iterations, 1, 1000, "the iterations", "--max-iterations");
+  check_range(min_correlation, 0, 1, "the lowest correlation", "--min-correlation");
+  check_range(min_texture, 0, 255, "the lowest contrast", "--min-texture");
+  if (spline_degree != 3 && spline_degree != 5 && spline_degree != 7) {
+    throw InvalidArgument(
+        "the spline's degree must be 3, 5 or 7, not " + std::to_string(spline_degree),
+        "--spline-degree");
+  }
+  // The published method's matrices grow with the cube of the window.
+  if (method == FieldMethod::published && window_px > 65) {
+    throw InvalidArgument(
+        "the published method takes windows of at most 65 px, not " + std::to_string(window_px),
+        "--window", "use --method zncc or icgn");
+  }
+}
+
+const char* to_string(WindowStatus status) {
+  static constexpr std::array kNames = {
+      "ok",         "masked", "no_texture", "low_correlation", "at_search_edge", "not_converged",
+      "out_of_view"};
+  const auto index = static_cast<std::size_t>(status);
+  return index < kNames.size() ? kNames[index] : "?";
+}
+
+}  // namespace impactdic

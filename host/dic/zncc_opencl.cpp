@@ -1,0 +1,222 @@
+#include "host/dic/zncc_opencl.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "host/dic/map_spline.h"
+#include "host/dic/zncc_reference.h"
+
+namespace impactdic {
+namespace {
+
+// Device memory that the scratch of one batch may take.
+constexpr std::size_t kBatchBytes = std::size_t{256} << 20;
+// Windows whose peaks are kept at a time.
+constexpr std::size_t kMostPeaks = std::size_t{1} << 18;
+
+int area_px(const FieldOptions& options) { return options.window_px + 2 * options.search_px; }
+int lags(const FieldOptions& options) { return 2 * options.search_px + 1; }
+
+bool fits(const ZnccVariant& variant, const FieldOptions& options, const DeviceInfo& device) {
+  return area_px(options) <= variant.fft_px &&
+         variant.fft_px % (variant.vector * variant.lanes) == 0 &&
+         static_cast<std::size_t>(variant.lanes * variant.windows_per_group) <=
+             device.max_work_group &&
+         variant.local_bytes(options) <= device.local_memory_bytes;
+}
+
+Defines defines_of(const FieldOptions& options, const ZnccVariant& variant) {
+  return {{"WINDOW_PX", std::to_string(options.window_px)},
+          {"SEARCH_PX", std::to_string(options.search_px)},
+          {"FFT_PX", std::to_string(variant.fft_px)}};
+}
+
+// quintic_inverse(n) for every n that a patch may have, as peak.cl wants them.
+std::vector<cl_float> inverses_by_size() {
+  constexpr int kSide = PEAK_PATCH_PX;
+  std::vector<cl_float> all(static_cast<std::size_t>(kSide + 1) * kSide * kSide, 0.0F);
+  for (int n = 3; n <= kSide; ++n) {
+    const std::vector<double> inverse = quintic_inverse(n);
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j) {
+        all[static_cast<std::size_t>((n * kSide + i) * kSide + j)] =
+            static_cast<cl_float>(inverse[static_cast<std::size_t>(i * n + j)]);
+      }
+    }
+  }
+  return all;
+}
+
+// Real operations of a window: two transforms there, two back, 5 N log2 N each (the usual count).
+double flops_of(const ZnccVariant& variant) {
+  const double points = static_cast<double>(variant.fft_px) * variant.fft_px;
+  return 2 * 5 * points * std::log2(points);
+}
+
+}  // namespace
+
+std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
+  const std::size_t plane = static_cast<std::size_t>(fft_px) * (fft_px + vector);
+  const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
+  const auto side = static_cast<std::size_t>(lags(options));
+  return windows_per_group * sizeof(cl_float) * (planes * 2 * plane + side * side + 2 * lanes);
+}
+
+std::string ZnccVariant::name() const {
+  if (!fused) return "clfft " + std::to_string(fft_px);
+  return "fused " + std::to_string(fft_px) + " vector " + std::to_string(vector) + " lanes " +
+         std::to_string(lanes) + " windows " + std::to_string(windows_per_group);
+}
+
+std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOptions& options) {
+  std::vector<ZnccVariant> variants;
+  const auto offer = [&](const ZnccVariant& variant) {
+    if (fits(variant, options, device)) variants.push_back(variant);
+  };
+  for (const int size : {16, 32, 64}) {
+    if (size < area_px(options) || !variants.empty()) continue;
+    const auto offer_cpu = [&] {
+      for (const int vector : {8, 16, 4}) offer({true, size, vector, 1, 1});
+    };
+    const auto offer_gpu = [&] {
+      for (const int windows : {64 / size, 128 / size, 1}) offer({true, size, 1, size, windows});
+    };
+    if (device.is_gpu) {
+      offer_gpu();
+      offer({true, size, 4, 1, 1});
+    } else {
+      offer_cpu();
+      offer({true, size, 1, size, 1});
+    }
+  }
+  const auto length = FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
+  variants.push_back({false, static_cast<int>(length), 1, 1, 1});
+  return variants;
+}
+
+ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVariant& variant)
+    : engine_(engine), options_(options), variant_(variant) {
+  Defines defines = defines_of(options, variant);
+  inverses_ = make_buffer<cl_float>(engine, inverses_by_size());
+  subpixel_ = engine.kernel("peak.cl", "zncc_subpixel");
+  if (variant.fused) {
+    defines.insert(defines.end(),
+                   {{"VECTOR", std::to_string(variant.vector)},
+                    {"LANES", std::to_string(variant.lanes)},
+                    {"WINDOWS_PER_GROUP", std::to_string(variant.windows_per_group)}});
+    fused_ = engine.kernel("correlate.cl", "zncc_fused", defines);
+    return;
+  }
+  if (!engine.device().is_gpu) group_ = 1;
+  defines.emplace_back("GROUP", std::to_string(group_));
+  cut_ = engine.kernel("window.cl", "cut_windows", defines);
+  power_ = engine.kernel("spectrum.cl", "cross_power", defines);
+  map_ = engine.kernel("map.cl", "zncc_map", defines);
+}
+
+void ZnccOpencl::reserve_batch(std::size_t count) {
+  const auto side = static_cast<std::size_t>(variant_.fft_px);
+  const auto rows = static_cast<std::size_t>(lags(options_));
+  const std::size_t plane = side * side, sums = rows * static_cast<std::size_t>(area_px(options_));
+  const std::size_t bytes = (plane + sums + 1) * sizeof(cl_float2) + rows * rows * sizeof(cl_float);
+  const std::size_t most = std::clamp<std::size_t>(kBatchBytes / bytes, 1, 1024);
+  const std::size_t wanted = std::min(std::bit_ceil(count), most);
+  if (wanted <= batch_) return;
+  batch_ = wanted;
+  plan_.emplace(engine_, side, side, batch_);
+  planes_ = Buffer<cl_float2>(engine_, batch_ * plane);
+  sums_ = Buffer<cl_float2>(engine_, batch_ * sums);
+  levels_ = Buffer<cl_float2>(engine_, batch_);
+  maps_ = Buffer<cl_float>(engine_, batch_ * rows * rows);
+}
+
+float ZnccOpencl::contrast(const DeviceFrames& frames) const {
+  return static_cast<float>(min_contrast(options_, frames.full_scale()));
+}
+
+void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const Buffer<Window>& windows,
+                               std::size_t start, std::size_t count) {
+  const auto group = static_cast<std::size_t>(variant_.lanes * variant_.windows_per_group);
+  const auto groups = (count + variant_.windows_per_group - 1) / variant_.windows_per_group;
+  int argument = 0;
+  fused_.setArg(argument++, frames.images().get());
+  fused_.setArg(argument++, static_cast<cl_int>(frames.width()));
+  fused_.setArg(argument++, static_cast<cl_int>(frames.height()));
+  fused_.setArg(argument++, windows.get());
+  fused_.setArg(argument++, static_cast<cl_uint>(start));
+  fused_.setArg(argument++, static_cast<cl_uint>(count));
+  fused_.setArg(argument++, contrast(frames));
+  fused_.setArg(argument++, peaks_.get());
+  const double area = area_px(options_), window = options_.window_px;
+  const auto windows_done = static_cast<double>(count);
+  engine_.launch(engine_.queue(), fused_, cl::NDRange(groups * group), cl::NDRange(group),
+                 {windows_done * (4 * (area * area + window * window) + sizeof(CorrelationPeak)),
+                  windows_done * flops_of(variant_)});
+}
+
+void ZnccOpencl::enqueue_batch(const DeviceFrames& frames, const Buffer<Window>& windows,
+                               std::size_t start, std::size_t at, std::size_t count) {
+  const cl::CommandQueue& queue = engine_.queue();
+  const auto side = static_cast<std::size_t>(variant_.fft_px);
+  const auto begin = static_cast<cl_uint>(start + at);
+  const cl::NDRange range(count * group_), group(group_);
+  const double planes = static_cast<double>(count) * 8.0 * static_cast<double>(side * side);
+  int argument = 0;
+  for (cl::Kernel* kernel : {&cut_, &map_}) {
+    argument = 0;
+    kernel->setArg(argument++, frames.images().get());
+    kernel->setArg(argument++, static_cast<cl_int>(frames.width()));
+    kernel->setArg(argument++, static_cast<cl_int>(frames.height()));
+    kernel->setArg(argument++, windows.get());
+    kernel->setArg(argument++, begin);
+  }
+  cut_.setArg(argument, planes_.get());
+  cut_.setArg(argument + 1, levels_.get());
+  engine_.launch(queue, cut_, range, group, {2 * planes, 0});
+  plan_->forward(queue, planes_.get());
+  power_.setArg(0, planes_.get());
+  engine_.launch(queue, power_, cl::NDRange(round_up(side * (side / 2 + 1), 64), count),
+                 cl::NDRange(64, 1), {2 * planes, 0});
+  plan_->inverse(queue, planes_.get());
+  map_.setArg(argument++, levels_.get());
+  map_.setArg(argument++, planes_.get());
+  map_.setArg(argument++, sums_.get());
+  map_.setArg(argument++, maps_.get());
+  map_.setArg(argument++, contrast(frames));
+  map_.setArg(argument++, peaks_.get());
+  map_.setArg(argument++, static_cast<cl_uint>(at));
+  engine_.launch(queue, map_, range, group, {planes, 0});
+}
+
+void ZnccOpencl::run(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
+                     Buffer<WindowMotion>& motions) {
+  if (count > windows.size() || count > motions.size()) {
+    throw InvalidArgument("more windows than their buffers hold");
+  }
+  peaks_.reserve(engine_, std::min(count, kMostPeaks));
+  for (std::size_t start = 0; start < count; start += kMostPeaks) {
+    const std::size_t part = std::min(count - start, kMostPeaks);
+    if (variant_.fused) {
+      enqueue_fused(frames, windows, start, part);
+    } else {
+      reserve_batch(part);
+      for (std::size_t at = 0; at < part; at += batch_) {
+        enqueue_batch(frames, windows, start, at, std::min(batch_, part - at));
+      }
+    }
+    int argument = 0;
+    subpixel_.setArg(argument++, peaks_.get());
+    subpixel_.setArg(argument++, static_cast<cl_uint>(start));
+    subpixel_.setArg(argument++, static_cast<cl_uint>(part));
+    subpixel_.setArg(argument++, inverses_.get());
+    subpixel_.setArg(argument++, static_cast<cl_float>(options_.min_correlation));
+    subpixel_.setArg(argument++, static_cast<cl_float>(options_.window_px * options_.window_px));
+    subpixel_.setArg(argument++, motions.get());
+    engine_.launch(
+        engine_.queue(), subpixel_, cl::NDRange(round_up(part, 32)), cl::NDRange(32),
+        {static_cast<double>(part) * (sizeof(CorrelationPeak) + sizeof(WindowMotion)), 0});
+  }
+}
+
+}  // namespace impactdic

@@ -1,0 +1,134 @@
+// Sub-pixel peaks of correlation maps: the highest point of the quintic spline through the map.
+#include "kernels/config.h"
+#include "kernels/map_spline.h"
+#include "kernels/status.h"
+#include "kernels/types.h"
+
+// Coefficients −3 … 3 about the peak, which serve the fractions −1 … 1.
+#define NEAR 7
+#define NEWTON_STEPS 8
+// The spline's peak lies within about half a pixel of the highest sample; farther off the step has
+// been led astray.
+#define FARTHEST 0.8f
+
+// Value, slopes and second derivatives of the spline at (x, y) from the highest sample.
+typedef struct Surface {
+  float value, x, y, xx, xy, yy;
+} Surface;
+
+static inline Surface surface_at(const float* coefficients, const float x, const float y) {
+  const int left = (int)floor(x), top = (int)floor(y);
+  float wx[6], dx[6], ddx[6], wy[6], dy[6], ddy[6];
+  quintic_weights(x - (float)left, wx, dx, ddx);
+  quintic_weights(y - (float)top, wy, dy, ddy);
+  Surface s = {0, 0, 0, 0, 0, 0};
+  for (int j = 0; j < 6; ++j) {
+    const float* row = coefficients + (top + 1 + j) * NEAR + left + 1;
+    float value = 0, slope = 0, bend = 0;
+#pragma unroll
+    for (int i = 0; i < 6; ++i) {
+      value += row[i] * wx[i];
+      slope += row[i] * dx[i];
+      bend += row[i] * ddx[i];
+    }
+    s.value += wy[j] * value;
+    s.x += wy[j] * slope;
+    s.xx += wy[j] * bend;
+    s.y += dy[j] * value;
+    s.xy += dy[j] * slope;
+    s.yy += ddy[j] * value;
+  }
+  return s;
+}
+
+// The coefficients about the peak: rows of the inverse of the matrix that takes coefficients to
+// samples, for nx and for ny samples. Matrix n of `inverses` has PEAK_PATCH_PX columns and starts
+// at n · PEAK_PATCH_PX².
+static inline void near_coefficients(__global const CorrelationPeak* peak,
+                                     __global const float* inverses, float* coefficients) {
+  const int nx = peak->nx, ny = peak->ny;
+  __global const float* inverse_x = inverses + nx * PEAK_PATCH_PX * PEAK_PATCH_PX;
+  __global const float* inverse_y = inverses + ny * PEAK_PATCH_PX * PEAK_PATCH_PX;
+  for (int j = 0; j < NEAR; ++j) {
+    __global const float* down =
+        inverse_y + mirrored_index(peak->y + j - NEAR / 2, ny) * PEAK_PATCH_PX;
+    float line[PEAK_PATCH_PX];
+    for (int x = 0; x < PEAK_PATCH_PX; ++x) line[x] = 0;
+    for (int y = 0; y < ny; ++y) {
+      const float weight = down[y];
+      for (int x = 0; x < nx; ++x) line[x] += weight * peak->values[y * nx + x];
+    }
+    for (int i = 0; i < NEAR; ++i) {
+      __global const float* across =
+          inverse_x + mirrored_index(peak->x + i - NEAR / 2, nx) * PEAK_PATCH_PX;
+      float sum = 0;
+      for (int x = 0; x < PEAK_PATCH_PX; ++x) sum += across[x] * line[x];
+      coefficients[j * NEAR + i] = sum;
+    }
+  }
+}
+
+static inline WindowMotion no_motion(const int status, const float correlation) {
+  WindowMotion motion;
+  motion.u = motion.v = motion.u_sd = motion.v_sd = NAN;
+  motion.correlation = correlation;
+  motion.peak_ratio = NAN;
+  motion.ux = motion.uy = motion.vx = motion.vy = NAN;
+  motion.status = status;
+  return motion;
+}
+
+// peaks: (count), of the windows from `start` on; inverses: (PEAK_PATCH_PX + 1, PEAK_PATCH_PX,
+// PEAK_PATCH_PX), zero outside the n × n of matrix n; motions: `count` written from `start` on. One
+// work-item a window; the last group may overhang. The standard deviations follow from the
+// residual: with ρ the correlation and n pixels, cov(u, v) = 2 (1 − ρ)/(n − 4) · (−∇∇ρ)⁻¹, four
+// parameters (shift, gain, offset) being fitted.
+__kernel void zncc_subpixel(__global const CorrelationPeak* peaks, const uint start,
+                            const uint count, __global const float* inverses,
+                            const float min_correlation, const float window_pixels,
+                            __global WindowMotion* motions) {
+  const uint at = (uint)get_global_id(0);
+  if (at >= count) return;
+  __global const CorrelationPeak* peak = peaks + at;
+  if (peak->status != STATUS_OK) {
+    motions[start + at] = no_motion(peak->status, peak->value);
+    return;
+  }
+  float coefficients[NEAR * NEAR];
+  near_coefficients(peak, inverses, coefficients);
+  float x = 0, y = 0;
+  Surface s = surface_at(coefficients, x, y);
+  int has_converged = 0;
+  for (int step = 0; step < NEWTON_STEPS && !has_converged; ++step) {
+    const float determinant = s.xx * s.yy - s.xy * s.xy;
+    if (!(determinant > 0.0f) || s.xx >= 0.0f) break;
+    const float dx = (s.xy * s.y - s.yy * s.x) / determinant;
+    const float dy = (s.xy * s.x - s.xx * s.y) / determinant;
+    x += dx;
+    y += dy;
+    if (fabs(x) > FARTHEST || fabs(y) > FARTHEST) break;
+    s = surface_at(coefficients, x, y);
+    has_converged = fabs(dx) < 1e-5f && fabs(dy) < 1e-5f;
+  }
+  const float determinant = s.xx * s.yy - s.xy * s.xy;
+  if (!has_converged || !(determinant > 0.0f)) {
+    motions[start + at] = no_motion(STATUS_NOT_CONVERGED, peak->value);
+    return;
+  }
+  const float correlation = fmin(s.value, 1.0f);
+  if (correlation < min_correlation) {
+    motions[start + at] = no_motion(STATUS_LOW_CORRELATION, correlation);
+    return;
+  }
+  const float residual = 2.0f * (1.0f - correlation) / (window_pixels - 4.0f);
+  WindowMotion motion;
+  motion.u = (float)peak->shift_x + x;
+  motion.v = (float)peak->shift_y + y;
+  motion.u_sd = sqrt(residual * -s.yy / determinant);
+  motion.v_sd = sqrt(residual * -s.xx / determinant);
+  motion.correlation = correlation;
+  motion.peak_ratio = peak->value / fmax(peak->second, 1e-3f * peak->value);
+  motion.ux = motion.uy = motion.vx = motion.vy = 0.0f;
+  motion.status = STATUS_OK;
+  motions[start + at] = motion;
+}

@@ -1,0 +1,200 @@
+// What the kernels of the zero-mean normalised cross-correlation share: where a window is looked
+// for, its pixels, and the highest value of its correlation map.
+//
+// The map holds LAGS × LAGS values, row by row; entry (i, j) is the displacement
+// (guess_u − SEARCH_PX + i, guess_v − SEARCH_PX + j).
+#ifndef IMPACTDIC_KERNELS_ZNCC_H_
+#define IMPACTDIC_KERNELS_ZNCC_H_
+
+#include "kernels/config.h"
+#include "kernels/status.h"
+#include "kernels/types.h"
+
+#define LAGS (2 * SEARCH_PX + 1)
+#define AREA_PX (WINDOW_PX + 2 * SEARCH_PX)
+#define WINDOW_PIXELS (WINDOW_PX * WINDOW_PX)
+
+// Where the map lives: __local in the fused kernel, __global behind clFFT.
+#ifndef MAP_SPACE
+#define MAP_SPACE __local
+#endif
+
+// First pixel (x0, y0) of the search area, and the lags at which the displaced window lies wholly
+// in the picture. Coordinates saturate, so that absurd guesses are out of view, not overflows.
+typedef struct SearchPlace {
+  int x0, y0;
+  int min_x, max_x, min_y, max_y;
+  int in_view;
+} SearchPlace;
+
+static inline SearchPlace search_place(const Window window, const int width, const int height) {
+  SearchPlace place;
+  place.x0 = sub_sat(add_sat(window.x0, window.guess_u), SEARCH_PX);
+  place.y0 = sub_sat(add_sat(window.y0, window.guess_v), SEARCH_PX);
+  place.min_x = place.x0 < 0 ? sub_sat(0, place.x0) : 0;
+  place.min_y = place.y0 < 0 ? sub_sat(0, place.y0) : 0;
+  place.max_x = min(LAGS - 1, sub_sat(width - WINDOW_PX, place.x0));
+  place.max_y = min(LAGS - 1, sub_sat(height - WINDOW_PX, place.y0));
+  const int template_in_view = window.x0 >= 0 && window.y0 >= 0 && window.x0 <= width - WINDOW_PX &&
+                               window.y0 <= height - WINDOW_PX;
+  place.in_view = template_in_view && place.min_x <= place.max_x && place.min_y <= place.max_y;
+  return place;
+}
+
+// Pixel (x, y) of a picture, that of the nearest edge where it lies outside.
+static inline float clamped_pixel(__global const float* image, const int width, const int height,
+                                  const int x, const int y) {
+  return image[clamp(y, 0, height - 1) * width + clamp(x, 0, width - 1)];
+}
+
+// Weights of cubic convolution (Keys 1981, a = −1/2) at the fraction t between the second and the
+// third of four samples.
+static inline float4 cubic_weights(const float t) {
+  const float4 c3 = (float4)(-0.5f, 1.5f, -1.5f, 0.5f);
+  const float4 c2 = (float4)(1.0f, -2.5f, 2.0f, -0.5f);
+  const float4 c1 = (float4)(-0.5f, 0.0f, 0.5f, 0.0f);
+  const float4 c0 = (float4)(0.0f, 1.0f, 0.0f, 0.0f);
+  return ((c3 * t + c2) * t + c1) * t + c0;
+}
+
+static inline float cubic_pixel(__global const float* image, const int width, const int height,
+                                const float x, const float y) {
+  const int ix = (int)floor(x), iy = (int)floor(y);
+  const float4 wx = cubic_weights(x - (float)ix), wy = cubic_weights(y - (float)iy);
+  float4 column;
+  float rows[4];
+  for (int j = 0; j < 4; ++j) {
+    column.x = clamped_pixel(image, width, height, ix - 1, iy - 1 + j);
+    column.y = clamped_pixel(image, width, height, ix, iy - 1 + j);
+    column.z = clamped_pixel(image, width, height, ix + 1, iy - 1 + j);
+    column.w = clamped_pixel(image, width, height, ix + 2, iy - 1 + j);
+    rows[j] = dot(column, wx);
+  }
+  return dot((float4)(rows[0], rows[1], rows[2], rows[3]), wy);
+}
+
+// Pixel (i, j) of the template as it is expected in the second frame: the window itself, or, where
+// a rotation is guessed, what stands there once the first frame is turned about the window's
+// centre. Counter-clockwise on the screen takes (1, 0) to (cos, −sin), y being down.
+static inline float template_pixel(__global const float* image, const int width, const int height,
+                                   const Window window, const float2 cos_sin, const int i,
+                                   const int j) {
+  if (window.guess_rot_rad == 0.0f) {
+    return clamped_pixel(image, width, height, window.x0 + i, window.y0 + j);
+  }
+  const float half_px = 0.5f * (float)(WINDOW_PX - 1);
+  const float dx = (float)i - half_px, dy = (float)j - half_px;
+  const float x = (float)window.x0 + half_px + dx * cos_sin.x - dy * cos_sin.y;
+  const float y = (float)window.y0 + half_px + dx * cos_sin.y + dy * cos_sin.x;
+  return cubic_pixel(image, width, height, x, y);
+}
+
+static inline float2 guessed_turn(const Window window) {
+  return window.guess_rot_rad == 0.0f
+             ? (float2)(1.0f, 0.0f)
+             : (float2)(cos(window.guess_rot_rad), sin(window.guess_rot_rad));
+}
+
+// 1/√Σ(g − ḡ)² of a displaced window from the sums of its (shifted) pixels and squares; 0, which
+// makes the correlation 0, where its contrast is below a tenth of what a template needs.
+static inline float inverse_norm(const float sum, const float squares, const float min_energy) {
+  const float energy = squares - sum * sum * (1.0f / WINDOW_PIXELS);
+  return energy > 0.01f * min_energy && energy > 0.0f ? rsqrt(energy) : 0.0f;
+}
+
+// Larger value, and of equal ones the earlier in the map: the same on every device.
+static inline int is_better(const float value, const int index, const float than_value,
+                            const int than_index) {
+  return value > than_value || (value == than_value && index < than_index);
+}
+
+// Highest of the work-items' candidates, for work-item 0 only. Passes two barriers.
+static inline int best_of_lanes(__local float* values, __local int* indices, const int lane,
+                                const int lanes, const float value, const int index) {
+  values[lane] = value;
+  indices[lane] = index;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  int best = 0;
+  for (int k = 1; k < lanes; ++k) {
+    if (is_better(values[k], indices[k], values[best], indices[best])) best = k;
+  }
+  const int best_index = indices[best];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return best_index;
+}
+
+// Whether entry (i, j) is at least as high as its neighbours at valid lags.
+static inline int is_local_maximum(MAP_SPACE const float* map, const SearchPlace place, const int i,
+                                   const int j) {
+  const float value = map[j * LAGS + i];
+  for (int y = max(j - 1, place.min_y); y <= min(j + 1, place.max_y); ++y) {
+    for (int x = max(i - 1, place.min_x); x <= min(i + 1, place.max_x); ++x) {
+      if (map[y * LAGS + x] > value) return 0;
+    }
+  }
+  return 1;
+}
+
+// Finds the highest and the second peak of the map and writes them with the values about the
+// highest. All `lanes` work-items of a window call it together.
+// contrast: rms of the template about its mean, and its lower bound, in the pictures' grey levels.
+static inline void write_peak(MAP_SPACE const float* map, const Window window,
+                              const SearchPlace place, const float contrast,
+                              const float min_contrast, __local float* values, __local int* indices,
+                              const int lane, const int lanes, const int is_wanted,
+                              __global CorrelationPeak* peak) {
+  const int columns = place.in_view ? place.max_x - place.min_x + 1 : 0;
+  const int entries = place.in_view ? columns * (place.max_y - place.min_y + 1) : 0;
+  float value = -2.0f;
+  int index = LAGS * LAGS;
+  for (int k = lane; k < entries; k += lanes) {
+    const int at = (place.min_y + k / columns) * LAGS + place.min_x + k % columns;
+    if (is_better(map[at], at, value, index)) {
+      value = map[at];
+      index = at;
+    }
+  }
+  const int best = best_of_lanes(values, indices, lane, lanes, value, index);
+  const int best_x = best % LAGS, best_y = best / LAGS;
+  value = -2.0f;
+  index = LAGS * LAGS;
+  for (int k = lane; k < entries; k += lanes) {
+    const int i = place.min_x + k % columns, j = place.min_y + k / columns;
+    const int at = j * LAGS + i;
+    const int is_far = abs(i - best_x) > 2 || abs(j - best_y) > 2;
+    if (is_far && is_better(map[at], at, value, index) && is_local_maximum(map, place, i, j)) {
+      value = map[at];
+      index = at;
+    }
+  }
+  const int second = best_of_lanes(values, indices, lane, lanes, value, index);
+  if (!is_wanted) return;
+  // The patch reaches as far as the lags do, on each side by itself.
+  const int reach = PEAK_PATCH_PX / 2;
+  const int x0 = max(best_x - reach, place.min_x), x1 = min(best_x + reach, place.max_x);
+  const int y0 = max(best_y - reach, place.min_y), y1 = min(best_y + reach, place.max_y);
+  const int has_texture = contrast >= min_contrast;
+  const int has_peak = entries > 0 && has_texture;
+  if (lane == 0) {
+    const int on_edge = best_x == place.min_x || best_x == place.max_x || best_y == place.min_y ||
+                        best_y == place.max_y;
+    peak->status = !place.in_view ? STATUS_OUT_OF_VIEW
+                   : !has_texture ? STATUS_NO_TEXTURE
+                   : on_edge      ? STATUS_AT_SEARCH_EDGE
+                                  : STATUS_OK;
+    peak->shift_x = window.guess_u - SEARCH_PX + best_x;
+    peak->shift_y = window.guess_v - SEARCH_PX + best_y;
+    peak->x = best_x - x0;
+    peak->y = best_y - y0;
+    peak->nx = x1 - x0 + 1;
+    peak->ny = y1 - y0 + 1;
+    peak->value = has_peak ? map[best] : NAN;
+    peak->second = has_peak && second < LAGS * LAGS ? map[second] : -2.0f;
+  }
+  if (!has_peak) return;
+  for (int k = lane; k < (x1 - x0 + 1) * (y1 - y0 + 1); k += lanes) {
+    peak->values[k] = map[(y0 + k / (x1 - x0 + 1)) * LAGS + x0 + k % (x1 - x0 + 1)];
+  }
+}
+
+#endif  // IMPACTDIC_KERNELS_ZNCC_H_
