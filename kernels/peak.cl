@@ -6,10 +6,10 @@
 
 // Coefficients −3 … 3 about the peak, which serve the fractions −1 … 1.
 #define NEAR 7
-#define NEWTON_STEPS 8
-// The spline's peak lies within about half a pixel of the highest sample; farther off the step has
-// been led astray.
-#define FARTHEST 0.8f
+#define NEWTON_STEPS 20
+// The spline's peak lies within about half a pixel of the highest sample, on the diagonal of a long
+// ridge somewhat farther.
+#define FARTHEST 0.99f
 
 // Value, slopes and second derivatives of the spline at (x, y) from the highest sample.
 typedef struct Surface {
@@ -68,6 +68,12 @@ static inline void near_coefficients(__global const CorrelationPeak* peak,
   }
 }
 
+// Where a parabola through three samples about the highest has its peak, −1/2 … 1/2.
+static inline float parabola_peak(const float before, const float at, const float after) {
+  const float bend = before - 2.0f * at + after;
+  return bend < 0.0f ? 0.5f * (before - after) / bend : 0.0f;
+}
+
 static inline WindowMotion no_motion(const int status, const float correlation) {
   WindowMotion motion;
   motion.u = motion.v = motion.u_sd = motion.v_sd = NAN;
@@ -96,22 +102,24 @@ __kernel void zncc_subpixel(__global const CorrelationPeak* peaks, const uint st
   }
   float coefficients[NEAR * NEAR];
   near_coefficients(peak, inverses, coefficients);
-  float x = 0, y = 0;
+  __global const float* highest = peak->values + peak->y * peak->nx + peak->x;
+  float x = parabola_peak(highest[-1], highest[0], highest[1]);
+  float y = parabola_peak(highest[-peak->nx], highest[0], highest[peak->nx]);
   Surface s = surface_at(coefficients, x, y);
+  float determinant = s.xx * s.yy - s.xy * s.xy;
   int has_converged = 0;
-  for (int step = 0; step < NEWTON_STEPS && !has_converged; ++step) {
-    const float determinant = s.xx * s.yy - s.xy * s.xy;
-    if (!(determinant > 0.0f) || s.xx >= 0.0f) break;
-    const float dx = (s.xy * s.y - s.yy * s.x) / determinant;
-    const float dy = (s.xy * s.x - s.xx * s.y) / determinant;
-    x += dx;
-    y += dy;
-    if (fabs(x) > FARTHEST || fabs(y) > FARTHEST) break;
+  for (int step = 0; step < NEWTON_STEPS && !has_converged && determinant > 0.0f && s.xx < 0.0f;
+       ++step) {
+    const float to_x = clamp(x + (s.xy * s.y - s.yy * s.x) / determinant, -FARTHEST, FARTHEST);
+    const float to_y = clamp(y + (s.xy * s.x - s.xx * s.y) / determinant, -FARTHEST, FARTHEST);
+    has_converged = fabs(to_x - x) < 1e-5f && fabs(to_y - y) < 1e-5f;
+    x = to_x;
+    y = to_y;
     s = surface_at(coefficients, x, y);
-    has_converged = fabs(dx) < 1e-5f && fabs(dy) < 1e-5f;
+    determinant = s.xx * s.yy - s.xy * s.xy;
   }
-  const float determinant = s.xx * s.yy - s.xy * s.xy;
-  if (!has_converged || !(determinant > 0.0f)) {
+  has_converged &= fabs(x) < FARTHEST && fabs(y) < FARTHEST && determinant > 0.0f && s.xx < 0.0f;
+  if (!has_converged) {
     motions[start + at] = no_motion(STATUS_NOT_CONVERGED, peak->value);
     return;
   }

@@ -128,25 +128,39 @@ class Surface {
   std::vector<double> coefficients_;
 };
 
+// Where a parabola through three samples about the highest has its peak, −1/2 … 1/2.
+double parabola_peak(double before, double at, double after) {
+  const double bend = before - 2 * at + after;
+  return bend < 0 ? 0.5 * (before - after) / bend : 0;
+}
+
 // Newton's method from the highest sample (x, y) to the spline's highest point.
 WindowMotion highest_point(const Surface& surface, int x, int y, double pixels, double at_sample,
                            double min_correlation) {
-  double tx = x, ty = y;
+  const auto sample = [&](int i, int j) { return surface(x + i, y + j, 0, 0); };
+  double tx = x + parabola_peak(sample(-1, 0), sample(0, 0), sample(1, 0));
+  double ty = y + parabola_peak(sample(0, -1), sample(0, 0), sample(0, 1));
   bool converged = false;
-  for (int step = 0; step < 8 && !converged; ++step) {
-    const double xx = surface(tx, ty, 2, 0), xy = surface(tx, ty, 1, 1), yy = surface(tx, ty, 0, 2);
+  double xx = 0, xy = 0, yy = 0, determinant = 0;
+  const auto is_hill = [&] {
+    xx = surface(tx, ty, 2, 0);
+    xy = surface(tx, ty, 1, 1);
+    yy = surface(tx, ty, 0, 2);
+    determinant = xx * yy - xy * xy;
+    return determinant > 0 && xx < 0;
+  };
+  constexpr double kFarthest = 0.99;
+  for (int step = 0; step < 20 && !converged && is_hill(); ++step) {
     const double gx = surface(tx, ty, 1, 0), gy = surface(tx, ty, 0, 1);
-    const double determinant = xx * yy - xy * xy;
-    if (determinant <= 0 || xx >= 0) break;
-    const double dx = (xy * gy - yy * gx) / determinant, dy = (xy * gx - xx * gy) / determinant;
-    tx += dx;
-    ty += dy;
-    if (std::abs(tx - x) > 0.8 || std::abs(ty - y) > 0.8) break;
-    converged = std::abs(dx) < 1e-5 && std::abs(dy) < 1e-5;
+    const double to_x =
+        std::clamp(tx + (xy * gy - yy * gx) / determinant, x - kFarthest, x + kFarthest);
+    const double to_y =
+        std::clamp(ty + (xy * gx - xx * gy) / determinant, y - kFarthest, y + kFarthest);
+    converged = std::abs(to_x - tx) < 1e-5 && std::abs(to_y - ty) < 1e-5;
+    tx = to_x;
+    ty = to_y;
   }
-  const double xx = surface(tx, ty, 2, 0), xy = surface(tx, ty, 1, 1), yy = surface(tx, ty, 0, 2);
-  const double determinant = xx * yy - xy * xy;
-  if (!converged || determinant <= 0) {
+  if (!converged || !is_hill() || std::abs(tx - x) >= kFarthest || std::abs(ty - y) >= kFarthest) {
     return without_motion(WindowStatus::not_converged, at_sample);
   }
   const double correlation = std::min(surface(tx, ty, 0, 0), 1.0);
