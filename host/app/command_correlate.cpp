@@ -63,8 +63,8 @@ void run_correlate(const CLI::App& command, const Request& request) {
                           "several pictures form a sequence");
   }
   std::vector<Window> windows = region_grid(options);
-  const auto folder = prepare_output_directory(request.output, request.common.force);
   RunContext run(request.common);
+  const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
 
   const std::string sha256 = sha256_of_clip(request.video);

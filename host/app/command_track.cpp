@@ -76,9 +76,9 @@ void run_track(const CLI::App& command, const Request& request) {
   const VideoInfo& info = source->info();
   TrackOptions options = resolve_options(request, info);
   const SiScale scale = resolve_scale(request, options, info);
+  RunContext run(request.common, options.with_field);
   const auto folder =
       prepare_output_directory(request.output, request.common.force || request.resume);
-  RunContext run(request.common, options.with_field);
   write_job(command, folder / "job.toml");
 
   OutputOptions output_options;

@@ -21,20 +21,25 @@ int report(const std::string& line, ExitStatus status) {
 }
 
 // What CLI11 found wrong, in our one-line form.
-int report_usage(const CLI::App& app, const CLI::ParseError& error) {
-  std::string command;
-  for (const CLI::App* used : app.get_subcommands()) command = " " + used->get_name();
+int report_usage(const CLI::App& app, const std::vector<std::string>& arguments,
+                 const CLI::ParseError& error) {
+  const std::string first = arguments.empty() ? "" : arguments.front();
+  const bool known =
+      !app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty();
   std::string what = error.what();
-  for (char& c : what) {
-    if (c == '\n') c = ' ';
-  }
-  return report(what + " (command line): see impactdic" + command + " --help", kWrongRequest);
+  if (first.empty()) what = "no command given";
+  if (!known && !first.empty() && first[0] != '-') what = "there is no command '" + first + "'";
+  std::replace(what.begin(), what.end(), '\n', ' ');
+  return report(what + " (command line): see impactdic " + (known ? first + " " : "") + "--help",
+                kWrongRequest);
 }
 
 void add_commands(CLI::App& app) {
   using namespace impactdic::app;
   add_devices_command(app);
   add_info_command(app);
+  add_track_command(app);
+  add_correlate_command(app);
   add_rod_command(app);
   add_synth_command(app);
 }
@@ -48,16 +53,16 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "impactdic " IMPACTDIC_VERSION);
   app.footer("impactdic COMMAND --help explains a command, with an example.");
   add_commands(app);
+  const std::vector<std::string> given(argv + 1, argv + argc);
   try {
-    std::vector<std::string> arguments(argv + 1, argv + argc);
-    arguments = impactdic::app::expand_job(app, std::move(arguments));
+    std::vector<std::string> arguments = impactdic::app::expand_job(app, given);
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     app.parse(arguments);
     return kDone;
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return report_usage(app, error);
+    return report_usage(app, given, error);
   } catch (const impactdic::InvalidArgument& error) {
     return report(error.line(), kWrongRequest);
   } catch (const impactdic::Error& error) {

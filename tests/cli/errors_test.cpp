@@ -33,7 +33,7 @@ TEST(Errors, WrongRequestsExitTwo) {
   const ScratchFolder folder;
   const std::string clip = write_raw(folder, 3) + " --raw 64x48x8";
   const std::string out = " -o " + quoted(folder / "out");
-  expect_one_line("", 2, "subcommand is required");
+  expect_one_line("", 2, "no command given");
   expect_one_line("trak", 2, "trak");
   expect_one_line("track", 2, "--help");
   expect_one_line("track " + clip + out + " --windw 15", 2, "--windw");
