@@ -3,6 +3,7 @@
 #include "kernels/reduce.h"
 #include "kernels/spline.h"
 #include "kernels/types.h"
+#include "kernels/warp.h"
 
 // Sub-pixel registration of square windows by inverse-compositional Gauss–Newton with an affine
 // warp and the ZNSSD criterion (Baker and Matthews 2004; Pan, Li and Tong 2013).
@@ -38,8 +39,7 @@
 
 // What the work-items of a group share about their window.
 typedef struct Shared {
-  float a[4];    // A, row by row
-  float t[2];    // displacement of the centre
+  float warp[6];
   float origin;  // grey level taken off both pictures, so that sums of squares keep their digits
   float correlation, gain, variance;
   int status;
@@ -118,10 +118,10 @@ static inline void make_template(__global const float* value, const int plane,
 // tell for all pixels.
 static inline int in_view(__local const Shared* shared, const Window window, const int width,
                           const int height) {
-  const float x = (float)window.x0 + HALF_PX + shared->t[0];
-  const float y = (float)window.y0 + HALF_PX + shared->t[1];
-  const float reach_x = HALF_PX * (fabs(shared->a[0]) + fabs(shared->a[1]));
-  const float reach_y = HALF_PX * (fabs(shared->a[2]) + fabs(shared->a[3]));
+  const float x = (float)window.x0 + HALF_PX + shared->warp[4];
+  const float y = (float)window.y0 + HALF_PX + shared->warp[5];
+  const float reach_x = HALF_PX * (fabs(shared->warp[0]) + fabs(shared->warp[1]));
+  const float reach_y = HALF_PX * (fabs(shared->warp[2]) + fabs(shared->warp[3]));
   return x - reach_x >= 0.0f && x + reach_x <= (float)(width - 1) && y - reach_y >= 0.0f &&
          y + reach_y <= (float)(height - 1);
 }
@@ -132,16 +132,7 @@ static inline float compose(__local Shared* shared) {
   __local const float* s = shared->solution;
   const float du = s[2] * by_gain, ux = s[3] * by_half, uy = s[4] * by_half;
   const float dv = s[5] * by_gain, vx = s[6] * by_half, vy = s[7] * by_half;
-  const float determinant = (1.0f + ux) * (1.0f + vy) - uy * vx;
-  const float inverse[4] = {(1.0f + vy) / determinant, -uy / determinant, -vx / determinant,
-                            (1.0f + ux) / determinant};
-  const float a[4] = {shared->a[0], shared->a[1], shared->a[2], shared->a[3]};
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) {
-      shared->a[2 * i + j] = a[2 * i] * inverse[j] + a[2 * i + 1] * inverse[2 + j];
-    }
-    shared->t[i] -= shared->a[2 * i] * du + shared->a[2 * i + 1] * dv;
-  }
+  warp_compose_inverse(shared->warp, 1.0f + ux, uy, vx, 1.0f + vy, du, dv);
   const float move_x = fabs(du) + HALF_PX * (fabs(ux) + fabs(uy));
   const float move_y = fabs(dv) + HALF_PX * (fabs(vx) + fabs(vy));
   return fmax(move_x, move_y);
@@ -168,7 +159,7 @@ static inline void step(__local Shared* shared, const Window window, const float
   for (int k = 0; k < COLUMNS; ++k) residual -= shared->solution[k] * shared->right[k];
   shared->variance = fmax(residual, 0.0f) / (count - COLUMNS);
   const float moved = compose(shared);
-  if (!(fabs(shared->t[0] - seed.x) <= HALF_PX && fabs(shared->t[1] - seed.y) <= HALF_PX)) {
+  if (!(fabs(shared->warp[4] - seed.x) <= HALF_PX && fabs(shared->warp[5] - seed.y) <= HALF_PX)) {
     shared->status = STATUS_NOT_CONVERGED;
   } else if (!in_view(shared, window, width, height)) {
     shared->status = STATUS_OUT_OF_VIEW;
@@ -177,27 +168,12 @@ static inline void step(__local Shared* shared, const Window window, const float
   }
 }
 
-// Variance of the spline at (tx, ty) between pixels, in units of a pixel's: A + B c + C c²,
-// c = cos 2πt, along each axis. Mean over the window, whose pixels may all lie differently.
-static inline float interpolation_noise(__local const Shared* shared, const float4 noise) {
-  float sum = 0.0f;
-  for (int j = -2; j <= 2; ++j) {
-    for (int i = -2; i <= 2; ++i) {
-      const float x = 0.5f * HALF_PX * (float)i, y = 0.5f * HALF_PX * (float)j;
-      const float cx = cospi(2.0f * (HALF_PX + shared->t[0] + shared->a[0] * x + shared->a[1] * y));
-      const float cy = cospi(2.0f * (HALF_PX + shared->t[1] + shared->a[2] * x + shared->a[3] * y));
-      sum += (noise.x + cx * (noise.y + cx * noise.z)) * (noise.x + cy * (noise.y + cy * noise.z));
-    }
-  }
-  return sum / 25.0f;
-}
-
 // Lane 0: standard deviation of displacement component 0 (u) or 1 (v). Both frames' noise shifts
 // the result alike, but the residual holds the second one's after interpolation: it is scaled up
 // to two frames' worth.
 static inline float deviation(__local Shared* shared, const int component, const float scale) {
-  const float inverse =
-      cholesky_inverse_diagonal(shared->factor, COLUMNS, 2 + 3 * component, shared->solution);
+  for (int k = 0; k < COLUMNS; ++k) shared->solution[k] = k == 2 + 3 * component ? 1.0f : 0.0f;
+  const float inverse = cholesky_quadratic(shared->factor, COLUMNS, shared->solution);
   return sqrt(shared->variance * scale * inverse) / shared->gain;
 }
 
@@ -210,15 +186,16 @@ static inline void store(__global WindowMotion* motion, __local Shared* shared,
   motion->status = shared->status;
   motion->correlation = shared->correlation;
   if (shared->status == STATUS_OK) {
-    const float scale = 2.0f / (1.0f + interpolation_noise(shared, noise));
-    motion->u = shared->t[0];
-    motion->v = shared->t[1];
+    const float scale =
+        2.0f / (1.0f + warp_noise(shared->warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise));
+    motion->u = shared->warp[4];
+    motion->v = shared->warp[5];
     motion->u_sd = deviation(shared, 0, scale);
     motion->v_sd = deviation(shared, 1, scale);
-    motion->ux = shared->a[0] - 1.0f;
-    motion->uy = shared->a[1];
-    motion->vx = shared->a[2];
-    motion->vy = shared->a[3] - 1.0f;
+    motion->ux = shared->warp[0] - 1.0f;
+    motion->uy = shared->warp[1];
+    motion->vx = shared->warp[2];
+    motion->vy = shared->warp[3] - 1.0f;
   } else {
     motion->u = motion->v = motion->u_sd = motion->v_sd = NAN;
     motion->ux = motion->uy = motion->vx = motion->vy = NAN;
@@ -227,12 +204,7 @@ static inline void store(__global WindowMotion* motion, __local Shared* shared,
 
 static inline void start(__local Shared* shared, const Window window, const WindowMotion seed,
                          const int width, const int height) {
-  const float turn = window.guess_rot_rad;
-  shared->a[0] = shared->a[3] = cos(turn);
-  shared->a[1] = sin(turn);  // counter-clockwise with y down
-  shared->a[2] = -sin(turn);
-  shared->t[0] = seed.u;
-  shared->t[1] = seed.v;
+  warp_start(shared->warp, seed.u, seed.v, window.guess_rot_rad);
   shared->correlation = NAN;
   const int inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + WINDOW_PX <= width &&
                      window.y0 + WINDOW_PX <= height && in_view(shared, window, width, height);
@@ -242,14 +214,14 @@ static inline void start(__local Shared* shared, const Window window, const Wind
 // Refines every window whose seed is ok (u, v of `motions`; the rotation of the window's guess) in
 // place. coefficients, planes: of SplineFrames (prefilter.cl), the former from element
 // `offset` on. discs: (slots) centre x, y and squared radius; pixels of the first frame
-// outside carry no weight. noise: A, B, C of interpolation_noise. One group of GROUP a window.
+// outside carry no weight. noise: see warp_noise. One group of GROUP a window.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     __global const float* coefficients, const int offset, __global const float* planes,
     const int width, const int height, const int pitch, const int plane_pitch,
     __global const float4* discs, __global const Window* windows, __global WindowMotion* motions,
     const float min_contrast, const float min_correlation, const int max_iterations,
     const float4 noise) {
-  __local float scratch[REDUCE_SCRATCH(SUMS)];
+  __local float scratch[REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
   const Window window = windows[get_group_id(0)];
@@ -273,9 +245,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     if (shared.status != STATUS_RUNNING) break;
     // Whole pixels of the displacement are taken off, so that floats keep all their digits for the
     // position within the window.
-    const float whole_x = rint(shared.t[0]), whole_y = rint(shared.t[1]);
-    const float rest_x = HALF_PX + (shared.t[0] - whole_x);
-    const float rest_y = HALF_PX + (shared.t[1] - whole_y);
+    const float whole_x = rint(shared.warp[4]), whole_y = rint(shared.warp[5]);
+    const float rest_x = HALF_PX + (shared.warp[4] - whole_x);
+    const float rest_y = HALF_PX + (shared.warp[5] - whole_y);
     __global const float* origin =
         second + (window.y0 + (int)whole_y) * pitch + window.x0 + (int)whole_x;
     REAL sums[COLUMNS + 1];
@@ -284,8 +256,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
       if (base + item < UNITS) {
         Pixels p;
         load_pixels(value, plane, plane_pitch, base + item, shared.origin, disc, window, &p);
-        const REAL x = rest_x + shared.a[0] * p.x + shared.a[1] * p.y;
-        const REAL y = rest_y + shared.a[2] * p.x + shared.a[3] * p.y;
+        const REAL x = rest_x + shared.warp[0] * p.x + shared.warp[1] * p.y;
+        const REAL y = rest_y + shared.warp[2] * p.x + shared.warp[3] * p.y;
         const REAL zero = 0.0f;
         const REAL g = p.weight > 0.0f ? spline_sample(origin, pitch, x, y) - shared.origin : zero;
 #pragma unroll

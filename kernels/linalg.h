@@ -46,15 +46,14 @@ KERNEL_INLINE void cholesky_solve(__local const float* l, const int n, __local f
   }
 }
 
-// Element (k, k) of (L Lᵀ)⁻¹: the squared length of column k of L⁻¹, made in `column` (n).
-KERNEL_INLINE float cholesky_inverse_diagonal(__local const float* l, const int n, const int k,
-                                              __local float* column) {
+// bᵀ (L Lᵀ)⁻¹ b, the squared length of L⁻¹ b, which takes b's place.
+KERNEL_INLINE float cholesky_quadratic(__local const float* l, const int n, __local float* b) {
   float squares = 0.0f;
-  for (int i = k; i < n; ++i) {
-    float sum = i == k ? 1.0f : 0.0f;
-    for (int j = k; j < i; ++j) sum -= l[TRIANGLE(i, j)] * column[j];
-    column[i] = sum / l[TRIANGLE(i, i)];
-    squares += column[i] * column[i];
+  for (int i = 0; i < n; ++i) {
+    float sum = b[i];
+    for (int k = 0; k < i; ++k) sum -= l[TRIANGLE(i, k)] * b[k];
+    b[i] = sum / l[TRIANGLE(i, i)];
+    squares += b[i] * b[i];
   }
   return squares;
 }

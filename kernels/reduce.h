@@ -4,28 +4,20 @@
 
 #include "kernels/vector.h"
 
-// Floats of local memory that group_sums needs for `count` sums. The odd row length keeps the
-// work-items of one group in different banks.
-#define REDUCE_SCRATCH(count) ((count) * (GROUP + 1))
+// Sums formed at once. The odd row length keeps the work-items of one group in different banks.
+#define REDUCE_ROWS 8
+#define REDUCE_PITCH (GROUP + 1)
+#define REDUCE_SCRATCH (REDUCE_ROWS * REDUCE_PITCH) /* floats of local memory */
 
-// total[k] = Σ over work-items and lanes of own[k], k < count, pairwise. Every work-item of the
-// group must call it; total may be read when it returns. Neither may `scratch` be in use.
-#define GROUP_SUMS(own, count, scratch, total)                    \
-  {                                                               \
-    const int item_ = (int)get_local_id(0);                       \
-    for (int k_ = 0; k_ < (count); ++k_) {                        \
-      (scratch)[k_ * (GROUP + 1) + item_] = SUM_LANES((own)[k_]); \
-    }                                                             \
-    sum_columns((count), (scratch), (total));                     \
-  }
-
-KERNEL_INLINE void sum_columns(const int count, __local float* scratch, __local float* total) {
+// total[k] = Σ over the work-items of scratch[k · REDUCE_PITCH + item], k < count <= REDUCE_ROWS,
+// pairwise. Every work-item of the group must call it; both arrays are free when it returns.
+KERNEL_INLINE void sum_rows(const int count, __local float* scratch, __local float* total) {
   const int item = (int)get_local_id(0);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int upper = GROUP / 2; upper >= 16; upper /= 2) {
     if (item < upper) {
       for (int k = 0; k < count; ++k) {
-        scratch[k * (GROUP + 1) + item] += scratch[k * (GROUP + 1) + item + upper];
+        scratch[k * REDUCE_PITCH + item] += scratch[k * REDUCE_PITCH + item + upper];
       }
     }
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -33,10 +25,25 @@ KERNEL_INLINE void sum_columns(const int count, __local float* scratch, __local 
   const int left = GROUP < 16 ? GROUP : 16;
   for (int k = item; k < count; k += GROUP) {
     float sum = 0.0f;
-    for (int i = 0; i < left; ++i) sum += scratch[k * (GROUP + 1) + i];
+    for (int i = 0; i < left; ++i) sum += scratch[k * REDUCE_PITCH + i];
     total[k] = sum;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
+
+// total[k] = Σ over work-items and lanes of own[k], k < count, a literal. Every work-item of the
+// group must get here; scratch (REDUCE_SCRATCH) must be free.
+#define GROUP_SUMS(own, count, scratch, total)                                        \
+  {                                                                                   \
+    const int item_ = (int)get_local_id(0);                                           \
+    _Pragma("unroll") for (int first_ = 0; first_ < (count); first_ += REDUCE_ROWS) { \
+      _Pragma("unroll") for (int k_ = 0; k_ < REDUCE_ROWS; ++k_) {                    \
+        if (first_ + k_ < (count)) {                                                  \
+          (scratch)[k_ * REDUCE_PITCH + item_] = SUM_LANES((own)[first_ + k_]);       \
+        }                                                                             \
+      }                                                                               \
+      sum_rows(min((count)-first_, REDUCE_ROWS), (scratch), (total) + first_);        \
+    }                                                                                 \
+  }
 
 #endif  // IMPACTDIC_KERNELS_REDUCE_H_
