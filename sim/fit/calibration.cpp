@@ -203,6 +203,20 @@ void time_contact(Shot& shot, const ImpactJob& laws) {
   shot.touch_y_m += (std::sin(angle) * vt + std::cos(angle) * vn) * later;
 }
 
+MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames) {
+  MeasuredShot measured{read_track(source.track), {}};
+  double angle = source.surface_angle_deg;
+  if (std::isnan(angle)) angle = measured.track.surface_angle_deg;
+  if (std::isnan(angle)) {
+    throw InvalidArgument("the surface's angle is not known", source.track.string(),
+                          "give surface.angle_deg, or track with --surface-angle-deg");
+  }
+  measured.shot =
+      measure_shot(measured.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
+  time_contact(measured.shot, laws);
+  return measured;
+}
+
 FitResult calibrate(const FitJob& job, int threads) {
   if (job.shots.empty()) throw InvalidArgument("no tracks are named", "tracks");
   const bool spring = job.impact.normal == NormalModel::kLinearSpringDamper ||
@@ -215,10 +229,7 @@ FitResult calibrate(const FitJob& job, int threads) {
   result.shots.resize(job.shots.size());
   if (job.method == FitMethod::kPublishedGrid) result.surfaces.resize(job.shots.size());
   parallel_for(job.shots.size(), threads, [&](std::size_t i) {
-    const Track track = read_track(job.shots[i].track);
-    Shot shot = measure_shot(track, {job.impact.body, job.shots[i].surface_angle_deg,
-                                     job.impact.gravity_m_s2, job.flight_frames});
-    time_contact(shot, job.impact);
+    const auto [track, shot] = load_shot(job.shots[i], job.impact, job.flight_frames);
     switch (job.method) {
       case FitMethod::kTrajectory:
         result.shots[i] = fit_trajectory(track, shot, job);

@@ -32,7 +32,7 @@ std::string key_of(FitParameter parameter, NormalModel normal);
 
 struct FitShot {
   std::filesystem::path track;
-  double surface_angle_deg = 0;
+  double surface_angle_deg = 0;  // NaN: as the track's own local axes have it
 };
 
 // Chapter 3's grid.
@@ -108,6 +108,13 @@ struct FitResult {
 // Sharpens when and where a measured contact begins, and how long it lasts, by the shape that the
 // spring of `laws` gives to the path (restitution_duration.h); other laws leave the shot as it is.
 void time_contact(Shot& shot, const ImpactJob& laws);
+
+// A track and what it measures, its contact timed by the laws. Throws as calibrate.
+struct MeasuredShot {
+  Track track;
+  Shot shot;
+};
+MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames);
 
 // Fits every shot, `threads` at a time (0: as many as the machine has cores). Throws FileError,
 // FormatError or InvalidArgument naming file or key.

@@ -62,6 +62,18 @@ std::vector<double> joint_sd(const CsvTable& table, const std::string& a, const 
   return sd;
 }
 
+// The rotation from (vx, vy) to (vt, vn).
+double surface_angle_deg(const CsvTable& table) {
+  const auto vx = table.numbers("vx_m_s"), vy = table.numbers("vy_m_s");
+  const auto vt = table.numbers("vt_m_s"), vn = table.numbers("vn_m_s");
+  double cosine = 0, sine = 0;
+  for (std::size_t i = 0; i < vx.size(); ++i) {
+    const double c = vx[i] * vt[i] + vy[i] * vn[i], s = vy[i] * vt[i] - vx[i] * vn[i];
+    if (!std::isnan(c)) cosine += c, sine += s;
+  }
+  return cosine == 0 && sine == 0 ? kNotMeasured : std::atan2(sine, cosine) * kDegPerRad;
+}
+
 std::vector<double> times(std::vector<double> values, double factor) {
   for (double& v : values) v *= factor;
   return values;
@@ -105,6 +117,7 @@ Track read_track(const std::filesystem::path& file) {
   track.motion_sd_m = joint_sd(table, "dx_sd_px", "dy_sd_px", scale);
   track.turn_rad = times(table.numbers("rot_deg"), kRadPerDeg);
   track.turn_sd_rad = times(joint_sd(table, "rot_sd_deg", "rot_sd_deg", 1), kRadPerDeg);
+  track.surface_angle_deg = surface_angle_deg(table);
   return track;
 }
 

@@ -3,9 +3,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <fstream>
 
 #include "host/base/error.h"
-#include "sim/fit/calibration.h"
+#include "sim/fit/comparison.h"
 #include "sim/fit/restitution_duration.h"
 #include "tests/support/synthetic_track.h"
 
@@ -169,6 +170,134 @@ TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
     EXPECT_NEAR(result.pooled[p].value, truth[p], 4 * result.pooled[p].sd);
   }
   std::printf("400 shots in %.2f s\n", took.count());
+}
+
+// A normal impact says nothing about friction: no number without a warning.
+TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
+  TemporaryFolder folder;
+  SyntheticTrack track{tennis(0, 1e-9, -3.26)};
+  track.job.contact.friction_kinetic = 0.2;
+  track.position_noise_m = 20e-6;
+  track.motion = true;
+  track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
+  write_track(track, folder / "track.csv");
+  FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(FitParameter::kFrictionKinetic);
+  const ShotFit fit = calibrate(job, 1).shots[0];
+  EXPECT_TRUE(fit.parameters[0].determined);
+  EXPECT_FALSE(fit.parameters[2].determined);
+  EXPECT_NE(fit.parameters[2].verdict.find("oblique"), std::string::npos)
+      << fit.parameters[2].verdict;
+}
+
+TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
+  TemporaryFolder folder;
+  SyntheticTrack track{tennis(45, -2.6, -2.7)};
+  track.job.contact.friction_kinetic = 0.12;
+  track.position_noise_m = 20e-6;
+  track.motion = true;
+  track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
+  write_track(track, folder / "track.csv");
+  FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(FitParameter::kFrictionKinetic);
+  const ShotFit fit = calibrate(job, 1).shots[0];
+  const double truth[] = {kStiffness, kDamping, 0.12};
+  for (std::size_t p = 0; p < 3; ++p) {
+    EXPECT_TRUE(fit.parameters[p].determined) << fit.parameters[p].key;
+    EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
+  }
+  EXPECT_NEAR(fit.reduced_chi_square, 1, 0.25);
+}
+
+TEST(Fit, AnOutlierIsNamed) {
+  TemporaryFolder folder;
+  std::vector<std::filesystem::path> tracks;
+  for (unsigned i = 0; i < 6; ++i) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    if (i == 4) track.job.contact.stiffness *= 1.3;
+    track.position_noise_m = 20e-6;
+    track.seed = i + 1;
+    tracks.push_back(folder / (std::to_string(i) + ".csv"));
+    write_track(track, tracks.back());
+  }
+  const FitResult result = calibrate(fit_job(tennis(0, 0, -3.26), tracks), 0);
+  ASSERT_EQ(result.pooled[0].outliers.size(), 1u);
+  EXPECT_EQ(result.pooled[0].outliers[0], tracks[4].string());
+}
+
+// Section 3.3.2's way: calibrate on normal impacts, predict oblique ones.
+TEST(Compare, NormalImpactsPredictObliqueOnes) {
+  TemporaryFolder folder;
+  CompareJob job;
+  SyntheticTrack normal{tennis(0, 0, -3.26)};
+  normal.position_noise_m = 10e-6;
+  write_track(normal, folder / "normal.csv");
+  job.calibration = fit_job(normal.job, {folder / "normal.csv"});
+  for (double angle : {15.0, 30.0}) {
+    SyntheticTrack oblique{
+        tennis(angle, -3.5 * std::sin(angle * kRadPerDeg), -3.5 * std::cos(angle * kRadPerDeg))};
+    oblique.job.contact.friction_kinetic = 0.05;
+    oblique.position_noise_m = 10e-6;
+    const auto file = folder / (std::to_string(angle) + ".csv");
+    write_track(oblique, file);
+    job.shots.push_back({file, angle});
+  }
+  job.models = {FrictionModel::kCoulomb, FrictionModel::kNone};
+  job.friction_source = FrictionSource::kEffectiveSound;
+  const CompareResult result = compare(job, 1);
+  for (const ComparedShot& c : result.shots) {
+    const ModelOutcome& right = c.models[0];
+    const ModelOutcome& wrong = c.models[1];
+    EXPECT_LT(std::abs(right.vn_error), 0.005);
+    EXPECT_LT(std::abs(right.vt_error), 0.01);
+    EXPECT_GT(std::abs(wrong.vt_error), 5 * std::abs(right.vt_error));
+    EXPECT_LT(right.aic, wrong.aic);
+    EXPECT_LT(right.rms_m, wrong.rms_m);
+    EXPECT_NEAR(right.friction_kinetic, 0.05, 0.005);
+    EXPECT_GT(c.shot.friction.rolling_cap, right.friction_kinetic);
+  }
+  ASSERT_EQ(result.angles.size(), 2u);
+  EXPECT_EQ(result.angles[1].surface_angle_deg, 30);
+}
+
+class BadTrack : public ::testing::Test {
+ protected:
+  std::string error_of(const std::string& from, const std::string& to) {
+    TemporaryFolder folder;
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    write_track(track, folder / "track.csv");
+    std::ifstream in(folder / "track.csv");
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos);
+    text.replace(at, from.size(), to);
+    std::ofstream(folder / "track.csv") << text;
+    try {
+      calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+    } catch (const Error& error) {
+      return error.line();
+    }
+    return "accepted";
+  }
+};
+
+TEST_F(BadTrack, IsNamedWithItsColumn) {
+  EXPECT_NE(error_of("50,0.005,ok,", "50,nan,ok,").find("time_s"), std::string::npos);
+  EXPECT_NE(error_of(",ok,", ",ok,nan").find("cx_px"), std::string::npos);
+  EXPECT_NE(error_of("rot_deg", "rot_degrees").find("'rot_deg' is missing"), std::string::npos);
+}
+
+TEST(Shot, WithoutContactIsRefused) {
+  TemporaryFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  track.frames_contact = track.frames_after = 0;
+  write_track(track, folder / "track.csv");
+  try {
+    measure_shot(read_track(folder / "track.csv"), {track.job.body, 0});
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_NE(error.line().find("no contact"), std::string::npos) << error.line();
+  }
 }
 
 }  // namespace
