@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -47,6 +48,14 @@ Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
   return mask;
 }
 
+// The rectangle asked for; without one, all of the picture in which every window's search area lies
+// inside too, so that no window is lost at the picture's edge.
+Roi resolve_roi(const std::string& text, const VideoInfo& info, int search_px) {
+  if (!text.empty()) return parse_roi(text, info.width, info.height);
+  const int margin = std::min({search_px, (info.width - 1) / 2, (info.height - 1) / 2});
+  return {margin, margin, info.width - 2 * margin, info.height - 2 * margin};
+}
+
 void run_correlate(const CLI::App& command, const Request& request) {
   const auto source = open_requested(request.video, request.common.quiet);
   const VideoInfo& info = source->info();
@@ -54,7 +63,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
   options.field = resolve(request.field);
   options.spacing_px = request.field.spacing_px;
   options.frames = parse_frame_range(request.frames, info.frame_count);
-  options.roi = parse_roi(request.roi, info.width, info.height);
+  options.roi = resolve_roi(request.roi, info, options.field.search_px);
   options.reference = parse_reference(request.reference);
   options.mask = read_mask(request.mask, info);
   options.fps = resolve_fps(request.video, info, "");
@@ -114,7 +123,10 @@ void add_correlate_command(CLI::App& app) {
   command->add_option("-o,--output", request->output, "Folder for the results")->required();
   command->add_option("--reference", request->reference, "Measure against: first or previous")
       ->capture_default_str();
-  command->add_option("--roi", request->roi, "X,Y,W,H: the rectangle that is measured, px");
+  command->add_option(
+      "--roi", request->roi,
+      "X,Y,W,H: the rectangle that is measured, px; without it, the picture less the "
+      "search radius");
   command->add_option("--mask", request->mask, "Picture: windows stand on its non-zero pixels");
   command->add_option("--frames", request->frames, "A:B[:STEP]: frames analysed, B excluded");
   add_field_options(*command, request->field);
