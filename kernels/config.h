@@ -52,4 +52,9 @@
 #define GROUP 64
 #endif
 
+// rigid.cl: parameters of the motion, 3 (u, v, rotation) or 6 (affine).
+#ifndef PARAMETERS
+#define PARAMETERS 3
+#endif
+
 #endif  // IMPACTDIC_KERNELS_CONFIG_H_

@@ -47,6 +47,40 @@ typedef struct CorrelationPeak {
   float values[PEAK_PATCH_PX * PEAK_PATCH_PX];
 } CorrelationPeak;
 
+// One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
+// the radius of the disc to be compared, px, in the first frame, and a guess of its motion.
+typedef struct BallTask {
+  idic_int first, second;
+  float cx, cy, radius;
+  float guess_dx, guess_dy, guess_rot_rad;
+} BallTask;
+
+// The ball's motion from the first to the second frame; NaN where it could not be measured.
+// dx, dy: displacement of the centre, px, x right, y down. rot_rad: counter-clockwise on screen.
+// exx, exy, eyy: strain of the picture (right stretch tensor less one), in image axes of the first
+// frame; 0 where the registration is rigid. *_sd: one standard deviation. correlation: ZNCC at the
+// result. residual: rms difference of the pictures, grey levels. used: share of the disc that
+// carried weight. status: a WindowStatus (host/dic/field.h). steps: Gauss–Newton steps taken.
+typedef struct BallMotion {
+  float dx, dy, rot_rad;
+  float exx, exy, eyy;
+  float dx_sd, dy_sd, rot_sd_rad;
+  float exx_sd, exy_sd, eyy_sd;
+  float correlation, residual, used;
+  idic_int status, steps;
+} BallMotion;
+
+// What does not change from ball to ball.
+typedef struct BallLimits {
+  idic_int width, height, pitch, plane_pitch;  // of SplineFrames
+  idic_int max_steps;
+  idic_int robust;         // not 0: Tukey's weights
+  idic_int smooth_radius;  // of the Gaussian that both pictures went through
+  float grey_level;        // of 255, in grey levels of the file
+  float min_contrast;      // rms, grey levels of the file
+  float min_correlation;   // ZNCC
+} BallLimits;
+
 #ifndef __OPENCL_C_VERSION__
 }  // namespace impactdic
 #endif

@@ -1,0 +1,77 @@
+#include "host/dic/ball_registration.h"
+
+#include <numbers>
+
+#include "host/dic/spline_taps.h"
+#include "host/opencl/arguments.h"
+
+namespace impactdic {
+
+void BallOptions::validate() const {
+  check_spline(spline_degree, presmooth_sigma_px);
+  if (max_steps < 1) throw InvalidArgument("the registration needs at least one step");
+  if (!(min_correlation >= -1 && min_correlation <= 1)) {
+    throw InvalidArgument("the smallest correlation must lie in -1 ... 1");
+  }
+  if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
+}
+
+BallRegistration::BallRegistration(Engine& engine, const BallOptions& options, int slots)
+    : engine_(engine),
+      options_((options.validate(), options)),
+      tiling_(choose_tiling(engine, 256)),
+      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots) {
+  kernel_ = engine.kernel("rigid.cl", "register_balls",
+                          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
+                           {"VECTOR", std::to_string(tiling_.vector)},
+                           {"GROUP", std::to_string(tiling_.group)},
+                           {"PARAMETERS", options.affine ? "6" : "3"}});
+  const auto taps = gaussian_taps(options.presmooth_sigma_px);
+  smooth_radius_ = static_cast<int>(taps.size()) - 1;
+  smooth_taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
+  const auto noise = interpolation_noise(options.spline_degree, options.presmooth_sigma_px);
+  const double at_pixel = noise[0] + noise[1] + noise[2];
+  noise_ = {{static_cast<float>(noise[0]), static_cast<float>(noise[1]),
+             static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
+}
+
+std::vector<BallMotion> BallRegistration::measure(const DeviceFrames& frames,
+                                                  std::span<const BallTask> tasks) {
+  if (tasks.empty()) return {};
+  double pixels = 0;
+  for (const BallTask& task : tasks) {
+    for (const int slot : {task.first, task.second}) {
+      if (slot < 0 || slot >= splines_.slots()) throw InvalidArgument("no such frame slot");
+    }
+    if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
+    pixels += std::numbers::pi * task.radius * task.radius;
+  }
+  splines_.prepare(frames);
+  tasks_.reserve(engine_, tasks.size());
+  motions_.reserve(engine_, tasks.size());
+  tasks_.write(engine_, tasks);
+  BallLimits limits{};
+  limits.width = splines_.width();
+  limits.height = splines_.height();
+  limits.pitch = splines_.pitch();
+  limits.plane_pitch = splines_.plane_pitch();
+  limits.max_steps = options_.max_steps;
+  limits.robust = options_.robust ? 1 : 0;
+  limits.smooth_radius = smooth_radius_;
+  limits.grey_level = static_cast<float>(frames.full_scale() / 255);
+  limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
+  limits.min_correlation = static_cast<float>(options_.min_correlation);
+  set_arguments(kernel_, splines_.coefficients().get(), splines_.coefficient_offset(),
+                splines_.planes().get(), tasks_.get(), motions_.get(), limits, smooth_taps_.get(),
+                noise_);
+  const auto group = static_cast<std::size_t>(tiling_.group);
+  const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 9 : 6;
+  // Four steps are typical.
+  engine_.launch(engine_.queue(), kernel_, cl::NDRange(tasks.size() * group), cl::NDRange(group),
+                 {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
+  std::vector<BallMotion> motions(tasks.size());
+  motions_.read(engine_, motions);
+  return motions;
+}
+
+}  // namespace impactdic
