@@ -27,6 +27,7 @@
 // Smallest pivot of the normal matrix relative to its diagonal: below, there is no texture in
 // some direction. A hundred roundings.
 #define SMALLEST_PIVOT 1e-5f
+#define ROUNDING_VARIANCE (1.0f / 12.0f) /* of a pixel, grey levels */
 
 // WindowStatus of host/dic/field.h.
 #define STATUS_OK 0
@@ -168,13 +169,11 @@ static inline void step(__local Shared* shared, const Window window, const float
   }
 }
 
-// Lane 0: standard deviation of displacement component 0 (u) or 1 (v). Both frames' noise shifts
-// the result alike, but the residual holds the second one's after interpolation: it is scaled up
-// to two frames' worth.
-static inline float deviation(__local Shared* shared, const int component, const float scale) {
+// Lane 0: standard deviation of displacement component 0 (u) or 1 (v).
+static inline float deviation(__local Shared* shared, const int component, const float variance) {
   for (int k = 0; k < COLUMNS; ++k) shared->solution[k] = k == 2 + 3 * component ? 1.0f : 0.0f;
   const float inverse = cholesky_quadratic(shared->factor, COLUMNS, shared->solution);
-  return sqrt(shared->variance * scale * inverse) / shared->gain;
+  return sqrt(variance * inverse) / shared->gain;
 }
 
 static inline void store(__global WindowMotion* motion, __local Shared* shared,
@@ -186,12 +185,14 @@ static inline void store(__global WindowMotion* motion, __local Shared* shared,
   motion->status = shared->status;
   motion->correlation = shared->correlation;
   if (shared->status == STATUS_OK) {
-    const float scale =
-        2.0f / (1.0f + warp_noise(shared->warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise));
+    // Both frames' noise shifts the result alike, but the residual holds the second one's after
+    // interpolation. Pixels are rounded to whole grey levels, which a residual need not show.
+    const float second_noise = warp_noise(shared->warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise);
+    const float variance = 2.0f * fmax(shared->variance / (1.0f + second_noise), ROUNDING_VARIANCE);
     motion->u = shared->warp[4];
     motion->v = shared->warp[5];
-    motion->u_sd = deviation(shared, 0, scale);
-    motion->v_sd = deviation(shared, 1, scale);
+    motion->u_sd = deviation(shared, 0, variance);
+    motion->v_sd = deviation(shared, 1, variance);
     motion->ux = shared->warp[0] - 1.0f;
     motion->uy = shared->warp[1];
     motion->vx = shared->warp[2];

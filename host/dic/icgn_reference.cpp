@@ -129,7 +129,8 @@ struct Minimum {
   WindowStatus status = WindowStatus::ok;
   Warp warp;
   double correlation = std::numeric_limits<double>::quiet_NaN();
-  double sd_u_px = 0, sd_v_px = 0;
+  double variance = 0;              // of the residual
+  double sd_u_px = 0, sd_v_px = 0;  // per grey level of noise
 };
 
 class Registration {
@@ -187,12 +188,12 @@ class Registration {
     }
     project_out(f_unit_, g);
     const Row q = solver_.solve(model_.jacobian.transpose() * g).transpose();
-    const double variance =
+    result.variance =
         (g - model_.jacobian * q.transpose()).squaredNorm() / static_cast<double>(g.size() - 8);
     const Eigen::Matrix<double, 6, 6> inverse =
         solver_.solve(Eigen::Matrix<double, 6, 6>::Identity());
-    result.sd_u_px = std::sqrt(variance * inverse(0, 0)) / gain;
-    result.sd_v_px = std::sqrt(variance * inverse(3, 3)) / gain;
+    result.sd_u_px = std::sqrt(inverse(0, 0)) / gain;
+    result.sd_v_px = std::sqrt(inverse(3, 3)) / gain;
     const Row delta = q / gain;
     compose(delta, result.warp);
     return largest_move(delta, half_);
@@ -270,12 +271,16 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
   if (found.correlation < options_.min_correlation) {
     return failed(motion, WindowStatus::low_correlation);
   }
-  const double both_frames =
-      std::sqrt(2 / (1 + noise_in_window(options_.spline_degree, found.warp, centre, half)));
+  // Both frames' noise, of which the residual holds the second one's after interpolation; at least
+  // that of rounding to whole grey levels.
+  const double pixel_variance = std::max(
+      found.variance / (1 + noise_in_window(options_.spline_degree, found.warp, centre, half)),
+      1.0 / 12);
+  const double noise = std::sqrt(2 * pixel_variance);
   motion.u = static_cast<float>(found.warp.t.x());
   motion.v = static_cast<float>(found.warp.t.y());
-  motion.u_sd = static_cast<float>(found.sd_u_px * both_frames);
-  motion.v_sd = static_cast<float>(found.sd_v_px * both_frames);
+  motion.u_sd = static_cast<float>(noise * found.sd_u_px);
+  motion.v_sd = static_cast<float>(noise * found.sd_v_px);
   motion.ux = static_cast<float>(found.warp.a(0, 0) - 1);
   motion.uy = static_cast<float>(found.warp.a(0, 1));
   motion.vx = static_cast<float>(found.warp.a(1, 0));
