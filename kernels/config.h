@@ -37,11 +37,6 @@
 #define WINDOWS_PER_GROUP 1
 #endif
 
-// published.cl: spline points between pixels.
-#ifndef INTERP_POINTS
-#define INTERP_POINTS 5
-#endif
-
 // prefilter.cl, icgn.cl, rigid.cl, ring.cl: degree of the B-spline, 3, 5 or 7.
 #ifndef SPLINE_DEGREE
 #define SPLINE_DEGREE 5

@@ -1,6 +1,7 @@
 // Sub-pixel peaks of correlation maps: the highest point of the quintic spline through the map.
 #include "kernels/config.h"
 #include "kernels/map_spline.h"
+#include "kernels/motion.h"
 #include "kernels/status.h"
 #include "kernels/types.h"
 
@@ -72,16 +73,6 @@ static inline void near_coefficients(__global const CorrelationPeak* peak,
 static inline float parabola_peak(const float before, const float at, const float after) {
   const float bend = before - 2.0f * at + after;
   return bend < 0.0f ? 0.5f * (before - after) / bend : 0.0f;
-}
-
-static inline WindowMotion no_motion(const int status, const float correlation) {
-  WindowMotion motion;
-  motion.u = motion.v = motion.u_sd = motion.v_sd = NAN;
-  motion.correlation = correlation;
-  motion.peak_ratio = NAN;
-  motion.ux = motion.uy = motion.vx = motion.vy = NAN;
-  motion.status = status;
-  return motion;
 }
 
 // peaks: (count), of the windows from `start` on; inverses: (PEAK_PATCH_PX + 1, PEAK_PATCH_PX,

@@ -3,16 +3,6 @@
 #include "kernels/config.h"
 #include "kernels/zncc.h"
 
-// Sum over the group's work-items, for all of them. Passes two barriers.
-static inline float sum_of_group(__local float* values, const int lane, const float value) {
-  values[lane] = value;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  float sum = 0.0f;
-  for (int k = 0; k < GROUP; ++k) sum += values[k];
-  barrier(CLK_LOCAL_MEM_FENCE);
-  return sum;
-}
-
 // images: (slots, height, width); windows: from `start` on; planes: (count, FFT_PX, FFT_PX) written
 // whole; levels: (count) written, x the level subtracted from the search area, y the template's
 // energy Σ(t − t̄)². One group a window.

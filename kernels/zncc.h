@@ -123,6 +123,16 @@ static inline int best_of_lanes(__local float* values, __local int* indices, con
   return best_index;
 }
 
+// Sum over the group's work-items, for all of them. Passes two barriers.
+static inline float sum_of_group(__local float* values, const int lane, const float value) {
+  values[lane] = value;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  float sum = 0.0f;
+  for (int k = 0; k < GROUP; ++k) sum += values[k];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  return sum;
+}
+
 // Whether entry (i, j) is at least as high as its neighbours at valid lags.
 static inline int is_local_maximum(MAP_SPACE const float* map, const SearchPlace place, const int i,
                                    const int j) {

@@ -4,6 +4,7 @@
 #include "host/dic/device_frames.h"
 #include "host/dic/frame_slots.h"
 #include "host/dic/icgn_opencl.h"
+#include "host/dic/published_opencl.h"
 #include "host/dic/seed_options.h"
 #include "host/dic/zncc_opencl.h"
 #include "host/opencl/buffer.h"
@@ -14,10 +15,13 @@ namespace {
 class OpenclCorrelator final : public Correlator {
  public:
   OpenclCorrelator(Engine& engine, const FieldOptions& options, int slots)
-      : engine_(engine),
-        slots_(slots),
-        frames_(engine, slots),
-        zncc_(engine, seed_options(options), zncc_variants(engine.device(), options).front()) {
+      : engine_(engine), slots_(slots), frames_(engine, slots) {
+    if (options.method == FieldMethod::published) {
+      published_.emplace(engine, options);
+    } else {
+      const FieldOptions seed = seed_options(options);
+      zncc_.emplace(engine, seed, zncc_variants(engine.device(), seed).front());
+    }
     if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
   }
 
@@ -34,7 +38,8 @@ class OpenclCorrelator final : public Correlator {
     windows_.reserve(engine_, windows.size());
     motions_.reserve(engine_, windows.size());
     windows_.write(engine_, windows);
-    zncc_.run(frames_, windows_, windows.size(), motions_);
+    if (published_) published_->run(frames_, windows_, windows.size(), motions_);
+    if (zncc_) zncc_->run(frames_, windows_, windows.size(), motions_);
     if (icgn_) icgn_->refine(frames_, windows_, windows.size(), motions_);
     motions_.read(engine_, motions);
     return motions;
@@ -44,7 +49,9 @@ class OpenclCorrelator final : public Correlator {
   Engine& engine_;
   FrameSlots slots_;
   DeviceFrames frames_;
-  ZnccOpencl zncc_;
+  // What the method takes; the others stay empty.
+  std::optional<PublishedOpencl> published_;
+  std::optional<ZnccOpencl> zncc_;
   std::optional<IcgnRefiner> icgn_;
   Buffer<Window> windows_;
   Buffer<WindowMotion> motions_;

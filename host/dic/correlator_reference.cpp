@@ -3,6 +3,7 @@
 #include "host/dic/correlator.h"
 #include "host/dic/frame_slots.h"
 #include "host/dic/icgn_reference.h"
+#include "host/dic/published_reference.h"
 #include "host/dic/seed_options.h"
 #include "host/dic/zncc_reference.h"
 
@@ -15,6 +16,7 @@ class ReferenceCorrelator final : public Correlator {
       : options_(options), slots_(slots), frames_(static_cast<std::size_t>(slots_.count())) {
     options_.validate();
     if (options_.method == FieldMethod::icgn) icgn_.emplace(options_, slots);
+    if (options_.method == FieldMethod::published) published_.emplace(options_);
   }
 
   void set_frame(int slot, const Frame& frame) override {
@@ -36,6 +38,7 @@ class ReferenceCorrelator final : public Correlator {
   WindowMotion measure(const Window& window) const {
     const auto first = frames_[static_cast<std::size_t>(window.first)].view();
     const auto second = frames_[static_cast<std::size_t>(window.second)].view();
+    if (published_) return published_->measure(first, second, window, full_scale_);
     const WindowMotion seed =
         zncc_reference(first, second, window, seed_options(options_), full_scale_);
     return icgn_ ? icgn_->refine(window, seed) : seed;
@@ -44,6 +47,7 @@ class ReferenceCorrelator final : public Correlator {
   FieldOptions options_;
   FrameSlots slots_;
   std::vector<Image<float>> frames_;
+  std::optional<PublishedReference> published_;
   std::optional<IcgnReference> icgn_;
   double full_scale_ = 255;
 };
