@@ -41,7 +41,9 @@ void add_commands(CLI::App& app) {
   add_track_command(app);
   add_correlate_command(app);
   add_rod_command(app);
+  add_simulate_command(app);
   add_synth_command(app);
+  add_verify_command(app);
 }
 
 int run(int argc, char** argv) {

@@ -29,7 +29,7 @@ ContactDynamics::Arm ContactDynamics::arm(double angle_rad) const {
 ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   const Arm r = arm(x[kAngle]);
   ContactPoint at;
-  at.deflection_m = -x[kQn];
+  at.deflection_m = 0.0 - x[kQn];  // not -0 at the touch
   if (rod_) at.deflection_m -= r.n + reach_ * std::sin(start_angle_);
   at.rate_m_s = -(x[kVn] + x[kOmega] * r.t);
   at.centre_vt_m_s = x[kVt];

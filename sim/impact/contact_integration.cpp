@@ -94,6 +94,7 @@ class Integration {
         start_s_(start_s),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
         scales_(scales_of(job, normal, touch_, start)),
+        next_kink_m_(normal.next_kink_m(0)),
         stepper_(ScaledError(job.solver.relative_tolerance, scales_.state)) {
     now_.time_s = start_s;
     now_.x = start;
@@ -101,6 +102,7 @@ class Integration {
 
   ContactOutcome run() {
     friction_.begin(touch_);
+    last_force_n_ = outcome_.peak_force_n = dynamics_.normal_force_n(touch_);
     begin_phase(normal_phase_, PhaseKind::kNormal, "compression");
     begin_phase(tangential_phase_, PhaseKind::kTangential, friction_.mode());
     double step_s = 1e-3 * scales_.duration_s;
@@ -117,7 +119,9 @@ class Integration {
 
  private:
   // The guards are the normal law's, then the friction law's.
-  enum NormalGuard { kTurn, kSeparation, kReload, kNormalGuards };
+  enum NormalGuard { kTurn, kSeparation, kReload, kKink, kNormalGuards };
+  static constexpr int kMostSwitches = 10000;  // of one contact; a sound one has a dozen
+  static constexpr long kMostSteps = 2000000;
   static constexpr int kGuards = kNormalGuards + FrictionLaw::kMaxGuards;
   struct GuardValues {
     std::array<double, kGuards> value;
@@ -132,6 +136,7 @@ class Integration {
     guards.value[kTurn] = memory.compressing ? at.rate_m_s : -at.rate_m_s;
     guards.value[kSeparation] = 1;
     guards.value[kReload] = 1;
+    guards.value[kKink] = 1;
     if (!memory.compressing) {
       switch (job_.contact.restitution_damping) {
         case RestitutionDamping::kToZeroForce:
@@ -146,6 +151,8 @@ class Integration {
       }
     } else if (memory.unloading) {
       guards.value[kReload] = memory.max_deflection_m - at.deflection_m;
+    } else {
+      guards.value[kKink] = next_kink_m_ - at.deflection_m;
     }
     FrictionLaw::Guards friction;
     const int count = friction_.guards(at, friction);
@@ -166,11 +173,9 @@ class Integration {
   bool leave_at_once(const GuardValues& middle, const GuardValues& end) {
     for (int i = 0; i < end.count; ++i) {
       if (now_guards_.value[i] > 0 || middle.value[i] > 0 || end.value[i] > 0) continue;
-      if (++idle_switches_ > 20) throw Error("the contact's modes chatter", "integration");
       switch_modes(i);
       return true;
     }
-    idle_switches_ = 0;
     return false;
   }
 
@@ -271,17 +276,17 @@ class Integration {
   void accept(const AcceptedStep& next) {
     const ContactPoint at = dynamics_.contact_point(next.x);
     friction_.step(at);
-    if (!force_peak_found_ && dynamics_.memory.compressing) look_for_force_peak(next, at);
+    if (++outcome_.steps > kMostSteps) throw Error("no progress", "integration");
+    if (dynamics_.memory.compressing) look_for_force_peak(next, at);
     previous_ = now_;
     now_ = next;
   }
 
-  // A damper shifts the largest force before the largest deflection.
+  // A damper shifts the largest force before the largest deflection; it also makes the force fall
+  // at first, from what it is at the touch.
   void look_for_force_peak(const AcceptedStep& next, const ContactPoint& at) {
     const double force = dynamics_.normal_force_n(at);
-    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
-    if (force < last_force_n_) {
-      force_peak_found_ = true;
+    if (force < last_force_n_ && force_rises_) {
       const auto negative_force = [&](double step) {
         return -dynamics_.normal_force_n(dynamics_.contact_point(single_step(previous_, step)));
       };
@@ -289,10 +294,13 @@ class Integration {
           negative_force, 0.0, next.time_s - previous_.time_s, 26);
       outcome_.peak_force_n = std::max(outcome_.peak_force_n, -value);
     }
+    force_rises_ = force > last_force_n_;
+    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
     last_force_n_ = force;
   }
 
   void switch_modes(int event) {
+    if (++switches_ > kMostSwitches) throw Error("the contact's modes chatter", "integration");
     const ContactPoint at = dynamics_.contact_point(now_.x);
     switch (event) {
       case kTurn:
@@ -303,6 +311,9 @@ class Integration {
         break;
       case kReload:
         dynamics_.memory.unloading = false;
+        break;
+      case kKink:
+        next_kink_m_ = normal_.next_kink_m(at.deflection_m);
         break;
       default:
         friction_.cross(event - kNormalGuards, at);
@@ -356,6 +367,7 @@ class Integration {
     const double stored = normal_.stored_j(at.deflection_m, dynamics_.memory);
     outcome_.plastic_j = normal_.work_j(at.deflection_m, dynamics_.memory) - stored;
     outcome_.released_j = done_ ? stored : 0;
+    outcome_.released_tangential_j = done_ ? friction_.stored_j(at) : 0;
     return std::move(outcome_);
   }
 
@@ -367,12 +379,13 @@ class Integration {
   double start_s_;
   ContactPoint touch_;
   Scales scales_;
+  double next_kink_m_;
   Stepper stepper_;
   Dopri5 rk_;
   AcceptedStep now_, previous_;
   GuardValues now_guards_{};
-  bool done_ = false, force_peak_found_ = false, first_of_segment_ = false;
-  int idle_switches_ = 0;
+  bool done_ = false, force_rises_ = false, first_of_segment_ = false;
+  int switches_ = 0;
   double last_force_n_ = 0;
   int normal_phase_ = -1, tangential_phase_ = -1;
   ContactOutcome outcome_;

@@ -15,8 +15,11 @@ struct ContactOutcome {
   ContactPoint end_point;
   double t_max_compression_s = 0;  // from the touch; the first maximum
   double max_deflection_m = 0, max_force_n = 0, peak_force_n = 0, separation_force_n = 0;
-  double plastic_j = 0;   // kept by the surface
-  double released_j = 0;  // stored when the body left, dissipated by the surface on its own
+  double plastic_j = 0;  // kept by the surface
+  // Stored when the body left, dissipated by the surface on its own.
+  double released_tangential_j = 0;
+  double released_j = 0;
+  long steps = 0;
   std::vector<Phase> phases;
 };
 

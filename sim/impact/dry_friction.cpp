@@ -44,7 +44,8 @@ class DryFriction final : public FrictionLaw {
     } else if (at.tip_vt_m_s != 0) {
       slide(sign(at.tip_vt_m_s));
     } else if (rule_ == Rule::kFullSliding) {
-      mode_ = Mode::kFrictionless;  // no direction to slide in
+      slide(-sign(at.rolling_n));  // as the weight would drive it
+      if (direction_ == 0) mode_ = Mode::kFrictionless;
     } else if (rule_ == Rule::kBrody) {
       roll_freely();
     } else {
@@ -83,7 +84,8 @@ class DryFriction final : public FrictionLaw {
         values[0] = at.tip_vt_m_s * direction_;
         return 1;
       case Mode::kRolling:
-        values[0] = static_ * load(at) - std::abs(at.rolling_n);
+        // Where rolling takes no force nothing ends it, not even a contact without load.
+        values[0] = at.rolling_n == 0 ? 1.0 : static_ * load(at) - std::abs(at.rolling_n);
         return 1;
       case Mode::kSticking:
         values[0] = load(at) - critical_n_;

@@ -1,5 +1,6 @@
 // The elastic-plastic contact as the normal law of an impact.
 #include <cmath>
+#include <limits>
 
 #include "host/base/error.h"
 #include "sim/impact/normal_elastoplastic.h"
@@ -55,6 +56,15 @@ class ElasticPlasticNormal final : public NormalLaw {
     NormalMemory turned = NormalLaw::turn(deflection_m, memory);
     turned.residual_m = law_.residual_m(turned.max_deflection_m);
     return turned;
+  }
+
+  // Where the published fits change over.
+  double next_kink_m(double deflection_m) const override {
+    for (const double x : {1.0, 1.9, 6.0, 110.0}) {
+      const double kink_m = x * law_.critical_compression_m();
+      if (kink_m > deflection_m) return kink_m;
+    }
+    return std::numeric_limits<double>::infinity();
   }
 
   // Half a period of Hertz's contact to the same depth.

@@ -128,6 +128,7 @@ class ImpactRun final : public TrajectoryRequest {
     const ContactOutcome outcome =
         integrate_contact(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
     result_.evaluations += dynamics_->evaluations;
+    result_.steps += outcome.steps;
     time_s_ = outcome.end_s;
     now_ = outcome.end;
     if (recording_.rate_hz > 0 && outcome.separated) {
@@ -141,6 +142,7 @@ class ImpactRun final : public TrajectoryRequest {
       dynamics_.reset();  // from here on the body flies
       plastic_j_ += outcome.plastic_j;
       now_[kDamping] += outcome.released_j;
+      now_[kSlip] += outcome.released_tangential_j;
     }
   }
 
@@ -198,7 +200,8 @@ class ImpactRun final : public TrajectoryRequest {
     EnergyLedger energy;
     energy.kinetic_start_j = kinetic_j(start_);
     energy.gravity_j = job_.body.mass_kg * (gravity_t() * (x[kQt] - start_[kQt]) +
-                                            gravity_n() * (x[kQn] - start_[kQn]));
+                                            gravity_n() * (x[kQn] - start_[kQn])) +
+                       0.0;  // not -0
     energy.kinetic_j = kinetic_j(x);
     energy.damping_j = x[kDamping];
     energy.slip_j = x[kSlip];

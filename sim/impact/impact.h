@@ -69,6 +69,7 @@ struct ImpactResult {
   std::vector<std::string> warnings;
   std::vector<TrajectoryPoint> trajectory;  // as Recording asks
   long evaluations = 0;                     // of the right-hand side
+  long steps = 0;                           // accepted, of all contacts
 };
 
 // Which points of the motion are kept. The default keeps none (fastest).

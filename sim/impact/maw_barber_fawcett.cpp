@@ -75,8 +75,10 @@ class MawBarberFawcett final : public FrictionLaw {
 
   void begin(const ContactPoint& at) override {
     pieces_.clear();
+    touch_rate_ = at.rate_m_s;
     if (std::abs(at.tip_vt_m_s) <= alpha_ * at.rate_m_s) {
       start_sticking(at, 0);
+      touching_ = true;
     } else {
       start_slip(at.tip_vt_m_s >= 0 ? 1 : -1);
     }
@@ -86,9 +88,7 @@ class MawBarberFawcett final : public FrictionLaw {
     Traction result;
     if (side_ == 0) {
       result.force_n = -2 * shear_modulus_ * sticking_sum(at);
-      const double rate = approach(at), tip_rate = tip_acceleration(at, result.force_n);
-      result.springs_rate_m2_s =
-          -wedge(at) * (tip_rate * rate - at.tip_vt_m_s * at.acceleration_m_s2) / (rate * rate);
+      result.springs_rate_m2_s = sticking_rate(at, result.force_n);
       return result;
     }
     const double limit = gross_ ? 0.0 : stuck_to(at);
@@ -103,7 +103,8 @@ class MawBarberFawcett final : public FrictionLaw {
     if (side_ == 0) {
       values[0] = bound_rate - at.tip_vt_m_s;
       values[1] = bound_rate + at.tip_vt_m_s;
-      return 2;
+      values[2] = at.rate_m_s - 0.5 * touch_rate_;
+      return touching_ ? 3 : 2;
     }
     values[0] = side_ * at.tip_vt_m_s - bound_rate;
     if (gross_) return 1;
@@ -112,7 +113,9 @@ class MawBarberFawcett final : public FrictionLaw {
   }
 
   void cross(int guard, const ContactPoint& at) override {
-    if (side_ == 0) {
+    if (side_ == 0 && guard == 2) {
+      start_sticking(at, sticking_sum(at));
+    } else if (side_ == 0) {
       start_slip(guard == 0 ? 1 : -1);
     } else if (guard == 1) {
       next_corner(at);
@@ -171,10 +174,9 @@ class MawBarberFawcett final : public FrictionLaw {
     return wedge(at) - inner * (at.deflection_m - limit / 3);
   }
 
-  // delta' while all springs stick, where |v| <= alpha delta'. An integration step may look beyond
-  // that before it is cut back; there it is kept from zero.
+  // delta' while all springs stick, kept from zero where a step looks beyond that.
   double approach(const ContactPoint& at) const {
-    return std::max({at.rate_m_s, 0.25 * std::abs(at.tip_vt_m_s) / alpha_, 1e-300});
+    return std::max(at.rate_m_s, 1e-6 * touch_rate_);
   }
 
   double tip_acceleration(const ContactPoint& at, double force_n) const {
@@ -182,10 +184,19 @@ class MawBarberFawcett final : public FrictionLaw {
   }
 
   // int u dx while all springs stick. Its rate, v a, grows like sqrt(t) at the touch, which no
-  // integrator likes. What is integrated is its smooth remainder beside (2/3) a delta v/delta', the
-  // sum that springs dragged along a straight path would have.
+  // integrator likes: there only the smooth remainder is integrated beside (2/3) a delta v/delta',
+  // the sum that springs dragged along a straight path would have.
   double sticking_sum(const ContactPoint& at) const {
-    return sticking_sum_ + wedge(at) * at.tip_vt_m_s / approach(at) + at.springs_m2;
+    const double sum = sticking_sum_ + at.springs_m2;
+    return touching_ ? sum + wedge(at) * at.tip_vt_m_s / approach(at) : sum;
+  }
+
+  double sticking_rate(const ContactPoint& at, double force_n) const {
+    if (!touching_) return at.tip_vt_m_s * contact_half_width(at);
+    const double rate = approach(at);
+    return -wedge(at) *
+           (tip_acceleration(at, force_n) * rate - at.tip_vt_m_s * at.acceleration_m_s2) /
+           (rate * rate);
   }
 
   // int u dx with an annulus outside xi = limit.
@@ -217,9 +228,9 @@ class MawBarberFawcett final : public FrictionLaw {
   // `sum` is int u dx at this moment.
   void start_sticking(const ContactPoint& at, double sum) {
     side_ = 0;
+    touching_ = false;
     recorded_ = at;
-    sticking_sum_ = 0;
-    sticking_sum_ = sum - sticking_sum(at);
+    sticking_sum_ = sum - at.springs_m2;
   }
 
   double contact_half_width(const ContactPoint& at) const {
@@ -344,6 +355,8 @@ class MawBarberFawcett final : public FrictionLaw {
   std::vector<Piece> pieces_;     // of g, ascending in xi from 0, without gaps
   ContactPoint recorded_;         // where the record of a sticking loading has come to
   int side_ = 0;                  // 0: all springs stick; +-1: an annulus slips at +-c
+  bool touching_ = false;         // all springs have stuck since the touch, not long ago
+  double touch_rate_ = 0;         // delta' at the touch
   bool gross_ = false;            // the annulus covers everything
   double sticking_sum_ = 0;       // the constant of sticking_sum
   double corner_ = 0;             // the next corner that the annulus's inner edge will reach

@@ -89,6 +89,8 @@ void validate_friction(const ImpactJob& job) {
   const Contact& contact = job.contact;
   require_not_negative(contact.friction_kinetic, "contact.friction_kinetic");
   require_not_negative(contact.friction_static, "contact.friction_static");
+  require(contact.friction_kinetic <= 100, "must be at most 100", "contact.friction_kinetic",
+          "the body grips long before");
   require(contact.poisson >= 0 && contact.poisson <= 0.5, "must be from 0 to 0.5",
           "contact.poisson");
   if (job.friction == FrictionModel::kThreePhase) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/base/units.h"
 
@@ -23,6 +24,8 @@ NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) co
   }
   return turned;
 }
+
+double NormalLaw::next_kink_m(double) const { return std::numeric_limits<double>::infinity(); }
 
 double NormalLaw::deflection_estimate_m(double mass_kg, double speed_m_s) const {
   return speed_m_s * duration_estimate_s(mass_kg, speed_m_s) / kPi;

@@ -36,6 +36,9 @@ class NormalLaw {
   // integration clears `compressing` here, sets it when the rate turns back, and clears `unloading`
   // when the deflection exceeds max_deflection_m again.)
   virtual NormalMemory turn(double deflection_m, const NormalMemory& memory) const;
+  // The next deflection above this one at which loading is not smooth (the integration restarts
+  // there); infinite if there is none.
+  virtual double next_kink_m(double deflection_m) const;
   // The duration of the contact, roughly (within a factor of about three): sets scales, s.
   virtual double duration_estimate_s(double mass_kg, double speed_m_s) const = 0;
   // The largest deflection, roughly, m.

@@ -1,0 +1,51 @@
+#include "sim/impact/source_jobs.h"
+
+#include <cmath>
+
+#include "host/base/units.h"
+
+namespace impactdic {
+
+ImpactJob racket_job() {
+  ImpactJob job;
+  job.preset = Preset::kPublished;
+  job.normal = NormalModel::kLinearSpringDamper;
+  job.friction = FrictionModel::kCoulomb;
+  job.body = {Shape::kHollowSphere, 0.0567, 0.067};
+  job.contact.stiffness = 13385;
+  job.contact.damping_n_s_per_m = 5.36;
+  job.contact.friction_kinetic = 0.0335;
+  job.surface_angle_deg = 15;
+  job.initial.vt_m_s = -2 * std::sin(15 * kRadPerDeg);
+  job.initial.vn_m_s = -2 * std::cos(15 * kRadPerDeg);
+  return job;
+}
+
+ImpactJob wood_published_job() {
+  ImpactJob job;
+  job.preset = Preset::kPublished;
+  job.normal = NormalModel::kHertzDamper;
+  job.friction = FrictionModel::kThreePhase;
+  job.body = {Shape::kSolidSphere, 0.14566, 0.06325};
+  job.contact.stiffness = 875000;
+  job.contact.damping_n_s_per_m = 9.5;
+  job.contact.friction_kinetic = 0.54;
+  job.contact.friction_static = 0.74;
+  job.surface_angle_deg = 20;
+  job.initial.vt_m_s = 0.57;
+  job.initial.vn_m_s = -1.69;
+  return job;
+}
+
+ImpactJob wood_sound_job() {
+  ImpactJob job = wood_published_job();
+  job.preset = Preset::kSound;
+  job.friction = FrictionModel::kMawBarberFawcett;
+  job.contact.damping_n_s_per_m = 18;
+  job.contact.friction_static = 0;
+  job.contact.poisson = 0.49;
+  job.surface_angle_deg = -20;
+  return job;
+}
+
+}  // namespace impactdic
