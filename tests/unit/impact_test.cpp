@@ -231,7 +231,7 @@ TEST(Phases, RandomJobsEndWithTheirEnergyAccountedFor) {
     job.body.shape = run % 5 == 0 ? Shape::kHollowSphere : Shape::kSolidSphere;
     if (job.friction != FrictionModel::kMawBarberFawcett && run / 12 % 2 == 0) {
       job.normal = NormalModel::kLinearSpringDamper;
-      job.contact.stiffness = std::pow(10, between(3, 6));
+      job.contact.stiffness = std::pow(10, between(3.7, 6));  // never overdamped
     }
     job.contact.damping_n_s_per_m = run / 24 % 3 == 0 ? 0.0 : between(0, 20);
     job.contact.restitution_damping = static_cast<RestitutionDamping>(run / 72 % 3);
