@@ -81,6 +81,14 @@ typedef struct BallLimits {
   float min_correlation;   // ZNCC
 } BallLimits;
 
+// One ball whose turn is sought between frame slots `first` and `second`: its centre in each, and
+// the radii between which it is compared, px.
+typedef struct RingTask {
+  idic_int first, second;
+  float cx_first, cy_first, cx_second, cy_second;
+  float inner, outer;
+} RingTask;
+
 #ifndef __OPENCL_C_VERSION__
 }  // namespace impactdic
 #endif

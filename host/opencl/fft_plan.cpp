@@ -66,7 +66,8 @@ FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::siz
     : impl_(std::make_unique<Impl>(engine, width, height, batch)) {
   const std::size_t lengths[2] = {width, height};
   clfftPlanHandle& plan = impl_->handle;
-  check(clfftCreateDefaultPlan(&plan, engine.context()(), CLFFT_2D, lengths),
+  check(clfftCreateDefaultPlan(&plan, engine.context()(),
+                               height == 1 ? CLFFT_1D : CLFFT_2D, lengths),
         "clfftCreateDefaultPlan");
   check(clfftSetPlanPrecision(plan, CLFFT_SINGLE), "clfftSetPlanPrecision");
   check(clfftSetLayout(plan, CLFFT_COMPLEX_INTERLEAVED, CLFFT_COMPLEX_INTERLEAVED),

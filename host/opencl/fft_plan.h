@@ -9,7 +9,7 @@
 namespace impactdic {
 
 // Batched two-dimensional complex single-precision transform, in place, interleaved
-// (batch, height, width). The inverse is scaled by 1/(width·height).
+// (batch, height, width); of height 1, one-dimensional. The inverse is scaled by 1/(width·height).
 class FftPlan {
  public:
   // Each side must be a product of 2, 3, 5, 7, 11 and 13 (see good_size). Throws OpenClError.

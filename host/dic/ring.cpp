@@ -1,0 +1,95 @@
+#include "host/dic/ring.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "host/opencl/arguments.h"
+
+namespace impactdic {
+namespace {
+
+// Balls unwrapped at once: bounds the memory (0.8 MB a ball by default).
+constexpr std::size_t kBatch = 16;
+
+}  // namespace
+
+RingRotation::RingRotation(Engine& engine, const RingOptions& options, int slots)
+    : engine_(engine),
+      options_((options.validate(), options)),
+      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots),
+      forward_(engine, static_cast<std::size_t>(options.angles), 1,
+               kBatch * static_cast<std::size_t>(options.rings)),
+      inverse_(engine, static_cast<std::size_t>(options.angles), 1, kBatch) {
+  const Defines defines = {{"SPLINE_DEGREE", std::to_string(options.spline_degree)}};
+  unwrap_ = engine.kernel("ring.cl", "unwrap_rings", defines);
+  sum_ = engine.kernel("ring.cl", "sum_rings", defines);
+  const auto angles = static_cast<std::size_t>(options.angles);
+  tasks_ = Buffer<RingTask>(engine, kBatch);
+  missing_ = Buffer<cl_int>(engine, kBatch);
+  polar_ = Buffer<std::complex<float>>(engine,
+                                       kBatch * static_cast<std::size_t>(options.rings) * angles);
+  cross_ = Buffer<std::complex<float>>(engine, kBatch * angles);
+  energy_ = Buffer<std::complex<float>>(engine, kBatch * angles);
+}
+
+std::vector<RingMotion> RingRotation::measure(const DeviceFrames& frames,
+                                              std::span<const RingTask> tasks) {
+  for (const RingTask& task : tasks) {
+    for (const int slot : {task.first, task.second}) {
+      if (slot < 0 || slot >= splines_.slots()) throw InvalidArgument("no such frame slot");
+    }
+    if (!(task.inner >= 0 && task.outer > task.inner)) {
+      throw InvalidArgument("a ring's outer radius must be above its inner one");
+    }
+  }
+  splines_.prepare(frames);
+  std::vector<RingMotion> motions;
+  motions.reserve(tasks.size());
+  for (std::size_t first = 0; first < tasks.size(); first += kBatch) {
+    measure_batch(tasks.subspan(first, std::min(kBatch, tasks.size() - first)), motions);
+  }
+  return motions;
+}
+
+void RingRotation::measure_batch(std::span<const RingTask> tasks,
+                                 std::vector<RingMotion>& motions) {
+  const auto angles = static_cast<std::size_t>(options_.angles);
+  const auto rings = static_cast<std::size_t>(options_.rings);
+  const std::size_t count = tasks.size();
+  const std::size_t local = angles % 64 == 0 ? 64 : 1;
+  tasks_.write(engine_, tasks);
+  missing_.write(engine_, std::vector<cl_int>(count, 0));
+  const double samples = static_cast<double>(count * rings * angles);
+  const double taps = options_.spline_degree + 1.0;
+  set_arguments(unwrap_, splines_.coefficients().get(), splines_.coefficient_offset(),
+                splines_.width(), splines_.height(), splines_.pitch(), tasks_.get(), polar_.get(),
+                missing_.get());
+  engine_.launch(engine_.queue(), unwrap_, cl::NDRange(angles, rings, count),
+                 cl::NDRange(local, 1, 1), {16 * samples, 4 * samples * taps * taps});
+  forward_.forward(engine_.queue(), polar_.get());
+  set_arguments(sum_, polar_.get(), tasks_.get(), options_.rings, cross_.get(), energy_.get());
+  engine_.launch(engine_.queue(), sum_, cl::NDRange(angles, count), cl::NDRange(local, 1),
+                 {16 * samples, 20 * samples});
+  std::vector<std::complex<float>> cross(count * angles), energy(count * angles),
+      correlation(count * angles);
+  std::vector<cl_int> missing(count);
+  cross_.read(engine_, cross);
+  energy_.read(engine_, energy);
+  missing_.read(engine_, missing);
+  inverse_.inverse(engine_.queue(), cross_.get());
+  cross_.read(engine_, correlation);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto part = [&](const std::vector<std::complex<float>>& all) {
+      return std::span(all).subspan(k * angles, angles);
+    };
+    RingMotion motion =
+        ring_peak({part(cross), part(energy), part(correlation)}, tasks[k], options_);
+    if (missing[k] > 0) {
+      motion.status = WindowStatus::out_of_view;
+      motion.rot_rad = motion.rot_sd_rad = std::numeric_limits<double>::quiet_NaN();
+    }
+    motions.push_back(motion);
+  }
+}
+
+}  // namespace impactdic

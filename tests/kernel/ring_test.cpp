@@ -1,0 +1,85 @@
+// ring.cl against its double-precision reference.
+#include "host/dic/ring.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/engine.h"
+#include "tests/support/speckle_frames.h"
+
+namespace impactdic {
+namespace {
+
+using testing::pose;
+using testing::shared_engine;
+
+TEST(RingKernel, GivesWhatTheReferenceGives) {
+  Engine& engine = shared_engine();
+  Scene scene;
+  scene.width = 160;
+  scene.height = 151;
+  scene.noise_sigma = 2;
+  const auto pictures =
+      testing::render_frames(testing::quick_ball(3, 65), scene,
+                             {pose(79.3, 74.4, 0), pose(80.67, 75.79, 131), pose(78.2, 74.9, -40)});
+  RingOptions options;
+  options.rings = 21;
+  options.angles = 210;  // no multiple of a work-group's usual size
+  for (const int degree : {3, 7}) {
+    options.spline_degree = degree;
+    DeviceFrames frames(engine, 3);
+    RingRotation ring(engine, options, 3);
+    for (int k = 0; k < 3; ++k) {
+      frames.set(k, pictures[static_cast<std::size_t>(k)]);
+      ring.frame_changed(k);
+    }
+    RingTask task{0, 1, 79.3f, 74.4f, 80.67f, 75.79f, 9.0f, 60.0f};
+    RingTask other{1, 2, 80.67f, 75.79f, 78.2f, 74.9f, 20.0f, 50.5f};
+    RingTask outside = task;
+    outside.outer = 90;
+    // More than one batch.
+    std::vector<RingTask> tasks(17, task);
+    tasks.push_back(other);
+    tasks.push_back(outside);
+    const auto motions = ring.measure(frames, tasks);
+    ASSERT_EQ(motions.size(), tasks.size());
+    const RingMotion expected = ring_reference(pictures[0], pictures[1], task, options);
+    const RingMotion expected_other = ring_reference(pictures[1], pictures[2], other, options);
+    ASSERT_EQ(expected.status, WindowStatus::ok);
+    for (std::size_t k = 0; k < 18; ++k) {
+      const RingMotion& want = k < 17 ? expected : expected_other;
+      ASSERT_EQ(motions[k].status, WindowStatus::ok);
+      // 1e-4 px at the rim.
+      EXPECT_NEAR(motions[k].rot_rad, want.rot_rad, 1e-4 / 60);
+      EXPECT_NEAR(motions[k].correlation, want.correlation, 1e-5);
+      EXPECT_NEAR(motions[k].rot_sd_rad, want.rot_sd_rad, 1e-3 * want.rot_sd_rad);
+      EXPECT_NEAR(motions[k].peak_ratio, want.peak_ratio, 1e-3);
+    }
+    EXPECT_EQ(motions[18].status, WindowStatus::out_of_view);
+    EXPECT_TRUE(std::isnan(motions[18].rot_rad));
+  }
+}
+
+TEST(RingKernel, RefusesImpossibleTasks) {
+  Engine& engine = shared_engine();
+  DeviceFrames frames(engine, 1);
+  Frame frame;
+  frame.reset(64, 64, 8);
+  frames.set(0, frame);
+  RingRotation ring(engine, {}, 1);
+  ring.frame_changed(0);
+  EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 1, 32, 32, 32, 32, 5, 20}}),
+               InvalidArgument);
+  EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 20, 5}}),
+               InvalidArgument);
+  // A flat picture has no angle.
+  const auto motions = ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 5, 20}});
+  EXPECT_NE(motions[0].status, WindowStatus::ok);
+  RingOptions options;
+  options.angles = 17 * 61;
+  EXPECT_THROW(RingRotation(engine, options, 1), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace impactdic
