@@ -1,0 +1,70 @@
+// impactdic fit JOB.toml -o DIR: calibrate a model's parameters on measured tracks.
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "host/app/command.h"
+#include "host/app/fit_output.h"
+#include "sim/fit/fit_job.h"
+#include "sim/impact/result_files.h"
+
+namespace impactdic::app {
+namespace {
+
+struct Options {
+  std::string job, output;
+  int threads = 0;
+  bool force = false, quiet = false;
+};
+
+void print(const FitResult& result) {
+  if (result.shots.size() == 1) {
+    for (const ParameterEstimate& p : result.shots[0].parameters) {
+      std::printf("%-22s %.6g +- %.2g  95 %% in [%.6g, %.6g]%s%s\n", p.key.c_str(), p.value, p.sd,
+                  p.ci95_low, p.ci95_high,
+                  p.determined ? "" : "  NOT DETERMINED: ", p.determined ? "" : p.verdict.c_str());
+    }
+    return;
+  }
+  for (const PooledEstimate& p : result.pooled) {
+    std::printf("%-22s pooled %.6g +- %.2g; mean of %zu shots %.6g, scatter %.2g\n", p.key.c_str(),
+                p.value, p.sd, result.shots.size(), p.mean, p.scatter_sd);
+    for (const std::string& file : p.outliers) std::printf("  outlier: %s\n", file.c_str());
+  }
+}
+
+void run_fit(const Options& options) {
+  const FitJob job = read_fit_job(options.job);
+  const FitResult result = calibrate(job, options.threads);
+  const auto folder = prepare_output_directory(options.output, options.force);
+  write_fit(folder, job, result);
+  write_text(folder / "job.toml", to_toml(job));
+  if (!options.quiet) print(result);
+  for (const ShotFit& fit : result.shots) {
+    for (const std::string& warning : fit.warnings) {
+      std::fprintf(stderr, "impactdic: warning: %s: %s\n", fit.shot.file.c_str(), warning.c_str());
+    }
+  }
+}
+
+}  // namespace
+
+void add_fit_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("fit", "Calibrate a model's parameters on measured tracks");
+  auto options = std::make_shared<Options>();
+  command->add_option("JOB", options->job, "The job, a TOML file (docs/calibration.md)")
+      ->required();
+  command->add_option("-o,--output", options->output, "Folder for the results")->required();
+  command->add_option("-j,--threads", options->threads, "Shots at a time; 0 takes all cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_flag("--force", options->force, "Write into a folder that already holds files");
+  command->add_flag("-q,--quiet", options->quiet, "Print errors and warnings only");
+  command->footer(
+      "Writes summary.json, parameters.csv, job.toml; published_grid also errors_N.csv.\n"
+      "Example:\n  impactdic fit racket.toml -o racket_fit");
+  command->callback([options] { run_fit(*options); });
+}
+
+}  // namespace impactdic::app

@@ -1,0 +1,204 @@
+#include "sim/rod/rod_job.h"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/base/units.h"
+#include "sim/impact/strict_toml.h"
+
+namespace impactdic {
+namespace {
+
+PlasticLoading loading_of(StrictTable& root) {
+  switch (parse_normal_model(root.text("normal", "jackson_green"))) {
+    case NormalModel::kJacksonGreen:
+      return PlasticLoading::kJacksonGreen;
+    case NormalModel::kKogutEtsion:
+      return PlasticLoading::kKogutEtsion;
+    case NormalModel::kThornton:
+      return PlasticLoading::kThornton;
+    default:
+      throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
+                            "jackson_green, kogut_etsion or thornton");
+  }
+}
+
+std::string_view name_of_loading(PlasticLoading loading) {
+  switch (loading) {
+    case PlasticLoading::kJacksonGreen:
+      return name_of(NormalModel::kJacksonGreen);
+    case PlasticLoading::kKogutEtsion:
+      return name_of(NormalModel::kKogutEtsion);
+    case PlasticLoading::kThornton:
+      return name_of(NormalModel::kThornton);
+  }
+  return "";
+}
+
+}  // namespace
+
+bool is_rod_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  const std::string model = root.has("model") ? root.text("model") : "";
+  if (!model.empty() && model != "rigid_rod" && model != "flexible_rod") {
+    throw InvalidArgument("'" + model + "' is not known", root.place("model"),
+                          "rigid_rod or flexible_rod; a ball's laws are chosen by normal and "
+                          "friction");
+  }
+  return !model.empty();
+}
+
+RodJobFile read_rod_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  RodJobFile job;
+  job.flexible = root.text("model") == "flexible_rod";
+  RodJob& rod = job.rod;
+  rod = job.flexible ? flexible_rod_preset() : rigid_rod_preset();
+  rod.loading = loading_of(root);
+  StrictTable& body = root.table("body");
+  rod.body.length_m = body.number("length_m");
+  rod.body.radius_m = body.number("diameter_m") / 2;
+  rod.body.mass_kg = body.number("mass_kg");
+  rod.surface.radius_m = rod.body.radius_m;
+  if (job.flexible) {
+    rod.body.young_pa = body.number("young_pa");
+    rod.axial_modes = body.integer("axial_modes", rod.axial_modes);
+    rod.bending_modes = body.integer("bending_modes", rod.bending_modes);
+    rod.modal_damping = body.number("modal_damping", rod.modal_damping);
+  }
+  StrictTable& contact = root.table("contact");
+  rod.surface.effective_modulus_pa = contact.number("reduced_modulus_pa");
+  rod.surface.yield_strength_pa = contact.number("yield_strength_pa");
+  rod.surface.poisson = contact.number("poisson");
+  rod.residual = parse_residual_law(contact.text("residual", std::string(name_of(rod.residual))));
+  rod.friction_kinetic = contact.number("friction_kinetic");
+  StrictTable& initial = root.table("initial");
+  rod.angle_rad = initial.number("angle_deg") * kRadPerDeg;
+  rod.vt_m_s = initial.number("vt_m_s", 0);
+  rod.vn_m_s = initial.number("vn_m_s");
+  rod.omega_rad_s = initial.number("omega_rad_s", 0);
+  rod.gravity_m_s2 = root.table("environment").number("gravity_m_s2", rod.gravity_m_s2);
+  StrictTable& solver = root.table("solver");
+  rod.relative_tolerance = solver.number("relative_tolerance", rod.relative_tolerance);
+  rod.longest_s = solver.number("longest_s", rod.longest_s);
+  rod.sample_rate_hz = root.table("output").number("rate_hz", 1e6);
+  root.finish();
+  try {
+    rod.validate();
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
+  }
+  return job;
+}
+
+std::string to_toml(const RodJobFile& job) {
+  const RodJob& rod = job.rod;
+  std::string out;
+  const auto text = [&out](const char* key, std::string_view value) {
+    out += std::string(key) + " = \"" + std::string(value) + "\"\n";
+  };
+  const auto number = [&out](const char* key, double value) {
+    out += std::string(key) + " = " + shortest(value) + "\n";
+  };
+  text("model", job.flexible ? "flexible_rod" : "rigid_rod");
+  text("normal", name_of_loading(rod.loading));
+  out += "\n[body]\n";
+  number("length_m", rod.body.length_m);
+  number("diameter_m", 2 * rod.body.radius_m);
+  number("mass_kg", rod.body.mass_kg);
+  if (job.flexible) {
+    number("young_pa", rod.body.young_pa);
+    number("axial_modes", rod.axial_modes);
+    number("bending_modes", rod.bending_modes);
+    number("modal_damping", rod.modal_damping);
+  }
+  out += "\n[contact]\n";
+  number("reduced_modulus_pa", rod.surface.effective_modulus_pa);
+  number("yield_strength_pa", rod.surface.yield_strength_pa);
+  number("poisson", rod.surface.poisson);
+  text("residual", name_of(rod.residual));
+  number("friction_kinetic", rod.friction_kinetic);
+  out += "\n[initial]\n";
+  number("angle_deg", rod.angle_rad * kDegPerRad);
+  number("vt_m_s", rod.vt_m_s);
+  number("vn_m_s", rod.vn_m_s);
+  number("omega_rad_s", rod.omega_rad_s);
+  out += "\n[environment]\n";
+  number("gravity_m_s2", rod.gravity_m_s2);
+  out += "\n[solver]\n";
+  number("relative_tolerance", rod.relative_tolerance);
+  number("longest_s", rod.longest_s);
+  out += "\n[output]\n";
+  number("rate_hz", rod.sample_rate_hz);
+  return out;
+}
+
+void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& impact) {
+  std::ofstream out(file);
+  out << "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,"
+         "compression_m,tip_vt_m_s,tip_vn_m_s\n";
+  for (const RodSample& s : impact.trajectory) {
+    bool first = true;
+    for (double value :
+         {s.time_s, s.x_m, s.y_m, s.angle_rad, s.vt_m_s, s.vn_m_s, s.omega_rad_s, s.normal_force_n,
+          s.tangential_force_n, s.compression_m, s.tip_vt_m_s, s.tip_vn_m_s}) {
+      out << (first ? "" : ",") << shortest(value);
+      first = false;
+    }
+    out << '\n';
+  }
+  out.flush();
+  if (!out) throw FileError("cannot write the file", file.string());
+}
+
+std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
+  using Json = nlohmann::ordered_json;
+  const auto phases = [](const std::vector<RodPhase>& list) {
+    Json json = Json::array();
+    for (const RodPhase& p : list) {
+      json.push_back({{"name", p.name}, {"start_s", p.start_s}, {"end_s", p.end_s}});
+    }
+    return json;
+  };
+  const RodEnergy& e = impact.energy;
+  // The first time the compression stops growing.
+  double turn_s = 0;
+  for (const RodPhase& p : impact.normal_phases) {
+    if (p.name == "loading" && turn_s == 0) turn_s = p.end_s;
+  }
+  return Json{{"model", job.flexible ? "flexible_rod" : "rigid_rod"},
+              {"restitution", impact.restitution},
+              {"contact_s", impact.contact_s},
+              {"start_to_end_s", impact.start_to_end_s},
+              {"micro_impacts", impact.micro_impacts},
+              {"t_max_compression_s", turn_s},
+              {"max_deflection_m", impact.max_compression_m},
+              {"residual_m", impact.residual_m},
+              {"max_force_n", impact.max_force_n},
+              {"final",
+               {{"vt_m_s", impact.vt_m_s},
+                {"vn_m_s", impact.vn_m_s},
+                {"omega_rad_s", impact.omega_rad_s}}},
+              {"impulse",
+               {{"normal_n_s", impact.normal_impulse_n_s},
+                {"tangential_n_s", impact.tangential_impulse_n_s}}},
+              {"phases", phases(impact.normal_phases)},
+              {"friction_phases", phases(impact.friction_phases)},
+              {"energy",
+               {{"kinetic_before_j", e.kinetic_before_j},
+                {"kinetic_after_j", e.kinetic_after_j},
+                {"vibration_after_j", e.vibration_after_j},
+                {"plastic_j", e.plastic_j},
+                {"friction_j", e.friction_j},
+                {"damping_j", e.damping_j},
+                {"gravity_j", e.gravity_j},
+                {"residual_j", e.residual_j}}},
+              {"warnings", impact.warnings}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace impactdic

@@ -1,0 +1,30 @@
+// Rod jobs in TOML files: what `impactdic simulate` does for `model = "rigid_rod"` or
+// "flexible_rod".
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "sim/rod/rod_impact.h"
+
+namespace impactdic {
+
+struct RodJobFile {
+  bool flexible = false;
+  RodJob rod;
+};
+
+// Whether the file is a job of a rod model. Throws FileError or FormatError.
+bool is_rod_job(const std::filesystem::path& file);
+// Throws FileError, FormatError, or InvalidArgument naming file and key.
+RodJobFile read_rod_job(const std::filesystem::path& file);
+// With every default spelled out; reads back to the same job.
+std::string to_toml(const RodJobFile& job);
+
+// trajectory.csv: the columns of the other models' trajectories, then compression_m and the contact
+// point's velocities. Throws FileError.
+void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& impact);
+// summary.json of `simulate`.
+std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact);
+
+}  // namespace impactdic
