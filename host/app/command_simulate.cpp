@@ -7,6 +7,7 @@
 #include "sim/impact/impact.h"
 #include "sim/impact/job_toml.h"
 #include "sim/impact/result_files.h"
+#include "sim/rod/rod_job.h"
 
 namespace impactdic::app {
 namespace {
@@ -42,7 +43,26 @@ void print(const ImpactResult& result) {
   }
 }
 
+void run_rod_simulation(const Options& options) {
+  const RodJobFile job = read_rod_job(options.job);
+  const RodImpact impact = simulate_rod(job.rod);
+  const auto dir = prepare_output_directory(options.output, options.force);
+  write_rod_trajectory(dir / "trajectory.csv", impact);
+  write_text(dir / "summary.json", rod_summary_json(job, impact));
+  write_text(dir / "job.toml", to_toml(job));
+  if (!options.quiet) {
+    std::printf("restitution %.4f, %d micro-impacts in %.4f ms, dent %.2f um\n", impact.restitution,
+                impact.micro_impacts, 1e3 * impact.start_to_end_s, 1e6 * impact.residual_m);
+    std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", impact.vt_m_s, impact.vn_m_s,
+                impact.omega_rad_s);
+  }
+  for (const std::string& warning : impact.warnings) {
+    std::fprintf(stderr, "impactdic: warning: %s\n", warning.c_str());
+  }
+}
+
 void run_simulate(const Options& options) {
+  if (is_rod_job(options.job)) return run_rod_simulation(options);
   const SimulateJob job = read_simulate_job(options.job);
   const ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);

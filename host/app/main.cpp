@@ -40,6 +40,8 @@ void add_commands(CLI::App& app) {
   add_info_command(app);
   add_track_command(app);
   add_correlate_command(app);
+  add_fit_command(app);
+  add_compare_command(app);
   add_rod_command(app);
   add_simulate_command(app);
   add_synth_command(app);

@@ -25,11 +25,11 @@ ShotFit fit_restitution_duration(const Shot& shot, const FitJob& job) {
   const ImpactJob impact = job_of_shot(job.impact, shot);
   const double e = shot.restitution.value;
   const double duration = shot.contact_s.value;
-  const SpringAndDamper pair = spring_and_damper(impact, e, duration);
+  const SpringDamperParameters pair = spring_and_damper(impact, e, duration);
   // Carried over by differences: both figures have their own deviation.
   const double e_step = 1e-4 * e, t_step = 1e-4 * duration;
-  const SpringAndDamper other_e = spring_and_damper(impact, e - e_step, duration);
-  const SpringAndDamper other_t = spring_and_damper(impact, e, duration + t_step);
+  const SpringDamperParameters other_e = spring_and_damper(impact, e - e_step, duration);
+  const SpringDamperParameters other_t = spring_and_damper(impact, e, duration + t_step);
   const double k_e = (pair.stiffness - other_e.stiffness) / e_step * shot.restitution.sd;
   const double k_t = (other_t.stiffness - pair.stiffness) / t_step * shot.contact_s.sd;
   const double b_e =

@@ -1,9 +1,7 @@
 #include "sim/fit/restitution_duration.h"
 
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
-#include <cstdint>
 
 #include "host/base/error.h"
 #include "host/base/parse.h"
@@ -12,13 +10,6 @@
 
 namespace impactdic {
 namespace {
-
-// acos(z)/sqrt(1 - z^2), continued through z = 1 (overdamped) where it is 1.
-double compression_angle(double zeta) {
-  const double gap = 1 - zeta * zeta;
-  if (std::abs(gap) < 1e-10) return 1;
-  return gap > 0 ? std::acos(zeta) / std::sqrt(gap) : std::acosh(zeta) / std::sqrt(-gap);
-}
 
 struct Outcome {
   double log_restitution, log_duration;
@@ -32,8 +23,8 @@ Outcome outcome(ImpactJob& job, double stiffness, double damping) {
 }
 
 // A start: the linear pair, and for Hertz the linear spring's force at the same deepest point.
-SpringAndDamper start(const ImpactJob& job, double restitution, double duration_s) {
-  SpringAndDamper pair = linear_closed_form(job.body.mass_kg, restitution, duration_s);
+SpringDamperParameters start(const ImpactJob& job, double restitution, double duration_s) {
+  SpringDamperParameters pair = linear_parameters(job.body.mass_kg, restitution, duration_s);
   if (job.normal == NormalModel::kHertzDamper) {
     const double speed = std::abs(job.initial.vn_m_s);
     const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
@@ -44,33 +35,14 @@ SpringAndDamper start(const ImpactJob& job, double restitution, double duration_
 
 }  // namespace
 
-SpringAndDamper linear_closed_form(double mass_kg, double restitution, double duration_s) {
-  if (!(restitution > 0 && restitution <= 1)) {
-    throw InvalidArgument(
-        "a spring and a damper give a restitution from 0 to 1, not " + shortest(restitution),
-        "restitution");
-  }
-  if (!(duration_s > 0)) throw InvalidArgument("the duration must be positive", "duration");
-  const double target = std::log(restitution);
-  const auto miss = [&](double zeta) { return -zeta * compression_angle(zeta) - target; };
-  double high = 1;
-  while (miss(high) > 0) high *= 2;
-  std::uintmax_t iterations = 200;
-  const auto root = boost::math::tools::toms748_solve(
-      miss, 0.0, high, boost::math::tools::eps_tolerance<double>(52), iterations);
-  const double zeta = (root.first + root.second) / 2;
-  const double omega = (compression_angle(zeta) + kPi / 2) / duration_s;
-  return {mass_kg * omega * omega, 2 * zeta * mass_kg * omega};
-}
-
-SpringAndDamper spring_and_damper(ImpactJob job, double restitution, double duration_s) {
+SpringDamperParameters spring_and_damper(ImpactJob job, double restitution, double duration_s) {
   if (job.normal != NormalModel::kLinearSpringDamper && job.normal != NormalModel::kHertzDamper) {
     throw InvalidArgument("restitution_duration needs a law with stiffness and damping", "normal",
                           "linear_spring_damper or hertz_damper");
   }
   // The normal motion alone decides: no friction, no spin.
   job.friction = FrictionModel::kNone;
-  SpringAndDamper pair = start(job, restitution, duration_s);
+  SpringDamperParameters pair = start(job, restitution, duration_s);
   const double target_e = std::log(restitution), target_t = std::log(duration_s);
   // Newton in (ln k, b) with a Jacobian by differences; damping never below zero.
   const double damping_unit = std::sqrt(job.body.mass_kg * pair.stiffness) * 1e-4;
@@ -108,7 +80,7 @@ ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
   const double gravity = job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg);
   double duration = start_s;
   for (int i = 0; i < 50; ++i) {
-    const SpringAndDamper pair = spring_and_damper(trial, restitution, duration);
+    const SpringDamperParameters pair = spring_and_damper(trial, restitution, duration);
     trial.contact.stiffness = pair.stiffness;
     trial.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
     const ImpactResult impact = simulate_impact(trial);

@@ -1,24 +1,15 @@
 // Stiffness and damping from the restitution and the duration of an impact.
 #pragma once
 
+#include "sim/impact/closed_form.h"
 #include "sim/impact/model.h"
 
 namespace impactdic {
 
-struct SpringAndDamper {
-  double stiffness = 0;  // N/m, or N/m^1.5 for hertz_damper
-  double damping_n_s_per_m = 0;
-};
-
-// Linear spring, damped in compression only, no gravity (zeta = b / (2 sqrt(k m))):
-//   e = exp(-zeta acos(zeta) / sqrt(1 - zeta^2)),  omega0 T = acos(zeta) / sqrt(1 - zeta^2) + pi/2.
-// Throws InvalidArgument unless 0 < e <= 1 and T > 0.
-SpringAndDamper linear_closed_form(double mass_kg, double restitution, double duration_s);
-
 // For the law, surface, gravity and initial motion of `job` (its stiffness and damping are
 // ignored): the pair whose simulated impact has this restitution and duration, to 1e-10. Throws
 // InvalidArgument where the law has no stiffness and damping, or no pair gives these figures.
-SpringAndDamper spring_and_damper(ImpactJob job, double restitution, double duration_s);
+SpringDamperParameters spring_and_damper(ImpactJob job, double restitution, double duration_s);
 
 struct ContactTiming {
   double duration_s = 0;

@@ -100,7 +100,7 @@ ImpactJob laws_at_start(const Shot& shot, const FitJob& job) {
   };
   if (fits(FitParameter::kStiffness) || fits(FitParameter::kDamping)) {
     const double e = std::clamp(shot.restitution.value, 0.05, 0.999);
-    const SpringAndDamper pair =
+    const SpringDamperParameters pair =
         spring_and_damper(job_of_shot(laws, shot), e, shot.contact_s.value);
     if (fits(FitParameter::kStiffness)) laws.contact.stiffness = pair.stiffness;
     if (fits(FitParameter::kDamping)) laws.contact.damping_n_s_per_m = pair.damping_n_s_per_m;

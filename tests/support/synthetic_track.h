@@ -70,7 +70,12 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
     } else {
       out << ",,,,,,0,";
     }
-    out << text(x) << ',' << text(y) << ",,,,,,,,\n";
+    // The velocities of the truth: a calibration takes only the direction of the local axes from
+    // them.
+    const PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
+    out << text(x) << ',' << text(y) << ',' << text(c * state.vt_m_s - n * state.vn_m_s) << ','
+        << text(n * state.vt_m_s + c * state.vn_m_s) << ',' << text(state.vt_m_s) << ','
+        << text(state.vn_m_s) << ",,,,\n";
   }
 }
 
