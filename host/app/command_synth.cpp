@@ -84,10 +84,11 @@ void run_synth(const CLI::App& command, Request request) {
   const SinkFormat format = parse_sink_format(request.format);
   parse_size(request.size, request.scene);
   request.scene.noise_seed = request.seed;
-  const SynthMotion motion = make_motion(request.motion, request.scene.width, request.scene.height);
+  const SynthMotion motion = make_motion(request.motion, request.scene.width, request.scene.height,
+                                         request.fps, request.radius_px);
   if (request.hidden > 0) {
-    request.scene.bar =
-        bar_hiding(request.hidden, motion.poses[motion.bar_frame], request.radius_px);
+    request.scene.bar = bar_hiding(request.hidden, motion.poses[motion.bar_frame],
+                                   request.radius_px, motion.surface_angle_deg);
     request.scene.bar->level = request.bar_level;
   }
   const RunContext run(request.common, false);
@@ -135,7 +136,9 @@ void add_camera_options(CLI::App& command, Request& request) {
   number("--lamp-deg", scene.lamp_deg, "Where the lamp is, counter-clockwise from image-right",
          -360, 360);
   number("--occlude", request.hidden,
-         "Share of the ball hidden by a static bar in the clip's middle frame", 0, 1);
+         "Share of the ball hidden by a static bar in the clip's middle frame (with "
+         "--simulate: at the first touch)",
+         0, 1);
   number("--bar-level", request.bar_level, "Grey level of the bar", 0, 255);
   number("--white", scene.white, "Grey level of the ball", 0, 255);
   number("--ink", scene.ink, "Grey level of the speckles", 0, 255);

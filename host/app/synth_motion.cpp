@@ -6,11 +6,15 @@
 
 #include "host/base/error.h"
 #include "host/base/parse.h"
+#include "host/base/units.h"
+#include "sim/impact/job_toml.h"
+#include "sim/impact/motion.h"
 
 namespace impactdic::app {
 namespace {
 
 constexpr int kDefaultFrames = 20;
+constexpr int kImpactFrames = 110;
 
 // Puts a path that is known only relative to its first frame into the picture.
 void put_into_picture(std::vector<BallPose>& poses, const std::string& start, int width,
@@ -65,6 +69,25 @@ void cut_to(int frames, const std::string& file, std::vector<BallPose>& poses) {
   poses.resize(static_cast<std::size_t>(frames));
 }
 
+// The path of an impact, relative to the first touch, which the radius in px scales.
+SynthMotion impact_motion(const SynthMotionRequest& request, double fps, double radius_px) {
+  const ImpactJob job = read_simulate_job(request.impact_job).impact;
+  if (job.body.shape == Shape::kRod) {
+    throw InvalidArgument("the renderer knows balls only", request.impact_job, "not a rod");
+  }
+  const int frames = request.frames > 0 ? request.frames : kImpactFrames;
+  const double px_per_m = 2 * radius_px / job.body.diameter_m;
+  SynthMotion motion;
+  motion.surface_angle_deg = job.surface_angle_deg;
+  motion.bar_frame =
+      static_cast<std::size_t>(std::clamp(std::lround(request.touch_frame), 0L, frames - 1L));
+  for (const FramePose& at : simulate_motion(job, fps, frames, request.touch_frame)) {
+    motion.poses.push_back({at.x_m * px_per_m, -at.y_m * px_per_m, at.angle_rad * kDegPerRad,
+                            at.compression, job.surface_angle_deg + 90});
+  }
+  return motion;
+}
+
 // A path that is the same wherever the program runs.
 std::string absolute_path(std::string path) { return std::filesystem::absolute(path).string(); }
 
@@ -73,7 +96,7 @@ std::string absolute_path(std::string path) { return std::filesystem::absolute(p
 void add_motion_options(CLI::App& command, SynthMotionRequest& request) {
   command
       .add_option("--frames", request.frames,
-                  "How many frames; 0: 20, or as many as the motion file has")
+                  "How many frames; 0: 20, as many as the motion file has, 110 of an impact")
       ->check(CLI::Range(0, 10000000))
       ->capture_default_str();
   command
@@ -101,26 +124,43 @@ void add_motion_options(CLI::App& command, SynthMotionRequest& request) {
                   "CSV with a row per frame: cx_px,cy_px or dx_px,dy_px, angle_deg or rot_deg, "
                   "compression, compression_axis_deg; a truth.csv is such a file")
       ->transform(absolute_path);
+  command
+      .add_option("--simulate", request.impact_job,
+                  "Job of impactdic simulate: the ball follows the integrated impact, compressed "
+                  "along the surface's normal; its diameter is twice --radius-px")
+      ->transform(absolute_path);
+  command
+      .add_option("--touch-frame", request.touch_frame,
+                  "With --simulate: the frame, fractions allowed, of the first touch")
+      ->capture_default_str();
 }
 
-SynthMotion make_motion(const SynthMotionRequest& request, int width, int height) {
+SynthMotion make_motion(const SynthMotionRequest& request, int width, int height, double fps,
+                        double radius_px) {
   SynthMotion motion;
   bool placed = false;
-  if (!request.file.empty()) {
+  if (!request.file.empty() && !request.impact_job.empty()) {
+    throw InvalidArgument("the motion is given twice", "--motion, --simulate", "choose one");
+  }
+  if (!request.impact_job.empty()) {
+    refuse_constant_motion(request, "--simulate");
+    motion = impact_motion(request, fps, radius_px);
+  } else if (!request.file.empty()) {
     refuse_constant_motion(request, "--motion");
     MotionTable table = read_motion_csv(request.file);
     motion.poses = std::move(table.poses);
     placed = table.placed;
     cut_to(request.frames, request.file, motion.poses);
+    motion.bar_frame = (motion.poses.size() - 1) / 2;
   } else {
     motion.poses = constant_poses(request);
+    motion.bar_frame = (motion.poses.size() - 1) / 2;
   }
   if (placed && !request.start.empty()) {
     throw InvalidArgument("the motion file already says where the ball is", "--start-px",
                           "leave it out, or give dx_px,dy_px in the file");
   }
   if (!placed) put_into_picture(motion.poses, request.start, width, height);
-  motion.bar_frame = (motion.poses.size() - 1) / 2;
   return motion;
 }
 

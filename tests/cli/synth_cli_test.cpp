@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "host/base/units.h"
 #include "host/video/frame_source.h"
 #include "sim/speckle/render.h"
 
@@ -111,6 +112,33 @@ TEST_F(SynthCommand, MotionFilesAreFollowed) {
   EXPECT_EQ(text("clip/truth.csv"),
             "frame,time_s,cx_px,cy_px,r_px,dx_px,dy_px,rot_deg\n"
             "0,0,50,51,30,0.25,0.5,-4\n1,1e-04,50.25,51.5,30,,,\n");
+}
+
+// Free flight before the touch at the job's speed, compression after it, and the way back.
+TEST_F(SynthCommand, TheBallFollowsASimulatedImpact) {
+  std::ofstream(dir_ / "job.toml")
+      << "normal = \"linear_spring_damper\"\nfriction = \"coulomb\"\n"
+         "[body]\nshape = \"hollow_sphere\"\nmass_kg = 0.0567\ndiameter_m = 0.067\n"
+         "[contact]\nstiffness_n_per_m = 13385.0\ndamping_n_s_per_m = 5.36\n"
+         "friction_kinetic = 0.2\n[surface]\nangle_deg = 0.0\n"
+         "[initial]\nvt_m_s = 0.5\nvn_m_s = -2.0\nomega_rad_s = 10.0\n"
+         "[environment]\ngravity_m_s2 = 0.0\n";
+  ASSERT_EQ(synth("clip", "--pattern none --radius-px 60 --size 200x200 --frames 110 --simulate " +
+                              (dir_ / "job.toml").string() + " --touch-frame 20"),
+            0);
+  const auto poses = read_motion_csv(dir_ / "clip/truth.csv").poses;
+  EXPECT_NE(text("clip/compression.csv").find("\n20,0,90\n"), std::string::npos);
+  EXPECT_EQ(text("clip/compression.csv").find("\n30,0,90\n"), std::string::npos);
+  ASSERT_EQ(poses.size(), 110u);
+  const double px_per_m = 120 / 0.067, tolerance = 1e-9;
+  for (std::size_t k = 0; k < 20; ++k) {
+    EXPECT_NEAR(poses[k + 1].cx_px - poses[k].cx_px, 0.5 * px_per_m / 10000, tolerance);
+    EXPECT_NEAR(poses[k + 1].cy_px - poses[k].cy_px, 2.0 * px_per_m / 10000, tolerance);  // down
+    EXPECT_NEAR(poses[k + 1].angle_deg - poses[k].angle_deg, 10 * 180 / kPi / 10000, tolerance);
+  }
+  EXPECT_LT(poses[109].cy_px, poses[108].cy_px);  // rebounds upward
+  EXPECT_LT(poses[109].angle_deg - poses[108].angle_deg,
+            poses[1].angle_deg - poses[0].angle_deg);  // friction turns it clockwise
 }
 
 TEST_F(SynthCommand, WrongRequestsAreOneLineAndStatus2) {
