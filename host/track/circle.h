@@ -31,7 +31,7 @@ struct CircleFit {
   double e1_px = 0, e2_px = 0;
   double e1_sd_px = 0, e2_sd_px = 0;
   bool bright = true;       // the ball is brighter than what lies behind it
-  double residual_px = 0;   // robust scatter of the accepted rim points
+  double residual_px = 0;   // scatter of the rim points that no ink disturbs
   int rim_points = 0;       // accepted
   double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
 };

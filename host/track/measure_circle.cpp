@@ -12,6 +12,7 @@ namespace {
 constexpr double kRimInView = 0.35;  // less of the rim than this in the picture: out of view
 constexpr double kLeastArc = 0.12;   // share of the rim's sectors that must hold points
 constexpr int kLeastPoints = 24;
+constexpr double kDense = 0.5;    // share of inked points above which a sharp kernel is better
 constexpr double kRetrace = 0.1;  // px; a fit farther from its rays' rim is traced again
 
 double distance(const Rim& a, const Rim& b) {
@@ -68,11 +69,15 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   thread_local RimTrace trace;  // memory only
   RimFit fit;
   fit.rim = search.rim;
-  for (int pass = 0; pass < 3; ++pass) {
+  bool sharp = false;
+  for (int pass = 0; pass < 4; ++pass) {
     const Rim rim = fit.rim;
-    trace_rim(frame, rim, search.bright, search.blur_px, options.rays, trace);
+    trace_rim(frame, rim, search.bright, search.blur_px, sharp, options.rays, trace);
     fit = fit_rim(trace, rim, prior, options.allow_ellipse);
-    if (!fit.ok || distance(fit.rim, rim) < kRetrace) break;
+    if (!fit.ok) break;
+    const bool sharpen = !sharp && fit.inked > kDense;
+    if (!sharpen && distance(fit.rim, rim) < kRetrace) break;
+    sharp |= sharpen;
   }
   if (trace.rays_in_view < kRimInView * options.rays) {
     result.status = CircleStatus::out_of_view;

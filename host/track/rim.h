@@ -41,12 +41,16 @@ class Sampler {
     return top + fy * (bottom - top);
   }
 
-  // Cubic convolution with the kernel of Keys (1981), a = −½: exact for quadratics.
+  // A cubic kernel over 4×4 pixels. Smooth: the B-spline itself, a blur of σ² = 1/3 px² that makes
+  // an edge's place independent of the pixels' phase. Sharp: the cubic of Mitchell and Netravali
+  // (1988), B = C = 1/3, which errs with the phase but mixes less of the neighbourhood into an
+  // edge.
+  template <bool kSharp>
   float bicubic(float x, float y) const {
     const int ix = static_cast<int>(x), iy = static_cast<int>(y);
     float wx[4], wy[4];
-    weights(x - static_cast<float>(ix), wx);
-    weights(y - static_cast<float>(iy), wy);
+    weights<kSharp>(x - static_cast<float>(ix), wx);
+    weights<kSharp>(y - static_cast<float>(iy), wy);
     const T* row = picture_.data + (iy - 1) * picture_.pitch + (ix - 1);
     float column[4] = {};
     for (int j = 0; j < 4; ++j, row += picture_.pitch) {
@@ -69,11 +73,20 @@ class Sampler {
   }
 
  private:
+  template <bool kSharp>
   static void weights(float t, float (&w)[4]) {
-    w[0] = t * (-0.5f + t * (1.0f - 0.5f * t));
-    w[1] = 1.0f + t * t * (-2.5f + 1.5f * t);
-    w[2] = t * (0.5f + t * (2.0f - 1.5f * t));
-    w[3] = t * t * (-0.5f + 0.5f * t);
+    const float u = 1 - t;
+    if constexpr (kSharp) {
+      w[0] = u * u * (7 * u - 6) / 18;
+      w[1] = (16 - t * t * (36 - 21 * t)) / 18;
+      w[2] = (16 - u * u * (36 - 21 * u)) / 18;
+      w[3] = t * t * (7 * t - 6) / 18;
+    } else {
+      w[0] = u * u * u / 6;
+      w[1] = (4 - t * t * (6 - 3 * t)) / 6;
+      w[2] = (4 - u * u * (6 - 3 * u)) / 6;
+      w[3] = t * t * t / 6;
+    }
   }
   ImageView<const T> picture_;
 };
@@ -99,12 +112,13 @@ inline constexpr int kRimSectors = 48;
 struct RimTrace {
   std::vector<RimPoint> points;  // accepted only, in the order of the angle
   int rays_in_view = 0;
+  double noise_px = 0;       // what the camera noise alone would scatter a crossing
   double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
 };
 // Casts options.rays rays across `rim` and keeps the clean edges: ball inside, background outside,
 // and the usual shape between them. `trace` keeps its memory from call to call.
-void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, int rays,
-               RimTrace& trace);
+void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, bool sharp,
+               int rays, RimTrace& trace);
 
 // The fit through traced points.
 struct RimFit {
@@ -112,7 +126,8 @@ struct RimFit {
   Rim rim;
   bool ellipse = false;
   double sd[5] = {};       // cx, cy, r, e1, e2
-  double residual_px = 0;  // robust scatter
+  double residual_px = 0;  // scatter of the clean points
+  double inked = 0;        // share of the points into which ink or an obstacle reaches
   int points = 0;          // with a weight of at least one half
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
 };

@@ -1,4 +1,5 @@
 // The sub-pixel edge of each ray that crosses the rim cleanly: bicubic profile, local half level.
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,28 +11,34 @@
 namespace impactdic {
 namespace {
 
-constexpr int kSectors = 24;  // of the rim, over which levels are compared
+constexpr int kSectors = 24;  // of the rim, in which levels are found
 constexpr int kHalf = 4;      // a profile is 2·kHalf + 1 samples about the expected rim
 constexpr int kLength = 2 * kHalf + 1;
-constexpr int kSmooth = 6;             // accepted neighbours on either side share a level
-constexpr double kSharpest_px = 0.75;  // a wider edge is sampled on proportionally wider steps
+constexpr int kLightEvery = 2, kLightFrom = 3, kLightTo = 13;  // rays, steps inside
+constexpr double kSharpest_px = 0.75;      // a wider edge is sampled on proportionally wider steps
+constexpr float kLeastContrast = 0.2f;     // of the usual contrast
+constexpr float kGroundTolerance = 0.06f;  // of the contrast, two steps outside the crossing
 
 struct Rays {
   std::vector<float> cos, sin;  // all rays in view
   std::vector<int> ray;         // number of the ray, 0 … count − 1
   std::vector<float> profile;   // (rays, kLength), from inside to outside
-  std::vector<float> in, out;   // levels 2 … 4 steps inside and outside
-  std::vector<char> accepted;
-  std::vector<float> crossing, near_in, near_out;  // px; level one step inside and outside, 0 … 1
   std::vector<float> scratch;
-  std::vector<int> kept;
 
   void resize(int n) {
-    for (auto* v : {&cos, &sin, &in, &out, &crossing, &near_in, &near_out}) v->resize(n);
+    cos.resize(n);
+    sin.resize(n);
     ray.resize(n);
-    accepted.resize(n);
     profile.resize(static_cast<std::size_t>(n) * kLength);
   }
+  const float* row(int i) const { return profile.data() + static_cast<std::size_t>(i) * kLength; }
+};
+
+// A crossing of the half level.
+struct Edge {
+  int index;   // into Rays
+  float at;    // steps from the expected rim
+  float fall;  // of the contrast, from one step inside the crossing to one outside
 };
 
 float quantile(std::vector<float>& values, double q) {
@@ -42,13 +49,120 @@ float quantile(std::vector<float>& values, double q) {
   return *at;
 }
 
+// Noise of one sample: differences along the ray outside the ball.
+float sample_noise(Rays& rays, int n) {
+  rays.scratch.clear();
+  for (int i = 0; i < n; i += 3) {
+    rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i)[kLength - 3]));
+  }
+  return 1.4826f / std::sqrt(2.0f) * quantile(rays.scratch, 0.5);
+}
+
+// The background's level by sector: the median of what lies 2 … 4 steps outside, over three
+// sectors.
+std::array<float, kSectors> ground_levels(Rays& rays, int n, int count) {
+  std::array<int, kSectors + 1> begin{};
+  for (int i = 0; i < n; ++i) ++begin[rays.ray[i] * kSectors / count + 1];
+  for (int b = 0; b < kSectors; ++b) begin[b + 1] += begin[b];
+  std::array<float, kSectors> levels{};
+  for (int b = 0; b < kSectors; ++b) {
+    rays.scratch.clear();
+    for (int d = -1; d <= 1; ++d) {
+      const int at = (b + d + kSectors) % kSectors;
+      for (int i = begin[at]; i < begin[at + 1]; i += 2) {
+        for (int k = kLength - 3; k < kLength; ++k) rays.scratch.push_back(rays.row(i)[k]);
+      }
+    }
+    if (!rays.scratch.empty()) levels[b] = quantile(rays.scratch, 0.5);
+  }
+  return levels;
+}
+
+// The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
+// quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of
+// samples 3 … 13 steps inside. It starts from what one sample in twenty exceeds in each sector,
+// since on a densely inked ball little more shows the bare paint, and settles on what lies within
+// a window about it that shrinks to the noise.
+class BallLight {
+ public:
+  // A sample at (x, y) radii from the centre, on a ray with that number.
+  void add(float x, float y, int ray, float level) { samples_.push_back({x, y, level, ray}); }
+  void clear() { samples_.clear(); }
+
+  // `ground` is the background's level.
+  void fit(float ground, float noise, int rays, std::vector<float>& scratch) {
+    std::array<Sample, kSectors> bright;
+    int sectors = 0;
+    std::size_t first = 0;
+    for (int sector = 0; sector < kSectors; ++sector) {  // samples come in the order of the rays
+      scratch.clear();
+      const std::size_t begin = first;
+      while (first < samples_.size() && samples_[first].ray * kSectors / rays == sector) {
+        scratch.push_back(samples_[first++].level);
+      }
+      if (scratch.size() < 8) continue;
+      bright[sectors] = samples_[(begin + first) / 2];
+      bright[sectors++].level = quantile(scratch, 0.95);
+    }
+    // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
+    w_.setZero();
+    for (int pass = 0; pass < 6; ++pass) {
+      Matrix5 a = Matrix5::Identity() * 1e-6;
+      for (int m = 1; m < 5; ++m) a(m, m) = m < 3 ? 0.1 : 1;  // no shading unless it shows
+      Vector5 b = Vector5::Zero();
+      for (int k = 0; k < sectors; ++k) {
+        const Vector5 j = basis(bright[k].x, bright[k].y);
+        const double off = bright[k].level - w_.dot(j);
+        const double weight = pass == 0 || off > -0.02 * (w_[0] - ground) ? 1 : 0.03;
+        a.noalias() += weight * j * j.transpose();
+        b.noalias() += weight * bright[k].level * j;
+      }
+      w_ = a.ldlt().solve(b);
+    }
+    const float contrast = static_cast<float>(w_[0]) - ground;
+    const float last = std::max(2.5f * noise, 0.015f * contrast);
+    for (const float window :
+         {std::max(0.08f * contrast, last), std::max(0.04f * contrast, last), last}) {
+      settle(window);
+    }
+  }
+  float at(float c, float s) const { return static_cast<float>(w_.dot(basis(c, s))); }
+
+ private:
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  struct Sample {
+    float x, y, level;
+    int ray;
+  };
+  static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
+
+  void settle(float window) {
+    // A handful of samples at the present level, so that sectors without bare paint keep theirs.
+    Matrix5 a = Matrix5::Zero();
+    for (int m = 0; m < 5; ++m) a(m, m) = 5;
+    Vector5 b = a * w_;
+    for (const Sample& sample : samples_) {
+      const Vector5 j = basis(sample.x, sample.y);
+      if (std::abs(sample.level - static_cast<float>(w_.dot(j))) > window) continue;
+      a.noalias() += j * j.transpose();
+      b.noalias() += static_cast<double>(sample.level) * j;
+    }
+    w_ = a.ldlt().solve(b);
+  }
+
+  std::vector<Sample> samples_;
+  Vector5 w_ = Vector5::Zero();
+};
+
 // Casts the rays; returns how many lie in the picture. `sign` makes every ball bright.
-template <typename T>
-int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int count,
-         Rays& rays) {
+template <bool kSharp, typename T>
+int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int count, Rays& rays,
+         BallLight& light) {
   const Sampler<T> sampler(picture);
   rays.resize(count);
   const double turn_c = std::cos(2 * kPi / count), turn_s = std::sin(2 * kPi / count);
+  const float per_radius = 1 / static_cast<float>(rim.r);
   double c = 1, s = 0;
   int n = 0;
   for (int i = 0; i < count; ++i) {
@@ -61,14 +175,20 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
       float* p = rays.profile.data() + static_cast<std::size_t>(n) * kLength;
       for (int k = -kHalf; k <= kHalf; ++k) {
         const float px = x + static_cast<float>(k) * dx, py = y + static_cast<float>(k) * dy;
-        p[k + kHalf] =
-            sign * (std::abs(k) <= 2 ? sampler.bicubic(px, py) : sampler.bilinear(px, py));
+        p[k + kHalf] = sign * sampler.template bicubic<kSharp>(px, py);
+      }
+      if (i % kLightEvery == 0) {
+        for (int k = kLightFrom; k <= kLightTo; k += 2) {
+          const float px = x - static_cast<float>(k) * dx, py = y - static_cast<float>(k) * dy;
+          if (!sampler.inside(px, py, 1.5f)) break;
+          light.add((px - static_cast<float>(rim.cx)) * per_radius,
+                    (py - static_cast<float>(rim.cy)) * per_radius, i,
+                    sign * sampler.bilinear(px, py));
+        }
       }
       rays.cos[n] = static_cast<float>(c);
       rays.sin[n] = static_cast<float>(s);
       rays.ray[n] = i;
-      rays.in[n] = (p[0] + p[1] + p[2]) / 3;
-      rays.out[n] = (p[kLength - 1] + p[kLength - 2] + p[kLength - 3]) / 3;
       ++n;
     }
     const double next = c * turn_c - s * turn_s;
@@ -78,44 +198,13 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
   return n;
 }
 
-// Marks the rays that show the ball's own level inside and the background's outside, both as
-// their neighbourhood has them: drops ink at the rim, the bar and what else hides it.
-void accept_by_level(Rays& rays, int n, int count) {
-  const auto sector = [&](int i) { return rays.ray[i] * kSectors / count; };
-  std::array<int, kSectors + 1> begin{};
-  for (int i = 0; i < n; ++i) ++begin[sector(i) + 1];
-  for (int b = 0; b < kSectors; ++b) begin[b + 1] += begin[b];
-  std::array<float, kSectors> ball{}, ground{}, contrast{};
-  const auto gather = [&](const std::vector<float>& from, int b) {
-    rays.scratch.clear();
-    for (int d = -1; d <= 1; ++d) {
-      const int at = (b + d + kSectors) % kSectors;
-      for (int i = begin[at]; i < begin[at + 1]; i += 2) rays.scratch.push_back(from[i]);
-    }
-  };
-  for (int b = 0; b < kSectors; ++b) {
-    if (begin[b] == begin[b + 1]) continue;
-    gather(rays.in, b);
-    ball[b] = quantile(rays.scratch, 0.8);
-    gather(rays.out, b);
-    ground[b] = quantile(rays.scratch, 0.5);
-    contrast[b] = ball[b] - ground[b];
-  }
-  rays.scratch.clear();
-  for (int i = 0; i < n; i += 3) {
-    rays.scratch.push_back(std::abs(rays.out[i] - ground[sector(i)]));
-  }
-  const float scatter = 1.48f * quantile(rays.scratch, 0.5);
-  rays.scratch.assign(contrast.begin(), contrast.end());
-  const float usual = quantile(rays.scratch, 0.8);
-  for (int i = 0; i < n; ++i) {
-    const int b = sector(i);
-    const float loose = 4 * scatter + 0.12f * contrast[b],
-                tight = 4 * scatter + 0.02f * contrast[b];
-    rays.accepted[i] = contrast[b] > 0.2f * usual && contrast[b] > 6 * scatter &&
-                       std::abs(rays.in[i] - ball[b]) < loose &&
-                       std::abs(rays.out[i] - ground[b]) < tight;
-  }
+// Levels at a ray, linear between the middles of the sectors.
+float level_at(const std::array<float, kSectors>& levels, int ray, int count) {
+  const float at = static_cast<float>(ray) * kSectors / static_cast<float>(count) - 0.5f;
+  const int b = static_cast<int>(std::floor(at));
+  const float t = at - static_cast<float>(b);
+  const float a = levels[(b + kSectors) % kSectors], c = levels[(b + 1) % kSectors];
+  return a + t * (c - a);
 }
 
 // Where the profile falls through `level`, in steps from the expected rim; outermost, within two
@@ -144,100 +233,79 @@ bool cross(const float* p, float level, float& at) {
 
 float profile_at(const float* p, float at) {
   const float u = at + kHalf;
-  const int k = std::clamp(static_cast<int>(u), 0, kLength - 2);
-  return p[k] + (u - static_cast<float>(k)) * (p[k + 1] - p[k]);
+  const int k = std::clamp(static_cast<int>(u), 1, kLength - 3);
+  const float t = u - static_cast<float>(k);
+  const float a = p[k - 1], b = p[k], c = p[k + 1], d = p[k + 2];
+  return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-// Levels shared with the accepted neighbours, then the crossing and the shape of each edge.
-void find_crossings(Rays& rays, int n) {
-  rays.kept.clear();
+// The crossings of the rays that show the background outside as their neighbourhood has it: drops
+// the bar and whatever else lies in front of both. `relative_noise` gets the noise of a sample over
+// the contrast.
+void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge>& edges,
+                float& relative_noise) {
+  edges.clear();
+  const float noise = sample_noise(rays, n);
+  const auto grounds = ground_levels(rays, n, count);
+  rays.scratch.assign(grounds.begin(), grounds.end());
+  const float ground = quantile(rays.scratch, 0.5);
+  light.fit(ground, noise, count, rays.scratch);
+  const float usual = light.at(0, 0) - ground;
+  relative_noise = noise / std::max(usual, 1e-6f);
   for (int i = 0; i < n; ++i) {
-    if (rays.accepted[i]) rays.kept.push_back(i);
-  }
-  const int kept = static_cast<int>(rays.kept.size());
-  double sum_in = 0, sum_out = 0;
-  int lo = 0, hi = 0;
-  for (int m = 0; m < kept; ++m) {
-    const int i = rays.kept[m];
-    // Neighbours no farther than kSmooth rays: a level is a local matter.
-    while (hi < kept && rays.kept[hi] <= i + kSmooth) {
-      sum_in += rays.in[rays.kept[hi]];
-      sum_out += rays.out[rays.kept[hi++]];
-    }
-    while (rays.kept[lo] < i - kSmooth) {
-      sum_in -= rays.in[rays.kept[lo]];
-      sum_out -= rays.out[rays.kept[lo++]];
-    }
-    const float in = static_cast<float>(sum_in / (hi - lo));
-    const float out = static_cast<float>(sum_out / (hi - lo));
-    const float* p = rays.profile.data() + static_cast<std::size_t>(i) * kLength;
-    float at = 0;
-    if (!cross(p, 0.5f * (in + out), at)) {
-      rays.accepted[i] = 0;
-      continue;
-    }
-    const float scale = 1 / (in - out);
-    rays.crossing[i] = at;
-    rays.near_in[i] = (profile_at(p, at - 1) - out) * scale;
-    rays.near_out[i] = (profile_at(p, at + 1) - out) * scale;
-  }
-}
-
-// Drops the edges whose level a step inside or outside is not what most edges have there: part of
-// a speckle or of an obstacle reaches into them.
-void accept_by_shape(Rays& rays, int n) {
-  for (auto* shape : {&rays.near_in, &rays.near_out}) {
-    rays.scratch.clear();
-    for (int i : rays.kept) {
-      if (rays.accepted[i]) rays.scratch.push_back((*shape)[i]);
-    }
-    if (rays.scratch.empty()) return;
-    const float middle = quantile(rays.scratch, 0.5);
-    for (float& v : rays.scratch) v = std::abs(v - middle);
-    const float limit = 3.5f * 1.48f * quantile(rays.scratch, 0.5) + 0.01f;
-    for (int i = 0; i < n; ++i) {
-      if (rays.accepted[i] && std::abs((*shape)[i] - middle) > limit) rays.accepted[i] = 0;
-    }
+    const float outside = level_at(grounds, rays.ray[i], count);
+    const float contrast = light.at(rays.cos[i], rays.sin[i]) - outside;
+    if (contrast < kLeastContrast * usual || contrast < 6 * noise) continue;
+    const float* p = rays.row(i);
+    Edge edge{i, 0, 0};
+    if (!cross(p, outside + 0.5f * contrast, edge.at)) continue;
+    const float beyond = profile_at(p, edge.at + 2) - outside;
+    if (std::abs(beyond) > kGroundTolerance * contrast + 3 * noise) continue;
+    edge.fall = (profile_at(p, edge.at - 1) - profile_at(p, edge.at + 1)) / contrast;
+    edges.push_back(edge);
   }
 }
 
 // Width of the edge as a Gaussian's σ: the level falls by Φ(1/σ) − Φ(−1/σ) over two steps.
-double edge_sigma(Rays& rays, double step) {
-  rays.scratch.clear();
-  for (int i : rays.kept) {
-    if (rays.accepted[i]) rays.scratch.push_back(rays.near_in[i] - rays.near_out[i]);
+double edge_sigma(const std::vector<Edge>& edges, std::vector<float>& scratch, double step) {
+  scratch.clear();
+  for (const Edge& edge : edges) scratch.push_back(edge.fall);
+  if (scratch.empty()) return 0;
+  const double fall = std::clamp(static_cast<double>(quantile(scratch, 0.5)), 0.3, 0.999);
+  double low = 0.1, high = 3;
+  for (int pass = 0; pass < 20; ++pass) {
+    const double middle = 0.5 * (low + high);
+    (std::erf(1 / (middle * std::sqrt(2.0))) > fall ? low : high) = middle;
   }
-  if (rays.scratch.empty()) return 0;
-  const double fall = std::clamp(static_cast<double>(quantile(rays.scratch, 0.5)), 0.3, 0.999);
-  double sigma = 1;
-  for (int pass = 0; pass < 30; ++pass) {  // bisection by steps: erf is monotonic
-    const double now = std::erf(1 / (sigma * std::sqrt(2.0)));
-    sigma *= 1 + 0.5 * (now - fall) / std::max(fall, 0.3);
-  }
-  return sigma * step;
+  return low * step;
 }
 
 }  // namespace
 
-void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, int count,
-               RimTrace& trace) {
+void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, bool sharp,
+               int count, RimTrace& trace) {
   thread_local Rays rays;  // memory only
+  thread_local std::vector<Edge> edges;
+  thread_local BallLight light;
+  light.clear();
   const float step = static_cast<float>(std::clamp(blur_px / kSharpest_px, 1.0, rim.r / 8));
   const float sign = bright ? 1.0f : -1.0f;
-  const int n = frame.type == PixelType::u8 ? cast(frame.u8.view(), rim, sign, step, count, rays)
-                                            : cast(frame.u16.view(), rim, sign, step, count, rays);
+  const auto cast_on = [&](const auto& view) {
+    return sharp ? cast<true>(view, rim, sign, step, count, rays, light)
+                 : cast<false>(view, rim, sign, step, count, rays, light);
+  };
+  const int n = frame.type == PixelType::u8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
   trace.points.clear();
   trace.rays_in_view = n;
   trace.edge_sigma_px = 0;
   if (n < 16) return;
-  accept_by_level(rays, n, count);
-  find_crossings(rays, n);
-  accept_by_shape(rays, n);
-  trace.edge_sigma_px = edge_sigma(rays, step);
-  for (int i : rays.kept) {
-    if (!rays.accepted[i]) continue;
-    trace.points.push_back(
-        {rays.cos[i], rays.sin[i], step * rays.crossing[i], rays.ray[i] * kRimSectors / count});
+  float relative_noise = 0;
+  find_edges(rays, light, n, count, edges, relative_noise);
+  trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
+  trace.noise_px = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
+  for (const Edge& edge : edges) {
+    trace.points.push_back({rays.cos[edge.index], rays.sin[edge.index], step * edge.at,
+                            rays.ray[edge.index] * kRimSectors / count});
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/base/units.h"
 #include "host/track/rim.h"
 
 namespace impactdic {
@@ -16,18 +17,17 @@ namespace {
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-constexpr double kTukey = 4.685;       // 95 % efficiency on Gaussian errors
-constexpr double kWidest_px = 0.3;     // first scale; a search leaves the rim this close
+constexpr int kLearning = 40, kRefining = 4;  // steps at most
 constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
 constexpr double kTransverse = 0.3;    // of |e|: how far a squashed ball may widen or shrink
 constexpr double kAxisTilt = 0.1;      // of |e|: shape across the given compression axis
 
-// One M-estimate: corrections to the rim, their covariance, and what the residuals say.
+// One fit: corrections to the rim, their covariance, and what the residuals say.
 struct Estimate {
   bool ok = false;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
-  double scale = 0;  // robust scatter of the residuals
+  double scale = 0;  // scatter of the clean points
   int points = 0;
   double arc = 0;
 };
@@ -37,7 +37,74 @@ Vector5 row(const RimPoint& p) {
   return {c, s, 1, c * c - s * s, 2 * c * s};
 }
 
-double residual(const RimPoint& p, const Vector5& delta) { return p.excess - row(p).dot(delta); }
+// How residuals are distributed. A clean edge errs by the noise, N(0, σ). Ink that reaches into
+// the edge darkens it and so moves the crossing inwards by some depth, exponential with mean τ,
+// before the noise: the composed error of a stochastic frontier (Aigner, Lovell and Schmidt,
+// 1977; Meeusen and van den Broeck, 1977). A few points have nothing to do with the rim.
+struct Mixture {
+  double clean = 0.7, inked = 0.29;  // shares; the rest are strays
+  double sigma = 0.15, tau = 0.5;    // px
+};
+constexpr double kStrays_per_px = 0.25;  // density of a stray, over the crossings' range of 4 px
+
+// What one residual says under a mixture.
+struct Evidence {
+  double clean, inked;     // posterior shares
+  double score;            // −∂ ln p / ∂r
+  double curvature;        // −∂² ln p / ∂r², without and
+  double information;      // with the part lost to not knowing which kind the point is
+  double depth, noise_sq;  // expected depth if inked; expected squared noise, either kind
+};
+
+// φ(a) / Φ(−a), the inverse of Mills' ratio, from a table of values 1/64 apart; error < 1e-5.
+class InverseMills {
+ public:
+  InverseMills() {
+    for (int i = 0; i <= 2 * kReach * kPerUnit; ++i) {
+      const double a = static_cast<double>(i) / kPerUnit - kReach;
+      table_[i] = std::exp(-0.5 * a * a) / (std::sqrt(kPi / 2) * std::erfc(a / std::sqrt(2.0)));
+    }
+  }
+  double operator()(double a) const {
+    if (a <= -kReach) return 0;
+    if (a >= kReach) return a + 1 / a - 2 / (a * a * a);
+    const double at = (a + kReach) * kPerUnit;
+    const int i = static_cast<int>(at);
+    return table_[i] + (at - i) * (table_[i + 1] - table_[i]);
+  }
+
+ private:
+  static constexpr int kReach = 10, kPerUnit = 64;
+  std::array<double, 2 * kReach * kPerUnit + 2> table_{};
+};
+
+Evidence evidence(const Mixture& m, double r) {
+  static const InverseMills inverse_mills;
+  const double root = std::sqrt(2 * kPi), z = r / m.sigma;
+  const double normal = std::abs(z) < 9 ? std::exp(-0.5 * z * z) / (root * m.sigma) : 0;
+  const double ratio = m.sigma / m.tau, a = z + ratio;
+  const double mills = inverse_mills(a);
+  // exp(r/τ + σ²/2τ²) Φ(−a) / τ, by way of N(r; 0, σ) where that does not vanish.
+  const double skewed =
+      a > -4 ? normal * ratio / mills : std::exp(ratio * (z + 0.5 * ratio)) / m.tau;
+  const double strays = (1 - m.clean - m.inked) * kStrays_per_px;
+  const double total = m.clean * normal + m.inked * skewed + strays;
+  Evidence e;
+  e.clean = m.clean * normal / total;
+  e.inked = m.inked * skewed / total;
+  // The depth given r is normal about −σ·a with σ, cut off at 0.
+  e.depth = m.sigma * (mills - a);
+  const double depth_var = m.sigma * m.sigma * std::clamp(1 + a * mills - mills * mills, 0.0, 1.0);
+  const double precision = 1 / (m.sigma * m.sigma);
+  const double score_clean = r * precision, score_inked = (r + e.depth) * precision;
+  e.score = e.clean * score_clean + e.inked * score_inked;
+  e.curvature =
+      e.clean * precision + e.inked * std::max(0.0, precision * (1 - depth_var * precision));
+  e.information = e.curvature - (e.clean * score_clean * score_clean +
+                                 e.inked * score_inked * score_inked - e.score * e.score);
+  e.noise_sq = e.clean * r * r + e.inked * ((r + e.depth) * (r + e.depth) + depth_var);
+  return e;
+}
 
 // What is known beforehand of (x, y, dR, de1, de2), as a quadratic: precision·delta = pull.
 struct Knowledge {
@@ -84,97 +151,126 @@ Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& pri
   return k;
 }
 
-// Median of |residual| · 1.48 over at most some 256 of the points.
-double robust_scale(const std::vector<RimPoint>& points, const Vector5& delta,
-                    std::vector<float>& scratch) {
-  scratch.clear();
-  const std::size_t stride = points.size() / 256 + 1;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    scratch.push_back(static_cast<float>(std::abs(residual(points[i], delta))));
-  }
-  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-  std::nth_element(scratch.begin(), middle, scratch.end());
-  return 1.4826 * *middle;
-}
-
 struct Sums {
-  Matrix5 a = Matrix5::Zero();  // Σ w j jᵀ
-  Vector5 b = Vector5::Zero();  // Σ w j·excess
-  double w = 0, psi_sq = 0, psi_slope = 0;
-  std::array<double, kRimSectors> sector_psi{};
+  Matrix5 curvature = Matrix5::Zero();  // Σ w j jᵀ, and
+  Matrix5 information = Matrix5::Zero();
+  Vector5 score = Vector5::Zero();  // Σ ψ j
+  int count = 0;
+  double clean = 0, inked = 0, depth = 0, noise_sq = 0;
+  double score_sq = 0, information_sum = 0;
+  std::array<double, kRimSectors> sector_score{};
   std::array<int, kRimSectors> sector_points{};
   int points = 0;
 };
 
-Sums accumulate(const RimTrace& trace, const Vector5& delta, double scale) {
+Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixture, int stride) {
   Sums s;
-  for (const RimPoint& p : trace.points) {
+  for (std::size_t i = 0; i < trace.points.size(); i += stride) {
+    const RimPoint& p = trace.points[i];
+    ++s.count;
     const Vector5 j = row(p);
-    const double r = p.excess - j.dot(delta);
-    const double u = r / (kTukey * scale), rest = 1 - u * u;
-    if (rest <= 0) continue;
-    const double w = rest * rest;
-    for (int m = 0; m < 5; ++m) {
-      const double wj = w * j[m];
-      for (int n = 0; n <= m; ++n) s.a(m, n) += wj * j[n];
-      s.b[m] += wj * p.excess;
-    }
-    s.w += w;
-    s.psi_sq += w * r * w * r;
-    s.psi_slope += rest * (1 - 5 * u * u);
-    s.sector_psi[p.sector] += w * r;
-    if (w > 0.5) {
+    const Evidence e = evidence(mixture, p.excess - j.dot(delta));
+    s.curvature.noalias() += e.curvature * j * j.transpose();
+    s.information.noalias() += e.information * j * j.transpose();
+    s.score += e.score * j;
+    s.clean += e.clean;
+    s.inked += e.inked;
+    s.depth += e.inked * e.depth;
+    s.noise_sq += e.noise_sq;
+    s.score_sq += e.score * e.score;
+    s.information_sum += e.information;
+    s.sector_score[p.sector] += e.score;
+    if (e.clean + e.inked > 0.5) {
       ++s.sector_points[p.sector];
       ++s.points;
     }
   }
-  s.a.triangularView<Eigen::StrictlyUpper>() = s.a.transpose();
   return s;
 }
 
-// Variance of one point as the fit feels it: the M-estimator's, times what neighbours share. The
-// latter from the sums over sectors: independent errors add up as roots, common ones do not.
-double point_variance(const Sums& s, int parameters) {
-  const double slope = std::max(s.psi_slope / s.w, 0.2);
+// The mixture that fits the residuals better (a step of expectation maximisation). The noise is
+// never less than the camera's.
+Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
+  // Over-relaxed: twice the plain step, in the logarithm.
+  const auto toward = [](double from, double to, double least, double most) {
+    return std::clamp(to * to / from, std::max(least, 0.4 * from), std::min(most, 2.5 * from));
+  };
+  Mixture m;
+  m.clean = toward(old.clean, s.clean / s.count, 0.02, 0.99);
+  m.inked = toward(old.inked, s.inked / s.count, 0.005, 0.99);
+  const double strays = std::max((s.count - s.clean - s.inked) / s.count, 5e-3);
+  const double sum = m.clean + m.inked + strays;
+  m.clean /= sum;
+  m.inked /= sum;
+  const double sigma = std::sqrt(s.noise_sq / std::max(s.clean + s.inked, 1e-9));
+  m.sigma = std::max(toward(old.sigma, sigma, 0.002, 1.0), noise_px);
+  // Depths like the noise could not be told from it.
+  m.tau = std::max(toward(old.tau, s.depth / std::max(s.inked, 1e-9), 0.05, 2.0), 3 * m.sigma);
+  return m;
+}
+
+// How much wider the score scatters than the mixture says, neighbours' common part included: from
+// the sums over sectors; independent errors add up as roots, common ones do not.
+double inflation(const Sums& s, int parameters) {
   double between = 0;
   int used = 0;
   for (int b = 0; b < kRimSectors; ++b) {
-    between += s.sector_psi[b] * s.sector_psi[b];
+    between += s.sector_score[b] * s.sector_score[b];
     used += s.sector_points[b] > 0;
   }
   const double freedom = static_cast<double>(used) / std::max(1, used - parameters);
-  const double shared = std::max(1.0, between * freedom / std::max(s.psi_sq, 1e-30));
-  return shared * s.psi_sq / (s.w * slope * slope) + 1e-12;
+  return std::max(1.0, between * freedom / std::max(s.information_sum, 1e-30));
 }
 
+// Corrections and mixture from `delta` and `mixture` on: the mixture is learnt from every third
+// point, then the corrections from all of them.
 Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool ellipse,
-                  Vector5 delta, double scale, double shrink_px) {
-  thread_local std::vector<float> scratch;  // memory only
+                  Vector5 delta, Mixture& mixture, double shrink_px) {
   Estimate result;
   const int parameters = ellipse ? 5 : 3;
-  for (int pass = 0; pass < 12; ++pass) {
-    const Sums s = accumulate(trace, delta, scale);
+  const int every = trace.points.size() > 360 ? 3 : 1;
+  int learning = kLearning, refining = kRefining;
+  for (;;) {
+    const bool learn = learning > 0;
+    const Sums s = accumulate(trace, delta, mixture, learn ? every : 1);
     if (s.points < 3 * parameters) return result;
-    const double variance = point_variance(s, parameters);
+    const double wider = inflation(s, parameters);
     const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink_px);
-    const Matrix5 information = s.a / variance + known.precision;
-    const Eigen::LDLT<Matrix5> solver(information);
-    const Vector5 next = solver.solve(s.b / variance + known.pull);
-    const double moved = (next - delta).cwiseAbs().maxCoeff();
-    delta = next;
-    const double now = std::clamp(robust_scale(trace.points, delta, scratch), 0.002, kWidest_px);
-    const bool settled = pass > 1 && moved < 2e-4 && std::abs(now - scale) < 0.05 * scale;
-    scale = std::max(now, 0.5 * scale);
-    if (!settled && pass < 11) continue;
-    result.ok = delta.allFinite();
+    const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
+    const Eigen::LDLT<Matrix5> solver(s.curvature / wider + known.precision);
+    const Vector5 step = solver.solve(gradient);
+    if (!step.allFinite()) return result;
+    delta += step;
+    const double moved = step.cwiseAbs().maxCoeff();
+    if (learn) {
+      const Mixture next = improve(s, mixture, trace.noise_px);
+      const bool settled = moved < 0.02 * mixture.sigma &&
+                           std::abs(next.sigma - mixture.sigma) < 0.02 * next.sigma &&
+                           std::abs(next.clean - mixture.clean) < 0.01;
+      mixture = next;
+      learning = settled ? 0 : learning - 1;
+      continue;
+    }
+    if (--refining > 0 && moved > 0.01 * mixture.sigma) continue;
+    result.ok = true;
     result.delta = delta;
-    result.covariance = solver.solve(Matrix5::Identity());
-    result.scale = now;
+    result.covariance =
+        Eigen::LDLT<Matrix5>(s.information / wider + known.precision).solve(Matrix5::Identity());
+    result.scale = mixture.sigma;
     result.points = s.points;
     for (int count : s.sector_points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
-    break;
+    return result;
   }
-  return result;
+}
+
+// A first radius: nine tenths of the crossings lie inside it.
+Vector5 outer(const RimTrace& trace) {
+  thread_local std::vector<float> scratch;  // memory only
+  scratch.clear();
+  for (const RimPoint& p : trace.points) scratch.push_back(p.excess);
+  const auto rank = scratch.begin() + static_cast<std::ptrdiff_t>(0.9 * scratch.size());
+  std::nth_element(scratch.begin(), rank, scratch.end());
+  return Vector5::Unit(2) * *rank;
 }
 
 // Are e1 and e2 more than noise? Wald's test; needs rim on most sides to tell shape from place.
@@ -192,13 +288,16 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
   fit.rim = rim;
   if (trace.points.size() < 15) return fit;
   const double shrink = trace.edge_sigma_px * trace.edge_sigma_px / (2 * rim.r);
+  const Vector5 start = outer(trace);
   Estimate best;
+  Mixture mixture;
   if (allow_ellipse) {
-    best = estimate(trace, rim, prior, true, Vector5::Zero(), kWidest_px, shrink);
+    best = estimate(trace, rim, prior, true, start, mixture, shrink);
     fit.ellipse = best.ok && significant(rim, best);
   }
   if (!fit.ellipse) {
-    best = estimate(trace, rim, prior, false, best.delta, kWidest_px, shrink);
+    if (!best.ok) mixture = {};
+    best = estimate(trace, rim, prior, false, best.ok ? best.delta : start, mixture, shrink);
   }
   if (!best.ok) return fit;
   fit.ok = true;
@@ -206,6 +305,7 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   for (int i = 0; i < 5; ++i) fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
   fit.residual_px = best.scale;
+  fit.inked = mixture.inked;
   fit.points = best.points;
   fit.arc = best.arc;
   return fit;

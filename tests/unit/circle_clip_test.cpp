@@ -65,5 +65,20 @@ TEST(RealBall, FollowsAQuadraticInTime) {
   EXPECT_NEAR(std::hypot(x.back() - x.front(), y.back() - y.front()) / 14, 2.647, 0.005);
 }
 
+TEST(RealBall, EveryFrameAloneGivesTheSame) {
+  IMPACTDIC_NEED_DATA(kClip);
+  const auto clip = open_video({testing::data_path(kClip).string()});
+  const std::vector<CircleFit> fits = track_all(*clip);
+  Frame frame;
+  for (std::int64_t i = 0; i < clip->info().frame_count; i += 7) {
+    clip->read(i, frame);
+    const auto found = find_ball(frame, {});
+    ASSERT_TRUE(found);
+    const CircleFit alone = measure_circle(frame, {.predicted = *found}, {});
+    EXPECT_NEAR(alone.circle.cx_px, fits[i].circle.cx_px, 0.005);
+    EXPECT_NEAR(alone.circle.cy_px, fits[i].circle.cy_px, 0.005);
+  }
+}
+
 }  // namespace
 }  // namespace impactdic
