@@ -8,13 +8,14 @@
 #include "host/base/error.h"
 #include "sim/fit/comparison.h"
 #include "sim/fit/restitution_duration.h"
+#include "tests/support/scratch.h"
 #include "tests/support/synthetic_track.h"
 
 namespace impactdic {
 namespace {
 
 using testing::SyntheticTrack;
-using testing::TemporaryFolder;
+using testing::ScratchFolder;
 using testing::write_track;
 
 // The tennis ball of chapter 3 with the pair that its Fig. 3.29 gives.
@@ -72,7 +73,7 @@ TEST(RestitutionDuration, SimulatedPairsComeBack) {
 }
 
 TEST(Shot, MeasuresWhatTheImpactDid) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   for (double noise : {0.0, 20e-6}) {
     SyntheticTrack track{tennis(30, -1.6, -2.8)};
     track.job.contact.friction_kinetic = 0.1;
@@ -96,7 +97,7 @@ TEST(Shot, MeasuresWhatTheImpactDid) {
 }
 
 TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   for (NormalModel normal : {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper}) {
     SyntheticTrack track{tennis(0, 0, -3.26)};
     track.job.normal = normal;
@@ -115,7 +116,7 @@ TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
 }
 
 TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   write_track(track, folder / "track.csv");
   const FitResult result = calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
@@ -126,7 +127,7 @@ TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
 }
 
 TEST(Fit, PublishedGridGivesThePublishedPair) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   write_track(track, folder / "track.csv");
   FitJob job = fit_job(track.job, {folder / "track.csv"});
@@ -141,7 +142,7 @@ TEST(Fit, PublishedGridGivesThePublishedPair) {
 }
 
 TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   std::vector<std::filesystem::path> tracks;
   for (unsigned seed = 1; seed <= 400; ++seed) {
     SyntheticTrack track{tennis(0, 0, -3.26)};
@@ -171,7 +172,7 @@ TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
 
 // A normal impact says nothing about friction: no number without a warning.
 TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   SyntheticTrack track{tennis(0, 1e-9, -3.26)};
   track.job.contact.friction_kinetic = 0.2;
   track.position_noise_m = 20e-6;
@@ -188,7 +189,7 @@ TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
 }
 
 TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   SyntheticTrack track{tennis(45, -2.6, -2.7)};
   track.job.contact.friction_kinetic = 0.12;
   track.position_noise_m = 20e-6;
@@ -207,7 +208,7 @@ TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
 }
 
 TEST(Fit, AnOutlierIsNamed) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   std::vector<std::filesystem::path> tracks;
   for (unsigned i = 0; i < 6; ++i) {
     SyntheticTrack track{tennis(0, 0, -3.26)};
@@ -224,7 +225,7 @@ TEST(Fit, AnOutlierIsNamed) {
 
 // Section 3.3.2's way: calibrate on normal impacts, predict oblique ones.
 TEST(Compare, NormalImpactsPredictObliqueOnes) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   CompareJob job;
   SyntheticTrack normal{tennis(0, 0, -3.26)};
   normal.position_noise_m = 10e-6;
@@ -260,7 +261,7 @@ TEST(Compare, NormalImpactsPredictObliqueOnes) {
 class BadTrack : public ::testing::Test {
  protected:
   std::string error_of(const std::string& from, const std::string& to) {
-    TemporaryFolder folder;
+    ScratchFolder folder;
     SyntheticTrack track{tennis(0, 0, -3.26)};
     write_track(track, folder / "track.csv");
     std::ifstream in(folder / "track.csv");
@@ -285,7 +286,7 @@ TEST_F(BadTrack, IsNamedWithItsColumn) {
 }
 
 TEST(Shot, WithoutContactIsRefused) {
-  TemporaryFolder folder;
+  ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   track.frames_contact = track.frames_after = 0;
   write_track(track, folder / "track.csv");
