@@ -1,0 +1,245 @@
+// Impact analysis of tracks whose truth is integrated by sim/impact.
+#include "host/track/impact_phases.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "tests/support/impact_rows.h"
+
+namespace impactdic::testing {
+namespace {
+
+constexpr int kShots = 200;
+constexpr double kNormal95 = 1.959964;
+
+// Errors of one figure over many shots, and how often the 95 % interval held the truth.
+struct Score {
+  std::vector<double> errors;
+  int inside = 0;
+  void add(const Measured& measured, double truth, double unit = 1) {
+    errors.push_back(std::abs(measured.value - truth) * unit);
+    inside += std::abs(measured.value - truth) <= kNormal95 * measured.sd;
+  }
+  double coverage() const { return inside / static_cast<double>(errors.size()); }
+  double quantile(double part) {
+    std::sort(errors.begin(), errors.end());
+    return errors[static_cast<std::size_t>(part * static_cast<double>(errors.size() - 1))];
+  }
+};
+
+// Shots of all speeds between 70 and 130 % of the preset's, any part of a frame, with spin.
+std::map<std::string, Score> shoot(FilmedImpact filmed) {
+  std::map<std::string, Score> scores;
+  std::mt19937_64 random(2019);
+  std::uniform_real_distribution<double> part(0, 1);
+  const InitialMotion preset = filmed.job.initial;
+  for (unsigned shot = 1; shot <= kShots; ++shot) {
+    filmed.seed = shot;
+    filmed.touch = part(random);
+    filmed.job.initial.vn_m_s = preset.vn_m_s * (0.7 + 0.6 * part(random));
+    filmed.job.initial.vt_m_s = preset.vt_m_s * (0.7 + 0.6 * part(random));
+    filmed.job.initial.omega_rad_s = 5 * (part(random) - 0.5);
+    std::vector<TrackRow> rows;
+    const FilmedTruth truth = film(filmed, rows);
+    const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+    EXPECT_EQ(found.status, ImpactStatus::found) << to_string(found.status) << ", shot " << shot;
+    if (found.status != ImpactStatus::found) continue;
+    const double fps = filmed.fps, m_s = filmed.metre_per_px * fps;
+    scores["t0"].add(found.start.instant, truth.start);
+    scores["t_max"].add(found.turn, truth.turn);
+    scores["t_end"].add(found.end.instant, truth.end);
+    scores["duration"].add(found.duration, truth.end - truth.start);
+    scores["e"].add(found.restitution, truth.restitution);
+    scores["mu"].add(found.friction, truth.friction);
+    scores["cap"].add(found.rolling_cap, truth.rolling_cap);
+    scores["deflection"].add(found.max_deflection, truth.deflection_px);
+    scores["vt0"].add(found.before.vt, filmed.speed(truth.before.vt_m_s), m_s);
+    scores["vn0"].add(found.before.vn, filmed.speed(truth.before.vn_m_s), m_s);
+    scores["vt1"].add(found.after.vt, filmed.speed(truth.after.vt_m_s), m_s);
+    scores["vn1"].add(found.after.vn, filmed.speed(truth.after.vn_m_s), m_s);
+    scores["omega0"].add(found.before.spin, truth.before.omega_rad_s / fps, fps);
+    scores["omega1"].add(found.after.spin, truth.after.omega_rad_s / fps, fps);
+    scores["inertia"].add(found.closure.inertia_factor, filmed.job.body.inertia_factor());
+    scores["gravity"].add(found.fall, *filmed.options().gravity);
+    EXPECT_EQ(found.closure.verdict, ClosureVerdict::closes) << "shot " << shot;
+    EXPECT_TRUE(found.start.law_holds && found.end.law_holds) << "shot " << shot;
+  }
+  for (auto& [name, score] : scores) {
+    std::printf("%-10s rms-like 68%% %.5f  95%% %.5f  max %.5f  in the 95%% interval %.1f%%\n",
+                name.c_str(), score.quantile(0.68), score.quantile(0.95), score.quantile(1),
+                100 * score.coverage());
+  }
+  return scores;
+}
+
+// 95 % of 200 shots: chance alone moves a coverage by 1.5 % (one deviation of a binomial). One
+// figure of sixteen may be three of them off; all together may not.
+void expect_honest(const std::map<std::string, Score>& scores) {
+  double sum = 0;
+  for (const auto& [name, score] : scores) {
+    EXPECT_GE(score.coverage(), 0.95 - 3 * 0.0154) << name;
+    EXPECT_LE(score.coverage(), 0.95 + 3 * 0.0154) << name;
+    sum += score.coverage();
+  }
+  const double mean = sum / static_cast<double>(scores.size());
+  EXPECT_GE(mean, 0.93);
+  EXPECT_LE(mean, 0.97);
+}
+
+// 95 of 100 shots must be as good as this.
+void expect_accurate(std::map<std::string, Score>& scores, double start_and_end_frames) {
+  EXPECT_LE(scores["t_max"].quantile(1), 0.1);
+  EXPECT_LE(scores["t0"].quantile(0.95), start_and_end_frames);
+  EXPECT_LE(scores["t_end"].quantile(0.95), start_and_end_frames);
+  EXPECT_LE(scores["e"].quantile(1), 0.003);
+  EXPECT_LE(scores["mu"].quantile(1), 0.005);
+  EXPECT_LE(scores["omega1"].quantile(1), 0.3);
+}
+
+TEST(ImpactPhases, TennisBallOnARacket) {
+  auto scores = shoot(tennis_on_racket());
+  expect_accurate(scores, 0.3);
+  expect_honest(scores);
+}
+
+TEST(ImpactPhases, LacrosseBallOnAWoodenFlat) {
+  auto scores = shoot(lacrosse_on_wood());
+  expect_accurate(scores, 1);
+  expect_honest(scores);
+}
+
+ImpactAnalysis analyse(const FilmedImpact& filmed) {
+  std::vector<TrackRow> rows;
+  film(filmed, rows);
+  return analyse_impact(rows, filmed.options());
+}
+
+void expect_within(const Measured& measured, double truth, double deviations = 4) {
+  EXPECT_NEAR(measured.value, truth, deviations * measured.sd);
+  EXPECT_GT(measured.sd, 0);
+}
+
+TEST(ImpactPhases, CirclesAloneAreEnoughForTheTimes) {
+  FilmedImpact filmed = tennis_on_racket();
+  filmed.with_motion = false;
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, ImpactStatus::found);
+  expect_within(found.start.instant, truth.start);
+  expect_within(found.turn, truth.turn);
+  expect_within(found.end.instant, truth.end);
+  expect_within(found.restitution, truth.restitution);
+  EXPECT_LT(found.start.instant.sd, 1);
+  EXPECT_TRUE(std::isnan(found.after.spin.value));
+  EXPECT_EQ(found.closure.verdict, ClosureVerdict::undetermined);
+}
+
+TEST(ImpactPhases, GravityIsFittedWhereTheScaleIsUnknown) {
+  const FilmedImpact filmed = lacrosse_on_wood();
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  ImpactOptions options = filmed.options();
+  const double gravity = *options.gravity;
+  options.gravity.reset();
+  const ImpactAnalysis found = analyse_impact(rows, options);
+  ASSERT_EQ(found.status, ImpactStatus::found);
+  expect_within(found.fall, gravity);
+  expect_within(found.restitution, truth.restitution);
+  expect_within(found.end.instant, truth.end);
+}
+
+TEST(ImpactPhases, BadFramesDoNotMatter) {
+  const FilmedImpact filmed = tennis_on_racket();
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  for (const std::size_t i : {20u, 55u, 90u, 210u, 260u}) rows[i].dy_px += 0.5;
+  for (const std::size_t i : {31u, 72u, 222u}) {
+    rows[i].motion_ok = false;
+    rows[i].dx_px = rows[i].dy_px = rows[i].rot_rad = kNotMeasured;
+  }
+  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, ImpactStatus::found);
+  expect_within(found.restitution, truth.restitution);
+  expect_within(found.start.instant, truth.start);
+}
+
+TEST(ImpactPhases, NoImpactIsSaid) {
+  // A ball that crosses the picture, one that is thrown up, one whose normal velocity is noise.
+  for (const double vn : {-1.5, 0.9, 0.0}) {
+    FilmedImpact filmed = tennis_on_racket();
+    std::vector<TrackRow> rows;
+    film(filmed, rows);
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> noise(0, filmed.speed(filmed.step_noise_m_s));
+    const double gravity = vn > 0 ? 40 * *filmed.options().gravity : 0;
+    double y = 300;
+    for (TrackRow& row : rows) {
+      const double step = filmed.speed(vn) - gravity * static_cast<double>(row.frame);
+      row.cx_px = 256;
+      row.cy_px = y;
+      y -= step;
+      row.dx_px = noise(random);
+      row.dy_px = -step + noise(random);
+    }
+    ImpactOptions options = filmed.options();
+    options.surface_angle_rad = 0;
+    options.gravity = gravity;
+    EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::none) << vn;
+    options.gravity.reset();
+    EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::none) << vn;
+  }
+  EXPECT_EQ(analyse_impact({}, {}).status, ImpactStatus::none);
+}
+
+TEST(ImpactPhases, SurfaceSeenFromTheOtherSide) {
+  const FilmedImpact filmed = tennis_on_racket();
+  std::vector<TrackRow> rows;
+  film(filmed, rows);
+  ImpactOptions options = filmed.options();
+  options.surface_angle_rad += kPi;
+  EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::wrong_side);
+}
+
+TEST(ImpactPhases, ClipThatStartsAtTheContact) {
+  FilmedImpact filmed = tennis_on_racket();
+  filmed.frames_before = 3;
+  EXPECT_EQ(analyse(filmed).status, ImpactStatus::flight_too_short);
+}
+
+TEST(ImpactPhases, ContactOfThreeFramesGivesVelocitiesButNoTimes) {
+  FilmedImpact filmed = lacrosse_on_wood();
+  filmed.job.contact.stiffness *= 2000;
+  filmed.job.contact.damping_n_s_per_m *= 20;
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  ASSERT_LT(truth.end - truth.start, 4);
+  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  EXPECT_EQ(found.status, ImpactStatus::not_resolved);
+  EXPECT_TRUE(std::isnan(found.start.instant.value));
+  EXPECT_NEAR(found.restitution.value, truth.restitution, 0.002);
+}
+
+TEST(ImpactPhases, ClosureNamesWhatIsWrong) {
+  const FilmedImpact filmed = tennis_on_racket();
+  std::vector<TrackRow> rows;
+  film(filmed, rows);
+  const auto verdict = [&](double radius, double turn, std::optional<double> inertia) {
+    std::vector<TrackRow> changed = rows;
+    for (TrackRow& row : changed) row.r_px *= radius, row.rot_rad *= turn;
+    ImpactOptions options = filmed.options();
+    options.inertia_factor = inertia;
+    return analyse_impact(changed, options).closure.verdict;
+  };
+  EXPECT_EQ(verdict(1, 1, 2.0 / 3), ClosureVerdict::closes);
+  EXPECT_EQ(verdict(1, 1, std::nullopt), ClosureVerdict::closes);
+  EXPECT_EQ(verdict(1, -1, 2.0 / 3), ClosureVerdict::signs);
+  EXPECT_EQ(verdict(1.1, 1, 2.0 / 3), ClosureVerdict::lever_arm);
+  EXPECT_EQ(verdict(2, 1, 2.0 / 3), ClosureVerdict::scale);
+}
+
+}  // namespace
+}  // namespace impactdic::testing
