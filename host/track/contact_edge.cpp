@@ -173,7 +173,15 @@ class EdgeFit {
     covariance(0, 1) *= sign_, covariance(1, 0) *= sign_;
     flight_ = {request.flight.state[0], sign_ * request.flight.state[1]};
     whiten_ = Eigen::LLT<Eigen::Matrix2d>(covariance.inverse()).matrixU();
-    seed(touch);
+    touch_ = touch;
+    // A smooth and a hard onset; from the wrong one, or from too far off, the search may end in a
+    // minimum that is not the least.
+    for (const auto& [off, exponent, damping] :
+         {std::array{0.0, 1.2, 0.02}, {1.5, 1.5, 0.1}, {-1.5, 1.0, 0.1}, {3.0, 1.1, 0.2}}) {
+      Vector start(6);
+      start << off, 0, 0, 1, exponent, damping;
+      starts_.push_back(start);
+    }
   }
 
   ContactEdge fit(double reach) {
@@ -196,12 +204,17 @@ class EdgeFit {
       r.tail<2>() = whiten_ * (flight_at(law(x)) - flight_);
     };
     ContactEdge edge;
-    const Solution s = solve(problem, start_);
+    Solution s;
+    for (const Vector& start : starts_) {
+      const Solution next = solve(problem, start);
+      if (next.ok && (!s.ok || next.chi_square < s.chi_square)) s = next;
+      if (s.ok && holds(s)) break;
+    }
     if (!s.ok) return edge;
     const OnsetMotion::Law found = law(s.x);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
-    edge.law_holds = edge.misfit < 1 + 3.5 * std::sqrt(2.0 / s.freedom);
+    edge.law_holds = holds(s);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
     edge.instant = sign_ * found.touch;
     edge.sd = s.sd[0] * inflation;
@@ -213,10 +226,8 @@ class EdgeFit {
   }
 
  private:
-  void seed(double touch) {
-    start_.resize(6);
-    start_ << 0, 0, 0, 1, 1.2, 0.02;
-    touch_ = touch;
+  static bool holds(const Solution& s) {
+    return s.chi_square < s.freedom + 3.5 * std::sqrt(2.0 * s.freedom);
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts
   // of the speed), stiffness, exponent, damping.
@@ -249,7 +260,7 @@ class EdgeFit {
   double speed_ = 0, deflection_scale_ = 1;
   Eigen::Vector2d flight_;
   Eigen::Matrix2d whiten_;
-  Vector start_;
+  std::vector<Vector> starts_;
 };
 
 }  // namespace
@@ -265,25 +276,23 @@ ContactEdge fit_edge(const ImpactSeries& series, const EdgeRequest& request) {
   return edge;
 }
 
-TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach, double position_scale,
-                     double step_scale) {
+TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach,
+                     double peak_acceleration, double position_scale, double step_scale) {
   const std::vector<Observation> data =
       observations(series, guess - reach, guess + reach, position_scale, step_scale);
   TurnInstant turn;
   if (data.size() < 6) return turn;
   // Height about the turn at x[0]: line, parabola and its two-sided part of the velocity.
   const bool centres = series.from_circle;
-  double bend = 0;
-  for (const Observation& o : data) bend = std::max(bend, std::abs(o.value) / reach);
   Problem problem;
   problem.unknowns = centres ? 5 : 4;
   problem.count = static_cast<int>(data.size());
-  const double base = data[data.size() / 2].value;
+  const double base = centres ? data[data.size() / 2].value : 0.0;
   problem.residuals = [&](const Vector& x, Vector& r) {
     const auto height = [&](double time) {
       const double s = (time - guess - x[0]) / reach;
       const double change = s * s * (x[1] / 2 + x[2] * s / 3 + x[3] * std::abs(s) / 3);
-      return bend * reach * reach * change + (centres ? base + bend * x[4] : 0.0);
+      return peak_acceleration * (reach * reach * change + (centres ? x[4] : 0.0)) + base;
     };
     for (std::size_t i = 0; i < data.size(); ++i) {
       const Observation& o = data[i];

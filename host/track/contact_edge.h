@@ -49,7 +49,7 @@ struct TurnInstant {
   bool ok = false;
   double instant = 0, sd = 0;
 };
-TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach, double position_scale,
-                     double step_scale);
+TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach,
+                     double peak_acceleration, double position_scale, double step_scale);
 
 }  // namespace impactdic

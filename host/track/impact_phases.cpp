@@ -160,8 +160,8 @@ void Analysis::find_edges(double start_guess, double end_guess) {
 
 void Analysis::find_contact() {
   const double length = static_cast<double>(guess_.last - guess_.first);
-  turn_ = fit_turn(series_, guess_.turn, std::max(4.0, length / 10), flights_.position_scale,
-                   flights_.step_scale);
+  turn_ = fit_turn(series_, guess_.turn, std::max(4.0, length / 10), guess_.peak_acceleration,
+                   flights_.position_scale, flights_.step_scale);
   if (!turn_.ok) turn_.instant = guess_.turn;
   if (!turn_.ok || guess_.last - guess_.first < kFewestContactFrames) {
     result_.status = ImpactStatus::not_resolved;
