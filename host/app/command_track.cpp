@@ -1,159 +1,22 @@
-#include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <memory>
 
 #include "host/app/command.h"
-#include "host/app/field_options.h"
-#include "host/app/job.h"
-#include "host/app/run_context.h"
-#include "host/app/track_output.h"
-#include "host/app/video_options.h"
-#include "host/base/error.h"
-#include "host/base/parse.h"
-#include "host/track/track_clip.h"
+#include "host/app/track_run.h"
 
 namespace impactdic::app {
 namespace {
 
-struct Request {
-  Common common;
-  VideoRequest video;
-  FieldRequest field;
-  std::string output, frames, roi, radius, estimator = "field";
-  double ball_diameter_mm = 0, mm_per_px = 0, surface_angle_deg = 0, gravity_angle_deg = -90;
-  bool no_field = false, overlay = false, resume = false;
-};
-
-std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  const auto range = parse_doubles(text, ':', 2, "--radius-px");
-  if (range[0] <= 0 || range[1] <= range[0]) {
-    throw InvalidArgument("'" + text + "' is not LO:HI with 0 < LO < HI", "--radius-px");
-  }
-  return std::pair(range[0], range[1]);
-}
-
-TrackOptions resolve_options(const Request& request, const VideoInfo& info) {
-  TrackOptions options;
-  options.estimator.estimator = parse_estimator(request.estimator);
-  options.estimator.field = resolve(request.field);
-  options.estimator.spacing_px = request.field.spacing_px;
-  options.ball.circle.radius_range_px = parse_radius(request.radius);
-  options.frames = parse_frame_range(request.frames, info.frame_count);
-  options.roi = parse_roi(request.roi, info.width, info.height);
-  options.with_field = !request.no_field;
-  const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0;
-  options.fps = resolve_fps(request.video, info, si ? "a velocity in m/s" : "");
-  return options;
-}
-
-// Metres a pixel as far as they are known before the ball is: from --mm-per-px.
-SiScale resolve_scale(const Request& request, const TrackOptions& options, const VideoInfo& info) {
-  if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
-    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
-  }
-  SiScale scale;
-  scale.metre_per_px = request.mm_per_px * 1e-3;
-  scale.fps = options.fps / static_cast<double>(options.frames.step);
-  scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
-  scale.image_height = info.height;
-  return scale;
-}
-
-void print_result(const TrackOutput& output, std::int64_t frames, double rate,
-                  const std::string& folder) {
-  const auto& rows = output.rows();
-  std::int64_t good = 0;
-  for (const TrackRow& row : rows) {
-    good += row.status == TrackStatus::ok || row.status == TrackStatus::last_frame;
-  }
-  std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
-              static_cast<long long>(good), static_cast<long long>(frames), rate, folder.c_str());
-}
-
-void run_track(const CLI::App& command, const Request& request) {
-  const auto source = open_requested(request.video, request.common.quiet);
-  const VideoInfo& info = source->info();
-  TrackOptions options = resolve_options(request, info);
-  const SiScale scale = resolve_scale(request, options, info);
-  RunContext run(request.common, options.with_field);
-  const auto folder =
-      prepare_output_directory(request.output, request.common.force || request.resume);
-  write_job(command, folder / "job.toml");
-
-  OutputOptions output_options;
-  output_options.folder = folder;
-  output_options.scale = scale;
-  output_options.ball_diameter_m = request.ball_diameter_mm * 1e-3;
-  output_options.window_px = options.estimator.field.window_px;
-  output_options.with_field = options.with_field;
-  output_options.overlay = request.overlay;
-  output_options.resume = request.resume;
-  output_options.roi = options.roi;
-  const std::string sha256 = sha256_of_clip(request.video);
-  output_options.attributes = run.attributes(info, sha256);
-  describe(request.field, output_options.attributes);
-  output_options.attributes["option_estimator"] = request.estimator;
-  TrackOutput output(output_options);
-  options.start_index = output.rows_done();
-  options.grid_radius_px = output.grid_radius_px();
-
-  Stopwatch watch;
-  const auto finish = [&] {
-    nlohmann::json summary = output.finish();
-    summary["input"] = describe_input(info, sha256);
-    summary["device"] = run.describe();
-    const double rate =
-        static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
-    summary["frames_per_s"] = rate;
-    summary["gravity_angle_deg"] = request.gravity_angle_deg;
-    write_json(folder / "summary.json", summary);
-    return rate;
-  };
-  try {
-    TerminalProgress progress("track", request.common.quiet);
-    if (options.start_index < options.frames.count()) {
-      track_clip(
-          *source, run.engine_or_null(), options,
-          [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
-          [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
-    }
-  } catch (...) {
-    finish();  // what was measured is kept
-    throw;
-  }
-  const double rate = finish();
+void run_track(const CLI::App& command, const TrackRequest& request) {
+  RunContext run(request.common, !request.no_field);
+  const TrackOutcome outcome = track_to_folder(command, request, run);
   if (!request.common.quiet) {
-    print_result(output, options.frames.count(), rate, folder.string());
+    std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
+                static_cast<long long>(outcome.frames_ok), static_cast<long long>(outcome.frames),
+                outcome.frames_per_s, request.output.c_str());
+    std::printf("%s\n", outcome.impact.c_str());
   }
   run.print_profile();
-}
-
-void add_options(CLI::App& command, Request& request) {
-  add_video_options(command, request.video);
-  command.add_option("-o,--output", request.output, "Folder for the results")->required();
-  command.add_option("--ball-diameter-mm", request.ball_diameter_mm, "Scale: the ball's diameter")
-      ->check(CLI::PositiveNumber);
-  command.add_option("--mm-per-px", request.mm_per_px, "Scale: millimetres a pixel")
-      ->check(CLI::PositiveNumber);
-  command
-      .add_option("--surface-angle-deg", request.surface_angle_deg,
-                  "Inclination of the surface, counter-clockwise from image-right")
-      ->capture_default_str();
-  command
-      .add_option("--gravity-angle-deg", request.gravity_angle_deg,
-                  "Direction of gravity, counter-clockwise from image-right")
-      ->capture_default_str();
-  command.add_option("--frames", request.frames, "A:B[:STEP]: frames analysed, B excluded");
-  command.add_option("--roi", request.roi, "X,Y,W,H: the rectangle that is looked at, px");
-  command.add_option("--radius-px", request.radius, "LO:HI: range of the ball's radius, px");
-  command.add_option("--estimator", request.estimator, "How the motion is measured: field")
-      ->capture_default_str();
-  add_field_options(command, request.field);
-  command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");
-  command.add_flag("--overlay", request.overlay, "Annotated frames as PNGs, and as MP4");
-  command.add_flag("--resume", request.resume, "Go on where an earlier run into the folder ended");
-  add_common_options(command, request.common);
 }
 
 }  // namespace
@@ -161,8 +24,8 @@ void add_options(CLI::App& command, Request& request) {
 void add_track_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "track", "The main job: ball centre, velocity, rotation and field of every frame");
-  auto request = std::make_shared<Request>();
-  add_options(*command, *request);
+  auto request = std::make_shared<TrackRequest>();
+  add_track_options(*command, *request);
   command->footer(
       "Writes track.csv, fields.h5, summary.json and job.toml.\nExample:\n"
       "  impactdic track shot_01.cine -o shot_01 --ball-diameter-mm 67 --surface-angle-deg 15\n");

@@ -23,6 +23,7 @@ struct TrackOutput::Impl {
   std::unique_ptr<OverlayOutput> overlay;
   std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
   std::size_t unflushed = 0;
+  std::string impact_line;
 
   std::filesystem::path csv_path() const { return options.folder / "track.csv"; }
   std::filesystem::path fields_path() const { return options.folder / "fields.h5"; }
@@ -86,6 +87,7 @@ TrackOutput::~TrackOutput() = default;
 std::int64_t TrackOutput::rows_done() const { return impl_->done; }
 std::optional<double> TrackOutput::grid_radius_px() const { return impl_->grid_radius; }
 const std::vector<TrackRow>& TrackOutput::rows() const { return impl_->rows; }
+const std::string& TrackOutput::impact_line() const { return impl_->impact_line; }
 
 void TrackOutput::set_grid(std::span<const Window> grid, double radius_px) {
   impl_->open_fields(grid.size(), radius_px);
@@ -112,7 +114,12 @@ nlohmann::json TrackOutput::finish() {
   impl_->flush();
   impl_->csv->finish(impl_->rows, scale);
   if (impl_->overlay) impl_->overlay->finish();
-  return summarise_track(impl_->rows, scale);
+  nlohmann::json summary = summarise_track(impl_->rows, scale);
+  const ImpactSetup& setup = impl_->options.impact;
+  const ImpactAnalysis impact = analyse_impact(impl_->rows, impact_options(scale, setup));
+  summary["impact"] = describe_impact(impact, impl_->rows, scale, setup);
+  impl_->impact_line = impact_in_a_line(summary["impact"]);
+  return summary;
 }
 
 }  // namespace impactdic::app

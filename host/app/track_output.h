@@ -6,10 +6,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
+#include "host/report/impact_json.h"
 #include "host/report/summary.h"
 #include "host/track/track_clip.h"
 
@@ -19,6 +21,7 @@ struct OutputOptions {
   std::filesystem::path folder;
   SiScale scale;               // metre_per_px 0 where only the ball's diameter is known
   double ball_diameter_m = 0;  // 0: unknown
+  ImpactSetup impact;
   int window_px = 15;
   bool with_field = true, overlay = false, resume = false;
   Roi roi;
@@ -36,8 +39,10 @@ class TrackOutput {
   std::optional<double> grid_radius_px() const;
   void set_grid(std::span<const Window> grid, double radius_px);
   void add(const TrackedFrame& frame);
-  // Puts the scale into the table, closes everything and sums it up.
+  // Puts the scale into the table, closes everything and sums it up, the impact with it.
   nlohmann::json finish();
+  // After `finish`: what was found of an impact, in a line.
+  const std::string& impact_line() const;
   const std::vector<TrackRow>& rows() const;
 
  private:

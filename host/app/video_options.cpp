@@ -17,6 +17,10 @@ void add_video_options(CLI::App& command, VideoRequest& request) {
                   "Clip: .cine, .mraw/.cih/.cihx, .tif (multi-page), .avi/.mp4/.mov/.mkv, a folder "
                   "or quoted glob of pictures, several pictures, or raw pixels with --raw")
       ->required();
+  add_reading_options(command, request);
+}
+
+void add_reading_options(CLI::App& command, VideoRequest& request) {
   command.add_option("--raw", request.raw, "WIDTHxHEIGHTxBITS: the file is bare pixels");
   command.add_option("--fps", request.fps, "Frames a second; overrides the file's own rate")
       ->check(CLI::PositiveNumber);

@@ -18,6 +18,8 @@ struct VideoRequest {
 
 // Adds VIDEO, --raw and --fps.
 void add_video_options(CLI::App& command, VideoRequest& request);
+// Adds --raw and --fps alone.
+void add_reading_options(CLI::App& command, VideoRequest& request);
 
 // Opens the clip with every reader that this program has. Warns on stderr of what the file's
 // header makes doubtful, unless `quiet`.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace impactdic {
@@ -147,6 +148,22 @@ json describe_impact(const ImpactAnalysis& impact, const std::vector<TrackRow>& 
   result["scatter_over_stated"] = {{"centre", figure({impact.position_scatter, 0})["value"]},
                                    {"motion", figure({impact.step_scatter, 0})["value"]}};
   return result;
+}
+
+std::string impact_in_a_line(const json& impact) {
+  std::string line = impact["explanation"];
+  if (!impact["found"].get<bool>()) return line;
+  char text[160];
+  const auto add = [&](const json& value, const char* key, const char* sd, const char* format) {
+    if (value.is_null()) return;
+    std::snprintf(text, sizeof text, format, value[key].get<double>(), value[sd].get<double>());
+    line += text;
+  };
+  add(impact["t0"], "frame", "sd_frames", "; contact from frame %.2f +- %.2f");
+  add(impact["t_end"], "frame", "sd_frames", " to %.2f +- %.2f");
+  add(impact["restitution"], "value", "sd", "; restitution %.4f +- %.4f");
+  add(impact["friction"]["gravity_corrected"], "value", "sd", "; friction %.4f +- %.4f");
+  return line;
 }
 
 }  // namespace impactdic

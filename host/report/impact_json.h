@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host/track/impact_phases.h"
@@ -23,5 +24,8 @@ ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup);
 // Every figure is {"value", "sd"}; null where it was not measured.
 nlohmann::json describe_impact(const ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
                                const SiScale& scale, const ImpactSetup& setup);
+
+// The same in one line for the terminal.
+std::string impact_in_a_line(const nlohmann::json& impact);
 
 }  // namespace impactdic

@@ -1,0 +1,163 @@
+#include "host/app/track_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/app/job.h"
+#include "host/app/track_output.h"
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/track/track_clip.h"
+
+namespace impactdic::app {
+namespace {
+
+std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const auto range = parse_doubles(text, ':', 2, "--radius-px");
+  if (range[0] <= 0 || range[1] <= range[0]) {
+    throw InvalidArgument("'" + text + "' is not LO:HI with 0 < LO < HI", "--radius-px");
+  }
+  return std::pair(range[0], range[1]);
+}
+
+TrackOptions resolve_options(const TrackRequest& request, const VideoInfo& info) {
+  TrackOptions options;
+  options.estimator.estimator = parse_estimator(request.estimator);
+  options.estimator.field = resolve(request.field);
+  options.estimator.spacing_px = request.field.spacing_px;
+  options.ball.circle.radius_range_px = parse_radius(request.radius);
+  options.frames = parse_frame_range(request.frames, info.frame_count);
+  options.roi = parse_roi(request.roi, info.width, info.height);
+  options.with_field = !request.no_field;
+  const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0;
+  options.fps = resolve_fps(request.video, info, si ? "a velocity in m/s" : "");
+  return options;
+}
+
+// Metres a pixel as far as they are known before the ball is: from --mm-per-px.
+SiScale resolve_scale(const TrackRequest& request, const TrackOptions& options,
+                      const VideoInfo& info) {
+  if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
+    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
+  }
+  SiScale scale;
+  scale.metre_per_px = request.mm_per_px * 1e-3;
+  scale.fps = options.fps / static_cast<double>(options.frames.step);
+  scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
+  scale.image_height = info.height;
+  return scale;
+}
+
+ImpactSetup impact_setup(const TrackRequest& request) {
+  ImpactSetup setup;
+  setup.gravity_angle_rad = request.gravity_angle_deg * kRadPerDeg;
+  if (request.inertia_factor > 0) setup.inertia_factor = request.inertia_factor;
+  return setup;
+}
+
+std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
+  return std::count_if(rows.begin(), rows.end(), [](const TrackRow& row) {
+    return row.status == TrackStatus::ok || row.status == TrackStatus::last_frame;
+  });
+}
+
+}  // namespace
+
+TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& request,
+                             RunContext& run) {
+  const auto source = open_requested(request.video, request.common.quiet);
+  const VideoInfo& info = source->info();
+  TrackOptions options = resolve_options(request, info);
+  const SiScale scale = resolve_scale(request, options, info);
+  const auto folder =
+      prepare_output_directory(request.output, request.common.force || request.resume);
+  write_job(command, folder / "job.toml");
+
+  OutputOptions output_options;
+  output_options.folder = folder;
+  output_options.scale = scale;
+  output_options.ball_diameter_m = request.ball_diameter_mm * 1e-3;
+  output_options.window_px = options.estimator.field.window_px;
+  output_options.with_field = options.with_field;
+  output_options.overlay = request.overlay;
+  output_options.impact = impact_setup(request);
+  output_options.resume = request.resume;
+  output_options.roi = options.roi;
+  const std::string sha256 = sha256_of_clip(request.video);
+  output_options.attributes = run.attributes(info, sha256);
+  describe(request.field, output_options.attributes);
+  output_options.attributes["option_estimator"] = request.estimator;
+  TrackOutput output(output_options);
+  options.start_index = output.rows_done();
+  options.grid_radius_px = output.grid_radius_px();
+
+  Stopwatch watch;
+  const auto finish = [&] {
+    nlohmann::json summary = output.finish();
+    summary["input"] = describe_input(info, sha256);
+    summary["device"] = run.describe();
+    const double rate =
+        static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
+    summary["frames_per_s"] = rate;
+    summary["gravity_angle_deg"] = request.gravity_angle_deg;
+    write_json(folder / "summary.json", summary);
+    return rate;
+  };
+  try {
+    TerminalProgress progress("track", request.common.quiet);
+    if (options.start_index < options.frames.count()) {
+      track_clip(
+          *source, run.engine_or_null(), options,
+          [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
+          [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
+    }
+  } catch (...) {
+    finish();  // what was measured is kept
+    throw;
+  }
+  TrackOutcome outcome;
+  outcome.frames_per_s = finish();
+  outcome.frames = options.frames.count();
+  outcome.frames_ok = frames_ok(output.rows());
+  outcome.impact = output.impact_line();
+  return outcome;
+}
+
+void add_track_settings(CLI::App& command, TrackRequest& request) {
+  command.add_option("--ball-diameter-mm", request.ball_diameter_mm, "Scale: the ball's diameter")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--mm-per-px", request.mm_per_px, "Scale: millimetres a pixel")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--surface-angle-deg", request.surface_angle_deg,
+                  "Inclination of the surface, counter-clockwise from image-right")
+      ->capture_default_str();
+  command
+      .add_option("--gravity-angle-deg", request.gravity_angle_deg,
+                  "Direction of gravity, counter-clockwise from image-right")
+      ->capture_default_str();
+  command
+      .add_option("--inertia-factor", request.inertia_factor,
+                  "I / (m R^2) of the ball: 0.667 hollow, 0.4 solid; for rolling cap and closure")
+      ->check(CLI::Range(0.01, 1.0));
+  command.add_option("--frames", request.frames, "A:B[:STEP]: frames analysed, B excluded");
+  command.add_option("--roi", request.roi, "X,Y,W,H: the rectangle that is looked at, px");
+  command.add_option("--radius-px", request.radius, "LO:HI: range of the ball's radius, px");
+  command.add_option("--estimator", request.estimator, "How the motion is measured: field")
+      ->capture_default_str();
+  add_field_options(command, request.field);
+  command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");
+  command.add_flag("--overlay", request.overlay, "Annotated frames as PNGs, and as MP4");
+}
+
+void add_track_options(CLI::App& command, TrackRequest& request) {
+  add_video_options(command, request.video);
+  command.add_option("-o,--output", request.output, "Folder for the results")->required();
+  add_track_settings(command, request);
+  command.add_flag("--resume", request.resume, "Go on where an earlier run into the folder ended");
+  add_common_options(command, request.common);
+}
+
+}  // namespace impactdic::app
