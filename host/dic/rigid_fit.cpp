@@ -27,8 +27,9 @@ struct Pair {
 };
 
 struct Motion {
-  Complex turn{1, 0}, shift{0, 0};  // to = turn · from + shift
-  Complex operator()(Complex z) const { return turn * z + shift; }
+  // to = turn · from + skew · conj(from) + shift; rigid where |turn| = 1 and skew = 0.
+  Complex turn{1, 0}, shift{0, 0}, skew{0, 0};
+  Complex operator()(Complex z) const { return turn * z + skew * std::conj(z) + shift; }
 };
 
 double residual(const Motion& motion, const Pair& pair) {
@@ -101,9 +102,86 @@ Motion consensus(const std::vector<Pair>& pairs) {
   return best;
 }
 
+// The same with a uniform strain on top: linear least squares for turn and skew. False where the
+// points lie on a line.
+bool fit_strained(const std::vector<Pair>& pairs, const std::vector<double>& weights, Sums& sums,
+                  Motion& motion) {
+  fit(pairs, weights, sums);
+  Complex squares = 0, with = 0, against = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Complex arm = pairs[i].from - sums.centroid, moved = pairs[i].to - sums.moved;
+    squares += weights[i] * arm * arm;
+    with += weights[i] * std::conj(arm) * moved;
+    against += weights[i] * arm * moved;
+  }
+  const double determinant = sums.inertia * sums.inertia - std::norm(squares);
+  if (!(determinant > 1e-6 * sums.inertia * sums.inertia)) return false;
+  motion.turn = (sums.inertia * with - std::conj(squares) * against) / determinant;
+  motion.skew = (sums.inertia * against - squares * with) / determinant;
+  motion.shift = sums.moved - motion.turn * sums.centroid - motion.skew * std::conj(sums.centroid);
+  return true;
+}
+
 double tukey(double length, double cut) {
   const double q = length / cut;
   return q < 1 ? (1 - q * q) * (1 - q * q) : 0;
+}
+
+void weigh(const Motion& motion, const std::vector<Pair>& pairs, double cut,
+           std::vector<double>& weights) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    weights[i] = tukey(residual(motion, pairs[i]), cut) / (pairs[i].sd * pairs[i].sd);
+  }
+}
+
+double cut_of(const Motion& motion, const std::vector<Pair>& pairs) {
+  return kTukey * std::max(median_residual(motion, pairs) / kRayleighMedian, kSmallestScale);
+}
+
+double sum_of_squares(const Motion& motion, const std::vector<Pair>& pairs,
+                      const std::vector<double>& weights) {
+  double sum = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    sum += weights[i] * std::norm(pairs[i].to - motion(pairs[i].from));
+  }
+  return sum;
+}
+
+// A ball that is being compressed has no rigid motion: Tukey's weights would keep the windows of
+// one side of it, and the centre would move with that side. So a uniform strain is fitted too, and
+// taken where it explains what chance (three unknowns more) does not; then `motion`, `weights`,
+// `sums` and `cut` are those of that fit.
+void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<double>& weights,
+                 Sums& sums, double& cut) {
+  constexpr std::size_t kFewest = 12;
+  constexpr double kSignificant = 30;
+  if (pairs.size() < kFewest) return;
+  Motion strained = motion;
+  double wide = cut_of(motion, pairs);
+  std::vector<double> kept(pairs.size());
+  Sums strained_sums;
+  for (int round = 0; round < kRounds; ++round) {
+    weigh(strained, pairs, wide, kept);
+    const Motion before = strained;
+    if (!fit_strained(pairs, kept, strained_sums, strained)) return;
+    // The scatter shrinks as the strain is found; then the cut stays.
+    if (round < 5) wide = std::min(wide, cut_of(strained, pairs));
+    if (round >= 5 && std::abs(strained.turn - before.turn) < 1e-14 &&
+        std::abs(strained.shift - before.shift) < 1e-12) {
+      break;
+    }
+  }
+  const double counted =
+      static_cast<double>(std::count_if(kept.begin(), kept.end(), [](double w) { return w > 0; }));
+  if (counted < static_cast<double>(pairs.size()) / 2 || counted < kFewest) return;
+  Sums rigid_sums;
+  const double rest = sum_of_squares(strained, pairs, kept);
+  const double rigid = sum_of_squares(fit(pairs, kept, rigid_sums), pairs, kept);
+  if (!(rigid - rest > kSignificant * rest / (2 * counted - 6))) return;
+  motion = strained;
+  weights = kept;
+  sums = strained_sums;
+  cut = wide;
 }
 
 // Variance of one residual component as the M-estimator sees it (Huber 1981, eq. 6.6):
@@ -140,9 +218,7 @@ RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, 
   std::vector<double> weights(pairs.size());
   Sums sums;
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      weights[i] = tukey(residual(motion, pairs[i]), cut) / (pairs[i].sd * pairs[i].sd);
-    }
+    weigh(motion, pairs, cut, weights);
     if (std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0; }) < 3) {
       return result;
     }
@@ -150,13 +226,14 @@ RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, 
     motion = fit(pairs, weights, sums);
     // After the first round the scatter about the fit, not about two points, sets the cut.
     if (round == 0) {
-      cut = kTukey * std::max(median_residual(motion, pairs) / kRayleighMedian, kSmallestScale);
+      cut = cut_of(motion, pairs);
     }
     if (std::abs(motion.turn - before.turn) < 1e-14 &&
         std::abs(motion.shift - before.shift) < 1e-12) {
       break;
     }
   }
+  take_strain(pairs, motion, weights, sums, cut);
   if (sums.inertia <= 0) return result;
 
   double full_weight = 0, full_inertia = 0, squares = 0, counted = 0;

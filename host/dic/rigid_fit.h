@@ -21,7 +21,9 @@ struct RigidMotion {
 
 // Weighted Kabsch/Procrustes fit of a rotation about (cx, cy) and a translation with Tukey weights
 // (Arun, Huang and Blostein 1987; Beaton and Tukey 1974), started from a consensus so that up to
-// half of the points may be wrong. Finite rotations are exact. Fewer than three points: not ok.
+// half of the points may be wrong. Finite rotations are exact. Where the points are strained beyond
+// chance (a ball under compression) a uniform strain is fitted along, so that it bends neither the
+// centre's motion nor the rotation. Fewer than three points: not ok.
 RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, double cy_px);
 
 }  // namespace impactdic

@@ -44,6 +44,26 @@ TEST(RigidFit, IsExactForAnyRotation) {
   }
 }
 
+// A ball that is compressed by 1.5 px/frame along an inclined axis, with bad windows on one side.
+TEST(RigidFit, AStrainDoesNotMoveTheCentre) {
+  const Truth truth{0.6, 1.8, 0.002};
+  constexpr double kNoise = 0.004, kStrain = 0.01, kAxis = 1.2;
+  auto points = make_points(truth, kNoise, 7);
+  for (PointMotion& p : points) {
+    const double along = (p.x_px - kCx) * std::cos(kAxis) + (p.y_px - kCy) * std::sin(kAxis);
+    p.u_px -= kStrain * along * std::cos(kAxis);
+    p.v_px -= kStrain * along * std::sin(kAxis);
+    if (p.y_px > kCy + 60) p.u_px += 2;
+  }
+  const RigidMotion motion = fit_rigid_motion(points, kCx, kCy);
+  ASSERT_TRUE(motion.ok);
+  // Five deviations; about a hundred good points.
+  EXPECT_NEAR(motion.dx_px, truth.dx, 5 * kNoise / 9);
+  EXPECT_NEAR(motion.dy_px, truth.dy, 5 * kNoise / 9);
+  EXPECT_NEAR(motion.rot_rad, truth.rot_rad, 5 * kNoise / (50 * 9) + kStrain * truth.rot_rad);
+  EXPECT_LT(motion.dx_sd_px, 2 * kNoise / 9);
+}
+
 TEST(RigidFit, CounterClockwiseOnTheScreenIsPositive) {
   // A point right of the centre moving up the screen.
   std::vector<PointMotion> points = {{10, 0, 0, -1, .01}, {-10, 0, 0, 1, .01}, {0, 0, 0, 0, .01}};
