@@ -145,6 +145,7 @@ json describe_impact(const ImpactAnalysis& impact, const std::vector<TrackRow>& 
   result["max_deflection_m"] = write.length(impact.max_deflection);
   result["impulse_closure"] = write.closure(setup.inertia_factor);
   result["gravity"] = write.fall();
+  result["centre_against_motion_px_per_frame"] = figure({impact.disagreement, 0})["value"];
   result["scatter_over_stated"] = {{"centre", figure({impact.position_scatter, 0})["value"]},
                                    {"motion", figure({impact.step_scatter, 0})["value"]}};
   return result;

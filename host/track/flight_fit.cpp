@@ -14,6 +14,7 @@ constexpr double kOutlier = 5;  // deviations
 constexpr double kSdOfMad = 1.4826;
 constexpr int kFewestData = 12;  // of two flights, both axes
 constexpr double kLeastSd_px = 1e-7;
+constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 
 struct Datum {
   std::array<int, 2> column;    // of the state: position and velocity
@@ -65,7 +66,11 @@ class FlightSolver {
     fit.ok = true;
     fit.state = solution_.head<kFlightStates>();
     fit.covariance = covariance_.topLeftCorner<kFlightStates, kFlightStates>();
-    fit.gravity = gravity_ ? *gravity_ : solution_[kGravityColumn];
+    fit.disagreement = disagreement();
+    for (const int column : kVelocities) {
+      fit.covariance(column, column) += fit.disagreement * fit.disagreement / 4;
+    }
+    fit.gravity = gravity();
     fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(kGravityColumn, kGravityColumn));
     fit.position_scale = scale_[0];
     fit.step_scale = scale_[1];
@@ -92,11 +97,12 @@ class FlightSolver {
     }
   }
 
+  double gravity() const { return gravity_ ? *gravity_ : solution_[kGravityColumn]; }
   double sd(const Datum& d) const { return d.sd * scale_[d.is_step ? 1 : 0]; }
 
   double residual(const Datum& d) const {
     double model = d.slope[0] * solution_[d.column[0]] + d.slope[1] * solution_[d.column[1]];
-    model += d.gravity_slope * (gravity_ ? *gravity_ : solution_[kGravityColumn]);
+    model += d.gravity_slope * gravity();
     return d.value - model;
   }
 
@@ -148,6 +154,36 @@ class FlightSolver {
       scale_[static_cast<std::size_t>(kind)] =
           std::max(scale_[static_cast<std::size_t>(kind)], 1e-6);
     }
+  }
+
+  // Scatter cannot show what is wrong in every frame alike: a drift of the circle, a bias of the
+  // measured steps. But centres and steps give each velocity twice, independently. Root mean
+  // square of the four differences beyond chance; 0 where chance explains them (98.3 %).
+  double disagreement() const {
+    constexpr double kChance = 12.0;
+    double chi_square = 0, beyond = 0;
+    for (const int column : kVelocities) {
+      double step = 0, step_weight = 0;                // weighted mean
+      double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;  // weighted line
+      for (const Datum& d : data_) {
+        if (!d.used || d.column[1] != column) continue;
+        const double weight = 1 / (sd(d) * sd(d)), x = d.slope[1];
+        const double y = d.value - d.gravity_slope * gravity();
+        if (d.is_step) {
+          step += weight * y, step_weight += weight;
+        } else {
+          w += weight, wx += weight * x, wxx += weight * x * x, wy += weight * y;
+          wxy += weight * x * y;
+        }
+      }
+      const double spread = w * wxx - wx * wx;
+      if (!(step_weight > 0) || !(spread > 0)) return 0;
+      const double off = step / step_weight - (w * wxy - wx * wy) / spread;
+      const double chance = 1 / step_weight + w / spread;
+      chi_square += off * off / chance;
+      beyond += (off * off - chance) / 4;
+    }
+    return chi_square > kChance ? std::sqrt(std::max(0.0, beyond)) : 0;
   }
 
   bool reject() {

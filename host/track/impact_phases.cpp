@@ -275,6 +275,7 @@ void Analysis::finish() {
   if (fall.ok) result_.fall = {fall.gravity, fall.gravity_sd};
   result_.position_scatter = flights_.position_scale;
   result_.step_scatter = flights_.step_scale;
+  result_.disagreement = flights_.disagreement;
 }
 
 }  // namespace

@@ -84,6 +84,9 @@ struct ImpactAnalysis {
   double radius_px = kNotMeasured;
   double position_scatter = kNotMeasured;  // in flight, over what the track states
   double step_scatter = kNotMeasured;
+  // px/frame: between the velocities of centres and of measured motions, beyond chance; 0 where
+  // they agree. Half of it is part of the velocities' deviations.
+  double disagreement = kNotMeasured;
 };
 
 // Analyses the sharpest turn away from the surface among `rows`. Never throws for what a clip

@@ -167,6 +167,20 @@ TEST(ImpactPhases, BadFramesDoNotMatter) {
   expect_within(found.start.instant, truth.start);
 }
 
+// A bias of every measured step shows in no scatter; the circles tell.
+TEST(ImpactPhases, BiasOfTheMotionIsInTheDeviations) {
+  const FilmedImpact filmed = tennis_on_racket();
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  EXPECT_EQ(analyse_impact(rows, filmed.options()).disagreement, 0);
+  constexpr double kBias = 0.002;
+  for (TrackRow& row : rows) row.dx_px += kBias;
+  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  EXPECT_GT(found.disagreement, kBias / 2);
+  expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
+  expect_within(found.friction, truth.friction, 3);
+}
+
 TEST(ImpactPhases, NoImpactIsSaid) {
   // A ball that crosses the picture, one that is thrown up, one whose normal velocity is noise.
   for (const double vn : {-1.5, 0.9, 0.0}) {
