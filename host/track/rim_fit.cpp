@@ -17,10 +17,12 @@ namespace {
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-constexpr int kLearning = 40, kRefining = 4;  // steps at most
+constexpr int kLearning = 40, kRefining = 5;  // steps at most
+constexpr int kLearnFrom = 180;               // points at least, where there are as many
 constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
 constexpr double kTransverse = 0.3;    // of |e|: how far a squashed ball may widen or shrink
-constexpr double kAxisTilt = 0.1;      // of |e|: shape across the given compression axis
+constexpr double kRound_px = 0.05;
+constexpr double kAxisTilt = 0.1;  // of |e|: shape across the given compression axis
 
 // One fit: corrections to the rim, their covariance, and what the residuals say.
 struct Estimate {
@@ -31,11 +33,6 @@ struct Estimate {
   int points = 0;
   double arc = 0;
 };
-
-Vector5 row(const RimPoint& p) {
-  const double c = p.cos, s = p.sin;
-  return {c, s, 1, c * c - s * s, 2 * c * s};
-}
 
 // How residuals are distributed. A clean edge errs by the noise, N(0, σ). Ink that reaches into
 // the edge darkens it and so moves the crossing inwards by some depth, exponential with mean τ,
@@ -78,33 +75,49 @@ class InverseMills {
   std::array<double, 2 * kReach * kPerUnit + 2> table_{};
 };
 
-Evidence evidence(const Mixture& m, double r) {
-  static const InverseMills inverse_mills;
-  const double root = std::sqrt(2 * kPi), z = r / m.sigma;
-  const double normal = std::abs(z) < 9 ? std::exp(-0.5 * z * z) / (root * m.sigma) : 0;
-  const double ratio = m.sigma / m.tau, a = z + ratio;
-  const double mills = inverse_mills(a);
-  // exp(r/τ + σ²/2τ²) Φ(−a) / τ, by way of N(r; 0, σ) where that does not vanish.
-  const double skewed =
-      a > -4 ? normal * ratio / mills : std::exp(ratio * (z + 0.5 * ratio)) / m.tau;
-  const double strays = (1 - m.clean - m.inked) * kStrays_per_px;
-  const double total = m.clean * normal + m.inked * skewed + strays;
-  Evidence e;
-  e.clean = m.clean * normal / total;
-  e.inked = m.inked * skewed / total;
-  // The depth given r is normal about −σ·a with σ, cut off at 0.
-  e.depth = m.sigma * (mills - a);
-  const double depth_var = m.sigma * m.sigma * std::clamp(1 + a * mills - mills * mills, 0.0, 1.0);
-  const double precision = 1 / (m.sigma * m.sigma);
-  const double score_clean = r * precision, score_inked = (r + e.depth) * precision;
-  e.score = e.clean * score_clean + e.inked * score_inked;
-  e.curvature =
-      e.clean * precision + e.inked * std::max(0.0, precision * (1 - depth_var * precision));
-  e.information = e.curvature - (e.clean * score_clean * score_clean +
-                                 e.inked * score_inked * score_inked - e.score * e.score);
-  e.noise_sq = e.clean * r * r + e.inked * ((r + e.depth) * (r + e.depth) + depth_var);
-  return e;
-}
+// A mixture with what every evaluation needs of it.
+class Density {
+ public:
+  explicit Density(const Mixture& m)
+      : m_(m),
+        per_sigma_(1 / m.sigma),
+        precision_(per_sigma_ * per_sigma_),
+        ratio_(m.sigma / m.tau),
+        peak_(per_sigma_ / std::sqrt(2 * kPi)),
+        strays_((1 - m.clean - m.inked) * kStrays_per_px) {}
+
+  Evidence operator()(double r) const {
+    const double z = r * per_sigma_, a = z + ratio_;
+    const double normal = std::abs(z) < 8 ? std::exp(-0.5 * z * z) * peak_ : 0;
+    const double mills = inverse_mills_(a);
+    // exp(r/τ + σ²/2τ²) Φ(−a) / τ, by way of N(r; 0, σ) where that does not vanish.
+    const double skewed =
+        a > -4 ? normal * ratio_ / mills : std::exp(ratio_ * (z + 0.5 * ratio_)) / m_.tau;
+    const double clean = m_.clean * normal, inked = m_.inked * skewed;
+    const double per_total = 1 / (clean + inked + strays_);
+    Evidence e;
+    e.clean = clean * per_total;
+    e.inked = inked * per_total;
+    // The depth given r is normal about −σ·a with σ, cut off at 0; `share` is its variance / σ².
+    const double share = std::clamp(1 + a * mills - mills * mills, 0.0, 1.0);
+    e.depth = m_.sigma * (mills - a);
+    const double noise_inked = r + e.depth;
+    const double score_clean = r * precision_, score_inked = noise_inked * precision_;
+    e.score = e.clean * score_clean + e.inked * score_inked;
+    e.curvature = precision_ * (e.clean + e.inked * (1 - share));
+    e.information = e.curvature - (e.clean * score_clean * score_clean +
+                                   e.inked * score_inked * score_inked - e.score * e.score);
+    e.noise_sq =
+        e.clean * r * r + e.inked * (noise_inked * noise_inked + share * m_.sigma * m_.sigma);
+    return e;
+  }
+
+ private:
+  static const InverseMills inverse_mills_;
+  Mixture m_;
+  double per_sigma_, precision_, ratio_, peak_, strays_;
+};
+const InverseMills Density::inverse_mills_;
 
 // What is known beforehand of (x, y, dR, de1, de2), as a quadratic: precision·delta = pull.
 struct Knowledge {
@@ -128,7 +141,8 @@ Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& pri
     k.add(Vector5::Unit(4), -rim.e2, 1e-6);
   }
   // Unit vector (in e1, e2) of the long axis: across the compression.
-  double u1 = e > 0 ? e1 / e : 1, u2 = e > 0 ? e2 / e : 0;
+  // Without a given axis it fades out where the shape is too round to have one.
+  double u1 = e1 / (e + kRound_px), u2 = e2 / (e + kRound_px);
   if (ellipse && prior.compression_axis_rad) {
     u1 = -std::cos(2 * *prior.compression_axis_rad);
     u2 = -std::sin(2 * *prior.compression_axis_rad);
@@ -152,48 +166,64 @@ Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& pri
 }
 
 struct Sums {
-  Matrix5 curvature = Matrix5::Zero();  // Σ w j jᵀ, and
-  Matrix5 information = Matrix5::Zero();
-  Vector5 score = Vector5::Zero();  // Σ ψ j
+  Matrix5 curvature = Matrix5::Zero();  // Σ w j jᵀ
+  Vector5 score = Vector5::Zero();      // Σ ψ j
   int count = 0;
   double clean = 0, inked = 0, depth = 0, noise_sq = 0;
-  double score_sq = 0, information_sum = 0;
+  // Of the last pass only.
+  Matrix5 information = Matrix5::Zero();
+  double information_sum = 0;
   std::array<double, kRimSectors> sector_score{};
   std::array<int, kRimSectors> sector_points{};
   int points = 0;
 };
 
+void add_outer(double weight, const double (&j)[5], Matrix5& sum) {
+  for (int m = 0; m < 5; ++m) {
+    for (int n = 0; n <= m; ++n) sum(m, n) += weight * j[m] * j[n];
+  }
+}
+
+template <bool kLast>
 Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixture, int stride) {
   Sums s;
+  const Density density(mixture);
   for (std::size_t i = 0; i < trace.points.size(); i += stride) {
     const RimPoint& p = trace.points[i];
+    const double c = p.cos, sn = p.sin;
+    const double j[5] = {c, sn, 1, c * c - sn * sn, 2 * c * sn};
+    const double r =
+        p.excess - (c * delta[0] + sn * delta[1] + delta[2] + j[3] * delta[3] + j[4] * delta[4]);
+    const Evidence e = density(r);
     ++s.count;
-    const Vector5 j = row(p);
-    const Evidence e = evidence(mixture, p.excess - j.dot(delta));
-    s.curvature.noalias() += e.curvature * j * j.transpose();
-    s.information.noalias() += e.information * j * j.transpose();
-    s.score += e.score * j;
+    add_outer(e.curvature, j, s.curvature);
+    for (int m = 0; m < 5; ++m) s.score[m] += e.score * j[m];
     s.clean += e.clean;
     s.inked += e.inked;
     s.depth += e.inked * e.depth;
     s.noise_sq += e.noise_sq;
-    s.score_sq += e.score * e.score;
-    s.information_sum += e.information;
-    s.sector_score[p.sector] += e.score;
-    if (e.clean + e.inked > 0.5) {
-      ++s.sector_points[p.sector];
-      ++s.points;
+    if constexpr (kLast) {
+      add_outer(e.information, j, s.information);
+      s.information_sum += e.information;
+      s.sector_score[p.sector] += e.score;
+      if (e.clean + e.inked > 0.5) {
+        ++s.sector_points[p.sector];
+        ++s.points;
+      }
     }
   }
+  s.curvature.triangularView<Eigen::StrictlyUpper>() = s.curvature.transpose();
+  s.information.triangularView<Eigen::StrictlyUpper>() = s.information.transpose();
   return s;
 }
 
 // The mixture that fits the residuals better (a step of expectation maximisation). The noise is
 // never less than the camera's.
 Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
-  // Over-relaxed: twice the plain step, in the logarithm.
+  // Over-relaxed: one and a half times the plain step, in the logarithm.
   const auto toward = [](double from, double to, double least, double most) {
-    return std::clamp(to * to / from, std::max(least, 0.4 * from), std::min(most, 2.5 * from));
+    return std::clamp(to * std::sqrt(to / from), std::max(least, 0.4 * from),
+                      std::min(most, 2.5 * from));
   };
   Mixture m;
   m.clean = toward(old.clean, s.clean / s.count, 0.02, 0.99);
@@ -222,36 +252,42 @@ double inflation(const Sums& s, int parameters) {
   return std::max(1.0, between * freedom / std::max(s.information_sum, 1e-30));
 }
 
-// Corrections and mixture from `delta` and `mixture` on: the mixture is learnt from every third
-// point, then the corrections from all of them.
+// Corrections and mixture from `delta` and `mixture` on: both are learnt from a part of the points,
+// then the corrections settle on all of them.
 Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool ellipse,
                   Vector5 delta, Mixture& mixture, double shrink_px) {
   Estimate result;
   const int parameters = ellipse ? 5 : 3;
-  const int every = trace.points.size() > 360 ? 3 : 1;
-  int learning = kLearning, refining = kRefining;
-  for (;;) {
-    const bool learn = learning > 0;
-    const Sums s = accumulate(trace, delta, mixture, learn ? every : 1);
-    if (s.points < 3 * parameters) return result;
-    const double wider = inflation(s, parameters);
+  double wider = 1;
+  const auto improve_delta = [&](const Sums& s) {
     const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink_px);
     const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
-    const Eigen::LDLT<Matrix5> solver(s.curvature / wider + known.precision);
-    const Vector5 step = solver.solve(gradient);
-    if (!step.allFinite()) return result;
+    const Vector5 step =
+        Eigen::LDLT<Matrix5>(s.curvature / wider + known.precision).solve(gradient);
     delta += step;
-    const double moved = step.cwiseAbs().maxCoeff();
-    if (learn) {
-      const Mixture next = improve(s, mixture, trace.noise_px);
-      const bool settled = moved < 0.02 * mixture.sigma &&
-                           std::abs(next.sigma - mixture.sigma) < 0.02 * next.sigma &&
-                           std::abs(next.clean - mixture.clean) < 0.01;
-      mixture = next;
-      learning = settled ? 0 : learning - 1;
-      continue;
-    }
-    if (--refining > 0 && moved > 0.01 * mixture.sigma) continue;
+    return step.cwiseAbs().maxCoeff();
+  };
+
+  const int stride = std::max<int>(1, static_cast<int>(trace.points.size()) / kLearnFrom);
+  for (int pass = 0; pass < kLearning; ++pass) {
+    const Sums s = accumulate<false>(trace, delta, mixture, stride);
+    const double moved = improve_delta(s);
+    const Mixture next = improve(s, mixture, trace.noise_px);
+    const bool settled = moved < 0.05 * mixture.sigma &&
+                         std::abs(next.sigma - mixture.sigma) < 0.03 * next.sigma &&
+                         std::abs(next.clean - mixture.clean) < 0.01;
+    mixture = next;
+    if (!std::isfinite(moved)) return result;
+    if (settled) break;
+  }
+  for (int pass = 0;; ++pass) {
+    const Sums s = accumulate<true>(trace, delta, mixture, 1);
+    if (s.points < 3 * parameters) return result;
+    wider = inflation(s, parameters);
+    const double moved = improve_delta(s);
+    if (!std::isfinite(moved)) return result;
+    if (moved > 0.01 * mixture.sigma && pass + 1 < kRefining) continue;
+    const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink_px);
     result.ok = true;
     result.delta = delta;
     result.covariance =
