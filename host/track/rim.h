@@ -106,6 +106,7 @@ RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleO
 struct RimPoint {
   float cos, sin;
   float excess;  // px, positive outside `rim`
+  float weight;  // usual error over this point's, from the contrast
   int sector;    // 0 … kRimSectors − 1, by the angle
 };
 inline constexpr int kRimSectors = 48;

@@ -12,17 +12,21 @@ namespace impactdic {
 namespace {
 
 constexpr int kSectors = 24;  // of the rim, in which levels are found
-constexpr int kHalf = 4;      // a profile is 2·kHalf + 1 samples about the expected rim
+constexpr int kHalf = 3;      // a profile is 2·kHalf + 1 samples about the expected rim
 constexpr int kLength = 2 * kHalf + 1;
-constexpr int kLightEvery = 2, kLightFrom = 3, kLightTo = 13;  // rays, steps inside
-constexpr double kSharpest_px = 0.75;      // a wider edge is sampled on proportionally wider steps
-constexpr float kLeastContrast = 0.2f;     // of the usual contrast
-constexpr float kGroundTolerance = 0.06f;  // of the contrast, two steps outside the crossing
+constexpr int kLevelsEvery = 3;               // rays from one that looks for levels to the next
+constexpr int kLightFrom = 3, kLightTo = 13;  // steps inside
+constexpr double kSharpest_px = 0.75;  // a wider edge is sampled on proportionally wider steps
+constexpr int kBeside = 3;  // rays beside one with an obstacle that the obstacle's blur reaches
+constexpr float kPhase_px[2] = {0.006f, 0.02f};  // error with the pixels' phase, smooth and sharp
+constexpr float kLeastContrast = 0.2f;           // of the usual contrast
+constexpr float kGroundTolerance = 0.06f;        // of the contrast, two steps outside the crossing
 
 struct Rays {
-  std::vector<float> cos, sin;  // all rays in view
-  std::vector<int> ray;         // number of the ray, 0 … count − 1
-  std::vector<float> profile;   // (rays, kLength), from inside to outside
+  std::vector<float> cos, sin;                      // all rays in view
+  std::vector<int> ray;                             // number of the ray, 0 … count − 1
+  std::vector<float> profile;                       // (rays, kLength), from inside to outside
+  std::array<std::vector<float>, kSectors> ground;  // samples 2 … 4 steps outside, by sector
   std::vector<float> scratch;
 
   void resize(int n) {
@@ -30,15 +34,17 @@ struct Rays {
     sin.resize(n);
     ray.resize(n);
     profile.resize(static_cast<std::size_t>(n) * kLength);
+    for (auto& sector : ground) sector.clear();
   }
   const float* row(int i) const { return profile.data() + static_cast<std::size_t>(i) * kLength; }
 };
 
 // A crossing of the half level.
 struct Edge {
-  int index;   // into Rays
-  float at;    // steps from the expected rim
-  float fall;  // of the contrast, from one step inside the crossing to one outside
+  int index;       // into Rays
+  float at;        // steps from the expected rim
+  float fall;      // of the contrast, from one step inside the crossing to one outside
+  float contrast;  // of the usual
 };
 
 float quantile(std::vector<float>& values, double q) {
@@ -49,29 +55,24 @@ float quantile(std::vector<float>& values, double q) {
   return *at;
 }
 
-// Noise of one sample: differences along the ray outside the ball.
+// Noise of one profile sample: from ray to ray outside the ball, where nothing else changes.
 float sample_noise(Rays& rays, int n) {
   rays.scratch.clear();
-  for (int i = 0; i < n; i += 3) {
-    rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i)[kLength - 3]));
+  for (int i = 3; i < n; i += 3) {
+    rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i - 3)[kLength - 1]));
   }
   return 1.4826f / std::sqrt(2.0f) * quantile(rays.scratch, 0.5);
 }
 
 // The background's level by sector: the median of what lies 2 … 4 steps outside, over three
 // sectors.
-std::array<float, kSectors> ground_levels(Rays& rays, int n, int count) {
-  std::array<int, kSectors + 1> begin{};
-  for (int i = 0; i < n; ++i) ++begin[rays.ray[i] * kSectors / count + 1];
-  for (int b = 0; b < kSectors; ++b) begin[b + 1] += begin[b];
+std::array<float, kSectors> ground_levels(Rays& rays) {
   std::array<float, kSectors> levels{};
   for (int b = 0; b < kSectors; ++b) {
     rays.scratch.clear();
     for (int d = -1; d <= 1; ++d) {
-      const int at = (b + d + kSectors) % kSectors;
-      for (int i = begin[at]; i < begin[at + 1]; i += 2) {
-        for (int k = kLength - 3; k < kLength; ++k) rays.scratch.push_back(rays.row(i)[k]);
-      }
+      const auto& sector = rays.ground[(b + d + kSectors) % kSectors];
+      rays.scratch.insert(rays.scratch.end(), sector.begin(), sector.end());
     }
     if (!rays.scratch.empty()) levels[b] = quantile(rays.scratch, 0.5);
   }
@@ -145,10 +146,12 @@ class BallLight {
     for (const Sample& sample : samples_) {
       const Vector5 j = basis(sample.x, sample.y);
       if (std::abs(sample.level - static_cast<float>(w_.dot(j))) > window) continue;
-      a.noalias() += j * j.transpose();
-      b.noalias() += static_cast<double>(sample.level) * j;
+      for (int m = 0; m < 5; ++m) {
+        for (int n = 0; n <= m; ++n) a(m, n) += j[m] * j[n];
+        b[m] += j[m] * sample.level;
+      }
     }
-    w_ = a.ldlt().solve(b);
+    w_ = a.ldlt().solve(b);  // reads the lower triangle
   }
 
   std::vector<Sample> samples_;
@@ -177,13 +180,20 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
         const float px = x + static_cast<float>(k) * dx, py = y + static_cast<float>(k) * dy;
         p[k + kHalf] = sign * sampler.template bicubic<kSharp>(px, py);
       }
-      if (i % kLightEvery == 0) {
+      if (i % kLevelsEvery == 0) {
+        const auto level = [&](int k) {
+          return sign *
+                 sampler.bilinear(x + static_cast<float>(k) * dx, y + static_cast<float>(k) * dy);
+        };
+        for (int k = 2; k <= 4; ++k) {
+          if (!sampler.inside(x + k * dx, y + k * dy, 1.5f)) break;
+          rays.ground[i * kSectors / count].push_back(level(k));
+        }
         for (int k = kLightFrom; k <= kLightTo; k += 2) {
           const float px = x - static_cast<float>(k) * dx, py = y - static_cast<float>(k) * dy;
           if (!sampler.inside(px, py, 1.5f)) break;
           light.add((px - static_cast<float>(rim.cx)) * per_radius,
-                    (py - static_cast<float>(rim.cy)) * per_radius, i,
-                    sign * sampler.bilinear(px, py));
+                    (py - static_cast<float>(rim.cy)) * per_radius, i, level(-k));
         }
       }
       rays.cos[n] = static_cast<float>(c);
@@ -198,13 +208,16 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
   return n;
 }
 
-// Levels at a ray, linear between the middles of the sectors.
-float level_at(const std::array<float, kSectors>& levels, int ray, int count) {
+// The background at a ray whose samples outside read `seen`: linear between the middles of the
+// sectors, or where an obstacle ends between them the nearer of the two.
+float ground_at(const std::array<float, kSectors>& levels, int ray, int count, float seen,
+                float contrast) {
   const float at = static_cast<float>(ray) * kSectors / static_cast<float>(count) - 0.5f;
   const int b = static_cast<int>(std::floor(at));
   const float t = at - static_cast<float>(b);
   const float a = levels[(b + kSectors) % kSectors], c = levels[(b + 1) % kSectors];
-  return a + t * (c - a);
+  if (std::abs(a - c) < kGroundTolerance * contrast) return a + t * (c - a);
+  return std::abs(seen - a) < std::abs(seen - c) ? a : c;
 }
 
 // Where the profile falls through `level`, in steps from the expected rim; outermost, within two
@@ -246,19 +259,28 @@ void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge
                 float& relative_noise) {
   edges.clear();
   const float noise = sample_noise(rays, n);
-  const auto grounds = ground_levels(rays, n, count);
+  const auto grounds = ground_levels(rays);
   rays.scratch.assign(grounds.begin(), grounds.end());
   const float ground = quantile(rays.scratch, 0.5);
   light.fit(ground, noise, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
   relative_noise = noise / std::max(usual, 1e-6f);
+  int blocked = -kBeside - 1;  // the last ray with something else outside
   for (int i = 0; i < n; ++i) {
-    const float outside = level_at(grounds, rays.ray[i], count);
-    const float contrast = light.at(rays.cos[i], rays.sin[i]) - outside;
-    if (contrast < kLeastContrast * usual || contrast < 6 * noise) continue;
     const float* p = rays.row(i);
-    Edge edge{i, 0, 0};
-    if (!cross(p, outside + 0.5f * contrast, edge.at)) continue;
+    const float ball = light.at(rays.cos[i], rays.sin[i]);
+    const float outside =
+        ground_at(grounds, rays.ray[i], count, p[kLength - 1], std::max(usual, 1e-6f));
+    const float contrast = ball - outside;
+    Edge edge{i, 0, 0, contrast / usual};
+    const bool seen = contrast > kLeastContrast * usual && contrast > 6 * noise &&
+                      std::abs(p[kLength - 1] - outside) < kGroundTolerance * contrast + 4 * noise;
+    if (!seen) {
+      blocked = i;
+      while (!edges.empty() && edges.back().index >= i - kBeside) edges.pop_back();
+      continue;
+    }
+    if (i - blocked <= kBeside || !cross(p, outside + 0.5f * contrast, edge.at)) continue;
     const float beyond = profile_at(p, edge.at + 2) - outside;
     if (std::abs(beyond) > kGroundTolerance * contrast + 3 * noise) continue;
     edge.fall = (profile_at(p, edge.at - 1) - profile_at(p, edge.at + 1)) / contrast;
@@ -303,8 +325,14 @@ void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, 
   find_edges(rays, light, n, count, edges, relative_noise);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
   trace.noise_px = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
+  // Errors grow where the contrast falls.
+  const auto error = [&](double contrast) {
+    return std::hypot(trace.noise_px / contrast, kPhase_px[sharp]);
+  };
+  const double usual = error(1);
   for (const Edge& edge : edges) {
     trace.points.push_back({rays.cos[edge.index], rays.sin[edge.index], step * edge.at,
+                            static_cast<float>(usual / error(edge.contrast)),
                             rays.ray[edge.index] * kRimSectors / count});
   }
 }

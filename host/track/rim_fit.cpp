@@ -19,8 +19,9 @@ using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 constexpr int kLearning = 40, kRefining = 5;  // steps at most
 constexpr int kLearnFrom = 180;               // points at least, where there are as many
-constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
-constexpr double kTransverse = 0.3;    // of |e|: how far a squashed ball may widen or shrink
+constexpr double kSignificant = 18.4;   // χ² with 2 degrees of freedom exceeds it once in 10 000
+constexpr double kPlainlyOval = 0.004;  // e/R of the search's rim
+constexpr double kTransverse = 0.3;     // of |e|: how far a squashed ball may widen or shrink
 constexpr double kRound_px = 0.05;
 constexpr double kAxisTilt = 0.1;  // of |e|: shape across the given compression axis
 
@@ -32,6 +33,7 @@ struct Estimate {
   double scale = 0;  // scatter of the clean points
   int points = 0;
   double arc = 0;
+  double oval = 0;  // of a circle: χ² that its residuals hold against it, 2 degrees of freedom
 };
 
 // How residuals are distributed. A clean edge errs by the noise, N(0, σ). Ink that reaches into
@@ -194,16 +196,18 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     const double j[5] = {c, sn, 1, c * c - sn * sn, 2 * c * sn};
     const double r =
         p.excess - (c * delta[0] + sn * delta[1] + delta[2] + j[3] * delta[3] + j[4] * delta[4]);
-    const Evidence e = density(r);
+    // In units in which all points err alike.
+    const Evidence e = density(r * p.weight);
+    const double once = p.weight, twice = once * once;
     ++s.count;
-    add_outer(e.curvature, j, s.curvature);
-    for (int m = 0; m < 5; ++m) s.score[m] += e.score * j[m];
+    add_outer(twice * e.curvature, j, s.curvature);
+    for (int m = 0; m < 5; ++m) s.score[m] += once * e.score * j[m];
     s.clean += e.clean;
     s.inked += e.inked;
     s.depth += e.inked * e.depth;
     s.noise_sq += e.noise_sq;
     if constexpr (kLast) {
-      add_outer(e.information, j, s.information);
+      add_outer(twice * e.information, j, s.information);
       s.information_sum += e.information;
       s.sector_score[p.sector] += e.score;
       if (e.clean + e.inked > 0.5) {
@@ -252,6 +256,16 @@ double inflation(const Sums& s, int parameters) {
   return std::max(1.0, between * freedom / std::max(s.information_sum, 1e-30));
 }
 
+// χ² of an ellipse against the circle fitted: the score that e1 and e2 have there (Rao's test).
+double score_test(const Sums& s, double wider) {
+  const Eigen::Matrix3d circle = s.information.topLeftCorner<3, 3>();
+  const Eigen::Matrix<double, 3, 2> cross = s.information.topRightCorner<3, 2>();
+  const Eigen::Matrix2d shape =
+      s.information.bottomRightCorner<2, 2>() - cross.transpose() * circle.ldlt().solve(cross);
+  const Eigen::Vector2d score = s.score.tail<2>();
+  return score.dot(shape.ldlt().solve(score)) / wider;
+}
+
 // Corrections and mixture from `delta` and `mixture` on: both are learnt from a part of the points,
 // then the corrections settle on all of them.
 Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool ellipse,
@@ -292,6 +306,7 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     result.delta = delta;
     result.covariance =
         Eigen::LDLT<Matrix5>(s.information / wider + known.precision).solve(Matrix5::Identity());
+    if (!ellipse) result.oval = score_test(s, wider);
     result.scale = mixture.sigma;
     result.points = s.points;
     for (int count : s.sector_points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
@@ -309,11 +324,11 @@ Vector5 outer(const RimTrace& trace) {
   return Vector5::Unit(2) * *rank;
 }
 
-// Are e1 and e2 more than noise? Wald's test; needs rim on most sides to tell shape from place.
-bool significant(const Rim& rim, const Estimate& fit) {
+// χ² of e1 and e2 (2 degrees of freedom) for a fitted ellipse: Wald's test.
+double wald(const Rim& rim, const Estimate& fit) {
   const Eigen::Vector2d e{rim.e1 + fit.delta[3], rim.e2 + fit.delta[4]};
   const Eigen::Matrix2d covariance = fit.covariance.bottomRightCorner<2, 2>();
-  return e.dot(covariance.ldlt().solve(e)) > kSignificant;
+  return e.dot(covariance.ldlt().solve(e));
 }
 
 }  // namespace
@@ -326,14 +341,21 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
   const double shrink = trace.edge_sigma_px * trace.edge_sigma_px / (2 * rim.r);
   const Vector5 start = outer(trace);
   Estimate best;
+  // A circle where the search saw none but small deviations, unless its residuals object.
   Mixture mixture;
-  if (allow_ellipse) {
-    best = estimate(trace, rim, prior, true, start, mixture, shrink);
-    fit.ellipse = best.ok && significant(rim, best);
+  if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
+    best = estimate(trace, rim, prior, false, start, mixture, shrink);
   }
-  if (!fit.ellipse) {
-    if (!best.ok) mixture = {};
-    best = estimate(trace, rim, prior, false, best.ok ? best.delta : start, mixture, shrink);
+  if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
+    Mixture oval_mixture;
+    const Estimate oval = estimate(trace, rim, prior, true, start, oval_mixture, shrink);
+    fit.ellipse = oval.ok && wald(rim, oval) > kSignificant;
+    if (fit.ellipse) {
+      best = oval;
+      mixture = oval_mixture;
+    } else if (!best.ok) {
+      best = estimate(trace, rim, prior, false, start, mixture, shrink);
+    }
   }
   if (!best.ok) return fit;
   fit.ok = true;

@@ -1,0 +1,82 @@
+// Time of the ball's circle per frame, with its error beside it (px, both axes, over the frames).
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/track/circle.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kRadius = 115;
+constexpr int kFrames = 8;
+
+struct Clip {
+  std::vector<Frame> frames;
+  std::vector<BallPose> poses;
+};
+
+// A ball of radius 115 px in 512×512, noise 2, at incommensurate places.
+Clip make_clip(const std::string& pattern) {
+  Clip clip;
+  Scene scene;
+  scene.noise_sigma = 2;
+  const BallRenderer renderer(paint_ball(pattern, 7, kRadius), scene);
+  for (int k = 0; k < kFrames; ++k) {
+    const BallPose pose{250.13 + 0.618 * k, 261.41 - 0.382 * k, 17.0 * k};
+    clip.poses.push_back(pose);
+    renderer.render(pose, k, clip.frames.emplace_back());
+  }
+  return clip;
+}
+
+// As in the middle of a clip: predicted to a fraction of a pixel.
+void measure(benchmark::State& state, const std::string& pattern) {
+  const Clip clip = make_clip(pattern);
+  double squares = 0;
+  std::int64_t n = 0;
+  for (auto _ : state) {
+    const int k = static_cast<int>(n % kFrames);
+    const BallPose& truth = clip.poses[k];
+    CirclePrior prior;
+    prior.predicted = {truth.cx_px + 0.21, truth.cy_px - 0.17, kRadius + 0.1};
+    prior.centre_sd_px = 0.3;
+    prior.rim_sd_px = 0.3;
+    prior.bright = true;
+    const CircleFit fit = measure_circle(clip.frames[k], prior, {});
+    benchmark::DoNotOptimize(fit);
+    squares += std::pow(fit.circle.cx_px - truth.cx_px, 2) +
+               std::pow(fit.circle.cy_px - truth.cy_px, 2);
+    ++n;
+  }
+  state.counters["rms_error_px"] = std::sqrt(squares / (2.0 * static_cast<double>(n)));
+}
+
+void find(benchmark::State& state, const std::string& pattern) {
+  const Clip clip = make_clip(pattern);
+  double worst = 0;
+  std::int64_t n = 0;
+  for (auto _ : state) {
+    const int k = static_cast<int>(n++ % kFrames);
+    const auto found = find_ball(clip.frames[k], {});
+    worst = std::max(worst, found ? std::hypot(found->cx_px - clip.poses[k].cx_px,
+                                               found->cy_px - clip.poses[k].cy_px)
+                                  : INFINITY);
+  }
+  state.counters["worst_error_px"] = worst;
+}
+
+BENCHMARK_CAPTURE(measure, b1, "b1")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, d3, "d3")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, e1, "e1")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(find, b1, "b1")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(find, e1, "e1")->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace impactdic
+
+BENCHMARK_MAIN();
