@@ -324,12 +324,13 @@ void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, 
   float relative_noise = 0;
   find_edges(rays, light, n, count, edges, relative_noise);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
-  trace.noise_px = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
+  const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.
   const auto error = [&](double contrast) {
-    return std::hypot(trace.noise_px / contrast, kPhase_px[sharp]);
+    return std::hypot(noise / contrast, kPhase_px[sharp]);
   };
   const double usual = error(1);
+  trace.noise_px = usual;
   for (const Edge& edge : edges) {
     trace.points.push_back({rays.cos[edge.index], rays.sin[edge.index], step * edge.at,
                             static_cast<float>(usual / error(edge.contrast)),

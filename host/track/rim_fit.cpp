@@ -19,6 +19,7 @@ using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 constexpr int kLearning = 40, kRefining = 5;  // steps at most
 constexpr int kLearnFrom = 180;               // points at least, where there are as many
+constexpr double kNoiseTrust = 1.5;
 constexpr double kSignificant = 18.4;   // χ² with 2 degrees of freedom exceeds it once in 10 000
 constexpr double kPlainlyOval = 0.004;  // e/R of the search's rim
 constexpr double kTransverse = 0.3;     // of |e|: how far a squashed ball may widen or shrink
@@ -33,6 +34,7 @@ struct Estimate {
   double scale = 0;  // scatter of the clean points
   int points = 0;
   double arc = 0;
+  double log_likelihood = 0;
   double oval = 0;  // of a circle: χ² that its residuals hold against it, 2 degrees of freedom
 };
 
@@ -43,11 +45,13 @@ struct Estimate {
 struct Mixture {
   double clean = 0.7, inked = 0.29;  // shares; the rest are strays
   double sigma = 0.15, tau = 0.5;    // px
+  double most_sigma = 1;             // px
 };
 constexpr double kStrays_per_px = 0.25;  // density of a stray, over the crossings' range of 4 px
 
 // What one residual says under a mixture.
 struct Evidence {
+  double total;            // density
   double clean, inked;     // posterior shares
   double score;            // −∂ ln p / ∂r
   double curvature;        // −∂² ln p / ∂r², without and
@@ -98,6 +102,7 @@ class Density {
     const double clean = m_.clean * normal, inked = m_.inked * skewed;
     const double per_total = 1 / (clean + inked + strays_);
     Evidence e;
+    e.total = clean + inked + strays_;
     e.clean = clean * per_total;
     e.inked = inked * per_total;
     // The depth given r is normal about −σ·a with σ, cut off at 0; `share` is its variance / σ².
@@ -175,6 +180,7 @@ struct Sums {
   // Of the last pass only.
   Matrix5 information = Matrix5::Zero();
   double information_sum = 0;
+  double log_likelihood = 0;
   std::array<double, kRimSectors> sector_score{};
   std::array<int, kRimSectors> sector_points{};
   int points = 0;
@@ -209,6 +215,7 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     if constexpr (kLast) {
       add_outer(twice * e.information, j, s.information);
       s.information_sum += e.information;
+      s.log_likelihood += std::log(e.total);
       s.sector_score[p.sector] += e.score;
       if (e.clean + e.inked > 0.5) {
         ++s.sector_points[p.sector];
@@ -238,6 +245,8 @@ Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
   m.inked /= sum;
   const double sigma = std::sqrt(s.noise_sq / std::max(s.clean + s.inked, 1e-9));
   m.sigma = std::max(toward(old.sigma, sigma, 0.002, 1.0), noise_px);
+  m.most_sigma = old.most_sigma;
+  m.sigma = std::max(std::min(m.sigma, m.most_sigma), 0.6 * old.sigma);
   // Depths like the noise could not be told from it.
   m.tau = std::max(toward(old.tau, s.depth / std::max(s.inked, 1e-9), 0.05, 2.0), 3 * m.sigma);
   return m;
@@ -307,11 +316,26 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     result.covariance =
         Eigen::LDLT<Matrix5>(s.information / wider + known.precision).solve(Matrix5::Identity());
     if (!ellipse) result.oval = score_test(s, wider);
+    result.log_likelihood = s.log_likelihood;
     result.scale = mixture.sigma;
     result.points = s.points;
     for (int count : s.sector_points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
     return result;
   }
+}
+
+// The better of two explanations of a wide scatter: rough edges, or ink in most of them with the
+// camera's noise.
+Estimate explain(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool ellipse,
+                 const Vector5& start, Mixture& mixture, double shrink_px) {
+  const Estimate rough = estimate(trace, rim, prior, ellipse, start, mixture, shrink_px);
+  const double most = kNoiseTrust * trace.noise_px;
+  if (rough.ok && mixture.sigma <= most) return rough;
+  Mixture inked{.clean = 0.2, .inked = 0.79, .most_sigma = most};
+  const Estimate other = estimate(trace, rim, prior, ellipse, start, inked, shrink_px);
+  if (rough.ok && !(other.ok && other.log_likelihood > rough.log_likelihood)) return rough;
+  mixture = inked;
+  return other;
 }
 
 // A first radius: nine tenths of the crossings lie inside it.
@@ -344,17 +368,17 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
   // A circle where the search saw none but small deviations, unless its residuals object.
   Mixture mixture;
   if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
-    best = estimate(trace, rim, prior, false, start, mixture, shrink);
+    best = explain(trace, rim, prior, false, start, mixture, shrink);
   }
   if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
     Mixture oval_mixture;
-    const Estimate oval = estimate(trace, rim, prior, true, start, oval_mixture, shrink);
+    const Estimate oval = explain(trace, rim, prior, true, start, oval_mixture, shrink);
     fit.ellipse = oval.ok && wald(rim, oval) > kSignificant;
     if (fit.ellipse) {
       best = oval;
       mixture = oval_mixture;
     } else if (!best.ok) {
-      best = estimate(trace, rim, prior, false, start, mixture, shrink);
+      best = explain(trace, rim, prior, false, start, mixture, shrink);
     }
   }
   if (!best.ok) return fit;
