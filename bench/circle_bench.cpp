@@ -49,8 +49,8 @@ void measure(benchmark::State& state, const std::string& pattern) {
     prior.bright = true;
     const CircleFit fit = measure_circle(clip.frames[k], prior, {});
     benchmark::DoNotOptimize(fit);
-    squares += std::pow(fit.circle.cx_px - truth.cx_px, 2) +
-               std::pow(fit.circle.cy_px - truth.cy_px, 2);
+    squares +=
+        std::pow(fit.circle.cx_px - truth.cx_px, 2) + std::pow(fit.circle.cy_px - truth.cy_px, 2);
     ++n;
   }
   state.counters["rms_error_px"] = std::sqrt(squares / (2.0 * static_cast<double>(n)));

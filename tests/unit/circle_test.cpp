@@ -1,0 +1,192 @@
+// Finding, measuring and tracking the ball on rendered pictures: the situations. How exact the
+// measurement is stands in tests/accuracy/circle_accuracy_test.cpp.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "host/track/ball_tracker.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kRadius = 60;
+
+Scene small_scene() {
+  Scene scene;
+  scene.width = 240;
+  scene.height = 220;
+  scene.noise_sigma = 2;
+  return scene;
+}
+
+Frame picture(const SpeckleBall& ball, const Scene& scene, const BallPose& pose) {
+  Frame frame;
+  BallRenderer(ball, scene).render(pose, 0, frame);
+  return frame;
+}
+
+double miss(const Circle& circle, const BallPose& pose) {
+  return std::hypot(circle.cx_px - pose.cx_px, circle.cy_px - pose.cy_px);
+}
+
+TEST(FindBall, SpeckledBallOnADarkGround) {
+  const BallPose pose{118.3, 101.8};
+  for (const char* pattern : {"a1", "c3", "d3", "e1"}) {
+    const Frame frame = picture(paint_ball(pattern, 3, kRadius), small_scene(), pose);
+    const auto found = find_ball(frame, {});
+    ASSERT_TRUE(found) << pattern;
+    EXPECT_LT(miss(*found, pose), 1) << pattern;
+    EXPECT_NEAR(found->r_px, kRadius, 1) << pattern;
+  }
+}
+
+TEST(FindBall, DarkBallBeforeALampBesideAPlate) {
+  Scene scene = small_scene();
+  scene.white = 45;
+  scene.ink = 70;
+  scene.background = 220;
+  scene.bar = OccludingBar{120, 205, 0, 40, 100};  // a plate just below, that the ball nears
+  const BallPose pose{97.4, 118.7};
+  const Frame frame = picture(paint_ball("b1", 3, kRadius), scene, pose);
+  const auto found = find_ball(frame, {});
+  ASSERT_TRUE(found);
+  EXPECT_LT(miss(*found, pose), 1);
+  const CircleFit fit = measure_circle(frame, {.predicted = *found}, {});
+  ASSERT_EQ(fit.status, CircleStatus::ok);
+  EXPECT_FALSE(fit.bright);
+  EXPECT_LT(miss(fit.circle, pose), 0.02);
+}
+
+TEST(FindBall, LeavesABarOrAnEmptyPictureAlone) {
+  Scene scene = small_scene();
+  const BallPose far_away{-500, -500};
+  EXPECT_FALSE(find_ball(picture({kRadius, {}, {}}, scene, far_away), {}));
+  scene.bar = OccludingBar{120, 110, 20, 50, 190};
+  EXPECT_FALSE(find_ball(picture({kRadius, {}, {}}, scene, far_away), {}));
+}
+
+TEST(FindBall, KeepsToTheRadiusRange) {
+  const BallPose pose{118.3, 101.8};
+  const Frame frame = picture(paint_ball("c1", 3, kRadius), small_scene(), pose);
+  EXPECT_FALSE(find_ball(frame, {.radius_range_px = {{20, 45}}}));
+  EXPECT_TRUE(find_ball(frame, {.radius_range_px = {{50, 70}}}));
+}
+
+TEST(MeasureCircle, WorksAtTwelveBits) {
+  Scene scene = small_scene();
+  scene.bits = 12;
+  const BallPose pose{118.3, 101.8};
+  const Frame frame = picture(paint_ball("c1", 3, kRadius), scene, pose);
+  const CircleFit fit = measure_circle(frame, {.predicted = {119.5, 101, 61}}, {});
+  ASSERT_EQ(fit.status, CircleStatus::ok);
+  EXPECT_LT(miss(fit.circle, pose), 0.01);
+  EXPECT_NEAR(fit.circle.r_px, kRadius, 0.01);
+}
+
+TEST(MeasureCircle, RimPartlyOutsideThePicture) {
+  const SpeckleBall ball = paint_ball("c1", 3, kRadius);
+  for (const double x : {20.0, 8.0}) {
+    const BallPose pose{x + 0.37, 104.2};
+    const Frame frame = picture(ball, small_scene(), pose);
+    const CircleFit fit = measure_circle(frame, {.predicted = {x, 105, 60.4}}, {});
+    ASSERT_EQ(fit.status, CircleStatus::ok) << x;
+    EXPECT_LT(fit.rim_fraction, 0.75) << x;
+    EXPECT_LT(std::abs(fit.circle.cx_px - pose.cx_px), std::max(0.02, 4 * fit.cx_sd_px)) << x;
+    EXPECT_LT(std::abs(fit.circle.cy_px - pose.cy_px), std::max(0.02, 4 * fit.cy_sd_px)) << x;
+  }
+}
+
+TEST(MeasureCircle, OutOfView) {
+  const BallPose pose{-25, 104.2};
+  const Frame frame = picture(paint_ball("c1", 3, kRadius), small_scene(), pose);
+  const CircleFit fit = measure_circle(frame, {.predicted = {-25, 104, 60}}, {});
+  EXPECT_EQ(fit.status, CircleStatus::out_of_view);
+}
+
+TEST(MeasureCircle, NoBall) {
+  const Frame frame = picture({kRadius, {}, {}}, small_scene(), {-500, -500});
+  EXPECT_EQ(measure_circle(frame, {.predicted = {118, 101, 60}}, {}).status, CircleStatus::no_ball);
+}
+
+TEST(MeasureCircle, EllipseOnlyWhereTheBallDemandsIt) {
+  const SpeckleBall ball = paint_ball("c1", 3, kRadius);
+  const CirclePrior prior{.predicted = {118, 102, 60}};
+  EXPECT_FALSE(measure_circle(picture(ball, small_scene(), {118.3, 101.8}), prior, {}).ellipse);
+  // 5 % shorter along 30° (screen), that is −30° in image axes: long axis at 60°.
+  const BallPose squashed{118.3, 101.8, 0, 0.05, 30};
+  const Frame frame = picture(ball, small_scene(), squashed);
+  const CircleFit fit = measure_circle(frame, prior, {});
+  ASSERT_TRUE(fit.ellipse);
+  EXPECT_NEAR(fit.circle.r_px, kRadius * 0.975, 0.02);
+  EXPECT_NEAR(std::hypot(fit.e1_px, fit.e2_px), kRadius * 0.025, 0.02);
+  EXPECT_NEAR(0.5 * std::atan2(fit.e2_px, fit.e1_px) * kDegPerRad, 60, 0.5);
+  EXPECT_FALSE(measure_circle(frame, prior, {.allow_ellipse = false}).ellipse);
+}
+
+TEST(MeasureCircle, TheSameOnEveryCall) {
+  const Frame frame = picture(paint_ball("e1", 3, kRadius), small_scene(), {118.3, 101.8});
+  const CirclePrior prior{.predicted = {119, 101, 60}};
+  const CircleFit first = measure_circle(frame, prior, {});
+  const Frame other = picture(paint_ball("c1", 4, kRadius), small_scene(), {110, 105});
+  measure_circle(other, {.predicted = {110, 105, 60}}, {});  // leaves its memory behind
+  const CircleFit second = measure_circle(frame, prior, {});
+  EXPECT_EQ(first.circle.cx_px, second.circle.cx_px);
+  EXPECT_EQ(first.circle.cy_px, second.circle.cy_px);
+  EXPECT_EQ(first.cx_sd_px, second.cx_sd_px);
+}
+
+TEST(MeasureCircle, RefusesNonsense) {
+  const Frame frame = picture({kRadius, {}, {}}, small_scene(), {118, 102});
+  EXPECT_THROW(measure_circle(frame, {}, {}), InvalidArgument);
+  EXPECT_THROW(measure_circle(frame, {.predicted = {118, 102, 60}}, {.rays = 3}), InvalidArgument);
+  EXPECT_THROW(find_ball(frame, {.radius_range_px = {{50, 40}}}), InvalidArgument);
+}
+
+TEST(BallTracker, FollowsABounceAndFindsTheBallAgain) {
+  const BallRenderer renderer(paint_ball("c1", 3, 40), small_scene());
+  BallTracker tracker;
+  Frame frame;
+  for (int k = 0; k < 24; ++k) {
+    // Down at 7 px a frame, up again at 5; out of sight in frames 15 … 17.
+    const double y = k < 10 ? 70 + 7.0 * k : 140 - 5.0 * (k - 10);
+    const bool hidden = k >= 15 && k < 18;
+    const BallPose pose{hidden ? -500 : 100.2 + 1.1 * k, y};
+    renderer.render(pose, k, frame);
+    const CircleFit fit = tracker.track(frame, k);
+    if (hidden) {
+      EXPECT_EQ(fit.status, CircleStatus::no_ball) << k;
+    } else {
+      ASSERT_EQ(fit.status, CircleStatus::ok) << k;
+      EXPECT_LT(miss(fit.circle, pose), 0.02) << k;
+    }
+  }
+  ASSERT_TRUE(tracker.radius_px());
+  EXPECT_NEAR(*tracker.radius_px(), 40, 0.01);
+}
+
+TEST(BallTracker, SaysWhenTheBallLeaves) {
+  const BallRenderer renderer(paint_ball("c1", 3, 40), small_scene());
+  BallTracker tracker;
+  Frame frame;
+  std::vector<CircleStatus> statuses;
+  for (int k = 0; k < 12; ++k) {
+    const BallPose pose{90.4 - 11.0 * k, 110};
+    renderer.render(pose, k, frame);
+    const CircleFit fit = tracker.track(frame, k);
+    statuses.push_back(fit.status);
+    if (pose.cx_px > 0) {
+      ASSERT_EQ(fit.status, CircleStatus::ok) << k;
+      EXPECT_LT(miss(fit.circle, pose), std::max(0.02, 5 * fit.cx_sd_px)) << k;
+    } else if (pose.cx_px > -40) {
+      EXPECT_NE(fit.status, CircleStatus::ok) << k;
+    }
+  }
+  EXPECT_EQ(statuses[9], CircleStatus::out_of_view);
+}
+
+}  // namespace
+}  // namespace impactdic
