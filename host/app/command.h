@@ -27,6 +27,7 @@ void add_common_options(CLI::App& command, Common& common);
 std::filesystem::path prepare_output_directory(const std::string& dir, bool force);
 
 // Each adds its command; main.cpp lists those that the program has.
+void add_batch_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_track_command(CLI::App& app);

@@ -39,6 +39,7 @@ void add_commands(CLI::App& app) {
   add_devices_command(app);
   add_info_command(app);
   add_track_command(app);
+  add_batch_command(app);
   add_correlate_command(app);
   add_fit_command(app);
   add_compare_command(app);

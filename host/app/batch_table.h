@@ -1,0 +1,28 @@
+// What `batch` works on: the clips of a folder, and what a table says of each shot.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace impactdic::app {
+
+struct BatchShot {
+  std::filesystem::path clip;
+  std::string name;               // of the folder of its results
+  std::string surface_angle_deg;  // as the table has it; empty: as the job says
+  std::string drop_height_mm, notes;
+  bool listed = false;  // stands in the table
+};
+
+// The clips of `folder` in natural order: files with a clip's extension, and sub-folders of
+// pictures (two at least). Throws InvalidArgument where there is none.
+std::vector<BatchShot> shots_in_folder(const std::filesystem::path& folder);
+
+// Reads the table (CSV with a column `file`, and of surface_angle_deg, drop_height_mm, notes those
+// that it has) into `shots`. `file` is a clip's name with or without its extension. Throws
+// FileError, FormatError; InvalidArgument for a file that is not in the folder or stands twice, an
+// unknown column, or a value that is no number.
+void read_shot_table(const std::filesystem::path& table, std::vector<BatchShot>& shots);
+
+}  // namespace impactdic::app
