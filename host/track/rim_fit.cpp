@@ -20,7 +20,8 @@ using Matrix5 = Eigen::Matrix<double, 5, 5>;
 constexpr int kLearning = 40, kRefining = 5;  // steps at most
 constexpr int kLearnFrom = 180;               // points at least, where there are as many
 constexpr double kNoiseTrust = 1.5;
-constexpr double kSignificant = 18.4;   // χ² with 2 degrees of freedom exceeds it once in 10 000
+constexpr double kCommon_px = 0.008;   // leaves 0.0015 px of a centre, as pictures without noise do
+constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
 constexpr double kPlainlyOval = 0.004;  // e/R of the search's rim
 constexpr double kTransverse = 0.3;     // of |e|: how far a squashed ball may widen or shrink
 constexpr double kRound_px = 0.05;
@@ -54,8 +55,7 @@ struct Evidence {
   double total;            // density
   double clean, inked;     // posterior shares
   double score;            // −∂ ln p / ∂r
-  double curvature;        // −∂² ln p / ∂r², without and
-  double information;      // with the part lost to not knowing which kind the point is
+  double curvature;        // −∂² ln p / ∂r² were it known which kind the point is
   double depth, noise_sq;  // expected depth if inked; expected squared noise, either kind
 };
 
@@ -112,8 +112,6 @@ class Density {
     const double score_clean = r * precision_, score_inked = noise_inked * precision_;
     e.score = e.clean * score_clean + e.inked * score_inked;
     e.curvature = precision_ * (e.clean + e.inked * (1 - share));
-    e.information = e.curvature - (e.clean * score_clean * score_clean +
-                                   e.inked * score_inked * score_inked - e.score * e.score);
     e.noise_sq =
         e.clean * r * r + e.inked * (noise_inked * noise_inked + share * m_.sigma * m_.sigma);
     return e;
@@ -178,10 +176,10 @@ struct Sums {
   int count = 0;
   double clean = 0, inked = 0, depth = 0, noise_sq = 0;
   // Of the last pass only.
-  Matrix5 information = Matrix5::Zero();
+  Matrix5 information = Matrix5::Zero();  // Σ ψ² j jᵀ: what the points tell (Fisher)
   double information_sum = 0;
   double log_likelihood = 0;
-  std::array<double, kRimSectors> sector_score{};
+  std::array<double, kRimSectors> sector_score{}, sector_information{};
   std::array<int, kRimSectors> sector_points{};
   int points = 0;
 };
@@ -213,10 +211,11 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     s.depth += e.inked * e.depth;
     s.noise_sq += e.noise_sq;
     if constexpr (kLast) {
-      add_outer(twice * e.information, j, s.information);
-      s.information_sum += e.information;
+      add_outer(twice * e.score * e.score, j, s.information);
+      s.information_sum += e.score * e.score;
       s.log_likelihood += std::log(e.total);
       s.sector_score[p.sector] += e.score;
+      s.sector_information[p.sector] += e.score * e.score;
       if (e.clean + e.inked > 0.5) {
         ++s.sector_points[p.sector];
         ++s.points;
@@ -252,17 +251,20 @@ Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
   return m;
 }
 
-// How much wider the score scatters than the mixture says, neighbours' common part included: from
-// the sums over sectors; independent errors add up as roots, common ones do not.
+// How much wider the score scatters than that of independent points. What neighbours share is seen
+// in the sums over sectors: independent errors add up as roots, common ones do not. Levels and
+// pixel phases that are common to longer arcs add kCommon_px to every sector.
 double inflation(const Sums& s, int parameters) {
-  double between = 0;
+  double between = 0, common = 0;
   int used = 0;
   for (int b = 0; b < kRimSectors; ++b) {
     between += s.sector_score[b] * s.sector_score[b];
+    common += std::pow(kCommon_px * s.sector_information[b], 2);
     used += s.sector_points[b] > 0;
   }
   const double freedom = static_cast<double>(used) / std::max(1, used - parameters);
-  return std::max(1.0, between * freedom / std::max(s.information_sum, 1e-30));
+  const double sum = std::max(s.information_sum, 1e-30);
+  return std::max(1.0, between * freedom / sum) + common / sum;
 }
 
 // χ² of an ellipse against the circle fitted: the score that e1 and e2 have there (Rao's test).

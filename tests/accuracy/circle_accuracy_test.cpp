@@ -1,0 +1,130 @@
+// How exactly the ball's circle is measured: rendered balls of radius 115 px, noise 2, patterns a1
+// (sparse) and e1 (dense), places incommensurate with the pixels, seeds 100, 101, … (not chosen).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/units.h"
+#include "host/track/circle.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kRadius = 115;
+constexpr int kBalls = 12;
+
+struct Condition {
+  bool bar = false;
+  double compression = 0;  // along the screen's vertical
+  double shading = 0;
+  bool radius_known = false;  // from earlier frames of the clip
+};
+
+struct Errors {
+  double rms_px = 0;  // per axis
+  double radius_rms_px = 0;
+  double normalised = 0;  // mean square of error over its stated deviation
+};
+
+// The lower 30 % of the rim hidden: a bar whose upper edge cuts the rim at ±54° from straight down.
+OccludingBar bar_over_rim(const BallPose& pose) {
+  OccludingBar bar;
+  bar.width_px = 2.5 * kRadius;
+  bar.x_px = pose.cx_px;
+  bar.y_px = pose.cy_px + kRadius * std::cos(0.3 * kPi) + bar.width_px / 2;
+  return bar;
+}
+
+// Painting takes longer than all the rest.
+const SpeckleBall& painted(const std::string& pattern, int seed) {
+  static std::map<std::pair<std::string, int>, SpeckleBall> balls;
+  const auto [at, is_new] = balls.try_emplace({pattern, seed});
+  if (is_new) at->second = paint_ball(pattern, static_cast<std::uint64_t>(seed), kRadius);
+  return at->second;
+}
+
+Errors measure_balls(const std::string& pattern, const Condition& condition) {
+  double squares = 0, radius_squares = 0, normalised = 0;
+  for (int k = 0; k < kBalls; ++k) {
+    const BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
+                        260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
+                        condition.compression, 90};
+    Scene scene;
+    scene.noise_sigma = 2;
+    scene.noise_seed = static_cast<std::uint64_t>(k) + 1;
+    scene.shading = condition.shading;
+    if (condition.bar) scene.bar = bar_over_rim(pose);
+    Frame frame;
+    BallRenderer(painted(pattern, 100 + k), scene).render(pose, k, frame);
+    // As after a Hough transform: a pixel or two away, the shape unknown.
+    CirclePrior prior;
+    prior.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4};
+    if (condition.radius_known) {
+      prior.radius_px = kRadius;
+      prior.radius_sd_px = 0.01;
+      prior.compression_axis_rad = kPi / 2;
+    }
+    const CircleFit fit = measure_circle(frame, prior, {});
+    EXPECT_EQ(fit.status, CircleStatus::ok) << pattern << " " << k;
+    const double ex = fit.circle.cx_px - pose.cx_px, ey = fit.circle.cy_px - pose.cy_px;
+    const double er = fit.circle.r_px - kRadius * (1 - condition.compression / 2);
+    squares += (ex * ex + ey * ey) / 2;
+    radius_squares += er * er;
+    normalised += (std::pow(ex / fit.cx_sd_px, 2) + std::pow(ey / fit.cy_sd_px, 2)) / 2;
+  }
+  const Errors errors{std::sqrt(squares / kBalls), std::sqrt(radius_squares / kBalls),
+                      normalised / kBalls};
+  ::testing::Test::RecordProperty("rms_px_" + pattern, std::to_string(errors.rms_px));
+  std::printf("%s: centre %.4f px rms, radius %.4f px, normalised errors squared %.2f\n",
+              pattern.c_str(), errors.rms_px, errors.radius_rms_px, errors.normalised);
+  return errors;
+}
+
+TEST(CircleAccuracy, Plain) {
+  EXPECT_LE(measure_balls("a1", {}).rms_px, 0.005);
+  EXPECT_LE(measure_balls("e1", {}).rms_px, 0.01);
+}
+
+TEST(CircleAccuracy, ThirtyPercentOfTheRimHidden) {
+  EXPECT_LE(measure_balls("a1", {.bar = true}).rms_px, 0.01);
+  // One frame of a dense ball by itself leaves 0.023 px: centre and radius go together.
+  EXPECT_LE(measure_balls("e1", {.bar = true, .radius_known = true}).rms_px, 0.02);
+}
+
+TEST(CircleAccuracy, FivePercentCompressed) {
+  EXPECT_LE(measure_balls("a1", {.compression = 0.05}).rms_px, 0.01);
+  EXPECT_LE(measure_balls("e1", {.compression = 0.05}).rms_px, 0.015);
+}
+
+TEST(CircleAccuracy, HiddenAndCompressed) {
+  EXPECT_LE(measure_balls("a1", {.bar = true, .compression = 0.05, .radius_known = true}).rms_px,
+            0.05);
+  EXPECT_LE(measure_balls("e1", {.bar = true, .compression = 0.05, .radius_known = true}).rms_px,
+            0.5);
+}
+
+TEST(CircleAccuracy, Shaded) {
+  EXPECT_LE(measure_balls("a1", {.shading = 0.5}).rms_px, 0.05);
+  EXPECT_LE(measure_balls("e1", {.shading = 0.5}).rms_px, 0.05);
+}
+
+// Errors over their stated deviations have unit variance. 60 balls make 120 of them, so that their
+// mean square is known to 13 %; neighbouring pictures of a pattern share no noise.
+TEST(CircleAccuracy, DeviationsAreHonest) {
+  double sum = 0;
+  const std::vector<std::string> patterns = {"a1", "b1", "c1", "d1", "e1"};
+  for (const std::string& pattern : patterns) sum += measure_balls(pattern, {}).normalised;
+  const double deviation = std::sqrt(sum / static_cast<double>(patterns.size()));
+  EXPECT_GT(deviation, 0.85);
+  EXPECT_LT(deviation, 1.15);
+}
+
+}  // namespace
+}  // namespace impactdic
