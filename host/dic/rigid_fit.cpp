@@ -155,6 +155,8 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
                  Sums& sums, double& cut) {
   constexpr std::size_t kFewest = 12;
   constexpr double kSignificant = 30;
+  // A few odd windows at the rim look like a weak strain; one that matters halves the residuals.
+  constexpr double kClearly = 0.6;
   if (pairs.size() < kFewest) return;
   Motion strained = motion;
   double wide = cut_of(motion, pairs);
@@ -178,6 +180,7 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
   const double rest = sum_of_squares(strained, pairs, kept);
   const double rigid = sum_of_squares(fit(pairs, kept, rigid_sums), pairs, kept);
   if (!(rigid - rest > kSignificant * rest / (2 * counted - 6))) return;
+  if (!(median_residual(strained, pairs) < kClearly * median_residual(motion, pairs))) return;
   motion = strained;
   weights = kept;
   sums = strained_sums;

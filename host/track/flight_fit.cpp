@@ -66,10 +66,7 @@ class FlightSolver {
     fit.ok = true;
     fit.state = solution_.head<kFlightStates>();
     fit.covariance = covariance_.topLeftCorner<kFlightStates, kFlightStates>();
-    fit.disagreement = disagreement();
-    for (const int column : kVelocities) {
-      fit.covariance(column, column) += fit.disagreement * fit.disagreement / 4;
-    }
+    take_disagreement(fit);
     fit.gravity = gravity();
     fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(kGravityColumn, kGravityColumn));
     fit.position_scale = scale_[0];
@@ -157,33 +154,51 @@ class FlightSolver {
   }
 
   // Scatter cannot show what is wrong in every frame alike: a drift of the circle, a bias of the
-  // measured steps. But centres and steps give each velocity twice, independently. Root mean
-  // square of the four differences beyond chance; 0 where chance explains them (98.3 %).
-  double disagreement() const {
+  // measured steps. But centres and steps give each velocity twice, independently. Where they
+  // differ by more than chance (98.3 %) either may be right: the distance to the farther one, and
+  // at least half of the usual difference, is a deviation more.
+  void take_disagreement(FlightFit& fit) const {
     constexpr double kChance = 12.0;
-    double chi_square = 0, beyond = 0;
-    for (const int column : kVelocities) {
-      double step = 0, step_weight = 0;                // weighted mean
-      double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;  // weighted line
-      for (const Datum& d : data_) {
-        if (!d.used || d.column[1] != column) continue;
-        const double weight = 1 / (sd(d) * sd(d)), x = d.slope[1];
-        const double y = d.value - d.gravity_slope * gravity();
-        if (d.is_step) {
-          step += weight * y, step_weight += weight;
-        } else {
-          w += weight, wx += weight * x, wxx += weight * x * x, wy += weight * y;
-          wxy += weight * x * y;
-        }
-      }
-      const double spread = w * wxx - wx * wx;
-      if (!(step_weight > 0) || !(spread > 0)) return 0;
-      const double off = step / step_weight - (w * wxy - wx * wy) / spread;
-      const double chance = 1 / step_weight + w / spread;
-      chi_square += off * off / chance;
-      beyond += (off * off - chance) / 4;
+    double chi_square = 0, squares = 0;
+    std::array<double, kVelocities.size()> farther{};
+    for (std::size_t i = 0; i < kVelocities.size(); ++i) {
+      const std::optional<TwoVelocities> two = two_velocities(kVelocities[i]);
+      if (!two) return;
+      const double off = two->of_steps - two->of_centres, both = solution_[kVelocities[i]];
+      chi_square += off * off / two->chance;
+      squares += std::max(0.0, off * off - two->chance);
+      farther[i] = std::max(std::abs(both - two->of_steps), std::abs(both - two->of_centres));
     }
-    return chi_square > kChance ? std::sqrt(std::max(0.0, beyond)) : 0;
+    if (!(chi_square > kChance)) return;
+    fit.disagreement = std::sqrt(squares / static_cast<double>(kVelocities.size()));
+    for (std::size_t i = 0; i < kVelocities.size(); ++i) {
+      const double more = std::max(farther[i], fit.disagreement / 2);
+      fit.covariance(kVelocities[i], kVelocities[i]) += more * more;
+    }
+  }
+
+  struct TwoVelocities {
+    double of_steps, of_centres, chance;  // chance: variance of their difference
+  };
+  // Weighted mean of the steps and slope of the weighted line through the centres.
+  std::optional<TwoVelocities> two_velocities(int column) const {
+    double step = 0, step_weight = 0;
+    double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
+    for (const Datum& d : data_) {
+      if (!d.used || d.column[1] != column) continue;
+      const double weight = 1 / (sd(d) * sd(d)), x = d.slope[1];
+      const double y = d.value - d.gravity_slope * gravity();
+      if (d.is_step) {
+        step += weight * y, step_weight += weight;
+      } else {
+        w += weight, wx += weight * x, wxx += weight * x * x;
+        wy += weight * y, wxy += weight * x * y;
+      }
+    }
+    const double spread = w * wxx - wx * wx;
+    if (!(step_weight > 0) || !(spread > 0)) return std::nullopt;
+    return TwoVelocities{step / step_weight, (w * wxy - wx * wy) / spread,
+                         1 / step_weight + w / spread};
   }
 
   bool reject() {

@@ -26,8 +26,8 @@ struct FlightFit {
   double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
   double position_scale = 1;           // scatter over the deviations that the track states
   double step_scale = 1;
-  // px/frame: what the velocities of centres and of steps differ by, beyond chance. Half of it is
-  // in the velocities' deviations.
+  // px/frame: what the velocities of centres and of steps differ by, beyond chance. It is part
+  // of the velocities' deviations.
   double disagreement = 0;
   int used = 0, rejected = 0;
 };

@@ -85,7 +85,7 @@ struct ImpactAnalysis {
   double position_scatter = kNotMeasured;  // in flight, over what the track states
   double step_scatter = kNotMeasured;
   // px/frame: between the velocities of centres and of measured motions, beyond chance; 0 where
-  // they agree. Half of it is part of the velocities' deviations.
+  // they agree. It is part of the velocities' deviations.
   double disagreement = kNotMeasured;
 };
 
