@@ -12,7 +12,7 @@ namespace {
 constexpr double kRimInView = 0.35;  // less of the rim than this in the picture: out of view
 constexpr double kLeastArc = 0.12;   // share of the rim's sectors that must hold points
 constexpr int kLeastPoints = 24;
-constexpr double kDense = 0.35;   // share of inked points above which a sharp kernel is better
+constexpr double kDense = 0.6;    // share of inked points above which a sharp kernel is better
 constexpr double kRetrace = 0.1;  // px; a fit farther from its rays' rim is traced again
 
 double distance(const Rim& a, const Rim& b) {

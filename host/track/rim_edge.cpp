@@ -14,8 +14,7 @@ namespace {
 constexpr int kSectors = 24;  // of the rim, in which levels are found
 constexpr int kHalf = 3;      // a profile is 2·kHalf + 1 samples about the expected rim
 constexpr int kLength = 2 * kHalf + 1;
-constexpr int kLevelsEvery = 3;               // rays from one that looks for levels to the next
-constexpr int kLightFrom = 3, kLightTo = 13;  // steps inside
+constexpr int kLevelsEvery = 3;        // rays from one that looks for levels to the next
 constexpr double kSharpest_px = 0.75;  // a wider edge is sampled on proportionally wider steps
 constexpr int kBeside = 3;  // rays beside one with an obstacle that the obstacle's blur reaches
 constexpr float kPhase_px[2] = {0.006f, 0.02f};  // error with the pixels' phase, smooth and sharp
@@ -86,24 +85,35 @@ std::array<float, kSectors> ground_levels(Rays& rays) {
 // a window about it that shrinks to the noise.
 class BallLight {
  public:
-  // A sample at (x, y) radii from the centre, on a ray with that number.
-  void add(float x, float y, int ray, float level) { samples_.push_back({x, y, level, ray}); }
-  void clear() { samples_.clear(); }
+  static constexpr int kDepths = 6;
+  // Samples of one ray, 3, 5 … 13 steps inside; (x, y) is the place of their middle, in radii from
+  // the centre, and `step` a step in the same unit.
+  struct Column {
+    float x, y, step;
+    int ray;
+    std::array<float, kDepths> level;
+  };
+  static float depth(int k) { return static_cast<float>(3 + 2 * k); }
+  static constexpr float kMiddle = 8;
+
+  void clear() { columns_.clear(); }
+  void add(const Column& column) { columns_.push_back(column); }
 
   // `ground` is the background's level.
   void fit(float ground, float noise, int rays, std::vector<float>& scratch) {
-    std::array<Sample, kSectors> bright;
+    std::array<Bright, kSectors> bright;
     int sectors = 0;
     std::size_t first = 0;
-    for (int sector = 0; sector < kSectors; ++sector) {  // samples come in the order of the rays
+    for (int sector = 0; sector < kSectors; ++sector) {  // columns come in the order of the rays
       scratch.clear();
       const std::size_t begin = first;
-      while (first < samples_.size() && samples_[first].ray * kSectors / rays == sector) {
-        scratch.push_back(samples_[first++].level);
+      while (first < columns_.size() && columns_[first].ray * kSectors / rays == sector) {
+        const auto& level = columns_[first++].level;
+        scratch.insert(scratch.end(), level.begin(), level.end());
       }
       if (scratch.size() < 8) continue;
-      bright[sectors] = samples_[(begin + first) / 2];
-      bright[sectors++].level = quantile(scratch, 0.95);
+      const Column& middle = columns_[(begin + first) / 2];
+      bright[sectors++] = {middle.x, middle.y, quantile(scratch, 0.95)};
     }
     // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
     w_.setZero();
@@ -132,9 +142,8 @@ class BallLight {
  private:
   using Vector5 = Eigen::Matrix<double, 5, 1>;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
-  struct Sample {
+  struct Bright {
     float x, y, level;
-    int ray;
   };
   static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
 
@@ -143,18 +152,29 @@ class BallLight {
     Matrix5 a = Matrix5::Zero();
     for (int m = 0; m < 5; ++m) a(m, m) = 5;
     Vector5 b = a * w_;
-    for (const Sample& sample : samples_) {
-      const Vector5 j = basis(sample.x, sample.y);
-      if (std::abs(sample.level - static_cast<float>(w_.dot(j))) > window) continue;
-      for (int m = 0; m < 5; ++m) {
-        for (int n = 0; n <= m; ++n) a(m, n) += j[m] * j[n];
-        b[m] += j[m] * sample.level;
+    for (const Column& column : columns_) {
+      const Vector5 j = basis(column.x, column.y);
+      const float expected = static_cast<float>(w_.dot(j));
+      // The light changes along the ray as the place does.
+      const float slope = (expected - static_cast<float>(w_[0])) * column.step *
+                          (1 / std::hypot(column.x, column.y));
+      float sum = 0;
+      int n = 0;
+      for (int k = 0; k < kDepths; ++k) {
+        const float level = column.level[k] - slope * (kMiddle - depth(k));
+        const bool near = std::abs(level - expected) <= window;
+        sum += near ? level : 0;
+        n += near;
+      }
+      for (int p = 0; p < 5; ++p) {
+        for (int q = 0; q <= p; ++q) a(p, q) += n * j[p] * j[q];
+        b[p] += j[p] * sum;
       }
     }
     w_ = a.ldlt().solve(b);  // reads the lower triangle
   }
 
-  std::vector<Sample> samples_;
+  std::vector<Column> columns_;
   Vector5 w_ = Vector5::Zero();
 };
 
@@ -181,19 +201,25 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
         p[k + kHalf] = sign * sampler.template bicubic<kSharp>(px, py);
       }
       if (i % kLevelsEvery == 0) {
-        const auto level = [&](int k) {
-          return sign *
-                 sampler.bilinear(x + static_cast<float>(k) * dx, y + static_cast<float>(k) * dy);
+        const float ux = static_cast<float>(c), uy = static_cast<float>(s);
+        const auto level = [&](float out_px) {
+          return sign * sampler.bilinear(x + out_px * ux, y + out_px * uy);
         };
         for (int k = 2; k <= 4; ++k) {
           if (!sampler.inside(x + k * dx, y + k * dy, 1.5f)) break;
-          rays.ground[i * kSectors / count].push_back(level(k));
+          rays.ground[i * kSectors / count].push_back(level(k * step));
         }
-        for (int k = kLightFrom; k <= kLightTo; k += 2) {
-          const float px = x - static_cast<float>(k) * dx, py = y - static_cast<float>(k) * dy;
-          if (!sampler.inside(px, py, 1.5f)) break;
-          light.add((px - static_cast<float>(rim.cx)) * per_radius,
-                    (py - static_cast<float>(rim.cy)) * per_radius, i, level(-k));
+        // The steps are shorter on a ball so small that they would reach its centre.
+        const float inward = std::min(step, static_cast<float>(rim.r) / 26);
+        const float deepest = BallLight::depth(BallLight::kDepths - 1) * inward;
+        if (sampler.inside(x - deepest * ux, y - deepest * uy, 1.5f)) {
+          const float middle =
+              per_radius * (static_cast<float>(radius) - BallLight::kMiddle * inward);
+          BallLight::Column column{middle * ux, middle * uy, inward * per_radius, i, {}};
+          for (int k = 0; k < BallLight::kDepths; ++k) {
+            column.level[k] = level(-BallLight::depth(k) * inward);
+          }
+          light.add(column);
         }
       }
       rays.cos[n] = static_cast<float>(c);

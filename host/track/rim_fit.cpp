@@ -18,7 +18,7 @@ using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 constexpr int kLearning = 40, kRefining = 5;  // steps at most
-constexpr int kLearnFrom = 180;               // points at least, where there are as many
+constexpr int kLearnFrom = 140;               // points at least, where there are as many
 constexpr double kNoiseTrust = 1.5;
 constexpr double kCommon_px = 0.008;   // leaves 0.0015 px of a centre, as pictures without noise do
 constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
@@ -299,8 +299,8 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     const double moved = improve_delta(s);
     const Mixture next = improve(s, mixture, trace.noise_px);
     const bool settled = moved < 0.05 * mixture.sigma &&
-                         std::abs(next.sigma - mixture.sigma) < 0.03 * next.sigma &&
-                         std::abs(next.clean - mixture.clean) < 0.01;
+                         std::abs(next.sigma - mixture.sigma) < 0.05 * next.sigma &&
+                         std::abs(next.clean - mixture.clean) < 0.02;
     mixture = next;
     if (!std::isfinite(moved)) return result;
     if (settled) break;
