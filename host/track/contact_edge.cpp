@@ -105,13 +105,23 @@ Solution solve(Problem& problem, Vector start) {
 // The height before and after the touch at `touch`, in a time that runs from flight into contact.
 class OnsetMotion {
  public:
+  // What is added to the power law; v is the speed, v0 that at the touch.
+  enum class Damper {
+    striking,  // A v/v0
+    fading,    // B (1 - v/v0)
+    dragging,  // as fading, on a surface that is still dented where the force has faded: the power
+               // law's deflection then counts from where K x^p = B
+  };
   struct Law {
     double touch, height, speed;          // speed towards the surface, at the touch
     double stiffness, exponent, damping;  // in units of the scales below
-    bool fading;                          // B (1 - v/v0) in place of A v/v0
+    Damper damper;
     double gravity, deflection_scale, acceleration_scale;
   };
   OnsetMotion(const Law& law, double until) : law_(law) {
+    if (law.damper == Damper::dragging && law.damping > 0 && law.stiffness > 0) {
+      dent_ = std::pow(law.damping / law.stiffness, 1 / law.exponent);
+    }
     // Enough for 1e-6 of the deflection at the deepest point.
     constexpr int kSteps = 64;
     step_ = std::max(until - law.touch, 1e-3) / kSteps;
@@ -145,13 +155,17 @@ class OnsetMotion {
   Eigen::Vector2d rate(const Eigen::Vector2d& y) const {
     const double x = std::max(y[0], 0.0) / law_.deflection_scale;
     const double slow = y[1] / law_.speed;
-    double force = law_.stiffness * std::pow(x, law_.exponent);
-    force += law_.damping * (law_.fading ? 1 - slow : slow);
+    double force = law_.stiffness * std::pow(x + dent_, law_.exponent);
+    if (dent_ > 0) {
+      force -= law_.damping * slow;
+    } else {
+      force += law_.damping * (law_.damper == Damper::striking ? slow : 1 - slow);
+    }
     return {y[1], -law_.gravity - law_.acceleration_scale * force};
   }
 
   Law law_;
-  double step_ = 0;
+  double step_ = 0, dent_ = 0;
   std::vector<Eigen::Vector2d> nodes_;
 };
 
@@ -190,48 +204,71 @@ class EdgeFit {
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    Problem problem;
-    problem.unknowns = 6;
-    problem.count = static_cast<int>(data.size()) + 2;
-    problem.residuals = [&](const Vector& x, Vector& r) {
-      const OnsetMotion motion(law(x), until);
-      for (std::size_t i = 0; i < data.size(); ++i) {
-        const Observation& o = data[i];
-        const double model =
-            o.from == o.to ? motion.height(o.from) : motion.height(o.to) - motion.height(o.from);
-        r[static_cast<Eigen::Index>(i)] = (o.value - model) / o.sd;
-      }
-      r.tail<2>() = whiten_ * (flight_at(law(x)) - flight_);
-    };
+    using Damper = OnsetMotion::Damper;
+    Damper damper = request_.end ? Damper::fading : Damper::striking;
+    Solution s = least(data, until, damper, starts_);
     ContactEdge edge;
-    Solution s;
-    for (const Vector& start : starts_) {
-      const Solution next = solve(problem, start);
-      if (next.ok && (!s.ok || next.chi_square < s.chi_square)) s = next;
-      if (s.ok && holds(s)) break;
-    }
     if (!s.ok) return edge;
-    const OnsetMotion::Law found = law(s.x);
+    Vector ambiguity = Vector::Zero(s.x.size());
+    if (request_.end) {
+      // The data can seldom tell whether the surface is dented, nor how much of the damper acts.
+      // The law without is simpler; unless the other one is clearly worse, the truth may lie
+      // anywhere between the two.
+      constexpr double kClearly = 4;
+      const Solution dragged = least(data, until, Damper::dragging, {s.x});
+      if (dragged.ok && dragged.chi_square < s.chi_square + kClearly) {
+        ambiguity = (dragged.x - s.x) / std::sqrt(3.0);
+      }
+      if (dragged.ok && dragged.chi_square < s.chi_square - kClearly) {
+        s = dragged;
+        damper = Damper::dragging;
+      }
+    }
+    const OnsetMotion::Law found = law(s.x, damper);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
     edge.instant = sign_ * found.touch;
-    edge.sd = s.sd[0] * inflation;
+    edge.sd = std::hypot(s.sd[0] * inflation, ambiguity[0]);
     edge.exponent = found.exponent;
-    edge.exponent_sd = s.sd[4] * inflation;
+    edge.exponent_sd = std::hypot(s.sd[4] * inflation, ambiguity[4]);
     edge.height = found.height;
     edge.reach = reach;
     return edge;
   }
 
  private:
+  Solution least(const std::vector<Observation>& data, double until, OnsetMotion::Damper damper,
+                 const std::vector<Vector>& starts) const {
+    Problem problem;
+    problem.unknowns = 6;
+    problem.count = static_cast<int>(data.size()) + 2;
+    problem.residuals = [&](const Vector& x, Vector& r) {
+      const OnsetMotion::Law l = law(x, damper);
+      const OnsetMotion motion(l, until);
+      for (std::size_t i = 0; i < data.size(); ++i) {
+        const Observation& o = data[i];
+        const double model =
+            o.from == o.to ? motion.height(o.from) : motion.height(o.to) - motion.height(o.from);
+        r[static_cast<Eigen::Index>(i)] = (o.value - model) / o.sd;
+      }
+      r.tail<2>() = whiten_ * (flight_at(l) - flight_);
+    };
+    Solution s;
+    for (const Vector& start : starts) {
+      const Solution next = solve(problem, start);
+      if (next.ok && (!s.ok || next.chi_square < s.chi_square)) s = next;
+      if (s.ok && holds(s)) break;
+    }
+    return s;
+  }
   static bool holds(const Solution& s) {
     return s.chi_square < s.freedom + 3.5 * std::sqrt(2.0 * s.freedom);
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts
   // of the speed), stiffness, exponent, damping.
-  OnsetMotion::Law law(const Vector& x) const {
+  OnsetMotion::Law law(const Vector& x, OnsetMotion::Damper damper) const {
     const double speed = std::max(speed_ * (1 + 0.1 * x[1]), 0.1 * speed_);
     OnsetMotion::Law l{touch_ + x[0],
                        0,
@@ -239,7 +276,7 @@ class EdgeFit {
                        x[3],
                        std::clamp(x[4], 0.3, 4.0),
                        x[5],
-                       request_.end,
+                       damper,
                        request_.gravity_n,
                        deflection_scale_,
                        request_.peak_acceleration};

@@ -36,6 +36,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
   std::mt19937_64 random(2019);
   std::uniform_real_distribution<double> part(0, 1);
   const InitialMotion preset = filmed.job.initial;
+  int refused = 0;
   for (unsigned shot = 1; shot <= kShots; ++shot) {
     filmed.seed = shot;
     filmed.touch = part(random);
@@ -65,10 +66,12 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     scores["inertia"].add(found.closure.inertia_factor, filmed.job.body.inertia_factor());
     scores["gravity"].add(found.fall, *filmed.options().gravity);
     EXPECT_EQ(found.closure.verdict, ClosureVerdict::closes) << "shot " << shot;
-    EXPECT_TRUE(found.start.law_holds && found.end.law_holds) << "shot " << shot;
+    refused += !found.start.law_holds + !found.end.law_holds;
   }
+  // Beyond 3.5 deviations of chi square: by chance one of about a thousand edges.
+  EXPECT_LE(refused, 2);
   for (auto& [name, score] : scores) {
-    std::printf("%-10s rms-like 68%% %.5f  95%% %.5f  max %.5f  in the 95%% interval %.1f%%\n",
+    std::printf("%-10s 68%% within %.5f  95%% %.5f  max %.5f  in the 95%% interval %.1f%%\n",
                 name.c_str(), score.quantile(0.68), score.quantile(0.95), score.quantile(1),
                 100 * score.coverage());
   }
@@ -76,7 +79,9 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
 }
 
 // 95 % of 200 shots: chance alone moves a coverage by 1.5 % (one deviation of a binomial). One
-// figure of sixteen may be three of them off; all together may not.
+// figure of sixteen may be three of them off; all together may not. The end of the contact is
+// stated with the doubt about the law of the force, and is a little too careful where that law is
+// the simplest.
 void expect_honest(const std::map<std::string, Score>& scores) {
   double sum = 0;
   for (const auto& [name, score] : scores) {
@@ -107,6 +112,15 @@ TEST(ImpactPhases, TennisBallOnARacket) {
 
 TEST(ImpactPhases, LacrosseBallOnAWoodenFlat) {
   auto scores = shoot(lacrosse_on_wood());
+  expect_accurate(scores, 1);
+  expect_honest(scores);
+}
+
+// The damper acts to the end and leaves the surface dented: no law of the fit's first family.
+TEST(ImpactPhases, LacrosseBallWithADamperToTheEnd) {
+  FilmedImpact filmed = lacrosse_on_wood();
+  filmed.job.contact.restitution_damping = RestitutionDamping::kToZeroForce;
+  auto scores = shoot(filmed);
   expect_accurate(scores, 1);
   expect_honest(scores);
 }
