@@ -1,0 +1,16 @@
+// Whole-ball registration in double precision on the host: what kernels/rigid.cl is tested
+// against. Slow.
+#pragma once
+
+#include "host/base/image.h"
+#include "host/dic/ball_registration.h"
+
+namespace impactdic {
+
+// One ball between two frames; the task's slots are not looked at. As BallRegistration::measure,
+// but iterated to double precision, with the median of the residuals by sorting and without
+// standard deviations (the accuracy tests hold those against the errors themselves).
+BallMotion ball_reference(const Frame& first, const Frame& second, const BallTask& task,
+                          const BallOptions& options);
+
+}  // namespace impactdic

@@ -1,0 +1,120 @@
+// rigid.cl against its double-precision reference, and what it says where it cannot measure.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "host/dic/ball_reference.h"
+#include "tests/support/engine.h"
+#include "tests/support/speckle_frames.h"
+
+namespace impactdic {
+namespace {
+
+using testing::pose;
+using testing::shared_engine;
+
+constexpr int kWidth = 157, kHeight = 150;
+constexpr double kRadiusPx = 60;
+
+struct Case {
+  int degree;
+  bool affine, robust, bar;
+  double x_px;  // of the ball in the first frame: 40 hides a part beyond the picture's edge
+};
+class BallKernel : public ::testing::TestWithParam<Case> {};
+
+TEST_P(BallKernel, GivesWhatTheReferenceGives) {
+  const Case param = GetParam();
+  Engine& engine = shared_engine();
+  Scene scene;
+  scene.width = kWidth;
+  scene.height = kHeight;
+  scene.noise_sigma = 2;
+  if (param.bar) scene.bar = bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
+  BallPose first = pose(param.x_px, 74.4, 10), second = pose(param.x_px + 1.37, 73.79, 13);
+  if (param.affine) second.compression = 0.01;
+  const auto pictures =
+      testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {first, second});
+  BallOptions options;
+  options.spline_degree = param.degree;
+  options.affine = param.affine;
+  options.robust = param.robust;
+  DeviceFrames frames(engine, 3);
+  BallRegistration registration(engine, options, 3);
+  for (int k = 0; k < 2; ++k) {
+    frames.set(2 - k, pictures[static_cast<std::size_t>(k)]);
+    registration.frame_changed(2 - k);
+  }
+  BallTask task{};
+  task.first = 2;
+  task.second = 1;
+  task.cx = static_cast<float>(first.cx_px);
+  task.cy = static_cast<float>(first.cy_px);
+  task.radius = static_cast<float>(kRadiusPx - kRimMarginPx);
+  task.guess_dx = 1;
+  task.guess_dy = -1;
+  task.guess_rot_rad = 0.04f;
+  BallTask smaller = task;
+  smaller.radius = 33.3f;
+  const std::vector<BallTask> tasks = {task, smaller, task};
+  const auto motions = registration.measure(frames, tasks);
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    const BallMotion want = ball_reference(pictures[0], pictures[1], tasks[k], options);
+    const BallMotion& got = motions[k];
+    ASSERT_EQ(want.status, static_cast<idic_int>(WindowStatus::ok));
+    ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::ok));
+    // Single precision and the histogram's median: far below the noise (1e-3 px).
+    EXPECT_NEAR(got.dx, want.dx, 1e-4);
+    EXPECT_NEAR(got.dy, want.dy, 1e-4);
+    EXPECT_NEAR(got.rot_rad, want.rot_rad, 1e-4 / task.radius);
+    EXPECT_NEAR(got.exx, want.exx, 1e-4 / task.radius);
+    EXPECT_NEAR(got.exy, want.exy, 1e-4 / task.radius);
+    EXPECT_NEAR(got.eyy, want.eyy, 1e-4 / task.radius);
+    EXPECT_NEAR(got.correlation, want.correlation, 1e-5);
+    EXPECT_NEAR(got.residual, want.residual, 0.003 * want.residual);
+    EXPECT_NEAR(got.used, want.used, 0.002);
+    EXPECT_GT(got.dx_sd, 0);
+  }
+  EXPECT_EQ(motions[0].dx, motions[2].dx);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BallKernel,
+    ::testing::Values(Case{7, false, true, false, 76.3}, Case{7, false, true, true, 76.3},
+                      Case{5, false, false, false, 76.3}, Case{3, true, true, false, 76.3},
+                      Case{7, true, true, true, 76.3}, Case{7, false, true, false, 40.2}));
+
+TEST(BallKernel, SaysWhyItCannotMeasure) {
+  Engine& engine = shared_engine();
+  Scene scene;
+  scene.width = kWidth;
+  scene.height = kHeight;
+  const auto speckled =
+      testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {pose(76, 74, 0)});
+  const auto other =
+      testing::render_frames(testing::quick_ball(7, kRadiusPx), scene, {pose(76, 74, 0)});
+  Frame flat;
+  flat.reset(kWidth, kHeight, 8);
+  std::fill_n(flat.u8.data(), flat.u8.size(), std::uint8_t{90});
+  DeviceFrames frames(engine, 3);
+  BallRegistration registration(engine, {}, 3);
+  const Frame* pictures[] = {&speckled[0], &other[0], &flat};
+  for (int k = 0; k < 3; ++k) {
+    frames.set(k, *pictures[k]);
+    registration.frame_changed(k);
+  }
+  const auto task = [](int first, int second, float x) {
+    return BallTask{first, second, x, 74, 56, 0, 0, 0};
+  };
+  const auto motions = registration.measure(
+      frames, std::vector{task(2, 0, 76), task(0, 1, 76), task(0, 0, -500), task(0, 0, 76)});
+  EXPECT_EQ(motions[0].status, static_cast<idic_int>(WindowStatus::no_texture));
+  EXPECT_NE(motions[1].status, static_cast<idic_int>(WindowStatus::ok));
+  EXPECT_EQ(motions[2].status, static_cast<idic_int>(WindowStatus::out_of_view));
+  EXPECT_EQ(motions[3].status, static_cast<idic_int>(WindowStatus::ok));
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isnan(motions[static_cast<std::size_t>(k)].dx));
+  EXPECT_NEAR(motions[3].dx, 0, 1e-6);
+  EXPECT_THROW(registration.measure(frames, std::vector{task(0, 3, 76)}), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace impactdic
