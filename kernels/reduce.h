@@ -33,6 +33,13 @@ KERNEL_INLINE void sum_rows(const int count, __local float* scratch, __local flo
 
 // total[k] = Σ over work-items and lanes of own[k], k < count, a literal. Every work-item of the
 // group must get here; scratch (REDUCE_SCRATCH) must be free.
+#if GROUP == 1
+#define GROUP_SUMS(own, count, scratch, total)                                                \
+  {                                                                                           \
+    (void)(scratch);                                                                          \
+    _Pragma("unroll") for (int k_ = 0; k_ < (count); ++k_)(total)[k_] = SUM_LANES((own)[k_]); \
+  }
+#else
 #define GROUP_SUMS(own, count, scratch, total)                                        \
   {                                                                                   \
     const int item_ = (int)get_local_id(0);                                           \
@@ -45,5 +52,6 @@ KERNEL_INLINE void sum_rows(const int count, __local float* scratch, __local flo
       sum_rows(min((count)-first_, REDUCE_ROWS), (scratch), (total) + first_);        \
     }                                                                                 \
   }
+#endif
 
 #endif  // IMPACTDIC_KERNELS_REDUCE_H_

@@ -281,7 +281,9 @@ static inline float smoothed_share(__global const float* value, const Box box, c
     }
     __global const float* at = value + plane + (size_t)py * limits.plane_pitch + px;
     float smooth_x = 0.0f, smooth_y = 0.0f;
+#pragma unroll 1
     for (int j = -reach; j <= reach; ++j) {
+#pragma unroll 1
       for (int i = -reach; i <= reach; ++i) {
         const float weight = taps[abs(i)] * taps[abs(j)];
         smooth_x += weight * at[j * limits.plane_pitch + i];
@@ -297,17 +299,32 @@ static inline float smoothed_share(__global const float* value, const Box box, c
   return shared->smoothed[1] / shared->smoothed[0];
 }
 
-// Lane 0: standard deviation of weight_a · parameter a + weight_b · parameter b.
-static inline float deviation(__local Shared* shared, const int a, const float weight_a,
-                              const int b, const float weight_b, const float scale) {
-  for (int k = 0; k < REGRESSORS; ++k) shared->solution[k] = 0.0f;
-  shared->solution[2 + a] += weight_a;
-  shared->solution[2 + b] += weight_b;
-  return scale * sqrt(cholesky_quadratic(shared->sums, REGRESSORS, shared->solution));
+// Lane 0: standard deviations of dx, dy, rotation, exx, exy, eyy for the pixel deviation `scale`:
+// each is a sum of two parameters with weights.
+static inline void store_deviations(__global BallMotion* out, __local Shared* shared,
+                                    const float radius, const float scale) {
+  __global float* deviation[] = {&out->dx_sd,  &out->dy_sd,  &out->rot_sd_rad,
+                                 &out->exx_sd, &out->exy_sd, &out->eyy_sd};
+#if PARAMETERS == 3
+  const int parameter[] = {0, 1, 2}, other[] = {0, 1, 2};
+  const float weight[] = {1.0f, 1.0f, 1.0f / radius}, other_weight[] = {0.0f, 0.0f, 0.0f};
+  out->exx_sd = out->exy_sd = out->eyy_sd = 0.0f;
+#else
+  const float whole = 1.0f / radius, part = 0.5f / radius;
+  const int parameter[] = {0, 3, 2, 1, 2, 5}, other[] = {0, 3, 4, 1, 4, 5};
+  const float weight[] = {1.0f, 1.0f, part, whole, part, whole};
+  const float other_weight[] = {0.0f, 0.0f, -part, 0.0f, part, 0.0f};
+#endif
+#pragma unroll 1
+  for (int k = 0; k < PARAMETERS; ++k) {
+    for (int i = 0; i < REGRESSORS; ++i) shared->solution[i] = 0.0f;
+    shared->solution[2 + parameter[k]] += weight[k];
+    shared->solution[2 + other[k]] += other_weight[k];
+    *deviation[k] = scale * sqrt(cholesky_quadratic(shared->sums, REGRESSORS, shared->solution));
+  }
 }
 
-static inline void store_motion(__global BallMotion* out, __local Shared* shared,
-                                const float radius, const float scale) {
+static inline void store_motion(__global BallMotion* out, __local const Shared* shared) {
   __local const float* w = shared->warp;
   const float turn = atan2(w[1] - w[2], w[0] + w[3]);
   out->dx = w[4];
@@ -315,22 +332,12 @@ static inline void store_motion(__global BallMotion* out, __local Shared* shared
   out->rot_rad = turn;
 #if PARAMETERS == 3
   out->exx = out->exy = out->eyy = 0.0f;
-  out->exx_sd = out->exy_sd = out->eyy_sd = 0.0f;
-  out->dx_sd = deviation(shared, 0, 1.0f, 0, 0.0f, scale);
-  out->dy_sd = deviation(shared, 1, 1.0f, 1, 0.0f, scale);
-  out->rot_sd_rad = deviation(shared, 2, 1.0f, 2, 0.0f, scale / radius);
 #else
   // A = R U, R the rotation and U symmetric.
   const float c = cos(turn), s = sin(turn);
   out->exx = c * w[0] - s * w[2] - 1.0f;
   out->eyy = s * w[1] + c * w[3] - 1.0f;
   out->exy = 0.5f * (c * w[1] - s * w[3] + s * w[0] + c * w[2]);
-  out->dx_sd = deviation(shared, 0, 1.0f, 0, 0.0f, scale);
-  out->dy_sd = deviation(shared, 3, 1.0f, 3, 0.0f, scale);
-  out->exx_sd = deviation(shared, 1, 1.0f, 1, 0.0f, scale / radius);
-  out->eyy_sd = deviation(shared, 5, 1.0f, 5, 0.0f, scale / radius);
-  out->rot_sd_rad = deviation(shared, 2, 0.5f, 4, -0.5f, scale / radius);
-  out->exy_sd = deviation(shared, 2, 0.5f, 4, 0.5f, scale / radius);
 #endif
 }
 
@@ -399,7 +406,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     const float pixel_variance =
         fmax(shared.variance / (noise.w + second_noise), ROUNDING_VARIANCE);
     const float scale = sqrt(2.0f * pixel_variance * share);
-    store_motion(out, &shared, task.radius, scale / shared.gain);
+    store_motion(out, &shared);
+    store_deviations(out, &shared, task.radius, scale / shared.gain);
   } else {
     store_failure(out);
   }

@@ -99,7 +99,7 @@ KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const
   const float span_y = fabs(FIRST_LANE(floor_y) - LAST_LANE(floor_y));
   c += ((int)low_y - (SPLINE_DEGREE - 1) / 2) * pitch + (int)low_x - (SPLINE_DEGREE - 1) / 2;
   if (span_x == 0.0f && span_y == 0.0f) {
-#pragma unroll
+#pragma unroll 1
     for (int j = 0; j <= SPLINE_DEGREE; ++j) {
       REAL row = 0.0f;
 #pragma unroll
@@ -110,7 +110,7 @@ KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const
     // Some lanes are one pixel ahead: their weights move up by one of n + 2 taps.
     const REAL ahead_x = step_x - low_x, ahead_y = floor_y - low_y;
     const REAL behind_x = 1.0f - ahead_x, behind_y = 1.0f - ahead_y;
-#pragma unroll
+#pragma unroll 1
     for (int j = 0; j <= SPLINE_DEGREE + 1; ++j) {
       REAL row = 0.0f;
 #pragma unroll
@@ -129,8 +129,10 @@ KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const
     int offset[VECTOR];
     VECTOR_JOIN(vstore, VECTOR)
     (TO_INTEGER(floor_y - low_y) * pitch + TO_INTEGER(floor_x - low_x), 0, offset);
+#pragma unroll 1
     for (int j = 0; j <= SPLINE_DEGREE; ++j) {
       REAL row = 0.0f;
+#pragma unroll 1
       for (int i = 0; i <= SPLINE_DEGREE; ++i) {
         float tap[VECTOR];
         for (int lane = 0; lane < VECTOR; ++lane) tap[lane] = c[offset[lane] + j * pitch + i];
