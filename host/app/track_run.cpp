@@ -145,7 +145,11 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
   command.add_option("--frames", request.frames, "A:B[:STEP]: frames analysed, B excluded");
   command.add_option("--roi", request.roi, "X,Y,W,H: the rectangle that is looked at, px");
   command.add_option("--radius-px", request.radius, "LO:HI: range of the ball's radius, px");
-  command.add_option("--estimator", request.estimator, "How the motion is measured: field")
+  command
+      .add_option(
+          "--estimator", request.estimator,
+          "How the motion is measured: field (windows), ring (rotation from rings, any angle) "
+          "or ball (one registration of the whole ball, the most exact)")
       ->capture_default_str();
   add_field_options(command, request.field);
   command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");

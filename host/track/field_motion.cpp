@@ -38,6 +38,9 @@ std::vector<PointMotion> field_points(std::span<const Window> windows,
 
 namespace {
 
+// Median length of a two-dimensional normal vector of unit scatter.
+constexpr double kRayleighMedian = 1.1774;
+
 // Weighted least squares of u and v on (1, x, y); returns the value at the origin.
 struct LocalFit {
   Eigen::Matrix<double, 3, 2> coefficients;
@@ -93,8 +96,7 @@ CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, d
     std::vector<double> sorted = residuals;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
                      sorted.end());
-    // Median of a Rayleigh variable is 1.1774 sigma.
-    scatter = std::max(sorted[sorted.size() / 2] / 1.1774, 1e-6);
+    scatter = std::max(sorted[sorted.size() / 2] / kRayleighMedian, 1e-6);
     for (std::size_t i = 0; i < near.size(); ++i) {
       const double t = residuals[i] / (6 * scatter);
       weights[i] = t < 1 ? base[i] * (1 - t * t) * (1 - t * t) : 0;
@@ -109,6 +111,44 @@ CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, d
   }
   return {true, fit.coefficients(0, 0), fit.coefficients(0, 1), std::sqrt(variance),
           std::sqrt(variance)};
+}
+
+FieldStrain fit_strain(std::span<const PointMotion> points) {
+  constexpr std::size_t kFewest = 12;
+  constexpr int kRounds = 6;
+  if (points.size() < kFewest) return {};
+  const std::vector<PointMotion> all(points.begin(), points.end());
+  double cx = 0, cy = 0;
+  for (const PointMotion& p : all) {
+    cx += p.x_px / static_cast<double>(all.size());
+    cy += p.y_px / static_cast<double>(all.size());
+  }
+  std::vector<double> weights(all.size(), 1), lengths(all.size()), sorted;
+  LocalFit fit{};
+  double scatter = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    fit = fit_plane(all, weights, cx, cy);
+    if (!fit.ok) return {};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Eigen::RowVector3d row(1, all[i].x_px - cx, all[i].y_px - cy);
+      const Eigen::RowVector2d model = row * fit.coefficients;
+      lengths[i] = std::hypot(all[i].u_px - model(0), all[i].v_px - model(1));
+    }
+    sorted = lengths;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    scatter = std::max(*middle / kRayleighMedian, 1e-6);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double t = lengths[i] / (6 * scatter);
+      weights[i] = t < 1 ? (1 - t * t) * (1 - t * t) : 0;
+    }
+  }
+  Eigen::Matrix2d stretch = fit.coefficients.bottomRows<2>().transpose();
+  stretch += Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d green = 0.5 * (stretch.transpose() * stretch - Eigen::Matrix2d::Identity());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(green);
+  return {true, solver.eigenvalues().cwiseAbs().maxCoeff(),
+          scatter * std::sqrt(std::max(fit.inverse(1, 1), fit.inverse(2, 2)))};
 }
 
 TrackStatus explain_failure(std::span<const WindowMotion> motions) {

@@ -37,6 +37,14 @@ struct CentreMotion {
 };
 CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, double cy_px);
 
+// How the field stretches: the strain of a robust affine fit to all of it, free of rotation
+// (Green-Lagrange, largest principal value by magnitude), and its standard deviation.
+struct FieldStrain {
+  bool ok = false;
+  double largest = 0, sd = 0;
+};
+FieldStrain fit_strain(std::span<const PointMotion> points);
+
 // Why too few windows carried a motion.
 TrackStatus explain_failure(std::span<const WindowMotion> motions);
 

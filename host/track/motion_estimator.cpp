@@ -1,19 +1,24 @@
 #include "host/track/motion_estimator.h"
 
-#include <tbb/parallel_for.h>
-
-#include <cmath>
+#include <array>
 
 #include "host/base/error.h"
-#include "host/dic/correlator.h"
+#include "host/track/estimators.h"
 
 namespace impactdic {
 
-const char* to_string(Estimator) { return "field"; }
+namespace {
+constexpr std::array kNames = {"field", "ring", "ball"};
+}  // namespace
+
+const char* to_string(Estimator estimator) { return kNames[static_cast<std::size_t>(estimator)]; }
 
 Estimator parse_estimator(const std::string& name) {
-  if (name == "field") return Estimator::field;
-  throw InvalidArgument("'" + name + "' is not an estimator", "--estimator", "there is field");
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i]) return static_cast<Estimator>(i);
+  }
+  throw InvalidArgument("'" + name + "' is not an estimator", "--estimator",
+                        "there are field, ring and ball");
 }
 
 void EstimatorOptions::validate() const {
@@ -21,67 +26,19 @@ void EstimatorOptions::validate() const {
   if (spacing_px < 0) throw InvalidArgument("the spacing must be at least 1 px", "--spacing");
 }
 
-namespace {
-
-class FieldEstimator : public MotionEstimator {
- public:
-  FieldEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
-      : options_(options), correlator_(make_opencl_correlator(engine, options.field, slots)) {
-    grid_ = disc_grid(0, 0, radius_px - options.rim_margin_px, options.field.window_px,
-                      options.effective_spacing_px());
-  }
-
-  void set_frame(int slot, const Frame& frame) override { correlator_->set_frame(slot, frame); }
-  std::span<const Window> grid() const override { return grid_; }
-
-  void measure(std::span<PairMotion> pairs) override {
-    std::vector<Window> all;
-    for (PairMotion& pair : pairs) {
-      place(pair);
-      all.insert(all.end(), pair.windows.begin(), pair.windows.end());
-    }
-    const std::vector<WindowMotion> measured = correlator_->correlate(all);
-    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-      const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());
-      pairs[i].field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
-      fit(pairs[i]);
-    });
-  }
-
- private:
-  void place(PairMotion& pair) const {
-    pair.windows = grid_;
-    const int x = static_cast<int>(std::lround(pair.first.cx_px));
-    const int y = static_cast<int>(std::lround(pair.first.cy_px));
-    for (Window& window : pair.windows) {
-      window.x0 += x;
-      window.y0 += y;
-    }
-    aim_windows(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
-                {pair.first.cx_px, pair.first.cy_px, pair.second.cx_px - pair.first.cx_px,
-                 pair.second.cy_px - pair.first.cy_px, pair.guess_rot_rad});
-  }
-
-  void fit(PairMotion& pair) const {
-    const auto points = field_points(pair.windows, pair.field, options_.field.window_px);
-    pair.motion = fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
-    if (pair.motion.used < options_.fewest_windows) pair.motion.ok = false;
-    pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
-    pair.status = pair.motion.ok ? TrackStatus::ok : explain_failure(pair.field);
-  }
-
-  EstimatorOptions options_;
-  std::unique_ptr<Correlator> correlator_;
-  std::vector<Window> grid_;
-};
-
-}  // namespace
-
 std::unique_ptr<MotionEstimator> make_motion_estimator(Engine& engine,
                                                        const EstimatorOptions& options,
                                                        double radius_px, int slots) {
   options.validate();
-  return std::make_unique<FieldEstimator>(engine, options, radius_px, slots);
+  switch (options.estimator) {
+    case Estimator::field:
+      return make_field_estimator(engine, options, radius_px, slots);
+    case Estimator::ring:
+      return make_ring_estimator(engine, options, radius_px, slots);
+    case Estimator::ball:
+      return make_ball_estimator(engine, options, radius_px, slots);
+  }
+  throw InvalidArgument("no such estimator");
 }
 
 }  // namespace impactdic

@@ -17,6 +17,8 @@ class Engine;
 
 enum class Estimator {
   field,  // interrogation windows on the ball, robust rigid fit to their displacements
+  ring,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
+  ball,   // one registration of the whole ball; affine while it is compressed
 };
 const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
@@ -42,6 +44,7 @@ struct PairMotion {
   TrackStatus status = TrackStatus::low_correlation;
   RigidMotion motion;   // of the ball's centre in the first frame
   CentreMotion centre;  // the field interpolated there
+  FieldStrain strain;   // of the picture of the ball from the first to the second frame
   std::vector<Window> windows;
   std::vector<WindowMotion> field;
 };

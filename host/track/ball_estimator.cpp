@@ -1,0 +1,128 @@
+#include <cmath>
+
+#include "host/dic/ball_registration.h"
+#include "host/dic/ring.h"
+#include "host/track/estimators.h"
+
+namespace impactdic {
+namespace {
+
+BallOptions ball_options(const FieldOptions& field, bool affine) {
+  BallOptions options;
+  options.affine = affine;
+  options.min_correlation = field.min_correlation;
+  options.min_texture = field.min_texture;
+  return options;
+}
+
+// One registration of the whole ball, started from the field, or from circle and rings where the
+// field has too little texture. Rigid, unless the field says that the ball is being compressed.
+class BallEstimator : public MotionEstimator {
+ public:
+  BallEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
+      : options_(options),
+        radius_px_(radius_px),
+        field_(make_field_estimator(engine, options, radius_px, slots)),
+        frames_(engine, slots),
+        ring_(engine, {}, slots),
+        rigid_(engine, ball_options(options.field, false), slots),
+        affine_(engine, ball_options(options.field, true), slots) {}
+
+  void set_frame(int slot, const Frame& frame) override {
+    field_->set_frame(slot, frame);
+    frames_.set(slot, frame);
+    ring_.frame_changed(slot);
+    rigid_.frame_changed(slot);
+    affine_.frame_changed(slot);
+  }
+  std::span<const Window> grid() const override { return field_->grid(); }
+
+  void measure(std::span<PairMotion> pairs) override {
+    field_->measure(pairs);
+    seed_from_rings(pairs);
+    register_balls(pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); });
+    register_balls(pairs, affine_, is_strained);
+  }
+
+ private:
+  // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
+  static bool is_strained(const PairMotion& pair) {
+    constexpr double kSignificant = 5, kSmallest = 2e-4;
+    return pair.strain.ok && pair.strain.largest > kSmallest &&
+           pair.strain.largest > kSignificant * pair.strain.sd;
+  }
+
+  void seed_from_rings(std::span<PairMotion> pairs) {
+    std::vector<RingTask> tasks;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (pairs[i].motion.ok) continue;
+      which.push_back(i);
+      tasks.push_back(ring_task(pairs[i], radius_px_));
+    }
+    if (which.empty()) return;
+    const std::vector<RingMotion> turns = ring_.measure(frames_, tasks);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (turns[k].status == WindowStatus::ok) pairs[which[k]].guess_rot_rad = turns[k].rot_rad;
+    }
+  }
+
+  template <typename Chosen>
+  void register_balls(std::span<PairMotion> pairs, BallRegistration& registration,
+                      const Chosen& chosen) {
+    std::vector<BallTask> tasks;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!chosen(pairs[i])) continue;
+      which.push_back(i);
+      tasks.push_back(task_of(pairs[i]));
+    }
+    if (which.empty()) return;
+    const std::vector<BallMotion> motions = registration.measure(frames_, tasks);
+    for (std::size_t k = 0; k < which.size(); ++k) take_over(motions[k], pairs[which[k]]);
+  }
+
+  BallTask task_of(const PairMotion& pair) const {
+    BallTask task{};
+    task.first = pair.first_slot;
+    task.second = pair.second_slot;
+    task.cx = static_cast<float>(pair.first.cx_px);
+    task.cy = static_cast<float>(pair.first.cy_px);
+    task.radius = static_cast<float>(radius_px_ - kRimMarginPx);
+    const RigidMotion& seed = pair.motion;
+    task.guess_dx = static_cast<float>(seed.ok ? seed.dx_px : pair.second.cx_px - pair.first.cx_px);
+    task.guess_dy = static_cast<float>(seed.ok ? seed.dy_px : pair.second.cy_px - pair.first.cy_px);
+    task.guess_rot_rad = static_cast<float>(seed.ok ? seed.rot_rad : pair.guess_rot_rad);
+    return task;
+  }
+
+  // A ball that could not be registered keeps what its field says.
+  static void take_over(const BallMotion& ball, PairMotion& pair) {
+    if (ball.status != static_cast<idic_int>(WindowStatus::ok)) return;
+    pair.motion.ok = true;
+    pair.motion.dx_px = ball.dx;
+    pair.motion.dy_px = ball.dy;
+    pair.motion.rot_rad = ball.rot_rad;
+    pair.motion.dx_sd_px = ball.dx_sd;
+    pair.motion.dy_sd_px = ball.dy_sd;
+    pair.motion.rot_sd_rad = ball.rot_sd_rad;
+    pair.status = TrackStatus::ok;
+  }
+
+  EstimatorOptions options_;
+  double radius_px_;
+  std::unique_ptr<MotionEstimator> field_;
+  DeviceFrames frames_;
+  RingRotation ring_;
+  BallRegistration rigid_, affine_;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, int slots) {
+  return std::make_unique<BallEstimator>(engine, options, radius_px, slots);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,24 @@
+// The estimators behind make_motion_estimator; arguments as there.
+#pragma once
+
+#include <memory>
+
+#include "host/track/motion_estimator.h"
+#include "kernels/types.h"
+
+namespace impactdic {
+
+std::unique_ptr<MotionEstimator> make_field_estimator(Engine& engine,
+                                                      const EstimatorOptions& options,
+                                                      double radius_px, int slots);
+std::unique_ptr<MotionEstimator> make_ring_estimator(Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, int slots);
+// The rings of a pair: between the balls' centres, from a sixth of the radius to just within the
+// rim.
+RingTask ring_task(const PairMotion& pair, double radius_px);
+std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, int slots);
+
+}  // namespace impactdic

@@ -1,0 +1,82 @@
+#include <cmath>
+
+#include "host/dic/ring.h"
+#include "host/track/estimators.h"
+
+namespace impactdic {
+namespace {
+
+// The dissertation's circular window (section 2.4.1): the field says where the ball went, rings
+// about the measured centres how far it turned.
+class RingEstimator : public MotionEstimator {
+ public:
+  RingEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
+      : options_(options),
+        radius_px_(radius_px),
+        field_(make_field_estimator(engine, options, radius_px, slots)),
+        frames_(engine, slots),
+        ring_(engine, {}, slots) {}
+
+  void set_frame(int slot, const Frame& frame) override {
+    field_->set_frame(slot, frame);
+    frames_.set(slot, frame);
+    ring_.frame_changed(slot);
+  }
+  std::span<const Window> grid() const override { return field_->grid(); }
+
+  void measure(std::span<PairMotion> pairs) override {
+    // The rings first: what they find is where the windows look.
+    std::vector<RingTask> tasks;
+    for (const PairMotion& pair : pairs) tasks.push_back(ring_task(pair, radius_px_));
+    const std::vector<RingMotion> turns = ring_.measure(frames_, tasks);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (turns[i].status == WindowStatus::ok) pairs[i].guess_rot_rad = turns[i].rot_rad;
+    }
+    field_->measure(pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i) take_over(turns[i], pairs[i]);
+  }
+
+ private:
+  static void take_over(const RingMotion& turn, PairMotion& pair) {
+    if (turn.status != WindowStatus::ok) {
+      pair.motion.ok = false;
+      pair.status = turn.status == WindowStatus::no_texture    ? TrackStatus::no_texture
+                    : turn.status == WindowStatus::out_of_view ? TrackStatus::out_of_view
+                                                               : TrackStatus::low_correlation;
+      return;
+    }
+    pair.motion.rot_rad = turn.rot_rad;
+    pair.motion.rot_sd_rad = turn.rot_sd_rad;
+  }
+
+  EstimatorOptions options_;
+  double radius_px_;
+  std::unique_ptr<MotionEstimator> field_;
+  DeviceFrames frames_;
+  RingRotation ring_;
+};
+
+}  // namespace
+
+RingTask ring_task(const PairMotion& pair, double radius_px) {
+  // Near the centre a ring has few pixels; near the rim lies what is not the ball.
+  constexpr double kInnerShare = 0.17, kRimPx = 5;
+  RingTask task{};
+  task.first = pair.first_slot;
+  task.second = pair.second_slot;
+  task.cx_first = static_cast<float>(pair.first.cx_px);
+  task.cy_first = static_cast<float>(pair.first.cy_px);
+  task.cx_second = static_cast<float>(pair.second.cx_px);
+  task.cy_second = static_cast<float>(pair.second.cy_px);
+  task.inner = static_cast<float>(kInnerShare * radius_px);
+  task.outer = static_cast<float>(radius_px - kRimPx);
+  return task;
+}
+
+std::unique_ptr<MotionEstimator> make_ring_estimator(Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, int slots) {
+  return std::make_unique<RingEstimator>(engine, options, radius_px, slots);
+}
+
+}  // namespace impactdic
