@@ -229,7 +229,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
   const WindowMotion seed = motions[get_group_id(0)];
   if (seed.status != STATUS_OK) return;
   if (item == 0) start(&shared, window, seed, width, height);
-  barrier(CLK_LOCAL_MEM_FENCE);
+  // The seed stands where the result will: nobody may write before everybody has read.
+  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
   const int plane = height * plane_pitch;
   __global const float* value =
       planes + (size_t)window.first * 3 * plane + window.y0 * plane_pitch + window.x0;

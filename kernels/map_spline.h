@@ -6,7 +6,7 @@
 // end samples.
 static inline int mirrored_index(const int i, const int n) {
   const int period = 2 * (n - 1);
-  const int j = (i < 0 ? -i : i) % period;
+  const int j = (i + 4 * period) % period;  // i is at least -8
   return j < n ? j : period - j;
 }
 

@@ -1,0 +1,133 @@
+// Runs every kernel once on small cases, for a checker such as oclgrind to look over: on whatever
+// device `auto` takes there. Exit status 0 where everything ran; whether the figures are right is
+// the business of the other kernel tests (a simulated device need not round as real ones do).
+//   every_kernel CASE     one of the cases below
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "host/base/error.h"
+#include "host/dic/ball_registration.h"
+#include "host/dic/icgn_opencl.h"
+#include "host/dic/published_opencl.h"
+#include "host/dic/zncc_opencl.h"
+#include "tests/support/speckle_field.h"
+
+namespace impactdic {
+namespace {
+
+constexpr int kWidth = 47, kHeight = 45;
+constexpr double kU = 1.3, kV = -0.6;
+
+struct Setting {
+  Engine engine;
+  DeviceFrames frames;
+  Buffer<Window> windows;
+  Buffer<WindowMotion> motions;
+  std::size_t count = 0;
+
+  explicit Setting(int bits) : engine("auto", options()), frames(engine, 2) {
+    const testing::SpeckleField surface(150, 50, 1.5, 3);
+    frames.set(0, surface.render(kWidth, kHeight, 0, 0, 0, 0, 0, bits));
+    frames.set(1, surface.render(kWidth, kHeight, kU, kV, 0, 0, 0, bits));
+    // In the middle, at a corner with half of its search area outside, outside, and turned.
+    const std::vector<Window> list = {{0, 1, 20, 18, 0, 0, 0},
+                                      {0, 1, 1, 1, 1, -1, 0},
+                                      {0, 1, kWidth - 3, 9, 0, 0, 0},
+                                      {0, 1, 22, 19, 1, 0, 0.1F},
+                                      {0, 1, 15, 20, 100, -100, 0}};
+    count = list.size();
+    windows = make_buffer<Window>(engine, list);
+    motions = Buffer<WindowMotion>(engine, count);
+  }
+  static EngineOptions options() {
+    EngineOptions out;
+    out.cache_dir = "";
+    return out;
+  }
+  // Waits for the kernels and says what became of the window in the middle.
+  void finish() {
+    const WindowMotion motion = motions.to_vector(engine)[0];
+    std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.u, motion.v);
+  }
+};
+
+FieldOptions small_options(FieldMethod method) {
+  FieldOptions options;
+  options.method = method;
+  options.window_px = 9;
+  options.search_px = 3;
+  options.interp_points = 1;
+  options.spline_degree = 3;
+  return options;
+}
+
+void run_zncc(const ZnccVariant& variant, int bits) {
+  Setting setting(bits);
+  ZnccOpencl zncc(setting.engine, small_options(FieldMethod::zncc), variant);
+  zncc.run(setting.frames, setting.windows, setting.count, setting.motions);
+  setting.finish();
+}
+
+void run_published() {
+  Setting setting(8);
+  PublishedOpencl published(setting.engine, small_options(FieldMethod::published));
+  published.run(setting.frames, setting.windows, setting.count, setting.motions);
+  setting.finish();
+}
+
+void run_icgn() {
+  Setting setting(8);
+  const FieldOptions options = small_options(FieldMethod::icgn);
+  IcgnRefiner refiner(setting.engine, options, 2);
+  refiner.frame_changed(0);
+  refiner.frame_changed(1);
+  std::vector<WindowMotion> seeds(setting.count);
+  for (WindowMotion& seed : seeds) seed = {1.0F, -1.0F};
+  setting.motions.write(setting.engine, seeds);
+  refiner.refine(setting.frames, setting.windows, setting.count, setting.motions);
+  setting.finish();
+}
+
+const std::map<std::string, std::function<void()>> kCases = {
+    {"zncc_scalar",
+     [] {
+       run_zncc({true, 16, 1, 16, 2}, 8);
+     }},
+    {"zncc_vector",
+     [] {
+       run_zncc({true, 16, 4, 1, 1}, 12);
+     }},
+    {"zncc_vector_lanes",
+     [] {
+       run_zncc({true, 16, 4, 2, 1}, 8);
+     }},
+    {"zncc_clfft",
+     [] {
+       run_zncc({false, 15, 1, 1, 1}, 8);
+     }},
+    {"published", run_published},
+    {"icgn", run_icgn},
+};
+
+}  // namespace
+}  // namespace impactdic
+
+int main(int count, char** arguments) {
+  const auto& cases = impactdic::kCases;
+  const auto found = cases.find(count == 2 ? arguments[1] : "");
+  if (found == cases.end()) {
+    for (const auto& [name, run] : cases) std::printf("%s\n", name.c_str());
+    return 2;
+  }
+  try {
+    found->second();
+    return 0;
+  } catch (const impactdic::Error& error) {
+    std::fprintf(stderr, "every_kernel: %s\n", error.line().c_str());
+    return 1;
+  }
+}

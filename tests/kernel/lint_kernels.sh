@@ -1,0 +1,18 @@
+#!/bin/sh
+# Compiles every kernel alone with the defaults of kernels/config.h, and the variants that the host
+# asks for, with all warnings as errors. Needs clang, no device. Exit 77: no clang.
+#   lint_kernels.sh REPOSITORY
+cd "$1" || exit 1
+command -v clang >/dev/null || { echo "lint_kernels.sh: clang is not installed"; exit 77; }
+lint() {
+  clang -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Wdouble-promotion -Werror -I. "$@" || bad=1
+}
+bad=0
+for file in kernels/*.cl; do lint "$file"; done
+for vector in 4 8 16; do
+  for size in 16 32 64; do
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/correlate.cl
+  done
+  for file in prefilter icgn rigid; do lint -DVECTOR=$vector -DGROUP=1 kernels/$file.cl; done
+done
+exit $bad
