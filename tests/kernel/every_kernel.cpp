@@ -13,6 +13,7 @@
 #include "host/dic/ball_registration.h"
 #include "host/dic/icgn_opencl.h"
 #include "host/dic/published_opencl.h"
+#include "host/dic/ring.h"
 #include "host/dic/zncc_opencl.h"
 #include "tests/support/speckle_field.h"
 
@@ -92,6 +93,33 @@ void run_icgn() {
   setting.finish();
 }
 
+void run_ball(bool affine) {
+  Setting setting(8);
+  BallOptions options;
+  options.affine = affine;
+  options.spline_degree = 3;
+  BallRegistration ball(setting.engine, options, 2);
+  ball.frame_changed(0);
+  ball.frame_changed(1);
+  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0};
+  const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
+  std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
+}
+
+void run_ring() {
+  Setting setting(8);
+  RingOptions options;
+  options.spline_degree = 3;
+  options.rings = 4;
+  options.angles = 32;
+  RingRotation ring(setting.engine, options, 2);
+  ring.frame_changed(0);
+  ring.frame_changed(1);
+  const RingTask task{0, 1, 23, 22, 24.3F, 21.4F, 4, 12};
+  const RingMotion motion = ring.measure(setting.frames, {&task, 1})[0];
+  std::printf("status %d, %.4f rad\n", static_cast<int>(motion.status), motion.rot_rad);
+}
+
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_scalar",
      [] {
@@ -111,6 +139,9 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"published", run_published},
     {"icgn", run_icgn},
+    {"ball", [] { run_ball(false); }},
+    {"ball_affine", [] { run_ball(true); }},
+    {"ring", run_ring},
 };
 
 }  // namespace
