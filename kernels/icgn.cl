@@ -37,10 +37,12 @@
 #define STATUS_NOT_CONVERGED 5
 #define STATUS_OUT_OF_VIEW 6
 #define STATUS_RUNNING (-1)
+#define STATUS_NO_SEED (-2) /* the window stays as it is */
 
 // What the work-items of a group share about their window.
 typedef struct Shared {
   float warp[6];
+  float seed_u, seed_v;
   float origin;  // grey level taken off both pictures, so that sums of squares keep their digits
   float correlation, gain, variance;
   int status;
@@ -81,10 +83,10 @@ static inline void load_pixels(__global const float* value, const int plane, con
 }
 
 // The normal matrix of the window; its factor where it has one. Lane 0 judges.
-static inline void make_template(__global const float* value, const int plane,
-                                 const int plane_pitch, const float4 disc, const Window window,
-                                 const float min_contrast, __local float* scratch,
-                                 __local Shared* shared) {
+BARRIER_INLINE void make_template(__global const float* value, const int plane,
+                                  const int plane_pitch, const float4 disc, const Window window,
+                                  const float min_contrast, __local float* scratch,
+                                  __local Shared* shared) {
   const int item = (int)get_local_id(0);
   REAL sums[SUMS];
   for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
@@ -140,8 +142,8 @@ static inline float compose(__local Shared* shared) {
 }
 
 // Lane 0: one Gauss–Newton step from the sums over the second picture.
-static inline void step(__local Shared* shared, const Window window, const float2 seed,
-                        const int width, const int height) {
+static inline void step(__local Shared* shared, const Window window, const int width,
+                        const int height) {
   const float count = shared->normal[0];
   const float mean_f = shared->normal[TRIANGLE(1, 0)] / count;
   const float mean_g = shared->right[0] / count;
@@ -160,7 +162,8 @@ static inline void step(__local Shared* shared, const Window window, const float
   for (int k = 0; k < COLUMNS; ++k) residual -= shared->solution[k] * shared->right[k];
   shared->variance = fmax(residual, 0.0f) / (count - COLUMNS);
   const float moved = compose(shared);
-  if (!(fabs(shared->warp[4] - seed.x) <= HALF_PX && fabs(shared->warp[5] - seed.y) <= HALF_PX)) {
+  if (!(fabs(shared->warp[4] - shared->seed_u) <= HALF_PX &&
+        fabs(shared->warp[5] - shared->seed_v) <= HALF_PX)) {
     shared->status = STATUS_NOT_CONVERGED;
   } else if (!in_view(shared, window, width, height)) {
     shared->status = STATUS_OUT_OF_VIEW;
@@ -178,13 +181,14 @@ static inline float deviation(__local Shared* shared, const int component, const
 
 static inline void store(__global WindowMotion* motion, __local Shared* shared,
                          const float min_correlation, const float4 noise) {
-  if (shared->status == STATUS_RUNNING) shared->status = STATUS_NOT_CONVERGED;
-  if (shared->status == STATUS_OK && !(shared->correlation >= min_correlation)) {
-    shared->status = STATUS_LOW_CORRELATION;
+  int status = shared->status;
+  if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
+  if (status == STATUS_OK && !(shared->correlation >= min_correlation)) {
+    status = STATUS_LOW_CORRELATION;
   }
-  motion->status = shared->status;
+  motion->status = status;
   motion->correlation = shared->correlation;
-  if (shared->status == STATUS_OK) {
+  if (status == STATUS_OK) {
     // Both frames' noise shifts the result alike, but the residual holds the second one's after
     // interpolation. Pixels are rounded to whole grey levels, which a residual need not show.
     const float second_noise = warp_noise(shared->warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise);
@@ -209,7 +213,11 @@ static inline void start(__local Shared* shared, const Window window, const Wind
   shared->correlation = NAN;
   const int inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + WINDOW_PX <= width &&
                      window.y0 + WINDOW_PX <= height && in_view(shared, window, width, height);
-  shared->status = inside ? STATUS_RUNNING : STATUS_OUT_OF_VIEW;
+  shared->status = seed.status != STATUS_OK ? STATUS_NO_SEED
+                   : inside                 ? STATUS_RUNNING
+                                            : STATUS_OUT_OF_VIEW;
+  shared->seed_u = seed.u;
+  shared->seed_v = seed.v;
 }
 
 // Refines every window whose seed is ok (u, v of `motions`; the rotation of the window's guess) in
@@ -226,11 +234,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
   __local Shared shared;
   const int item = (int)get_local_id(0);
   const Window window = windows[get_group_id(0)];
-  const WindowMotion seed = motions[get_group_id(0)];
-  if (seed.status != STATUS_OK) return;
-  if (item == 0) start(&shared, window, seed, width, height);
-  // The seed stands where the result will: nobody may write before everybody has read.
-  barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+  if (item == 0) start(&shared, window, motions[get_group_id(0)], width, height);
+  barrier(CLK_LOCAL_MEM_FENCE);
   const int plane = height * plane_pitch;
   __global const float* value =
       planes + (size_t)window.first * 3 * plane + window.y0 * plane_pitch + window.x0;
@@ -268,8 +273,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
       }
     }
     GROUP_SUMS(sums, COLUMNS + 1, scratch, shared.right)
-    if (item == 0) step(&shared, window, (float2)(seed.u, seed.v), width, height);
+    if (item == 0) step(&shared, window, width, height);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  if (item == 0) store(&motions[get_group_id(0)], &shared, min_correlation, noise);
+  if (item == 0 && shared.status != STATUS_NO_SEED) {
+    store(&motions[get_group_id(0)], &shared, min_correlation, noise);
+  }
 }

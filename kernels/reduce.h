@@ -4,28 +4,31 @@
 
 #include "kernels/vector.h"
 
-// Sums formed at once. The odd row length keeps the work-items of one group in different banks.
+// Sums formed at once, each a row of local memory: the work-items' own sums, then those of
+// neighbours. The odd length keeps the work-items of one group in different banks.
 #define REDUCE_ROWS 8
-#define REDUCE_PITCH (GROUP + 1)
-#define REDUCE_SCRATCH (REDUCE_ROWS * REDUCE_PITCH) /* floats of local memory */
+#define REDUCE_PARTS (GROUP > REDUCE_ROWS ? GROUP / REDUCE_ROWS : 1)
+#define REDUCE_PITCH ((GROUP + REDUCE_PARTS) | 1)
+#define REDUCE_SCRATCH (REDUCE_ROWS * REDUCE_PITCH) /* floats */
 
-// total[k] = Σ over the work-items of scratch[k · REDUCE_PITCH + item], k < count <= REDUCE_ROWS,
-// pairwise. Every work-item of the group must call it; both arrays are free when it returns.
-KERNEL_INLINE void sum_rows(const int count, __local float* scratch, __local float* total) {
+// total[k] = Σ over the work-items of scratch[k · REDUCE_PITCH + item], k < count <= REDUCE_ROWS:
+// every work-item sums some neighbours of one row, then one work-item a row sums those sums.
+// Every work-item of the group must call it; both arrays are free when it returns.
+BARRIER_INLINE void sum_rows(const int count, __local float* scratch, __local float* total) {
   const int item = (int)get_local_id(0);
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (int upper = GROUP / 2; upper >= 16; upper /= 2) {
-    if (item < upper) {
-      for (int k = 0; k < count; ++k) {
-        scratch[k * REDUCE_PITCH + item] += scratch[k * REDUCE_PITCH + item + upper];
-      }
+  for (int k = item; k < REDUCE_ROWS * REDUCE_PARTS; k += GROUP) {
+    const int row = k % REDUCE_ROWS, part = k / REDUCE_ROWS;
+    float sum = 0.0f;
+    for (int i = 0; i < GROUP / REDUCE_PARTS; ++i) {
+      sum += scratch[row * REDUCE_PITCH + part * (GROUP / REDUCE_PARTS) + i];
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
+    scratch[row * REDUCE_PITCH + GROUP + part] = sum;
   }
-  const int left = GROUP < 16 ? GROUP : 16;
+  barrier(CLK_LOCAL_MEM_FENCE);
   for (int k = item; k < count; k += GROUP) {
     float sum = 0.0f;
-    for (int i = 0; i < left; ++i) sum += scratch[k * REDUCE_PITCH + i];
+    for (int i = 0; i < REDUCE_PARTS; ++i) sum += scratch[k * REDUCE_PITCH + GROUP + i];
     total[k] = sum;
   }
   barrier(CLK_LOCAL_MEM_FENCE);

@@ -102,9 +102,9 @@ static inline void count_residuals(const REAL r, const REAL weight, const float 
 
 // One pass over the disc: the weighted sums of products of all columns, and the histogram.
 // value: the first picture's planes; second: coefficient of pixel (0, 0) of the second picture.
-static inline void pass(__global const float* value, __global const float* second,
-                        const BallTask task, const Box box, const BallLimits limits,
-                        __local float* scratch, __local Shared* shared) {
+BARRIER_INLINE void pass(__global const float* value, __global const float* second,
+                         const BallTask task, const Box box, const BallLimits limits,
+                         __local float* scratch, __local Shared* shared) {
   const int item = (int)get_local_id(0);
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
   const int units = (box.y1 - box.y0) * box.chunks;
@@ -264,9 +264,9 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
 
 // Share of the slopes' power that smoothing them once more leaves, from every fourth pixel each
 // way: the pictures' noise went through the same Gaussian, and reaches the motion through it.
-static inline float smoothed_share(__global const float* value, const Box box, const BallTask task,
-                                   const BallLimits limits, __constant float* taps,
-                                   __local float* scratch, __local Shared* shared) {
+BARRIER_INLINE float smoothed_share(__global const float* value, const Box box, const BallTask task,
+                                    const BallLimits limits, __constant float* taps,
+                                    __local float* scratch, __local Shared* shared) {
   if (limits.smooth_radius == 0) return 1.0f;
   const int item = (int)get_local_id(0), reach = limits.smooth_radius;
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
@@ -388,17 +388,18 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   }
   const float share = smoothed_share(value, box, task, limits, smooth_taps, scratch, &shared);
   if (item != 0) return;
-  if (shared.status == STATUS_RUNNING) shared.status = STATUS_NOT_CONVERGED;
-  if (shared.status == STATUS_OK && !(shared.correlation >= limits.min_correlation)) {
-    shared.status = STATUS_LOW_CORRELATION;
+  int status = shared.status;
+  if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
+  if (status == STATUS_OK && !(shared.correlation >= limits.min_correlation)) {
+    status = STATUS_LOW_CORRELATION;
   }
   __global BallMotion* out = &motions[get_group_id(0)];
-  out->status = shared.status;
+  out->status = status;
   out->steps = shared.steps;
   out->correlation = shared.correlation;
   out->residual = sqrt(shared.variance);
   out->used = shared.carried / (3.14159265f * task.radius * task.radius);
-  if (shared.status == STATUS_OK) {
+  if (status == STATUS_OK) {
     const float second_noise =
         warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise);
     // The residual holds both frames' noise, the second one's after interpolation; pixels are

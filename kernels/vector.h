@@ -13,6 +13,9 @@
 #else
 
 #define KERNEL_INLINE static inline
+// For functions with barriers: PoCL (3.1) runs a group's work-items in loops between barriers,
+// which goes wrong, silently, in a function that it has not inlined.
+#define BARRIER_INLINE __attribute__((always_inline)) static inline
 #if VECTOR == 1
 #define REAL float
 #define INTEGER int

@@ -16,11 +16,12 @@ void BallOptions::validate() const {
   if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
 }
 
-BallRegistration::BallRegistration(Engine& engine, const BallOptions& options, int slots)
+BallRegistration::BallRegistration(Engine& engine, const BallOptions& options, int slots,
+                                   std::optional<Tiling> tiling)
     : engine_(engine),
       options_((options.validate(), options)),
-      tiling_(choose_tiling(engine, 256)),
-      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots) {
+      tiling_(choose_tiling(engine, tiling, 256)),
+      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots, tiling) {
   kernel_ = engine.kernel("rigid.cl", "register_balls",
                           {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
                            {"VECTOR", std::to_string(tiling_.vector)},

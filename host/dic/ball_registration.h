@@ -28,7 +28,8 @@ inline constexpr double kRimMarginPx = 4;
 class BallRegistration {
  public:
   // `engine` must outlive the registration. Throws InvalidArgument.
-  BallRegistration(Engine& engine, const BallOptions& options, int slots);
+  BallRegistration(Engine& engine, const BallOptions& options, int slots,
+                   std::optional<Tiling> tiling = {});
 
   // Says that the picture in `slot` is a new one (or that there is one at all).
   void frame_changed(int slot) { splines_.frame_changed(slot); }

@@ -7,11 +7,12 @@
 
 namespace impactdic {
 
-IcgnRefiner::IcgnRefiner(Engine& engine, const FieldOptions& options, int slots)
+IcgnRefiner::IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
+                         std::optional<Tiling> tiling)
     : engine_(engine),
       options_(options),
-      tiling_(choose_tiling(engine, 32)),
-      splines_(engine, options.spline_degree, 0.0, slots),
+      tiling_(choose_tiling(engine, tiling, 32)),
+      splines_(engine, options.spline_degree, 0.0, slots, tiling),
       device_discs_(engine, static_cast<std::size_t>(slots)) {
   if (options.window_px < 5 || options.window_px > 129) {
     throw InvalidArgument("the window must be 5 … 129 px wide", "--window");

@@ -14,7 +14,8 @@ class IcgnRefiner {
  public:
   // Takes window_px, spline_degree, max_iterations, min_correlation and min_texture of `options`.
   // `engine` must outlive the refiner. Throws InvalidArgument.
-  IcgnRefiner(Engine& engine, const FieldOptions& options, int slots);
+  IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
+              std::optional<Tiling> tiling = {});
 
   // Says that the picture in `slot` is a new one (or that there is one at all).
   void frame_changed(int slot) { splines_.frame_changed(slot); }

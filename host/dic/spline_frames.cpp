@@ -22,7 +22,15 @@ void zero(Engine& engine, const Buffer<float>& buffer) {
 
 }  // namespace
 
-Tiling choose_tiling(const Engine& engine, int group_on_gpu) {
+Tiling choose_tiling(const Engine& engine, std::optional<Tiling> asked, int group_on_gpu) {
+  if (asked) {
+    const int vector = asked->vector, group = asked->group;
+    if ((vector != 1 && vector != 4 && vector != 8 && vector != 16) || group < 1 ||
+        (group & (group - 1)) != 0) {
+      throw InvalidArgument("a tiling's vector must be 1, 4, 8 or 16 and its group a power of two");
+    }
+    return *asked;
+  }
   Tiling tiling;
   if (engine.device().is_gpu) {
     while (static_cast<std::size_t>(group_on_gpu) > engine.device().max_work_group) {
@@ -38,11 +46,12 @@ Tiling choose_tiling(const Engine& engine, int group_on_gpu) {
   return tiling;
 }
 
-SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots)
+SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots,
+                           std::optional<Tiling> tiling)
     : engine_(engine),
       degree_(degree),
       presmooth_sigma_px_(presmooth_sigma_px),
-      tiling_(choose_tiling(engine, 64)),
+      tiling_(choose_tiling(engine, tiling, 64)),
       changed_(static_cast<std::size_t>(slots), false) {
   const auto taps = prefilter_taps(degree, presmooth_sigma_px);
   radius_ = static_cast<int>(taps.size()) - 1;

@@ -2,6 +2,7 @@
 // pixels. Worked out when first asked for.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "host/dic/device_frames.h"
@@ -13,14 +14,16 @@ struct Tiling {
   int vector = 1;  // pixels of a row in one work-item
   int group = 32;  // work-items of a task
 };
-// `group_on_gpu`: what suits the kernel on a GPU, at most what the device takes. CPUs get vectors
-// as wide as their SIMD unit in single work-items.
-Tiling choose_tiling(const Engine& engine, int group_on_gpu);
+// The tiling asked for; without one, `group_on_gpu` work-items on a GPU (at most what the device
+// takes), and vectors as wide as the SIMD unit in single work-items on a CPU.
+// Throws InvalidArgument unless the vector is 1, 4, 8 or 16 and the group a power of two.
+Tiling choose_tiling(const Engine& engine, std::optional<Tiling> asked, int group_on_gpu);
 
 class SplineFrames {
  public:
   // Throws InvalidArgument as check_spline does.
-  SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots);
+  SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots,
+               std::optional<Tiling> tiling = {});
 
   // Says that the picture in `slot` is a new one (or that there is one at all).
   void frame_changed(int slot);

@@ -20,6 +20,7 @@ struct Case {
   int degree;
   bool affine, robust, bar;
   double x_px;  // of the ball in the first frame: 40 hides a part beyond the picture's edge
+  std::optional<Tiling> tiling = {};  // other than this device's own
 };
 class BallKernel : public ::testing::TestWithParam<Case> {};
 
@@ -40,7 +41,7 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   options.affine = param.affine;
   options.robust = param.robust;
   DeviceFrames frames(engine, 3);
-  BallRegistration registration(engine, options, 3);
+  BallRegistration registration(engine, options, 3, param.tiling);
   for (int k = 0; k < 2; ++k) {
     frames.set(2 - k, pictures[static_cast<std::size_t>(k)]);
     registration.frame_changed(2 - k);
@@ -81,7 +82,9 @@ INSTANTIATE_TEST_SUITE_P(
     Cases, BallKernel,
     ::testing::Values(Case{7, false, true, false, 76.3}, Case{7, false, true, true, 76.3},
                       Case{5, false, false, false, 76.3}, Case{3, true, true, false, 76.3},
-                      Case{7, true, true, true, 76.3}, Case{7, false, true, false, 40.2}));
+                      Case{7, true, true, true, 76.3}, Case{7, false, true, false, 40.2},
+                      Case{7, false, true, true, 40.2, Tiling{1, 128}},
+                      Case{5, true, true, true, 76.3, Tiling{4, 2}}));
 
 TEST(BallKernel, SaysWhyItCannotMeasure) {
   Engine& engine = shared_engine();

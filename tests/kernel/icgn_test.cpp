@@ -30,15 +30,16 @@ struct SplineCase {
   int degree;
   double sigma_px;
   int width, height;
+  std::optional<Tiling> tiling = {};
 };
 class Prefilter : public ::testing::TestWithParam<SplineCase> {};
 
 TEST_P(Prefilter, CoefficientsAndPlanesAreTheReferences) {
-  const auto [degree, sigma, width, height] = GetParam();
+  const auto [degree, sigma, width, height, tiling] = GetParam();
   Engine& engine = shared_engine();
   constexpr int kSlots = 3;
   DeviceFrames frames(engine, kSlots);
-  SplineFrames splines(engine, degree, sigma, kSlots);
+  SplineFrames splines(engine, degree, sigma, kSlots, tiling);
   std::vector<Frame> pictures;
   for (int slot = 0; slot < kSlots; ++slot) {
     pictures.push_back(random_frame(width, height, 7 + static_cast<unsigned>(slot)));
@@ -87,11 +88,14 @@ TEST_P(Prefilter, CoefficientsAndPlanesAreTheReferences) {
 INSTANTIATE_TEST_SUITE_P(Cases, Prefilter,
                          ::testing::Values(SplineCase{3, 0, 64, 48}, SplineCase{5, 0, 131, 37},
                                            SplineCase{7, 0.5, 97, 101}, SplineCase{5, 0.8, 16, 9},
-                                           SplineCase{7, 0, 5, 3}));
+                                           SplineCase{7, 0, 5, 3},
+                                           SplineCase{5, 0.5, 70, 41, Tiling{1, 64}},
+                                           SplineCase{3, 0, 33, 20, Tiling{4, 1}}));
 
 struct IcgnCase {
   int window_px, degree;
   double rotation_deg, guess_deg;
+  std::optional<Tiling> tiling = {};  // other than this device's own
 };
 class Icgn : public ::testing::TestWithParam<IcgnCase> {
  protected:
@@ -126,7 +130,7 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
   options.spline_degree = param.degree;
   const auto pictures = ball_frames(param.rotation_deg, 2);
   DeviceFrames frames(engine, 3);
-  IcgnRefiner refiner(engine, options, 3);
+  IcgnRefiner refiner(engine, options, 3, param.tiling);
   IcgnReference reference(options, 3);
   for (int k = 0; k < 2; ++k) {
     frames.set(2 * k, pictures[static_cast<std::size_t>(k)]);
@@ -183,11 +187,12 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(Cases, Icgn,
-                         ::testing::Values(IcgnCase{15, 5, 0, 0}, IcgnCase{15, 5, 3, 0},
-                                           IcgnCase{21, 3, 3, 3}, IcgnCase{31, 7, 3, 0},
-                                           IcgnCase{16, 7, 40, 40}, IcgnCase{15, 5, 170, 170},
-                                           IcgnCase{81, 3, 3, 0}));
+INSTANTIATE_TEST_SUITE_P(
+    Cases, Icgn,
+    ::testing::Values(IcgnCase{15, 5, 0, 0}, IcgnCase{15, 5, 3, 0}, IcgnCase{21, 3, 3, 3},
+                      IcgnCase{31, 7, 3, 0}, IcgnCase{16, 7, 40, 40}, IcgnCase{15, 5, 170, 170},
+                      IcgnCase{81, 3, 3, 0}, IcgnCase{15, 5, 3, 0, Tiling{1, 32}},
+                      IcgnCase{16, 3, 3, 0, Tiling{8, 1}}, IcgnCase{21, 3, 3, 3, Tiling{4, 64}}));
 
 }  // namespace
 }  // namespace impactdic

@@ -1,0 +1,215 @@
+// How exactly IC-GN windows measure rendered balls whose motion is known, and published pictures.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "host/dic/correlator.h"
+#include "host/video/codec/codec.h"
+#include "host/video/frame_source.h"
+#include "tests/support/data.h"
+#include "tests/support/engine.h"
+#include "tests/support/speckle_frames.h"
+
+namespace impactdic {
+namespace {
+
+using testing::pose;
+using testing::shared_engine;
+
+constexpr auto kOk = static_cast<idic_int>(WindowStatus::ok);
+
+std::vector<WindowMotion> measure(const FieldOptions& options, const Frame& first,
+                                  const Frame& second, std::vector<Window>& windows) {
+  const auto correlator = make_opencl_correlator(shared_engine(), options, 2);
+  correlator->set_frame(0, first);
+  correlator->set_frame(1, second);
+  for (Window& window : windows) window.second = 1;
+  return correlator->correlate(windows);
+}
+
+// One pattern of the study, and the largest error that its 15-px windows may have.
+class IcgnOnBalls : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(IcgnOnBalls, WindowsOf15Pixels) {
+  const SpeckleBall ball = paint_ball(GetParam(), 1);
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> off(-1, 1);
+  for (const double noise : {0.0, 2.0}) {
+    Scene scene;
+    scene.width = scene.height = 256;
+    scene.noise_sigma = noise;
+    double squares = 0, normalised = 0;
+    int count = 0, lost = 0;
+    for (int k = 0; k < 4; ++k) {
+      const BallPose a = pose(128 + off(random), 128 + off(random), 180 * off(random));
+      const BallPose b =
+          pose(a.cx_px + 2 * off(random), a.cy_px + 2 * off(random), a.angle_deg + 3 * off(random));
+      const auto frames = testing::render_frames(ball, scene, {a, b});
+      auto windows = disc_grid(a.cx_px, a.cy_px, ball.radius_px - 4, 15, 11);
+      const double turn = (b.angle_deg - a.angle_deg) * std::numbers::pi / 180;
+      const double c = std::cos(turn), s = std::sin(turn);
+      // The tracker's prediction, to the nearest pixel. Without one, a dense pattern's windows find
+      // each other's speckles (a3: one in 30).
+      const auto move_x = [&](double x, double y) { return b.cx_px - a.cx_px + c * x + s * y - x; };
+      const auto move_y = [&](double x, double y) { return b.cy_px - a.cy_px - s * x + c * y - y; };
+      for (Window& window : windows) {
+        const double x = window.x0 + 7 - a.cx_px, y = window.y0 + 7 - a.cy_px;
+        window.guess_u = static_cast<idic_int>(std::lround(move_x(x, y)));
+        window.guess_v = static_cast<idic_int>(std::lround(move_y(x, y)));
+      }
+      FieldOptions options;
+      options.search_px = 2;
+      const auto motions = measure(options, frames[0], frames[1], windows);
+      for (std::size_t i = 0; i < windows.size(); ++i) {
+        if (motions[i].status != kOk) {
+          ++lost;
+          continue;
+        }
+        const double x = windows[i].x0 + 7 - a.cx_px, y = windows[i].y0 + 7 - a.cy_px;
+        const double eu = motions[i].u - move_x(x, y);
+        const double ev = motions[i].v - move_y(x, y);
+        squares += eu * eu + ev * ev;
+        normalised += std::pow(eu / motions[i].u_sd, 2) + std::pow(ev / motions[i].v_sd, 2);
+        count += 2;
+      }
+    }
+    const double rms = std::sqrt(squares / count);
+    std::printf("%s, noise %g: rms %.5f px, over sd %.3f, lost %d of %d\n", GetParam(), noise, rms,
+                std::sqrt(normalised / count), lost, lost + count / 2);
+    EXPECT_EQ(lost, 0);
+    EXPECT_LE(rms, noise == 0 ? 0.0018 : 0.006);
+    if (noise > 0) {
+      EXPECT_NEAR(std::sqrt(normalised / count), 1, 0.15);
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Patterns, IcgnOnBalls, ::testing::Values("e1", "f1", "a2", "a3", "b3"),
+                         [](const auto& info) { return std::string(info.param); });
+
+Frame read_picture(const std::string& file) {
+  VideoOptions options;
+  options.open_codec = open_codec;
+  const auto source = open_video({testing::data_path(file).string()}, options);
+  Frame frame;
+  source->read(0, frame);
+  return frame;
+}
+
+TEST(IcgnOnPictures, EveryWindowOfTheTranslation) {
+  IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
+  FieldOptions options;
+  options.window_px = 31;
+  options.search_px = 10;
+  auto windows = rectangle_grid(12, 12, 480, 480, 31, 12);
+  const auto motions = measure(options, read_picture("speckle/Pattern_1.bmp"),
+                               read_picture("speckle/Pattern_1_Translation.bmp"), windows);
+  double worst = 0;
+  for (const WindowMotion& motion : motions) {
+    ASSERT_EQ(motion.status, kOk);
+    worst = std::max({worst, std::abs(motion.u - 7.084), std::abs(motion.v - 7.084)});
+  }
+  std::printf("translation: worst of %zu windows %.5f px\n", motions.size(), worst);
+  EXPECT_LE(worst, 0.01);
+}
+
+// Residual of the least-squares affine field through the displacements, both components.
+double rms_about_affine(const std::vector<Window>& windows,
+                        const std::vector<WindowMotion>& motions, double* worst) {
+  double squares = 0;
+  for (const bool second : {false, true}) {
+    double normal[3][4] = {};
+    const auto row = [&](std::size_t i) {
+      return std::array<double, 4>{1, windows[i].x0 / 256.0 - 1, windows[i].y0 / 256.0 - 1,
+                                   second ? motions[i].v : motions[i].u};
+    };
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const auto r = row(i);
+      for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 4; ++b) normal[a][b] += r[a] * r[b];
+      }
+    }
+    for (int a = 0; a < 3; ++a) {  // Gauss–Jordan; the matrix is positive definite
+      for (int other = 0; other < 3; ++other) {
+        if (other == a) continue;
+        const double factor = normal[other][a] / normal[a][a];
+        for (int b = a; b < 4; ++b) normal[other][b] -= factor * normal[a][b];
+      }
+    }
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const auto r = row(i);
+      double error = r[3];
+      for (int a = 0; a < 3; ++a) error -= normal[a][3] / normal[a][a] * r[a];
+      squares += error * error;
+      *worst = std::max(*worst, std::abs(error));
+    }
+  }
+  return std::sqrt(squares / (2.0 * static_cast<double>(windows.size())));
+}
+
+class IcgnOnAffinePictures : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(IcgnOnAffinePictures, FieldIsAffine) {
+  const std::string file = std::string("speckle/Pattern_1_") + GetParam() + ".bmp";
+  IMPACTDIC_NEED_DATA(file);
+  FieldOptions options;
+  options.window_px = 31;
+  options.search_px = 30;
+  auto windows = rectangle_grid(45, 45, 420, 420, 31, 12);
+  const auto motions =
+      measure(options, read_picture("speckle/Pattern_1.bmp"), read_picture(file), windows);
+  for (const WindowMotion& motion : motions) ASSERT_EQ(motion.status, kOk);
+  double worst = 0;
+  const double rms = rms_about_affine(windows, motions, &worst);
+  std::printf("%s: rms %.5f px about an affine field, worst %.5f\n", GetParam(), rms, worst);
+  EXPECT_LE(rms, 0.003);
+}
+INSTANTIATE_TEST_SUITE_P(Pictures, IcgnOnAffinePictures, ::testing::Values("Tension", "Shear"),
+                         [](const auto& info) { return std::string(info.param); });
+
+class IcgnOnSample14 : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(IcgnOnSample14, WindowsOf35Pixels) {
+  IMPACTDIC_NEED_DATA("speckle/sample14/command.csv");
+  // Columns: x, then displacement and strain of L1, L3 and L5.
+  const std::size_t column = 1 + static_cast<std::size_t>(GetParam()[1] - '1');
+  std::vector<double> truth;
+  std::ifstream table(testing::data_path("speckle/sample14/command.csv"));
+  for (std::string line; std::getline(table, line);) {
+    std::stringstream cells(line);
+    std::string cell;
+    for (std::size_t k = 0; k <= column; ++k) std::getline(cells, cell, ',');
+    truth.push_back(std::stod(cell));
+  }
+  FieldOptions options;
+  options.window_px = 35;
+  options.search_px = 4;
+  const Frame first = read_picture("speckle/sample14/Sample14 Reference.tif");
+  const Frame second =
+      read_picture(std::string("speckle/sample14/Sample14 ") + GetParam() + " Amp0.1b.tif");
+  auto windows = rectangle_grid(10, 10, first.width() - 20, first.height() - 20, 35, 20);
+  const auto motions = measure(options, first, second, windows);
+  double squares = 0, bound = 0;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    ASSERT_EQ(motions[i].status, kOk);
+    squares += std::pow(motions[i].u - truth[static_cast<std::size_t>(windows[i].x0) + 17], 2);
+    bound += std::pow(motions[i].u_sd, 2);
+  }
+  const auto count = static_cast<double>(windows.size());
+  std::printf("%s: rms %.5f px, noise alone %.5f\n", GetParam(), std::sqrt(squares / count),
+              std::sqrt(bound / count));
+  // The noise of these pictures alone (3.6 grey levels) allows 0.0117 px in windows of this size.
+  EXPECT_LE(std::sqrt(squares / count), 1.10 * std::sqrt(bound / count));
+  EXPECT_LE(std::sqrt(squares / count), 0.013);
+}
+INSTANTIATE_TEST_SUITE_P(Levels, IcgnOnSample14, ::testing::Values("L1", "L3", "L5"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace impactdic
