@@ -1,0 +1,152 @@
+// How exactly the motion of rendered balls is measured: the rows of docs/accuracy.md, every one
+// with its fixed seeds.
+//   motion_accuracy STUDY [PAIRS-PER-BALL [PATTERN...]]
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "sim/speckle/pattern.h"
+#include "tests/support/motion_truth.h"
+
+namespace impactdic::testing {
+namespace {
+
+constexpr double kRadiusPx = 115;
+constexpr int kSide = 300;
+constexpr double kMargin = 4;
+
+struct Study {
+  int pairs = 0;  // per ball
+  std::vector<std::string> patterns;
+};
+
+Scene scene(double noise, std::uint64_t seed) {
+  Scene out;
+  out.width = out.height = kSide;
+  out.noise_sigma = noise;
+  out.noise_seed = seed;
+  return out;
+}
+
+std::vector<std::string> patterns(bool d) {
+  std::vector<std::string> names;
+  for (const PatternSpec& spec : pattern_specs()) {
+    if ((spec.name[0] == 'd') == d) names.push_back(spec.name);
+  }
+  return names;
+}
+
+void fractions(const Study& study) {
+  PairMeasurement measurement(Estimator::ball, kRadiusPx);
+  PosePairs pairs;
+  for (int k = 0; k <= 20; ++k) {
+    BallPose first;
+    first.cx_px = 149.3;
+    first.cy_px = 150.6;
+    first.angle_deg = 7;
+    BallPose second = first;
+    second.cx_px += 0.05 * k;
+    pairs.add(first, second);
+  }
+  MotionErrors all;
+  for (const std::string& name : study.patterns) {
+    const auto got =
+        measurement.measure(paint_ball(name, 1), scene(0, 1), pairs, Centres::known, {});
+    got.at_point.print(name);
+    all.add(got.at_point);
+  }
+  all.print("all");
+}
+
+// Both kinds of motions, of a known point and of the measured centre.
+void motions(const Study& study, Estimator estimator, double hidden) {
+  PairMeasurement measurement(estimator, kRadiusPx);
+  std::map<std::string, MotionErrors> pooled;
+  for (const std::string& name : study.patterns) {
+    const SpeckleBall ball = paint_ball(name, 1);
+    Scene the_scene = scene(2, 1);
+    BallPose middle;
+    middle.cx_px = middle.cy_px = 0.5 * kSide;
+    if (hidden > 0) the_scene.bar = bar_hiding(hidden, middle, kRadiusPx);
+    const MotionBound bound = motion_bound(ball, the_scene, kMargin);
+    const PosePairs fixed = fixed_motions(study.pairs, 1, 1, 3, 8, 0.5 * kSide);
+    const PosePairs random = random_motions(study.pairs, 9, 0.5 * kSide);
+    for (const Centres centres : {Centres::known, Centres::measured}) {
+      for (const auto* kind : {&fixed, &random}) {
+        the_scene.noise_seed = (kind == &fixed ? 100 : 200) + (centres == Centres::known ? 0 : 10);
+        const auto got = measurement.measure(ball, the_scene, *kind, centres, bound);
+        const std::string what = kind == &fixed ? " 1,1 px 3 deg" : " random";
+        if (centres == Centres::known) {
+          got.at_point.print(name + what);
+          pooled[what + ", point"].add(got.at_point);
+        } else {
+          got.at_centre.print(name + what + " centre");
+          pooled[what + ", point found"].add(got.at_point);
+          pooled[what + ", centre"].add(got.at_centre);
+        }
+      }
+    }
+  }
+  for (const auto& [what, errors] : pooled) errors.print("all" + what);
+}
+
+void ring_turns(const Study& study) {
+  PairMeasurement measurement(Estimator::ring, kRadiusPx);
+  for (const double turn_deg : {3.0, 20.0, 90.0, 170.0}) {
+    MotionErrors known, measured;
+    for (const std::string& name : study.patterns) {
+      const SpeckleBall ball = paint_ball(name, 1);
+      const MotionBound bound = motion_bound(ball, scene(2, 1), 5);
+      const PosePairs pairs = fixed_motions(study.pairs, 0.37, -0.61, turn_deg, 18, 0.5 * kSide);
+      known.add(measurement.measure(ball, scene(2, 1), pairs, Centres::known, bound).at_point);
+      const auto got = measurement.measure(ball, scene(2, 2), pairs, Centres::measured, bound);
+      got.at_point.print(name);
+      measured.add(got.at_point);
+    }
+    known.print(std::to_string(turn_deg) + " known centre");
+    measured.print(std::to_string(turn_deg) + " own centre");
+  }
+}
+
+int run(const std::string& name, Study study) {
+  const auto set = [&](int pairs, const std::vector<std::string>& names) {
+    if (study.pairs == 0) study.pairs = pairs;
+    if (study.patterns.empty()) study.patterns = names;
+  };
+  if (name == "fractions") {
+    set(21, patterns(false));
+    fractions(study);
+  } else if (name == "motions") {
+    set(16, patterns(false));
+    motions(study, Estimator::ball, 0);
+  } else if (name == "sparse") {
+    set(16, patterns(true));
+    motions(study, Estimator::ball, 0);
+  } else if (name == "bar") {
+    set(16, patterns(false));
+    motions(study, Estimator::ball, 0.3);
+  } else if (name == "ring") {
+    set(8, patterns(false));
+    ring_turns(study);
+  } else if (name == "field") {
+    set(8, patterns(false));
+    motions(study, Estimator::field, 0);
+  } else {
+    std::fprintf(stderr, "studies: fractions motions sparse bar ring field\n");
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace impactdic::testing
+
+int main(int argc, char** argv) {
+  impactdic::testing::Study study;
+  if (argc > 2) study.pairs = std::atoi(argv[2]);
+  for (int k = 3; k < argc; ++k) study.patterns.push_back(argv[k]);
+  return impactdic::testing::run(argc > 1 ? argv[1] : "", study);
+}
