@@ -101,6 +101,11 @@ Json fit_json(const ShotFit& fit) {
   json["measurements"] = fit.measurements;
   json["free_parameters"] = fit.free_parameters;
   json["reduced_chi_square"] = number(fit.reduced_chi_square);
+  if (!fit.deviation_factors.empty()) {
+    json["deviation_factors"] = {{"centre", number(fit.deviation_factors[0])},
+                                 {"motion", number(fit.deviation_factors[1])},
+                                 {"rotation", number(fit.deviation_factors[2])}};
+  }
   json["aic"] = number(fit.aic);
   json["rms_m"] = number(fit.rms_m);
   json["converged"] = fit.converged;

@@ -189,18 +189,8 @@ void time_contact(Shot& shot, const ImpactJob& laws) {
       timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),
                            crossing.value, shot.contact_s.value);
   const double sd = std::abs(timing.duration_s * crossing.sd / crossing.value);
-  const double start = shot.crossing_s - timing.crossing_s;
-  const double later = start - shot.contact_start_s.value;
-  const double angle = shot.surface_angle_deg * kRadPerDeg;
-  const double vt = shot.before.vt_m_s.value, vn = shot.before.vn_m_s.value;
-  shot.contact_start_s = {start, sd};
-  shot.contact_s = {timing.duration_s, sd};
-  shot.contact_end_s = {start + timing.duration_s, sd};
-  shot.t_max_compression_s -= later;
-  shot.max_deflection_m.value += vn * later;
-  shot.max_deflection_m.sd = std::abs(vn) * sd;
-  shot.touch_x_m += (std::cos(angle) * vt - std::sin(angle) * vn) * later;
-  shot.touch_y_m += (std::sin(angle) * vt + std::cos(angle) * vn) * later;
+  move_contact(shot, {shot.crossing_s - timing.crossing_s, sd}, {timing.duration_s, sd}, laws.body,
+               laws.gravity_m_s2);
 }
 
 MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames) {

@@ -73,8 +73,11 @@ struct ShotFit {
   std::vector<double> covariance;             // of them, row-major; NaN where not determined
   double chi_square = 0;
   long measurements = 0, free_parameters = 0;
-  double reduced_chi_square = 0;
-  double aic = 0;    // chi square + 2 x free parameters
+  double reduced_chi_square = 0;  // by the deviations that the track states
+  double aic = 0;                 // chi square + 2 x free parameters
+  // By what the stated deviations of centres, motions and rotations were multiplied, because their
+  // errors are larger or last longer than stated; empty for methods that do not weigh.
+  std::vector<double> deviation_factors;
   double rms_m = 0;  // of the centre's path, both coordinates
   bool converged = true;
   std::vector<std::string> warnings;

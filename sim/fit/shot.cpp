@@ -20,6 +20,28 @@ constexpr double kLeastNoise_m = 1e-9;
 
 double square(double x) { return x * x; }
 
+// Restitution and effective friction from the flights. When the contact is matters through gravity:
+// the two velocities are those of its ends.
+void derive(Shot& shot, const Body& body, double gravity_m_s2) {
+  const double pull = gravity_m_s2 * std::cos(shot.surface_angle_deg * kRadPerDeg);
+  const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
+  const double in_sd = std::hypot(in.sd, pull * shot.contact_start_s.sd);
+  const double out_sd = std::hypot(out.sd, pull * shot.contact_end_s.sd);
+  shot.restitution = {-out.value / in.value,
+                      std::hypot(out_sd / in.value, out.value / square(in.value) * in_sd)};
+  const auto state = [](const Flight& flight) {
+    PlaneState s;
+    s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
+    if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
+    return s;
+  };
+  shot.friction = effective_friction(body, state(shot.before), state(shot.after),
+                                     shot.contact_s.value, gravity_m_s2, shot.surface_angle_deg);
+  shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,
+                                shot.friction.sound * std::hypot(in_sd, out_sd)) /
+                     (out.value - in.value);
+}
+
 // The track turned into the surface's axes.
 class ShotAnalysis {
  public:
@@ -298,24 +320,34 @@ Shot ShotAnalysis::run() {
   shot_.touch_x_m = std::cos(angle) * touch_t - std::sin(angle) * height;
   shot_.touch_y_m = std::sin(angle) * touch_t + std::cos(angle) * height;
 
-  const Estimate in = shot_.before.vn_m_s, out = shot_.after.vn_m_s;
-  shot_.restitution = {-out.value / in.value,
-                       std::hypot(out.sd / in.value, out.value / square(in.value) * in.sd)};
-  PlaneState begin, finish;
-  begin.vt_m_s = shot_.before.vt_m_s.value, begin.vn_m_s = in.value;
-  finish.vt_m_s = shot_.after.vt_m_s.value, finish.vn_m_s = out.value;
-  const auto known = [](double v) { return std::isnan(v) ? 0.0 : v; };
-  begin.omega_rad_s = known(shot_.before.omega_rad_s.value);
-  finish.omega_rad_s = known(shot_.after.omega_rad_s.value);
-  shot_.friction = effective_friction(options_.body, begin, finish, end - start,
-                                      options_.gravity_m_s2, options_.surface_angle_deg);
-  shot_.friction_sd = std::hypot(shot_.before.vt_m_s.sd, shot_.after.vt_m_s.sd,
-                                 shot_.friction.sound * std::hypot(in.sd, out.sd)) /
-                      (out.value - in.value);
+  derive(shot_, options_.body, options_.gravity_m_s2);
   return shot_;
 }
 
 }  // namespace
+
+void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s, const Body& body,
+                  double gravity_m_s2) {
+  const double angle = shot.surface_angle_deg * kRadPerDeg;
+  const double c = std::cos(angle), s = std::sin(angle);
+  const double later = start_s.value - shot.contact_start_s.value;
+  const double vt = shot.before.vt_m_s.value, vn = shot.before.vn_m_s.value;
+  const double fall_t = -gravity_m_s2 * s * later, fall_n = -gravity_m_s2 * c * later;
+  const double along_t = (vt + fall_t / 2) * later, along_n = (vn + fall_n / 2) * later;
+  shot.touch_x_m += c * along_t - s * along_n;
+  shot.touch_y_m += s * along_t + c * along_n;
+  shot.before.vt_m_s.value += fall_t;
+  shot.before.vn_m_s.value += fall_n;
+  const double after = start_s.value + duration_s.value - shot.contact_end_s.value;
+  shot.after.vt_m_s.value -= gravity_m_s2 * s * after;
+  shot.after.vn_m_s.value -= gravity_m_s2 * c * after;
+  shot.contact_start_s = start_s;
+  shot.contact_s = duration_s;
+  shot.contact_end_s = {start_s.value + duration_s.value, std::max(start_s.sd, duration_s.sd)};
+  shot.t_max_compression_s -= later;
+  shot.max_deflection_m = {shot.max_deflection_m.value + along_n, std::abs(vn) * start_s.sd};
+  derive(shot, body, gravity_m_s2);
+}
 
 Shot measure_shot(const Track& track, const ShotOptions& options) {
   return ShotAnalysis(track, options).run();

@@ -45,6 +45,11 @@ struct ShotOptions {
   int flight_frames = 100;  // the longest flight used on each side, as in section 3.2.2
 };
 
+// Says that the contact begins and lasts otherwise than the shot has it: carries both flights to
+// the new instants and derives anew what follows from them.
+void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s, const Body& body,
+                  double gravity_m_s2);
+
 // Least-squares flights (gravity known), grown while frames agree within five standard deviations.
 // The touch and the separation lie where the normal deflection's onset polynomials (second to
 // fourth power of the time in contact) fit best, under the condition that both happen at the same

@@ -15,6 +15,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Below these a stated deviation is rounding, not noise.
 constexpr double kLeastPosition_sd_m = 1e-10, kLeastTurn_sd_rad = 1e-9;
 
+// A residual of so many deviations is not noise.
+constexpr double kFarOff = 4;
+
 bool is_law(FitParameter p) {
   return p != FitParameter::kContactTime && p != FitParameter::kSurfaceAngle &&
          p != FitParameter::kScale;
@@ -179,6 +182,29 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
     p.angle[i] = state.angle_rad;
   }
   return true;
+}
+
+MeasurementSeries ShotModel::series_of(std::size_t row) const {
+  switch (rows_[row].kind) {
+    case Row::Kind::kX:
+      return {MeasurementKind::kCentre, 0};
+    case Row::Kind::kY:
+      return {MeasurementKind::kCentre, 1};
+    case Row::Kind::kDx:
+      return {MeasurementKind::kMotion, 0};
+    case Row::Kind::kDy:
+      return {MeasurementKind::kMotion, 1};
+    default:
+      return {MeasurementKind::kTurn, 0};
+  }
+}
+
+void ShotModel::weigh(const DeviationFactors& factors, std::span<const double> stated_residuals) {
+  for (std::size_t r = 0; r < rows_.size(); ++r) {
+    const double factor = factors[static_cast<std::size_t>(series_of(r).kind)];
+    const double off = stated_residuals.empty() ? 0 : std::abs(stated_residuals[r]) / factor;
+    rows_[r].sd = rows_[r].stated_sd * factor * std::sqrt(std::max(1.0, off / kFarOff));
+  }
 }
 
 double ShotModel::predicted(const Row& row, const Prediction& p) const {

@@ -2,6 +2,8 @@
 // Internal to sim/fit.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 #include "sim/fit/calibration.h"
@@ -19,6 +21,16 @@ struct Unknown {
   double lower = 0, upper = 0;
 };
 
+// Measurements whose errors are of one kind, and their order in time.
+enum class MeasurementKind { kCentre, kMotion, kTurn };
+inline constexpr std::size_t kMeasurementKinds = 3;
+struct MeasurementSeries {
+  MeasurementKind kind{};
+  std::size_t axis = 0;  // 0: x or rotation, 1: y
+};
+// Factors on the stated standard deviations, at least 1, one a kind of measurement.
+using DeviationFactors = std::array<double, kMeasurementKinds>;
+
 class ShotModel {
  public:
   // Compares from the first frame of the flight before to the last of the flight after.
@@ -35,12 +47,19 @@ class ShotModel {
   // Root mean square distance of path and model, per coordinate, m.
   double path_rms_m(const double* values) const;
   ImpactJob impact_of(const double* values) const;
+  // The series that residual `row` belongs to; the rows of a series ascend in time.
+  MeasurementSeries series_of(std::size_t row) const;
+  // Weighs the measurements by their stated deviations times these factors. Where residuals in
+  // stated deviations are given, one beyond four of its kind's deviations counts less the farther
+  // off it is (Huber 1964), so that one misread frame does not bend the path.
+  void weigh(const DeviationFactors& factors, std::span<const double> stated_residuals = {});
 
  private:
   struct Row {
     enum class Kind { kX, kY, kDx, kDy, kTurn } kind;
     std::size_t frame;  // within the window
-    double measured, sd;
+    double measured, stated_sd;
+    double sd = stated_sd;  // that it is weighed by
   };
   struct Prediction {
     std::vector<double> x, y, angle, vx, vy;

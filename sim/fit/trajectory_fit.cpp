@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/units.h"
+#include "sim/fit/residual_weights.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/shot_model.h"
 #include "sim/fit/verdict.h"
@@ -24,6 +25,8 @@ constexpr double kNormal95 = 1.959963984540054;
 constexpr double kSingular = 1e-8;
 // An interval wider than this part of its value is not parabolic any more: profile it.
 constexpr double kWeak = 0.2;
+constexpr int kWeighings = 2;
+constexpr double kFirstMotionFactor = 30;
 
 class Cost final : public ceres::CostFunction {
  public:
@@ -208,28 +211,63 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
   return p;
 }
 
+struct Weighed {
+  Solution best;
+  DeviationFactors factors{};
+  double stated_chi_square = 0;
+};
+
+// Solves, sees from the residuals how far the stated deviations reach, and solves again with these.
+// Centres are absolute, whereas motions are differences whose bias adds up over a flight and can
+// pass for another stiffness: the first path is the centres', and the motions are judged by it.
+Weighed solve_and_weigh(ShotModel& model) {
+  Weighed result;
+  result.factors = {1, kFirstMotionFactor, 1};
+  model.weigh(result.factors);
+  result.best = solve(model, start_values(model), model.size());
+  std::vector<double> residuals(model.residuals());
+  const auto look = [&] {
+    model.weigh({1, 1, 1});
+    model.evaluate(result.best.values.data(), residuals.data(), nullptr);
+  };
+  for (int i = 0; i < kWeighings && std::isfinite(result.best.chi_square); ++i) {
+    look();
+    result.factors = deviation_factors(model, residuals);
+    model.weigh(result.factors, residuals);
+    result.best = solve(model, result.best.values, model.size());
+  }
+  if (!std::isfinite(result.best.chi_square)) return result;
+  const std::vector<double> weighed_by = residuals;
+  look();
+  for (double r : residuals) result.stated_chi_square += r * r;
+  model.weigh(result.factors, weighed_by);
+  return result;
+}
+
 }  // namespace
 
 ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job) {
   const ImpactJob laws = laws_at_start(shot, job);
-  const ShotModel model(track, shot, laws, job.parameters, job.unknowns);
-  const Solution best = solve(model, start_values(model), model.size());
+  ShotModel model(track, shot, laws, job.parameters, job.unknowns);
+  const auto [best, factors, stated_chi_square] = solve_and_weigh(model);
   if (!std::isfinite(best.chi_square)) {
     throw InvalidArgument("the model has no impact at its start values", shot.file,
                           "are mass, diameter and the fixed contact values right?");
   }
   ShotFit fit;
   fit.shot = shot;
-  fit.chi_square = best.chi_square;
+  fit.chi_square = stated_chi_square;
+  fit.deviation_factors = {factors.begin(), factors.end()};
   fit.measurements = static_cast<long>(model.residuals());
   fit.free_parameters = static_cast<long>(model.size());
   fit.reduced_chi_square =
-      best.chi_square / static_cast<double>(fit.measurements - fit.free_parameters);
-  fit.aic = best.chi_square + 2.0 * static_cast<double>(fit.free_parameters);
+      stated_chi_square / static_cast<double>(fit.measurements - fit.free_parameters);
+  fit.aic = stated_chi_square + 2.0 * static_cast<double>(fit.free_parameters);
   fit.rms_m = model.path_rms_m(best.values.data());
   fit.converged = best.converged;
   if (!best.converged) fit.warnings.push_back("the fit had not converged after 100 iterations");
-  const double inflation = std::max(1.0, fit.reduced_chi_square);
+  const double inflation =
+      std::max(1.0, best.chi_square / static_cast<double>(fit.measurements - fit.free_parameters));
   const Eigen::MatrixXd unit = cofactor(model, best.values);
   const std::size_t reported = job.parameters.size() + job.unknowns.size();
   for (std::size_t i = 0; i < reported; ++i) {

@@ -1,0 +1,86 @@
+// The whole laboratory: an impact is integrated, filmed with pixels and noise of the pattern,
+// tracked, and the parameters that were put in are fitted from the track.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+
+namespace impactdic::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kStiffness = 12526, kDamping = 6.85, kFriction = 0.0941;
+
+void must(const std::string& arguments) {
+  const Outcome outcome = run_program(arguments);
+  if (outcome.status != 0) throw std::runtime_error(arguments + "\n" + outcome.err);
+}
+
+Json read_json(const std::filesystem::path& file) { return Json::parse(std::ifstream(file)); }
+
+const std::string kBody =
+    "[body]\nshape = \"hollow_sphere\"\nmass_kg = 0.0567\ndiameter_m = 0.067\n";
+
+std::string simulate_job(bool oblique) {
+  return std::string("normal = \"linear_spring_damper\"\nfriction = \"") +
+         (oblique ? "coulomb" : "none") + "\"\n" + kBody +
+         "[contact]\nstiffness_n_per_m = 12526.0\ndamping_n_s_per_m = 6.85\n" +
+         (oblique ? "friction_kinetic = 0.0941\n" : "") +
+         "[surface]\nangle_deg = " + (oblique ? "30.0" : "0.0") +
+         "\n[initial]\nvt_m_s = " + (oblique ? "-1.81" : "0.0") +
+         "\nvn_m_s = " + (oblique ? "-3.52" : "-3.26") + "\n";
+}
+
+std::string fit_job(bool oblique) {
+  return std::string("normal = \"linear_spring_damper\"\nfriction = \"") +
+         (oblique ? "coulomb" : "none") + "\"\ntracks = [\"track/track.csv\"]\n" + kBody +
+         "[fit]\nparameters = [\"stiffness_n_per_m\", \"damping_n_s_per_m\"" +
+         (oblique ? ", \"friction_kinetic\"" : "") + "]\n";
+}
+
+struct ClosedLoop {
+  Json simulated, fitted;
+};
+
+ClosedLoop close_loop(bool oblique) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "impact.toml") << simulate_job(oblique);
+  std::ofstream(folder / "fit.toml") << fit_job(oblique);
+  must("simulate " + quoted(folder / "impact.toml") + " -o " + quoted(folder / "sim"));
+  must("synth --simulate " + quoted(folder / "impact.toml") +
+       " --pattern f1 --noise 2 --size 330x400 --frames 150 --touch-frame 40.37 -o " +
+       quoted(folder / "clip"));
+  must("track " + quoted(folder / "clip/video.tif") + " --fps 10000 --ball-diameter-mm 67" +
+       " --inertia-factor 0.667 --surface-angle-deg " + (oblique ? "30" : "0") + " -o " +
+       quoted(folder / "track"));
+  must("fit " + quoted(folder / "fit.toml") + " -o " + quoted(folder / "fit"));
+  return {read_json(folder / "sim/summary.json"),
+          read_json(folder / "fit/summary.json")["shots"][0]};
+}
+
+// Within the accuracy stated, and within three of the deviations that the fit itself states.
+void expect_found(const Json& estimate, double truth, double tolerance) {
+  const double value = estimate["value"], sd = estimate["sd"];
+  EXPECT_NEAR(value, truth, tolerance) << estimate;
+  EXPECT_NEAR(value, truth, 3 * sd) << estimate;
+}
+
+void expect_truth(bool oblique) {
+  const auto [simulated, fitted] = close_loop(oblique);
+  const Json& parameters = fitted["parameters"];
+  expect_found(parameters["stiffness_n_per_m"], kStiffness, 0.005 * kStiffness);
+  expect_found(parameters["damping_n_s_per_m"], kDamping, 0.005 * kDamping);
+  expect_found(fitted["shot"]["restitution"], simulated["restitution"], 0.001);
+  expect_found(fitted["shot"]["contact_s"], simulated["contact_s"], 20e-6);
+  if (oblique) expect_found(parameters["friction_kinetic"], kFriction, 0.001);
+}
+
+TEST(ClosedLoop, NormalImpactGivesBackItsParameters) { expect_truth(false); }
+
+TEST(ClosedLoop, ObliqueImpactGivesBackItsParametersAndFriction) { expect_truth(true); }
+
+}  // namespace
+}  // namespace impactdic::testing
