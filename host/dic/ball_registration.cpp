@@ -16,12 +16,11 @@ void BallOptions::validate() const {
   if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
 }
 
-BallRegistration::BallRegistration(Engine& engine, const BallOptions& options, int slots,
+BallRegistration::BallRegistration(Engine& engine, const BallOptions& options,
                                    std::optional<Tiling> tiling)
     : engine_(engine),
       options_((options.validate(), options)),
-      tiling_(choose_tiling(engine, tiling, 256)),
-      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots, tiling) {
+      tiling_(choose_tiling(engine, tiling, 256)) {
   kernel_ = engine.kernel("rigid.cl", "register_balls",
                           {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
                            {"VECTOR", std::to_string(tiling_.vector)},
@@ -36,34 +35,35 @@ BallRegistration::BallRegistration(Engine& engine, const BallOptions& options, i
              static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
 }
 
-std::vector<BallMotion> BallRegistration::measure(const DeviceFrames& frames,
+std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                                                   std::span<const BallTask> tasks) {
   if (tasks.empty()) return {};
   double pixels = 0;
   for (const BallTask& task : tasks) {
     for (const int slot : {task.first, task.second}) {
-      if (slot < 0 || slot >= splines_.slots()) throw InvalidArgument("no such frame slot");
+      if (frames.version(slot) == 0) throw InvalidArgument("a frame slot is empty");
     }
     if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
     pixels += std::numbers::pi * task.radius * task.radius;
   }
-  splines_.prepare(frames);
+  const SplineFrames& splines =
+      frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
   tasks_.reserve(engine_, tasks.size());
   motions_.reserve(engine_, tasks.size());
   tasks_.write(engine_, tasks);
   BallLimits limits{};
-  limits.width = splines_.width();
-  limits.height = splines_.height();
-  limits.pitch = splines_.pitch();
-  limits.plane_pitch = splines_.plane_pitch();
+  limits.width = splines.width();
+  limits.height = splines.height();
+  limits.pitch = splines.pitch();
+  limits.plane_pitch = splines.plane_pitch();
   limits.max_steps = options_.max_steps;
   limits.robust = options_.robust ? 1 : 0;
   limits.smooth_radius = smooth_radius_;
   limits.grey_level = static_cast<float>(frames.full_scale() / 255);
   limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
   limits.min_correlation = static_cast<float>(options_.min_correlation);
-  set_arguments(kernel_, splines_.coefficients().get(), splines_.coefficient_offset(),
-                splines_.planes().get(), tasks_.get(), motions_.get(), limits, smooth_taps_.get(),
+  set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),
+                splines.planes().get(), tasks_.get(), motions_.get(), limits, smooth_taps_.get(),
                 noise_);
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 9 : 6;

@@ -28,20 +28,16 @@ inline constexpr double kRimMarginPx = 4;
 class BallRegistration {
  public:
   // `engine` must outlive the registration. Throws InvalidArgument.
-  BallRegistration(Engine& engine, const BallOptions& options, int slots,
-                   std::optional<Tiling> tiling = {});
+  BallRegistration(Engine& engine, const BallOptions& options, std::optional<Tiling> tiling = {});
 
-  // Says that the picture in `slot` is a new one (or that there is one at all).
-  void frame_changed(int slot) { splines_.frame_changed(slot); }
   // Measures every ball; the result stands at the task's index. The guess must be within about
   // 3 px and 3° of the motion. Throws InvalidArgument for a slot that is not there.
-  std::vector<BallMotion> measure(const DeviceFrames& frames, std::span<const BallTask> tasks);
+  std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
 
  private:
   Engine& engine_;
   BallOptions options_;
   Tiling tiling_;
-  SplineFrames splines_;
   cl::Kernel kernel_;
   Buffer<float> smooth_taps_;
   Buffer<BallTask> tasks_;

@@ -1,32 +1,95 @@
 #include "host/dic/device_frames.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "host/dic/spline_frames.h"
+
 namespace impactdic {
 
+DeviceFrames::DeviceFrames(Engine& engine, int slots)
+    : engine_(engine), versions_(static_cast<std::size_t>(slots), 0), staging_(engine) {}
+
+DeviceFrames::~DeviceFrames() = default;
+
+std::uint64_t DeviceFrames::version(int slot) const {
+  if (slot < 0 || slot >= slots()) {
+    throw InvalidArgument("there is no frame slot " + std::to_string(slot));
+  }
+  return versions_[static_cast<std::size_t>(slot)];
+}
+
 void DeviceFrames::set(int slot, const Frame& frame) {
-  if (slot < 0 || slot >= slots_) throw InvalidArgument("no such frame slot");
-  const std::size_t count = static_cast<std::size_t>(frame.width()) * frame.height();
+  const std::array<const Frame*, 1> one = {&frame};
+  set(slot, one);
+}
+
+void DeviceFrames::check_size(const Frame& frame) {
+  if (frame.width() < 1 || frame.height() < 1) throw InvalidArgument("the frame has no pixels");
   if (images_.size() == 0) {
     width_ = frame.width();
     height_ = frame.height();
-    images_ = Buffer<float>(engine_, count * static_cast<std::size_t>(slots_));
+    images_ = Buffer<float>(engine_, static_cast<std::size_t>(width_) * height_ * versions_.size());
   }
   if (frame.width() != width_ || frame.height() != height_) {
     throw InvalidArgument("frames of one clip must have one size");
   }
-  if (unpack_() == nullptr || unpack_type_ != frame.type) {
-    unpack_type_ = frame.type;
-    unpack_ = engine_.kernel("unpack.cl", "unpack",
-                             {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
+}
+
+void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
+  if (frames.empty()) return;
+  version(first_slot);
+  version(first_slot + static_cast<int>(frames.size()) - 1);
+  const PixelType type = frames.front()->type;
+  for (const Frame* frame : frames) {
+    check_size(*frame);
+    if (frame->type != type) throw InvalidArgument("frames of one clip must have one depth");
   }
-  full_scale_ = frame.full_scale();
-  staging_.reserve(engine_, frame.byte_count());
-  staging_.write(engine_, {static_cast<const unsigned char*>(frame.bytes()), frame.byte_count()});
-  unpack_.setArg(0, staging_.get());
+  if (unpack_() == nullptr || unpack_type_ != type) {
+    unpack_type_ = type;
+    unpack_ = engine_.kernel("unpack.cl", "unpack",
+                             {{"PIXEL", type == PixelType::u8 ? "uchar" : "ushort"}});
+  }
+  full_scale_ = frames.back()->full_scale();
+  const std::size_t bytes = frames.front()->byte_count(), total = bytes * frames.size();
+  const std::span<unsigned char> staged = staging_.bytes(total);
+  // Alone: a thread that waits here must not take up work that waits for this.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+      std::memcpy(staged.data() + i * bytes, frames[i]->bytes(), bytes);
+    });
+  });
+  const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
+  const std::size_t count = pixels * frames.size();
+  unpack_.setArg(0, staging_.upload(total));
   unpack_.setArg(1, images_.get());
   unpack_.setArg(2, static_cast<cl_ulong>(count));
-  unpack_.setArg(3, static_cast<cl_ulong>(count * static_cast<std::size_t>(slot)));
+  unpack_.setArg(3, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
   engine_.launch(engine_.queue(), unpack_, cl::NDRange(round_up(count, 64)), cl::NDRange(64),
-                 {static_cast<double>(frame.byte_count() + 4 * count), 0});
+                 {static_cast<double>(total + 4 * count), 0});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ++versions_[static_cast<std::size_t>(first_slot) + i];
+  }
+}
+
+const SplineFrames& DeviceFrames::splines(int degree, double presmooth_sigma_px,
+                                          std::optional<Tiling> tiling) {
+  const int vector = choose_tiling(engine_, tiling, 1).vector;
+  auto found = std::find_if(splines_.begin(), splines_.end(), [&](const auto& splines) {
+    return splines->degree() == degree && splines->presmooth_sigma_px() == presmooth_sigma_px &&
+           splines->vector() == vector;
+  });
+  if (found == splines_.end()) {
+    splines_.push_back(
+        std::make_unique<SplineFrames>(engine_, degree, presmooth_sigma_px, slots(), tiling));
+    found = splines_.end() - 1;
+  }
+  (*found)->prepare(*this);
+  return **found;
 }
 
 }  // namespace impactdic

@@ -1,35 +1,62 @@
-// Frames on the device as floats, in numbered slots.
+// Frames on the device as floats, in numbered slots, and what is worked out from them: one copy
+// for all that measure on them.
 #pragma once
 
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
 #include "host/base/image.h"
+#include "host/dic/tiling.h"
 #include "host/opencl/buffer.h"
+#include "host/opencl/staging.h"
 
 namespace impactdic {
 
+class SplineFrames;
+
 class DeviceFrames {
  public:
-  DeviceFrames(Engine& engine, int slots) : engine_(engine), slots_(slots) {}
+  // `engine` must outlive the object.
+  DeviceFrames(Engine& engine, int slots);
+  ~DeviceFrames();
 
   // Copies the frame at its stored depth and unpacks it on the device. The first frame sets the
   // size; throws InvalidArgument for another one or a slot that is not there.
   void set(int slot, const Frame& frame);
+  // The same for frames of one depth into the slots from `first_slot` on, all in one copy. Returns
+  // when the frames may change; kernels enqueued later see the new pictures.
+  void set(int first_slot, std::span<const Frame* const> frames);
 
-  int slots() const { return slots_; }
+  int slots() const { return static_cast<int>(versions_.size()); }
   int width() const { return width_; }
   int height() const { return height_; }
+  // Counts the pictures that came into `slot`; 0: it holds none. Throws InvalidArgument for a slot
+  // that is not there.
+  std::uint64_t version(int slot) const;
   // (slots, height, width) floats in grey levels of the file; slot s begins at s·height·width.
   const Buffer<float>& images() const { return images_; }
+  // The B-splines of all slots that hold a picture, up to date (enqueued); worked out once for
+  // everyone who asks for the same.
+  const SplineFrames& splines(int degree, double presmooth_sigma_px,
+                              std::optional<Tiling> tiling = {});
   // Grey level of white (255 for 8 bit), of the last frame set.
   double full_scale() const { return full_scale_; }
 
  private:
+  void check_size(const Frame& frame);
+
   Engine& engine_;
-  int slots_ = 0, width_ = 0, height_ = 0;
+  int width_ = 0, height_ = 0;
   double full_scale_ = 255;
+  std::vector<std::uint64_t> versions_;
   Buffer<float> images_;
-  Buffer<unsigned char> staging_;
+  Staging staging_;
   cl::Kernel unpack_;
   PixelType unpack_type_ = PixelType::u8;
+  std::vector<std::unique_ptr<SplineFrames>> splines_;
 };
 
 }  // namespace impactdic

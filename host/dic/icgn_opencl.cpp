@@ -12,7 +12,6 @@ IcgnRefiner::IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
     : engine_(engine),
       options_(options),
       tiling_(choose_tiling(engine, tiling, 32)),
-      splines_(engine, options.spline_degree, 0.0, slots, tiling),
       device_discs_(engine, static_cast<std::size_t>(slots)) {
   if (options.window_px < 5 || options.window_px > 129) {
     throw InvalidArgument("the window must be 5 … 129 px wide", "--window");
@@ -30,25 +29,26 @@ IcgnRefiner::IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
 }
 
 void IcgnRefiner::set_disc(int slot, double cx_px, double cy_px, double radius_px) {
-  if (slot < 0 || slot >= splines_.slots()) throw InvalidArgument("no such frame slot");
+  if (slot < 0 || slot >= static_cast<int>(discs_.size()))
+    throw InvalidArgument("no such frame slot");
   discs_[static_cast<std::size_t>(slot)] = {{static_cast<float>(cx_px), static_cast<float>(cy_px),
                                              static_cast<float>(radius_px * radius_px), 0}};
   discs_changed_ = true;
 }
 
-void IcgnRefiner::refine(const DeviceFrames& frames, const Buffer<Window>& windows,
-                         std::size_t count, Buffer<WindowMotion>& in_out) {
+void IcgnRefiner::refine(DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
+                         Buffer<WindowMotion>& in_out) {
   if (count > windows.size() || count > in_out.size()) {
     throw InvalidArgument("more windows asked for than the buffers hold");
   }
   if (count == 0) return;
-  splines_.prepare(frames);
+  const SplineFrames& splines = frames.splines(options_.spline_degree, 0.0, tiling_);
   if (discs_changed_) device_discs_.write(engine_, discs_);
   discs_changed_ = false;
   const double levels = frames.full_scale() / 255.0;
-  set_arguments(kernel_, splines_.coefficients().get(), splines_.coefficient_offset(),
-                splines_.planes().get(), splines_.width(), splines_.height(), splines_.pitch(),
-                splines_.plane_pitch(), device_discs_.get(), windows.get(), in_out.get(),
+  set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),
+                splines.planes().get(), splines.width(), splines.height(), splines.pitch(),
+                splines.plane_pitch(), device_discs_.get(), windows.get(), in_out.get(),
                 static_cast<float>(options_.min_texture * levels),
                 static_cast<float>(options_.min_correlation), options_.max_iterations, noise_);
   const auto group = static_cast<std::size_t>(tiling_.group);

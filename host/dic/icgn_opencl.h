@@ -17,8 +17,6 @@ class IcgnRefiner {
   IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
               std::optional<Tiling> tiling = {});
 
-  // Says that the picture in `slot` is a new one (or that there is one at all).
-  void frame_changed(int slot) { splines_.frame_changed(slot); }
   // Pixels of the picture in `slot` outside this disc carry no weight when it is a window's first
   // frame; a window with less than half of its pixels inside is masked. An infinite radius, the
   // default, takes the disc away.
@@ -26,16 +24,13 @@ class IcgnRefiner {
 
   // Refines the first `count` windows in place: in_out holds the seeds (u, v; the rotation is the
   // window's guess_rot_rad). Windows whose seed is not ok stay as they are. Enqueues only.
-  void refine(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
+  void refine(DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
               Buffer<WindowMotion>& in_out);
-
-  const SplineFrames& splines() const { return splines_; }
 
  private:
   Engine& engine_;
   FieldOptions options_;
   Tiling tiling_;
-  SplineFrames splines_;
   cl::Kernel kernel_;
   std::vector<cl_float4> discs_;
   Buffer<cl_float4> device_discs_;

@@ -13,10 +13,9 @@ constexpr std::size_t kBatch = 16;
 
 }  // namespace
 
-RingRotation::RingRotation(Engine& engine, const RingOptions& options, int slots)
+RingRotation::RingRotation(Engine& engine, const RingOptions& options)
     : engine_(engine),
       options_((options.validate(), options)),
-      splines_(engine, options.spline_degree, options.presmooth_sigma_px, slots),
       forward_(engine, static_cast<std::size_t>(options.angles), 1,
                kBatch * static_cast<std::size_t>(options.rings)),
       inverse_(engine, static_cast<std::size_t>(options.angles), 1, kBatch) {
@@ -32,26 +31,27 @@ RingRotation::RingRotation(Engine& engine, const RingOptions& options, int slots
   energy_ = Buffer<std::complex<float>>(engine, kBatch * angles);
 }
 
-std::vector<RingMotion> RingRotation::measure(const DeviceFrames& frames,
+std::vector<RingMotion> RingRotation::measure(DeviceFrames& frames,
                                               std::span<const RingTask> tasks) {
   for (const RingTask& task : tasks) {
     for (const int slot : {task.first, task.second}) {
-      if (slot < 0 || slot >= splines_.slots()) throw InvalidArgument("no such frame slot");
+      if (frames.version(slot) == 0) throw InvalidArgument("a frame slot is empty");
     }
     if (!(task.inner >= 0 && task.outer > task.inner)) {
       throw InvalidArgument("a ring's outer radius must be above its inner one");
     }
   }
-  splines_.prepare(frames);
+  if (tasks.empty()) return {};
+  const SplineFrames& splines = frames.splines(options_.spline_degree, options_.presmooth_sigma_px);
   std::vector<RingMotion> motions;
   motions.reserve(tasks.size());
   for (std::size_t first = 0; first < tasks.size(); first += kBatch) {
-    measure_batch(tasks.subspan(first, std::min(kBatch, tasks.size() - first)), motions);
+    measure_batch(splines, tasks.subspan(first, std::min(kBatch, tasks.size() - first)), motions);
   }
   return motions;
 }
 
-void RingRotation::measure_batch(std::span<const RingTask> tasks,
+void RingRotation::measure_batch(const SplineFrames& splines, std::span<const RingTask> tasks,
                                  std::vector<RingMotion>& motions) {
   const auto angles = static_cast<std::size_t>(options_.angles);
   const auto rings = static_cast<std::size_t>(options_.rings);
@@ -61,8 +61,8 @@ void RingRotation::measure_batch(std::span<const RingTask> tasks,
   missing_.write(engine_, std::vector<cl_int>(count, 0));
   const double samples = static_cast<double>(count * rings * angles);
   const double taps = options_.spline_degree + 1.0;
-  set_arguments(unwrap_, splines_.coefficients().get(), splines_.coefficient_offset(),
-                splines_.width(), splines_.height(), splines_.pitch(), tasks_.get(), polar_.get(),
+  set_arguments(unwrap_, splines.coefficients().get(), splines.coefficient_offset(),
+                splines.width(), splines.height(), splines.pitch(), tasks_.get(), polar_.get(),
                 missing_.get());
   engine_.launch(engine_.queue(), unwrap_, cl::NDRange(angles, rings, count),
                  cl::NDRange(local, 1, 1), {16 * samples, 4 * samples * taps * taps});

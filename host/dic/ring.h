@@ -47,20 +47,18 @@ RingMotion ring_peak(const RingSpectrum& spectrum, const RingTask& task,
 class RingRotation {
  public:
   // `engine` must outlive the object. Throws InvalidArgument.
-  RingRotation(Engine& engine, const RingOptions& options, int slots);
+  RingRotation(Engine& engine, const RingOptions& options);
 
-  // Says that the picture in `slot` is a new one (or that there is one at all).
-  void frame_changed(int slot) { splines_.frame_changed(slot); }
   // Measures every ball; the result stands at the task's index. Throws InvalidArgument for a slot
   // that is not there or radii that are no ring.
-  std::vector<RingMotion> measure(const DeviceFrames& frames, std::span<const RingTask> tasks);
+  std::vector<RingMotion> measure(DeviceFrames& frames, std::span<const RingTask> tasks);
 
  private:
-  void measure_batch(std::span<const RingTask> tasks, std::vector<RingMotion>& motions);
+  void measure_batch(const SplineFrames& splines, std::span<const RingTask> tasks,
+                     std::vector<RingMotion>& motions);
 
   Engine& engine_;
   RingOptions options_;
-  SplineFrames splines_;
   cl::Kernel unwrap_, sum_;
   FftPlan forward_;
   FftPlan inverse_;

@@ -22,37 +22,13 @@ void zero(Engine& engine, const Buffer<float>& buffer) {
 
 }  // namespace
 
-Tiling choose_tiling(const Engine& engine, std::optional<Tiling> asked, int group_on_gpu) {
-  if (asked) {
-    const int vector = asked->vector, group = asked->group;
-    if ((vector != 1 && vector != 4 && vector != 8 && vector != 16) || group < 1 ||
-        (group & (group - 1)) != 0) {
-      throw InvalidArgument("a tiling's vector must be 1, 4, 8 or 16 and its group a power of two");
-    }
-    return *asked;
-  }
-  Tiling tiling;
-  if (engine.device().is_gpu) {
-    while (static_cast<std::size_t>(group_on_gpu) > engine.device().max_work_group) {
-      group_on_gpu /= 2;
-    }
-    tiling.group = group_on_gpu;
-    return tiling;
-  }
-  cl_uint width = 1;
-  engine.device().handle.getInfo(CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT, &width);
-  tiling.vector = width >= 16 ? 16 : width >= 8 ? 8 : 4;
-  tiling.group = 1;
-  return tiling;
-}
-
 SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots,
                            std::optional<Tiling> tiling)
     : engine_(engine),
       degree_(degree),
       presmooth_sigma_px_(presmooth_sigma_px),
       tiling_(choose_tiling(engine, tiling, 64)),
-      changed_(static_cast<std::size_t>(slots), false) {
+      versions_(static_cast<std::size_t>(slots), 0) {
   const auto taps = prefilter_taps(degree, presmooth_sigma_px);
   radius_ = static_cast<int>(taps.size()) - 1;
   taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
@@ -63,11 +39,6 @@ SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px
   gradients_kernel_ = engine.kernel("prefilter.cl", "gradients", defines);
 }
 
-void SplineFrames::frame_changed(int slot) {
-  if (slot < 0 || slot >= slots()) throw InvalidArgument("no such frame slot");
-  changed_[static_cast<std::size_t>(slot)] = true;
-}
-
 void SplineFrames::allocate(const DeviceFrames& frames) {
   width_ = frames.width();
   height_ = frames.height();
@@ -75,7 +46,7 @@ void SplineFrames::allocate(const DeviceFrames& frames) {
   const std::size_t plane_pitch = round_up(static_cast<std::size_t>(width_), vector);
   const std::size_t pitch = round_up(plane_pitch + 2 * SPLINE_PAD, vector);
   const auto height = static_cast<std::size_t>(height_);
-  const std::size_t count = changed_.size();
+  const std::size_t count = versions_.size();
   plane_pitch_ = static_cast<int>(plane_pitch);
   pitch_ = static_cast<int>(pitch);
   rows_ = Buffer<float>(engine_, std::min(count, kBatch) * height * pitch);
@@ -90,8 +61,8 @@ void SplineFrames::allocate(const DeviceFrames& frames) {
 
 void SplineFrames::prepare(const DeviceFrames& frames) {
   std::vector<int> slots;
-  for (std::size_t slot = 0; slot < changed_.size(); ++slot) {
-    if (changed_[slot]) slots.push_back(static_cast<int>(slot));
+  for (int slot = 0; slot < this->slots(); ++slot) {
+    if (versions_[static_cast<std::size_t>(slot)] != frames.version(slot)) slots.push_back(slot);
   }
   if (slots.empty()) return;
   if (coefficients_.size() == 0) allocate(frames);
@@ -100,7 +71,9 @@ void SplineFrames::prepare(const DeviceFrames& frames) {
     launch(frames, {slots.begin() + static_cast<std::ptrdiff_t>(first),
                     slots.begin() + static_cast<std::ptrdiff_t>(last)});
   }
-  std::fill(changed_.begin(), changed_.end(), false);
+  for (const int slot : slots) {
+    versions_[static_cast<std::size_t>(slot)] = frames.version(slot);
+  }
 }
 
 void SplineFrames::launch(const DeviceFrames& frames, const std::vector<int>& slots) {

@@ -6,18 +6,9 @@
 #include <vector>
 
 #include "host/dic/device_frames.h"
+#include "host/dic/tiling.h"
 
 namespace impactdic {
-
-// How kernels that work on pictures are shared out on this device.
-struct Tiling {
-  int vector = 1;  // pixels of a row in one work-item
-  int group = 32;  // work-items of a task
-};
-// The tiling asked for; without one, `group_on_gpu` work-items on a GPU (at most what the device
-// takes), and vectors as wide as the SIMD unit in single work-items on a CPU.
-// Throws InvalidArgument unless the vector is 1, 4, 8 or 16 and the group a power of two.
-Tiling choose_tiling(const Engine& engine, std::optional<Tiling> asked, int group_on_gpu);
 
 class SplineFrames {
  public:
@@ -25,14 +16,14 @@ class SplineFrames {
   SplineFrames(Engine& engine, int degree, double presmooth_sigma_px, int slots,
                std::optional<Tiling> tiling = {});
 
-  // Says that the picture in `slot` is a new one (or that there is one at all).
-  void frame_changed(int slot);
-  // Brings all changed slots up to date; `frames` holds their pictures. Enqueues only.
+  // Brings the slots into which a picture came since the last call up to date. Enqueues only.
+  // DeviceFrames::splines calls it.
   void prepare(const DeviceFrames& frames);
 
   int degree() const { return degree_; }
+  int vector() const { return tiling_.vector; }
   double presmooth_sigma_px() const { return presmooth_sigma_px_; }
-  int slots() const { return static_cast<int>(changed_.size()); }
+  int slots() const { return static_cast<int>(versions_.size()); }
   int width() const { return width_; }
   int height() const { return height_; }
   // (slots, height + 2·SPLINE_PAD, pitch()) from coefficient_offset() on; before and behind are
@@ -56,7 +47,7 @@ class SplineFrames {
   Tiling tiling_;
   int radius_ = 0;
   int width_ = 0, height_ = 0, pitch_ = 0, plane_pitch_ = 0;
-  std::vector<bool> changed_;
+  std::vector<std::uint64_t> versions_;  // of the pictures that the splines are of
   cl::Kernel rows_kernel_, columns_kernel_, gradients_kernel_;
   Buffer<float> taps_, rows_, coefficients_, planes_;
   Buffer<cl_int> batch_;

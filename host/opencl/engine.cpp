@@ -20,26 +20,38 @@ std::string build_options(const Defines& defines) {
 
 }  // namespace
 
-Engine::Engine(const std::string& device_spec, EngineOptions options)
-    : options_(std::move(options)),
-      device_(choose_device(list_devices(), device_spec)),
-      cache_(options_.cache_dir),
-      profiler_(options_.profile) {
-  if (options_.kernel_dir.empty()) {
-    if (const char* folder = std::getenv("IMPACTDIC_KERNEL_DIR")) options_.kernel_dir = folder;
+Engine::Shared::Shared(const DeviceInfo& info, EngineOptions asked)
+    : options(std::move(asked)), device(info), cache(options.cache_dir), profiler(options.profile) {
+  if (options.kernel_dir.empty()) {
+    if (const char* folder = std::getenv("IMPACTDIC_KERNEL_DIR")) options.kernel_dir = folder;
   }
   try {
-    context_ = cl::Context(device_.handle);
+    context = cl::Context(device.handle);
+  } catch (const cl::Error& error) {
+    throw OpenClError(error.what(), error.err());
+  }
+}
+
+Engine::Engine(const std::string& device_spec, EngineOptions options)
+    : Engine(std::make_shared<Shared>(choose_device(list_devices(), device_spec),
+                                      std::move(options))) {}
+
+Engine::Engine(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
+  try {
     queue_ = make_queue();
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
 }
 
+std::unique_ptr<Engine> Engine::beside() const {
+  return std::unique_ptr<Engine>(new Engine(shared_));
+}
+
 cl::CommandQueue Engine::make_queue() const {
   return cl::CommandQueue(
-      context_, device_.handle,
-      options_.profile ? cl::QueueProperties::Profiling : cl::QueueProperties::None);
+      shared_->context, shared_->device.handle,
+      shared_->options.profile ? cl::QueueProperties::Profiling : cl::QueueProperties::None);
 }
 
 cl::Kernel Engine::kernel(const std::string& file, const std::string& name,
@@ -54,38 +66,40 @@ cl::Kernel Engine::kernel(const std::string& file, const std::string& name,
 cl::Program Engine::program(const std::string& file, const Defines& defines) {
   const std::string options = build_options(defines);
   const std::string key = file + "\n" + options;
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = programs_.find(key);
-  if (found != programs_.end()) return found->second;
-  const cl::Program made = load_or_build(kernel_source(file, options_.kernel_dir), options, file);
-  programs_.emplace(key, made);
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  const auto found = shared_->programs.find(key);
+  if (found != shared_->programs.end()) return found->second;
+  const cl::Program made =
+      load_or_build(kernel_source(file, shared_->options.kernel_dir), options, file);
+  shared_->programs.emplace(key, made);
   return made;
 }
 
 cl::Program Engine::load_or_build(const std::string& source, const std::string& options,
                                   const std::string& file) {
-  const std::string key = device_.platform + "\n" + device_.name + "\n" + device_.version + "\n" +
-                          device_.driver + "\n" + options + "\n" + source;
-  if (auto binary = cache_.load(key)) {
+  const std::string key = shared_->device.platform + "\n" + shared_->device.name + "\n" +
+                          shared_->device.version + "\n" + shared_->device.driver + "\n" + options +
+                          "\n" + source;
+  if (auto binary = shared_->cache.load(key)) {
     try {
-      cl::Program cached(context_, {device_.handle}, {*binary});
+      cl::Program cached(shared_->context, {shared_->device.handle}, {*binary});
       cached.build(options.c_str());
       return cached;
     } catch (const cl::Error&) {
-      cache_.remove(key);  // the driver does not take it: compile afresh below
+      shared_->cache.remove(key);  // the driver does not take it: compile afresh below
     }
   }
-  cl::Program program(context_, source);
+  cl::Program program(shared_->context, source);
   try {
     program.build(options.c_str());
   } catch (const cl::Error&) {
-    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device_.handle);
+    const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle);
     throw BuildError("kernel does not compile: " + log,
-                     "kernels/" + file + " on " + device_.name + " with " + options);
+                     "kernels/" + file + " on " + shared_->device.name + " with " + options);
   }
   spdlog::debug("compiled kernels/{} {}", file, options);
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
-  if (!binaries.empty() && !binaries[0].empty()) cache_.store(key, binaries[0]);
+  if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
   return program;
 }
 
@@ -97,7 +111,7 @@ void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
   try {
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, global, local, nullptr, &event);
-    if (profiler_.enabled()) profiler_.add(name(), event, work.bytes, work.flops);
+    if (shared_->profiler.enabled()) shared_->profiler.add(name(), event, work.bytes, work.flops);
   } catch (const cl::Error& error) {
     throw OpenClError(std::string(error.what()) + " " + name(), error.err());
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -37,13 +38,16 @@ class Engine {
   explicit Engine(const std::string& device_spec = "auto", EngineOptions options = {});
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
+  // The same device, programs and profiler behind a queue of its own: what one engine enqueues
+  // runs beside what the other does.
+  std::unique_ptr<Engine> beside() const;
 
-  const DeviceInfo& device() const { return device_; }
-  const cl::Context& context() const { return context_; }
+  const DeviceInfo& device() const { return shared_->device; }
+  const cl::Context& context() const { return shared_->context; }
   // The in-order queue on which everything runs unless a caller has made its own.
   const cl::CommandQueue& queue() const { return queue_; }
   cl::CommandQueue make_queue() const;
-  Profiler& profiler() { return profiler_; }
+  Profiler& profiler() { return shared_->profiler; }
 
   // Kernel `name` of kernels/FILE compiled with `defines`: from memory, from the disk cache, or
   // compiled now. Throws BuildError with the log.
@@ -55,18 +59,24 @@ class Engine {
               const cl::NDRange& local, WorkCount work = {});
 
  private:
+  // What all engines beside each other have in common.
+  struct Shared {
+    EngineOptions options;
+    DeviceInfo device;
+    cl::Context context;
+    ProgramCache cache;
+    Profiler profiler;
+    std::mutex mutex;
+    std::map<std::string, cl::Program> programs;
+    Shared(const DeviceInfo& info, EngineOptions asked);
+  };
+  explicit Engine(std::shared_ptr<Shared> shared);
   cl::Program program(const std::string& file, const Defines& defines);
   cl::Program load_or_build(const std::string& source, const std::string& options,
                             const std::string& file);
 
-  EngineOptions options_;
-  DeviceInfo device_;
-  cl::Context context_;
+  std::shared_ptr<Shared> shared_;
   cl::CommandQueue queue_;
-  ProgramCache cache_;
-  Profiler profiler_;
-  std::mutex mutex_;
-  std::map<std::string, cl::Program> programs_;
 };
 
 inline std::size_t round_up(std::size_t value, std::size_t multiple) {

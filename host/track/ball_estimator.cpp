@@ -19,22 +19,16 @@ BallOptions ball_options(const FieldOptions& field, bool affine) {
 // field has too little texture. Rigid, unless the field says that the ball is being compressed.
 class BallEstimator : public MotionEstimator {
  public:
-  BallEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
+  BallEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
+                DeviceFrames& frames)
       : options_(options),
         radius_px_(radius_px),
-        field_(make_field_estimator(engine, options, radius_px, slots)),
-        frames_(engine, slots),
-        ring_(engine, {}, slots),
-        rigid_(engine, ball_options(options.field, false), slots),
-        affine_(engine, ball_options(options.field, true), slots) {}
+        field_(make_field_estimator(engine, options, radius_px, frames)),
+        frames_(frames),
+        ring_(engine, {}),
+        rigid_(engine, ball_options(options.field, false)),
+        affine_(engine, ball_options(options.field, true)) {}
 
-  void set_frame(int slot, const Frame& frame) override {
-    field_->set_frame(slot, frame);
-    frames_.set(slot, frame);
-    ring_.frame_changed(slot);
-    rigid_.frame_changed(slot);
-    affine_.frame_changed(slot);
-  }
   std::span<const Window> grid() const override { return field_->grid(); }
 
   void measure(std::span<PairMotion> pairs) override {
@@ -112,7 +106,7 @@ class BallEstimator : public MotionEstimator {
   EstimatorOptions options_;
   double radius_px_;
   std::unique_ptr<MotionEstimator> field_;
-  DeviceFrames frames_;
+  DeviceFrames& frames_;
   RingRotation ring_;
   BallRegistration rigid_, affine_;
 };
@@ -121,8 +115,8 @@ class BallEstimator : public MotionEstimator {
 
 std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
                                                      const EstimatorOptions& options,
-                                                     double radius_px, int slots) {
-  return std::make_unique<BallEstimator>(engine, options, radius_px, slots);
+                                                     double radius_px, DeviceFrames& frames) {
+  return std::make_unique<BallEstimator>(engine, options, radius_px, frames);
 }
 
 }  // namespace impactdic

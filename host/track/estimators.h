@@ -10,15 +10,15 @@ namespace impactdic {
 
 std::unique_ptr<MotionEstimator> make_field_estimator(Engine& engine,
                                                       const EstimatorOptions& options,
-                                                      double radius_px, int slots);
+                                                      double radius_px, DeviceFrames& frames);
 std::unique_ptr<MotionEstimator> make_ring_estimator(Engine& engine,
                                                      const EstimatorOptions& options,
-                                                     double radius_px, int slots);
+                                                     double radius_px, DeviceFrames& frames);
 // The rings of a pair: between the balls' centres, from a sixth of the radius to just within the
 // rim.
 RingTask ring_task(const PairMotion& pair, double radius_px);
 std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
                                                      const EstimatorOptions& options,
-                                                     double radius_px, int slots);
+                                                     double radius_px, DeviceFrames& frames);
 
 }  // namespace impactdic

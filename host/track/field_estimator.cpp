@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/dic/correlator.h"
+#include "host/dic/window_correlator.h"
 #include "host/track/estimators.h"
 
 namespace impactdic {
@@ -10,13 +10,13 @@ namespace {
 
 class FieldEstimator : public MotionEstimator {
  public:
-  FieldEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
-      : options_(options), correlator_(make_opencl_correlator(engine, options.field, slots)) {
+  FieldEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
+                 DeviceFrames& frames)
+      : options_(options), frames_(frames), correlator_(engine, options.field, frames.slots()) {
     grid_ = disc_grid(0, 0, radius_px - options.rim_margin_px, options.field.window_px,
                       options.effective_spacing_px());
   }
 
-  void set_frame(int slot, const Frame& frame) override { correlator_->set_frame(slot, frame); }
   std::span<const Window> grid() const override { return grid_; }
 
   void measure(std::span<PairMotion> pairs) override {
@@ -25,7 +25,7 @@ class FieldEstimator : public MotionEstimator {
       place(pair);
       all.insert(all.end(), pair.windows.begin(), pair.windows.end());
     }
-    const std::vector<WindowMotion> measured = correlator_->correlate(all);
+    const std::vector<WindowMotion> measured = correlator_.correlate(frames_, all);
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
       const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());
       pairs[i].field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
@@ -57,7 +57,8 @@ class FieldEstimator : public MotionEstimator {
   }
 
   EstimatorOptions options_;
-  std::unique_ptr<Correlator> correlator_;
+  DeviceFrames& frames_;
+  WindowCorrelator correlator_;
   std::vector<Window> grid_;
 };
 
@@ -65,8 +66,8 @@ class FieldEstimator : public MotionEstimator {
 
 std::unique_ptr<MotionEstimator> make_field_estimator(Engine& engine,
                                                       const EstimatorOptions& options,
-                                                      double radius_px, int slots) {
-  return std::make_unique<FieldEstimator>(engine, options, radius_px, slots);
+                                                      double radius_px, DeviceFrames& frames) {
+  return std::make_unique<FieldEstimator>(engine, options, radius_px, frames);
 }
 
 }  // namespace impactdic

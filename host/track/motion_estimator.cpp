@@ -28,15 +28,15 @@ void EstimatorOptions::validate() const {
 
 std::unique_ptr<MotionEstimator> make_motion_estimator(Engine& engine,
                                                        const EstimatorOptions& options,
-                                                       double radius_px, int slots) {
+                                                       double radius_px, DeviceFrames& frames) {
   options.validate();
   switch (options.estimator) {
     case Estimator::field:
-      return make_field_estimator(engine, options, radius_px, slots);
+      return make_field_estimator(engine, options, radius_px, frames);
     case Estimator::ring:
-      return make_ring_estimator(engine, options, radius_px, slots);
+      return make_ring_estimator(engine, options, radius_px, frames);
     case Estimator::ball:
-      return make_ball_estimator(engine, options, radius_px, slots);
+      return make_ball_estimator(engine, options, radius_px, frames);
   }
   throw InvalidArgument("no such estimator");
 }

@@ -13,6 +13,7 @@
 
 namespace impactdic {
 
+class DeviceFrames;
 class Engine;
 
 enum class Estimator {
@@ -52,8 +53,9 @@ struct PairMotion {
 class MotionEstimator {
  public:
   virtual ~MotionEstimator() = default;
-  virtual void set_frame(int slot, const Frame& frame) = 0;
-  // Measures every pair; a pair that cannot be measured has a status.
+  // Measures every pair of the frames that the estimator was made with; a pair that cannot be
+  // measured has a status. Pairs may name any slots: consecutive frames, or a frame and a keyframe
+  // that was left in its slot.
   virtual void measure(std::span<PairMotion> pairs) = 0;
   // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
   // whole clip, so that window i of every frame is the same place on the ball. Empty where the
@@ -61,9 +63,10 @@ class MotionEstimator {
   virtual std::span<const Window> grid() const = 0;
 };
 
-// `radius_px` is the ball's, `slots` how many frames are held at once. `engine` must outlive it.
+// `radius_px` is the ball's. `frames` is shared by whoever measures on them: its owner puts the
+// pictures in. It and `engine` must outlive the estimator.
 std::unique_ptr<MotionEstimator> make_motion_estimator(Engine& engine,
                                                        const EstimatorOptions& options,
-                                                       double radius_px, int slots);
+                                                       double radius_px, DeviceFrames& frames);
 
 }  // namespace impactdic

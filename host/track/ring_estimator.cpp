@@ -10,18 +10,14 @@ namespace {
 // about the measured centres how far it turned.
 class RingEstimator : public MotionEstimator {
  public:
-  RingEstimator(Engine& engine, const EstimatorOptions& options, double radius_px, int slots)
+  RingEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
+                DeviceFrames& frames)
       : options_(options),
         radius_px_(radius_px),
-        field_(make_field_estimator(engine, options, radius_px, slots)),
-        frames_(engine, slots),
-        ring_(engine, {}, slots) {}
+        field_(make_field_estimator(engine, options, radius_px, frames)),
+        frames_(frames),
+        ring_(engine, {}) {}
 
-  void set_frame(int slot, const Frame& frame) override {
-    field_->set_frame(slot, frame);
-    frames_.set(slot, frame);
-    ring_.frame_changed(slot);
-  }
   std::span<const Window> grid() const override { return field_->grid(); }
 
   void measure(std::span<PairMotion> pairs) override {
@@ -52,7 +48,7 @@ class RingEstimator : public MotionEstimator {
   EstimatorOptions options_;
   double radius_px_;
   std::unique_ptr<MotionEstimator> field_;
-  DeviceFrames frames_;
+  DeviceFrames& frames_;
   RingRotation ring_;
 };
 
@@ -75,8 +71,8 @@ RingTask ring_task(const PairMotion& pair, double radius_px) {
 
 std::unique_ptr<MotionEstimator> make_ring_estimator(Engine& engine,
                                                      const EstimatorOptions& options,
-                                                     double radius_px, int slots) {
-  return std::make_unique<RingEstimator>(engine, options, radius_px, slots);
+                                                     double radius_px, DeviceFrames& frames) {
+  return std::make_unique<RingEstimator>(engine, options, radius_px, frames);
 }
 
 }  // namespace impactdic

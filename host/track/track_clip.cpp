@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/base/error.h"
+#include "host/dic/device_frames.h"
 #include "host/track/frame_pipeline.h"
 
 namespace impactdic {
@@ -79,7 +80,7 @@ class ClipTracker {
     if (which.empty()) {
       // Nothing to correlate; the last frame may still be the first of a later pair.
       if (estimator_) {
-        estimator_->set_frame(frames.back().slot, frames.back().frame);
+        frames_->set(frames.back().slot, frames.back().frame);
       } else if (frames.back().row.circle_ok) {
         open_estimator(frames);
       }
@@ -89,7 +90,7 @@ class ClipTracker {
       open_estimator(frames);
     } else {
       for (std::size_t i = carried; i < frames.size(); ++i) {
-        estimator_->set_frame(frames[i].slot, frames[i].frame);
+        frames_->set(frames[i].slot, frames[i].frame);
       }
     }
     std::vector<PairMotion> batch;
@@ -130,8 +131,9 @@ class ClipTracker {
     std::vector<TrackRow> rows;
     for (const Pending& pending : frames) rows.push_back(pending.row);
     const double radius = options_.grid_radius_px.value_or(*median_radius_px(rows));
-    estimator_ = make_motion_estimator(*engine_, options_.estimator, radius, slots());
-    for (const Pending& pending : frames) estimator_->set_frame(pending.slot, pending.frame);
+    frames_ = std::make_unique<DeviceFrames>(*engine_, slots());
+    estimator_ = make_motion_estimator(*engine_, options_.estimator, radius, *frames_);
+    for (const Pending& pending : frames) frames_->set(pending.slot, pending.frame);
     grid_ready_(estimator_->grid(), radius);
   }
 
@@ -169,6 +171,7 @@ class ClipTracker {
   const GridSink& grid_ready_;
   const TrackSink& sink_;
   BallTracker tracker_;
+  std::unique_ptr<DeviceFrames> frames_;
   std::unique_ptr<MotionEstimator> estimator_;
   std::optional<Pending> last_;
   std::vector<PairMotion> pairs_;  // pair i: frames i, i + 1 of the batch

@@ -59,13 +59,12 @@ std::vector<BallMotion> measure(const Pairs& pairs, const Scene& the_scene,
   const auto pictures = testing::render_frames(painted, the_scene, pairs.poses);
   const int slots = static_cast<int>(pictures.size());
   DeviceFrames frames(engine, slots);
-  BallRegistration registration(engine, options, slots);
+  BallRegistration registration(engine, options);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> off(-1, 1);
   std::vector<BallTask> tasks;
   for (int k = 0; k < slots; ++k) {
     frames.set(k, pictures[static_cast<std::size_t>(k)]);
-    registration.frame_changed(k);
     if (k % 2 == 0) continue;
     const BallPose& a = pairs.poses[static_cast<std::size_t>(k - 1)];
     const BallPose& b = pairs.poses[static_cast<std::size_t>(k)];

@@ -58,11 +58,10 @@ TEST_P(Ring, TurnOfAPaintedBall) {
   }
   const auto pictures = testing::render_frames(ball, scene, poses);
   DeviceFrames frames(engine, 2 * kPairs);
-  RingRotation ring(engine, {}, 2 * kPairs);
+  RingRotation ring(engine, {});
   std::vector<RingTask> tasks;
   for (int k = 0; k < 2 * kPairs; ++k) {
     frames.set(k, pictures[static_cast<std::size_t>(k)]);
-    ring.frame_changed(k);
     if (k % 2 == 0) continue;
     const auto at = static_cast<std::size_t>(k);
     tasks.push_back(ring_task(poses[at - 1], poses[at], 20, 110));
@@ -94,13 +93,12 @@ TEST(RingOnRealPictures, Turned170Degrees) {
   IMPACTDIC_NEED_DATA("speckle/rotation_170.tif");
   Engine& engine = shared_engine();
   DeviceFrames frames(engine, 2);
-  RingRotation ring(engine, {}, 2);
+  RingRotation ring(engine, {});
   const char* names[] = {"speckle/rotation_000.tif", "speckle/rotation_170.tif"};
   for (int k = 0; k < 2; ++k) {
     Frame frame;
     open_video({testing::data_path(names[k]).string()})->read(0, frame);
     frames.set(k, frame);
-    ring.frame_changed(k);
   }
   const BallPose middle = pose(256, 256, 0);
   const auto motions = ring.measure(frames, std::vector{ring_task(middle, middle, 20, 240)});

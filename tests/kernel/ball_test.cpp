@@ -41,10 +41,9 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   options.affine = param.affine;
   options.robust = param.robust;
   DeviceFrames frames(engine, 3);
-  BallRegistration registration(engine, options, 3, param.tiling);
+  BallRegistration registration(engine, options, param.tiling);
   for (int k = 0; k < 2; ++k) {
     frames.set(2 - k, pictures[static_cast<std::size_t>(k)]);
-    registration.frame_changed(2 - k);
   }
   BallTask task{};
   task.first = 2;
@@ -99,11 +98,10 @@ TEST(BallKernel, SaysWhyItCannotMeasure) {
   flat.reset(kWidth, kHeight, 8);
   std::fill_n(flat.u8.data(), flat.u8.size(), std::uint8_t{90});
   DeviceFrames frames(engine, 3);
-  BallRegistration registration(engine, {}, 3);
+  BallRegistration registration(engine, {});
   const Frame* pictures[] = {&speckled[0], &other[0], &flat};
   for (int k = 0; k < 3; ++k) {
     frames.set(k, *pictures[k]);
-    registration.frame_changed(k);
   }
   const auto task = [](int first, int second, float x) {
     return BallTask{first, second, x, 74, 56, 0, 0, 0};

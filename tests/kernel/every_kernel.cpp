@@ -84,8 +84,6 @@ void run_icgn() {
   Setting setting(8);
   const FieldOptions options = small_options(FieldMethod::icgn);
   IcgnRefiner refiner(setting.engine, options, 2);
-  refiner.frame_changed(0);
-  refiner.frame_changed(1);
   std::vector<WindowMotion> seeds(setting.count);
   for (WindowMotion& seed : seeds) seed = {1.0F, -1.0F};
   setting.motions.write(setting.engine, seeds);
@@ -98,9 +96,7 @@ void run_ball(bool affine) {
   BallOptions options;
   options.affine = affine;
   options.spline_degree = 3;
-  BallRegistration ball(setting.engine, options, 2);
-  ball.frame_changed(0);
-  ball.frame_changed(1);
+  BallRegistration ball(setting.engine, options);
   const BallTask task{0, 1, 23, 22, 12, 1, -1, 0};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
@@ -112,9 +108,7 @@ void run_ring() {
   options.spline_degree = 3;
   options.rings = 4;
   options.angles = 32;
-  RingRotation ring(setting.engine, options, 2);
-  ring.frame_changed(0);
-  ring.frame_changed(1);
+  RingRotation ring(setting.engine, options);
   const RingTask task{0, 1, 23, 22, 24.3F, 21.4F, 4, 12};
   const RingMotion motion = ring.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, %.4f rad\n", static_cast<int>(motion.status), motion.rot_rad);

@@ -29,10 +29,9 @@ TEST(RingKernel, GivesWhatTheReferenceGives) {
   for (const int degree : {3, 7}) {
     options.spline_degree = degree;
     DeviceFrames frames(engine, 3);
-    RingRotation ring(engine, options, 3);
+    RingRotation ring(engine, options);
     for (int k = 0; k < 3; ++k) {
       frames.set(k, pictures[static_cast<std::size_t>(k)]);
-      ring.frame_changed(k);
     }
     RingTask task{0, 1, 79.3f, 74.4f, 80.67f, 75.79f, 9.0f, 60.0f};
     RingTask other{1, 2, 80.67f, 75.79f, 78.2f, 74.9f, 20.0f, 50.5f};
@@ -67,8 +66,7 @@ TEST(RingKernel, RefusesImpossibleTasks) {
   Frame frame;
   frame.reset(64, 64, 8);
   frames.set(0, frame);
-  RingRotation ring(engine, {}, 1);
-  ring.frame_changed(0);
+  RingRotation ring(engine, {});
   EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 1, 32, 32, 32, 32, 5, 20}}),
                InvalidArgument);
   EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 20, 5}}),
@@ -78,7 +76,7 @@ TEST(RingKernel, RefusesImpossibleTasks) {
   EXPECT_NE(motions[0].status, WindowStatus::ok);
   RingOptions options;
   options.angles = 17 * 61;
-  EXPECT_THROW(RingRotation(engine, options, 1), InvalidArgument);
+  EXPECT_THROW(RingRotation(engine, options), InvalidArgument);
 }
 
 }  // namespace

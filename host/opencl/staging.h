@@ -1,0 +1,34 @@
+// Bytes on their way to the device: page-locked host memory, from which copies run at the bus's
+// full speed, and the device memory that they go to.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "host/opencl/buffer.h"
+
+namespace impactdic {
+
+class Staging {
+ public:
+  explicit Staging(Engine& engine) : engine_(engine) {}
+  ~Staging();
+  Staging(const Staging&) = delete;
+  Staging& operator=(const Staging&) = delete;
+
+  // Host memory for `count` bytes; write there, then call `upload`. Throws OpenClError.
+  std::span<unsigned char> bytes(std::size_t count);
+  // Copies the first `count` bytes to the device and returns when the host memory is free again.
+  const cl::Buffer& upload(std::size_t count);
+
+ private:
+  void release() noexcept;
+
+  Engine& engine_;
+  std::size_t size_ = 0;
+  cl::Buffer host_;
+  unsigned char* mapped_ = nullptr;
+  Buffer<unsigned char> device_;
+};
+
+}  // namespace impactdic
