@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/units.h"
+#include "host/dic/device_frames.h"
 #include "host/track/circle.h"
 #include "host/track/motion_estimator.h"
 #include "sim/speckle/render.h"
@@ -173,10 +174,11 @@ struct MeasuredPairs {
 // Measures pairs of pictures with one estimator of `track`, kept from call to call.
 class PairMeasurement {
  public:
-  PairMeasurement(Estimator estimator, double radius_px) : radius_px_(radius_px) {
+  PairMeasurement(Estimator estimator, double radius_px)
+      : radius_px_(radius_px), frames_(shared_engine(), kSlots) {
     EstimatorOptions options;
     options.estimator = estimator;
-    estimator_ = make_motion_estimator(shared_engine(), options, radius_px, kSlots);
+    estimator_ = make_motion_estimator(shared_engine(), options, radius_px, frames_);
   }
 
   MeasuredPairs measure(const SpeckleBall& ball, const Scene& scene, const PosePairs& truth,
@@ -190,7 +192,7 @@ class PairMeasurement {
         const std::size_t at = 2 * first + k;
         Frame frame;
         renderer.render(truth.poses[at], static_cast<std::int64_t>(at), frame);
-        estimator_->set_frame(static_cast<int>(k), frame);
+        frames_.set(static_cast<int>(k), frame);
         PairMotion& pair = pairs[k / 2];
         (k % 2 == 0 ? pair.first_slot : pair.second_slot) = static_cast<int>(k);
         (k % 2 == 0 ? pair.first : pair.second) = circle(frame, truth.poses[at], centres);
@@ -241,6 +243,7 @@ class PairMeasurement {
   }
 
   double radius_px_;
+  DeviceFrames frames_;
   std::unique_ptr<MotionEstimator> estimator_;
 };
 
