@@ -36,6 +36,7 @@ void add_synth_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_fit_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
+void add_report_command(CLI::App& app);
 void add_rod_command(CLI::App& app);
 void add_verify_command(CLI::App& app);
 

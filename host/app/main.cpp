@@ -43,6 +43,7 @@ void add_commands(CLI::App& app) {
   add_correlate_command(app);
   add_fit_command(app);
   add_compare_command(app);
+  add_report_command(app);
   add_rod_command(app);
   add_simulate_command(app);
   add_synth_command(app);

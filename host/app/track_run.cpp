@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/app/job.h"
+#include "host/app/key_frames.h"
 #include "host/app/track_output.h"
 #include "host/base/error.h"
 #include "host/base/parse.h"
@@ -102,6 +103,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
         static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
     summary["frames_per_s"] = rate;
     summary["gravity_angle_deg"] = request.gravity_angle_deg;
+    summary["key_frames"] = write_key_frames(*source, output.rows(), summary["impact"], folder);
     write_json(folder / "summary.json", summary);
     return rate;
   };

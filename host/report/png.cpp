@@ -6,20 +6,34 @@
 
 namespace impactdic {
 
-void write_png_bgr(const std::filesystem::path& path, int width, int height,
-                   std::span<const std::uint8_t> bgr) {
-  if (bgr.size() != static_cast<std::size_t>(width) * height * 3) {
-    throw InvalidArgument("a picture's bytes and size differ");
-  }
+namespace {
+
+void write_png(const std::filesystem::path& path, int width, int height, png_uint_32 format,
+               std::span<const std::uint8_t> pixels) {
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = static_cast<png_uint_32>(width);
   image.height = static_cast<png_uint_32>(height);
-  image.format = PNG_FORMAT_BGR;
+  image.format = format;
   image.flags = PNG_IMAGE_FLAG_FAST;
-  if (png_image_write_to_file(&image, path.c_str(), 0, bgr.data(), 0, nullptr) == 0) {
+  if (pixels.size() != PNG_IMAGE_SIZE(image)) {
+    throw InvalidArgument("a picture's bytes and size differ");
+  }
+  if (png_image_write_to_file(&image, path.c_str(), 0, pixels.data(), 0, nullptr) == 0) {
     throw FileError(std::string("cannot write the picture: ") + image.message, path.string());
   }
+}
+
+}  // namespace
+
+void write_png_bgr(const std::filesystem::path& path, int width, int height,
+                   std::span<const std::uint8_t> bgr) {
+  write_png(path, width, height, PNG_FORMAT_BGR, bgr);
+}
+
+void write_png_grey(const std::filesystem::path& path, int width, int height,
+                    std::span<const std::uint8_t> grey) {
+  write_png(path, width, height, PNG_FORMAT_GRAY, grey);
 }
 
 }  // namespace impactdic

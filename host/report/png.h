@@ -11,4 +11,8 @@ namespace impactdic {
 void write_png_bgr(const std::filesystem::path& path, int width, int height,
                    std::span<const std::uint8_t> bgr);
 
+// The same of (height, width) grey bytes.
+void write_png_grey(const std::filesystem::path& path, int width, int height,
+                    std::span<const std::uint8_t> grey);
+
 }  // namespace impactdic

@@ -1,0 +1,116 @@
+#include "host/app/key_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+#include "host/report/png.h"
+#include "host/track/roi.h"
+
+namespace impactdic::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMargin = 1.4;  // half side of the box over the radius
+
+struct KeyFrame {
+  const char* moment;
+  const TrackRow* row;
+  Frame frame;
+};
+
+// The row with a ball whose frame is nearest to `frame`.
+const TrackRow* nearest(const std::vector<const TrackRow*>& rows, double frame) {
+  return *std::min_element(rows.begin(), rows.end(), [&](const TrackRow* a, const TrackRow* b) {
+    return std::abs(static_cast<double>(a->frame) - frame) <
+           std::abs(static_cast<double>(b->frame) - frame);
+  });
+}
+
+std::vector<KeyFrame> choose(const std::vector<TrackRow>& rows, const json& impact) {
+  std::vector<const TrackRow*> with_ball;
+  for (const TrackRow& row : rows) {
+    if (row.circle_ok) with_ball.push_back(&row);
+  }
+  if (with_ball.empty()) return {};
+  const auto instant = [&](const char* key) { return impact.value(key, json()); };
+  const json start = instant("t0"), turn = instant("t_max_compression"), end = instant("t_end");
+  if (start.is_object() && turn.is_object() && end.is_object()) {
+    const auto at = [](const json& i) { return i["frame"].get<double>(); };
+    return {{"before", nearest(with_ball, std::floor(at(start))), {}},
+            {"during", nearest(with_ball, at(turn)), {}},
+            {"after", nearest(with_ball, std::ceil(at(end))), {}}};
+  }
+  return {{"first", with_ball.front(), {}},
+          {"middle", with_ball[with_ball.size() / 2], {}},
+          {"last", with_ball.back(), {}}};
+}
+
+Roi box_around(const std::vector<KeyFrame>& frames, int width, int height) {
+  double left = width, right = 0, top = height, bottom = 0;
+  for (const KeyFrame& key : frames) {
+    const double half = kMargin * key.row->r_px;
+    left = std::min(left, key.row->cx_px - half);
+    right = std::max(right, key.row->cx_px + half);
+    top = std::min(top, key.row->cy_px - half);
+    bottom = std::max(bottom, key.row->cy_px + half);
+  }
+  Roi box;
+  box.x = static_cast<int>(std::clamp(left, 0.0, width - 1.0));
+  box.y = static_cast<int>(std::clamp(top, 0.0, height - 1.0));
+  box.width = static_cast<int>(std::clamp(right, box.x + 1.0, double(width))) - box.x;
+  box.height = static_cast<int>(std::clamp(bottom, box.y + 1.0, double(height))) - box.y;
+  return box;
+}
+
+float brightest(const Image<float>& picture) {
+  return *std::max_element(picture.data(), picture.data() + picture.size());
+}
+
+}  // namespace
+
+json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows, const json& impact,
+                      const std::filesystem::path& folder) {
+  json list = json::array();
+  std::vector<KeyFrame> frames = choose(rows, impact);
+  std::erase_if(frames, [&](KeyFrame& key) {
+    try {
+      source.read(key.row->frame, key.frame);
+      return false;
+    } catch (const FileError&) {
+      return true;
+    }
+  });
+  if (frames.empty()) return list;
+  const Roi box = box_around(frames, frames[0].frame.width(), frames[0].frame.height());
+  std::vector<Image<float>> pictures;
+  float white = 1;
+  for (const KeyFrame& key : frames) {
+    Frame cut;
+    crop(key.frame, box, cut);
+    pictures.push_back(cut.to_float());
+    white = std::max(white, brightest(pictures.back()));
+  }
+  std::filesystem::create_directories(folder / "key_frames");
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    std::vector<std::uint8_t> grey(pictures[i].size());
+    std::transform(pictures[i].data(), pictures[i].data() + grey.size(), grey.begin(),
+                   [&](float v) { return static_cast<std::uint8_t>(255 * v / white); });
+    char name[48];
+    std::snprintf(name, sizeof name, "key_frames/frame_%06lld.png",
+                  static_cast<long long>(frames[i].row->frame));
+    write_png_grey(folder / name, box.width, box.height, grey);
+    list.push_back({{"moment", frames[i].moment},
+                    {"frame", frames[i].row->frame},
+                    {"picture", name},
+                    {"x_px", box.x},
+                    {"y_px", box.y}});
+  }
+  return list;
+}
+
+}  // namespace impactdic::app

@@ -1,0 +1,1 @@
+"""impactdic report: figures and one page out of a folder of results."""

@@ -1,0 +1,147 @@
+"""python3 -m impactdic.report DIR: see `impactdic report --help`."""
+
+import argparse
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from ..results import ResultError, load, read_table, shots_of
+
+
+def missing_packages():
+    from importlib.util import find_spec
+
+    needed = {"numpy": "python3-numpy", "h5py": "python3-h5py", "matplotlib": "python3-matplotlib",
+              "plotly": "python3-plotly", "rjsmin": "python3-rjsmin"}
+    return [package for module, package in needed.items() if find_spec(module) is None]
+
+
+def versions():
+    import matplotlib
+    import plotly
+
+    python = ".".join(str(part) for part in sys.version_info[:3])
+    return f"Python {python}, matplotlib {matplotlib.__version__}, plotly {plotly.__version__}"
+
+
+class Report:
+    """What stands on the page, gathered from a folder."""
+
+    def __init__(self, folder, program):
+        self.folder, self.program = folder, program
+        self.figures, self.tables, self.warnings, self.texts = [], [], [], []
+        self.subtitle = ""
+
+    def gather(self):
+        from . import models
+
+        is_shot = (self.folder / "track.csv").exists()
+        is_batch = (self.folder / "shots.csv").exists()
+        model_folders = models.folders_in(self.folder)
+        if is_batch:
+            self.add_batch()
+        elif is_shot:
+            self.add_shot()
+        elif not model_folders:
+            raise ResultError("there is nothing to report", self.folder,
+                              "wanted is a folder of track, batch, fit or compare")
+        for folder in model_folders:
+            self.add_models(folder)
+        job = load(self.folder).job_text
+        if job:
+            self.texts.append(("Job", job))
+        self.texts.append(("Versions", f"impactdic {_version(load(self.folder).job)}\n"
+                                       f"{versions()}"))
+
+    def add_shot(self):
+        from . import shot, tables
+
+        result = load(self.folder)
+        summary = result.summary
+        self.figures += shot.figures(result)
+        self.tables += tables.impact_tables(summary) + [tables.run_table(summary, result.job)]
+        self.warnings += tables.warnings_of(summary)
+        impact = summary.get("impact") or {}
+        self.subtitle = f"{summary['frames_analysed']} frames; " \
+                        f"{impact.get('explanation', 'the impact was not looked for')}."
+
+    def add_batch(self):
+        from . import shots, tables
+
+        table = read_table(self.folder / "shots.csv")
+        results = shots_of(self.folder)
+        self.figures += shots.figures(table, results)
+        self.tables.append(tables.shots_table(table))
+        failed = len(table["shot"]) - len(results)
+        found = sum(result.impact is not None for result in results)
+        self.subtitle = f"{len(results)} shots measured, {failed} failed, {found} with an impact."
+        if failed:
+            self.warnings.append(f"{failed} of {len(table['shot'])} shots failed; the table says "
+                                 "why")
+        for result in results:
+            self.warnings += [f"{result.name}: {w}" for w in tables.warnings_of(result.summary)]
+
+    def add_models(self, folder):
+        from . import models, tables
+
+        self.figures += models.figures(folder, self.program, self.warnings)
+        self.tables += tables.model_tables(load(folder))
+        if not self.subtitle:
+            self.subtitle = f"Results of impactdic {models.kind_of(folder)}."
+
+    def write(self, jobs):
+        from . import page
+
+        into = self.folder / "figures"
+        into.mkdir(exist_ok=True)
+        with ProcessPoolExecutor(max_workers=jobs) as pool:
+            drawing = [pool.submit(_save, figure, into) for figure in self.figures]
+            page.write(self.folder / "report.html", f"Impact: {self.folder.resolve().name}",
+                       self.subtitle, self.warnings, self.figures, self.tables, self.texts)
+            for done in drawing:
+                done.result()
+
+
+def _version(job):
+    return job.get("version", "of an unknown version")
+
+
+def _save(figure, into):
+    from . import draw
+
+    draw.save(figure, into)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="impactdic report")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--program", help="the impactdic that integrates models")
+    parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--quiet", action="store_true")
+    options = parser.parse_args()
+    missing = missing_packages()
+    if missing:
+        print(f"impactdic: error: Python packages are missing ({', '.join(missing)}): "
+              f"on Debian: apt-get install {' '.join(missing)}", file=sys.stderr)
+        return 1
+    try:
+        if not options.folder.is_dir():
+            raise ResultError("there is no such folder", options.folder)
+        report = Report(options.folder, options.program)
+        report.gather()
+        report.write(options.threads or os.cpu_count() or 1)
+    except ResultError as error:
+        print(f"impactdic: error: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"impactdic: error: {error.strerror} ({error.filename})", file=sys.stderr)
+        return 1
+    if not options.quiet:
+        print(f"{len(report.figures)} figures in {options.folder / 'figures'}; "
+              f"page {options.folder / 'report.html'}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""What a figure shows, apart from how it is drawn: draw.py makes PNG and SVG of it, page.py a
+figure that answers to the mouse."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+# Okabe and Ito (2008): told apart with every kind of colour vision.
+BLUE, ORANGE, GREEN, RED = "#0072B2", "#E69F00", "#009E73", "#D55E00"
+PURPLE, SKY, BLACK = "#CC79A7", "#56B4E9", "#222222"
+COLOURS = [BLUE, RED, GREEN, ORANGE, PURPLE, SKY, BLACK]
+MARKERS = ["circle", "square", "diamond", "triangle-up", "cross", "x", "star"]
+
+
+@dataclass
+class Series:
+    """Points of one curve. `sd`: one standard deviation of y, drawn as a band of 95 % around a line
+    and as bars on markers."""
+
+    name: str
+    x: np.ndarray
+    y: np.ndarray
+    sd: np.ndarray | None = None
+    colour: str = BLUE
+    kind: str = "line"  # or "markers"; "arrows": pairs of start and end, NaN between them
+    marker: str = "circle"
+    dash: bool = False
+    labels: list | None = None  # said of each point when the mouse is on it
+
+
+@dataclass
+class Span:
+    """A shaded part of the x axis."""
+
+    start: float
+    end: float
+    name: str
+    colour: str
+
+
+@dataclass
+class Picture:
+    """A grey picture behind the curves; pixel (0, 0) has its centre at (x_px, y_px)."""
+
+    grey: np.ndarray  # (height, width), 8 bits
+    x_px: float = 0
+    y_px: float = 0
+
+
+@dataclass
+class Surface:
+    """Values on a grid, as colours; z has the shape (len(y), len(x))."""
+
+    x: np.ndarray
+    y: np.ndarray
+    z: np.ndarray
+    name: str  # with unit
+
+
+@dataclass
+class Panel:
+    title: str
+    x_label: str  # with unit
+    y_label: str
+    series: list[Series] = field(default_factory=list)
+    spans: list[Span] = field(default_factory=list)
+    picture: Picture | None = None
+    surface: Surface | None = None
+    same_scale: bool = False  # of both axes
+    y_down: bool = False
+    from_zero: bool = False  # the y axis starts at 0
+
+
+@dataclass
+class Figure:
+    """Panels side by side. `name` is that of its files."""
+
+    name: str
+    title: str
+    caption: str
+    panels: list[Panel]
+    section: str = "Motion"

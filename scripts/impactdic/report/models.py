@@ -1,0 +1,183 @@
+"""Figures of `fit` and `compare`: models against measurement."""
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ..results import ResultError, load, read_table
+from .figure import BLACK, COLOURS, Figure, Panel, Series, Surface
+from .shot import Shot, deflection
+
+# What only one friction model takes.
+OWN_KEYS = {"friction_static": "three_phase", "poisson": "maw_barber_fawcett"}
+
+
+def kind_of(folder):
+    """fit, compare or nothing."""
+    if (folder / "comparison.csv").exists():
+        return "compare"
+    return "fit" if (folder / "parameters.csv").exists() else None
+
+
+def folders_in(folder):
+    """The results of fit and compare that `folder` is or holds."""
+    candidates = [folder] + sorted(path for path in folder.iterdir() if path.is_dir())
+    return [path for path in candidates if kind_of(path)]
+
+
+def figures(folder, program, warnings):
+    """Those of a folder of fit or compare. `program` integrates the models; what could not be drawn
+    goes into `warnings`."""
+    result = load(folder)
+    made = []
+    if kind_of(folder) == "compare":
+        for i, shot in enumerate(result.summary["shots"]):
+            try:
+                made.append(comparison(result, shot, i, program))
+            except (ResultError, OSError, subprocess.CalledProcessError) as error:
+                warnings.append(f"no curves of {shot['measured']['track']}: {_reason(error)}")
+    for path in sorted(folder.glob("errors_[0-9]*.csv")):
+        made.append(error_surfaces(result, path))
+    return made
+
+
+def _reason(error):
+    text = getattr(error, "stderr", None) or str(error)
+    return text.strip().splitlines()[-1]
+
+
+def comparison(result, shot, number, program):
+    """Figs 3.30 to 3.37 and 4.9 to 4.12: one shot and every model of it."""
+    measured = shot["measured"]
+    panels = {
+        "normal": Panel("normal displacement", "time since the touch, ms", "displacement, mm"),
+        "tangential": Panel("tangential displacement", "time since the touch, ms",
+                            "displacement, mm"),
+        "vt": Panel("tangential velocity", "time since the touch, ms", "velocity, m/s"),
+        "tip": Panel("contact point", "time since the touch, ms", "velocity, m/s"),
+        "spin": Panel("angular velocity", "time since the touch, ms", "angular velocity, rad/s"),
+    }
+    _add_measured(panels, measured)
+    for i, model in enumerate(shot["models"]):
+        path = integrate(result, shot, model, program)
+        name, colour = model["model"], COLOURS[i % len(COLOURS)]
+        time = 1e3 * path["time_s"]
+        keep = slice(None, None, max(1, len(time) // 300))
+        curves = {
+            "normal": 1e3 * (path["qn_m"] - path["qn_m"][0]),
+            "tangential": 1e3 * (path["qt_m"] - path["qt_m"][0]),
+            "vt": path["vt_m_s"],
+            "tip": path["tip_vt_m_s"],
+            "spin": path["omega_rad_s"],
+        }
+        for key, values in curves.items():
+            panels[key].series.append(
+                Series(name, time[keep], values[keep], colour=colour, dash=i > 0)
+            )
+    suffix = "" if len(result.summary["shots"]) == 1 else f"_{number + 1}"
+    name = Path(measured["track"]).parent.name
+    return Figure(
+        f"models_{result.name}{suffix}",
+        f"Models against measurement: {name}, {measured['surface_angle_deg']:g}°",
+        "Every model knows the motion before the touch only. Crosses: measured.",
+        list(panels.values()),
+        "Models",
+    )
+
+
+def _add_measured(panels, measured):
+    track = Path(measured["track"])
+    if not track.exists():
+        raise ResultError("the track that the models were compared with is gone", track)
+    shot = Shot(load(track.parent))
+    if not shot.si:
+        raise ResultError("the track has no SI results", track)
+    start = 1e3 * measured["contact_start_s"]["value"]
+    length = 1e3 * measured["contact_s"]["value"]
+    radius = 1e-3 * shot.radius
+
+    def add(key, time, y, sd=None):
+        near = (time > start - 0.1 * length) & (time < start + 1.1 * length)
+        near = np.flatnonzero(near & np.isfinite(y))
+        panels[key].series.append(
+            Series("measured", time[near] - start, y[near], None if sd is None else sd[near],
+                   BLACK, "markers", "x")
+        )
+
+    seconds = 1e-3 * shot.time
+    add("normal", shot.time, -1e3 * deflection(seconds, shot.vn, 1e-3 * start))
+    add("tangential", shot.time, -1e3 * deflection(seconds, shot.vt, 1e-3 * start))
+    add("vt", shot.mid_time, shot.vt, shot.vt_sd)
+    add("tip", shot.mid_time, shot.vt + radius * shot.spin,
+        np.hypot(shot.vt_sd, radius * shot.spin_sd))
+    add("spin", shot.mid_time, shot.spin, shot.spin_sd)
+
+
+def integrate(result, shot, model, program):
+    """trajectory.csv of `impactdic simulate` with the law and the friction of `model` from the
+    measured motion before the touch."""
+    if program is None:
+        raise ResultError("models are integrated by the program", "report",
+                          "call it as impactdic report")
+    job, before = result.job, shot["measured"]["before"]
+    contact = {**job["contact"], **result.summary["contact"]}
+    contact["friction_kinetic"] = model["friction_kinetic"]
+    for key, owner in OWN_KEYS.items():
+        if model["model"] != owner:
+            contact.pop(key, None)
+    sections = {
+        "": {"normal": job["normal"], "friction": model["model"],
+             "preset": job.get("preset", "sound")},
+        "body": job["body"],
+        "contact": contact,
+        "surface": {"angle_deg": shot["measured"]["surface_angle_deg"]},
+        "initial": {key: before[key]["value"] or 0.0
+                    for key in ("vt_m_s", "vn_m_s", "omega_rad_s")},
+        "environment": job.get("environment", {}),
+        "output": {"rate_hz": 50000.0},
+    }
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch) / "job.toml"
+        path.write_text(_to_toml(sections), encoding="utf-8")
+        subprocess.run([program, "simulate", path, "-o", Path(scratch) / "out", "-q"],
+                       check=True, capture_output=True, text=True)
+        return load(Path(scratch) / "out").trajectory
+
+
+def _to_toml(sections):
+    lines = []
+    for name, keys in sections.items():
+        if name:
+            lines.append(f"[{name}]")
+        for key, value in keys.items():
+            lines.append(f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}")
+    return "\n".join(lines) + "\n"
+
+
+def error_surfaces(result, path):
+    """Figs 3.25 to 3.28: errors of the published grid search."""
+    table = read_table(path)
+    stiffness_key, damping_key = list(table)[:2]
+    stiffness, damping = np.unique(table[stiffness_key]), np.unique(table[damping_key])
+    panels = []
+    for column, name in (("displacement_error", "displacement"), ("velocity_error", "velocity"),
+                         ("product", "product"), ("sum", "sum")):
+        z = table[column].reshape(len(stiffness), len(damping)).T
+        panels.append(
+            Panel(name, f"stiffness, {_unit(stiffness_key)}", "damping, N s/m",
+                  surface=Surface(stiffness, damping, z, "relative error, 1"))
+        )
+    return Figure(
+        f"{path.stem}_{result.name}",
+        "Errors over stiffness and damping",
+        "Mean relative error of displacement and of velocity after the impact, their product and "
+        "their sum.",
+        panels,
+        "Models",
+    )
+
+
+def _unit(key):
+    return "N/m^1.5" if key.endswith("1p5") else "N/m"

@@ -1,0 +1,216 @@
+"""Tables and warnings of a report, as rows of text."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..results import read_table
+from .models import kind_of
+
+
+@dataclass
+class Table:
+    title: str
+    header: list[str]
+    rows: list[list[str]]
+    section: str = "Figures of the impact"
+
+
+def with_sd(figure, factor=1.0, unit=""):
+    """A figure {"value", "sd"} as text, rounded to two digits of its deviation."""
+    if not figure or figure.get("value") is None:
+        return "not measured"
+    value, sd = factor * figure["value"], figure.get("sd")
+    return (rounded(value, None if sd is None else factor * sd) + " " + unit).strip()
+
+
+def rounded(value, sd=None):
+    if not math.isfinite(value):
+        return "not measured"
+    if not sd or not math.isfinite(sd):
+        return f"{value:.6g}"
+    digits = max(0, 1 - math.floor(math.log10(sd)))
+    if digits > 12:
+        return f"{value:.6g}"
+    return f"{value:.{digits}f} ± {sd:.{digits}f}"
+
+
+def impact_tables(summary):
+    impact = summary.get("impact")
+    if not impact or not impact.get("found"):
+        return []
+    si = impact["units"] == "si"
+    instants = []
+    for name, key in (("contact starts, t0", "t0"), ("most compressed", "t_max_compression"),
+                      ("contact ends", "t_end")):
+        at = impact.get(key)
+        if at is None:
+            instants.append([name, "not measured", "not measured"])
+            continue
+        time = at.get("time_s")
+        instants.append([
+            name,
+            rounded(at["frame"], at["sd_frames"]),
+            "no frame rate" if time is None else rounded(1e3 * time, 1e3 * at["sd_s"]) + " ms",
+        ])
+    speed, spin = ("_m_s", "omega_rad_s") if si else ("_px_per_frame", "omega_rad_per_frame")
+    unit = "m/s" if si else "px/frame"
+    motion = []
+    for name, key, u in (("vx", "vx" + speed, unit), ("vy", "vy" + speed, unit),
+                         ("vt", "vt" + speed, unit), ("vn", "vn" + speed, unit),
+                         ("angular velocity", spin, "rad/s" if si else "rad/frame")):
+        motion.append([f"{name}, {u}"] + [
+            with_sd((impact.get(side) or {}).get(key)) for side in ("before", "after")
+        ])
+    friction, closure = impact["friction"], impact["impulse_closure"]
+    figures = [
+        ["coefficient of restitution", with_sd(impact["restitution"])],
+        ["effective friction, Eq. 3.12", with_sd(friction["eq_3_12"])],
+        ["effective friction, gravity-corrected", with_sd(friction["gravity_corrected"])],
+        ["rolling cap of the friction", with_sd(friction["rolling_cap"])],
+        ["contact time", with_sd(impact["contact_s"], 1e3, "ms")],
+        ["largest deflection", with_sd(impact["max_deflection_m"], 1e3, "mm") if si
+         else with_sd(impact["max_deflection_px"], 1, "px")],
+        ["impulse closure", f"{closure['verdict']}: {closure['explanation']}"],
+        ["gravity seen in the flights", with_sd(impact["gravity"]["measured_m_s2"], 1, "m/s²")],
+    ]
+    return [
+        Table("Impact", ["figure", "value ± standard deviation"], figures),
+        Table("Instants", ["instant", "frame", "time"], instants),
+        Table("Motion before and after the contact", ["component", "before", "after"], motion),
+    ]
+
+
+def run_table(summary, job):
+    source, device = summary.get("input") or {}, summary.get("device") or {}
+    ball = summary.get("ball") or {}
+    radius, metres = ball.get("radius_px"), ball.get("radius_m")
+    rows = [
+        ["clip", str(source.get("path", "unknown"))],
+        ["SHA-256", str(source.get("sha256", "unknown"))],
+        ["format", f"{source.get('format')}, {source.get('width_px')} × {source.get('height_px')} "
+                   f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
+        ["camera", str(source.get("camera") or "not stated")],
+        ["analysed frames/s", _or(summary.get("analysed_fps"), "{:g}", "unknown")],
+        ["scale", _or(summary.get("scale_m_per_px"), "{:.6g} m/px", "unknown: results in px")],
+        ["radius", _or(radius, "{:.3f} px", "not measured")
+                   + (f" = {1e3 * metres:.3f} mm" if metres else "")],
+        ["frames", ", ".join(f"{count} {status}" for status, count in
+                             (summary.get("frames_by_status") or {}).items())],
+        ["speed of the measurement", _or(summary.get("frames_per_s"), "{:.1f} frames/s", "")],
+        ["device", f"{device['name']} ({device['platform']}, {device['driver']})" if device
+                   else "none"],
+        ["impactdic", str(job.get("version", "unknown"))],
+    ]
+    return Table("Run", ["", ""], rows, "Run")
+
+
+def _or(value, text, otherwise):
+    return otherwise if value is None else text.format(value)
+
+
+def shots_table(table):
+    """The rows of shots.csv in short."""
+    header = ["shot", "status", "surface", "v before, m/s", "restitution", "friction",
+              "contact, ms", "ω after, rad/s", "notes"]
+    rows = []
+    for i in range(len(table["shot"])):
+        def pair(name, deviation, factor=1.0):
+            value, sd = (number(table[key][i]) for key in (name, deviation))
+            return "" if math.isnan(value) else rounded(factor * value, factor * sd)
+
+        vt, vn = number(table["vt_before_m_s"][i]), number(table["vn_before_m_s"][i])
+        angle = number(table["surface_angle_deg"][i])
+        status = str(table["status"][i])
+        if status == "ok":
+            impact = str(table["impact"][i])
+            status = "ok" if impact == "found" else f"impact: {impact}"
+        rows.append([
+            str(table["shot"][i]),
+            status if status != "failed" else f"failed: {table['reason'][i]}",
+            "" if math.isnan(angle) else f"{angle:g}°",
+            "" if math.isnan(vn) else f"{math.hypot(vt, vn):.3f}",
+            pair("restitution", "restitution_sd"),
+            pair("friction", "friction_sd"),
+            pair("contact_s", "contact_sd_s", 1e3),
+            pair("omega_after_rad_s", "omega_after_sd_rad_s"),
+            "" if str(table["notes"][i]) == "nan" else str(table["notes"][i]),
+        ])
+    return Table("Shots", header, rows, "Shots")
+
+
+def number(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
+
+
+def model_tables(result):
+    """Of a folder of fit or compare."""
+    summary = result.summary
+    tables = []
+    parameters = summary.get("parameters") or (summary.get("calibration") or {}).get("parameters")
+    if parameters:
+        rows = []
+        for key, p in parameters.items():
+            low, high = p["ci95"]
+            rows.append([
+                key,
+                with_sd(p),
+                " to ".join("open" if end is None else f"{end:.6g}" for end in (low, high)),
+                "yes" if p["determined"] else "no: " + p.get("verdict", ""),
+            ])
+        tables.append(Table(f"Calibrated parameters ({result.name})",
+                            ["parameter", "value ± standard deviation", "95 %", "determined"],
+                            rows, "Models"))
+    if kind_of(result.folder) == "compare":
+        table = read_table(result.folder / "comparison.csv")
+        columns = {"vt": "vt_m_s", "vn": "vn_m_s", "omega": "omega_rad_s"}
+        rows = []
+        for i, model in enumerate(np.atleast_1d(table["model"])):
+            row = [Path(str(table["track"][i])).parent.name, f"{table['surface_angle_deg'][i]:g}°", str(model)]
+            for name, column in columns.items():
+                error = table[name + "_error"][i]
+                row.append(f"{table[column][i]:.4f}"
+                           + ("" if math.isnan(error) else f" ({100 * error:+.1f} %)"))
+            rows.append(row + [f"{1e3 * table['rms_m'][i]:.4f}", f"{table['aic'][i]:.1f}"])
+        header = ["shot", "surface", "model", "vt after, m/s", "vn after, m/s", "ω after, rad/s",
+                  "rms of the path, mm", "AIC"]
+        tables.append(Table(f"Models after the impact ({result.name}), error in brackets", header,
+                            rows, "Models"))
+    return tables
+
+
+def warnings_of(summary):
+    """What a reader must know before trusting the figures."""
+    found = [str(w) for w in summary.get("warnings") or []]
+    statuses = summary.get("frames_by_status") or {}
+    total = sum(statuses.values())
+    good = statuses.get("ok", 0) + statuses.get("last_frame", 0)
+    if good < total:
+        found.append(f"{total - good} of {total} frames could not be measured in full")
+    if summary.get("scale_m_per_px") is None:
+        found.append("no scale: lengths are in px (--ball-diameter-mm or --mm-per-px)")
+    if summary.get("analysed_fps") is None:
+        found.append("no frame rate: times are in frames (--fps)")
+    impact = summary.get("impact")
+    if not impact:
+        return found
+    if not impact.get("found"):
+        return found + [impact["explanation"]]
+    for name, key in (("start", "t0"), ("end", "t_end")):
+        edge = impact.get(key)
+        if edge is None:
+            found.append(f"the {name} of the contact could not be measured")
+        elif not edge.get("onset_law_holds", True):
+            found.append(f"no contact law describes the {name} of the contact; "
+                         "its deviation is widened")
+    closure = impact["impulse_closure"]
+    if closure["verdict"] in ("signs", "lever_arm", "scale"):
+        found.append(f"impulse closure: {closure['explanation']}")
+    if impact["gravity"].get("agrees_with_9_81") is False:
+        found.append("the flights do not fall with 9.81 m/s²: are scale and frame rate right?")
+    return found

@@ -1,0 +1,132 @@
+"""Reads what the commands of impactdic write. A value that was not measured is NaN."""
+
+import csv
+import json
+import tomllib
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+
+class ResultError(Exception):
+    """What is wrong, where, and a hint; in one line."""
+
+    def __init__(self, what, where, hint=""):
+        super().__init__(f"{what} ({where})" + (f": {hint}" if hint else ""))
+
+
+def read_table(path):
+    """A CSV file as a dictionary of columns: arrays of float, or of text where a cell is none."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except OSError as error:
+        raise ResultError("cannot read the table", path, error.strerror) from error
+    if not rows:
+        raise ResultError("the table is empty", path)
+    header, rows = rows[0], [row for row in rows[1:] if row]
+    if any(len(row) != len(header) for row in rows):
+        raise ResultError("a row has not as many cells as the header", path)
+    return {name: _column([row[i] for row in rows]) for i, name in enumerate(header)}
+
+
+def _column(cells):
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells)
+
+
+class Result:
+    """The folder of one run; of `track`, `correlate`, `fit`, `compare` or `simulate`."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        if not self.folder.is_dir():
+            raise ResultError("there is no such folder", folder)
+
+    @property
+    def name(self):
+        return self.folder.resolve().name
+
+    @cached_property
+    def summary(self):
+        """summary.json"""
+        path = self.folder / "summary.json"
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise ResultError("cannot read the summary", path, error.strerror) from error
+        except ValueError as error:
+            raise ResultError("the summary is damaged", path, str(error)) from error
+
+    @cached_property
+    def job_text(self):
+        """job.toml as it stands; empty where there is none."""
+        path = self.folder / "job.toml"
+        return path.read_text(encoding="utf-8") if path.exists() else ""
+
+    @cached_property
+    def job(self):
+        """job.toml as a dictionary."""
+        return tomllib.loads(self.job_text)
+
+    @cached_property
+    def track(self):
+        """track.csv: a dictionary of arrays, one value a frame."""
+        return read_table(self.folder / "track.csv")
+
+    @cached_property
+    def motion(self):
+        """motion.csv of `correlate`."""
+        return read_table(self.folder / "motion.csv")
+
+    @cached_property
+    def trajectory(self):
+        """trajectory.csv of `simulate`."""
+        return read_table(self.folder / "trajectory.csv")
+
+    @cached_property
+    def fields(self):
+        """fields.h5, open for reading (h5py.File)."""
+        import h5py
+
+        path = self.folder / "fields.h5"
+        try:
+            return h5py.File(path, "r")
+        except OSError as error:
+            raise ResultError("cannot read the displacement fields", path, str(error)) from error
+
+    def field(self, frame):
+        """The windows of one frame that were found, as a dictionary of arrays: x_px, y_px (their
+        centres), u_px, v_px (displacement to the next frame), correlation and more."""
+        file = self.fields
+        rows = np.flatnonzero(file["frame"][:] == frame)
+        if len(rows) == 0:
+            raise ResultError(f"there is no field of frame {frame}", self.folder / "fields.h5")
+        row = int(rows[0])
+        found = file["status"][row] == 0
+        return {
+            name: data[row][found]
+            for name, data in file.items()
+            if data.ndim == 2 and name != "status"
+        }
+
+    @property
+    def impact(self):
+        """The impact of summary.json; None where there is none."""
+        impact = self.summary.get("impact") or {}
+        return impact if impact.get("found") else None
+
+
+def load(folder):
+    """The results in `folder`."""
+    return Result(folder)
+
+
+def shots_of(folder):
+    """The results of every shot that `batch` measured into `folder`, in the order of shots.csv."""
+    table = read_table(Path(folder) / "shots.csv")
+    done = np.asarray(table["status"]) == "ok"
+    return [load(Path(folder) / "shots" / str(name)) for name in np.asarray(table["shot"])[done]]
