@@ -1,7 +1,11 @@
 #include "host/track/correlate_clip.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "host/base/error.h"
 #include "host/dic/correlator.h"
+#include "host/track/coarse_search.h"
 #include "host/track/field_motion.h"
 #include "host/track/frame_pipeline.h"
 
@@ -9,6 +13,15 @@ namespace impactdic {
 namespace {
 
 constexpr int kFewestWindows = 3;
+// Of the windows that have texture, the share that must agree on one motion. Below the first, the
+// region is looked for anew wherever it may be; below the second, a few windows agreed by chance.
+constexpr double kWellFound = 0.3, kFound = 0.1;
+// A clip that cannot be measured is not searched anew in every frame.
+constexpr int kVainSearches = 3;
+
+bool has_texture(const WindowMotion& motion) {
+  return motion.status != static_cast<idic_int>(WindowStatus::no_texture);
+}
 
 bool on_surface(const Window& window, int window_px, const Image<std::uint8_t>& mask) {
   if (mask.size() == 0) return true;
@@ -26,6 +39,7 @@ class RegionCorrelator {
       : options_(options),
         sink_(sink),
         correlator_(make_opencl_correlator(engine, options.field, 2)),
+        coarse_(engine, options.field),
         windows_(region_grid(options)),
         cx_px_(options.roi.x + (options.roi.width - 1) / 2.0),
         cy_px_(options.roi.y + (options.roi.height - 1) / 2.0) {}
@@ -46,30 +60,62 @@ class RegionCorrelator {
       const int now = first ? 1 : static_cast<int>(index % 2);
       correlator_->set_frame(now, frame);
       field = measure(first ? 0 : 1 - now, now, out);
+      if (!out.motion.ok || share_ < kWellFound) {
+        search_anew(frame, first ? 0 : 1 - now, now, out, field);
+      } else {
+        vain_searches_ = 0;
+      }
+      if (out.motion.ok) guess_ = out.motion;
     }
+    if (index == 0 || options_.reference == ReferenceFrame::previous) before_ = frame;
     out.field = field;
     sink_(out);
   }
 
  private:
+  // Looks about what `guess_` says.
   std::vector<WindowMotion> measure(int before, int now, CorrelatedFrame& out) {
     const int window_px = options_.field.window_px;
     aim_windows(windows_, window_px, before, now,
                 {cx_px_, cy_px_, guess_.dx_px, guess_.dy_px, guess_.rot_rad});
     std::vector<WindowMotion> field = correlator_->correlate(windows_);
     out.motion = fit_rigid_motion(field_points(windows_, field, window_px), cx_px_, cy_px_);
-    if (out.motion.used < kFewestWindows) out.motion.ok = false;
+    const auto textured = std::count_if(field.begin(), field.end(), has_texture);
+    share_ = out.motion.used / std::max(1.0, static_cast<double>(textured));
+    if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
     out.status = out.motion.ok ? TrackStatus::ok : explain_failure(field);
-    if (out.motion.ok) guess_ = out.motion;
     return field;
+  }
+
+  // Finds the region without a guess and measures again; keeps what more windows agree on.
+  void search_anew(const Frame& frame, int before, int now, CorrelatedFrame& out,
+                   std::vector<WindowMotion>& field) {
+    if (vain_searches_ >= kVainSearches) return;
+    ++vain_searches_;
+    const RigidMotion coarse = coarse_.find(before_, frame, options_.roi);
+    if (!coarse.ok) return;
+    const RigidMotion kept = std::exchange(guess_, coarse);
+    const double share = share_;
+    CorrelatedFrame again = out;
+    std::vector<WindowMotion> field_again = measure(before, now, again);
+    if (share_ > share) {
+      out = again;
+      field = std::move(field_again);
+      vain_searches_ = 0;
+    }
+    guess_ = kept;
   }
 
   const CorrelateOptions& options_;
   const CorrelateSink& sink_;
   std::unique_ptr<Correlator> correlator_;
+  CoarseSearch coarse_;
   std::vector<Window> windows_;
   double cx_px_, cy_px_;
-  RigidMotion guess_;  // the last motion measured: where to look next
+  Frame before_;           // what the motion is measured from
+  RigidMotion guess_;      // the last motion measured: where to look next
+  double share_ = 0;       // of the windows with texture that agreed on the last motion
+  int vain_searches_ = 0;  // since a motion was found
 };
 
 }  // namespace

@@ -135,6 +135,35 @@ TEST(RealClips, Sample14OfTheDicChallenge) {
   EXPECT_LE(std::sqrt(sum / static_cast<double>(field.rows)), 0.02);
 }
 
+// Nothing is said of the turn: the region is searched at every angle. Published: a turn by
+// 170.0000° about (256, 256), which on the screen is counter-clockwise.
+TEST(RealClips, HalfATurnWithoutAGuess) {
+  IMPACTDIC_NEED_DATA("speckle/rotation_170.tif");
+  const ScratchFolder folder;
+  correlate(quoted(data_path("speckle/rotation_000.tif")) + " " +
+                quoted(data_path("speckle/rotation_170.tif")),
+            folder);
+  const CsvTable motion(folder / "out/motion.csv");
+  EXPECT_NEAR(motion.numbers("rot_deg")[1], 170, 0.002);
+  const CsvTable field = field_of(folder);
+  double squares = 0;
+  std::size_t found = 0;
+  const double c = std::cos(170 * M_PI / 180), s = std::sin(170 * M_PI / 180);
+  const auto x = field.numbers("x_px"), y = field.numbers("y_px");
+  const auto u = field.numbers("u_px"), v = field.numbers("v_px");
+  const auto status = field.text("status");
+  for (std::size_t i = 0; i < field.rows; ++i) {
+    if (status[i] != "0") continue;
+    ++found;
+    const double dx = x[i] - 256, dy = y[i] - 256;
+    squares +=
+        std::pow(u[i] - (c * dx + s * dy - dx), 2) + std::pow(v[i] - (-s * dx + c * dy - dy), 2);
+  }
+  // The corners of the picture turn out of it.
+  EXPECT_GT(static_cast<double>(found), 0.9 * static_cast<double>(field.rows));
+  EXPECT_LE(std::sqrt(squares / (2.0 * static_cast<double>(found))), 0.008);
+}
+
 TEST(RealClips, TurningWheelFrameToFrame) {
   IMPACTDIC_NEED_DATA("wheel/gold_DICe_solution_0.txt");
   const ScratchFolder folder;
