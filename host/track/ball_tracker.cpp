@@ -78,9 +78,14 @@ std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
   return prior;
 }
 
+std::optional<double> BallTracker::rough_radius_px() const {
+  const auto learnt = radius_px();
+  return learnt ? learnt : options_.scouted_radius_px;
+}
+
 bool BallTracker::plausible(const CircleFit& fit) const {
   if (fit.status != CircleStatus::ok) return false;
-  const auto radius = radius_px();
+  const auto radius = rough_radius_px();
   return !radius || std::abs(fit.circle.r_px - *radius) < kRadiusTolerance * *radius;
 }
 
@@ -116,9 +121,9 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
     if (fit.status == CircleStatus::out_of_view) return fit;
   }
   CircleOptions options = options_.circle;
-  const auto radius = radius_px();
-  if (radius && !options.radius_range_px) {
-    options.radius_range_px = {(1 - kRadiusTolerance) * *radius, (1 + kRadiusTolerance) * *radius};
+  const auto rough = rough_radius_px();
+  if (rough && !options.radius_range_px) {
+    options.radius_range_px = {(1 - kRadiusTolerance) * *rough, (1 + kRadiusTolerance) * *rough};
   }
   const auto found = find_ball(frame, options);
   if (!found) {
@@ -128,7 +133,7 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
   CirclePrior prior;
   prior.predicted = *found;
   prior.centre_sd_px = 1;
-  if (radius) {
+  if (const auto radius = radius_px()) {
     prior.radius_px = *radius;
     prior.radius_sd_px = radius_sd_px();
   }

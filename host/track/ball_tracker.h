@@ -13,6 +13,7 @@ namespace impactdic {
 struct BallTrackerOptions {
   CircleOptions circle;
   std::optional<double> compression_axis_rad;  // normal of the surface that is hit, image axes
+  std::optional<double> scouted_radius_px;     // roughly: another circle is not this ball
   void validate() const;
 };
 
@@ -48,6 +49,7 @@ class BallTracker {
   };
   void remember(const CircleFit& fit, std::int64_t index);
   bool plausible(const CircleFit& fit) const;
+  std::optional<double> rough_radius_px() const;
 
   BallTrackerOptions options_;
   std::deque<Seen> seen_;        // the last measured frames, newest last

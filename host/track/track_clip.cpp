@@ -6,6 +6,7 @@
 #include "host/base/error.h"
 #include "host/dic/device_frames.h"
 #include "host/track/frame_pipeline.h"
+#include "host/track/scout_ball.h"
 
 namespace impactdic {
 namespace {
@@ -187,7 +188,10 @@ void track_clip(FrameSource& source, Engine* engine, const TrackOptions& options
   options.estimator.validate();
   options.ball.validate();
   if (options.with_field && engine == nullptr) throw InvalidArgument("the field needs a device");
-  ClipTracker tracker(engine, options, grid_ready, sink);
+  TrackOptions scouted = options;
+  scouted.ball.scouted_radius_px =
+      scout_radius_px(source, options.frames, options.roi, options.ball.circle);
+  ClipTracker tracker(engine, scouted, grid_ready, sink);
   const std::int64_t from = std::max<std::int64_t>(0, options.start_index - kWarmUp);
   try {
     for_each_batch(source, options.frames, from, options.roi, options.batch,
