@@ -111,6 +111,25 @@ void ring_turns(const Study& study) {
   }
 }
 
+// Light that is fixed to the lamp while the pattern turns under it.
+void shading(const Study& study) {
+  PairMeasurement measurement(Estimator::ball, kRadiusPx);
+  for (const double strength : {0.0, 0.25, 0.5}) {
+    for (const double turn_deg : {3.0, 30.0, 90.0, 180.0}) {
+      MotionErrors all;
+      for (const std::string& name : study.patterns) {
+        const SpeckleBall ball = paint_ball(name, 1);
+        Scene lit = scene(2, 3);
+        lit.shading = strength;
+        const MotionBound bound = motion_bound(ball, lit, kMargin);
+        const PosePairs pairs = fixed_motions(study.pairs, 1, 1, turn_deg, 48, 0.5 * kSide);
+        all.add(measurement.measure(ball, lit, pairs, Centres::known, bound).at_point);
+      }
+      all.print("shading " + std::to_string(strength) + ", " + std::to_string(turn_deg) + " deg");
+    }
+  }
+}
+
 int run(const std::string& name, Study study) {
   const auto set = [&](int pairs, const std::vector<std::string>& names) {
     if (study.pairs == 0) study.pairs = pairs;
@@ -131,11 +150,14 @@ int run(const std::string& name, Study study) {
   } else if (name == "ring") {
     set(8, patterns(false));
     ring_turns(study);
+  } else if (name == "shading") {
+    set(4, patterns(false));
+    shading(study);
   } else if (name == "field") {
     set(8, patterns(false));
     motions(study, Estimator::field, 0);
   } else {
-    std::fprintf(stderr, "studies: fractions motions sparse bar ring field\n");
+    std::fprintf(stderr, "studies: fractions motions sparse bar ring shading field\n");
     return 2;
   }
   return 0;

@@ -6,16 +6,18 @@
 #include "kernels/warp.h"
 
 // Registration of a whole ball between two frames, rigid or affine: inverse-compositional
-// Gauss–Newton (Baker and Matthews 2004) on every pixel of a disc, with offset and gain free, as
-// in icgn.cl, and Tukey's biweight against whatever does not move with the ball (Beaton and Tukey
-// 1974). With f the first picture, g∘W the second one under the warp so far and r = g∘W − offset −
-// gain f, each step solves the weighted regression
-//   r ≈ δoffset + δgain f + gain ∇fᵀ D δ
+// Gauss–Newton (Baker and Matthews 2004) on every pixel of a disc, with offset and gain free, the
+// gain linear in the place since light does not turn with the ball, and Tukey's biweight against
+// whatever does not move with it (Beaton and Tukey 1974). With f the first picture, g∘W the second
+// one under the warp so far and r = g∘W − offset − (gain + gain_x X/R + gain_y Y/R) f, each step
+// solves the weighted regression
+//   r ≈ δoffset + (δgain + δgain_x X/R + δgain_y Y/R) f + gain ∇fᵀ D δ
 // PARAMETERS 3: D δ = (du + dθ Y, dv − dθ X); 6: (du + ux X + uy Y, dv + vx X + vy Y), X from the
 // centre. The scale of the weights is the median of |r| of the step before (a histogram's).
 
-#define REGRESSORS (2 + PARAMETERS) /* 1, f, and the slopes by the parameters over the radius */
-#define COLUMNS (REGRESSORS + 1)    /* and r */
+#define LIGHT 4                         /* 1, f, f X/R, f Y/R */
+#define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
+#define COLUMNS (REGRESSORS + 1)        /* and r */
 #define SUMS (COLUMNS * (COLUMNS + 1) / 2)
 #define BINS 256
 #define ROUNDING_VARIANCE (1.0f / 12.0f)
@@ -44,7 +46,7 @@
 typedef struct Shared {
   float warp[6];
   float origin;                 // grey level taken off both pictures
-  float offset, gain;           // of the regression so far
+  float light[LIGHT];           // coefficients of the light's regressors so far
   float scale;                  // of the weights, 0: all equal
   float bin;                    // width of a bin of the histogram, 0: none is made
   float correlation, variance;  // at the last step
@@ -141,25 +143,31 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
 #endif
     __global const float* at = value + (size_t)py * limits.plane_pitch + px;
     const REAL f = LOAD_REAL(at) - shared->origin;
+    // Light is a factor: its gradients go with the grey level itself.
+    const REAL along_x = (f + shared->origin) * x * by_radius;
+    const REAL along_y = (f + shared->origin) * y * by_radius;
     const REAL slope_x = LOAD_REAL(at + plane), slope_y = LOAD_REAL(at + 2 * plane);
     const REAL g = spline_sample(origin, limits.pitch, to_x, to_y) - shared->origin;
-    const REAL r = g - shared->offset - shared->gain * f;
+    const REAL r = g - shared->light[0] - shared->light[1] * f - shared->light[2] * along_x -
+                   shared->light[3] * along_y;
     if (shared->bin > 0.0f) count_residuals(r, w, shared->bin, shared->histogram);
     if (shared->scale > 0.0f) w *= biweight(r, shared->scale);
     REAL column[COLUMNS];
     column[0] = 1.0f;
     column[1] = f;
+    column[2] = along_x;
+    column[3] = along_y;
 #if PARAMETERS == 3
-    column[2] = slope_x;
-    column[3] = slope_y;
-    column[4] = (slope_x * y - slope_y * x) * by_radius;
-#else
-    column[2] = slope_x;
-    column[3] = slope_x * x * by_radius;
-    column[4] = slope_x * y * by_radius;
+    column[4] = slope_x;
     column[5] = slope_y;
-    column[6] = slope_y * x * by_radius;
-    column[7] = slope_y * y * by_radius;
+    column[6] = (slope_x * y - slope_y * x) * by_radius;
+#else
+    column[4] = slope_x;
+    column[5] = slope_x * x * by_radius;
+    column[6] = slope_x * y * by_radius;
+    column[7] = slope_y;
+    column[8] = slope_y * x * by_radius;
+    column[9] = slope_y * y * by_radius;
 #endif
     column[REGRESSORS] = r;
 #pragma unroll
@@ -172,22 +180,30 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   GROUP_SUMS(sums, SUMS, scratch, shared->sums)
 }
 
-// ZNCC under the weights, from the sums: g = r + offset + gain f.
+// Σ a b − Σ a Σ b / Σ 1 of two columns, column >= other.
+static inline float covariance(__local const float* sums, const int column, const int other) {
+  return sums[TRIANGLE(column, other)] -
+         sums[TRIANGLE(column, 0)] * sums[TRIANGLE(other, 0)] / sums[0];
+}
+
+// ZNCC under the weights, from the sums: g = r + Σ light · regressor.
 static inline float correlation(__local const Shared* shared) {
   __local const float* s = shared->sums;
-  const float count = s[0], f = s[TRIANGLE(1, 0)], r = s[TRIANGLE(REGRESSORS, 0)];
-  const float ff = s[TRIANGLE(1, 1)] - f * f / count;
-  const float fr = s[TRIANGLE(REGRESSORS, 1)] - f * r / count;
-  const float rr = s[TRIANGLE(REGRESSORS, REGRESSORS)] - r * r / count;
-  const float fg = fr + shared->gain * ff;
-  const float gg = rr + shared->gain * (2.0f * fr + shared->gain * ff);
-  return fg / sqrt(ff * gg);
+  float fg = covariance(s, REGRESSORS, 1), gg = covariance(s, REGRESSORS, REGRESSORS);
+  for (int i = 1; i < LIGHT; ++i) {
+    fg += shared->light[i] * covariance(s, i, 1);
+    gg += 2.0f * shared->light[i] * covariance(s, REGRESSORS, i);
+    for (int j = 1; j < LIGHT; ++j) {
+      gg += shared->light[i] * shared->light[j] * covariance(s, max(i, j), min(i, j));
+    }
+  }
+  return fg / sqrt(covariance(s, 1, 1) * gg);
 }
 
 // Applies the solution to the warp. Returns the largest displacement of a pixel by it, px.
 static inline float move(__local Shared* shared, const float radius) {
-  __local const float* s = shared->solution + 2;
-  const float by_gain = 1.0f / shared->gain, by_both = by_gain / radius;
+  __local const float* s = shared->solution + LIGHT;
+  const float by_gain = 1.0f / shared->light[1], by_both = by_gain / radius;
 #if PARAMETERS == 3
   const float du = s[0] * by_gain, dv = s[1] * by_gain, turn = s[2] * by_both;
   warp_compose_inverse(shared->warp, cos(turn), sin(turn), -sin(turn), cos(turn), du, dv);
@@ -223,7 +239,7 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
     shared->status = shared->scale > 0.0f ? STATUS_LOW_CORRELATION : STATUS_OUT_OF_VIEW;
     return;
   }
-  const float spread = sums[TRIANGLE(1, 1)] - sums[TRIANGLE(1, 0)] * sums[TRIANGLE(1, 0)] / count;
+  const float spread = covariance(sums, 1, 1);
   shared->carried = count;
   shared->correlation = correlation(shared);
   // The factor takes the place of the regressors' sums; those of r stand behind and stay.
@@ -238,9 +254,8 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   float residual = right[REGRESSORS];
   for (int k = 0; k < REGRESSORS; ++k) residual -= shared->solution[k] * right[k];
   shared->variance = fmax(residual, 0.0f) / (count - REGRESSORS);
-  shared->offset += shared->solution[0];
-  shared->gain += shared->solution[1];
-  if (!(shared->gain > 0.0f)) {
+  for (int k = 0; k < LIGHT; ++k) shared->light[k] += shared->solution[k];
+  if (!(shared->light[1] > 0.0f)) {
     shared->status = STATUS_LOW_CORRELATION;
     return;
   }
@@ -318,8 +333,8 @@ static inline void store_deviations(__global BallMotion* out, __local Shared* sh
 #pragma unroll 1
   for (int k = 0; k < PARAMETERS; ++k) {
     for (int i = 0; i < REGRESSORS; ++i) shared->solution[i] = 0.0f;
-    shared->solution[2 + parameter[k]] += weight[k];
-    shared->solution[2 + other[k]] += other_weight[k];
+    shared->solution[LIGHT + parameter[k]] += weight[k];
+    shared->solution[LIGHT + other[k]] += other_weight[k];
     *deviation[k] = scale * sqrt(cholesky_quadratic(shared->sums, REGRESSORS, shared->solution));
   }
 }
@@ -371,8 +386,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   if (item == 0) {
     warp_start(shared.warp, task.guess_dx, task.guess_dy, task.guess_rot_rad);
     shared.origin = value[(size_t)cy * limits.plane_pitch + cx];
-    shared.offset = shared.scale = shared.bin = shared.carried = 0.0f;
-    shared.gain = 1.0f;
+    shared.scale = shared.bin = shared.carried = 0.0f;
+    for (int i = 0; i < LIGHT; ++i) shared.light[i] = i == 1 ? 1.0f : 0.0f;
     shared.correlation = NAN;
     shared.variance = NAN;
     shared.steps = 0;
@@ -408,7 +423,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
         fmax(shared.variance / (noise.w + second_noise), ROUNDING_VARIANCE);
     const float scale = sqrt(2.0f * pixel_variance * share);
     store_motion(out, &shared);
-    store_deviations(out, &shared, task.radius, scale / shared.gain);
+    store_deviations(out, &shared, task.radius, scale / shared.light[1]);
   } else {
     store_failure(out);
   }

@@ -80,24 +80,29 @@ class Registration {
   int steps() const { return steps_; }
 
  private:
+  static constexpr Eigen::Index kLight = 4;
+  Eigen::Index columns() const { return kLight + (options_.affine ? 6 : 3); }
+
   VectorXd regressors(std::size_t k) const {
     const auto& s = disc_.sample[k];
     const Vector2d& p = disc_.at[k];
-    VectorXd row(options_.affine ? 8 : 5);
+    VectorXd row(columns());
+    const double along_x = s.value * p.x() / radius_, along_y = s.value * p.y() / radius_;
     if (options_.affine) {
-      row << 1, s.value, s.slope_x, s.slope_x * p.x(), s.slope_x * p.y(), s.slope_y,
-          s.slope_y * p.x(), s.slope_y * p.y();
+      row << 1, s.value, along_x, along_y, s.slope_x, s.slope_x * p.x(), s.slope_x * p.y(),
+          s.slope_y, s.slope_y * p.x(), s.slope_y * p.y();
     } else {
-      row << 1, s.value, s.slope_x, s.slope_y, s.slope_x * p.y() - s.slope_y * p.x();
+      row << 1, s.value, along_x, along_y, s.slope_x, s.slope_y,
+          s.slope_x * p.y() - s.slope_y * p.x();
     }
     return row;
   }
 
-  // Solves g∘W ≈ offset + gain (f + J δ) with the weights of the step before and composes.
+  // Solves g∘W ≈ light · (1, f, f X/R, f Y/R) + gain J δ with the weights of the step before and
+  // composes.
   bool step(double& moved) {
-    const Eigen::Index columns = options_.affine ? 8 : 5;
-    MatrixXd normal = MatrixXd::Zero(columns, columns);
-    VectorXd right = VectorXd::Zero(columns);
+    MatrixXd normal = MatrixXd::Zero(columns(), columns());
+    VectorXd right = VectorXd::Zero(columns());
     std::vector<double> sizes;
     double gg = 0, g_sum = 0;
     for (std::size_t k = 0; k < disc_.at.size(); ++k) {
@@ -107,11 +112,11 @@ class Registration {
         continue;
       }
       const double g = second_.value(p.x(), p.y());
-      const double r = g - offset_ - gain_ * disc_.sample[k].value;
+      const VectorXd row = regressors(k);
+      const double r = g - light_.dot(row.head<kLight>());
       sizes.push_back(std::abs(r));
       double w = 1;
       if (scale_ > 0) w = std::pow(std::max(0.0, 1 - std::pow(r / (6 * scale_), 2)), 2);
-      const VectorXd row = regressors(k);
       normal += w * row * row.transpose();
       right += w * g * row;
       g_sum += w * g;
@@ -124,11 +129,10 @@ class Registration {
     const double ff = normal(1, 1) - carried_ * f_mean * f_mean;
     correlation_ =
         (right(1) - carried_ * f_mean * g_mean) / std::sqrt(ff * (gg - carried_ * g_mean * g_mean));
-    variance_ = (gg - solution.dot(right)) / (carried_ - static_cast<double>(columns));
-    offset_ = solution(0);
-    gain_ = solution(1);
-    if (!(gain_ > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
-    moved = compose(solution.tail(columns - 2) / gain_);
+    variance_ = (gg - solution.dot(right)) / (carried_ - static_cast<double>(columns()));
+    light_ = solution.head<kLight>();
+    if (!(light_(1) > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
+    moved = compose(solution.tail(columns() - kLight) / light_(1));
     if (options_.robust && moved < 0.5) {
       scale_ = std::max(1.4826 * median(std::move(sizes)), smallest_scale_);
     }
@@ -158,7 +162,8 @@ class Registration {
   double radius_, smallest_scale_;
   Matrix2d a_;
   Vector2d t_;
-  double offset_ = 0, gain_ = 1, scale_ = 0;
+  Eigen::Vector4d light_ = {0, 1, 0, 0};
+  double scale_ = 0;
   double correlation_ = 0, variance_ = 0, carried_ = 0;
   int steps_ = 0;
 };

@@ -66,7 +66,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                 splines.planes().get(), tasks_.get(), motions_.get(), limits, smooth_taps_.get(),
                 noise_);
   const auto group = static_cast<std::size_t>(tiling_.group);
-  const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 9 : 6;
+  const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 11 : 8;
   // Four steps are typical.
   engine_.launch(engine_.queue(), kernel_, cl::NDRange(tasks.size() * group), cl::NDRange(group),
                  {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});

@@ -16,7 +16,8 @@ BallOptions ball_options(const FieldOptions& field, bool affine) {
 }
 
 // One registration of the whole ball, started from the field, or from circle and rings where the
-// field has too little texture. Rigid, unless the field says that the ball is being compressed.
+// field has too little texture or lost the turn. Rigid, unless the field says that the ball is
+// being compressed.
 class BallEstimator : public MotionEstimator {
  public:
   BallEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
@@ -33,9 +34,12 @@ class BallEstimator : public MotionEstimator {
 
   void measure(std::span<PairMotion> pairs) override {
     field_->measure(pairs);
-    seed_from_rings(pairs);
-    register_balls(pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); });
-    register_balls(pairs, affine_, is_strained);
+    const std::vector<std::size_t> lost = register_all(pairs);
+    if (lost.empty()) return;
+    std::vector<PairMotion> again;
+    for (const std::size_t i : lost) again.push_back(std::move(pairs[i]));
+    measure_turned(again);
+    for (std::size_t k = 0; k < lost.size(); ++k) pairs[lost[k]] = std::move(again[k]);
   }
 
  private:
@@ -46,24 +50,38 @@ class BallEstimator : public MotionEstimator {
            pair.strain.largest > kSignificant * pair.strain.sd;
   }
 
-  void seed_from_rings(std::span<PairMotion> pairs) {
-    std::vector<RingTask> tasks;
-    std::vector<std::size_t> which;
+  // Registers every ball from where its field says. Returns those that could not be.
+  std::vector<std::size_t> register_all(std::span<PairMotion> pairs) {
+    std::vector<bool> done(pairs.size(), false);
+    register_balls(pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); }, done);
+    register_balls(pairs, affine_, is_strained, done);
+    std::vector<std::size_t> lost;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (pairs[i].motion.ok) continue;
-      which.push_back(i);
-      tasks.push_back(ring_task(pairs[i], radius_px_));
+      if (!done[i]) lost.push_back(i);
     }
-    if (which.empty()) return;
+    return lost;
+  }
+
+  // Pairs that turned by more than the field can follow: rings find any turn, and windows that are
+  // turned by it find the rest. What is not found then is lost: a field that the whole ball does
+  // not bear out is chance.
+  void measure_turned(std::span<PairMotion> pairs) {
+    std::vector<RingTask> tasks;
+    for (const PairMotion& pair : pairs) tasks.push_back(ring_task(pair, radius_px_));
     const std::vector<RingMotion> turns = ring_.measure(frames_, tasks);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      if (turns[k].status == WindowStatus::ok) pairs[which[k]].guess_rot_rad = turns[k].rot_rad;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (turns[i].status == WindowStatus::ok) pairs[i].guess_rot_rad = turns[i].rot_rad;
+    }
+    field_->measure(pairs);
+    for (const std::size_t i : register_all(pairs)) {
+      pairs[i].motion.ok = false;
+      if (pairs[i].status == TrackStatus::ok) pairs[i].status = TrackStatus::low_correlation;
     }
   }
 
   template <typename Chosen>
   void register_balls(std::span<PairMotion> pairs, BallRegistration& registration,
-                      const Chosen& chosen) {
+                      const Chosen& chosen, std::vector<bool>& done) {
     std::vector<BallTask> tasks;
     std::vector<std::size_t> which;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -73,7 +91,11 @@ class BallEstimator : public MotionEstimator {
     }
     if (which.empty()) return;
     const std::vector<BallMotion> motions = registration.measure(frames_, tasks);
-    for (std::size_t k = 0; k < which.size(); ++k) take_over(motions[k], pairs[which[k]]);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (motions[k].status != static_cast<idic_int>(WindowStatus::ok)) continue;
+      take_over(motions[k], pairs[which[k]]);
+      done[which[k]] = true;
+    }
   }
 
   BallTask task_of(const PairMotion& pair) const {
@@ -90,9 +112,7 @@ class BallEstimator : public MotionEstimator {
     return task;
   }
 
-  // A ball that could not be registered keeps what its field says.
   static void take_over(const BallMotion& ball, PairMotion& pair) {
-    if (ball.status != static_cast<idic_int>(WindowStatus::ok)) return;
     pair.motion.ok = true;
     pair.motion.dx_px = ball.dx;
     pair.motion.dy_px = ball.dy;
