@@ -8,7 +8,8 @@ namespace impactdic::app {
 
 void add_common_options(CLI::App& command, Common& common) {
   command
-      .add_option("--device", common.device, "OpenCL device: auto, cpu, gpu, an index or a name")
+      .add_option("--device", common.device, "OpenCL device: auto, cpu, gpu, an index, a name, or all (track: every "
+                  "GPU, else every CPU)")
       ->capture_default_str();
   command.add_option("-j,--threads", common.threads, "Host threads; 0 takes all cores")
       ->check(CLI::Range(0, 1024))

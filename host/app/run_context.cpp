@@ -21,13 +21,26 @@ struct RunContext::Threads {
 RunContext::RunContext(const Common& common, bool with_device)
     : threads_(std::make_unique<Threads>(common.threads)) {
   set_log_verbosity(common.quiet ? -1 : common.verbosity);
+  verbose_ = common.verbosity > 0 && !common.quiet;
   if (!with_device) return;
   EngineOptions options;
   options.profile = common.verbosity > 0;
-  engine_ = std::make_unique<Engine>(common.device, options);
+  if (common.device != "all") {
+    engines_.push_back(std::make_unique<Engine>(common.device, options));
+    return;
+  }
+  for (const DeviceInfo& device : all_devices(list_devices())) {
+    engines_.push_back(std::make_unique<Engine>(std::to_string(device.index), options));
+  }
 }
 
 RunContext::~RunContext() = default;
+
+std::vector<Engine*> RunContext::engines() {
+  std::vector<Engine*> engines;
+  for (const auto& engine : engines_) engines.push_back(engine.get());
+  return engines;
+}
 
 Attributes RunContext::attributes(const VideoInfo& info, const std::string& sha256) const {
   Attributes attributes = {
@@ -38,23 +51,36 @@ Attributes RunContext::attributes(const VideoInfo& info, const std::string& sha2
       {"axes", std::string("image axes: x right, y down, pixel centres at integers, (0, 0) the "
                            "centre of the top-left pixel; u along x, v along y; rotation positive "
                            "counter-clockwise as seen on the screen")}};
-  if (engine_) {
-    attributes["device"] = engine_->device().name;
-    attributes["driver"] = engine_->device().driver;
-    attributes["platform"] = engine_->device().platform;
+  if (!engines_.empty()) {
+    const DeviceInfo& device = engines_.front()->device();
+    attributes["device"] = device.name;
+    attributes["driver"] = device.driver;
+    attributes["platform"] = device.platform;
+    attributes["devices"] = static_cast<double>(engines_.size());
   }
   return attributes;
 }
 
 nlohmann::json RunContext::describe() const {
-  if (!engine_) return nullptr;
-  const DeviceInfo& device = engine_->device();
-  return {{"name", device.name}, {"platform", device.platform}, {"driver", device.driver}};
+  if (engines_.empty()) return nullptr;
+  const DeviceInfo& device = engines_.front()->device();
+  return {{"name", device.name},
+          {"platform", device.platform},
+          {"driver", device.driver},
+          {"count", engines_.size()}};
+}
+
+void RunContext::print_stages(double wall_s, std::int64_t frames) {
+  if (!verbose_ || stage_times_.rows().empty()) return;
+  std::fputs(stage_times_.table(wall_s, frames).c_str(), stderr);
 }
 
 void RunContext::print_profile() {
-  if (!engine_ || !engine_->profiler().enabled()) return;
-  std::fputs(engine_->profiler().table().c_str(), stderr);
+  for (const auto& engine : engines_) {
+    if (!engine->profiler().enabled()) continue;
+    if (engines_.size() > 1) std::fprintf(stderr, "%s\n", engine->device().name.c_str());
+    std::fputs(engine->profiler().table().c_str(), stderr);
+  }
 }
 
 }  // namespace impactdic::app

@@ -1,27 +1,20 @@
 // What one run of a measuring command has about it: device, clock, and how it describes itself.
 #pragma once
 
-#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "host/app/command.h"
+#include "host/base/stage_times.h"
+#include "host/base/stopwatch.h"
 #include "host/opencl/engine.h"
 #include "host/report/fields_file.h"
 #include "host/video/frame_source.h"
 
 namespace impactdic::app {
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 class RunContext {
  public:
@@ -30,19 +23,27 @@ class RunContext {
   explicit RunContext(const Common& common, bool with_device = true);
   ~RunContext();
 
-  Engine& engine() { return *engine_; }
-  Engine* engine_or_null() { return engine_.get(); }
+  // The device, the first of several.
+  Engine& engine() { return *engines_.front(); }
+  // All of them; none where the run needs no device.
+  std::vector<Engine*> engines();
   // Version, device, driver, source and axes, for fields.h5.
   Attributes attributes(const VideoInfo& info, const std::string& sha256) const;
   // The device for summary.json; null without one.
   nlohmann::json describe() const;
+  // Where the stages of a pipeline note their times; nullptr without -v.
+  StageTimes* stage_times() { return verbose_ ? &stage_times_ : nullptr; }
+  // With -v: what the stages of a pipeline over `frames` frames took of `wall_s`.
+  void print_stages(double wall_s, std::int64_t frames);
   // With -v: the profiler's table on stderr.
   void print_profile();
 
  private:
   struct Threads;
   std::unique_ptr<Threads> threads_;
-  std::unique_ptr<Engine> engine_;
+  std::vector<std::unique_ptr<Engine>> engines_;
+  bool verbose_ = false;
+  StageTimes stage_times_;
 };
 
 }  // namespace impactdic::app

@@ -94,6 +94,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   options.start_index = output.rows_done();
   options.grid_radius_px = output.grid_radius_px();
 
+  options.times = run.stage_times();
   Stopwatch watch;
   const auto finish = [&] {
     nlohmann::json summary = output.finish();
@@ -111,7 +112,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
     TerminalProgress progress("track", request.common.quiet);
     if (options.start_index < options.frames.count()) {
       track_clip(
-          *source, run.engine_or_null(), options,
+          *source, run.engines(), options,
           [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
           [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
     }
@@ -121,6 +122,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   }
   TrackOutcome outcome;
   outcome.frames_per_s = finish();
+  run.print_stages(watch.seconds(), options.frames.count() - options.start_index);
   outcome.frames = options.frames.count();
   outcome.frames_ok = frames_ok(output.rows());
   outcome.impact = output.impact_line();

@@ -78,6 +78,20 @@ std::vector<DeviceInfo> list_devices() {
   return infos;
 }
 
+std::vector<DeviceInfo> all_devices(const std::vector<DeviceInfo>& devices) {
+  const bool any_gpu = std::any_of(devices.begin(), devices.end(),
+                                   [](const DeviceInfo& device) { return device.is_gpu; });
+  std::vector<DeviceInfo> chosen;
+  for (const DeviceInfo& device : devices) {
+    if (device.is_gpu == any_gpu) chosen.push_back(device);
+  }
+  if (chosen.empty()) {
+    throw OpenClError("no OpenCL device found", "--device all",
+                      "install a GPU driver with OpenCL, or pocl-opencl-icd for the CPU");
+  }
+  return chosen;
+}
+
 const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& spec) {
   if (devices.empty()) {
     throw OpenClError("no OpenCL device found", "--device " + spec,

@@ -22,6 +22,10 @@ struct DeviceInfo {
 // Every device of every platform, platform by platform. Empty where no driver is installed.
 std::vector<DeviceInfo> list_devices();
 
+// What `--device all` stands for: every GPU, or every CPU where there is none. Throws OpenClError
+// where there is nothing.
+std::vector<DeviceInfo> all_devices(const std::vector<DeviceInfo>& devices);
+
 // `spec` is auto (the GPU with the most compute units, else the CPU), cpu, gpu, an index, or a
 // part of the device's or platform's name (case does not matter). Throws OpenClError where there
 // is no device at all or none of that kind, InvalidArgument for an index or name that no device

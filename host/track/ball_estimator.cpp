@@ -31,6 +31,7 @@ class BallEstimator : public MotionEstimator {
         affine_(engine, ball_options(options.field, true)) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
+  double fit_seconds() const override { return field_->fit_seconds(); }
 
   void measure(std::span<PairMotion> pairs) override {
     field_->measure(pairs);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "host/base/image.h"
 #include "host/track/circle.h"
@@ -22,8 +24,7 @@ struct BallTrackerOptions {
 // in the whole picture (find_ball) in the first frame and after a loss. Learns the free ball's
 // radius as the median of what it measured while the ball was round, and its polarity.
 //
-// Not for use from several threads; a long clip is spread over threads by one tracker for each run
-// of frames (BallTracker::hint carries what is known to the next run).
+// Not for use from several threads; `follow` spreads the frames over threads itself.
 class BallTracker {
  public:
   explicit BallTracker(BallTrackerOptions options = {});
@@ -32,11 +33,14 @@ class BallTracker {
   // ball says so in its status; the tracker goes on.
   CircleFit track(const Frame& frame, std::int64_t index);
 
+  // Measures the ball in consecutive frames from number `first_index` on, in parallel where it
+  // moves steadily: a frame some way ahead is measured first, and where it lies as predicted the
+  // frames up to it are looked for on the line between. `fits` gets one fit a frame, the same ones
+  // on any number of threads.
+  void follow(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
+
   // What is expected of frame `index`; nullopt where nothing is known.
   std::optional<CirclePrior> predict(std::int64_t index) const;
-
-  // Starts from another tracker's measurement of frame `index`.
-  void hint(const CircleFit& fit, std::int64_t index);
 
   // The free ball's radius so far, and the scatter of that.
   std::optional<double> radius_px() const;
@@ -47,9 +51,34 @@ class BallTracker {
     std::int64_t index;
     CircleFit fit;
   };
+  // The free ball's radius; nothing before it is learnt. `rough_px` tells the ball from others.
+  struct Radius {
+    std::optional<double> px;
+    double sd_px = 0;
+    std::optional<double> rough_px;
+  };
+  // Frames from number `first` on, between two measured ones.
+  struct Steady {
+    Seen from, to;
+    std::int64_t first;
+  };
+  Radius radius() const;
+  CirclePrior prior_ahead(std::int64_t index) const;
+  CirclePrior prior_between(const Steady& steady, std::int64_t index, const Radius& radius) const;
+  // Measures one frame, from the prior or by searching all of it, without a memory.
+  CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
+                   const Radius& radius, bool* searched = nullptr) const;
+  CircleFit search(const Frame& frame, const Radius& radius) const;
+  // The steps of `follow`, for the run of frames [begin, end).
+  bool look_ahead(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
+                  std::size_t end, std::span<CircleFit> fits, std::vector<Steady>& steady);
+  void search_run(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
+                  std::size_t end, std::span<CircleFit> fits);
+  void measure_between(std::span<const Frame> frames, std::int64_t first_index,
+                       std::span<const Steady> steady, std::span<CircleFit> fits);
+
   void remember(const CircleFit& fit, std::int64_t index);
-  bool plausible(const CircleFit& fit) const;
-  std::optional<double> rough_radius_px() const;
+  void learn_radius(const CircleFit& fit);
 
   BallTrackerOptions options_;
   std::deque<Seen> seen_;        // the last measured frames, newest last

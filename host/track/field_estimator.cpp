@@ -1,7 +1,9 @@
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "host/base/stopwatch.h"
 #include "host/dic/window_correlator.h"
 #include "host/track/estimators.h"
 
@@ -18,19 +20,23 @@ class FieldEstimator : public MotionEstimator {
   }
 
   std::span<const Window> grid() const override { return grid_; }
+  double fit_seconds() const override { return fit_seconds_; }
 
   void measure(std::span<PairMotion> pairs) override {
-    std::vector<Window> all;
-    for (PairMotion& pair : pairs) {
-      place(pair);
-      all.insert(all.end(), pair.windows.begin(), pair.windows.end());
-    }
+    std::vector<Window> all(pairs.size() * grid_.size());
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+      place(pairs[i]);
+      std::copy(pairs[i].windows.begin(), pairs[i].windows.end(),
+                all.begin() + static_cast<std::ptrdiff_t>(i * grid_.size()));
+    });
     const std::vector<WindowMotion> measured = correlator_.correlate(frames_, all);
+    const Stopwatch watch;
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
       const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());
       pairs[i].field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
       fit(pairs[i]);
     });
+    fit_seconds_ += watch.seconds();
   }
 
  private:
@@ -60,6 +66,7 @@ class FieldEstimator : public MotionEstimator {
   DeviceFrames& frames_;
   WindowCorrelator correlator_;
   std::vector<Window> grid_;
+  double fit_seconds_ = 0;
 };
 
 }  // namespace

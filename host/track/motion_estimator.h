@@ -61,6 +61,8 @@ class MotionEstimator {
   // whole clip, so that window i of every frame is the same place on the ball. Empty where the
   // estimator has no windows.
   virtual std::span<const Window> grid() const = 0;
+  // How long the host's part of `measure`, the fits, took so far.
+  virtual double fit_seconds() const { return 0; }
 };
 
 // `radius_px` is the ball's. `frames` is shared by whoever measures on them: its owner puts the

@@ -19,6 +19,7 @@ class RingEstimator : public MotionEstimator {
         ring_(engine, {}) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
+  double fit_seconds() const override { return field_->fit_seconds(); }
 
   void measure(std::span<PairMotion> pairs) override {
     // The rings first: what they find is where the windows look.

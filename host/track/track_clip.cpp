@@ -1,210 +1,234 @@
 #include "host/track/track_clip.h"
 
+#include <tbb/parallel_pipeline.h>
+
 #include <algorithm>
-#include <cmath>
+#include <atomic>
 
 #include "host/base/error.h"
-#include "host/dic/device_frames.h"
-#include "host/track/frame_pipeline.h"
+#include "host/track/device_lanes.h"
 #include "host/track/scout_ball.h"
+#include "host/track/track_batch.h"
 
 namespace impactdic {
 namespace {
 
-// One analysed frame while its row is being made. The slot is where the device holds it.
-struct Pending {
-  std::int64_t index = 0;  // among the analysed frames
-  TrackRow row;
-  Circle circle;  // in the cut-out's pixels
-  Frame frame;
-  int slot = 0;
-};
+// Frames are handed on in batches of this size.
+constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
+constexpr int kFewest = 8, kMost = 64;
+// Batches being read or waiting, beside those on the devices.
+constexpr int kBatchesAhead = 5;
 
+using Batch = std::shared_ptr<TrackBatch>;
+
+int frames_in_batch(const TrackOptions& options, int bits) {
+  if (options.batch > 0) return options.batch;
+  const std::size_t bytes =
+      static_cast<std::size_t>(options.roi.width) * options.roi.height * (bits > 8 ? 2 : 1);
+  return static_cast<int>(
+      std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
+}
+
+// The first frame to read: a resumed run warms the tracker up on a batch that it has measured
+// before, and cuts the clip where an unbroken one does.
+std::int64_t first_to_read(const TrackOptions& options, int batch) {
+  const std::int64_t done = std::max<std::int64_t>(0, options.start_index - 1) / batch;
+  return std::max<std::int64_t>(0, done - 1) * batch;
+}
+
+// The stages behind the reader; each runs on one thread at a time, in the order of the frames.
 class ClipTracker {
  public:
-  ClipTracker(Engine* engine, const TrackOptions& options, const GridSink& grid_ready,
-              const TrackSink& sink)
-      : engine_(engine),
+  ClipTracker(std::span<Engine* const> engines, const TrackOptions& options, int batch,
+              const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress)
+      : engines_(engines),
         options_(options),
+        batch_(batch),
         grid_ready_(grid_ready),
         sink_(sink),
-        tracker_(options.ball) {}
-
-  void take(FrameBatch& batch) {
-    std::vector<Pending> frames;
-    if (last_) frames.push_back(std::move(*last_));
-    last_.reset();
-    const std::size_t carried = frames.size();
-    for (std::size_t i = 0; i < batch.frames.size(); ++i) {
-      frames.push_back(
-          locate(std::move(batch.frames[i]), batch.first_index + static_cast<std::int64_t>(i)));
+        progress_(progress),
+        tracker_(options.ball) {
+    if (options.times == nullptr) return;
+    const int lanes = options.with_field ? DeviceLanes::count(engines) : 1;
+    read_stage_ = options.times->add_stage("read", kBatchesAhead);
+    circle_stage_ = options.times->add_stage("circle", 1);
+    if (options.with_field) {
+      lane_stages_.upload = options.times->add_stage("upload", lanes);
+      lane_stages_.device = options.times->add_stage("kernels, results", lanes);
+      lane_stages_.fit = options.times->add_stage("fits", lanes);
     }
-    if (options_.with_field) measure(frames, carried);
-    for (std::size_t i = 0; i + 1 < frames.size(); ++i) finish(frames[i], i);
-    last_ = std::move(frames.back());
+    write_stage_ = options.times->add_stage("write", 1);
   }
 
-  // The last frame has no next one.
+  int read_stage() const { return read_stage_; }
+
+  // Finds the ball in every frame. nullptr behind a frame that could not be read.
+  Batch locate(std::shared_ptr<FrameBatch> own) {
+    if (error_) return nullptr;
+    error_ = own->error;
+    if (own->frames.empty()) return nullptr;
+    const StageTimes::Scope timed(options_.times, circle_stage_);
+    auto batch = std::make_shared<TrackBatch>();
+    batch->first_index = own->first_index - (last_frames_ ? 1 : 0);
+    if (last_frames_) {
+      batch->frames.push_back(&last_frames_->frames.back());
+      batch->rows.push_back(last_row_);
+      batch->circles.push_back(last_circle_);
+    }
+    std::vector<CircleFit> fits(own->frames.size());
+    tracker_.follow(own->frames, own->first_index, fits);
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      batch->frames.push_back(&own->frames[i]);
+      batch->rows.push_back(row_of(fits[i], own->first_index + static_cast<std::int64_t>(i)));
+      batch->circles.push_back(fits[i].circle);
+    }
+    batch->before = std::move(last_frames_);
+    batch->own = last_frames_ = std::move(own);
+    last_row_ = batch->rows.back();
+    last_circle_ = batch->circles.back();
+    return batch;
+  }
+
+  // Hands the batch to a device; returns one that is done, or nullptr.
+  Batch measure(Batch batch) {
+    if (!batch || !options_.with_field) return batch;
+    if (!lanes_) open_lanes(*batch);
+    if (!lanes_) return batch;  // no ball so far: no pairs
+    return lanes_->submit(std::move(batch));
+  }
+
+  // Gives out all rows of a batch but the last, which waits for its next frame.
+  void write(Batch batch) {
+    if (!batch) return;
+    const StageTimes::Scope timed(options_.times, write_stage_);
+    if (grid_is_new_.exchange(false)) grid_ready_(lanes_->grid(), lanes_->radius_px());
+    for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
+    const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
+    last_ = std::move(batch);
+    progress_(done, options_.frames.count());
+  }
+
+  // What is still on the devices, then the clip's last frame, which has no next one, and then
+  // the reader's error.
   void end() {
-    if (!last_) return;
-    if (last_->row.circle_ok) last_->row.status = TrackStatus::last_frame;
-    emit(*last_, nullptr);
+    while (lanes_) {
+      Batch batch = lanes_->take();
+      if (!batch) break;
+      write(std::move(batch));
+    }
+    if (last_) {
+      TrackRow& row = last_->rows.back();
+      if (row.circle_ok) row.status = TrackStatus::last_frame;
+      emit(*last_, last_->frames.size() - 1, nullptr);
+    }
+    if (error_) std::rethrow_exception(error_);
   }
 
  private:
-  Pending locate(Frame frame, std::int64_t index) {
-    Pending made;
-    made.index = index;
-    made.row.frame = options_.frames.at(index);
+  TrackRow row_of(const CircleFit& fit, std::int64_t index) const {
+    TrackRow row;
+    row.frame = options_.frames.at(index);
     const double rate =
         options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
-    made.row.time_s = static_cast<double>(index) / rate;
-    const CircleFit fit = tracker_.track(frame, index);
-    made.circle = fit.circle;
-    set_circle(made.row, fit);
-    made.frame = std::move(frame);
-    made.slot = static_cast<int>(index % slots());
-    return made;
+    row.time_s = static_cast<double>(index) / rate;
+    set_circle(row, fit);
+    return row;
   }
 
-  int slots() const { return options_.batch + 1; }
-
-  // Motions of all pairs among `frames` whose two balls were found. The first `carried` frames are
-  // on the device already.
-  void measure(std::vector<Pending>& frames, std::size_t carried) {
-    pairs_.assign(frames.size(), PairMotion{});
-    measured_.assign(frames.size(), false);
-    std::vector<std::size_t> which;
-    for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
-      if (frames[i].row.circle_ok && frames[i + 1].row.circle_ok) which.push_back(i);
-    }
-    if (which.empty()) {
-      // Nothing to correlate; the last frame may still be the first of a later pair.
-      if (estimator_) {
-        frames_->set(frames.back().slot, frames.back().frame);
-      } else if (frames.back().row.circle_ok) {
-        open_estimator(frames);
-      }
-      return;
-    }
-    if (!estimator_) {
-      open_estimator(frames);
-    } else {
-      for (std::size_t i = carried; i < frames.size(); ++i) {
-        frames_->set(frames[i].slot, frames[i].frame);
-      }
-    }
-    std::vector<PairMotion> batch;
-    for (std::size_t i : which) {
-      batch.push_back(pair_of(frames[i], frames[i + 1], last_rotation_rad_));
-    }
-    estimator_->measure(batch);
-    retry_with_neighbours(batch);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      if (batch[k].motion.ok) last_rotation_rad_ = batch[k].motion.rot_rad;
-      pairs_[which[k]] = std::move(batch[k]);
-      measured_[which[k]] = true;
-    }
+  // The grid is that of the first ball seen.
+  void open_lanes(const TrackBatch& batch) {
+    const auto seen = median_radius_px(batch.rows);
+    if (!seen) return;
+    lanes_ = std::make_unique<DeviceLanes>(
+        engines_, options_.estimator, options_.grid_radius_px.value_or(*seen), options_.roi.width,
+        options_.roi.height, batch_, options_.times, lane_stages_);
+    grid_is_new_ = true;
   }
 
-  static PairMotion pair_of(const Pending& a, const Pending& b, double guess_rot_rad) {
-    PairMotion pair;
-    pair.first_slot = a.slot;
-    pair.second_slot = b.slot;
-    pair.first = a.circle;
-    pair.second = b.circle;
-    pair.guess_rot_rad = guess_rot_rad;
-    return pair;
-  }
-
-  // Within a batch all pairs start from the same guess of the spin. Where the spin has changed
-  // since (an impact), the pairs that failed get their measured neighbour's.
-  void retry_with_neighbours(std::vector<PairMotion>& batch) {
-    for (std::size_t i = 1; i < batch.size(); ++i) {
-      if (batch[i].motion.ok || !batch[i - 1].motion.ok) continue;
-      if (std::abs(batch[i - 1].motion.rot_rad - batch[i].guess_rot_rad) < 1e-3) continue;
-      batch[i].guess_rot_rad = batch[i - 1].motion.rot_rad;
-      estimator_->measure({&batch[i], 1});
+  void write_row(TrackBatch& batch, std::size_t i) {
+    TrackRow& row = batch.rows[i];
+    const bool measured = i < batch.measured.size() && batch.measured[i];
+    if (!measured) {
+      // No ball in the next frame: nothing to move to.
+      if (options_.with_field && row.circle_ok) row.status = TrackStatus::no_ball;
+      return emit(batch, i, nullptr);
     }
-  }
-
-  void open_estimator(const std::vector<Pending>& frames) {
-    std::vector<TrackRow> rows;
-    for (const Pending& pending : frames) rows.push_back(pending.row);
-    const double radius = options_.grid_radius_px.value_or(*median_radius_px(rows));
-    frames_ = std::make_unique<DeviceFrames>(*engine_, slots());
-    estimator_ = make_motion_estimator(*engine_, options_.estimator, radius, *frames_);
-    for (const Pending& pending : frames) frames_->set(pending.slot, pending.frame);
-    grid_ready_(estimator_->grid(), radius);
-  }
-
-  void finish(Pending& pending, std::size_t i) {
-    const bool measured = options_.with_field && measured_[i];
-    if (measured) {
-      PairMotion& pair = pairs_[i];
-      set_motion(pending.row, pair.motion);
-      if (pending.row.status == TrackStatus::ok) pending.row.status = pair.status;
-      if (pair.centre.ok) {
-        pending.row.centre_u_px = pair.centre.u_px;
-        pending.row.centre_v_px = pair.centre.v_px;
-        pending.row.centre_u_sd_px = pair.centre.u_sd_px;
-        pending.row.centre_v_sd_px = pair.centre.v_sd_px;
-      }
-      for (Window& window : pair.windows) {
-        window.x0 += options_.roi.x;
-        window.y0 += options_.roi.y;
-      }
-    } else if (options_.with_field && pending.row.circle_ok) {
-      pending.row.status = TrackStatus::no_ball;  // in the next frame: nothing to move to
+    PairMotion& pair = batch.pairs[i];
+    set_motion(row, pair.motion);
+    if (row.status == TrackStatus::ok) row.status = pair.status;
+    if (pair.centre.ok) {
+      row.centre_u_px = pair.centre.u_px;
+      row.centre_v_px = pair.centre.v_px;
+      row.centre_u_sd_px = pair.centre.u_sd_px;
+      row.centre_v_sd_px = pair.centre.v_sd_px;
     }
-    emit(pending, measured ? &pairs_[i] : nullptr);
+    for (Window& window : pair.windows) {
+      window.x0 += options_.roi.x;
+      window.y0 += options_.roi.y;
+    }
+    emit(batch, i, &pair);
   }
 
-  void emit(Pending& pending, const PairMotion* pair) {
-    if (pending.index < options_.start_index) return;
-    pending.row.cx_px += options_.roi.x;
-    pending.row.cy_px += options_.roi.y;
-    sink_({pending.row, pending.frame, pair});
+  void emit(TrackBatch& batch, std::size_t i, const PairMotion* pair) {
+    if (batch.first_index + static_cast<std::int64_t>(i) < options_.start_index) return;
+    TrackRow& row = batch.rows[i];
+    row.cx_px += options_.roi.x;
+    row.cy_px += options_.roi.y;
+    sink_({row, *batch.frames[i], pair});
   }
 
-  Engine* engine_;
+  std::span<Engine* const> engines_;
   const TrackOptions& options_;
+  int batch_;
   const GridSink& grid_ready_;
   const TrackSink& sink_;
+  const ProgressFn& progress_;
+  int read_stage_ = 0, circle_stage_ = 0, write_stage_ = 0;
+  LaneStages lane_stages_;
+  // Of `locate`.
   BallTracker tracker_;
-  std::unique_ptr<DeviceFrames> frames_;
-  std::unique_ptr<MotionEstimator> estimator_;
-  std::optional<Pending> last_;
-  std::vector<PairMotion> pairs_;  // pair i: frames i, i + 1 of the batch
-  std::vector<bool> measured_;
-  double last_rotation_rad_ = 0;
+  std::shared_ptr<FrameBatch> last_frames_;
+  TrackRow last_row_;
+  Circle last_circle_;
+  std::exception_ptr error_;
+  // Of `measure`.
+  std::unique_ptr<DeviceLanes> lanes_;
+  // Of `write`.
+  std::atomic<bool> grid_is_new_ = false;
+  Batch last_;
 };
 
 }  // namespace
 
-void track_clip(FrameSource& source, Engine* engine, const TrackOptions& options,
+void track_clip(FrameSource& source, std::span<Engine* const> engines, const TrackOptions& options,
                 const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress) {
-  constexpr std::int64_t kWarmUp = 16;
   options.estimator.validate();
   options.ball.validate();
-  if (options.with_field && engine == nullptr) throw InvalidArgument("the field needs a device");
+  if (options.with_field && engines.empty()) throw InvalidArgument("the field needs a device");
+  const int size = frames_in_batch(options, source.info().bits);
+  BatchReader reader(source, options.frames, first_to_read(options, size), options.roi, size);
   TrackOptions scouted = options;
   scouted.ball.scouted_radius_px =
       scout_radius_px(source, options.frames, options.roi, options.ball.circle);
-  ClipTracker tracker(engine, scouted, grid_ready, sink);
-  const std::int64_t from = std::max<std::int64_t>(0, options.start_index - kWarmUp);
-  try {
-    for_each_batch(source, options.frames, from, options.roi, options.batch,
-                   [&](FrameBatch& batch) {
-                     const std::int64_t done =
-                         batch.first_index + static_cast<std::int64_t>(batch.frames.size());
-                     tracker.take(batch);
-                     progress(done, options.frames.count());
-                   });
-  } catch (...) {
-    tracker.end();  // what is measured stays measured
-    throw;
-  }
+  ClipTracker tracker(engines, scouted, size, grid_ready, sink, progress);
+  using Read = std::shared_ptr<FrameBatch>;
+  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
+  tbb::parallel_pipeline(
+      kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
+                       Read batch = reader.next();
+                       if (!batch) control.stop();
+                       return batch;
+                     }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
+                       const StageTimes::Scope timed(options.times, tracker.read_stage());
+                       reader.decode(*batch);
+                       return batch;
+                     }) & tbb::make_filter<Read, Batch>(kInOrder, [&](Read batch) {
+                       return tracker.locate(std::move(batch));
+                     }) & tbb::make_filter<Batch, Batch>(kInOrder, [&](Batch batch) {
+                       return tracker.measure(std::move(batch));
+                     }) & tbb::make_filter<Batch, void>(kInOrder, [&](Batch batch) {
+                       tracker.write(std::move(batch));
+                     }));
   tracker.end();
 }
 

@@ -3,8 +3,10 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "host/base/progress.h"
+#include "host/base/stage_times.h"
 #include "host/track/ball_tracker.h"
 #include "host/track/frame_range.h"
 #include "host/track/motion_estimator.h"
@@ -19,10 +21,11 @@ struct TrackOptions {
   EstimatorOptions estimator;
   BallTrackerOptions ball;
   FrameRange frames;
-  Roi roi;                 // in whole-picture pixels, as every result
-  bool with_field = true;  // false: circles only, no device needed
-  double fps = 0;          // of the stored frames; 0 where unknown (time_s then counts frames)
-  int batch = 16;          // frames in flight on the device
+  Roi roi;                      // in whole-picture pixels, as every result
+  bool with_field = true;       // false: circles only, no device needed
+  double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
+  int batch = 0;                // frames handed on at once; 0: as many as fill 16 MB
+  StageTimes* times = nullptr;  // gets the stages' times where given
   // Continues an earlier run: rows before `start_index` are not given out again, the frames just
   // before it only warm up the tracker; the windows' grid is that of `grid_radius_px`.
   std::int64_t start_index = 0;
@@ -42,9 +45,10 @@ using TrackSink = std::function<void(const TrackedFrame&)>;
 // The windows' grid, once it is known: before the first row with a ball. `radius_px` is the ball's.
 using GridSink = std::function<void(std::span<const Window> grid, double radius_px)>;
 
-// Runs the whole clip. `engine` may be null without field. Errors of the reader come out after
-// every row that could still be measured has gone to `sink`.
-void track_clip(FrameSource& source, Engine* engine, const TrackOptions& options,
+// Runs the whole clip on all `engines`; none are needed without field. Errors of the reader come
+// out after every row that could still be measured has gone to `sink`. Neither the number of
+// threads nor that of equal devices changes a result.
+void track_clip(FrameSource& source, std::span<Engine* const> engines, const TrackOptions& options,
                 const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress);
 
 }  // namespace impactdic

@@ -123,5 +123,39 @@ TEST(Track, ResumeGoesOnWhereARunEnded) {
   }
 }
 
+// Three batches of frames; the ball is hit in the second.
+TEST(Track, NeitherThreadsNorDevicesChangeAResult) {
+  const ScratchFolder folder;
+  std::string motion = "cx_px,cy_px,angle_deg\n";
+  for (int k = 0; k < 140; ++k) {
+    const double fall = k < 90 ? k : 90 - 0.6 * (k - 90);
+    motion += std::to_string(50 + 0.2 * k) + "," + std::to_string(45 + 0.5 * fall) + "," +
+              std::to_string(k < 90 ? 0.3 * k : 27 + 2.0 * (k - 90)) + "\n";
+  }
+  std::ofstream(folder / "motion.csv") << motion;
+  const Outcome made = run_program(
+      "synth --pattern e1 --size 128x128 --radius-px 36 --noise 1 --format mraw --motion " +
+      quoted(folder / "motion.csv") + " -o " + quoted(folder / "clip"));
+  ASSERT_EQ(made.status, 0) << made.err;
+  // On PoCL: two devices, both of them all cores.
+  ::setenv("POCL_DEVICES", "pthread pthread", 1);
+  const auto track = [&](const std::string& name, const std::string& options) {
+    const Outcome outcome = run_program("track " + quoted(folder / "clip/video.cihx") + " -o " +
+                                        quoted(folder / name) + " " + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return read_text(folder / (name + "/track.csv"));
+  };
+  const std::string one = track("one", "-j 1");
+  EXPECT_EQ(one, track("many", ""));
+  EXPECT_EQ(one, track("devices", "--device all"));
+  ::unsetenv("POCL_DEVICES");
+  const CsvTable table(folder / "one/track.csv");
+  ASSERT_EQ(table.rows, 140u);
+  for (std::size_t k = 0; k + 1 < table.rows; ++k) {
+    ASSERT_EQ(table.text("status")[k], "ok") << k;
+    EXPECT_NEAR(table.numbers("rot_deg")[k], k < 90 ? 0.3 : 2, 0.05) << k;
+  }
+}
+
 }  // namespace
 }  // namespace impactdic::testing

@@ -1,6 +1,7 @@
 // Finding, measuring and tracking the ball on rendered pictures: the situations. How exact the
 // measurement is stands in tests/accuracy/circle_accuracy_test.cpp.
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <vector>
@@ -166,6 +167,55 @@ TEST(BallTracker, FollowsABounceAndFindsTheBallAgain) {
   }
   ASSERT_TRUE(tracker.radius_px());
   EXPECT_NEAR(*tracker.radius_px(), 40, 0.01);
+}
+
+// In batches and in parallel: what one frame after the other gives, on any number of threads.
+TEST(BallTracker, FollowsManyFramesAtOnce) {
+  constexpr int kFrames = 100, kBatch = 24;
+  const BallRenderer renderer(paint_ball("c1", 3, 40), small_scene());
+  std::vector<Frame> frames(kFrames);
+  std::vector<BallPose> poses;
+  const auto hidden = [](int k) { return k < 5 || (k >= 60 && k < 75); };
+  for (int k = 0; k < kFrames; ++k) {
+    // Down at 2 px a frame, up again at 1.
+    const double y = k < 37 ? 70 + 2.0 * k : 144 - 1.0 * (k - 37);
+    poses.push_back({hidden(k) ? -500 : 100.2 + 0.3 * k, y});
+    renderer.render(poses.back(), k, frames[static_cast<std::size_t>(k)]);
+  }
+  const auto follow = [&](int threads) {
+    std::vector<CircleFit> fits(kFrames);
+    tbb::task_arena(threads).execute([&] {
+      BallTracker tracker;
+      for (std::size_t first = 0; first < kFrames; first += kBatch) {
+        const std::size_t count = std::min<std::size_t>(kBatch, kFrames - first);
+        tracker.follow(std::span(frames).subspan(first, count), static_cast<std::int64_t>(first),
+                       std::span(fits).subspan(first, count));
+      }
+    });
+    return fits;
+  };
+  const auto fits = follow(1), again = follow(2);
+  double squares = 0;
+  int seen = 0;
+  BallTracker tracker;
+  for (int k = 0; k < kFrames; ++k) {
+    const CircleFit &fit = fits[static_cast<std::size_t>(k)],
+                    &same = again[static_cast<std::size_t>(k)];
+    const CircleFit one = tracker.track(frames[static_cast<std::size_t>(k)], k);
+    EXPECT_EQ(fit.status, same.status);
+    EXPECT_EQ(fit.circle.cx_px, same.circle.cx_px);
+    EXPECT_EQ(fit.circle.cy_px, same.circle.cy_px);
+    EXPECT_EQ(fit.circle.r_px, same.circle.r_px);
+    EXPECT_EQ(fit.cx_sd_px, same.cx_sd_px);
+    ASSERT_EQ(fit.status, hidden(k) ? CircleStatus::no_ball : CircleStatus::ok) << k;
+    ASSERT_EQ(fit.status, one.status) << k;
+    if (hidden(k)) continue;
+    EXPECT_LT(miss(fit.circle, poses[static_cast<std::size_t>(k)]), 0.02) << k;
+    squares += std::pow((fit.circle.cx_px - one.circle.cx_px) / fit.cx_sd_px, 2);
+    ++seen;
+  }
+  // Another prediction turns the rays' phases, no more.
+  EXPECT_LT(std::sqrt(squares / seen), 0.4);
 }
 
 TEST(BallTracker, SaysWhenTheBallLeaves) {

@@ -1,0 +1,66 @@
+// The motions of batches of frames, several batches in flight: while one lane's frames travel to
+// its device, another's kernels run and a third's fits are made.
+#pragma once
+
+#include <deque>
+#include <future>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/base/stage_times.h"
+#include "host/dic/device_frames.h"
+#include "host/track/track_batch.h"
+
+namespace impactdic {
+
+// Stages that the lanes are timed under.
+struct LaneStages {
+  int upload = 0, device = 0, fit = 0;
+};
+
+class DeviceLanes {
+ public:
+  using Batch = std::shared_ptr<TrackBatch>;
+
+  // Every engine gets the same number of lanes, each with a queue, frames and an estimator of its
+  // own. `batch` frames at most come at a time; they go to the device in as many parts as its
+  // memory asks for. The engines and `times` (may be null) must outlive the lanes.
+  DeviceLanes(std::span<Engine* const> engines, const EstimatorOptions& options, double radius_px,
+              int width, int height, int batch, StageTimes* times, const LaneStages& stages);
+  ~DeviceLanes();
+
+  std::span<const Window> grid() const;
+  double radius_px() const { return radius_px_; }
+  // Lanes that `engines` will get: as many batches are in flight.
+  static int count(std::span<Engine* const> engines);
+
+  // Starts measuring the pairs of `batch`. Where all lanes are busy it waits for the oldest batch
+  // and returns that, else nullptr. What a lane throws comes out here or from `take`.
+  Batch submit(Batch batch);
+  // Waits for the oldest batch; nullptr where none is left.
+  Batch take();
+
+ private:
+  struct Lane;
+  void measure(Lane& lane, TrackBatch& batch);
+
+  double radius_px_;
+  StageTimes* times_;
+  LaneStages stages_;
+  std::vector<std::unique_ptr<Lane>> lanes_;
+  std::size_t next_ = 0;
+  struct Flight {
+    Batch batch;
+    std::future<void> done;
+  };
+  std::deque<Flight> flights_;  // oldest first
+};
+
+// Measures `pairs`, whose frames are in their slots, from a guess of the rotation that the pairs
+// themselves give: the first and the last pair show how the ball turns, the others start from
+// there, and a pair that turned out to turn otherwise than its windows were aimed is measured
+// again. Nothing but the pairs says what comes out, so a clip may be cut into batches anywhere.
+void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs);
+
+}  // namespace impactdic

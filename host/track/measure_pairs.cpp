@@ -1,0 +1,78 @@
+#include <cmath>
+#include <optional>
+
+#include "host/track/device_lanes.h"
+
+namespace impactdic {
+namespace {
+
+// A pair whose windows at the rim were aimed worse than this is aimed again: well within the
+// search, so that it costs no windows.
+constexpr double kAimed_px = 2;
+constexpr int kRounds = 3;
+
+bool well_aimed(const PairMotion& pair, double radius_px) {
+  return pair.motion.ok &&
+         std::abs(pair.motion.rot_rad - pair.guess_rot_rad) * radius_px < kAimed_px;
+}
+
+// The rotation of the nearest pair that has one.
+std::optional<double> nearest_rotation(std::span<const PairMotion> pairs, std::size_t at) {
+  for (std::size_t d = 0; d < pairs.size(); ++d) {
+    if (at >= d && pairs[at - d].motion.ok) return pairs[at - d].motion.rot_rad;
+    if (at + d < pairs.size() && pairs[at + d].motion.ok) return pairs[at + d].motion.rot_rad;
+  }
+  return std::nullopt;
+}
+
+// Measures those of `pairs` that `which` names.
+void measure_some(MotionEstimator& estimator, std::span<PairMotion> pairs,
+                  std::span<const std::size_t> which) {
+  if (which.empty()) return;
+  std::vector<PairMotion> some;
+  some.reserve(which.size());
+  for (const std::size_t i : which) some.push_back(std::move(pairs[i]));
+  estimator.measure(some);
+  for (std::size_t k = 0; k < which.size(); ++k) pairs[which[k]] = std::move(some[k]);
+}
+
+// Aims those that missed at what is known by now. True where there was one to aim otherwise.
+bool aim_again(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs,
+               std::span<const std::size_t> candidates) {
+  std::vector<std::size_t> again;
+  std::vector<double> guesses;
+  for (const std::size_t i : candidates) {
+    if (well_aimed(pairs[i], radius_px)) continue;
+    const auto guess = nearest_rotation(pairs, i);
+    if (!guess || std::abs(*guess - pairs[i].guess_rot_rad) < 1e-3) continue;
+    again.push_back(i);
+    guesses.push_back(*guess);
+  }
+  for (std::size_t k = 0; k < again.size(); ++k) pairs[again[k]].guess_rot_rad = guesses[k];
+  measure_some(estimator, pairs, again);
+  return !again.empty();
+}
+
+}  // namespace
+
+void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs) {
+  if (pairs.empty()) return;
+  std::vector<std::size_t> ends = {0}, rest;
+  if (pairs.size() > 1) ends.push_back(pairs.size() - 1);
+  for (std::size_t i = 1; i + 1 < pairs.size(); ++i) rest.push_back(i);
+  measure_some(estimator, pairs, ends);
+  for (int round = 0; round < kRounds; ++round) {
+    if (!aim_again(estimator, radius_px, pairs, ends)) break;
+  }
+  for (const std::size_t i : rest) {
+    pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
+  }
+  measure_some(estimator, pairs, rest);
+  std::vector<std::size_t> all(pairs.size());
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!aim_again(estimator, radius_px, pairs, all)) break;
+  }
+}
+
+}  // namespace impactdic
