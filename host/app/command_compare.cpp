@@ -1,36 +1,73 @@
-// impactdic compare JOB.toml -o DIR: models against measured tracks.
+// impactdic compare JOB.toml -o DIR: models against measured tracks or tables of shots.
+#include <cmath>
 #include <cstdio>
-#include <memory>
 
 #include "host/app/command.h"
-#include "host/app/fit_output.h"
-#include "sim/fit/fit_job.h"
+#include "host/app/compare_output.h"
+#include "host/app/job_command.h"
+#include "sim/fit/compare_job.h"
 #include "sim/impact/result_files.h"
 
 namespace impactdic::app {
 namespace {
 
-struct Options {
-  std::string job, output;
-  int threads = 0;
-  bool force = false, quiet = false;
-};
+// A number, or as much room where there is none.
+std::string cell(const char* format, double value, int width) {
+  char text[32];
+  if (std::isnan(value)) return std::string(static_cast<std::size_t>(width - 1), ' ') + "-";
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
 
 void print(const CompareResult& result) {
+  const auto line = [](const char* name, double vt, double vn, double omega) {
+    std::printf("  %-20s vt %s  vn %s m/s  omega %s rad/s", name, cell("%8.4f", vt, 8).c_str(),
+                cell("%8.4f", vn, 8).c_str(), cell("%8.3f", omega, 8).c_str());
+  };
   for (const ComparedShot& c : result.shots) {
-    std::printf("%s, %.1f deg\n  %-20s vt %8.4f  vn %8.4f m/s  omega %8.3f rad/s\n",
-                c.shot.file.c_str(), c.shot.surface_angle_deg, "measured",
-                c.shot.after.vt_m_s.value, c.shot.after.vn_m_s.value,
-                c.shot.after.omega_rad_s.value);
+    const Flight& after = c.shot.after;
+    std::printf("%s, %.1f deg\n", c.shot.file.c_str(), c.shot.surface_angle_deg);
+    line("measured", after.vt_m_s.value, after.vn_m_s.value, after.omega_rad_s.value);
+    std::printf("\n");
     for (const ModelOutcome& m : c.models) {
-      std::printf("  %-20s vt %8.4f  vn %8.4f m/s  omega %8.3f rad/s  rms %.4f mm\n",
-                  std::string(name_of(m.model)).c_str(), m.vt_m_s, m.vn_m_s, m.omega_rad_s,
-                  1e3 * m.rms_m);
+      const ModelPrediction& p = m.prediction;
+      line(std::string(name_of(m.model)).c_str(), p.vt_m_s, p.vn_m_s, p.omega_rad_s);
+      if (!std::isnan(m.rms_m)) std::printf("  rms %.4f mm", 1e3 * m.rms_m);
+      std::printf("\n");
+      if (!std::isnan(m.printed.vt_m_s) || !std::isnan(m.printed.omega_rad_s)) {
+        line("  printed", m.printed.vt_m_s, m.printed.vn_m_s, m.printed.omega_rad_s);
+        std::printf("\n");
+      }
     }
   }
 }
 
-void run_compare(const Options& options) {
+void print(const std::vector<ComparedBlow>& blows) {
+  for (const ComparedBlow& blow : blows) {
+    std::printf("%s, rod at %.1f deg\n  %-14s e %s  omega %s rad/s\n", blow.file.c_str(),
+                blow.rod_angle_deg, "measured", cell("%7.4f", blow.restitution, 7).c_str(),
+                cell("%8.3f", blow.after.omega_rad_s.value, 8).c_str());
+    for (const RodOutcome& m : blow.models) {
+      std::printf("  %-14s e %7.4f  omega %8.3f rad/s", m.model.c_str(), m.restitution,
+                  m.omega_rad_s);
+      if (m.micro_impacts > 0) {
+        std::printf("  micro-impacts %d  dent %.2f um", m.micro_impacts, 1e6 * m.residual_m);
+      }
+      std::printf("\n");
+    }
+  }
+}
+
+void run_compare(const JobOptions& options) {
+  if (is_rod_compare_job(options.job)) {
+    const RodCompareJob job = read_rod_compare_job(options.job);
+    const std::vector<ComparedBlow> blows = compare_rods(job, options.threads);
+    const auto folder = prepare_output_directory(options.output, options.force);
+    write_rod_comparison(folder, job, blows);
+    write_text(folder / "job.toml", to_toml(job));
+    if (!options.quiet) print(blows);
+    return;
+  }
   const CompareJob job = read_compare_job(options.job);
   const CompareResult result = compare(job, options.threads);
   const auto folder = prepare_output_directory(options.output, options.force);
@@ -42,20 +79,16 @@ void run_compare(const Options& options) {
 }  // namespace
 
 void add_compare_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("compare", "Models against measured tracks");
-  auto options = std::make_shared<Options>();
-  command->add_option("JOB", options->job, "The job, a TOML file (docs/calibration.md)")
-      ->required();
-  command->add_option("-o,--output", options->output, "Folder for the results")->required();
-  command->add_option("-j,--threads", options->threads, "Shots at a time; 0 takes all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_flag("--force", options->force, "Write into a folder that already holds files");
-  command->add_flag("-q,--quiet", options->quiet, "Print errors only");
-  command->footer(
-      "Writes summary.json, comparison.csv, restitution.csv, restitution_by_angle.csv, job.toml.\n"
-      "Example:\n  impactdic compare wooden_flat.toml -o wooden_flat");
-  command->callback([options] { run_compare(*options); });
+  add_job_command(app,
+                  {.name = "compare",
+                   .description = "Models against measured tracks or tables of shots",
+                   .job_help = "The job, a TOML file (docs/calibration.md)",
+                   .footer = "Writes summary.json, comparison.csv, phases.csv, restitution.csv,\n"
+                             "restitution_by_angle.csv, job.toml; of a rod summary.json, "
+                             "comparison.csv, job.toml.\n"
+                             "Example:\n  impactdic compare sim/jobs/compare_racket.toml -o racket",
+                   .threads = true},
+                  run_compare);
 }
 
 }  // namespace impactdic::app

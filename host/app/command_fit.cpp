@@ -1,21 +1,15 @@
 // impactdic fit JOB.toml -o DIR: calibrate a model's parameters on measured tracks.
 #include <cmath>
 #include <cstdio>
-#include <memory>
 
 #include "host/app/command.h"
 #include "host/app/fit_output.h"
+#include "host/app/job_command.h"
 #include "sim/fit/fit_job.h"
 #include "sim/impact/result_files.h"
 
 namespace impactdic::app {
 namespace {
-
-struct Options {
-  std::string job, output;
-  int threads = 0;
-  bool force = false, quiet = false;
-};
 
 void print(const FitResult& result) {
   if (result.shots.size() == 1) {
@@ -37,38 +31,29 @@ void print(const FitResult& result) {
   }
 }
 
-void run_fit(const Options& options) {
+void run_fit(const JobOptions& options) {
   const FitJob job = read_fit_job(options.job);
   const FitResult result = calibrate(job, options.threads);
   const auto folder = prepare_output_directory(options.output, options.force);
   write_fit(folder, job, result);
   write_text(folder / "job.toml", to_toml(job));
   if (!options.quiet) print(result);
-  for (const ShotFit& fit : result.shots) {
-    for (const std::string& warning : fit.warnings) {
-      std::fprintf(stderr, "impactdic: warning: %s: %s\n", fit.shot.file.c_str(), warning.c_str());
-    }
-  }
+  for (const ShotFit& fit : result.shots) print_warnings(fit.warnings, fit.shot.file);
 }
 
 }  // namespace
 
 void add_fit_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("fit", "Calibrate a model's parameters on measured tracks");
-  auto options = std::make_shared<Options>();
-  command->add_option("JOB", options->job, "The job, a TOML file (docs/calibration.md)")
-      ->required();
-  command->add_option("-o,--output", options->output, "Folder for the results")->required();
-  command->add_option("-j,--threads", options->threads, "Shots at a time; 0 takes all cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command->add_flag("--force", options->force, "Write into a folder that already holds files");
-  command->add_flag("-q,--quiet", options->quiet, "Print errors and warnings only");
-  command->footer(
-      "Writes summary.json, parameters.csv, job.toml; published_grid also errors_N.csv.\n"
-      "Example:\n  impactdic fit racket.toml -o racket_fit");
-  command->callback([options] { run_fit(*options); });
+  add_job_command(
+      app,
+      {.name = "fit",
+       .description = "Calibrate a model's parameters on measured tracks",
+       .job_help = "The job, a TOML file (docs/calibration.md)",
+       .footer =
+           "Writes summary.json, parameters.csv, job.toml; published_grid also errors_N.csv.\n"
+           "Example:\n  impactdic fit racket.toml -o racket_fit",
+       .threads = true},
+      run_fit);
 }
 
 }  // namespace impactdic::app

@@ -1,21 +1,17 @@
 // impactdic simulate JOB.toml -o DIR: integrate an impact model.
 #include <cstdio>
-#include <memory>
 
 #include "host/app/command.h"
+#include "host/app/job_command.h"
 #include "host/base/error.h"
 #include "sim/impact/impact.h"
 #include "sim/impact/job_toml.h"
+#include "sim/impact/rebound_job.h"
 #include "sim/impact/result_files.h"
 #include "sim/rod/rod_job.h"
 
 namespace impactdic::app {
 namespace {
-
-struct Options {
-  std::string job, output;
-  bool force = false, quiet = false;
-};
 
 constexpr double kDefaultRows = 200;
 
@@ -43,7 +39,7 @@ void print(const ImpactResult& result) {
   }
 }
 
-void run_rod_simulation(const Options& options) {
+void run_rod_simulation(const JobOptions& options) {
   const RodJobFile job = read_rod_job(options.job);
   const RodImpact impact = simulate_rod(job.rod);
   const auto dir = prepare_output_directory(options.output, options.force);
@@ -56,13 +52,28 @@ void run_rod_simulation(const Options& options) {
     std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", impact.vt_m_s, impact.vn_m_s,
                 impact.omega_rad_s);
   }
-  for (const std::string& warning : impact.warnings) {
-    std::fprintf(stderr, "impactdic: warning: %s\n", warning.c_str());
-  }
+  print_warnings(impact.warnings);
 }
 
-void run_simulate(const Options& options) {
-  if (is_rod_job(options.job)) return run_rod_simulation(options);
+void run_formula(const JobOptions& options) {
+  const ReboundJob job = read_rebound_job(options.job);
+  const ReboundResult result = simulate_rebound(job);
+  const auto dir = prepare_output_directory(options.output, options.force);
+  write_rebound_trajectory(dir / "trajectory.csv", result);
+  write_text(dir / "summary.json", rebound_summary_json(job, result));
+  write_text(dir / "job.toml", to_toml(job));
+  if (!options.quiet) {
+    std::printf("restitution %.4f\n", result.restitution);
+    std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.after.vt_m_s,
+                result.after.vn_m_s, result.after.omega_rad_s);
+  }
+  print_warnings(result.warnings);
+}
+
+void run_simulate(const JobOptions& options) {
+  const std::string model = model_of_job(options.job);
+  if (is_rebound_model(model)) return run_formula(options);
+  if (model == "rigid_rod" || model == "flexible_rod") return run_rod_simulation(options);
   const SimulateJob job = read_simulate_job(options.job);
   const ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);
@@ -70,22 +81,18 @@ void run_simulate(const Options& options) {
   write_text(dir / "summary.json", summary_json(job.impact, result));
   write_text(dir / "job.toml", to_toml(job));
   if (!options.quiet) print(result);
-  for (const std::string& warning : result.warnings) {
-    std::fprintf(stderr, "impactdic: warning: %s\n", warning.c_str());
-  }
+  print_warnings(result.warnings);
 }
 
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "Integrate an impact model");
-  auto options = std::make_shared<Options>();
-  command->add_option("JOB", options->job, "The job, a TOML file (docs/models.md)")->required();
-  command->add_option("-o,--output", options->output, "Folder for the results")->required();
-  command->add_flag("--force", options->force, "Write into a folder that already holds files");
-  command->add_flag("-q,--quiet", options->quiet, "Print errors and warnings only");
-  command->footer("Example:\n  impactdic simulate sim/jobs/racket_15.toml -o racket_15");
-  command->callback([options] { run_simulate(*options); });
+  add_job_command(app,
+                  {.name = "simulate",
+                   .description = "Integrate an impact model",
+                   .job_help = "The job, a TOML file (docs/models.md)",
+                   .footer = "Example:\n  impactdic simulate sim/jobs/racket_15.toml -o racket_15"},
+                  run_simulate);
 }
 
 }  // namespace impactdic::app

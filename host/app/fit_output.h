@@ -1,9 +1,11 @@
-// What `impactdic fit` and `impactdic compare` write.
+// What `impactdic fit` writes.
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
 
-#include "sim/fit/comparison.h"
+#include "sim/fit/calibration.h"
 
 namespace impactdic::app {
 
@@ -12,10 +14,9 @@ namespace impactdic::app {
 // of shot N in the job's order. Each throws FileError.
 void write_fit(const std::filesystem::path& folder, const FitJob& job, const FitResult& result);
 
-// summary.json of a comparison, comparison.csv (one row a shot and model, as the tables of sections
-// 3.3.2 and 4.4), restitution.csv (one row a shot, Figs 3.21, 3.23 and 4.8) and
-// restitution_by_angle.csv (Figs 3.22 and 3.24).
-void write_comparison(const std::filesystem::path& folder, const CompareJob& job,
-                      const CompareResult& result);
+// Parts of it that a comparison writes too.
+nlohmann::ordered_json shot_json(const Shot& shot);
+nlohmann::ordered_json pooled_json(const std::vector<PooledEstimate>& pooled);
+nlohmann::ordered_json fits_json(const FitResult& result);
 
 }  // namespace impactdic::app

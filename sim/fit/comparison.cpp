@@ -16,56 +16,75 @@ double relative(double predicted, double measured) {
   return measured == 0 ? kNotMeasured : (predicted - measured) / std::abs(measured);
 }
 
-ImpactJob laws_of(const ImpactJob& laws, FrictionModel model, FrictionSource source,
-                  const Shot& shot) {
-  ImpactJob job = laws;
-  job.friction = model;
-  if (source != FrictionSource::kJob) {
-    const double effective = source == FrictionSource::kEffectivePublished ? shot.friction.published
-                                                                           : shot.friction.sound;
-    job.contact.friction_kinetic = std::abs(effective);
-    job.contact.friction_static =
-        std::max(job.contact.friction_static, job.contact.friction_kinetic);
+// The shot with the friction that it is to be run with.
+ImpactJob job_for(const ImpactJob& laws, FrictionSource source, const Shot& shot) {
+  ImpactJob job = job_of_shot(laws, shot);
+  job.friction = laws.friction;
+  if (source == FrictionSource::kJob) return job;
+  const double effective =
+      source == FrictionSource::kEffectivePublished ? shot.friction.published : shot.friction.sound;
+  if (std::isnan(effective)) {
+    throw InvalidArgument("the shot's effective friction is not known", shot.file,
+                          "it needs the velocities after, and effective_sound the contact_s");
   }
+  job.contact.friction_kinetic = std::abs(effective);
+  job.contact.friction_static = std::max(job.contact.friction_static, std::abs(effective));
   return job;
 }
 
-ModelOutcome predict(const MeasuredShot& measured, const ImpactJob& laws, FrictionModel model,
-                     FrictionSource source, std::size_t calibrated) {
-  const Shot& shot = measured.shot;
-  const ImpactJob job = laws_of(laws, model, source, shot);
-  const ImpactResult impact = simulate_impact(job_of_shot(job, shot));
-  ModelOutcome outcome;
-  outcome.model = model;
-  outcome.friction_kinetic = job.contact.friction_kinetic;
-  outcome.vt_m_s = impact.final.vt_m_s;
-  outcome.vn_m_s = impact.final.vn_m_s;
-  outcome.omega_rad_s = impact.final.omega_rad_s;
-  outcome.vt_error = relative(outcome.vt_m_s, shot.after.vt_m_s.value);
-  outcome.vn_error = relative(outcome.vn_m_s, shot.after.vn_m_s.value);
-  outcome.omega_error = relative(outcome.omega_rad_s, shot.after.omega_rad_s.value);
-  outcome.contact_s = impact.contact_s;
-  outcome.t_max_compression_s = impact.t_max_compression_s;
-  outcome.phases = impact.phases;
-  // The track against the prediction, nothing adjusted: only the motion before and the touch, both
-  // measured, go in.
-  const ShotModel path(measured.track, shot, job, {}, {});
+// The track against the prediction, nothing adjusted: only the motion before and the touch, both
+// measured, go in.
+void compare_path(const MeasuredShot& measured, const ImpactJob& path_job, std::size_t calibrated,
+                  ModelOutcome& outcome) {
+  const ShotModel path(measured.track, measured.shot, path_job, {}, {});
   std::vector<double> values;
   for (const Unknown& u : path.unknowns()) values.push_back(u.start);
   std::vector<double> residuals(path.residuals());
   outcome.rms_m = path.path_rms_m(values.data());
-  outcome.chi_square = kNotMeasured;
-  if (path.evaluate(values.data(), residuals.data(), nullptr)) {
-    outcome.chi_square = 0;
-    for (double r : residuals) outcome.chi_square += r * r;
-  }
+  if (!path.evaluate(values.data(), residuals.data(), nullptr)) return;
+  outcome.chi_square = 0;
+  for (double r : residuals) outcome.chi_square += r * r;
   outcome.aic = outcome.chi_square + 2.0 * static_cast<double>(calibrated);
+}
+
+// Over those velocities after the impact whose deviation is known.
+double final_chi_square(const ModelPrediction& p, const Flight& after) {
+  double sum = 0, count = 0;
+  for (const auto& [predicted, measured] :
+       {std::pair{p.vt_m_s, after.vt_m_s}, std::pair{p.vn_m_s, after.vn_m_s},
+        std::pair{p.omega_rad_s, after.omega_rad_s}}) {
+    const double off = (predicted - measured.value) / measured.sd;
+    if (measured.sd > 0 && !std::isnan(off)) sum += off * off, ++count;
+  }
+  return count > 0 ? sum : kNotMeasured;
+}
+
+ModelOutcome compare_model(const CompareJob& job, const CompareResult& result,
+                           const MeasuredShot& measured, const ComparedModel& model) {
+  const Shot& shot = measured.shot;
+  const std::size_t calibrated = result.calibration.pooled.size();
+  const ImpactJob run = job_for(result.laws, job.friction_source, shot);
+  ModelOutcome outcome;
+  outcome.model = model;
+  outcome.friction_kinetic = run.contact.friction_kinetic;
+  outcome.prediction = predict_shot(model, run, job.formula);
+  const ModelPrediction& p = outcome.prediction;
+  outcome.vt_error = relative(p.vt_m_s, shot.after.vt_m_s.value);
+  outcome.vn_error = relative(p.vn_m_s, shot.after.vn_m_s.value);
+  outcome.omega_error = relative(p.omega_rad_s, shot.after.omega_rad_s.value);
+  outcome.final_chi_square = final_chi_square(p, shot.after);
+  outcome.final_aic = outcome.final_chi_square + 2.0 * static_cast<double>(calibrated);
+  outcome.rms_m = outcome.chi_square = outcome.aic = kNotMeasured;
+  if (p.path && !measured.track.time_s.empty()) {
+    compare_path(measured, *p.path, calibrated, outcome);
+  }
   return outcome;
 }
 
 Estimate average(const std::vector<double>& values) {
   Estimate result{0, kNotMeasured};
   const auto count = static_cast<double>(values.size());
+  if (values.empty()) result.value = kNotMeasured;
   for (double v : values) result.value += v / count;
   if (values.size() > 1) {
     double squares = 0;
@@ -85,7 +104,9 @@ std::vector<AngleAverage> averages(const std::vector<ComparedShot>& shots) {
   for (const auto& [tenths, members] : groups) {
     const auto over = [&, &members = members](auto value) {
       std::vector<double> values;
-      for (const Shot* shot : members) values.push_back(value(*shot));
+      for (const Shot* shot : members) {
+        if (!std::isnan(value(*shot))) values.push_back(value(*shot));
+      }
       return average(values);
     };
     result.push_back({static_cast<double>(tenths) / 10, static_cast<int>(members.size()),
@@ -100,7 +121,9 @@ std::vector<AngleAverage> averages(const std::vector<ComparedShot>& shots) {
 }  // namespace
 
 CompareResult compare(const CompareJob& job, int threads) {
-  if (job.shots.empty()) throw InvalidArgument("no tracks are named", "tracks");
+  if (job.shots.empty() && job.tables.empty()) {
+    throw InvalidArgument("no tracks are named", "tracks");
+  }
   if (job.models.empty()) throw InvalidArgument("no models are named", "models");
   CompareResult result;
   result.laws = job.calibration.impact;
@@ -116,14 +139,27 @@ CompareResult compare(const CompareJob& job, int threads) {
       }
     }
   }
-  result.shots.resize(job.shots.size());
-  parallel_for(job.shots.size(), threads, [&](std::size_t i) {
+  std::vector<PrintedRow> printed;
+  if (!job.printed.empty()) printed = read_printed(job.printed);
+  std::vector<TableShot> rows;
+  for (const auto& table : job.tables) {
+    for (const TableShot& row :
+         read_shot_table(table, result.laws.body, result.laws.gravity_m_s2)) {
+      rows.push_back(row);
+    }
+  }
+  result.shots.resize(job.shots.size() + rows.size());
+  parallel_for(result.shots.size(), threads, [&](std::size_t i) {
+    const bool tracked = i < job.shots.size();
     const MeasuredShot measured =
-        load_shot(job.shots[i], result.laws, job.calibration.flight_frames);
+        tracked ? load_shot(job.shots[i], result.laws, job.calibration.flight_frames)
+                : MeasuredShot{{}, rows[i - job.shots.size()].shot};
+    const std::string name = tracked ? measured.shot.file : rows[i - job.shots.size()].name;
     result.shots[i].shot = measured.shot;
-    for (FrictionModel model : job.models) {
-      result.shots[i].models.push_back(predict(measured, result.laws, model, job.friction_source,
-                                               result.calibration.pooled.size()));
+    for (const ComparedModel& model : job.models) {
+      ModelOutcome outcome = compare_model(job, result, measured, model);
+      outcome.printed = printed_for(printed, name, std::string(name_of(model)));
+      result.shots[i].models.push_back(std::move(outcome));
     }
   });
   result.angles = averages(result.shots);

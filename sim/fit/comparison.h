@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "host/base/units.h"
 #include "sim/fit/calibration.h"
+#include "sim/fit/compared_model.h"
+#include "sim/fit/shot_table.h"
 
 namespace impactdic {
 
@@ -15,20 +18,25 @@ enum class FrictionSource { kJob, kEffectivePublished, kEffectiveSound };
 
 struct CompareJob {
   FitJob calibration;          // its shots may be none: then the job's own contact is used
-  std::vector<FitShot> shots;  // that the models predict
-  std::vector<FrictionModel> models;
+  std::vector<FitShot> shots;  // tracks that the models predict
+  std::vector<std::filesystem::path> tables;  // and tables of shots (shot_table.h)
+  std::filesystem::path printed;              // what a paper prints (shot_table.h); may be empty
+  std::vector<ComparedModel> models;
+  FormulaParameters formula{kNotMeasured, 0};
   FrictionSource friction_source = FrictionSource::kJob;
 };
 
 struct ModelOutcome {
-  FrictionModel model{};
+  ComparedModel model;
+  ModelPrediction prediction;
+  PrintedRow printed;
   double friction_kinetic = 0;                         // that it was run with
-  double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;      // after
   double vt_error = 0, vn_error = 0, omega_error = 0;  // relative to the measured; NaN without one
-  double contact_s = 0, t_max_compression_s = 0;
-  std::vector<Phase> phases;
-  double rms_m = 0;  // of the centre's path against the track
-  double chi_square = 0, aic = 0;
+  // The velocities after, against their measured deviations; NaN where these are not known. AIC is
+  // the chi square + 2 x calibrated parameters.
+  double final_chi_square = 0, final_aic = 0;
+  // Of the centre's path and of all that the track measures; NaN without a path or a track.
+  double rms_m = 0, chi_square = 0, aic = 0;
 };
 
 struct ComparedShot {

@@ -1,19 +1,17 @@
-// Fit and compare jobs in TOML files.
+// Fit jobs in TOML files.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
-#include "sim/fit/comparison.h"
+#include "sim/fit/calibration.h"
 
 namespace impactdic {
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key. Relative paths of tracks
 // start from the job file's folder.
 FitJob read_fit_job(const std::filesystem::path& file);
-CompareJob read_compare_job(const std::filesystem::path& file);
 // With every default spelled out and absolute paths; reads back to the same job.
 std::string to_toml(const FitJob& job);
-std::string to_toml(const CompareJob& job);
 
 }  // namespace impactdic

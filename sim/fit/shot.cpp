@@ -20,28 +20,6 @@ constexpr double kLeastNoise_m = 1e-9;
 
 double square(double x) { return x * x; }
 
-// Restitution and effective friction from the flights. When the contact is matters through gravity:
-// the two velocities are those of its ends.
-void derive(Shot& shot, const Body& body, double gravity_m_s2) {
-  const double pull = gravity_m_s2 * std::cos(shot.surface_angle_deg * kRadPerDeg);
-  const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
-  const double in_sd = std::hypot(in.sd, pull * shot.contact_start_s.sd);
-  const double out_sd = std::hypot(out.sd, pull * shot.contact_end_s.sd);
-  shot.restitution = {-out.value / in.value,
-                      std::hypot(out_sd / in.value, out.value / square(in.value) * in_sd)};
-  const auto state = [](const Flight& flight) {
-    PlaneState s;
-    s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
-    if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
-    return s;
-  };
-  shot.friction = effective_friction(body, state(shot.before), state(shot.after),
-                                     shot.contact_s.value, gravity_m_s2, shot.surface_angle_deg);
-  shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,
-                                shot.friction.sound * std::hypot(in_sd, out_sd)) /
-                     (out.value - in.value);
-}
-
 // The track turned into the surface's axes.
 class ShotAnalysis {
  public:
@@ -325,6 +303,26 @@ Shot ShotAnalysis::run() {
 }
 
 }  // namespace
+
+void derive(Shot& shot, const Body& body, double gravity_m_s2) {
+  const double pull = gravity_m_s2 * std::cos(shot.surface_angle_deg * kRadPerDeg);
+  const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
+  const double in_sd = std::hypot(in.sd, pull * shot.contact_start_s.sd);
+  const double out_sd = std::hypot(out.sd, pull * shot.contact_end_s.sd);
+  shot.restitution = {-out.value / in.value,
+                      std::hypot(out_sd / in.value, out.value / square(in.value) * in_sd)};
+  const auto state = [](const Flight& flight) {
+    PlaneState s;
+    s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
+    if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
+    return s;
+  };
+  shot.friction = effective_friction(body, state(shot.before), state(shot.after),
+                                     shot.contact_s.value, gravity_m_s2, shot.surface_angle_deg);
+  shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,
+                                shot.friction.sound * std::hypot(in_sd, out_sd)) /
+                     (out.value - in.value);
+}
 
 void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s, const Body& body,
                   double gravity_m_s2) {

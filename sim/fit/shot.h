@@ -45,6 +45,10 @@ struct ShotOptions {
   int flight_frames = 100;  // the longest flight used on each side, as in section 3.2.2
 };
 
+// Restitution and effective friction from the flights. When the contact is matters through gravity:
+// the two velocities are those of its ends.
+void derive(Shot& shot, const Body& body, double gravity_m_s2);
+
 // Says that the contact begins and lasts otherwise than the shot has it: carries both flights to
 // the new instants and derives anew what follows from them.
 void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s, const Body& body,

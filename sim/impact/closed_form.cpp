@@ -34,6 +34,13 @@ double solve(const Function& function, double low, double high) {
   return 0.5 * (a + b);
 }
 
+// At which damping in compression alone leaves this restitution, below 1.
+double damping_ratio(double restitution) {
+  double high = 1;
+  while (compression_damped_restitution(high) > restitution) high *= 2;
+  return solve([&](double z) { return compression_damped_restitution(z) - restitution; }, 0, high);
+}
+
 void require_shot(double restitution, double lowest, double contact_s) {
   if (!(restitution >= lowest && restitution <= 1 && restitution > 0)) {
     throw InvalidArgument("the restitution is out of range", "restitution");
@@ -110,13 +117,7 @@ double damped_restitution(double damping_ratio, RestitutionDamping damping) {
 
 SpringDamperParameters linear_parameters(double mass_kg, double restitution, double contact_s) {
   require_shot(restitution, 0, contact_s);
-  double zeta = 0;
-  if (restitution < 1) {
-    double high = 1;
-    while (compression_damped_restitution(high) > restitution) high *= 2;
-    zeta =
-        solve([&](double z) { return compression_damped_restitution(z) - restitution; }, 0, high);
-  }
+  const double zeta = restitution < 1 ? damping_ratio(restitution) : 0;
   const double omega0 = (damped_angle(zeta) + kPi / 2) / contact_s;
   const double stiffness = mass_kg * omega0 * omega0;
   return {stiffness, 2 * zeta * std::sqrt(stiffness * mass_kg)};
@@ -128,6 +129,15 @@ SpringDamperParameters kelvin_voigt_parameters(double mass_kg, double restitutio
   const double decay = std::log(restitution);
   return {mass_kg * (kPi * kPi + decay * decay) / (contact_s * contact_s),
           -2 * mass_kg / contact_s * decay};
+}
+
+SpringDamperParameters force_free_parameters(double mass_kg, double restitution, double contact_s) {
+  require_shot(restitution, 0, contact_s);
+  // e is the square of what damping in compression alone leaves.
+  const double zeta = restitution < 1 ? damping_ratio(std::sqrt(restitution)) : 0;
+  const double omega0 = 2 * damped_angle(zeta) / contact_s;
+  const double stiffness = mass_kg * omega0 * omega0;
+  return {stiffness, 2 * zeta * std::sqrt(stiffness * mass_kg)};
 }
 
 SpringDamperParameters hertz_parameters(double mass_kg, double speed_m_s, double restitution,

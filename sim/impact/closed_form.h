@@ -58,6 +58,10 @@ SpringDamperParameters linear_parameters(double mass_kg, double restitution, dou
 // c = -(2 m / T) ln e, k = m (pi^2 + ln^2 e) / T^2.
 SpringDamperParameters kelvin_voigt_parameters(double mass_kg, double restitution,
                                                double contact_s);
+// The same law ended where its force is zero, before the surface would pull:
+// e = exp(-2 zeta theta/sqrt(1 - zeta^2)), T = 2 theta/(omega_0 sqrt(1 - zeta^2)), cos theta =
+// zeta.
+SpringDamperParameters force_free_parameters(double mass_kg, double restitution, double contact_s);
 // The inverse of an impact with F = k delta^1.5 + b delta', without gravity: e depends on
 // b/(m^.6 k^.4 v^.2) alone. Throws InvalidArgument unless 0.05 <= e <= 1 and T > 0.
 SpringDamperParameters hertz_parameters(double mass_kg, double speed_m_s, double restitution,

@@ -1,8 +1,9 @@
 #include "sim/impact/job_toml.h"
 
 #include "host/base/error.h"
-#include "host/base/parse.h"
+#include "sim/impact/closed_form.h"
 #include "sim/impact/strict_toml.h"
+#include "sim/impact/toml_text.h"
 
 namespace impactdic {
 
@@ -30,20 +31,6 @@ auto choose(StrictTable& table, const std::string& key, const std::string& fallb
 // A number that a complete job must give.
 double needed(StrictTable& table, const char* key, bool partial) {
   return partial ? table.number(key, 0) : table.number(key);
-}
-
-Body read_body(StrictTable& table, bool partial) {
-  Body body;
-  const bool inertia_given = table.has("inertia_kg_m2");
-  body.shape = choose(table, "shape", inertia_given ? "other" : "solid_sphere", parse_shape);
-  body.mass_kg = needed(table, "mass_kg", partial);
-  body.diameter_m = needed(table, "diameter_m", partial);
-  if (body.shape == Shape::kRod) body.length_m = needed(table, "length_m", partial);
-  body.inertia_kg_m2 = table.number("inertia_kg_m2", 0);
-  if (inertia_given && !(body.inertia_kg_m2 > 0)) {
-    throw InvalidArgument("must be positive", table.place("inertia_kg_m2"));
-  }
-  return body;
 }
 
 Contact read_contact(StrictTable& table, const ImpactJob& job, bool partial) {
@@ -76,15 +63,83 @@ Contact read_contact(StrictTable& table, const ImpactJob& job, bool partial) {
   return contact;
 }
 
+// A Kelvin-Voigt contact: stiffness and damping as they stand, or from what they give.
+Contact read_kelvin_voigt(StrictTable& table, const ImpactJob& job) {
+  Contact contact;
+  const bool published = job.preset == Preset::kPublished;
+  contact.restitution_damping =
+      published ? RestitutionDamping::kToZeroDeflection : RestitutionDamping::kToZeroForce;
+  if (table.has("restitution")) {
+    const double restitution = table.number("restitution"), duration = table.number("contact_s");
+    if (!(restitution > 0 && restitution <= 1)) {
+      throw InvalidArgument("must be above 0 and at most 1", table.place("restitution"));
+    }
+    if (!(duration > 0)) throw InvalidArgument("must be positive", table.place("contact_s"));
+    const SpringDamperParameters pair =
+        published ? kelvin_voigt_parameters(job.body.mass_kg, restitution, duration)
+                  : force_free_parameters(job.body.mass_kg, restitution, duration);
+    contact.stiffness = pair.stiffness;
+    contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+  } else {
+    contact.stiffness = table.number("stiffness_n_per_m");
+    contact.damping_n_s_per_m = table.number("damping_n_s_per_m");
+  }
+  if (job.friction != FrictionModel::kNone) {
+    contact.friction_kinetic = table.number("friction_kinetic");
+  }
+  if (job.friction == FrictionModel::kThreePhase) {
+    contact.friction_static = table.number("friction_static");
+  }
+  return contact;
+}
+
 }  // namespace
+
+std::string model_of_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  const std::string model = root.text("model", "");
+  for (const char* known :
+       {"", "kelvin_voigt", "garwin", "cross", "walton", "stronge", "rigid_rod", "flexible_rod"}) {
+    if (model == known) return model;
+  }
+  throw InvalidArgument("'" + model + "' is not known", root.place("model"),
+                        "kelvin_voigt, garwin, cross, walton, stronge, rigid_rod or flexible_rod; "
+                        "other laws are chosen by normal and friction");
+}
+
+Preset read_preset(StrictTable& root, Preset fallback) {
+  return choose(root, "preset", std::string(name_of(fallback)), parse_preset);
+}
+
+Body read_body(StrictTable& table, bool partial) {
+  Body body;
+  const bool inertia_given = table.has("inertia_kg_m2");
+  body.shape = choose(table, "shape", inertia_given ? "other" : "solid_sphere", parse_shape);
+  body.mass_kg = needed(table, "mass_kg", partial);
+  body.diameter_m = needed(table, "diameter_m", partial);
+  if (body.shape == Shape::kRod) body.length_m = needed(table, "length_m", partial);
+  body.inertia_kg_m2 = table.number("inertia_kg_m2", 0);
+  if (inertia_given && !(body.inertia_kg_m2 > 0)) {
+    throw InvalidArgument("must be positive", table.place("inertia_kg_m2"));
+  }
+  return body;
+}
 
 ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   ImpactJob job;
-  job.normal = choose(root, "normal", "linear_spring_damper", parse_normal_model);
+  const bool kelvin_voigt = root.text("model", "") == "kelvin_voigt";
+  if (kelvin_voigt && root.has("normal")) {
+    throw InvalidArgument("the model names the normal law already", root.place("normal"));
+  }
+  if (!kelvin_voigt) {
+    job.normal = choose(root, "normal", "linear_spring_damper", parse_normal_model);
+  }
   job.friction = choose(root, "friction", "coulomb", parse_friction_model);
-  job.preset = choose(root, "preset", "sound", parse_preset);
+  job.preset = read_preset(root, Preset::kSound);
   job.body = read_body(root.table("body"), partial);
-  job.contact = read_contact(root.table("contact"), job, partial);
+  StrictTable& contact = root.table("contact");
+  job.contact =
+      kelvin_voigt ? read_kelvin_voigt(contact, job) : read_contact(contact, job, partial);
   job.surface_angle_deg = root.table("surface").number("angle_deg", 0);
   StrictTable& initial = root.table("initial");
   job.initial.vt_m_s = initial.number("vt_m_s", 0);
@@ -103,8 +158,13 @@ ImpactJob read_impact_tables(StrictTable& root, bool partial) {
 SimulateJob read_simulate_job(const std::filesystem::path& file) {
   StrictTable root(file);
   SimulateJob job;
+  const std::string model = root.text("model", "");
+  if (!model.empty() && model != "kelvin_voigt") {
+    throw InvalidArgument("'" + model + "' has no integrated path of a ball", root.place("model"),
+                          "name the laws with normal and friction");
+  }
   // Both must be named: a forgotten line must not choose a law.
-  root.text("normal");
+  if (model.empty()) root.text("normal");
   root.text("friction");
   job.impact = read_impact_tables(root, false);
   StrictTable& output = root.table("output");
@@ -121,59 +181,53 @@ SimulateJob read_simulate_job(const std::filesystem::path& file) {
 
 std::string to_toml(const SimulateJob& job) {
   const ImpactJob& impact = job.impact;
-  const Body& body = impact.body;
-  const Contact& contact = impact.contact;
-  std::string text;
-  const auto name = [&text](const char* key, std::string_view value) {
-    text += std::string(key) + " = \"" + std::string(value) + "\"\n";
-  };
-  const auto number = [&text](const char* key, double value) {
-    std::string digits = shortest(value);
-    if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
-    text += std::string(key) + " = " + digits + "\n";
-  };
-  name("normal", name_of(impact.normal));
-  name("friction", name_of(impact.friction));
-  name("preset", name_of(impact.preset));
-  text += "\n[body]\n";
-  name("shape", name_of(body.shape));
-  number("mass_kg", body.mass_kg);
-  number("diameter_m", body.diameter_m);
-  if (body.shape == Shape::kRod) number("length_m", body.length_m);
-  if (body.inertia_kg_m2 != 0) number("inertia_kg_m2", body.inertia_kg_m2);
-  text += "\n[contact]\n";
-  if (has_spring_damper(impact)) {
-    number(stiffness_key(impact), contact.stiffness);
-    number("damping_n_s_per_m", contact.damping_n_s_per_m);
-    name("restitution_damping", name_of(contact.restitution_damping));
+  TomlText text;
+  text.name("normal", name_of(impact.normal));
+  text.name("friction", name_of(impact.friction));
+  text.name("preset", name_of(impact.preset));
+  text.body(impact.body);
+  write_contact(text, impact);
+  text.table("surface");
+  text.number("angle_deg", impact.surface_angle_deg);
+  text.table("initial");
+  text.number("vt_m_s", impact.initial.vt_m_s);
+  text.number("vn_m_s", impact.initial.vn_m_s);
+  text.number("omega_rad_s", impact.initial.omega_rad_s);
+  text.number("gap_m", impact.initial.gap_m);
+  if (impact.body.shape == Shape::kRod) text.number("angle_deg", impact.initial.angle_deg);
+  text.table("environment");
+  text.number("gravity_m_s2", impact.gravity_m_s2);
+  text.table("solver");
+  text.number("relative_tolerance", impact.solver.relative_tolerance);
+  text.integer("contacts", impact.solver.contacts);
+  text.table("output");
+  text.number("rate_hz", job.rate_hz);
+  return text.str();
+}
+
+void write_contact(TomlText& text, const ImpactJob& job) {
+  const Contact& contact = job.contact;
+  text.table("contact");
+  if (has_spring_damper(job)) {
+    text.number(stiffness_key(job), contact.stiffness);
+    text.number("damping_n_s_per_m", contact.damping_n_s_per_m);
+    text.name("restitution_damping", name_of(contact.restitution_damping));
   } else {
-    number("reduced_modulus_pa", contact.reduced_modulus_pa);
-    number("yield_strength_pa", contact.yield_strength_pa);
-    name("residual", name_of(contact.residual));
+    text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
+    text.number("yield_strength_pa", contact.yield_strength_pa);
+    text.name("residual", name_of(contact.residual));
   }
-  if (!has_spring_damper(impact) || impact.friction == FrictionModel::kMawBarberFawcett) {
-    number("poisson", contact.poisson);
+  // Beyond those of the job's own friction: what other models of a comparison need.
+  if (!has_spring_damper(job) || job.friction == FrictionModel::kMawBarberFawcett ||
+      contact.poisson != 0) {
+    text.number("poisson", contact.poisson);
   }
-  if (impact.friction != FrictionModel::kNone) number("friction_kinetic", contact.friction_kinetic);
-  if (impact.friction == FrictionModel::kThreePhase) {
-    number("friction_static", contact.friction_static);
+  if (job.friction != FrictionModel::kNone || contact.friction_kinetic != 0) {
+    text.number("friction_kinetic", contact.friction_kinetic);
   }
-  text += "\n[surface]\n";
-  number("angle_deg", impact.surface_angle_deg);
-  text += "\n[initial]\n";
-  number("vt_m_s", impact.initial.vt_m_s);
-  number("vn_m_s", impact.initial.vn_m_s);
-  number("omega_rad_s", impact.initial.omega_rad_s);
-  number("gap_m", impact.initial.gap_m);
-  if (body.shape == Shape::kRod) number("angle_deg", impact.initial.angle_deg);
-  text += "\n[environment]\n";
-  number("gravity_m_s2", impact.gravity_m_s2);
-  text += "\n[solver]\n";
-  number("relative_tolerance", impact.solver.relative_tolerance);
-  text += "contacts = " + std::to_string(impact.solver.contacts) + "\n";
-  text += "\n[output]\n";
-  number("rate_hz", job.rate_hz);
-  return text;
+  if (job.friction == FrictionModel::kThreePhase || contact.friction_static != 0) {
+    text.number("friction_static", contact.friction_static);
+  }
 }
 
 }  // namespace impactdic

@@ -121,6 +121,7 @@ NormalModel parse_normal_model(std::string_view name) {
   return find_value(kNormalModels, name, "normal");
 }
 FrictionModel parse_friction_model(std::string_view name) {
+  if (name == "three_phase_friction") return FrictionModel::kThreePhase;  // its long name
   return find_value(kFrictionModels, name, "friction");
 }
 Preset parse_preset(std::string_view name) { return find_value(kPresets, name, "preset"); }

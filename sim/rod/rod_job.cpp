@@ -7,23 +7,20 @@
 #include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/base/units.h"
+#include "sim/impact/job_toml.h"
 #include "sim/impact/strict_toml.h"
+#include "sim/impact/toml_text.h"
 
 namespace impactdic {
 namespace {
 
 PlasticLoading loading_of(StrictTable& root) {
-  switch (parse_normal_model(root.text("normal", "jackson_green"))) {
-    case NormalModel::kJacksonGreen:
-      return PlasticLoading::kJacksonGreen;
-    case NormalModel::kKogutEtsion:
-      return PlasticLoading::kKogutEtsion;
-    case NormalModel::kThornton:
-      return PlasticLoading::kThornton;
-    default:
-      throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
-                            "jackson_green, kogut_etsion or thornton");
-  }
+  const std::string name = root.text("normal", "jackson_green");
+  if (name == name_of(NormalModel::kJacksonGreen)) return PlasticLoading::kJacksonGreen;
+  if (name == name_of(NormalModel::kKogutEtsion)) return PlasticLoading::kKogutEtsion;
+  if (name == name_of(NormalModel::kThornton)) return PlasticLoading::kThornton;
+  throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
+                        "jackson_green, kogut_etsion or thornton");
 }
 
 std::string_view name_of_loading(PlasticLoading loading) {
@@ -38,32 +35,37 @@ std::string_view name_of_loading(PlasticLoading loading) {
   return "";
 }
 
-}  // namespace
-
-bool is_rod_job(const std::filesystem::path& file) {
-  StrictTable root(file);
-  const std::string model = root.has("model") ? root.text("model") : "";
-  if (!model.empty() && model != "rigid_rod" && model != "flexible_rod") {
-    throw InvalidArgument("'" + model + "' is not known", root.place("model"),
-                          "rigid_rod or flexible_rod; a ball's laws are chosen by normal and "
-                          "friction");
+ResidualLaw read_residual(StrictTable& table, ResidualLaw fallback) {
+  const std::string text = table.text("residual", std::string(name_of(fallback)));
+  try {
+    return parse_residual_law(text);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), table.place("residual"), error.hint());
   }
-  return !model.empty();
 }
 
-RodJobFile read_rod_job(const std::filesystem::path& file) {
-  StrictTable root(file);
+}  // namespace
+
+RodJobFile read_rod_tables(StrictTable& root, bool flexible) {
   RodJobFile job;
-  job.flexible = root.text("model") == "flexible_rod";
+  job.flexible = flexible;
   RodJob& rod = job.rod;
-  rod = job.flexible ? flexible_rod_preset() : rigid_rod_preset();
+  rod = flexible ? flexible_rod_preset() : rigid_rod_preset();
+  // Jackson's residual is the source's; Kogut and Etsion's comes nearer to its measurements.
+  job.preset = read_preset(root, flexible ? Preset::kSound : Preset::kPublished);
+  rod.residual =
+      job.preset == Preset::kPublished ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;
   rod.loading = loading_of(root);
   StrictTable& body = root.table("body");
+  const std::string shape(name_of(Shape::kRod));
+  if (body.text("shape", shape) != shape) {
+    throw InvalidArgument("the model is of a rod", body.place("shape"), "rod");
+  }
   rod.body.length_m = body.number("length_m");
   rod.body.radius_m = body.number("diameter_m") / 2;
   rod.body.mass_kg = body.number("mass_kg");
   rod.surface.radius_m = rod.body.radius_m;
-  if (job.flexible) {
+  if (flexible) {
     rod.body.young_pa = body.number("young_pa");
     rod.axial_modes = body.integer("axial_modes", rod.axial_modes);
     rod.bending_modes = body.integer("bending_modes", rod.bending_modes);
@@ -73,17 +75,24 @@ RodJobFile read_rod_job(const std::filesystem::path& file) {
   rod.surface.effective_modulus_pa = contact.number("reduced_modulus_pa");
   rod.surface.yield_strength_pa = contact.number("yield_strength_pa");
   rod.surface.poisson = contact.number("poisson");
-  rod.residual = parse_residual_law(contact.text("residual", std::string(name_of(rod.residual))));
+  rod.residual = read_residual(contact, rod.residual);
   rod.friction_kinetic = contact.number("friction_kinetic");
+  rod.gravity_m_s2 = root.table("environment").number("gravity_m_s2", rod.gravity_m_s2);
+  StrictTable& solver = root.table("solver");
+  rod.relative_tolerance = solver.number("relative_tolerance", rod.relative_tolerance);
+  rod.longest_s = solver.number("longest_s", rod.longest_s);
+  return job;
+}
+
+RodJobFile read_rod_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  RodJobFile job = read_rod_tables(root, root.text("model") == "flexible_rod");
+  RodJob& rod = job.rod;
   StrictTable& initial = root.table("initial");
   rod.angle_rad = initial.number("angle_deg") * kRadPerDeg;
   rod.vt_m_s = initial.number("vt_m_s", 0);
   rod.vn_m_s = initial.number("vn_m_s");
   rod.omega_rad_s = initial.number("omega_rad_s", 0);
-  rod.gravity_m_s2 = root.table("environment").number("gravity_m_s2", rod.gravity_m_s2);
-  StrictTable& solver = root.table("solver");
-  rod.relative_tolerance = solver.number("relative_tolerance", rod.relative_tolerance);
-  rod.longest_s = solver.number("longest_s", rod.longest_s);
   rod.sample_rate_hz = root.table("output").number("rate_hz", 1e6);
   root.finish();
   try {
@@ -94,46 +103,47 @@ RodJobFile read_rod_job(const std::filesystem::path& file) {
   return job;
 }
 
+void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual) {
+  const RodJob& rod = job.rod;
+  text.name("normal", name_of_loading(rod.loading));
+  text.table("body");
+  text.name("shape", name_of(Shape::kRod));
+  text.number("length_m", rod.body.length_m);
+  text.number("diameter_m", 2 * rod.body.radius_m);
+  text.number("mass_kg", rod.body.mass_kg);
+  if (job.flexible) {
+    text.number("young_pa", rod.body.young_pa);
+    text.integer("axial_modes", rod.axial_modes);
+    text.integer("bending_modes", rod.bending_modes);
+    text.number("modal_damping", rod.modal_damping);
+  }
+  text.table("contact");
+  text.number("reduced_modulus_pa", rod.surface.effective_modulus_pa);
+  text.number("yield_strength_pa", rod.surface.yield_strength_pa);
+  text.number("poisson", rod.surface.poisson);
+  if (with_residual) text.name("residual", name_of(rod.residual));
+  text.number("friction_kinetic", rod.friction_kinetic);
+  text.table("environment");
+  text.number("gravity_m_s2", rod.gravity_m_s2);
+  text.table("solver");
+  text.number("relative_tolerance", rod.relative_tolerance);
+  text.number("longest_s", rod.longest_s);
+}
+
 std::string to_toml(const RodJobFile& job) {
   const RodJob& rod = job.rod;
-  std::string out;
-  const auto text = [&out](const char* key, std::string_view value) {
-    out += std::string(key) + " = \"" + std::string(value) + "\"\n";
-  };
-  const auto number = [&out](const char* key, double value) {
-    out += std::string(key) + " = " + shortest(value) + "\n";
-  };
-  text("model", job.flexible ? "flexible_rod" : "rigid_rod");
-  text("normal", name_of_loading(rod.loading));
-  out += "\n[body]\n";
-  number("length_m", rod.body.length_m);
-  number("diameter_m", 2 * rod.body.radius_m);
-  number("mass_kg", rod.body.mass_kg);
-  if (job.flexible) {
-    number("young_pa", rod.body.young_pa);
-    number("axial_modes", rod.axial_modes);
-    number("bending_modes", rod.bending_modes);
-    number("modal_damping", rod.modal_damping);
-  }
-  out += "\n[contact]\n";
-  number("reduced_modulus_pa", rod.surface.effective_modulus_pa);
-  number("yield_strength_pa", rod.surface.yield_strength_pa);
-  number("poisson", rod.surface.poisson);
-  text("residual", name_of(rod.residual));
-  number("friction_kinetic", rod.friction_kinetic);
-  out += "\n[initial]\n";
-  number("angle_deg", rod.angle_rad * kDegPerRad);
-  number("vt_m_s", rod.vt_m_s);
-  number("vn_m_s", rod.vn_m_s);
-  number("omega_rad_s", rod.omega_rad_s);
-  out += "\n[environment]\n";
-  number("gravity_m_s2", rod.gravity_m_s2);
-  out += "\n[solver]\n";
-  number("relative_tolerance", rod.relative_tolerance);
-  number("longest_s", rod.longest_s);
-  out += "\n[output]\n";
-  number("rate_hz", rod.sample_rate_hz);
-  return out;
+  TomlText text;
+  text.name("model", job.flexible ? "flexible_rod" : "rigid_rod");
+  text.name("preset", name_of(job.preset));
+  write_rod_tables(text, job, true);
+  text.table("initial");
+  text.number("angle_deg", rod.angle_rad * kDegPerRad);
+  text.number("vt_m_s", rod.vt_m_s);
+  text.number("vn_m_s", rod.vn_m_s);
+  text.number("omega_rad_s", rod.omega_rad_s);
+  text.table("output");
+  text.number("rate_hz", rod.sample_rate_hz);
+  return text.str();
 }
 
 void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& impact) {
@@ -170,6 +180,7 @@ std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
     if (p.name == "loading" && turn_s == 0) turn_s = p.end_s;
   }
   return Json{{"model", job.flexible ? "flexible_rod" : "rigid_rod"},
+              {"preset", name_of(job.preset)},
               {"restitution", impact.restitution},
               {"contact_s", impact.contact_s},
               {"start_to_end_s", impact.start_to_end_s},

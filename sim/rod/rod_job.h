@@ -11,11 +11,20 @@ namespace impactdic {
 
 struct RodJobFile {
   bool flexible = false;
+  // Chooses the residual where the job names none: kPublished Jackson's, kSound Kogut and Etsion's.
+  Preset preset = Preset::kPublished;
   RodJob rod;
 };
 
-// Whether the file is a job of a rod model. Throws FileError or FormatError.
-bool is_rod_job(const std::filesystem::path& file);
+class StrictTable;
+class TomlText;
+
+// The preset, the normal law and the tables body, contact, environment and solver of a job; neither
+// finished nor validated.
+RodJobFile read_rod_tables(StrictTable& root, bool flexible);
+// The same but for the preset.
+void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual);
+
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
 RodJobFile read_rod_job(const std::filesystem::path& file);
 // With every default spelled out; reads back to the same job.

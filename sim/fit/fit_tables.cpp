@@ -1,0 +1,167 @@
+#include "sim/fit/fit_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/base/units.h"
+#include "sim/impact/job_toml.h"
+
+namespace impactdic {
+namespace {
+
+constexpr std::array<std::pair<FitMethod, const char*>, 3> kMethods{
+    {{FitMethod::kTrajectory, "trajectory"},
+     {FitMethod::kPublishedGrid, "published_grid"},
+     {FitMethod::kRestitutionDuration, "restitution_duration"}}};
+constexpr std::array kLawParameters{FitParameter::kStiffness,       FitParameter::kDamping,
+                                    FitParameter::kFrictionKinetic, FitParameter::kFrictionStatic,
+                                    FitParameter::kPoisson,         FitParameter::kYieldStrength};
+constexpr std::array kShotUnknowns{FitParameter::kContactTime, FitParameter::kSurfaceAngle,
+                                   FitParameter::kScale};
+
+template <typename Candidates>
+std::vector<FitParameter> parameters(const Candidates& candidates, StrictTable& table,
+                                     const std::string& key, NormalModel normal) {
+  std::vector<FitParameter> chosen;
+  for (const std::string& text : table.texts(key)) {
+    const auto found = std::find_if(candidates.begin(), candidates.end(),
+                                    [&](FitParameter p) { return key_of(p, normal) == text; });
+    if (found == candidates.end()) {
+      std::string list;
+      for (FitParameter p : candidates) list += (list.empty() ? "" : ", ") + key_of(p, normal);
+      throw InvalidArgument("'" + text + "' cannot be fitted", table.place(key), "one of " + list);
+    }
+    if (std::find(chosen.begin(), chosen.end(), *found) != chosen.end()) {
+      throw InvalidArgument("'" + text + "' stands twice", table.place(key));
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+void positive(StrictTable& table, const std::string& key, double value) {
+  if (!(value > 0)) throw InvalidArgument("must be positive", table.place(key));
+}
+
+std::vector<std::string> keys_of(const std::vector<FitParameter>& chosen, NormalModel normal) {
+  std::vector<std::string> keys;
+  for (FitParameter p : chosen) keys.push_back(key_of(p, normal));
+  return keys;
+}
+
+}  // namespace
+
+FitJob read_fit_tables(StrictTable& root) {
+  FitJob job;
+  root.text("normal");  // a forgotten line must not choose a law
+  root.text("friction");
+  job.impact = read_impact_tables(root, true);
+  StrictTable& body = root.table("body");
+  positive(body, "mass_kg", body.number("mass_kg"));
+  positive(body, "diameter_m", body.number("diameter_m"));
+  StrictTable& fit = root.table("fit");
+  job.method = choose(kMethods, fit, "method", "trajectory");
+  job.parameters = parameters(kLawParameters, fit, "parameters", job.impact.normal);
+  if (fit.has("unknowns")) {
+    job.unknowns = parameters(kShotUnknowns, fit, "unknowns", job.impact.normal);
+  }
+  job.flight_frames = fit.integer("flight_frames", job.flight_frames);
+  if (job.flight_frames < 8) {
+    throw InvalidArgument("must be at least 8", fit.place("flight_frames"));
+  }
+  job.outlier_sd = fit.number("outlier_sd", job.outlier_sd);
+  positive(fit, "outlier_sd", job.outlier_sd);
+  StrictTable& grid = root.table("grid");
+  job.grid.stiffness_max = grid.number("stiffness_max", job.grid.stiffness_max);
+  job.grid.damping_max_n_s_per_m =
+      grid.number("damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);
+  job.grid.stiffness_steps = grid.integer("stiffness_steps", job.grid.stiffness_steps);
+  job.grid.damping_steps = grid.integer("damping_steps", job.grid.damping_steps);
+  positive(grid, "stiffness_max", job.grid.stiffness_max);
+  positive(grid, "damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);
+  for (const auto& [key, steps] : {std::pair{"stiffness_steps", job.grid.stiffness_steps},
+                                   std::pair{"damping_steps", job.grid.damping_steps}}) {
+    if (steps < 5 || steps > 1000) {
+      throw InvalidArgument("must be from 5 to 1000", grid.place(key));
+    }
+  }
+  return job;
+}
+
+std::vector<std::filesystem::path> read_paths(StrictTable& root, const std::string& key,
+                                              const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> list;
+  for (const std::string& text : root.texts(key)) {
+    list.push_back(std::filesystem::absolute(folder / text).lexically_normal());
+  }
+  return list;
+}
+
+std::vector<FitShot> shots_at(const std::vector<std::filesystem::path>& tracks, double angle_deg) {
+  std::vector<FitShot> shots;
+  for (const auto& track : tracks) shots.push_back({track, angle_deg});
+  return shots;
+}
+
+double surface_angle(StrictTable& root) {
+  StrictTable& surface = root.table("surface");
+  return surface.has("angle_deg") ? surface.number("angle_deg") : kNotMeasured;
+}
+
+void validate_fit(StrictTable& root, const FitJob& job) {
+  ImpactJob probe = job.impact;
+  probe.initial.vn_m_s = -1;
+  for (FitParameter p : job.parameters) {
+    if (law_parameter(probe, p) == 0)
+      set_law_parameter(probe, p, p == FitParameter::kPoisson ? 0.3 : 1);
+  }
+  if (job.method != FitMethod::kTrajectory) {
+    probe.contact.stiffness = probe.contact.damping_n_s_per_m = 1;
+  }
+  probe.contact.friction_static =
+      std::max(probe.contact.friction_static, probe.contact.friction_kinetic);
+  try {
+    probe.validate();
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
+  }
+}
+
+void write_laws(TomlText& text, const ImpactJob& laws) {
+  text.name("normal", name_of(laws.normal));
+  text.name("friction", name_of(laws.friction));
+  text.name("preset", name_of(laws.preset));
+}
+
+void write_tracks(TomlText& text, const std::string& key, const std::vector<FitShot>& shots) {
+  std::vector<std::string> files;
+  for (const FitShot& shot : shots) files.push_back(shot.track.string());
+  if (!files.empty()) text.names(key, files);
+}
+
+void write_fit_tables(TomlText& text, const FitJob& job, double angle_deg) {
+  text.body(job.impact.body);
+  write_contact(text, job.impact);
+  if (!std::isnan(angle_deg)) {
+    text.table("surface");
+    text.number("angle_deg", angle_deg);
+  }
+  text.table("environment");
+  text.number("gravity_m_s2", job.impact.gravity_m_s2);
+  text.table("solver");
+  text.number("relative_tolerance", job.impact.solver.relative_tolerance);
+  text.table("fit");
+  text.name("method", name_in(kMethods, job.method));
+  text.names("parameters", keys_of(job.parameters, job.impact.normal));
+  text.names("unknowns", keys_of(job.unknowns, job.impact.normal));
+  text.integer("flight_frames", job.flight_frames);
+  text.number("outlier_sd", job.outlier_sd);
+  text.table("grid");
+  text.number("stiffness_max", job.grid.stiffness_max);
+  text.number("damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);
+  text.integer("stiffness_steps", job.grid.stiffness_steps);
+  text.integer("damping_steps", job.grid.damping_steps);
+}
+
+}  // namespace impactdic
