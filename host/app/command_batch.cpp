@@ -1,14 +1,19 @@
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "host/app/batch_table.h"
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/track_run.h"
 #include "host/base/error.h"
+#include "host/base/progress.h"
 #include "host/report/shots_csv.h"
 
 namespace impactdic::app {
@@ -19,18 +24,29 @@ namespace fs = std::filesystem;
 struct BatchRequest {
   TrackRequest track;  // what all shots have in common
   std::string folder, table;
+  int clips = 0;  // in flight; 0: see clips_in_flight
 };
 
-// Runs every shot as `impactdic track` would be run by hand. A shot is measured in a folder ending
-// in .part that gets its name when it is complete: a run that was killed leaves no half result.
+constexpr int kMostClips = 4;
+
+// One clip leaves the device idle while its circles are sought and its results are written, and
+// the reader while the device is at work: several at a time fill the gaps.
+std::size_t clips_in_flight(const BatchRequest& request, std::size_t waiting) {
+  const int threads = request.track.common.threads;
+  const int cores = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
+  const int wanted = request.clips > 0 ? request.clips : std::clamp(cores, 1, kMostClips);
+  return std::clamp<std::size_t>(waiting, 1, static_cast<std::size_t>(wanted));
+}
+
+// Runs every shot as `impactdic track` would be run by hand, several at a time, each on a device
+// context of its own. A shot is measured in a folder ending in .part that gets its name when it is
+// complete: a run that was killed leaves no half result.
 class Batch {
  public:
   Batch(const CLI::App& command, const BatchRequest& request)
-      : command_(command),
-        request_(request),
-        shots_(shots_in_folder(request.folder)),
-        run_(request.track.common, !request.track.no_field) {
+      : command_(command), request_(request), shots_(shots_in_folder(request.folder)) {
     if (!request.table.empty()) read_shot_table(request.table, shots_);
+    lines_.resize(shots_.size());
     const bool into = request.track.common.force || request.track.resume;
     output_ = prepare_output_directory(request.track.output, into);
     fs::create_directories(shots_folder());
@@ -42,11 +58,16 @@ class Batch {
   }
 
   void run() {
-    for (const BatchShot& shot : shots_) {
-      if (!request_.track.resume || !is_done(shot)) measure(shot);
-      add_to_table(shot);
-      write_shots_csv(output_ / "shots.csv", lines_);
+    std::vector<std::size_t> waiting;
+    for (std::size_t i = 0; i < shots_.size(); ++i) {
+      if (request_.track.resume && is_done(shots_[i])) {
+        add_to_table(i);
+      } else {
+        waiting.push_back(i);
+      }
     }
+    measure_all(waiting);
+    write_table();
     report();
   }
 
@@ -58,20 +79,61 @@ class Batch {
   }
   bool quiet() const { return request_.track.common.quiet; }
 
-  void measure(const BatchShot& shot);
+  void measure_all(const std::vector<std::size_t>& waiting);
+  void measure(const BatchShot& shot, RunContext& run);
   std::vector<std::string> track_arguments(const BatchShot& shot, const fs::path& into) const;
-  std::string try_shot(const BatchShot& shot, const fs::path& into);
-  void add_to_table(const BatchShot& shot);
+  std::string try_shot(const BatchShot& shot, const fs::path& into, RunContext& run);
+  void say(std::FILE* stream, const std::string& line);
+  void add_to_table(std::size_t index);
+  void write_table() const;
   void report() const;
 
   const CLI::App& command_;
   const BatchRequest& request_;
   std::vector<BatchShot> shots_;
-  RunContext run_;
   fs::path output_;
-  std::vector<std::string> lines_;
+  std::mutex mutex_;                // of what follows, of shots.csv and of the terminal
+  std::vector<std::string> lines_;  // of shots.csv; empty: not measured yet
   std::size_t failed_ = 0;
 };
+
+void Batch::measure_all(const std::vector<std::size_t>& waiting) {
+  if (waiting.empty()) return;
+  std::vector<std::unique_ptr<RunContext>> contexts(clips_in_flight(request_, waiting.size()));
+  for (auto& context : contexts) {
+    context = std::make_unique<RunContext>(request_.track.common, !request_.track.no_field);
+  }
+  TerminalProgress progress("shots", quiet());
+  std::atomic<std::size_t> next = 0, done = 0;
+  std::exception_ptr failure;
+  const auto work = [&](RunContext& context) {
+    try {
+      for (std::size_t i = next++; i < waiting.size(); i = next++) {
+        measure(shots_[waiting[i]], context);
+        const std::lock_guard<std::mutex> lock(mutex_);
+        add_to_table(waiting[i]);
+        write_table();
+        progress(static_cast<std::int64_t>(++done), static_cast<std::int64_t>(waiting.size()));
+      }
+    } catch (...) {  // no further shot is begun
+      next = waiting.size();
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> workers;
+    for (auto& context : contexts) workers.emplace_back(work, std::ref(*context));
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+void Batch::say(std::FILE* stream, const std::string& line) {
+  if (quiet()) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::fprintf(stream, "%s\n", line.c_str());
+  std::fflush(stream);
+}
 
 // The options of the batch that `track` has too, with the shot's own put over them.
 std::vector<std::string> Batch::track_arguments(const BatchShot& shot, const fs::path& into) const {
@@ -81,7 +143,10 @@ std::vector<std::string> Batch::track_arguments(const BatchShot& shot, const fs:
   for (const CLI::Option* option : command_.get_options()) {
     if (option->count() == 0 || option->get_lnames().empty()) continue;
     const std::string& name = option->get_lnames().front();
-    if (name == "output" || name == "table" || name == "job" || name == "resume") continue;
+    if (name == "output" || name == "table" || name == "job" || name == "resume" ||
+        name == "clips") {
+      continue;
+    }
     if (own_angle && name == "surface-angle-deg") continue;
     if (option->get_expected_max() == 0) {
       arguments.insert(arguments.end(), option->count(), "--" + name);
@@ -95,7 +160,7 @@ std::vector<std::string> Batch::track_arguments(const BatchShot& shot, const fs:
 }
 
 // Empty, or the reason why there is no result.
-std::string Batch::try_shot(const BatchShot& shot, const fs::path& into) {
+std::string Batch::try_shot(const BatchShot& shot, const fs::path& into, RunContext& run) {
   try {
     CLI::App track("", "track");
     TrackRequest request;
@@ -103,15 +168,12 @@ std::string Batch::try_shot(const BatchShot& shot, const fs::path& into) {
     std::vector<std::string> arguments = track_arguments(shot, into);
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
     track.parse(arguments);
+    request.common.quiet = true;  // the batch speaks for its shots
     fs::create_directories(into);
-    const TrackOutcome outcome = track_to_folder(track, request, run_);
+    const TrackOutcome outcome = track_to_folder(track, request, run);
     if (outcome.frames_ok == 0) return "no ball was measured in any frame";
-    if (!quiet()) {
-      std::printf("%s: %lld of %lld frames ok; %s\n", shot.name.c_str(),
-                  static_cast<long long>(outcome.frames_ok), static_cast<long long>(outcome.frames),
-                  outcome.impact.c_str());
-      std::fflush(stdout);
-    }
+    say(stdout, shot.name + ": " + std::to_string(outcome.frames_ok) + " of " +
+                    std::to_string(outcome.frames) + " frames ok; " + outcome.impact);
     return "";
   } catch (const OpenClError&) {
     throw;  // the device fails for every shot
@@ -124,13 +186,13 @@ std::string Batch::try_shot(const BatchShot& shot, const fs::path& into) {
   }
 }
 
-void Batch::measure(const BatchShot& shot) {
+void Batch::measure(const BatchShot& shot, RunContext& run) {
   const fs::path part = shots_folder() / (shot.name + ".part");
   const fs::path aside = quarantine() / shot.name;
   fs::remove_all(part);
   fs::remove_all(aside);
   if (is_done(shot)) fs::remove_all(shots_folder() / shot.name);
-  const std::string reason = try_shot(shot, part);
+  const std::string reason = try_shot(shot, part, run);
   if (reason.empty()) {
     fs::rename(part, shots_folder() / shot.name);
     return;
@@ -143,11 +205,11 @@ void Batch::measure(const BatchShot& shot) {
   std::ofstream file(aside / "reason.txt");
   file << reason << '\n' << std::flush;
   if (!file) throw FileError("cannot write the file", (aside / "reason.txt").string());
-  if (!quiet())
-    std::fprintf(stderr, "impactdic: warning: %s: %s\n", shot.name.c_str(), reason.c_str());
+  say(stderr, "impactdic: warning: " + shot.name + ": " + reason);
 }
 
-void Batch::add_to_table(const BatchShot& shot) {
+void Batch::add_to_table(std::size_t index) {
+  const BatchShot& shot = shots_[index];
   ShotEntry entry;
   entry.file = shot.clip.filename().string();
   entry.name = shot.name;
@@ -168,7 +230,14 @@ void Batch::add_to_table(const BatchShot& shot) {
     std::getline(file, entry.reason);
     ++failed_;
   }
-  lines_.push_back(shots_csv_line(entry, summary));
+  lines_[index] = shots_csv_line(entry, summary);
+}
+
+void Batch::write_table() const {
+  std::vector<std::string> known;
+  std::copy_if(lines_.begin(), lines_.end(), std::back_inserter(known),
+               [](const std::string& line) { return !line.empty(); });
+  write_shots_csv(output_ / "shots.csv", known);
 }
 
 void Batch::report() const {
@@ -205,13 +274,19 @@ void add_batch_command(CLI::App& app) {
                       "CSV with a row a shot: file, surface_angle_deg, drop_height_mm, notes");
   command->add_flag("--resume", request->track.resume,
                     "Keep the shots that an earlier run measured; try the others");
+  command
+      ->add_option("--clips", request->clips,
+                   "Clips measured at a time; 0: as many as threads, up to 4")
+      ->check(CLI::Range(0, 64))
+      ->capture_default_str();
   add_reading_options(*command, request->track.video);
   add_track_settings(*command, request->track);
   add_common_options(*command, request->track.common);
   command->footer(
       "Writes shots/NAME/ with what track writes of each clip, quarantine/NAME/reason.txt of "
       "those\n"
-      "that failed, and shots.csv with a row for each.\nExample:\n"
+      "that failed, and shots.csv with a row for each; impactdic report makes one page of all.\n"
+      "Example:\n"
       "  impactdic batch shots -o results --table shots.csv --fps 10000 --ball-diameter-mm 67\n");
   command->callback([command, request] { Batch(*command, *request).run(); });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 
 #include "host/base/error.h"
@@ -51,6 +52,13 @@ constexpr std::array kColumns = {
 };
 // Where the window stood is known whatever came of it; the rest only where it was measured.
 constexpr std::size_t kPlaceColumns = 2;
+
+// HDF5 has one state for the whole program: two files are not written at once, even by two threads.
+std::recursive_mutex& hdf5_lock() {
+  static std::recursive_mutex lock;
+  return lock;
+}
+using Hdf5Guard = std::lock_guard<std::recursive_mutex>;
 
 constexpr std::array kCentreNames = {"centre_u_px", "centre_v_px", "centre_u_sd_px",
                                      "centre_v_sd_px"};
@@ -136,11 +144,15 @@ struct FieldsFile::Impl {
 };
 
 FieldsFile::FieldsFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-FieldsFile::~FieldsFile() = default;
+FieldsFile::~FieldsFile() {
+  const Hdf5Guard guard(hdf5_lock());
+  impl_.reset();
+}
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
 
 FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t window_count,
                               int window_px, const Attributes& attributes) {
+  const Hdf5Guard guard(hdf5_lock());
   auto impl = std::make_unique<Impl>(hdf5::File::create(path.string()), window_px);
   impl->make_tables(window_count);
   for (const auto& [name, value] : attributes) {
@@ -150,6 +162,7 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
 }
 
 FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, std::size_t rows) {
+  const Hdf5Guard guard(hdf5_lock());
   auto impl = std::make_unique<Impl>(hdf5::File::open(path.string()), window_px);
   impl->open_tables();
   impl->each_table([&](hdf5::Table& table) {
@@ -165,6 +178,7 @@ FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, 
 
 void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> windows,
                      std::span<const WindowMotion> field, const TrackRow* row) {
+  const Hdf5Guard guard(hdf5_lock());
   Impl& file = *impl_;
   const bool measured = !field.empty();
   if (measured && (field.size() != file.windows || windows.size() != file.windows)) {
@@ -202,10 +216,17 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
   }
 }
 
-void FieldsFile::flush() { impl_->file.flush(); }
+void FieldsFile::flush() {
+  const Hdf5Guard guard(hdf5_lock());
+  impl_->file.flush();
+}
 double FieldsFile::number(const std::string& name) {
+  const Hdf5Guard guard(hdf5_lock());
   return impl_->file.number_attribute("/", name);
 }
-std::size_t FieldsFile::rows() const { return impl_->time.rows(); }
+std::size_t FieldsFile::rows() const {
+  const Hdf5Guard guard(hdf5_lock());
+  return impl_->time.rows();
+}
 
 }  // namespace impactdic

@@ -17,6 +17,7 @@ namespace impactdic {
 // Written as attributes of the file: every option, version, device, driver, source, axes.
 using Attributes = std::map<std::string, std::variant<double, std::string>>;
 
+// Several may be written at once, each by a thread of its own.
 class FieldsFile {
  public:
   // Starts the file anew with room for `window_count` windows a frame. Throws FileError here and
