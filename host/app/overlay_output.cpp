@@ -1,6 +1,9 @@
 #include "host/app/overlay_output.h"
 
+#include <cmath>
 #include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/report/png.h"
@@ -9,52 +12,128 @@
 #endif
 
 namespace impactdic::app {
+namespace {
 
-// The MP4 plays slowly enough to be looked at, whatever the camera's rate was.
-struct OverlayOutput::Video {
-#ifdef IMPACTDIC_WITH_CODECS
-  static constexpr double kPlaybackFps = 25;
-  std::unique_ptr<Mp4Writer> writer;
-  void add(const std::filesystem::path& path, const ColourPicture& picture) {
-    if (!writer) {
-      writer = std::make_unique<Mp4Writer>(path.string(), picture.width, picture.height,
-                                           kPlaybackFps);
-    }
-    writer->write(picture.bgr.data(), std::ptrdiff_t{3} * picture.width);
-  }
-  void finish() {
-    if (writer) writer->finish();
-  }
-#else
-  void add(const std::filesystem::path&, const ColourPicture&) {}
-  void finish() {}
-#endif
+using nlohmann::json;
+
+constexpr double kUsualRate = 25, kHighestRate = 60;  // frames/s of the video
+
+// How fast the video plays, and which frames it shows.
+struct Playback {
+  double rate = kUsualRate;
+  std::size_t step = 1;
 };
 
-OverlayOutput::OverlayOutput(std::filesystem::path folder)
-    : folder_(std::move(folder)), video_(std::make_unique<Video>()) {
+Playback playback(const OverlayOptions& options, double fps) {
+  if (options.slow_motion <= 0 || fps <= 0) return {};
+  Playback play;
+  const double all = fps / options.slow_motion;
+  play.step = static_cast<std::size_t>(std::max(1.0, std::ceil(all / kHighestRate)));
+  play.rate = all / static_cast<double>(play.step);
+  return play;
+}
+
+#ifdef IMPACTDIC_WITH_CODECS
+class Video {
+ public:
+  Video(std::filesystem::path path, double rate) : path_(std::move(path)), rate_(rate) {}
+  void add(const ColourPicture& picture) {
+    if (!writer_) {
+      writer_ = std::make_unique<Mp4Writer>(path_.string(), picture.width, picture.height, rate_);
+    }
+    writer_->write(picture.bgr.data(), std::ptrdiff_t{3} * picture.width);
+  }
+  void finish() {
+    if (writer_) writer_->finish();
+  }
+
+ private:
+  std::filesystem::path path_;
+  double rate_;
+  std::unique_ptr<Mp4Writer> writer_;
+};
+#else
+class Video {
+ public:
+  Video(const std::filesystem::path&, double) {}
+  void add(const ColourPicture&) {}
+  void finish() {}
+};
+#endif
+
+template <typename... Numbers>
+std::string print(const char* format, Numbers... numbers) {
+  char text[80];
+  std::snprintf(text, sizeof text, format, numbers...);
+  return text;
+}
+
+const char* phase_of(const TrackRow& row, const json& impact) {
+  const auto passed = [&](const char* key) {
+    return static_cast<double>(row.frame) >= impact[key]["frame"].get<double>();
+  };
+  for (const char* key : {"t0", "t_max_compression", "t_end"}) {
+    if (!impact.contains(key) || impact[key].is_null()) return "";
+  }
+  if (passed("t_end")) return "after the contact";
+  if (passed("t_max_compression")) return "restitution";
+  return passed("t0") ? "compression" : "before the contact";
+}
+
+std::vector<std::string> label(const TrackRow& row, const SiScale& scale, const json& impact) {
+  std::vector<std::string> lines(2);
+  if (scale.fps > 0) lines[0] = print("%.2f ms  ", 1e3 * row.time_s);
+  lines[0] += phase_of(row, impact);
+  if (!row.motion_ok) return lines;
+  const SiRow si = to_si(row, scale);
+  lines[1] = std::isfinite(si.vt_m_s) ? print("vt %.2f vn %.2f m/s", si.vt_m_s, si.vn_m_s)
+                                      : print("dx %.2f dy %.2f px", row.dx_px, row.dy_px);
+  lines[1] += std::isfinite(si.omega_rad_s) ? print(" spin %.1f rad/s", si.omega_rad_s)
+                                            : print(" spin %.2f deg", row.rot_rad * kDegPerRad);
+  return lines;
+}
+
+}  // namespace
+
+OverlayOutput::OverlayOutput(std::filesystem::path folder, const OverlayOptions& options,
+                             const Roi& roi, std::span<const TrackRow> earlier)
+    : folder_(std::move(folder)),
+      options_(options),
+      painter_(options.arrow_scale, roi.x, roi.y, earlier) {
   std::error_code error;
   std::filesystem::create_directories(folder_ / "overlay", error);
   if (error) throw FileError("cannot make the folder", (folder_ / "overlay").string());
 }
 
-OverlayOutput::~OverlayOutput() = default;
+std::filesystem::path OverlayOutput::picture_of(const TrackRow& row) const {
+  return folder_ / "overlay" / print("frame_%06lld.png", static_cast<long long>(row.frame));
+}
 
-void OverlayOutput::add(const TrackedFrame& frame, const Roi& roi, int window_px) {
+void OverlayOutput::add(const TrackedFrame& frame, int window_px) {
   std::span<const Window> windows;
   std::span<const WindowMotion> field;
   if (frame.pair != nullptr) {
     windows = frame.pair->windows;
     field = frame.pair->field;
   }
-  const ColourPicture picture =
-      painter_.paint(frame.frame, roi.x, roi.y, frame.row, windows, field, window_px);
-  char name[40];
-  std::snprintf(name, sizeof name, "frame_%06lld.png", static_cast<long long>(frame.row.frame));
-  write_png_bgr(folder_ / "overlay" / name, picture.width, picture.height, picture.bgr);
-  video_->add(folder_ / "overlay.mp4", picture);
+  const ColourPicture picture = painter_.paint(frame.frame, frame.row, windows, field, window_px);
+  write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
 }
 
-void OverlayOutput::finish() { video_->finish(); }
+void OverlayOutput::finish(const std::vector<TrackRow>& rows, const SiScale& scale,
+                           const json& impact) const {
+  const Playback play = playback(options_, scale.fps);
+  Video video(folder_ / "overlay.mp4", play.rate);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::filesystem::path path = picture_of(rows[i]);
+    if (!std::filesystem::exists(path)) continue;  // of a run without overlay that was resumed
+    ColourPicture picture;
+    picture.bgr = read_png_bgr(path, picture.width, picture.height);
+    write_label(picture, label(rows[i], scale, impact));
+    write_png_bgr(path, picture.width, picture.height, picture.bgr);
+    if (i % play.step == 0) video.add(picture);
+  }
+  video.finish();
+}
 
 }  // namespace impactdic::app

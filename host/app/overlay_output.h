@@ -2,25 +2,38 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <vector>
 
 #include "host/report/overlay.h"
 #include "host/track/track_clip.h"
 
 namespace impactdic::app {
 
+struct OverlayOptions {
+  bool wanted = false;
+  double slow_motion = 0;  // how many times slower than life the video plays; 0: 25 frames/s
+  double arrow_scale = 5;  // of displacements
+};
+
 class OverlayOutput {
  public:
-  explicit OverlayOutput(std::filesystem::path folder);
-  ~OverlayOutput();
-  void add(const TrackedFrame& frame, const Roi& roi, int window_px);
-  void finish();
+  // `earlier`: rows of a run that is resumed. Throws FileError.
+  OverlayOutput(std::filesystem::path folder, const OverlayOptions& options, const Roi& roi,
+                std::span<const TrackRow> earlier);
+  void add(const TrackedFrame& frame, int window_px);
+  // Now that the impact is known (`impact` as in summary.json): writes phase, velocity and spin
+  // into every picture and makes the video. Throws FileError.
+  void finish(const std::vector<TrackRow>& rows, const SiScale& scale,
+              const nlohmann::json& impact) const;
 
  private:
-  struct Video;
+  std::filesystem::path picture_of(const TrackRow& row) const;
+
   std::filesystem::path folder_;
+  OverlayOptions options_;
   OverlayPainter painter_;
-  std::unique_ptr<Video> video_;
 };
 
 }  // namespace impactdic::app

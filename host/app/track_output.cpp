@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "host/app/overlay_output.h"
 #include "host/base/error.h"
 
 namespace impactdic::app {
@@ -77,8 +76,9 @@ TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()
   impl_->options = std::move(options);
   impl_->take_over();
   impl_->csv = std::make_unique<TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->rows);
-  if (impl_->options.overlay) {
-    impl_->overlay = std::make_unique<OverlayOutput>(impl_->options.folder);
+  if (impl_->options.overlay.wanted) {
+    impl_->overlay = std::make_unique<OverlayOutput>(impl_->options.folder, impl_->options.overlay,
+                                                     impl_->options.roi, impl_->rows);
   }
 }
 
@@ -98,7 +98,7 @@ void TrackOutput::add(const TrackedFrame& frame) {
   impl_->csv->add(frame.row);
   impl_->write_field(frame.row, frame.pair);
   if (impl_->overlay) {
-    impl_->overlay->add(frame, impl_->options.roi, impl_->options.window_px);
+    impl_->overlay->add(frame, impl_->options.window_px);
   }
   if (++impl_->unflushed >= kFlushEvery) impl_->flush();
 }
@@ -113,12 +113,12 @@ nlohmann::json TrackOutput::finish() {
   if (impl_->options.with_field) impl_->open_fields(0, 0);
   impl_->flush();
   impl_->csv->finish(impl_->rows, scale);
-  if (impl_->overlay) impl_->overlay->finish();
   nlohmann::json summary = summarise_track(impl_->rows, scale);
   const ImpactSetup& setup = impl_->options.impact;
   const ImpactAnalysis impact = analyse_impact(impl_->rows, impact_options(scale, setup));
   summary["impact"] = describe_impact(impact, impl_->rows, scale, setup);
   impl_->impact_line = impact_in_a_line(summary["impact"]);
+  if (impl_->overlay) impl_->overlay->finish(impl_->rows, scale, summary["impact"]);
   return summary;
 }
 

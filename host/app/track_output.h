@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/app/overlay_output.h"
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
 #include "host/report/impact_json.h"
@@ -23,7 +24,8 @@ struct OutputOptions {
   double ball_diameter_m = 0;  // 0: unknown
   ImpactSetup impact;
   int window_px = 15;
-  bool with_field = true, overlay = false, resume = false;
+  bool with_field = true, resume = false;
+  OverlayOptions overlay;
   Roi roi;
   Attributes attributes;
 };

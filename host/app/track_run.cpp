@@ -33,7 +33,11 @@ TrackOptions resolve_options(const TrackRequest& request, const VideoInfo& info)
   options.roi = parse_roi(request.roi, info.width, info.height);
   options.with_field = !request.no_field;
   const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0;
-  options.fps = resolve_fps(request.video, info, si ? "a velocity in m/s" : "");
+  const bool slowed = request.overlay.wanted && request.overlay.slow_motion > 0;
+  options.fps = resolve_fps(request.video, info,
+                            si       ? "a velocity in m/s"
+                            : slowed ? "--slow-motion"
+                                     : "");
   return options;
 }
 
@@ -157,7 +161,19 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
       ->capture_default_str();
   add_field_options(command, request.field);
   command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");
-  command.add_flag("--overlay", request.overlay, "Annotated frames as PNGs, and as MP4");
+  command.add_flag("--overlay", request.overlay.wanted,
+                   "Annotated frames as PNGs and as MP4: circle, path, arrows, phase, spin");
+  command
+      .add_option("--slow-motion", request.overlay.slow_motion,
+                  "How many times slower than life the overlay's video plays; 0: every frame, 25 "
+                  "a second")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      .add_option("--arrow-scale", request.overlay.arrow_scale,
+                  "Length of the overlay's arrows over the displacement to the next frame")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
 }
 
 void add_track_options(CLI::App& command, TrackRequest& request) {

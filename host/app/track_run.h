@@ -7,6 +7,7 @@
 
 #include "host/app/command.h"
 #include "host/app/field_options.h"
+#include "host/app/overlay_output.h"
 #include "host/app/run_context.h"
 #include "host/app/video_options.h"
 
@@ -19,7 +20,8 @@ struct TrackRequest {
   std::string output, frames, roi, radius, estimator = "field";
   double ball_diameter_mm = 0, mm_per_px = 0, surface_angle_deg = 0, gravity_angle_deg = -90;
   double inertia_factor = 0;  // 0: unknown
-  bool no_field = false, overlay = false, resume = false;
+  bool no_field = false, resume = false;
+  OverlayOptions overlay;
 };
 
 // Adds how a clip is measured: every option of `track` but those of the clip and its reading, the

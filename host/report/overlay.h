@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/base/image.h"
@@ -20,22 +21,28 @@ struct ColourPicture {
 
 class OverlayPainter {
  public:
-  // Arrows are `arrow_scale` times the displacement to the next frame.
-  explicit OverlayPainter(double arrow_scale = 5) : arrow_scale_(arrow_scale) {}
+  // Arrows are `arrow_scale` times the displacement to the next frame. `earlier`: rows of frames
+  // that were painted by another run, for the trajectory.
+  explicit OverlayPainter(double arrow_scale, int origin_x, int origin_y,
+                          std::span<const TrackRow> earlier = {});
 
   // Paints frame after frame; keeps the trajectory. `frame` is a cut-out whose pixel (0, 0) is
   // (origin_x, origin_y) of the picture that `row` and `windows` are measured in. Sides are
   // rounded down to even numbers, as video codecs want them.
-  ColourPicture paint(const Frame& frame, int origin_x, int origin_y, const TrackRow& row,
-                      std::span<const Window> windows, std::span<const WindowMotion> field,
-                      int window_px);
+  ColourPicture paint(const Frame& frame, const TrackRow& row, std::span<const Window> windows,
+                      std::span<const WindowMotion> field, int window_px);
 
  private:
   struct Point {
     double x, y;
   };
   double arrow_scale_;
+  int origin_x_, origin_y_;
   std::vector<Point> trajectory_;
 };
+
+// Writes `lines` into the picture's lower left corner, on a ground of their own, so small that they
+// fit: done again, it replaces what stood there.
+void write_label(ColourPicture& picture, const std::vector<std::string>& lines);
 
 }  // namespace impactdic

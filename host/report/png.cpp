@@ -36,4 +36,22 @@ void write_png_grey(const std::filesystem::path& path, int width, int height,
   write_png(path, width, height, PNG_FORMAT_GRAY, grey);
 }
 
+std::vector<std::uint8_t> read_png_bgr(const std::filesystem::path& path, int& width, int& height) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  std::vector<std::uint8_t> bgr;
+  bool read = png_image_begin_read_from_file(&image, path.c_str()) != 0;
+  if (read) {
+    image.format = PNG_FORMAT_BGR;
+    bgr.resize(PNG_IMAGE_SIZE(image));
+    read = png_image_finish_read(&image, nullptr, bgr.data(), 0, nullptr) != 0;
+  }
+  if (!read) {
+    throw FileError(std::string("cannot read the picture: ") + image.message, path.string());
+  }
+  width = static_cast<int>(image.width);
+  height = static_cast<int>(image.height);
+  return bgr;
+}
+
 }  // namespace impactdic

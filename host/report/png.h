@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <vector>
 
 namespace impactdic {
 
@@ -14,5 +15,8 @@ void write_png_bgr(const std::filesystem::path& path, int width, int height,
 // The same of (height, width) grey bytes.
 void write_png_grey(const std::filesystem::path& path, int width, int height,
                     std::span<const std::uint8_t> grey);
+
+// Reads a PNG file as (height, width, 3) bytes, blue first. Throws FileError.
+std::vector<std::uint8_t> read_png_bgr(const std::filesystem::path& path, int& width, int& height);
 
 }  // namespace impactdic

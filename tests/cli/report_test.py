@@ -185,7 +185,8 @@ class Shot(unittest.TestCase):
         run("synth", "-q", "--simulate", JOB, "--size", "200x200", "--radius-px", 55, "--frames",
             115, "--pattern", "e1", "-o", folder / "clip")
         run("track", "-q", folder / "clip" / "video.tif", "--fps", FPS, "--ball-diameter-mm", 67,
-            "--surface-angle-deg", 30, "--inertia-factor", 0.667, "-o", folder / "shot")
+            "--surface-angle-deg", 30, "--inertia-factor", 0.667, "--overlay", "--slow-motion", 100,
+            "--roi", "0,0,199,200", "-o", folder / "shot")
         (folder / "compare.toml").write_text(f"""
 normal = "linear_spring_damper"
 friction = "three_phase"
@@ -227,6 +228,25 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
         arrows = next(s for s in made.panels[3].series if s.kind == "arrows")
         down = np.nanmedian(arrows.y[1::3] - arrows.y[0::3])
         self.assertGreater(down, 3)  # towards the racket, y down, drawn longer than it is
+
+    def test_overlay_says_phase_and_plays_slowly(self):
+        import matplotlib.image
+
+        ground = np.array([20, 20, 20]) / 255
+        for frame in (5, 60):
+            name = f"frame_{frame:06}.png"
+            picture = matplotlib.image.imread(self.folder / "shot" / "overlay" / name)
+            self.assertEqual(picture.shape[:2], (200, 198))
+            np.testing.assert_allclose(picture[-1, 1, :3], ground, atol=1e-6)
+        if shutil.which("ffprobe") is None:
+            self.skipTest("no ffprobe on this machine")
+        video = self.folder / "shot" / "overlay.mp4"
+        said = subprocess.run(
+            ["ffprobe", "-v", "error", "-count_frames", "-show_entries",
+             "stream=width,height,r_frame_rate,nb_read_frames", "-of", "csv=p=0", video],
+            capture_output=True, text=True, check=True).stdout
+        # 10 000 frames/s played 100 times slower are 100 a second: every second one at 50.
+        self.assertEqual(said.strip(), "198,200,50/1,58")
 
     def test_models_are_those_that_compare_ran(self):
         compared = impactdic.load(self.folder / "shot" / "compare")
