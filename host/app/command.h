@@ -32,6 +32,7 @@ void add_devices_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_track_command(CLI::App& app);
 void add_correlate_command(CLI::App& app);
+void add_study_command(CLI::App& app);
 void add_synth_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
 void add_fit_command(CLI::App& app);

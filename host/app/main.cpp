@@ -46,6 +46,7 @@ void add_commands(CLI::App& app) {
   add_report_command(app);
   add_rod_command(app);
   add_simulate_command(app);
+  add_study_command(app);
   add_synth_command(app);
   add_verify_command(app);
 }

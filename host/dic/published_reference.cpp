@@ -82,10 +82,20 @@ void transform(std::vector<Complex>& data, int side, bool forward) {
   }
 }
 
+// The least length >= `count` without prime factors above 5, which transforms take quickly.
+int smooth_length(int count) {
+  for (int length = count;; ++length) {
+    int rest = length;
+    for (const int prime : {2, 3, 5}) {
+      while (rest % prime == 0) rest /= prime;
+    }
+    if (rest == 1) return length;
+  }
+}
+
 // Σ f(i) g(i + l) for all lags, l = 0 at (side − 1, side − 1), by FFT of zero-padded pictures.
 Square cross_correlation(const Square& f, const Square& g) {
-  int padded = 1;
-  while (padded < 2 * f.side - 1) padded *= 2;
+  const int padded = smooth_length(2 * f.side - 1);
   const auto spectrum = [&](const Square& square) {
     std::vector<Complex> data(static_cast<std::size_t>(padded) * padded);
     for (int y = 0; y < square.side; ++y) {

@@ -1,0 +1,208 @@
+#include "host/study/pattern_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "sim/speckle/pattern.h"
+
+namespace impactdic {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kHeader =
+    "pattern,density,motion,dx_px,dy_px,rot_deg,estimator,pairs,pairs_failed,"
+    "dx_mean_px,dy_mean_px,rot_mean_deg,dx_abs_px,dy_abs_px,rot_abs_deg,"
+    "dx_rms_px,dy_rms_px,rot_rms_deg,dx_sd_px,dy_sd_px,rot_sd_deg,"
+    "shift_rms_px,centre_rms_px,bound_dx_px,bound_dy_px,bound_rot_deg,"
+    "windows,no_texture_share,failed_share,wrong_share,window_rms_px,window_bound_px,"
+    "ms_per_pair";
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
+
+void write_row(std::ofstream& file, const PatternStudyRow& row) {
+  const MotionErrors& e = row.errors;
+  const double windows = e.windows;
+  file << row.pattern << ',' << shortest(row.density) << ',' << row.motion.name;
+  for (const double value : {row.motion.dx_px, row.motion.dy_px, row.motion.rot_deg}) {
+    file << ',' << shortest(value);
+  }
+  file << ',' << row.estimator << ',' << e.pairs << ',' << e.failed_pairs;
+  for (const auto part :
+       {&ErrorSums::mean, &ErrorSums::mean_abs, &ErrorSums::rms, &ErrorSums::sd}) {
+    for (const ErrorSums* sums : {&e.dx_px, &e.dy_px, &e.rot_deg}) {
+      file << ',' << cell((sums->*part)());
+    }
+  }
+  for (const double value :
+       {e.shift_px.rms(), row.centre_px.rms(), row.bound.dx_sd_px, row.bound.dy_sd_px,
+        row.bound.rot_sd_rad * kDegPerRad, windows / e.pairs, e.no_texture / windows,
+        e.failed / windows, e.wrong / windows, e.window_px.rms(), e.window_bound_px.rms(),
+        e.seconds * 1e3 / e.pairs}) {
+    file << ',' << cell(value);
+  }
+  file << '\n';
+}
+
+json describe(const PooledErrors& p) {
+  return {{"pairs", p.pairs},
+          {"pairs_failed", p.failed_pairs},
+          {"motion_rms_px", number(p.motion_rms_px)},
+          {"rot_rms_deg", number(p.rot_rms_deg)},
+          {"shift_rms_px", number(p.shift_rms_px)},
+          {"surface_rms_px", number(p.surface_rms_px)},
+          {"bound_px", number(p.bound_px)},
+          {"bound_deg", number(p.bound_deg)},
+          {"window_rms_px", number(p.window_rms_px)},
+          {"window_bound_px", number(p.window_bound_px)},
+          {"no_texture_share", number(p.no_texture_share)},
+          {"wrong_share", number(p.wrong_share)}};
+}
+
+// Fewer lost pairs first, then the smaller error.
+bool is_better(const PooledErrors& a, const PooledErrors& b) {
+  const auto lost = [](const PooledErrors& p) {
+    return p.pairs > 0 ? static_cast<double>(p.failed_pairs) / p.pairs : 1.0;
+  };
+  if (lost(a) != lost(b)) return lost(a) < lost(b);
+  return a.surface_rms_px < b.surface_rms_px;
+}
+
+// In the order in which they first appear.
+std::vector<std::string> names_of(std::span<const PatternStudyRow> rows,
+                                  std::string PatternStudyRow::*member) {
+  std::vector<std::string> names;
+  for (const PatternStudyRow& row : rows) {
+    if (std::find(names.begin(), names.end(), row.*member) == names.end()) {
+      names.push_back(row.*member);
+    }
+  }
+  return names;
+}
+
+std::string what_it_is(const PatternSpec& spec) {
+  char text[120];
+  if (spec.mean_area_px > 0) {
+    std::snprintf(text, sizeof text, "round speckles of about %.0f px area, %.0f %% ink",
+                  spec.mean_area_px, 100 * spec.density);
+  } else {
+    std::snprintf(text, sizeof text, "%s of %.0f to %.0f px area%s, %.0f %% ink",
+                  spec.clusters ? "speckles of random shape" : "round speckles", spec.min_area_px,
+                  spec.max_area_px, spec.lines > 0 ? " and a few thin lines" : "",
+                  100 * spec.density);
+  }
+  return text;
+}
+
+std::string finding(const PooledErrors& best, const std::string& best_pattern,
+                    const PooledErrors& worst, const std::string& worst_pattern) {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "Paint pattern %s (%s): %s measures its motion to %.4f px and %.4f deg a frame, "
+                "%.1f times as exactly as that of the worst, %s.",
+                best_pattern.c_str(), what_it_is(find_pattern(best_pattern)).c_str(),
+                best.estimator.c_str(), best.motion_rms_px, best.rot_rms_deg,
+                worst.surface_rms_px / best.surface_rms_px, worst_pattern.c_str());
+  return text;
+}
+
+}  // namespace
+
+PooledErrors pool(std::span<const PatternStudyRow> rows, const std::string& pattern_prefix,
+                  const std::string& estimator, double radius_px) {
+  PooledErrors pooled;
+  pooled.estimator = estimator;
+  double motion = 0, rotation = 0, shift = 0, window = 0, window_bound = 0, bound = 0,
+         bound_rot = 0;
+  double measured = 0, found = 0, windows = 0, clips = 0;
+  for (const PatternStudyRow& row : rows) {
+    if (row.estimator != estimator || !row.pattern.starts_with(pattern_prefix)) continue;
+    const MotionErrors& e = row.errors;
+    pooled.pairs += e.pairs;
+    pooled.failed_pairs += e.failed_pairs;
+    pooled.no_texture_share += e.no_texture;
+    pooled.wrong_share += e.wrong;
+    windows += e.windows;
+    ++clips;
+    bound += (std::pow(row.bound.dx_sd_px, 2) + std::pow(row.bound.dy_sd_px, 2)) / 2;
+    bound_rot += std::pow(row.bound.rot_sd_rad * kDegPerRad, 2);
+    if (const double n = e.dx_px.count(); n > 0) {
+      motion += n * (std::pow(e.dx_px.rms(), 2) + std::pow(e.dy_px.rms(), 2)) / 2;
+      rotation += n * std::pow(e.rot_deg.rms(), 2);
+      shift += n * std::pow(e.shift_px.rms(), 2);
+      measured += n;
+    }
+    if (const double n = e.window_px.count(); n > 0) {
+      window += n * std::pow(e.window_px.rms(), 2);
+      window_bound += n * std::pow(e.window_bound_px.rms(), 2);
+      found += n;
+    }
+  }
+  pooled.motion_rms_px = std::sqrt(motion / measured);
+  pooled.rot_rms_deg = std::sqrt(rotation / measured);
+  pooled.shift_rms_px = std::sqrt(shift / measured);
+  // Over a disc the mean square of the distance from the centre is R²/2, half of it along an axis.
+  pooled.surface_rms_px =
+      std::hypot(pooled.motion_rms_px, pooled.rot_rms_deg * kRadPerDeg * radius_px / 2);
+  pooled.window_rms_px = std::sqrt(window / found);
+  pooled.window_bound_px = std::sqrt(window_bound / found);
+  pooled.no_texture_share /= windows;
+  pooled.wrong_share /= windows;
+  pooled.bound_px = std::sqrt(bound / clips);
+  pooled.bound_deg = std::sqrt(bound_rot / clips);
+  return pooled;
+}
+
+void write_pattern_csv(const std::filesystem::path& path, std::span<const PatternStudyRow> rows) {
+  std::ofstream file(path);
+  file << kHeader << '\n';
+  for (const PatternStudyRow& row : rows) write_row(file, row);
+  file.flush();
+  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
+}
+
+json describe_patterns(std::span<const PatternStudyRow> rows, const PatternStudyOptions& options) {
+  const auto patterns = names_of(rows, &PatternStudyRow::pattern);
+  const auto estimators = names_of(rows, &PatternStudyRow::estimator);
+  std::set<std::string> groups;
+  for (const std::string& pattern : patterns) groups.insert(pattern.substr(0, 1));
+  const auto pooled = [&](const std::string& prefix, const std::string& estimator) {
+    return pool(rows, prefix, estimator, options.radius_px);
+  };
+  json summary = {{"radius_px", options.radius_px},
+                  {"noise", options.noise},
+                  {"seed", options.seed},
+                  {"pairs_per_motion", options.pairs}};
+  std::string best_estimator = estimators.front();
+  for (const std::string& estimator : estimators) {
+    const PooledErrors all = pooled("", estimator);
+    summary["estimators"][estimator]["all"] = describe(all);
+    for (const std::string& group : groups) {
+      summary["estimators"][estimator]["groups"][group] = describe(pooled(group, estimator));
+    }
+    for (const std::string& pattern : patterns) {
+      summary["estimators"][estimator]["patterns"][pattern] = describe(pooled(pattern, estimator));
+    }
+    if (is_better(all, pooled("", best_estimator))) best_estimator = estimator;
+  }
+  const auto order = [&](const std::string& a, const std::string& b) {
+    return is_better(pooled(a, best_estimator), pooled(b, best_estimator));
+  };
+  const std::string best = *std::min_element(patterns.begin(), patterns.end(), order);
+  const std::string worst = *std::max_element(patterns.begin(), patterns.end(), order);
+  summary["best_estimator"] = best_estimator;
+  summary["best_pattern"] = best;
+  summary["finding"] =
+      finding(pooled(best, best_estimator), best, pooled(worst, best_estimator), worst);
+  return summary;
+}
+
+}  // namespace impactdic

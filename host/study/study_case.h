@@ -1,0 +1,34 @@
+// What the speckle study measures: motions and estimators by name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/track/motion_estimator.h"
+
+namespace impactdic {
+
+// Motion from frame to frame: px, image axes; rotation counter-clockwise on screen.
+struct StudyMotion {
+  const char* name;
+  double dx_px, dy_px, rot_deg;
+  bool in_source;  // one of the four of section 2.3
+};
+
+// The source's four motions, and four that lie on no grid of spline points: at whole pixels a
+// method that takes its displacement from such a grid seems exact.
+const std::vector<StudyMotion>& study_motions();
+
+struct StudyEstimator {
+  std::string name;
+  EstimatorOptions options;
+  // Windows are looked for where the circle has moved to. The published method compares windows at
+  // the same place, and is biased for it.
+  bool aimed = true;
+};
+
+// published (5 spline points) or published0 … published9, zncc, icgn3, icgn5, icgn7, ring, ball.
+// Throws InvalidArgument naming them.
+StudyEstimator parse_study_estimator(const std::string& name);
+
+}  // namespace impactdic
