@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "host/dic/ball_registration.h"
-#include "host/dic/ring.h"
 #include "host/track/estimators.h"
 
 namespace impactdic {
@@ -15,9 +14,9 @@ BallOptions ball_options(const FieldOptions& field, bool affine) {
   return options;
 }
 
-// One registration of the whole ball, started from the field, or from circle and rings where the
-// field has too little texture or lost the turn. Rigid, unless the field says that the ball is
-// being compressed.
+// One registration of the whole ball, started from the field, or from circle and the rings' turn
+// where the field has too little texture. Rigid, unless the field says that the ball is being
+// compressed.
 class BallEstimator : public MotionEstimator {
  public:
   BallEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
@@ -26,7 +25,6 @@ class BallEstimator : public MotionEstimator {
         radius_px_(radius_px),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
-        ring_(engine, {}),
         rigid_(engine, ball_options(options.field, false)),
         affine_(engine, ball_options(options.field, true)) {}
 
@@ -35,12 +33,11 @@ class BallEstimator : public MotionEstimator {
 
   void measure(std::span<PairMotion> pairs) override {
     field_->measure(pairs);
-    const std::vector<std::size_t> lost = register_all(pairs);
-    if (lost.empty()) return;
-    std::vector<PairMotion> again;
-    for (const std::size_t i : lost) again.push_back(std::move(pairs[i]));
-    measure_turned(again);
-    for (std::size_t k = 0; k < lost.size(); ++k) pairs[lost[k]] = std::move(again[k]);
+    for (const std::size_t i : register_all(pairs)) {
+      // A field that the whole ball does not bear out is chance.
+      pairs[i].motion.ok = false;
+      if (pairs[i].status == TrackStatus::ok) pairs[i].status = TrackStatus::low_correlation;
+    }
   }
 
  private:
@@ -54,30 +51,14 @@ class BallEstimator : public MotionEstimator {
   // Registers every ball from where its field says. Returns those that could not be.
   std::vector<std::size_t> register_all(std::span<PairMotion> pairs) {
     std::vector<bool> done(pairs.size(), false);
-    register_balls(pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); }, done);
+    register_balls(
+        pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); }, done);
     register_balls(pairs, affine_, is_strained, done);
     std::vector<std::size_t> lost;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (!done[i]) lost.push_back(i);
     }
     return lost;
-  }
-
-  // Pairs that turned by more than the field can follow: rings find any turn, and windows that are
-  // turned by it find the rest. What is not found then is lost: a field that the whole ball does
-  // not bear out is chance.
-  void measure_turned(std::span<PairMotion> pairs) {
-    std::vector<RingTask> tasks;
-    for (const PairMotion& pair : pairs) tasks.push_back(ring_task(pair, radius_px_));
-    const std::vector<RingMotion> turns = ring_.measure(frames_, tasks);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (turns[i].status == WindowStatus::ok) pairs[i].guess_rot_rad = turns[i].rot_rad;
-    }
-    field_->measure(pairs);
-    for (const std::size_t i : register_all(pairs)) {
-      pairs[i].motion.ok = false;
-      if (pairs[i].status == TrackStatus::ok) pairs[i].status = TrackStatus::low_correlation;
-    }
   }
 
   template <typename Chosen>
@@ -128,7 +109,6 @@ class BallEstimator : public MotionEstimator {
   double radius_px_;
   std::unique_ptr<MotionEstimator> field_;
   DeviceFrames& frames_;
-  RingRotation ring_;
   BallRegistration rigid_, affine_;
 };
 

@@ -19,10 +19,6 @@ constexpr double kWellFound = 0.3, kFound = 0.1;
 // A clip that cannot be measured is not searched anew in every frame.
 constexpr int kVainSearches = 3;
 
-bool has_texture(const WindowMotion& motion) {
-  return motion.status != static_cast<idic_int>(WindowStatus::no_texture);
-}
-
 bool on_surface(const Window& window, int window_px, const Image<std::uint8_t>& mask) {
   if (mask.size() == 0) return true;
   for (int y = window.y0; y < window.y0 + window_px; ++y) {
@@ -80,8 +76,7 @@ class RegionCorrelator {
                 {cx_px_, cy_px_, guess_.dx_px, guess_.dy_px, guess_.rot_rad});
     std::vector<WindowMotion> field = correlator_->correlate(windows_);
     out.motion = fit_rigid_motion(field_points(windows_, field, window_px), cx_px_, cy_px_);
-    const auto textured = std::count_if(field.begin(), field.end(), has_texture);
-    share_ = out.motion.used / std::max(1.0, static_cast<double>(textured));
+    share_ = agreeing_share(out.motion, field);
     if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
     out.status = out.motion.ok ? TrackStatus::ok : explain_failure(field);
     return field;

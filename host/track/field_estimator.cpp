@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/stopwatch.h"
+#include "host/dic/ring.h"
 #include "host/dic/window_correlator.h"
 #include "host/track/estimators.h"
 
@@ -14,7 +16,11 @@ class FieldEstimator : public MotionEstimator {
  public:
   FieldEstimator(Engine& engine, const EstimatorOptions& options, double radius_px,
                  DeviceFrames& frames)
-      : options_(options), frames_(frames), correlator_(engine, options.field, frames.slots()) {
+      : options_(options),
+        radius_px_(radius_px),
+        frames_(frames),
+        correlator_(engine, options.field, frames.slots()),
+        ring_(engine, {}) {
     grid_ = disc_grid(0, 0, radius_px - options.rim_margin_px, options.field.window_px,
                       options.effective_spacing_px());
   }
@@ -23,23 +29,68 @@ class FieldEstimator : public MotionEstimator {
   double fit_seconds() const override { return fit_seconds_; }
 
   void measure(std::span<PairMotion> pairs) override {
+    std::vector<PairMotion*> all;
+    for (PairMotion& pair : pairs) all.push_back(&pair);
+    measure_from_guess(all);
+    measure_lost(pairs);
+  }
+
+ private:
+  // Of the windows that could be found, the share that must agree. Below the first the spin may be
+  // another than expected; below the second the few that agree do so by chance.
+  static constexpr double kWellFound = 0.3, kFound = 0.2;
+
+  void measure_from_guess(std::span<PairMotion* const> pairs) {
     std::vector<Window> all(pairs.size() * grid_.size());
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-      place(pairs[i]);
-      std::copy(pairs[i].windows.begin(), pairs[i].windows.end(),
+      place(*pairs[i]);
+      std::copy(pairs[i]->windows.begin(), pairs[i]->windows.end(),
                 all.begin() + static_cast<std::ptrdiff_t>(i * grid_.size()));
     });
     const std::vector<WindowMotion> measured = correlator_.correlate(frames_, all);
     const Stopwatch watch;
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
       const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());
-      pairs[i].field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
-      fit(pairs[i]);
+      pairs[i]->field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
+      fit(*pairs[i]);
     });
     fit_seconds_ += watch.seconds();
   }
 
- private:
+  // Where the windows found little, rings about the centres say how far the ball turned, whatever
+  // the angle, and the windows look there.
+  void measure_lost(std::span<PairMotion> pairs) {
+    constexpr double kSameGuess_rad = 0.02;
+    std::vector<PairMotion*> lost;
+    std::vector<RingTask> tasks;
+    for (PairMotion& pair : pairs) {
+      if (pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound) continue;
+      lost.push_back(&pair);
+      tasks.push_back(ring_task(pair, radius_px_));
+    }
+    if (lost.empty()) return;
+    const std::vector<RingMotion> turns = ring_.measure(frames_, tasks);
+    std::vector<PairMotion> again;
+    std::vector<PairMotion*> of;
+    for (std::size_t i = 0; i < lost.size(); ++i) {
+      if (turns[i].status != WindowStatus::ok) continue;
+      const bool same = std::abs(turns[i].rot_rad - lost[i]->guess_rot_rad) < kSameGuess_rad;
+      lost[i]->guess_rot_rad = turns[i].rot_rad;
+      if (same) continue;
+      again.push_back(*lost[i]);
+      of.push_back(lost[i]);
+    }
+    if (again.empty()) return;
+    std::vector<PairMotion*> anew;
+    for (PairMotion& pair : again) anew.push_back(&pair);
+    measure_from_guess(anew);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      const bool better = agreeing_share(again[i].motion, again[i].field) >
+                          agreeing_share(of[i]->motion, of[i]->field);
+      if (again[i].motion.ok && better) *of[i] = std::move(again[i]);
+    }
+  }
+
   void place(PairMotion& pair) const {
     pair.windows = grid_;
     const int x = static_cast<int>(std::lround(pair.first.cx_px));
@@ -56,15 +107,20 @@ class FieldEstimator : public MotionEstimator {
   void fit(PairMotion& pair) const {
     const auto points = field_points(pair.windows, pair.field, options_.field.window_px);
     pair.motion = fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
-    if (pair.motion.used < options_.fewest_windows) pair.motion.ok = false;
+    if (pair.motion.used < options_.fewest_windows ||
+        agreeing_share(pair.motion, pair.field) < kFound) {
+      pair.motion.ok = false;
+    }
     pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
     pair.strain = fit_strain(points);
     pair.status = pair.motion.ok ? TrackStatus::ok : explain_failure(pair.field);
   }
 
   EstimatorOptions options_;
+  double radius_px_;
   DeviceFrames& frames_;
   WindowCorrelator correlator_;
+  RingRotation ring_;
   std::vector<Window> grid_;
   double fit_seconds_ = 0;
 };

@@ -151,6 +151,14 @@ FieldStrain fit_strain(std::span<const PointMotion> points) {
           scatter * std::sqrt(std::max(fit.inverse(1, 1), fit.inverse(2, 2)))};
 }
 
+double agreeing_share(const RigidMotion& motion, std::span<const WindowMotion> motions) {
+  const auto could = std::count_if(motions.begin(), motions.end(), [](const WindowMotion& m) {
+    const auto status = static_cast<WindowStatus>(m.status);
+    return status != WindowStatus::no_texture && status != WindowStatus::out_of_view;
+  });
+  return could > 0 ? static_cast<double>(motion.used) / static_cast<double>(could) : 0;
+}
+
 TrackStatus explain_failure(std::span<const WindowMotion> motions) {
   std::size_t bare = 0, outside = 0;
   for (const WindowMotion& motion : motions) {

@@ -45,6 +45,10 @@ struct FieldStrain {
 };
 FieldStrain fit_strain(std::span<const PointMotion> points);
 
+// Of the windows that have texture and lie in view, the share that agrees on `motion`, 0 … 1. Where
+// the windows looked in the wrong place some of them agree by chance: up to a sixth.
+double agreeing_share(const RigidMotion& motion, std::span<const WindowMotion> motions);
+
 // Why too few windows carried a motion.
 TrackStatus explain_failure(std::span<const WindowMotion> motions);
 
