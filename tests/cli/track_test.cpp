@@ -10,12 +10,11 @@
 namespace impactdic::testing {
 namespace {
 
-// The demo's clips: pattern e1, radius 115 px, exact truth.
+// A clip with exact truth; pattern e1 and radius 115 px unless said otherwise.
 class SyntheticClip {
  public:
   explicit SyntheticClip(const std::string& options) {
-    const Outcome outcome = run_program("synth --pattern e1 --frames 12 " + options + " -o " +
-                                        quoted(folder_ / "clip"));
+    const Outcome outcome = run_program("synth " + options + " -o " + quoted(folder_ / "clip"));
     if (outcome.status != 0) throw std::runtime_error(outcome.err);
   }
   Outcome track(const std::string& out, const std::string& options = "") const {
@@ -31,7 +30,7 @@ class SyntheticClip {
 };
 
 const SyntheticClip& turning_clip() {
-  static const SyntheticClip clip("--velocity-px 1,1 --rotation-deg 3");
+  static const SyntheticClip clip("--frames 12 --velocity-px 1,1 --rotation-deg 3");
   return clip;
 }
 
@@ -47,7 +46,7 @@ void expect_mean_error(const SyntheticClip& clip, const std::string& column, dou
 }
 
 TEST(Track, MeasuresTranslationWithoutBias) {
-  const SyntheticClip clip("--velocity-px 1,0 --rotation-deg 0");
+  const SyntheticClip clip("--frames 12 --velocity-px 1,0 --rotation-deg 0");
   ASSERT_EQ(clip.track("out").status, 0);
   expect_mean_error(clip, "dx_px", 0.01);
   expect_mean_error(clip, "dy_px", 0.01);
@@ -60,6 +59,42 @@ TEST(Track, MeasuresMotionInTwoDirectionsWithSpin) {
   expect_mean_error(clip, "dx_px", 0.01);
   expect_mean_error(clip, "dy_px", 0.01);
   expect_mean_error(clip, "rot_deg", 0.02);
+}
+
+// Neither windows nor the last frame's spin reach so far: rings have to find it.
+TEST(Track, FindsASpinOfTwentyDegreesAFrameUnseeded) {
+  const SyntheticClip clip(
+      "--size 240x240 --radius-px 80 --velocity-px 1.3,0.4 --rotation-deg 20 --noise 2 --frames 4");
+  for (const char* estimator : {"field", "ball"}) {
+    ASSERT_EQ(clip.track("out", std::string("--force --estimator ") + estimator).status, 0);
+    const CsvTable table = clip.result("out");
+    const auto dx = table.numbers("dx_px"), rot = table.numbers("rot_deg");
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(dx[i], 1.3, 0.05) << estimator << ", frame " << i;  // 0.35 of the circle's error
+      EXPECT_NEAR(rot[i], 20, 0.01) << estimator << ", frame " << i;
+    }
+  }
+}
+
+// The ball falls through the picture from above it to below it. Its speckles come first.
+TEST(Track, BallThatEntersAndLeavesIsMeasuredWhereItIsSeen) {
+  const SyntheticClip clip(
+      "--pattern f1 --size 160x256 --radius-px 50 --start-px 78,-42 --velocity-px 0.2,11.3 "
+      "--rotation-deg 2 --noise 2 --frames 32");
+  ASSERT_EQ(clip.track("out").status, 0);
+  const CsvTable table = clip.result("out"), truth = clip.truth();
+  const auto cy = table.numbers("cy_px"), want = truth.numbers("cy_px"),
+             dy = table.numbers("dy_px");
+  int measured = 0;
+  for (std::size_t i = 0; i < cy.size(); ++i) {
+    if (!std::isnan(cy[i])) {
+      EXPECT_NEAR(cy[i], want[i], 0.15) << "frame " << i;
+    }
+    if (std::isnan(dy[i])) continue;
+    EXPECT_NEAR(dy[i], 11.3, 0.02) << "frame " << i;
+    ++measured;
+  }
+  EXPECT_GE(measured, 20);
 }
 
 TEST(Track, FilesHoldWhatTheInterfacePromises) {
