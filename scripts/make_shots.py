@@ -11,7 +11,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-PROGRAM = Path(__file__).resolve().parents[1] / "build" / "release" / "impactdic"
+PROGRAM = Path(__file__).absolute().parents[1] / "build" / "release" / "impactdic"
 FRICTION = {15: 0.0335, 30: 0.1068, 45: 0.19, 57: 0.35}
 JOB = """
 normal = "linear_spring_damper"

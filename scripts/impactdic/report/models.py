@@ -10,7 +10,9 @@ from ..results import ResultError, load, read_table
 from .figure import BLACK, COLOURS, Figure, Panel, Series, Surface
 from .shot import Shot, deflection
 
-# What only one friction model takes.
+# Those that are integrated; the others are formulas, or laws of their own, and have no path here.
+FRICTION_LAWS = ["none", "coulomb", "three_phase", "full_sliding", "brody", "maw_barber_fawcett"]
+# What only one friction law takes.
 OWN_KEYS = {"friction_static": "three_phase", "poisson": "maw_barber_fawcett"}
 
 
@@ -33,7 +35,7 @@ def figures(folder, program, warnings):
     result = load(folder)
     made = []
     if kind_of(folder) == "compare":
-        for i, shot in enumerate(result.summary["shots"]):
+        for i, shot in enumerate(result.summary.get("shots", [])):  # none where rods are compared
             try:
                 made.append(comparison(result, shot, i, program))
             except (ResultError, OSError, subprocess.CalledProcessError) as error:
@@ -59,8 +61,12 @@ def comparison(result, shot, number, program):
         "tip": Panel("contact point", "time since the touch, ms", "velocity, m/s"),
         "spin": Panel("angular velocity", "time since the touch, ms", "angular velocity, rad/s"),
     }
-    _add_measured(panels, measured)
-    for i, model in enumerate(shot["models"]):
+    laws = [model for model in shot["models"] if model["model"] in FRICTION_LAWS]
+    if Path(measured["track"]).is_file():
+        _add_path(panels, measured)
+    elif laws:
+        _add_velocities(panels, measured, laws[0]["contact_s"])
+    for i, model in enumerate(laws):
         path = integrate(result, shot, model, program)
         name, colour = model["model"], COLOURS[i % len(COLOURS)]
         time = 1e3 * path["time_s"]
@@ -77,7 +83,7 @@ def comparison(result, shot, number, program):
                 Series(name, time[keep], values[keep], colour=colour, dash=i > 0)
             )
     suffix = "" if len(result.summary["shots"]) == 1 else f"_{number + 1}"
-    name = Path(measured["track"]).parent.name
+    name = name_of(measured["track"])
     return Figure(
         f"models_{result.name}{suffix}",
         f"Models against measurement: {name}, {measured['surface_angle_deg']:g}°",
@@ -87,13 +93,28 @@ def comparison(result, shot, number, program):
     )
 
 
-def _add_measured(panels, measured):
-    track = Path(measured["track"])
-    if not track.exists():
-        raise ResultError("the track that the models were compared with is gone", track)
-    shot = Shot(load(track.parent))
+def name_of(track):
+    """A shot's own name: that of its folder, or the one that a table of shots gives it."""
+    return Path(track).parent.name if track.endswith("track.csv") else track
+
+
+def _add_velocities(panels, measured, contact_s):
+    """Of a shot of which a table says only the velocities."""
+    for key, name in (("vt", "vt_m_s"), ("spin", "omega_rad_s")):
+        figures = [measured[side][name] for side in ("before", "after")]
+        known = [(time, f) for time, f in zip((0.0, 1e3 * contact_s), figures)
+                 if f["value"] is not None]
+        panels[key].series.append(
+            Series("measured", np.array([time for time, _ in known]),
+                   np.array([f["value"] for _, f in known]),
+                   np.array([f["sd"] or 0.0 for _, f in known]), BLACK, "markers", "x")
+        )
+
+
+def _add_path(panels, measured):
+    shot = Shot(load(Path(measured["track"]).parent))
     if not shot.si:
-        raise ResultError("the track has no SI results", track)
+        raise ResultError("the track has no SI results", measured["track"])
     start = 1e3 * measured["contact_start_s"]["value"]
     length = 1e3 * measured["contact_s"]["value"]
     radius = 1e-3 * shot.radius

@@ -2,12 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-
-import numpy as np
 
 from ..results import read_table
-from .models import kind_of
+from .models import kind_of, name_of
 
 
 @dataclass
@@ -168,20 +165,39 @@ def model_tables(result):
                             rows, "Models"))
     if kind_of(result.folder) == "compare":
         table = read_table(result.folder / "comparison.csv")
-        columns = {"vt": "vt_m_s", "vn": "vn_m_s", "omega": "omega_rad_s"}
-        rows = []
-        for i, model in enumerate(np.atleast_1d(table["model"])):
-            row = [Path(str(table["track"][i])).parent.name, f"{table['surface_angle_deg'][i]:g}°", str(model)]
-            for name, column in columns.items():
-                error = table[name + "_error"][i]
-                row.append(f"{table[column][i]:.4f}"
-                           + ("" if math.isnan(error) else f" ({100 * error:+.1f} %)"))
-            rows.append(row + [f"{1e3 * table['rms_m'][i]:.4f}", f"{table['aic'][i]:.1f}"])
-        header = ["shot", "surface", "model", "vt after, m/s", "vn after, m/s", "ω after, rad/s",
-                  "rms of the path, mm", "AIC"]
-        tables.append(Table(f"Models after the impact ({result.name}), error in brackets", header,
-                            rows, "Models"))
+        tables.append(_rods(result, table) if "blow" in table else _balls(result, table))
     return tables
+
+
+def _balls(result, table):
+    columns = {"vt": "vt_m_s", "vn": "vn_m_s", "omega": "omega_rad_s"}
+    rows = []
+    for i, model in enumerate(table["model"]):
+        row = [name_of(str(table["track"][i])), f"{table['surface_angle_deg'][i]:g}°", str(model)]
+        for name, column in columns.items():
+            error = table[name + "_error"][i]
+            row.append(f"{table[column][i]:.4f}"
+                       + ("" if math.isnan(error) else f" ({100 * error:+.1f} %)"))
+        rms, aic = 1e3 * table["rms_m"][i], table["final_aic"][i]
+        rows.append(row + ["" if math.isnan(rms) else f"{rms:.4f}",
+                           "" if math.isnan(aic) else f"{aic:.1f}"])
+    header = ["shot", "surface", "model", "vt after, m/s", "vn after, m/s", "ω after, rad/s",
+              "rms of the path, mm", "AIC of the velocities"]
+    return Table(f"Models after the impact ({result.name}), relative error in brackets", header,
+                 rows, "Models")
+
+
+def _rods(result, table):
+    columns = ["rod_angle_deg", "restitution_measured", "restitution", "omega_measured_rad_s",
+               "omega_rad_s"]
+    rows = []
+    for i, model in enumerate(table["model"]):
+        numbers = [number(table[column][i]) for column in columns]
+        rows.append([str(table["blow"][i]), str(model)]
+                    + ["" if math.isnan(n) else f"{n:.4g}" for n in numbers])
+    header = ["blow", "model", "angle of the rod, °", "restitution measured", "restitution",
+              "ω measured, rad/s", "ω, rad/s"]
+    return Table(f"Models of the rod ({result.name})", header, rows, "Models")
 
 
 def warnings_of(summary):
