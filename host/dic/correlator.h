@@ -19,8 +19,13 @@ class Correlator {
   // Puts a frame into slot `slot` (0 … slots − 1), replacing what was there. The first frame sets
   // the size; another size throws InvalidArgument.
   virtual void set_frame(int slot, const Frame& frame) = 0;
+  // Pixels of the picture in `slot` outside this disc do not count when it is a window's first
+  // frame: IC-GN measures a window that the rim cuts over its part inside, if that is half of it.
+  // The other methods take no notice. An infinite radius, the default, takes the disc away.
+  virtual void set_disc(int slot, double cx_px, double cy_px, double radius_px) = 0;
   // Measures every window; the result stands at the window's index. Windows may name any slots
-  // that hold a frame. A window that cannot be measured has a status, never an exception.
+  // that hold a frame. A window that cannot be measured has a status, never an exception. With
+  // IC-GN, what the correlation does not find is sought from its neighbours (neighbours.h).
   virtual std::vector<WindowMotion> correlate(std::span<const Window> windows) = 0;
 };
 

@@ -11,6 +11,10 @@ class OpenclCorrelator final : public Correlator {
 
   void set_frame(int slot, const Frame& frame) override { frames_.set(slot, frame); }
 
+  void set_disc(int slot, double cx_px, double cy_px, double radius_px) override {
+    windows_.set_disc(slot, cx_px, cy_px, radius_px);
+  }
+
   std::vector<WindowMotion> correlate(std::span<const Window> windows) override {
     return windows_.correlate(frames_, windows);
   }

@@ -1,8 +1,10 @@
 #include <optional>
 
 #include "host/dic/correlator.h"
+#include "host/dic/discs.h"
 #include "host/dic/frame_slots.h"
 #include "host/dic/icgn_reference.h"
+#include "host/dic/neighbours.h"
 #include "host/dic/published_reference.h"
 #include "host/dic/seed_options.h"
 #include "host/dic/zncc_reference.h"
@@ -13,7 +15,10 @@ namespace {
 class ReferenceCorrelator final : public Correlator {
  public:
   ReferenceCorrelator(const FieldOptions& options, int slots)
-      : options_(options), slots_(slots), frames_(static_cast<std::size_t>(slots_.count())) {
+      : options_(options),
+        slots_(slots),
+        frames_(static_cast<std::size_t>(slots_.count())),
+        discs_(slots) {
     options_.validate();
     if (options_.method == FieldMethod::icgn) icgn_.emplace(options_, slots);
     if (options_.method == FieldMethod::published) published_.emplace(options_);
@@ -26,11 +31,32 @@ class ReferenceCorrelator final : public Correlator {
     full_scale_ = frame.full_scale();
   }
 
+  void set_disc(int slot, double cx_px, double cy_px, double radius_px) override {
+    discs_.set(slot, cx_px, cy_px, radius_px);
+    if (icgn_) icgn_->set_disc(slot, cx_px, cy_px, radius_px);
+  }
+
   std::vector<WindowMotion> correlate(std::span<const Window> windows) override {
     slots_.check(windows);
-    std::vector<WindowMotion> motions;
-    motions.reserve(windows.size());
-    for (const Window& window : windows) motions.push_back(measure(window));
+    std::vector<WindowMotion> motions(windows.size());
+    const auto search = [&](std::span<const Window> some, std::span<WindowMotion> found) {
+      for (std::size_t i = 0; i < some.size(); ++i) found[i] = measure(some[i]);
+    };
+    if (!icgn_) {
+      search(windows, motions);
+      return motions;
+    }
+    search_whole_windows(windows, options_.window_px, discs_, motions, search);
+    refine_from_neighbours(
+        windows, options_.window_px,
+        [&](std::span<const Window> lost, std::span<const WindowMotion> seeds) {
+          std::vector<WindowMotion> found;
+          for (std::size_t i = 0; i < lost.size(); ++i) {
+            found.push_back(icgn_->refine(lost[i], seeds[i]));
+          }
+          return found;
+        },
+        motions);
     return motions;
   }
 
@@ -47,6 +73,7 @@ class ReferenceCorrelator final : public Correlator {
   FieldOptions options_;
   FrameSlots slots_;
   std::vector<Image<float>> frames_;
+  Discs discs_;
   std::optional<PublishedReference> published_;
   std::optional<IcgnReference> icgn_;
   double full_scale_ = 255;

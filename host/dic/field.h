@@ -51,9 +51,10 @@ enum class WindowStatus : std::int32_t {
 const char* to_string(WindowStatus status);
 
 // Grid of windows with centres every `spacing_px`, symmetric about (cx, cy) to the nearest pixel,
-// whose pixels all lie within `radius_px` of it. Row by row from the top; frames and guess are 0.
+// of whose pixels at least the share `inside` lies within `radius_px` of it. Row by row from the
+// top; frames and guess are 0.
 std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int window_px,
-                              int spacing_px);
+                              int spacing_px, double inside = 1);
 // Grid that fills the rectangle (x, y, width, height).
 std::vector<Window> rectangle_grid(int x, int y, int width, int height, int window_px,
                                    int spacing_px);

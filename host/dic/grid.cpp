@@ -10,25 +10,34 @@ void check_grid(int window_px, int spacing_px) {
   if (window_px < 1) throw InvalidArgument("the window must have pixels", "--window");
   if (spacing_px < 1) throw InvalidArgument("the spacing must be at least 1 px", "--spacing");
 }
+
+// How many pixels of the window whose first one is at (x, y) from a disc's centre lie within it.
+int pixels_inside(double x, double y, double radius_px, int window_px) {
+  int count = 0;
+  for (int j = 0; j < window_px; ++j) {
+    for (int i = 0; i < window_px; ++i) count += std::hypot(x + i, y + j) <= radius_px;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int window_px,
-                              int spacing_px) {
+                              int spacing_px, double inside) {
   check_grid(window_px, spacing_px);
   std::vector<Window> windows;
   const double half = (window_px - 1) / 2.0;
+  const double fewest = inside * window_px * window_px;
   const int middle_x = static_cast<int>(std::lround(cx_px - half));
   const int middle_y = static_cast<int>(std::lround(cy_px - half));
-  const int steps = static_cast<int>(std::max(0.0, radius_px) / spacing_px) + 1;
+  const int steps = static_cast<int>((std::max(0.0, radius_px) + half) / spacing_px) + 1;
   for (int j = -steps; j <= steps; ++j) {
     for (int i = -steps; i <= steps; ++i) {
       Window window{};
       window.x0 = middle_x + i * spacing_px;
       window.y0 = middle_y + j * spacing_px;
-      // The corner farthest from the centre decides.
-      const double dx = std::abs(window.x0 + half - cx_px) + half;
-      const double dy = std::abs(window.y0 + half - cy_px) + half;
-      if (std::hypot(dx, dy) <= radius_px) windows.push_back(window);
+      const double x = window.x0 - cx_px, y = window.y0 - cy_px;
+      if (pixels_inside(x, y, radius_px, window_px) >= fewest) windows.push_back(window);
     }
   }
   return windows;

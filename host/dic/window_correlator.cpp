@@ -1,11 +1,12 @@
 #include "host/dic/window_correlator.h"
 
+#include "host/dic/neighbours.h"
 #include "host/dic/seed_options.h"
 
 namespace impactdic {
 
 WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, int slots)
-    : engine_(engine) {
+    : engine_(engine), window_px_(options.window_px), discs_(slots) {
   options.validate();
   if (options.method == FieldMethod::published) {
     published_.emplace(engine, options);
@@ -24,13 +25,49 @@ std::vector<WindowMotion> WindowCorrelator::correlate(DeviceFrames& frames,
     }
   }
   std::vector<WindowMotion> motions(windows.size());
-  if (windows.empty()) return motions;
+  if (!icgn_) {
+    search(frames, windows, motions);
+    return motions;
+  }
+  search_whole_windows(windows, window_px_, discs_, motions,
+                       [&](std::span<const Window> whole, std::span<WindowMotion> found) {
+                         search(frames, whole, found);
+                       });
+  refine_from_neighbours(
+      windows, window_px_,
+      [&](std::span<const Window> lost, std::span<const WindowMotion> seeds) {
+        return refine(frames, lost, seeds);
+      },
+      motions);
+  return motions;
+}
+
+void WindowCorrelator::set_disc(int slot, double cx_px, double cy_px, double radius_px) {
+  discs_.set(slot, cx_px, cy_px, radius_px);
+  if (icgn_) icgn_->set_disc(slot, cx_px, cy_px, radius_px);
+}
+
+void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> windows,
+                              std::span<WindowMotion> motions) {
+  if (windows.empty()) return;
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
   windows_.write(engine_, windows);
   if (published_) published_->run(frames, windows_, windows.size(), motions_);
   if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
   if (icgn_) icgn_->refine(frames, windows_, windows.size(), motions_);
+  motions_.read(engine_, motions);
+}
+
+std::vector<WindowMotion> WindowCorrelator::refine(DeviceFrames& frames,
+                                                   std::span<const Window> windows,
+                                                   std::span<const WindowMotion> seeds) {
+  std::vector<WindowMotion> motions(windows.size());
+  windows_.reserve(engine_, windows.size());
+  motions_.reserve(engine_, windows.size());
+  windows_.write(engine_, windows);
+  motions_.write(engine_, seeds);
+  icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
   return motions;
 }

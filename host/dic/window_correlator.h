@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/dic/device_frames.h"
+#include "host/dic/discs.h"
 #include "host/dic/field.h"
 #include "host/dic/icgn_opencl.h"
 #include "host/dic/published_opencl.h"
@@ -20,18 +21,32 @@ class WindowCorrelator {
   // InvalidArgument for options that contradict each other.
   WindowCorrelator(Engine& engine, const FieldOptions& options, int slots);
 
-  // Measures every window; the result stands at the window's index. Throws InvalidArgument where a
-  // window names a slot without a frame.
+  // Pixels of the picture in `slot` outside this disc do not count when it is a window's first
+  // frame: IC-GN measures a window that the rim cuts over its part inside, if that is half of it.
+  // The other methods take no notice. An infinite radius, the default, takes the disc away.
+  void set_disc(int slot, double cx_px, double cy_px, double radius_px);
+
+  // Measures every window; the result stands at the window's index. With IC-GN, what the
+  // correlation does not find, or cannot judge because the rim cuts it, is sought from its
+  // neighbours (neighbours.h). Throws InvalidArgument where a window names a slot without a frame.
   std::vector<WindowMotion> correlate(DeviceFrames& frames, std::span<const Window> windows);
 
  private:
+  // Seeds by correlation, and refines them.
+  void search(DeviceFrames& frames, std::span<const Window> windows,
+              std::span<WindowMotion> motions);
+  std::vector<WindowMotion> refine(DeviceFrames& frames, std::span<const Window> windows,
+                                   std::span<const WindowMotion> seeds);
+
   Engine& engine_;
+  int window_px_;
   // What the method takes; the others stay empty.
   std::optional<PublishedOpencl> published_;
   std::optional<ZnccOpencl> zncc_;
   std::optional<IcgnRefiner> icgn_;
   Buffer<Window> windows_;
   Buffer<WindowMotion> motions_;
+  Discs discs_;
 };
 
 }  // namespace impactdic

@@ -1,0 +1,48 @@
+#include "host/dic/discs.h"
+
+#include <cmath>
+
+namespace impactdic {
+
+bool Discs::cuts(const Window& window, int window_px) const {
+  const Disc& disc = discs_[static_cast<std::size_t>(window.first)];
+  if (!std::isfinite(disc.radius_px)) return false;
+  const double half = (window_px - 1) / 2.0;
+  const double dx = std::abs(window.x0 + half - disc.cx_px) + half;
+  const double dy = std::abs(window.y0 + half - disc.cy_px) + half;
+  return dx * dx + dy * dy > disc.radius_px * disc.radius_px;
+}
+
+void search_whole_windows(std::span<const Window> windows, int window_px, const Discs& discs,
+                          std::span<WindowMotion> motions, const SearchWindows& search) {
+  std::vector<std::size_t> index;
+  std::vector<Window> whole;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (discs.cuts(windows[i], window_px)) continue;
+    index.push_back(i);
+    whole.push_back(windows[i]);
+  }
+  if (whole.size() == windows.size()) {
+    search(windows, motions);
+    return;
+  }
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  for (WindowMotion& motion : motions) {
+    motion = {kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              kNan,
+              static_cast<idic_int>(WindowStatus::low_correlation)};
+  }
+  std::vector<WindowMotion> found(whole.size());
+  search(whole, found);
+  for (std::size_t k = 0; k < index.size(); ++k) motions[index[k]] = found[k];
+}
+
+}  // namespace impactdic

@@ -1,0 +1,36 @@
+// The disc of every frame slot within which pixels are on the surface.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "host/dic/field.h"
+
+namespace impactdic {
+
+class Discs {
+ public:
+  explicit Discs(int slots) : discs_(static_cast<std::size_t>(slots)) {}
+  void set(int slot, double cx_px, double cy_px, double radius_px) {
+    discs_.at(static_cast<std::size_t>(slot)) = {cx_px, cy_px, radius_px};
+  }
+  // Whether a pixel of the window lies outside its first frame's disc.
+  bool cuts(const Window& window, int window_px) const;
+
+ private:
+  struct Disc {
+    double cx_px = 0, cy_px = 0, radius_px = std::numeric_limits<double>::infinity();
+  };
+  std::vector<Disc> discs_;
+};
+
+using SearchWindows = std::function<void(std::span<const Window>, std::span<WindowMotion>)>;
+
+// Has those windows searched that no disc cuts; the others become low_correlation. What is beyond
+// the rim stands still or moves otherwise: a correlation would find that.
+void search_whole_windows(std::span<const Window> windows, int window_px, const Discs& discs,
+                          std::span<WindowMotion> motions, const SearchWindows& search);
+
+}  // namespace impactdic

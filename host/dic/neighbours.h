@@ -1,0 +1,23 @@
+// Second chance for windows: what the correlation did not find is sought where the neighbours went.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "host/dic/field.h"
+
+namespace impactdic {
+
+// Refines windows from their seeds, one result a window.
+using RefineWindows = std::function<std::vector<WindowMotion>(std::span<const Window>,
+                                                              std::span<const WindowMotion>)>;
+
+// Windows that were not found (low_correlation, at_search_edge, not_converged) are refined from
+// what the nearest found windows of the same pair of frames say at their place, displacement and
+// gradient both (the reliability-guided walk of Pan 2009, all of a front at once), until no more
+// are found. A window that stays lost keeps its status. Windows of one pair must follow each other.
+void refine_from_neighbours(std::span<const Window> windows, int window_px,
+                            const RefineWindows& refine, std::span<WindowMotion> motions);
+
+}  // namespace impactdic
