@@ -276,8 +276,12 @@ class MawBarberFawcett final : public FrictionLaw {
       (value > 0 ? high : low) = xi;
       const double slope = side_ * pieces_[index].slope(xi) + alpha_;
       double next = xi - value / slope;
-      if (!(next >= low && next <= high)) next = 0.5 * (low + high);
-      if (std::abs(next - xi) <= 4e-16 * high) return next;
+      const bool bisect = !(next >= low && next <= high);
+      if (bisect) next = 0.5 * (low + high);
+      // The error that is left is of the order of the step's square; and `excess` is a difference
+      // of lengths like the deflection, of which the rounding remains.
+      const double step = std::abs(next - xi) / at.deflection_m;
+      if (step <= (bisect ? 4e-16 : 1e-9)) return next;
       xi = next;
     }
     return xi;
