@@ -40,6 +40,15 @@ std::vector<NamedJob> every_model() {
     job.contact.restitution_damping = damping;
     jobs.push_back({"linear_spring_damper, " + std::string(name_of(damping)), job});
   }
+  for (const RestitutionDamping damping :
+       {RestitutionDamping::kToZeroForce, RestitutionDamping::kToZeroDeflection}) {
+    ImpactJob job = wood_sound_job();
+    job.contact.restitution_damping = damping;
+    jobs.push_back({"maw_barber_fawcett, " + std::string(name_of(damping)), job});
+    job.friction = FrictionModel::kCoulomb;
+    job.contact.poisson = 0;
+    jobs.push_back({"hertz_damper, " + std::string(name_of(damping)), job});
+  }
   for (const Preset preset : {Preset::kPublished, Preset::kSound}) {
     for (const FrictionModel friction :
          {FrictionModel::kNone, FrictionModel::kCoulomb, FrictionModel::kThreePhase,
@@ -54,6 +63,10 @@ std::vector<NamedJob> every_model() {
   for (const NormalModel normal :
        {NormalModel::kJacksonGreen, NormalModel::kKogutEtsion, NormalModel::kThornton}) {
     jobs.push_back({std::string(name_of(normal)), steel_job(normal)});
+    ImpactJob other = steel_job(normal);
+    other.contact.residual = ResidualLaw::kKogutEtsion;
+    if (normal == NormalModel::kThornton) continue;  // it has a residual of its own
+    jobs.push_back({std::string(name_of(normal)) + ", residual kogut_etsion", other});
   }
   return jobs;
 }

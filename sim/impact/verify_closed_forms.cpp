@@ -60,6 +60,15 @@ void add_linear(std::vector<VerifyCase>& cases) {
   cases.push_back({group, "Kelvin-Voigt damping, N s/m", "Dignall & Haake 2000", 5.3601, 5e-4, [] {
                      return kelvin_voigt_parameters(0.0567, 0.73559, 6.4967e-3).damping_n_s_per_m;
                    }});
+  ImpactJob force_free = job;
+  force_free.contact.restitution_damping = RestitutionDamping::kToZeroForce;
+  cases.push_back({group, "stiffness from (e, T) damped to zero force, N/m", "closed form",
+                   job.contact.stiffness, 1e-7 * job.contact.stiffness, [force_free] {
+                     const ImpactResult r = simulate_impact(force_free);
+                     return force_free_parameters(force_free.body.mass_kg, r.restitution,
+                                                  r.contact_s)
+                         .stiffness;
+                   }});
   ImpactJob kelvin_voigt = job;
   kelvin_voigt.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
   cases.push_back(

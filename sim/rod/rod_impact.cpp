@@ -23,6 +23,9 @@ using rod::State;
 
 constexpr double kStepsPerShortestPeriod = 20;
 constexpr int kMostEvents = 100000;
+// Below it a state counts as zero for the tolerance: deflections of the modes are some 1e-6 to 1e-4
+// m sqrt(kg), the compression as much in m.
+constexpr double kScale = 1e-6;
 
 void require(bool good, const char* key, const char* hint) {
   if (!good) throw InvalidArgument("impossible value", key, hint);
@@ -55,8 +58,8 @@ class Blow {
   double contact_guard(const State& state) const;
   double reload_guard(const State& state) const;
   double friction_guard(const State& state) const;
-  double locate(const Stepper& stepper, const std::function<double(const State&)>& guard,
-                double from, double to) const;
+  State single_step(double length_s) const;
+  double locate(const std::function<double(const State&)>& guard, double from, double to) const;
   void switch_contact(bool reload);
   void choose_friction(bool reversing);
   bool over() const;
@@ -111,14 +114,22 @@ double Blow::friction_guard(const State& state) const {
   return forward * dynamics_.tip_vt_m_s(state);
 }
 
-double Blow::locate(const Stepper& stepper, const std::function<double(const State&)>& guard,
-                    double from, double to) const {
-  State at(dynamics_.size());
-  const auto value = [&](double time) {
-    stepper.calc_state(time, at);
-    return guard(at);
+// From the last accepted state: as exact as the method, which the interpolant of a step is not.
+State Blow::single_step(double length_s) const {
+  const auto system = [this](const State& x, State& dxdt, double) {
+    dynamics_.rates(x, dxdt, memory_);
   };
-  const double first = value(from), last = value(to);
+  State rate(state_.size()), next_rate(state_.size()), next(state_.size());
+  dynamics_.rates(state_, rate, memory_);
+  odeint::runge_kutta_dopri5<State> method;
+  method.do_step(system, state_, rate, time_, next, next_rate, length_s);
+  return next;
+}
+
+double Blow::locate(const std::function<double(const State&)>& guard, double from,
+                    double to) const {
+  const auto value = [&](double time) { return guard(single_step(time - from)); };
+  const double first = guard(state_), last = value(to);
   if (first <= 0) return from;
   if (last > 0) return to;
   std::uintmax_t iterations = 100;
@@ -129,8 +140,9 @@ double Blow::locate(const Stepper& stepper, const std::function<double(const Sta
 
 // Steps until a guard fires or the longest time is reached; returns whether one fired.
 bool Blow::integrate_to_event() {
-  Stepper stepper = odeint::make_dense_output(1e-14, job_.relative_tolerance, longest_step(),
-                                              odeint::runge_kutta_dopri5<State>());
+  Stepper stepper =
+      odeint::make_dense_output(kScale * job_.relative_tolerance, job_.relative_tolerance,
+                                longest_step(), odeint::runge_kutta_dopri5<State>());
   const auto system = [this](const State& x, State& dxdt, double) {
     dynamics_.rates(x, dxdt, memory_);
   };
@@ -150,7 +162,7 @@ bool Blow::integrate_to_event() {
     // A guard that begins a phase at or below zero is disarmed until it has been above.
     const auto offer = [&](double before, double now, const auto& guard, int id) {
       if (!(now <= 0) || (id == 2 && before <= 0)) return;
-      const double time = before > 0 ? locate(stepper, guard, from, to) : to;
+      const double time = before > 0 ? locate(guard, from, to) : to;
       if (time < event_time) event_time = time, which = id;
     };
     offer(contact_before, contact_now, contact, 1);
@@ -158,7 +170,7 @@ bool Blow::integrate_to_event() {
     offer(friction_before, friction_now, friction, 3);
     if (which != 0) {
       sample_until(&stepper, event_time);
-      stepper.calc_state(event_time, state_);
+      state_ = single_step(event_time - time_);
       time_ = event_time;
       friction_event_ = which == 3;
       reload_event_ = which == 2;
@@ -271,6 +283,8 @@ void Blow::finish() {
   // The rebound is the motion at the last separation: flight would turn the rod on.
   const State& end = separation_.empty() ? state_ : separation_;
   if (!result_.normal_phases.empty()) result_.normal_phases.back().end_s = time_;
+  // The last flight has no end: it is followed only until no further blow can come.
+  if (over() && !result_.normal_phases.empty()) result_.normal_phases.pop_back();
   result_.vt_m_s = end[d.rate(0)];
   result_.vn_m_s = end[d.rate(1)];
   result_.omega_rad_s = end[d.rate(2)];

@@ -1,5 +1,6 @@
 #include "sim/rod/verify_cases.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/base/units.h"
@@ -53,6 +54,23 @@ void add_contact_cases(std::vector<VerifyCase>& cases) {
                    kHalfLastDigit * 1e-3, [=] { return jump(6); }});
 }
 
+// The largest difference of a phase's limit from a run at 1e-13, s; NaN where the phases differ.
+double switch_error_s(RodJob job, double tolerance) {
+  job.relative_tolerance = tolerance;
+  const RodImpact run = simulate_rod(job);
+  job.relative_tolerance = 1e-13;
+  const RodImpact exact = simulate_rod(job);
+  double largest = 0;
+  for (const auto phases : {&RodImpact::normal_phases, &RodImpact::friction_phases}) {
+    if ((run.*phases).size() != (exact.*phases).size()) return kNotMeasured;
+    for (std::size_t i = 0; i < (run.*phases).size(); ++i) {
+      const RodPhase &a = (run.*phases)[i], &b = (exact.*phases)[i];
+      largest = std::max({largest, std::abs(a.start_s - b.start_s), std::abs(a.end_s - b.end_s)});
+    }
+  }
+  return largest;
+}
+
 void add_rod_cases(std::vector<VerifyCase>& cases) {
   struct Row {
     bool flexible;
@@ -76,6 +94,12 @@ void add_rod_cases(std::vector<VerifyCase>& cases) {
                        const RodEnergy energy = impact().energy;
                        return energy.residual_j / energy.kinetic_before_j;
                      }});
+    const RodJob job =
+        struck(row.flexible ? flexible_rod_preset() : rigid_rod_preset(), row.angle_deg);
+    cases.push_back({group, "switch times, default tolerance, s, at " + at, "rtol 1e-13", 0, 1e-10,
+                     [=] { return switch_error_s(job, job.relative_tolerance); }});
+    cases.push_back({group, "switch times, rtol 1e-10, s, at " + at, "rtol 1e-13", 0, 1e-12,
+                     [=] { return switch_error_s(job, 1e-10); }});
   }
 }
 
