@@ -10,6 +10,7 @@
 
 #include "sim/speckle/pattern.h"
 #include "tests/support/motion_truth.h"
+#include "tests/support/rendered_clip.h"
 
 namespace impactdic::testing {
 namespace {
@@ -130,6 +131,48 @@ void shading(const Study& study) {
   }
 }
 
+// A ball that turns by 3° a frame on a path that fits no grid, `frames` frames.
+std::vector<BallPose> rolling_path(int frames, double middle_px, double reach_px) {
+  std::vector<BallPose> poses;
+  for (int k = 0; k < frames; ++k) {
+    BallPose pose;
+    pose.cx_px = middle_px + reach_px * std::sin(0.037 * k);
+    pose.cy_px = middle_px + reach_px * std::sin(0.023 * k + 1);
+    pose.angle_deg = 3.01 * k + 11;
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+void print(const std::string& name, const DriftErrors& errors) {
+  std::printf(
+      "%-16s poses: %d, %d lost, rms %.5f %.5f px %.5f deg, worst %.4f %.4f %.4f, at the end %+.5f "
+      "%+.5f %+.5f, over sd %.2f %.2f %.2f; steps summed %+.5f %+.5f px %+.5f deg\n",
+      name.c_str(), errors.x.count, errors.lost, errors.x.rms(), errors.y.rms(),
+      errors.angle_deg.rms(), errors.x.largest, errors.y.largest, errors.angle_deg.largest,
+      errors.end_x_px, errors.end_y_px, errors.end_angle_deg, errors.x.over_sd(),
+      errors.y.over_sd(), errors.angle_deg.over_sd(), errors.sum_x_px, errors.sum_y_px,
+      errors.sum_angle_deg);
+  std::fflush(stdout);
+}
+
+// `pairs` frames of each ball, the light falling by `shade` across it.
+void drifts(const Study& study, double shade) {
+  DriftErrors all;
+  for (const std::string& name : study.patterns) {
+    Scene lit = scene(2, 5);
+    lit.shading = shade;
+    RenderedClip clip(paint_ball(name, 1), lit, rolling_path(study.pairs, 0.5 * kSide, 20));
+    const DriftErrors errors = drift(track(clip, Estimator::ball), clip.poses());
+    print(name, errors);
+    all.x.add(errors.x);
+    all.y.add(errors.y);
+    all.angle_deg.add(errors.angle_deg);
+    all.lost += errors.lost;
+  }
+  print("all", all);
+}
+
 int run(const std::string& name, Study study) {
   const auto set = [&](int pairs, const std::vector<std::string>& names) {
     if (study.pairs == 0) study.pairs = pairs;
@@ -153,11 +196,18 @@ int run(const std::string& name, Study study) {
   } else if (name == "shading") {
     set(4, patterns(false));
     shading(study);
+  } else if (name == "drift") {
+    set(61, patterns(false));
+    drifts(study, 0);
+  } else if (name == "drift_shaded") {
+    set(61, patterns(false));
+    drifts(study, 0.3);
   } else if (name == "field") {
     set(8, patterns(false));
     motions(study, Estimator::field, 0);
   } else {
-    std::fprintf(stderr, "studies: fractions motions sparse bar ring shading field\n");
+    std::fprintf(stderr,
+                 "studies: fractions motions sparse bar ring shading drift drift_shaded field\n");
     return 2;
   }
   return 0;

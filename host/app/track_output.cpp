@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/report/pose_csv.h"
 
 namespace impactdic::app {
 
@@ -18,6 +19,7 @@ struct TrackOutput::Impl {
   std::int64_t done = 0;
   std::optional<double> grid_radius;
   std::unique_ptr<TrackCsv> csv;
+  std::unique_ptr<PoseCsv> poses;
   std::unique_ptr<FieldsFile> fields;
   std::unique_ptr<OverlayOutput> overlay;
   std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
@@ -67,6 +69,7 @@ struct TrackOutput::Impl {
 
   void flush() {
     csv->flush();
+    if (poses) poses->flush();
     if (fields) fields->flush();
     unflushed = 0;
   }
@@ -76,6 +79,9 @@ TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()
   impl_->options = std::move(options);
   impl_->take_over();
   impl_->csv = std::make_unique<TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->rows);
+  if (impl_->options.with_poses) {
+    impl_->poses = std::make_unique<PoseCsv>(impl_->options.folder / "pose.csv", impl_->done);
+  }
   if (impl_->options.overlay.wanted) {
     impl_->overlay = std::make_unique<OverlayOutput>(impl_->options.folder, impl_->options.overlay,
                                                      impl_->options.roi, impl_->rows);
@@ -96,6 +102,7 @@ void TrackOutput::set_grid(std::span<const Window> grid, double radius_px) {
 void TrackOutput::add(const TrackedFrame& frame) {
   impl_->rows.push_back(frame.row);
   impl_->csv->add(frame.row);
+  if (impl_->poses) impl_->poses->add(frame.row);
   impl_->write_field(frame.row, frame.pair);
   if (impl_->overlay) {
     impl_->overlay->add(frame, impl_->options.window_px);

@@ -24,7 +24,7 @@ struct OutputOptions {
   double ball_diameter_m = 0;  // 0: unknown
   ImpactSetup impact;
   int window_px = 15;
-  bool with_field = true, resume = false;
+  bool with_field = true, with_poses = false, resume = false;
   OverlayOptions overlay;
   Roi roi;
   Attributes attributes;

@@ -86,6 +86,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.ball_diameter_m = request.ball_diameter_mm * 1e-3;
   output_options.window_px = options.estimator.field.window_px;
   output_options.with_field = options.with_field;
+  output_options.with_poses = options.with_field && options.estimator.estimator == Estimator::ball;
   output_options.overlay = request.overlay;
   output_options.impact = impact_setup(request);
   output_options.resume = request.resume;

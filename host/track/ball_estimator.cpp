@@ -1,18 +1,9 @@
 #include <cmath>
 
-#include "host/dic/ball_registration.h"
 #include "host/track/estimators.h"
 
 namespace impactdic {
 namespace {
-
-BallOptions ball_options(const FieldOptions& field, bool affine) {
-  BallOptions options;
-  options.affine = affine;
-  options.min_correlation = field.min_correlation;
-  options.min_texture = field.min_texture;
-  return options;
-}
 
 // One registration of the whole ball, started from the field, or from circle and the rings' turn
 // where the field has too little texture. Rigid, unless the field says that the ball is being
@@ -113,6 +104,14 @@ class BallEstimator : public MotionEstimator {
 };
 
 }  // namespace
+
+BallOptions ball_options(const FieldOptions& field, bool affine) {
+  BallOptions options;
+  options.affine = affine;
+  options.min_correlation = field.min_correlation;
+  options.min_texture = field.min_texture;
+  return options;
+}
 
 std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
                                                      const EstimatorOptions& options,

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "host/dic/ball_registration.h"
 #include "host/track/motion_estimator.h"
 #include "kernels/types.h"
 
@@ -20,5 +21,8 @@ RingTask ring_task(const PairMotion& pair, double radius_px);
 std::unique_ptr<MotionEstimator> make_ball_estimator(Engine& engine,
                                                      const EstimatorOptions& options,
                                                      double radius_px, DeviceFrames& frames);
+
+// How the whole ball is registered where windows are measured with `field`.
+BallOptions ball_options(const FieldOptions& field, bool affine);
 
 }  // namespace impactdic

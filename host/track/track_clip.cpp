@@ -6,7 +6,10 @@
 #include <atomic>
 
 #include "host/base/error.h"
+#include "host/opencl/engine.h"
 #include "host/track/device_lanes.h"
+#include "host/track/estimators.h"
+#include "host/track/keyframes.h"
 #include "host/track/scout_ball.h"
 #include "host/track/track_batch.h"
 
@@ -102,6 +105,7 @@ class ClipTracker {
     if (!batch) return;
     const StageTimes::Scope timed(options_.times, write_stage_);
     if (grid_is_new_.exchange(false)) grid_ready_(lanes_->grid(), lanes_->radius_px());
+    place(*batch);
     for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
@@ -145,6 +149,23 @@ class ClipTracker {
     grid_is_new_ = true;
   }
 
+  // Poses by keyframes, of all frames in order.
+  void place(TrackBatch& batch) {
+    if (options_.estimator.estimator != Estimator::ball || batch.measured.empty()) return;
+    if (!keyframes_) {
+      keyframes_ = std::make_unique<Keyframes>(
+          *engines_[0], ball_options(options_.estimator.field, false), lanes_->radius_px());
+    }
+    std::vector<ChainedFrame> frames;
+    for (std::size_t i = 0; i < batch.frames.size(); ++i) {
+      frames.push_back({batch.first_index + static_cast<std::int64_t>(i), batch.rows[i].circle_ok,
+                        batch.circles[i], batch.frames[i],
+                        batch.measured[i] ? &batch.pairs[i].motion : nullptr});
+    }
+    const std::vector<BodyPose> poses = keyframes_->follow(frames);
+    for (std::size_t i = 0; i < poses.size(); ++i) batch.rows[i].pose = poses[i];
+  }
+
   void write_row(TrackBatch& batch, std::size_t i) {
     TrackRow& row = batch.rows[i];
     const bool measured = i < batch.measured.size() && batch.measured[i];
@@ -174,6 +195,12 @@ class ClipTracker {
     TrackRow& row = batch.rows[i];
     row.cx_px += options_.roi.x;
     row.cy_px += options_.roi.y;
+    if (row.pose.ok) {
+      row.pose.x_px += options_.roi.x;
+      row.pose.y_px += options_.roi.y;
+      row.pose.origin = options_.frames.at(row.pose.origin);
+      row.pose.keyframe = options_.frames.at(row.pose.keyframe);
+    }
     sink_({row, *batch.frames[i], pair});
   }
 
@@ -195,6 +222,7 @@ class ClipTracker {
   std::unique_ptr<DeviceLanes> lanes_;
   // Of `write`.
   std::atomic<bool> grid_is_new_ = false;
+  std::unique_ptr<Keyframes> keyframes_;  // with the ball estimator
   Batch last_;
 };
 

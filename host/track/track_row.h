@@ -24,6 +24,17 @@ const char* to_string(TrackStatus status);
 // Throws InvalidArgument for a word that is no status.
 TrackStatus parse_track_status(const std::string& word);
 
+// Where a ball is and how far it has turned since frame `origin`, by registration against frame
+// `keyframe` (frames of the stored file in a TrackRow): the place of the material point that was
+// the circle's centre in frame `origin`, and the angle, not wrapped, counter-clockwise on screen.
+// Standard deviations are of the pose against that of frame `origin`.
+struct BodyPose {
+  bool ok = false;
+  double x_px = kNotMeasured, y_px = kNotMeasured, angle_rad = kNotMeasured;
+  double x_sd_px = kNotMeasured, y_sd_px = kNotMeasured, angle_sd_rad = kNotMeasured;
+  std::int64_t origin = -1, keyframe = -1;
+};
+
 // One frame. Pixels in image axes (x right, y down); the motion is from this frame to the next
 // analysed one. Fields that were not measured are NaN (see `circle_ok` and `motion_ok`).
 struct TrackRow {
@@ -39,6 +50,7 @@ struct TrackRow {
   double centre_u_px = kNotMeasured, centre_v_px = kNotMeasured;
   double centre_u_sd_px = kNotMeasured, centre_v_sd_px = kNotMeasured;
   int windows = 0;  // interrogation windows that carried the motion
+  BodyPose pose;   // where keyframes are kept
 };
 
 void set_circle(TrackRow& row, const CircleFit& fit);

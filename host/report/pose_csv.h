@@ -1,0 +1,26 @@
+// pose.csv: where the ball is and how far it has turned since the clip began, without drift.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+
+#include "host/track/track_row.h"
+
+namespace impactdic {
+
+extern const char* const kPoseCsvHeader;
+
+class PoseCsv {
+ public:
+  // Starts the file anew, keeping the first `keep` rows of an earlier one. Throws FileError here
+  // and below where the file cannot be written.
+  PoseCsv(std::filesystem::path path, std::int64_t keep);
+  void add(const TrackRow& row);
+  void flush();
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream file_;
+};
+
+}  // namespace impactdic
