@@ -102,6 +102,11 @@ Solution solve(Problem& problem, Vector start) {
   return solution;
 }
 
+// Whether the misfit is what chance makes of it.
+bool holds(const Solution& s) {
+  return s.chi_square < s.freedom + 3.5 * std::sqrt(2.0 * s.freedom);
+}
+
 // The height before and after the touch at `touch`, in a time that runs from flight into contact.
 class OnsetMotion {
  public:
@@ -205,34 +210,20 @@ class EdgeFit {
       if (o.to <= until) data.push_back(o);
     }
     using Damper = OnsetMotion::Damper;
-    Damper damper = request_.end ? Damper::fading : Damper::striking;
-    Solution s = least(data, until, damper, starts_);
+    Solution s = least(data, until, request_.end ? Damper::fading : Damper::striking, starts_);
     ContactEdge edge;
     if (!s.ok) return edge;
-    Vector ambiguity = Vector::Zero(s.x.size());
-    if (request_.end) {
-      // The data can seldom tell whether the surface is dented, nor how much of the damper acts.
-      // The law without is simpler; unless the other one is clearly worse, the truth may lie
-      // anywhere between the two.
-      constexpr double kClearly = 4;
-      const Solution dragged = least(data, until, Damper::dragging, {s.x});
-      if (dragged.ok && dragged.chi_square < s.chi_square + kClearly) {
-        ambiguity = (dragged.x - s.x) / std::sqrt(3.0);
-      }
-      if (dragged.ok && dragged.chi_square < s.chi_square - kClearly) {
-        s = dragged;
-        damper = Damper::dragging;
-      }
-    }
-    const OnsetMotion::Law found = law(s.x, damper);
+    if (request_.end) s = averaged(s, least(data, until, Damper::dragging, {s.x}));
+    // Touch, height and exponent do not depend on the damper.
+    const OnsetMotion::Law found = law(s.x, Damper::striking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
     edge.instant = sign_ * found.touch;
-    edge.sd = std::hypot(s.sd[0] * inflation, ambiguity[0]);
+    edge.sd = s.sd[0] * inflation;
     edge.exponent = found.exponent;
-    edge.exponent_sd = std::hypot(s.sd[4] * inflation, ambiguity[4]);
+    edge.exponent_sd = s.sd[4] * inflation;
     edge.height = found.height;
     edge.reach = reach;
     return edge;
@@ -258,13 +249,26 @@ class EdgeFit {
     Solution s;
     for (const Vector& start : starts) {
       const Solution next = solve(problem, start);
-      if (next.ok && (!s.ok || next.chi_square < s.chi_square)) s = next;
+      // The flight that was fitted ends where the data begin: nothing touches before.
+      if (!next.ok || touch_ + next.x[0] < sign_ * static_cast<double>(request_.from)) continue;
+      if (!s.ok || next.chi_square < s.chi_square) s = next;
       if (s.ok && holds(s)) break;
     }
     return s;
   }
-  static bool holds(const Solution& s) {
-    return s.chi_square < s.freedom + 3.5 * std::sqrt(2.0 * s.freedom);
+  // The data can seldom tell whether the surface is still dented where the force has faded. Both
+  // laws have a say, each by its likelihood, and their distance is part of the deviation (Bayesian
+  // model averaging, Hoeting et al. 1999).
+  static Solution averaged(const Solution& a, const Solution& b) {
+    if (!b.ok) return a;
+    const double weight = 1 / (1 + std::exp((b.chi_square - a.chi_square) / 2));  // of b
+    const Vector apart = b.x - a.x;
+    Solution s = b.chi_square < a.chi_square ? b : a;
+    s.x = a.x + weight * apart;
+    s.sd = ((1 - weight) * a.sd.cwiseAbs2() + weight * b.sd.cwiseAbs2() +
+            weight * (1 - weight) * apart.cwiseAbs2())
+               .cwiseSqrt();
+    return s;
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts
   // of the speed), stiffness, exponent, damping.
@@ -343,7 +347,7 @@ TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach,
   if (!s.ok || std::abs(s.x[0]) > reach) return turn;
   turn.ok = true;
   turn.instant = guess + s.x[0];
-  turn.sd = s.sd[0] * std::sqrt(std::max(1.0, s.chi_square / s.freedom));
+  turn.sd = s.sd[0] * (holds(s) ? 1 : std::sqrt(s.chi_square / s.freedom));
   return turn;
 }
 

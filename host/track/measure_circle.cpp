@@ -1,8 +1,10 @@
 // From a frame and what is known of it to a measured circle: search, trace, fit.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "host/base/error.h"
+#include "host/base/units.h"
 #include "host/track/circle.h"
 #include "host/track/rim.h"
 
@@ -18,6 +20,23 @@ constexpr double kRetrace = 0.1;  // px; a fit farther from its rays' rim is tra
 double distance(const Rim& a, const Rim& b) {
   return std::hypot(a.cx - b.cx, a.cy - b.cy) + std::abs(a.r - b.r) +
          std::hypot(a.e1 - b.e1, a.e2 - b.e2);
+}
+
+// See Circle::free_px. Ink on the rim makes gaps too: those are narrow.
+double free_distance(const RimTrace& trace, const Rim& rim) {
+  constexpr double kNarrow = 20 * kRadPerDeg, kOnRimPx = 3;
+  std::vector<double> angles;
+  for (const RimPoint& point : trace.points) {
+    if (std::abs(point.excess) < kOnRimPx) angles.push_back(std::atan2(point.sin, point.cos));
+  }
+  if (angles.empty()) return 0;
+  std::sort(angles.begin(), angles.end());
+  double widest = angles.front() + 2 * kPi - angles.back();
+  for (std::size_t i = 1; i < angles.size(); ++i) {
+    widest = std::max(widest, angles[i] - angles[i - 1]);
+  }
+  if (widest < kNarrow) return rim.r;
+  return rim.r * std::max(0.0, std::cos(widest / 2));
 }
 
 void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
@@ -92,7 +111,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // A blurred disc crosses its half level inside its rim: at R − σ²/2R (mean of the Rice
   // distribution).
   const double shrink = trace.edge_sigma_px * trace.edge_sigma_px / (2 * fit.rim.r);
-  result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink};
+  result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink, free_distance(trace, fit.rim)};
   result.cx_sd_px = fit.sd[0];
   result.cy_sd_px = fit.sd[1];
   result.r_sd_px = fit.sd[2];

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "host/dic/ring.h"
@@ -57,7 +58,11 @@ class RingEstimator : public MotionEstimator {
 
 RingTask ring_task(const PairMotion& pair, double radius_px) {
   // Near the centre a ring has few pixels; near the rim lies what is not the ball.
-  constexpr double kInnerShare = 0.17, kRimPx = 5;
+  constexpr double kInnerShare = 0.17, kRimPx = 5, kFreePx = 3;
+  const double inner = kInnerShare * radius_px, rim = radius_px - kRimPx;
+  // What hides a part of the ball does not turn with it: the rings shrink with the free part
+  // (section 2.4.1), as long as enough of them is left.
+  const double free = std::min(pair.first.free_px, pair.second.free_px) - kFreePx;
   RingTask task{};
   task.first = pair.first_slot;
   task.second = pair.second_slot;
@@ -65,8 +70,8 @@ RingTask ring_task(const PairMotion& pair, double radius_px) {
   task.cy_first = static_cast<float>(pair.first.cy_px);
   task.cx_second = static_cast<float>(pair.second.cx_px);
   task.cy_second = static_cast<float>(pair.second.cy_px);
-  task.inner = static_cast<float>(kInnerShare * radius_px);
-  task.outer = static_cast<float>(radius_px - kRimPx);
+  task.inner = static_cast<float>(inner);
+  task.outer = static_cast<float>(free > 1.5 * inner ? std::min(rim, free) : rim);
   return task;
 }
 

@@ -256,6 +256,16 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
             for key in ("vt_m_s", "vn_m_s"):
                 self.assertAlmostEqual(path[key][-1], model["final"][key], 4)
 
+    def test_shots_out_of_a_table_are_drawn_too(self):
+        run("compare", "-q", JOB.parent / "compare_wood.toml", "-o", self.folder / "wood")
+        warnings = []
+        made = models.figures(self.folder / "wood", PROGRAM, warnings)
+        self.assertEqual((len(made), warnings), (3, []))
+        vt = made[0].panels[2].series  # Fig. 4.9
+        self.assertEqual([s.name for s in vt], ["measured", "three_phase", "full_sliding", "brody"])
+        self.assertAlmostEqual(vt[0].y[-1], 0.31, 2)
+        self.assertLess(abs(vt[1].y[-1] - 0.26), 0.03)  # as printed for the three phases
+
     def test_page_in_a_browser(self):
         self.assertIn("figures", self.said)
         page = self.folder / "shot" / "report.html"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <string>
 
@@ -12,7 +13,11 @@
 namespace impactdic::testing {
 namespace {
 
-constexpr int kShots = 200;
+// 200 shots settle a coverage to 1.5 % (one deviation); IMPACTDIC_SHOTS=2000 to 0.5 %.
+const unsigned kShots = [] {
+  const char* wanted = std::getenv("IMPACTDIC_SHOTS");
+  return wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 200u;
+}();
 constexpr double kNormal95 = 1.959964;
 
 // Errors of one figure over many shots, and how often the 95 % interval held the truth.
@@ -69,7 +74,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     refused += !found.start.law_holds + !found.end.law_holds;
   }
   // Beyond 3.5 deviations of chi square: by chance one of about a thousand edges.
-  EXPECT_LE(refused, 2);
+  EXPECT_LE(refused, static_cast<int>(kShots) / 100);
   for (auto& [name, score] : scores) {
     std::printf("%-10s 68%% within %.5f  95%% %.5f  max %.5f  in the 95%% interval %.1f%%\n",
                 name.c_str(), score.quantile(0.68), score.quantile(0.95), score.quantile(1),

@@ -86,7 +86,9 @@ class Report:
         from . import models, tables
 
         self.figures += models.figures(folder, self.program, self.warnings)
-        self.tables += tables.model_tables(load(folder))
+        result = load(folder)
+        self.tables += tables.model_tables(result)
+        self.warnings += tables.fit_warnings(result.summary)
         if not self.subtitle:
             self.subtitle = f"Results of impactdic {models.kind_of(folder)}."
 
@@ -133,6 +135,10 @@ def main():
         report.write(options.threads or os.cpu_count() or 1)
     except ResultError as error:
         print(f"impactdic: error: {error}", file=sys.stderr)
+        return 1
+    except KeyError as error:
+        print(f"impactdic: error: the results have no {error} ({options.folder}): were they written "
+              "by another version?", file=sys.stderr)
         return 1
     except OSError as error:
         print(f"impactdic: error: {error.strerror} ({error.filename})", file=sys.stderr)

@@ -95,7 +95,7 @@ def comparison(result, shot, number, program):
 
 def name_of(track):
     """A shot's own name: that of its folder, or the one that a table of shots gives it."""
-    return Path(track).parent.name if track.endswith("track.csv") else track
+    return Path(track).parent.name if track.endswith("track.csv") else Path(track).name
 
 
 def _add_velocities(panels, measured, contact_s):

@@ -200,6 +200,13 @@ def _rods(result, table):
     return Table(f"Models of the rod ({result.name})", header, rows, "Models")
 
 
+def fit_warnings(summary):
+    """Of a fit, or of the calibration of a comparison."""
+    fits = (summary.get("calibration") or summary).get("shots", [])
+    return [f"{name_of(fit['shot']['track'])}: {warning}"
+            for fit in fits for warning in fit.get("warnings", [])]
+
+
 def warnings_of(summary):
     """What a reader must know before trusting the figures."""
     found = [str(w) for w in summary.get("warnings") or []]
