@@ -37,6 +37,11 @@
 #define WINDOWS_PER_GROUP 1
 #endif
 
+// equal.cl: pairs of windows that a work-group measures one after the other.
+#ifndef PAIRS
+#define PAIRS 1
+#endif
+
 // prefilter.cl, icgn.cl, rigid.cl, ring.cl: degree of the B-spline, 3, 5 or 7.
 #ifndef SPLINE_DEGREE
 #define SPLINE_DEGREE 5

@@ -13,62 +13,43 @@
 #define MAP_SPACE __local
 #include "kernels/config.h"
 
-#define BLOCKS (FFT_PX / (LANES * VECTOR))
-// Odd pitch for scalars: columns and rows are then both free of bank conflicts.
-#define PITCH (FFT_PX + VECTOR)
-#define PLANE (FFT_PX * PITCH)
-
-#define PASTE_(a, b) a##b
-#define PASTE(a, b) PASTE_(a, b)
+#include "kernels/lanes.h"
 #if VECTOR == 1
-#define REAL float
-#define UNROLL _Pragma("unroll")
 #define LOAD(p) (*(p))
 #define STORE(v, p) (*(p) = (v))
 #define LOAD_ACROSS(p) (*(p))
 #define LOAD_REVERSED(p) (*(p))
-#define COLUMN_NUMBERS 0
-#define SUM(v) (v)
-#else
-#define REAL PASTE(float, VECTOR)
-#define LOAD(p) PASTE(vload, VECTOR)(0, p)
-#define STORE(v, p) PASTE(vstore, VECTOR)(v, 0, p)
-#define ACROSS4(p) (p)[0], (p)[PITCH], (p)[2 * PITCH], (p)[3 * PITCH]
-#if VECTOR == 4
-#define LOAD_ACROSS(p) (float4)(ACROSS4(p))
+#elif VECTOR == 4
 #define LOAD_REVERSED(p) (LOAD((p)-3).s3210)
-#define COLUMN_NUMBERS (int4)(0, 1, 2, 3)
-#define SUM(v) SUM4(v)
 #elif VECTOR == 8
-#define LOAD_ACROSS(p) (float8)(ACROSS4(p), ACROSS4((p) + 4 * PITCH))
 #define LOAD_REVERSED(p) (LOAD((p)-7).s76543210)
-#define COLUMN_NUMBERS (int8)(0, 1, 2, 3, 4, 5, 6, 7)
-#define SUM(v) SUM4((v).lo + (v).hi)
 #else
-#define LOAD_ACROSS(p)                                                      \
-  (float16)(ACROSS4(p), ACROSS4((p) + 4 * PITCH), ACROSS4((p) + 8 * PITCH), \
-            ACROSS4((p) + 12 * PITCH))
 #define LOAD_REVERSED(p) (LOAD((p)-15).sfedcba9876543210)
-#define COLUMN_NUMBERS (int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
-#define SUM(v) SUM4(((v).lo + (v).hi).lo + ((v).lo + (v).hi).hi)
-#endif
-#define SUM4(v) dot((v), (float4)(1.0f))
 #endif
 
 #include "kernels/fft.h"
 #include "kernels/zncc.h"
 
-// First column of block b of a work-item.
-#define COLUMN(b) (((b)*LANES + lane) * VECTOR)
-// With one block a work-item keeps its column in registers; a barrier then lets it write back what
-// others have read. With more, passes alternate between two planes.
 #if BLOCKS == 1
 #define PLANES 1
-#define ALL_HAVE_READ barrier(CLK_LOCAL_MEM_FENCE)
 #else
 #define PLANES 2
-#define ALL_HAVE_READ
 #endif
+
+INLINE void fft_ordered(REAL* re, REAL* im) {
+  REAL a[FFT_PX], b[FFT_PX];
+  UNROLL
+  for (int p = 0; p < FFT_PX; ++p) {
+    a[p] = re[fft_order(p, FFT_PX)];
+    b[p] = im[fft_order(p, FFT_PX)];
+  }
+  fft_forward(a, b, FFT_PX);
+  UNROLL
+  for (int p = 0; p < FFT_PX; ++p) {
+    re[p] = a[p];
+    im[p] = b[p];
+  }
+}
 
 // VECTOR pixels of the search area from (x, y) on.
 static inline REAL area_pixels(__global const float* image, const int width, const int height,
@@ -239,11 +220,11 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
       im[y] = LOAD(a_im + y * PITCH + x);
     }
 #endif
-    fft_forward(re, im, FFT_PX);
+    fft_ordered(re, im);
     UNROLL
     for (int p = 0; p < FFT_PX; ++p) {
-      STORE(re[p], a_re + fft_order(p, FFT_PX) * PITCH + x);
-      STORE(im[p], a_im + fft_order(p, FFT_PX) * PITCH + x);
+      STORE(re[p], a_re + p * PITCH + x);
+      STORE(im[p], a_im + p * PITCH + x);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -257,11 +238,11 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
       re[x] = LOAD_ACROSS(a_re + ky * PITCH + x);
       im[x] = LOAD_ACROSS(a_im + ky * PITCH + x);
     }
-    fft_forward(re, im, FFT_PX);
+    fft_ordered(re, im);
     ALL_HAVE_READ;
     UNROLL
     for (int p = 0; p < FFT_PX; ++p) {
-      const int row = fft_order(p, FFT_PX) * PITCH;
+      const int row = p * PITCH;
       STORE(re[p], b_re + row + ky);
       STORE(im[p], b_im + row + ky);
       if (ky == 0) {
@@ -286,12 +267,12 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
       re[kx] = t_re * g_re + t_im * g_im;
       im[kx] = t_re * g_im - t_im * g_re;
     }
-    fft_forward(im, re, FFT_PX);
+    fft_ordered(im, re);
     ALL_HAVE_READ;
     UNROLL
     for (int p = 0; p < FFT_PX; ++p) {
-      STORE(re[p], a_re + fft_order(p, FFT_PX) * PITCH + ky);
-      STORE(im[p], a_im + fft_order(p, FFT_PX) * PITCH + ky);
+      STORE(re[p], a_re + p * PITCH + ky);
+      STORE(im[p], a_im + p * PITCH + ky);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -307,10 +288,10 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
         re[ky] = LOAD_ACROSS(a_re + x * PITCH + ky);
         im[ky] = LOAD_ACROSS(a_im + x * PITCH + ky);
       }
-      fft_forward(im, re, FFT_PX);
+      fft_ordered(im, re);
       UNROLL
       for (int p = 0; p < FFT_PX; ++p) {
-        const int y = fft_order(p, FFT_PX);
+        const int y = p;
         if (y < LAGS) {
 #if VECTOR > 1
           float numerators[VECTOR];

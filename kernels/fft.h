@@ -1,119 +1,97 @@
-// Complex transforms of 16, 32 and 64 points held in registers: decimation in frequency in place,
-// radix 4 with a last radix 2 where the length asks for it (Cooley and Tukey 1965).
+// Complex transforms of 16, 32 and 64 points held in registers: decimation in time in place (Cooley
+// and Tukey 1965). A butterfly a ± w b is six multiply-adds: with w = c(1 −
+// i s/c) the bracket times b takes two, and c times it is added and subtracted (Linzer and Feig
+// 1993); near 90° c and s change places, so that the ratio never passes 1.
 //
-// REAL is float, or a vector of floats that are as many independent transforms. The code is a C
-// subset that also compiles as C++. UNROLL stands before loops that must unroll so that the arrays
-// stay in registers; empty where REAL is a vector, whose arrays lie in memory anyway.
+// REAL is float, or a vector of floats that are as many independent transforms. All loops unroll,
+// so that the arrays stay in registers and the twiddles become constants.
 #ifndef IMPACTDIC_KERNELS_FFT_H_
 #define IMPACTDIC_KERNELS_FFT_H_
 
-#ifndef REAL
-#define REAL float
-#endif
-#ifndef UNROLL
-#define UNROLL
-#endif
-#ifdef __OPENCL_C_VERSION__
-#define FFT_TABLE __constant
-#define FFT_INLINE static inline
+#include "kernels/lanes.h"
+
+// Vectors do not fit into a CPU's registers anyway: one copy of the transform is enough there.
+#if VECTOR == 1
+#define FFT_FUNCTION INLINE
 #else
-#define FFT_TABLE static const
-#define FFT_INLINE inline
+#define FFT_FUNCTION static __attribute__((noinline))
 #endif
 
-// cos(2π k / 64), k = 0 … 111; sin(2π k / 64) = cos(2π (k + 48) / 64).
-FFT_TABLE float fft_cosine[112] = {
+// Of w = exp(−2πi k/64), k = 0 … 31: the larger of |cos| and |sin|, signed, and the other over it.
+__constant float fft_factor[32] = {
     1.000000000f,  0.995184727f,  0.980785280f,  0.956940336f,  0.923879533f,  0.881921264f,
-    0.831469612f,  0.773010453f,  0.707106781f,  0.634393284f,  0.555570233f,  0.471396737f,
-    0.382683432f,  0.290284677f,  0.195090322f,  0.098017140f,  0.000000000f,  -0.098017140f,
-    -0.195090322f, -0.290284677f, -0.382683432f, -0.471396737f, -0.555570233f, -0.634393284f,
-    -0.707106781f, -0.773010453f, -0.831469612f, -0.881921264f, -0.923879533f, -0.956940336f,
-    -0.980785280f, -0.995184727f, -1.000000000f, -0.995184727f, -0.980785280f, -0.956940336f,
-    -0.923879533f, -0.881921264f, -0.831469612f, -0.773010453f, -0.707106781f, -0.634393284f,
-    -0.555570233f, -0.471396737f, -0.382683432f, -0.290284677f, -0.195090322f, -0.098017140f,
-    0.000000000f,  0.098017140f,  0.195090322f,  0.290284677f,  0.382683432f,  0.471396737f,
-    0.555570233f,  0.634393284f,  0.707106781f,  0.773010453f,  0.831469612f,  0.881921264f,
+    0.831469612f,  0.773010453f,  0.707106781f,  0.773010453f,  0.831469612f,  0.881921264f,
     0.923879533f,  0.956940336f,  0.980785280f,  0.995184727f,  1.000000000f,  0.995184727f,
     0.980785280f,  0.956940336f,  0.923879533f,  0.881921264f,  0.831469612f,  0.773010453f,
-    0.707106781f,  0.634393284f,  0.555570233f,  0.471396737f,  0.382683432f,  0.290284677f,
-    0.195090322f,  0.098017140f,  0.000000000f,  -0.098017140f, -0.195090322f, -0.290284677f,
-    -0.382683432f, -0.471396737f, -0.555570233f, -0.634393284f, -0.707106781f, -0.773010453f,
-    -0.831469612f, -0.881921264f, -0.923879533f, -0.956940336f, -0.980785280f, -0.995184727f,
-    -1.000000000f, -0.995184727f, -0.980785280f, -0.956940336f, -0.923879533f, -0.881921264f,
-    -0.831469612f, -0.773010453f, -0.707106781f, -0.634393284f, -0.555570233f, -0.471396737f,
-    -0.382683432f, -0.290284677f, -0.195090322f, -0.098017140f};
+    -0.707106781f, -0.773010453f, -0.831469612f, -0.881921264f, -0.923879533f, -0.956940336f,
+    -0.980785280f, -0.995184727f};
+__constant float fft_ratio[32] = {
+    0.000000000f,  0.098491403f,  0.198912367f,  0.303346684f,  0.414213562f,  0.534511136f,
+    0.668178638f,  0.820678791f,  1.000000000f,  0.820678791f,  0.668178638f,  0.534511136f,
+    0.414213562f,  0.303346684f,  0.198912367f,  0.098491403f,  0.000000000f,  -0.098491403f,
+    -0.198912367f, -0.303346684f, -0.414213562f, -0.534511136f, -0.668178638f, -0.820678791f,
+    -1.000000000f, -0.820678791f, -0.668178638f, -0.534511136f, -0.414213562f, -0.303346684f,
+    -0.198912367f, -0.098491403f};
 
-// exp(−2πi k / 64) times (re, im), k = 0 … 63.
-#define FFT_TWIDDLE(re, im, k)             \
-  {                                        \
-    const float c_ = fft_cosine[(k)];      \
-    const float s_ = fft_cosine[(k) + 48]; \
-    const REAL re_ = (re);                 \
-    (re) = re_ * c_ + (im)*s_;             \
-    (im) = (im)*c_ - re_ * s_;             \
+// (a, b) becomes (a + w b, a − w b) with w = exp(−2πi k/64).
+INLINE void fft_butterfly(REAL* re, REAL* im, const int a, const int b, const int k) {
+  const REAL a_re = re[a], a_im = im[a], b_re = re[b], b_im = im[b];
+  if (k == 0) {
+    re[a] = a_re + b_re;
+    im[a] = a_im + b_im;
+    re[b] = a_re - b_re;
+    im[b] = a_im - b_im;
+  } else if (k == 16) {
+    re[a] = a_re + b_im;
+    im[a] = a_im - b_re;
+    re[b] = a_re - b_im;
+    im[b] = a_im + b_re;
+  } else {
+    const int is_flat = k <= 8 || k >= 24;
+    const float factor = fft_factor[k], ratio = fft_ratio[k];
+    const REAL w_re = is_flat ? b_re + ratio * b_im : b_im + ratio * b_re;
+    const REAL w_im = is_flat ? b_im - ratio * b_re : ratio * b_im - b_re;
+    re[a] = a_re + factor * w_re;
+    im[a] = a_im + factor * w_im;
+    re[b] = a_re - factor * w_re;
+    im[b] = a_im - factor * w_im;
   }
+}
 
-// One radix-4 pass over transforms of `length` points.
-FFT_INLINE void fft_pass4(REAL* re, REAL* im, const int points, const int length) {
-  const int q = length / 4;
-  UNROLL
-  for (int start = 0; start < points; start += length) {
-    UNROLL
-    for (int j = 0; j < q; ++j) {
-      const int a = start + j, b = a + q, c = b + q, d = c + q;
-      const REAL sum_re = re[a] + re[c], sum_im = im[a] + im[c];
-      const REAL dif_re = re[a] - re[c], dif_im = im[a] - im[c];
-      const REAL add_re = re[b] + re[d], add_im = im[b] + im[d];
-      const REAL sub_re = re[b] - re[d], sub_im = im[b] - im[d];
-      re[a] = sum_re + add_re;
-      im[a] = sum_im + add_im;
-      re[b] = dif_re + sub_im;
-      im[b] = dif_im - sub_re;
-      re[c] = sum_re - add_re;
-      im[c] = sum_im - add_im;
-      re[d] = dif_re - sub_im;
-      im[d] = dif_im + sub_re;
-      if (j > 0) {
-        const int turn = j * (64 / length);
-        FFT_TWIDDLE(re[b], im[b], turn);
-        FFT_TWIDDLE(re[c], im[c], 2 * turn);
-        FFT_TWIDDLE(re[d], im[d], 3 * turn);
+// The six bits of 0 … 63 in reverse order.
+__constant uchar fft_reversed[64] = {0, 32, 16, 48, 8,  40, 24, 56, 4, 36, 20, 52, 12, 44, 28, 60,
+                                     2, 34, 18, 50, 10, 42, 26, 58, 6, 38, 22, 54, 14, 46, 30, 62,
+                                     1, 33, 17, 49, 9,  41, 25, 57, 5, 37, 21, 53, 13, 45, 29, 61,
+                                     3, 35, 19, 51, 11, 43, 27, 59, 7, 39, 23, 55, 15, 47, 31, 63};
+
+// Number of the sample that stands at place p, and the other way round.
+INLINE int fft_order(const int p, const int points) {
+  return fft_reversed[p] >> (points == 16 ? 2 : points == 32 ? 1 : 0);
+}
+
+// Transforms of radix · step points out of `radix` transforms of `step` points each, the radix (4
+// or 8) points of a group staying in registers meanwhile.
+INLINE void fft_pass(REAL* re, REAL* im, const int points, const int step, const int radix) {
+  _Pragma("unroll") for (int group = 0; group < points / radix; ++group) {
+    const int j = group % step, first = (group - j) * radix + j;
+    _Pragma("unroll") for (int span = 1; span < radix; span *= 2) {
+      _Pragma("unroll") for (int pair = 0; pair < radix / 2; ++pair) {
+        const int i = pair % span, a = first + (2 * (pair - i) + i) * step;
+        fft_butterfly(re, im, a, a + span * step, (j + i * step) * (32 / (span * step)));
       }
     }
   }
 }
 
-FFT_INLINE void fft_pass2(REAL* re, REAL* im, const int points) {
-  UNROLL
-  for (int a = 0; a < points; a += 2) {
-    const REAL re_a = re[a], im_a = im[a];
-    re[a] = re_a + re[a + 1];
-    im[a] = im_a + im[a + 1];
-    re[a + 1] = re_a - re[a + 1];
-    im[a + 1] = im_a - im[a + 1];
-  }
-}
-
-// Forward transform, unscaled; element p of the result is the frequency fft_order(p, points).
-// The inverse (times `points`) is fft_forward(im, re, points).
-FFT_INLINE void fft_forward(REAL* re, REAL* im, const int points) {
-  fft_pass4(re, im, points, points);
+// Forward transform, unscaled. Element p of the input is sample fft_order(p, points); the output is
+// in order. The inverse (times `points`) is fft_forward(im, re, points).
+FFT_FUNCTION void fft_forward(REAL* re, REAL* im, const int points) {
+  fft_pass(re, im, points, 1, points == 16 ? 4 : 8);
   if (points == 64) {
-    fft_pass4(re, im, points, 16);
-    fft_pass4(re, im, points, 4);
-  } else if (points == 32) {
-    fft_pass4(re, im, points, 8);
-    fft_pass2(re, im, points);
+    fft_pass(re, im, points, 8, 8);
   } else {
-    fft_pass4(re, im, points, 4);
+    fft_pass(re, im, points, points / 4, 4);
   }
-}
-
-// Digits of p, most significant first, in the reverse order.
-FFT_INLINE int fft_order(const int p, const int points) {
-  if (points == 16) return (p >> 2) | ((p & 3) << 2);
-  if (points == 32) return (p >> 3) | (((p >> 1) & 3) << 2) | ((p & 1) << 4);
-  return (p >> 4) | (((p >> 2) & 3) << 2) | ((p & 3) << 4);
 }
 
 #endif  // IMPACTDIC_KERNELS_FFT_H_

@@ -58,10 +58,22 @@ __kernel void prefilter_columns(__global const float* rows, __global float* coef
   const size_t batch = get_global_id(2);
   const int y = (int)get_global_id(1) - SPLINE_PAD;
   __global const float* from = rows + batch * height * pitch + column;
-  REAL sum = taps[0] * LOAD_REAL(from + (size_t)mirrored(y, height) * pitch);
-  for (int k = 1; k <= radius; ++k) {
-    sum += taps[k] * (LOAD_REAL(from + (size_t)mirrored(y - k, height) * pitch) +
-                      LOAD_REAL(from + (size_t)mirrored(y + k, height) * pitch));
+  REAL sum;
+  if (y >= radius && y + radius < height) {
+    __global const float* above = from + (size_t)y * pitch;
+    __global const float* below = above;
+    sum = taps[0] * LOAD_REAL(above);
+    for (int k = 1; k <= radius; ++k) {
+      above -= pitch;
+      below += pitch;
+      sum += taps[k] * (LOAD_REAL(above) + LOAD_REAL(below));
+    }
+  } else {
+    sum = taps[0] * LOAD_REAL(from + (size_t)mirrored(y, height) * pitch);
+    for (int k = 1; k <= radius; ++k) {
+      sum += taps[k] * (LOAD_REAL(from + (size_t)mirrored(y - k, height) * pitch) +
+                        LOAD_REAL(from + (size_t)mirrored(y + k, height) * pitch));
+    }
   }
   const size_t row = (size_t)slots[batch] * (height + 2 * SPLINE_PAD) + get_global_id(1);
   STORE_REAL(sum, coefficients + offset + row * pitch + column);

@@ -14,6 +14,11 @@
 #define AREA_PX (WINDOW_PX + 2 * SEARCH_PX)
 #define WINDOW_PIXELS (WINDOW_PX * WINDOW_PX)
 
+// The type of the pictures' pixels.
+#ifndef PICTURE
+#define PICTURE float
+#endif
+
 // Where the map lives: __local in the fused kernel, __global behind clFFT.
 #ifndef MAP_SPACE
 #define MAP_SPACE __local
@@ -42,9 +47,9 @@ static inline SearchPlace search_place(const Window window, const int width, con
 }
 
 // Pixel (x, y) of a picture, that of the nearest edge where it lies outside.
-static inline float clamped_pixel(__global const float* image, const int width, const int height,
+static inline float clamped_pixel(__global const PICTURE* image, const int width, const int height,
                                   const int x, const int y) {
-  return image[clamp(y, 0, height - 1) * width + clamp(x, 0, width - 1)];
+  return (float)image[clamp(y, 0, height - 1) * width + clamp(x, 0, width - 1)];
 }
 
 // Weights of cubic convolution (Keys 1981, a = −1/2) at the fraction t between the second and the
@@ -57,7 +62,7 @@ static inline float4 cubic_weights(const float t) {
   return ((c3 * t + c2) * t + c1) * t + c0;
 }
 
-static inline float cubic_pixel(__global const float* image, const int width, const int height,
+static inline float cubic_pixel(__global const PICTURE* image, const int width, const int height,
                                 const float x, const float y) {
   const int ix = (int)floor(x), iy = (int)floor(y);
   const float4 wx = cubic_weights(x - (float)ix), wy = cubic_weights(y - (float)iy);
@@ -76,7 +81,7 @@ static inline float cubic_pixel(__global const float* image, const int width, co
 // Pixel (i, j) of the template as it is expected in the second frame: the window itself, or, where
 // a rotation is guessed, what stands there once the first frame is turned about the window's
 // centre. Counter-clockwise on the screen takes (1, 0) to (cos, −sin), y being down.
-static inline float template_pixel(__global const float* image, const int width, const int height,
+static inline float template_pixel(__global const PICTURE* image, const int width, const int height,
                                    const Window window, const float2 cos_sin, const int i,
                                    const int j) {
   if (window.guess_rot_rad == 0.0f) {

@@ -28,6 +28,7 @@ std::filesystem::path prepare_output_directory(const std::string& dir, bool forc
 
 // Each adds its command; main.cpp lists those that the program has.
 void add_batch_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_track_command(CLI::App& app);
@@ -39,6 +40,7 @@ void add_fit_command(CLI::App& app);
 void add_compare_command(CLI::App& app);
 void add_report_command(CLI::App& app);
 void add_rod_command(CLI::App& app);
+void add_tune_command(CLI::App& app);
 void add_verify_command(CLI::App& app);
 
 }  // namespace impactdic::app

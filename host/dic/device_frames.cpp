@@ -28,32 +28,28 @@ void DeviceFrames::set(int slot, const Frame& frame) {
   set(slot, one);
 }
 
-void DeviceFrames::check_size(const Frame& frame) {
+void DeviceFrames::check(const Frame& frame) {
   if (frame.width() < 1 || frame.height() < 1) throw InvalidArgument("the frame has no pixels");
   if (images_.size() == 0) {
     width_ = frame.width();
     height_ = frame.height();
     images_ = Buffer<float>(engine_, static_cast<std::size_t>(width_) * height_ * versions_.size());
+    pixels_ = Buffer<unsigned char>(engine_, frame.byte_count() * versions_.size());
+    pixel_type_ = frame.type;
+    unpack_ = engine_.kernel("unpack.cl", "unpack",
+                             {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
   }
   if (frame.width() != width_ || frame.height() != height_) {
     throw InvalidArgument("frames of one clip must have one size");
   }
+  if (frame.type != pixel_type_) throw InvalidArgument("frames of one clip must have one depth");
 }
 
 void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
   if (frames.empty()) return;
   version(first_slot);
   version(first_slot + static_cast<int>(frames.size()) - 1);
-  const PixelType type = frames.front()->type;
-  for (const Frame* frame : frames) {
-    check_size(*frame);
-    if (frame->type != type) throw InvalidArgument("frames of one clip must have one depth");
-  }
-  if (unpack_() == nullptr || unpack_type_ != type) {
-    unpack_type_ = type;
-    unpack_ = engine_.kernel("unpack.cl", "unpack",
-                             {{"PIXEL", type == PixelType::u8 ? "uchar" : "ushort"}});
-  }
+  for (const Frame* frame : frames) check(*frame);
   full_scale_ = frames.back()->full_scale();
   const std::size_t bytes = frames.front()->byte_count(), total = bytes * frames.size();
   const std::span<unsigned char> staged = staging_.bytes(total);
@@ -67,10 +63,11 @@ void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
   const std::size_t count = pixels * frames.size();
   unpack_.setArg(0, staging_.upload(total));
   unpack_.setArg(1, images_.get());
-  unpack_.setArg(2, static_cast<cl_ulong>(count));
-  unpack_.setArg(3, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
+  unpack_.setArg(2, pixels_.get());
+  unpack_.setArg(3, static_cast<cl_ulong>(count));
+  unpack_.setArg(4, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
   engine_.launch(engine_.queue(), unpack_, cl::NDRange(round_up(count, 64)), cl::NDRange(64),
-                 {static_cast<double>(total + 4 * count), 0});
+                 {static_cast<double>(2 * total + 4 * count), 0});
   for (std::size_t i = 0; i < frames.size(); ++i) {
     ++versions_[static_cast<std::size_t>(first_slot) + i];
   }

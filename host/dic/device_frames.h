@@ -1,5 +1,5 @@
-// Frames on the device as floats, in numbered slots, and what is worked out from them: one copy
-// for all that measure on them.
+// Frames on the device, as stored and as floats, in numbered slots, and what is worked out from
+// them: one copy for all that measure on them.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +23,10 @@ class DeviceFrames {
   DeviceFrames(Engine& engine, int slots);
   ~DeviceFrames();
 
-  // Copies the frame at its stored depth and unpacks it on the device. The first frame sets the
-  // size; throws InvalidArgument for another one or a slot that is not there.
+  // Copies the frame at its stored depth and unpacks it on the device. The first frame sets size
+  // and depth; throws InvalidArgument for another size or depth, or a slot that is not there.
   void set(int slot, const Frame& frame);
-  // The same for frames of one depth into the slots from `first_slot` on, all in one copy. Returns
+  // The same for several frames into the slots from `first_slot` on, all in one copy. Returns
   // when the frames may change; kernels enqueued later see the new pictures.
   void set(int first_slot, std::span<const Frame* const> frames);
 
@@ -38,6 +38,10 @@ class DeviceFrames {
   std::uint64_t version(int slot) const;
   // (slots, height, width) floats in grey levels of the file; slot s begins at s·height·width.
   const Buffer<float>& images() const { return images_; }
+  // The same at their stored depth.
+  const Buffer<unsigned char>& pixels() const { return pixels_; }
+  PixelType pixel_type() const { return pixel_type_; }
+  int pixel_bytes() const { return pixel_type_ == PixelType::u8 ? 1 : 2; }
   // The B-splines of all slots that hold a picture, up to date (enqueued); worked out once for
   // everyone who asks for the same.
   const SplineFrames& splines(int degree, double presmooth_sigma_px,
@@ -46,16 +50,17 @@ class DeviceFrames {
   double full_scale() const { return full_scale_; }
 
  private:
-  void check_size(const Frame& frame);
+  void check(const Frame& frame);
 
   Engine& engine_;
   int width_ = 0, height_ = 0;
   double full_scale_ = 255;
   std::vector<std::uint64_t> versions_;
   Buffer<float> images_;
+  Buffer<unsigned char> pixels_;
   Staging staging_;
   cl::Kernel unpack_;
-  PixelType unpack_type_ = PixelType::u8;
+  PixelType pixel_type_ = PixelType::u8;
   std::vector<std::unique_ptr<SplineFrames>> splines_;
 };
 

@@ -19,6 +19,8 @@ class SplineFrames {
   // Brings the slots into which a picture came since the last call up to date. Enqueues only.
   // DeviceFrames::splines calls it.
   void prepare(const DeviceFrames& frames);
+  // Takes all slots as changed.
+  void forget() { versions_.assign(versions_.size(), 0); }
 
   int degree() const { return degree_; }
   int vector() const { return tiling_.vector; }

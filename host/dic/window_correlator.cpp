@@ -2,6 +2,7 @@
 
 #include "host/dic/neighbours.h"
 #include "host/dic/seed_options.h"
+#include "host/dic/tuning.h"
 
 namespace impactdic {
 
@@ -12,7 +13,7 @@ WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, 
     published_.emplace(engine, options);
   } else {
     const FieldOptions seed = seed_options(options);
-    zncc_.emplace(engine, seed, zncc_variants(engine.device(), seed).front());
+    zncc_.emplace(engine, seed, choose_zncc_variant(engine, seed));
   }
   if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
 }

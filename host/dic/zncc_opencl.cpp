@@ -21,6 +21,7 @@ int lags(const FieldOptions& options) { return 2 * options.search_px + 1; }
 bool fits(const ZnccVariant& variant, const FieldOptions& options, const DeviceInfo& device) {
   return area_px(options) <= variant.fft_px &&
          variant.fft_px % (variant.vector * variant.lanes) == 0 &&
+         (variant.path != ZnccPath::pairs || variant.vector <= variant.fft_px / 2) &&
          static_cast<std::size_t>(variant.lanes * variant.windows_per_group) <=
              device.max_work_group &&
          variant.local_bytes(options) <= device.local_memory_bytes;
@@ -48,25 +49,37 @@ std::vector<cl_float> inverses_by_size() {
   return all;
 }
 
-// Real operations of a window: two transforms there, two back, 5 N log2 N each (the usual count).
-double flops_of(const ZnccVariant& variant) {
-  const double points = static_cast<double>(variant.fft_px) * variant.fft_px;
-  return 2 * 5 * points * std::log2(points);
-}
-
 }  // namespace
 
+double zncc_flops(const ZnccVariant& variant) {
+  const double points = static_cast<double>(variant.fft_px) * variant.fft_px;
+  const double transforms = variant.path == ZnccPath::pairs ? 1.5 : 2;
+  return transforms * 5 * points * std::log2(points);
+}
+
 std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
-  const std::size_t plane = static_cast<std::size_t>(fft_px) * (fft_px + vector);
-  const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
   const auto side = static_cast<std::size_t>(lags(options));
-  return windows_per_group * sizeof(cl_float) * (planes * 2 * plane + side * side + 2 * lanes);
+  const auto size = static_cast<std::size_t>(fft_px), pitch = size + vector;
+  const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
+  if (path == ZnccPath::pairs) {
+    const std::size_t rows = std::max(size, 2 * side);
+    return sizeof(cl_float) *
+           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 2 * lanes + 4);
+  }
+  return windows_per_group * sizeof(cl_float) *
+         (planes * 2 * size * pitch + side * side + 2 * lanes);
 }
 
 std::string ZnccVariant::name() const {
-  if (!fused) return "clfft " + std::to_string(fft_px);
-  return "fused " + std::to_string(fft_px) + " vector " + std::to_string(vector) + " lanes " +
-         std::to_string(lanes) + " windows " + std::to_string(windows_per_group);
+  const std::string size = " " + std::to_string(fft_px);
+  if (path == ZnccPath::clfft) return "clfft" + size;
+  const std::string shape =
+      size + " vector " + std::to_string(vector) + " lanes " + std::to_string(lanes);
+  if (path == ZnccPath::single) {
+    return "single" + shape + " windows " + std::to_string(windows_per_group);
+  }
+  return "pairs" + shape + (width_known ? " width" : "") +
+         (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
 std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOptions& options) {
@@ -74,24 +87,28 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
   const auto offer = [&](const ZnccVariant& variant) {
     if (fits(variant, options, device)) variants.push_back(variant);
   };
+  const bool limits_registers = device.vendor.find("NVIDIA") != std::string::npos;
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
-    const auto offer_cpu = [&] {
-      for (const int vector : {8, 16, 4}) offer({true, size, vector, 1, 1});
-    };
-    const auto offer_gpu = [&] {
-      for (const int windows : {64 / size, 128 / size, 1}) offer({true, size, 1, size, windows});
-    };
     if (device.is_gpu) {
-      offer_gpu();
-      offer({true, size, 4, 1, 1});
+      for (const int windows : {128 / size, 64 / size, 1}) {
+        offer({ZnccPath::single, size, 1, size, windows});
+      }
+      if (size > 32) continue;
+      for (const int registers : {0, 168, 144}) {
+        if (registers > 0 && !limits_registers) continue;
+        offer({ZnccPath::pairs, size, 1, size, 1, true, registers});
+      }
+      offer({ZnccPath::pairs, size, 1, size, 1, false, 0});
     } else {
-      offer_cpu();
-      offer({true, size, 1, size, 1});
+      for (const int vector : {8, 16, 4}) {
+        if (size <= 32) offer({ZnccPath::pairs, size, vector, 1});
+      }
+      for (const int vector : {8, 16}) offer({ZnccPath::single, size, vector, 1});
     }
   }
   const auto length = FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
-  variants.push_back({false, static_cast<int>(length), 1, 1, 1});
+  variants.push_back({ZnccPath::clfft, static_cast<int>(length), 1, 1});
   return variants;
 }
 
@@ -100,7 +117,8 @@ ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVa
   Defines defines = defines_of(options, variant);
   inverses_ = make_buffer<cl_float>(engine, inverses_by_size());
   subpixel_ = engine.kernel("peak.cl", "zncc_subpixel");
-  if (variant.fused) {
+  if (variant.path == ZnccPath::pairs) return;
+  if (variant.path == ZnccPath::single) {
     defines.insert(defines.end(),
                    {{"VECTOR", std::to_string(variant.vector)},
                     {"LANES", std::to_string(variant.lanes)},
@@ -108,7 +126,8 @@ ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVa
     fused_ = engine.kernel("correlate.cl", "zncc_fused", defines);
     return;
   }
-  if (!engine.device().is_gpu) group_ = 1;
+  group_ =
+      engine.device().is_gpu ? std::min<std::size_t>(group_, engine.device().max_work_group) : 1;
   defines.emplace_back("GROUP", std::to_string(group_));
   cut_ = engine.kernel("window.cl", "cut_windows", defines);
   power_ = engine.kernel("spectrum.cl", "cross_power", defines);
@@ -135,12 +154,31 @@ float ZnccOpencl::contrast(const DeviceFrames& frames) const {
   return static_cast<float>(min_contrast(options_, frames.full_scale()));
 }
 
+void ZnccOpencl::compile_pairs(const DeviceFrames& frames) {
+  Defines defines = defines_of(options_, variant_);
+  defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::u8 ? "uchar" : "ushort");
+  defines.emplace_back("VECTOR", std::to_string(variant_.vector));
+  defines.emplace_back("LANES", std::to_string(variant_.lanes));
+  if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
+  std::string limit;
+  if (variant_.most_registers > 0) {
+    defines.emplace_back("FREE_GROUP_SIZE", "1");
+    limit = "-cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
+  }
+  if (fused_() != nullptr && defines == pairs_defines_) return;
+  fused_ = engine_.kernel("pairs.cl", "zncc_pairs", defines, limit);
+  pairs_defines_ = defines;
+}
+
 void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const Buffer<Window>& windows,
                                std::size_t start, std::size_t count) {
+  const bool pairs = variant_.path == ZnccPath::pairs;
+  if (pairs) compile_pairs(frames);
   const auto group = static_cast<std::size_t>(variant_.lanes * variant_.windows_per_group);
-  const auto groups = (count + variant_.windows_per_group - 1) / variant_.windows_per_group;
+  const auto windows_a_group = static_cast<std::size_t>(pairs ? 2 : variant_.windows_per_group);
+  const auto groups = round_up(count, windows_a_group) / windows_a_group;
   int argument = 0;
-  fused_.setArg(argument++, frames.images().get());
+  fused_.setArg(argument++, pairs ? frames.pixels().get() : frames.images().get());
   fused_.setArg(argument++, static_cast<cl_int>(frames.width()));
   fused_.setArg(argument++, static_cast<cl_int>(frames.height()));
   fused_.setArg(argument++, windows.get());
@@ -152,7 +190,7 @@ void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const Buffer<Window>&
   const auto windows_done = static_cast<double>(count);
   engine_.launch(engine_.queue(), fused_, cl::NDRange(groups * group), cl::NDRange(group),
                  {windows_done * (4 * (area * area + window * window) + sizeof(CorrelationPeak)),
-                  windows_done * flops_of(variant_)});
+                  windows_done * zncc_flops(variant_)});
 }
 
 void ZnccOpencl::enqueue_batch(const DeviceFrames& frames, const Buffer<Window>& windows,
@@ -197,7 +235,7 @@ void ZnccOpencl::run(const DeviceFrames& frames, const Buffer<Window>& windows, 
   peaks_.reserve(engine_, std::min(count, kMostPeaks));
   for (std::size_t start = 0; start < count; start += kMostPeaks) {
     const std::size_t part = std::min(count - start, kMostPeaks);
-    if (variant_.fused) {
+    if (variant_.path != ZnccPath::clfft) {
       enqueue_fused(frames, windows, start, part);
     } else {
       reserve_batch(part);

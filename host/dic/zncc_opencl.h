@@ -12,18 +12,32 @@
 
 namespace impactdic {
 
-// One way to compute the same correlation. See kernels/correlate.cl and kernels/config.h.
+// How a correlation is computed.
+enum class ZnccPath {
+  pairs,   // two windows a group in one kernel (kernels/pairs.cl): transforms of 16 and 32
+  single,  // a window in one kernel (kernels/correlate.cl): transforms of 16, 32 and 64
+  clfft,   // several kernels about clFFT's batches: any size
+};
+
+// One way to compute the same correlation. See kernels/lanes.h and kernels/config.h.
 struct ZnccVariant {
-  bool fused = true;  // one kernel with its transforms in local memory; else clFFT batches
+  ZnccPath path = ZnccPath::pairs;
   int fft_px = 32;
-  int vector = 1, lanes = 32, windows_per_group = 1;  // of the fused kernel
+  int vector = 1, lanes = 32;
+  int windows_per_group = 1;  // of `single`
+  bool width_known = false;   // of `pairs`: the pictures' width compiled in
+  int most_registers = 0;     // of `pairs`, of a work-item, for NVIDIA's compiler; 0: its choice
 
   std::size_t local_bytes(const FieldOptions& options) const;
-  std::string name() const;  // "fused32 vector 8 lanes 1 windows 1", "clfft 36"
+  std::string name() const;  // "pairs 32 vector 8 lanes 1", "clfft 36"
 };
 
 // Every variant that the device and the options allow, the one to take without tuning first.
 std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOptions& options);
+
+// Real operations of a window: one complex transform there and one back, 5 N log2 N each (the usual
+// count).
+double zncc_flops(const ZnccVariant& variant);
 
 class ZnccOpencl {
  public:
@@ -42,6 +56,8 @@ class ZnccOpencl {
   // Peaks of windows start + at … into peaks at …, `count` (at most one batch) of them.
   void enqueue_batch(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t start,
                      std::size_t at, std::size_t count);
+  // Compiles what depends on the pictures' depth and width.
+  void compile_pairs(const DeviceFrames& frames);
   // Makes plan and scratch large enough for `count` windows or for one full batch.
   void reserve_batch(std::size_t count);
   float contrast(const DeviceFrames& frames) const;
@@ -49,6 +65,7 @@ class ZnccOpencl {
   Engine& engine_;
   FieldOptions options_;
   ZnccVariant variant_;
+  Defines pairs_defines_;
   cl::Kernel fused_, cut_, power_, map_, subpixel_;
   std::size_t group_ = 64, batch_ = 0;
   std::optional<FftPlan> plan_;

@@ -14,6 +14,10 @@ constexpr const char* kBaseOptions = "-cl-std=CL1.2";
 
 std::string build_options(const Defines& defines) {
   std::string options = kBaseOptions;
+  // For whoever works on a kernel: "-cl-nv-verbose" and the like.
+  if (const char* further = std::getenv("IMPACTDIC_BUILD_OPTIONS")) {
+    options += std::string(" ") + further;
+  }
   for (const auto& [name, value] : defines) options += " -D" + name + "=" + value;
   return options;
 }
@@ -55,16 +59,16 @@ cl::CommandQueue Engine::make_queue() const {
 }
 
 cl::Kernel Engine::kernel(const std::string& file, const std::string& name,
-                          const Defines& defines) {
+                          const Defines& defines, const std::string& options) {
   try {
-    return cl::Kernel(program(file, defines), name.c_str());
+    const std::string separator = options.empty() ? "" : " ";
+    return cl::Kernel(program(file, build_options(defines) + separator + options), name.c_str());
   } catch (const cl::Error& error) {
     throw OpenClError(std::string(error.what()) + " " + file + ":" + name, error.err());
   }
 }
 
-cl::Program Engine::program(const std::string& file, const Defines& defines) {
-  const std::string options = build_options(defines);
+cl::Program Engine::program(const std::string& file, const std::string& options) {
   const std::string key = file + "\n" + options;
   const std::lock_guard<std::mutex> lock(shared_->mutex);
   const auto found = shared_->programs.find(key);
@@ -97,7 +101,8 @@ cl::Program Engine::load_or_build(const std::string& source, const std::string& 
     throw BuildError("kernel does not compile: " + log,
                      "kernels/" + file + " on " + shared_->device.name + " with " + options);
   }
-  spdlog::debug("compiled kernels/{} {}", file, options);
+  spdlog::debug("compiled kernels/{} {} {}", file, options,
+                program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle));
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
   if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
   return program;

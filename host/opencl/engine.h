@@ -48,10 +48,13 @@ class Engine {
   const cl::CommandQueue& queue() const { return queue_; }
   cl::CommandQueue make_queue() const;
   Profiler& profiler() { return shared_->profiler; }
+  // Where compiled programs and the result of `impactdic tune` are kept; empty: nowhere.
+  const std::filesystem::path& cache_dir() const { return shared_->options.cache_dir; }
 
   // Kernel `name` of kernels/FILE compiled with `defines`: from memory, from the disk cache, or
-  // compiled now. Throws BuildError with the log.
-  cl::Kernel kernel(const std::string& file, const std::string& name, const Defines& defines = {});
+  // compiled now. `options`: further ones for the compiler. Throws BuildError with the log.
+  cl::Kernel kernel(const std::string& file, const std::string& name, const Defines& defines = {},
+                    const std::string& options = "");
 
   // Enqueues `kernel` and hands its event to the profiler. Global sizes must be multiples of the
   // local ones (see round_up). Throws OpenClError.
@@ -71,7 +74,7 @@ class Engine {
     Shared(const DeviceInfo& info, EngineOptions asked);
   };
   explicit Engine(std::shared_ptr<Shared> shared);
-  cl::Program program(const std::string& file, const Defines& defines);
+  cl::Program program(const std::string& file, const std::string& options);
   cl::Program load_or_build(const std::string& source, const std::string& options,
                             const std::string& file);
 

@@ -11,6 +11,7 @@
 
 #include "host/base/error.h"
 #include "host/dic/ball_registration.h"
+#include "host/dic/equal_opencl.h"
 #include "host/dic/icgn_opencl.h"
 #include "host/dic/published_opencl.h"
 #include "host/dic/ring.h"
@@ -73,6 +74,15 @@ void run_zncc(const ZnccVariant& variant, int bits) {
   setting.finish();
 }
 
+void run_equal(const EqualVariant& variant) {
+  Setting setting(8);
+  FieldOptions options = small_options(FieldMethod::zncc);
+  options.window_px = 16;
+  EqualOpencl(setting.engine, options, variant)
+      .run(setting.frames, setting.windows, setting.count, setting.motions);
+  setting.finish();
+}
+
 void run_published() {
   Setting setting(8);
   PublishedOpencl published(setting.engine, small_options(FieldMethod::published));
@@ -115,21 +125,37 @@ void run_ring() {
 }
 
 const std::map<std::string, std::function<void()>> kCases = {
+    {"zncc_pairs_scalar",
+     [] {
+       run_zncc({ZnccPath::pairs, 16, 1, 16, 1, true}, 8);
+     }},
+    {"zncc_pairs_vector",
+     [] {
+       run_zncc({ZnccPath::pairs, 16, 4, 1}, 12);
+     }},
+    {"equal_scalar",
+     [] {
+       run_equal({1, 16, 2, true, 0});
+     }},
+    {"equal_vector",
+     [] {
+       run_equal({4, 1, 1, false, 0});
+     }},
     {"zncc_scalar",
      [] {
-       run_zncc({true, 16, 1, 16, 2}, 8);
+       run_zncc({ZnccPath::single, 16, 1, 16, 2}, 8);
      }},
     {"zncc_vector",
      [] {
-       run_zncc({true, 16, 4, 1, 1}, 12);
+       run_zncc({ZnccPath::single, 16, 4, 1, 1}, 12);
      }},
     {"zncc_vector_lanes",
      [] {
-       run_zncc({true, 16, 4, 2, 1}, 8);
+       run_zncc({ZnccPath::single, 16, 4, 2, 1}, 8);
      }},
     {"zncc_clfft",
      [] {
-       run_zncc({false, 15, 1, 1, 1}, 8);
+       run_zncc({ZnccPath::clfft, 15, 1, 1, 1}, 8);
      }},
     {"published", run_published},
     {"icgn", run_icgn},

@@ -1,0 +1,97 @@
+// Registration of whole balls, their splines included.
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "bench/measure.h"
+#include "host/dic/ball_registration.h"
+#include "host/dic/spline_frames.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kRadius = 115, kDegree = std::numbers::pi / 180;
+constexpr int kPictures = 9;
+
+// Discs of radius 1.6 … 4 px thrown at random, about half of the ball ink.
+SpeckleBall thrown_discs() {
+  std::mt19937_64 random(12);
+  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  SpeckleBall ball;
+  ball.radius_px = kRadius;
+  for (double area = 0; area < 0.7 * kRadius * kRadius;) {
+    const double x = kRadius * (2 * uniform() - 1), y = kRadius * (2 * uniform() - 1);
+    const double radius = 1.6 + 2.4 * uniform();
+    if (x * x + y * y > kRadius * kRadius) continue;
+    ball.discs.push_back({x, y, radius});
+    area += radius * radius;
+  }
+  return ball;
+}
+
+}  // namespace
+
+void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink) {
+  const std::string work = "ball r 115 degree 7";
+  if (work.find(options.only) == std::string::npos) return;
+  const int batch = options.batch > 0 ? options.batch : engine.device().is_gpu ? 256 : 4;
+  Scene scene;
+  scene.noise_sigma = 2;
+  const BallRenderer renderer(thrown_discs(), scene);
+  std::vector<Frame> pictures(kPictures);
+  std::vector<BallPose> poses(kPictures);
+  for (int k = 0; k < kPictures; ++k) {
+    BallPose& pose = poses[static_cast<std::size_t>(k)];
+    pose.cx_px = 251.3 + 0.618 * k;
+    pose.cy_px = 259.2 - 0.382 * k;
+    pose.angle_deg = 0.5 * k;
+    renderer.render(pose, k, pictures[static_cast<std::size_t>(k)]);
+  }
+  DeviceFrames frames(engine, batch + 1);
+  const BallOptions defaults;
+  BallRegistration registration(engine, defaults);
+  SplineFrames splines(engine, defaults.spline_degree, defaults.presmooth_sigma_px, batch + 1);
+  std::vector<BallTask> tasks;
+  for (int k = 0; k <= batch; ++k) {
+    // To and fro through the pictures that there are.
+    const auto place = [](int frame) { return frame % 16 < 8 ? frame % 16 : 16 - frame % 16; };
+    frames.set(k, pictures[static_cast<std::size_t>(place(k))]);
+    if (k == batch) continue;
+    const BallPose& at = poses[static_cast<std::size_t>(place(k))];
+    const auto way = static_cast<float>(place(k + 1) - place(k));
+    tasks.push_back({k, k + 1, static_cast<float>(at.cx_px), static_cast<float>(at.cy_px),
+                     static_cast<float>(kRadius - kRimMarginPx), 0.6F * way, -0.4F * way,
+                     static_cast<float>(0.52 * kDegree) * way});
+  }
+  BenchRow row;
+  row.work = work;
+  row.variant = "splines included";
+  row.unit = "frames";
+  row.count = batch;
+  std::vector<BallMotion> motions;
+  measure_time(row, options.seconds, [&] {
+    splines.forget();
+    splines.prepare(frames);
+    motions = registration.measure(frames, tasks);
+  });
+  double squares = 0, along = 0;
+  int ok = 0;
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    if (motions[k].status != static_cast<idic_int>(WindowStatus::ok)) continue;
+    const double way = tasks[k].guess_dx > 0 ? 1 : -1;
+    const double du = motions[k].dx - 0.618 * way, dv = motions[k].dy + 0.382 * way;
+    squares += du * du + dv * dv;
+    along += way * (du * 0.618 - dv * 0.382) / std::hypot(0.618, 0.382);
+    ++ok;
+  }
+  row.lost = 1 - ok / static_cast<double>(batch);
+  row.bias_px = ok > 0 ? along / ok : 0;
+  row.rms_px = ok > 0 ? std::sqrt(squares / (2.0 * ok)) : 0;
+  const double area = scene.width * scene.height, disc = std::numbers::pi * 111 * 111;
+  row.bytes = area * (4 + 4 + 4 + 4 + 4 + 12) + disc * 16;
+  row.flops = disc * (4 * (2 * 64 + 60) + 100.0) + area * 400;
+  sink(row);
+}
+
+}  // namespace impactdic

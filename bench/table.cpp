@@ -1,0 +1,74 @@
+#include "bench/table.h"
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/error.h"
+
+namespace impactdic {
+namespace {
+
+nlohmann::json to_json(const BenchRow& row, const Roofline& roofline) {
+  const double rate = row.per_second();
+  return {{"work", row.work},
+          {"variant", row.variant},
+          {"unit", row.unit},
+          {"units_per_run", row.count},
+          {"runs", row.runs},
+          {"median_s", row.median_s},
+          {"least_s", row.least_s},
+          {"cpu_s", row.cpu_s},
+          {"per_second", rate},
+          {"bytes_per_unit", row.bytes},
+          {"flops_per_unit", row.flops},
+          {"of_copy_peak", rate * row.bytes / roofline.copy_bytes_per_s},
+          {"of_flops_peak", rate * row.flops / roofline.flops_per_s},
+          {"bias_px", row.bias_px},
+          {"rms_error_px", row.rms_px},
+          {"lost", row.lost}};
+}
+
+void print_row(const BenchRow& row, const Roofline& roofline) {
+  const double rate = row.per_second();
+  std::printf("%-22s %-34s %10.3f %12.4g %-8s %8.0f %9.0f %6.1f %6.1f %9.5f %9.5f %7.4f\n",
+              row.work.c_str(), row.variant.c_str(), 1e3 * row.median_s, rate, row.unit.c_str(),
+              row.bytes, row.flops, 100 * rate * row.bytes / roofline.copy_bytes_per_s,
+              100 * rate * row.flops / roofline.flops_per_s, row.bias_px, row.rms_px, row.lost);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void print_bench_table(Engine& engine, const BenchOptions& options, const std::string& json) {
+  const Roofline roofline = measure_roofline(engine);
+  std::printf("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s\n",
+              engine.device().name.c_str(), engine.device().driver.c_str(),
+              1e-9 * roofline.copy_bytes_per_s, 1e-9 * roofline.flops_per_s);
+  std::printf("%-22s %-34s %10s %12s %-8s %8s %9s %6s %6s %9s %9s %7s\n", "work", "variant",
+              "median ms", "per second", "unit", "bytes", "FLOP", "%copy", "%FMA", "bias px",
+              "rms px", "lost");
+  nlohmann::json rows = nlohmann::json::array();
+  const RowSink sink = [&](const BenchRow& row) {
+    print_row(row, roofline);
+    rows.push_back(to_json(row, roofline));
+  };
+  bench_equal_windows(engine, options, sink);
+  bench_zncc(engine, options, sink);
+  bench_icgn(engine, options, sink);
+  bench_ball(engine, options, sink);
+  if (rows.empty()) throw InvalidArgument("no row contains '" + options.only + "'", "--only");
+  if (json.empty()) return;
+  const nlohmann::json all = {{"device",
+                               {{"name", engine.device().name},
+                                {"platform", engine.device().platform},
+                                {"driver", engine.device().driver}}},
+                              {"copy_bytes_per_s", roofline.copy_bytes_per_s},
+                              {"flops_per_s", roofline.flops_per_s},
+                              {"rows", rows}};
+  std::ofstream file(json);
+  file << all.dump(2) << "\n";
+  if (!file.flush()) throw FileError("cannot be written", json);
+}
+
+}  // namespace impactdic

@@ -1,0 +1,12 @@
+// The table of `impactdic bench`.
+#pragma once
+
+#include "bench/measure.h"
+
+namespace impactdic {
+
+// Measures the rows that `options` want and prints each on stdout when it is done; with `json` the
+// table goes to that file too. Throws InvalidArgument where there is no such row, FileError.
+void print_bench_table(Engine& engine, const BenchOptions& options, const std::string& json);
+
+}  // namespace impactdic

@@ -1,0 +1,32 @@
+// Times every variant of the correlation kernels and finds the quickest right one.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "host/dic/tuning.h"
+
+namespace impactdic {
+
+// A variant as it was tried.
+struct TunedVariant {
+  TunedKernel kernel;
+  std::string rejected;  // why it is not taken, empty where it may be
+};
+
+struct TuneOptions {
+  // Difference from the double-precision reference above which a variant is rejected.
+  double largest_difference_px = 1e-4;
+  double seconds = 0.3;  // a variant
+};
+
+using TuneSink = std::function<void(const TunedVariant&)>;
+
+// Tries each variant that the device allows, hands it to `sink`, and returns the quickest of the
+// right ones. Throws Error where none is right.
+TunedKernel tune_zncc(Engine& engine, const FieldOptions& field, const TuneOptions& options,
+                      const TuneSink& sink);
+TunedKernel tune_equal(Engine& engine, const FieldOptions& field, const TuneOptions& options,
+                       const TuneSink& sink);
+
+}  // namespace impactdic

@@ -1,0 +1,42 @@
+// impactdic bench: speed of the kernels with their error beside it.
+#include <memory>
+
+#include "bench/table.h"
+#include "host/app/command.h"
+#include "host/app/run_context.h"
+
+namespace impactdic::app {
+namespace {
+
+struct Options {
+  Common common;
+  BenchOptions bench;
+  std::string json;
+};
+
+void run_bench(const Options& options) {
+  RunContext context(options.common);
+  print_bench_table(context.engine(), options.bench, options.json);
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "bench", "Speed of the correlation on this device, with its error on a known shift");
+  add_common_options(*command, options->common);
+  command->add_option("--only", options->bench.only, "Only rows whose work contains this text");
+  command->add_option("--seconds", options->bench.seconds, "Time to measure each row for")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--batch", options->bench.batch, "Frame pairs a run (default: by device)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--all-variants", options->bench.every_variant,
+                    "Every variant of a kernel, not only the one in use");
+  command->add_option("--json", options->json, "Write the table to this file too");
+  command->footer("Example:\n  impactdic bench --device gpu --json bench.json");
+  command->callback([options] { run_bench(*options); });
+}
+
+}  // namespace impactdic::app

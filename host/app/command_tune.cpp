@@ -1,0 +1,83 @@
+// impactdic tune: the quickest variant of the correlation kernels on this device.
+#include <cstdio>
+#include <memory>
+
+#include "bench/tune.h"
+#include "host/app/command.h"
+#include "host/app/run_context.h"
+
+namespace impactdic::app {
+namespace {
+
+struct Options {
+  Common common;
+  TuneOptions tune;
+  int window_px = 0, search_px = 8;  // 0: the usual sizes
+};
+
+// As `correlate` and `track` use them, and what `bench` measures.
+std::vector<FieldOptions> sizes_of(const Options& options) {
+  std::vector<FieldOptions> sizes;
+  const auto add = [&](int window_px, int search_px) {
+    FieldOptions field;
+    field.method = FieldMethod::zncc;
+    field.window_px = window_px;
+    field.search_px = search_px;
+    field.validate();
+    sizes.push_back(field);
+  };
+  if (options.window_px > 0) {
+    add(options.window_px, options.search_px);
+  } else {
+    add(15, 8);
+    add(31, 8);
+    add(31, 16);
+  }
+  return sizes;
+}
+
+void run_tune(const Options& options) {
+  RunContext context(options.common);
+  Engine& engine = context.engine();
+  std::printf("%s, driver %s\n", engine.device().name.c_str(), engine.device().driver.c_str());
+  const TuneSink sink = [](const TunedVariant& tried) {
+    std::printf("%-16s %-48s %11.4g windows/s  %.1e px  %s\n", tried.kernel.work.c_str(),
+                tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
+                tried.rejected.c_str());
+    std::fflush(stdout);
+  };
+  std::vector<TunedKernel> best;
+  for (const FieldOptions& field : sizes_of(options)) {
+    best.push_back(tune_zncc(engine, field, options.tune, sink));
+  }
+  if (options.window_px == 0) {
+    FieldOptions field;
+    field.window_px = 32;
+    field.min_correlation = 0.3;
+    best.push_back(tune_equal(engine, field, options.tune, sink));
+  }
+  store_tuning(engine, best);
+  for (const TunedKernel& kernel : best) {
+    std::printf("%s: %s\n", kernel.work.c_str(), kernel.variant.c_str());
+  }
+  std::printf("kept in %s\n", tuning_file(engine).c_str());
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "tune", "Find the quickest right variant of each kernel on this device, and keep it");
+  add_common_options(*command, options->common);
+  command->add_option("--window", options->window_px, "Only windows of this size (px)");
+  command->add_option("--search", options->search_px, "Their search radius (px)")
+      ->capture_default_str();
+  command->add_option("--seconds", options->tune.seconds, "Time to measure each variant for")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->footer("Example:\n  impactdic tune --device gpu");
+  command->callback([options] { run_tune(*options); });
+}
+
+}  // namespace impactdic::app

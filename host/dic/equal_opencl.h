@@ -1,0 +1,52 @@
+// Equal windows by circular cross-correlation on an OpenCL device (kernels/equal.cl): the quickest
+// way to a displacement, for small ones; see zncc_opencl.h for the unbiased method of `correlate`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/dic/device_frames.h"
+#include "host/dic/field.h"
+#include "host/opencl/buffer.h"
+
+namespace impactdic {
+
+// One way to compute the same. See kernels/lanes.h.
+struct EqualVariant {
+  int vector = 1, lanes = 32;
+  int pairs = 1;             // of windows that a group measures
+  bool width_known = false;  // the pictures' width compiled in
+  int most_registers = 0;    // of a work-item, for NVIDIA's compiler; 0: its choice
+
+  std::size_t local_bytes(int window_px) const;
+  std::string name() const;
+};
+
+// Every variant that the device allows, the one to take without tuning first. window_px: 16 or 32.
+std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px);
+
+// Real operations of a window, transforms counted as 5 N log2 N.
+double equal_flops(int window_px);
+
+class EqualOpencl {
+ public:
+  // Takes window_px (16 or 32), min_texture and min_correlation of `options`. Throws
+  // InvalidArgument.
+  EqualOpencl(Engine& engine, const FieldOptions& options, const EqualVariant& variant);
+
+  // As ZnccOpencl::run. The guess moves the second window by whole pixels; a guessed rotation is
+  // not looked at.
+  void run(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
+           Buffer<WindowMotion>& motions);
+
+ private:
+  void compile(const DeviceFrames& frames);
+
+  Engine& engine_;
+  FieldOptions options_;
+  EqualVariant variant_;
+  cl::Kernel kernel_;
+  Defines defines_;
+};
+
+}  // namespace impactdic

@@ -1,0 +1,120 @@
+// Equal windows on the device against their double-precision reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/dic/equal_opencl.h"
+#include "host/dic/equal_reference.h"
+#include "tests/support/engine.h"
+#include "tests/support/speckle_field.h"
+
+namespace impactdic {
+namespace {
+
+using testing::shared_engine;
+using testing::SpeckleField;
+
+constexpr int kWidth = 141, kHeight = 123;
+
+const SpeckleField& field() {
+  static const SpeckleField surface(1500, 160, 1.5, 3);
+  return surface;
+}
+
+struct Case {
+  int window_px, bits, count;
+  bool every_variant;  // compiling them takes its time
+};
+
+std::vector<EqualVariant> variants_of(const Case& c) {
+  auto variants = equal_variants(shared_engine().device(), c.window_px);
+  if (!c.every_variant) variants.resize(1);
+  return variants;
+}
+
+class Equal : public ::testing::TestWithParam<Case> {};
+
+// Odd and even counts, one window, windows across the edge, flat ones, and other surfaces.
+TEST_P(Equal, VariantsAgreeWithTheReference) {
+  const Case& c = GetParam();
+  Engine& engine = shared_engine();
+  FieldOptions options;
+  options.window_px = c.window_px;
+  options.min_correlation = 0.2;
+  std::vector<Frame> clip = {field().render(kWidth, kHeight, 0, 0, 0, 0, 0, c.bits, 2, 1),
+                             field().render(kWidth, kHeight, 2.3, -0.6, 0, 0, 0, c.bits, 2, 2),
+                             field().render(kWidth, kHeight, 0, 0, 0, 0, 0, c.bits, 0, 1)};
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      if (c.bits == 8) clip[2].u8(x, y) = 137;
+      if (c.bits > 8) clip[2].u16(x, y) = 1370;
+    }
+  }
+  std::mt19937 random(11);
+  std::uniform_int_distribution<int> x(-2, kWidth - c.window_px + 2);
+  std::uniform_int_distribution<int> y(-2, kHeight - c.window_px + 2), off(-2, 2);
+  std::vector<Window> windows;
+  for (int i = 0; i < c.count; ++i) {
+    windows.push_back({i % 5 == 4 ? 2 : 0, 1, x(random), y(random), off(random), off(random), 0});
+  }
+  windows[0] = {0, 1, 50, 50, 0, 0, 0};
+  if (c.count > 2) windows[1] = {2, 1, 3, 2, 0, 0, 0};
+  std::vector<Image<float>> pictures;
+  DeviceFrames frames(engine, 3);
+  for (int k = 0; k < 3; ++k) {
+    frames.set(k, clip[static_cast<std::size_t>(k)]);
+    pictures.push_back(clip[static_cast<std::size_t>(k)].to_float());
+  }
+  const auto input = make_buffer<Window>(engine, windows);
+  for (const EqualVariant& variant : variants_of(c)) {
+    SCOPED_TRACE(variant.name());
+    WindowMotion canary{};
+    canary.u = -77;
+    auto output =
+        make_buffer<WindowMotion>(engine, std::vector<WindowMotion>(windows.size() + 5, canary));
+    EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output);
+    const auto motions = output.to_vector(engine);
+    for (std::size_t i = windows.size(); i < motions.size(); ++i) EXPECT_EQ(motions[i].u, -77);
+    int ok = 0;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const auto& first = pictures[static_cast<std::size_t>(windows[i].first)];
+      const WindowMotion expected = equal_reference(first.view(), pictures[1].view(), windows[i],
+                                                    options, clip[0].full_scale());
+      ASSERT_EQ(motions[i].status, expected.status) << i;
+      if (expected.status != static_cast<int>(WindowStatus::ok)) continue;
+      ++ok;
+      EXPECT_NEAR(motions[i].u, expected.u, 1e-4) << i;
+      EXPECT_NEAR(motions[i].v, expected.v, 1e-4) << i;
+      EXPECT_NEAR(motions[i].correlation, expected.correlation, 1e-5) << i;
+      EXPECT_NEAR(motions[i].u_sd, expected.u_sd, 1e-4) << i;
+      EXPECT_NEAR(motions[i].v_sd, expected.v_sd, 1e-4) << i;
+    }
+    EXPECT_GT(2 * ok, c.count);
+    if (c.count > 2) {
+      EXPECT_EQ(motions[1].status, static_cast<int>(WindowStatus::no_texture));
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Sizes, Equal,
+                         ::testing::Values(Case{32, 8, 37, false}, Case{16, 12, 1, false},
+                                           Case{16, 8, 64, true}));
+
+TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {
+  Engine& engine = shared_engine();
+  FieldOptions options;
+  options.window_px = 24;
+  const EqualVariant variant = equal_variants(engine.device(), 32).front();
+  EXPECT_THROW(EqualOpencl(engine, options, variant), InvalidArgument);
+  options.window_px = 32;
+  DeviceFrames frames(engine, 2);
+  frames.set(0, field().render(31, 64, 0, 0));
+  frames.set(1, field().render(31, 64, 0, 0));
+  Buffer<Window> windows(engine, 1);
+  Buffer<WindowMotion> motions(engine, 1);
+  EqualOpencl equal(engine, options, variant);
+  EXPECT_THROW(equal.run(frames, windows, 1, motions), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace impactdic
