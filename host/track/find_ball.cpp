@@ -12,7 +12,8 @@
 namespace impactdic {
 namespace {
 
-constexpr int kHoughSize = 320;         // the picture is reduced to about this for the transform
+constexpr int kHoughSize = 320;         // the picture is reduced to this for the transform
+constexpr double kProved = 0.5;         // share of the rim that leaves no doubt
 constexpr int kCandidates = 8;          // tried per prepared picture
 constexpr double kCandidateSd = 0.025;  // scatter of a Hough centre, of the radius, at least 2 px
 
@@ -63,7 +64,7 @@ void propose(const cv::Mat& picture, int shrink, double low, double high, Candid
 }
 
 struct Proof {
-  double score = 0;
+  double score = 0, rim_fraction = 0;
   Circle circle;
 };
 
@@ -77,7 +78,7 @@ Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) 
   prior.rim_sd_px = prior.centre_sd_px;
   const CircleFit fit = measure_circle(frame, prior, options);
   if (fit.status != CircleStatus::ok) return {};
-  return {fit.rim_fraction * fit.circle.r_px, fit.circle};
+  return {fit.rim_fraction * fit.circle.r_px, fit.rim_fraction, fit.circle};
 }
 
 bool seen(const std::vector<Circle>& tried, const Circle& circle) {
@@ -97,17 +98,17 @@ std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options
   const double low =
       options.radius_range_px ? options.radius_range_px->first : std::max(6.0, 0.03 * shorter);
   const double high = options.radius_range_px ? options.radius_range_px->second : 0.6 * shorter;
-  const int shrink =
-      std::clamp(static_cast<int>(std::min(
-                     std::max(frame.width(), frame.height()) / double(kHoughSize), low / 5)),
-                 1, 16);
+  const int shrink = std::clamp(
+      static_cast<int>(std::min(
+          std::ceil(std::max(frame.width(), frame.height()) / double(kHoughSize)), low / 5)),
+      1, 16);
   const cv::Mat grey = prepare(frame, shrink);
 
   // The blobs first: on them the transform sees the ball's outline and nothing else.
   Proof best;
   std::vector<Circle> tried;
   const int sizes[] = {2, 5};
-  for (int stage = 0; stage < 5; ++stage) {
+  for (int stage = 0; stage < 5 && best.rim_fraction < kProved; ++stage) {
     cv::Mat picture;
     if (stage < 4) {
       picture = blob(grey, stage % 2 == 0, sizes[stage / 2]);
