@@ -1,80 +1,20 @@
 #include "sim/impact/contact_integration.h"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
-#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
-#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <string_view>
-#include <utility>
 
 #include "host/base/error.h"
+#include "sim/impact/contact_record.h"
+#include "sim/impact/step_control.h"
 
 namespace impactdic {
 
 namespace {
 
 namespace odeint = boost::numeric::odeint;
-
-using Dopri5 = odeint::runge_kutta_dopri5<ImpactState>;
-
-// The error of a step against each state's own scale, so that metres, radians and joules are all
-// met to the same relative accuracy, also where a state passes through zero.
-class ScaledError {
- public:
-  using value_type = double;
-  using algebra_type = Dopri5::algebra_type;
-  using operations_type = Dopri5::operations_type;
-
-  ScaledError() = default;
-  ScaledError(double tolerance, const ImpactState& scale) {
-    // Errors of a few hundred steps add up: a tenth per step keeps the sum near the tolerance.
-    for (std::size_t i = 0; i < kStateSize; ++i) inverse_[i] = 10 / (tolerance * scale[i]);
-  }
-
-  double error(algebra_type&, const ImpactState&, const ImpactState&, const ImpactState& x_error,
-               double) const {
-    double largest = 0;
-    for (std::size_t i = 0; i < kStateSize; ++i) {
-      const double scaled = std::abs(x_error[i]) * inverse_[i];
-      if (!(scaled <= largest)) largest = scaled;
-    }
-    return std::isnan(largest) ? 1e9 : largest;
-  }
-
- private:
-  ImpactState inverse_{};
-};
-
-using Stepper = odeint::controlled_runge_kutta<Dopri5, ScaledError>;
-
-struct Scales {
-  double duration_s;
-  ImpactState state;
-};
-
-Scales scales_of(const ImpactJob& job, const NormalLaw& normal, const ContactPoint& touch,
-                 const ImpactState& start) {
-  const double speed_n = touch.rate_m_s;
-  const double reach = job.body.shape == Shape::kRod ? job.body.length_m / 2 : job.body.radius_m();
-  const double speed = std::max({speed_n, std::abs(start[kVt]), std::abs(start[kOmega]) * reach});
-  const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
-  const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);
-  const double energy = 0.5 * job.body.mass_kg * speed * speed;
-  Scales scales{duration, {}};
-  scales.state[kQt] = scales.state[kTip] = speed * duration;
-  scales.state[kQn] = deflection;
-  scales.state[kAngle] = speed / reach * duration;
-  scales.state[kVt] = speed;
-  scales.state[kVn] = speed_n;
-  scales.state[kOmega] = speed / reach;
-  scales.state[kDamping] = scales.state[kSlip] = energy;
-  scales.state[kSprings] = deflection * std::sqrt(job.body.radius_m() * deflection);
-  return scales;
-}
 
 struct AcceptedStep {
   double time_s = 0;
@@ -93,19 +33,19 @@ class Integration {
         request_(request),
         start_s_(start_s),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
-        scales_(scales_of(job, normal, touch_, start)),
+        scales_(contact_scales(job, normal, touch_, start)),
         next_kink_m_(normal.next_kink_m(0)),
         checker_(job.solver.relative_tolerance, scales_.state),
-        stepper_(checker_) {
+        stepper_(checker_),
+        record_(start_s, dynamics.normal_force_n(touch_)) {
     now_.time_s = start_s;
     now_.x = start;
   }
 
   ContactOutcome run() {
     friction_.begin(touch_);
-    last_force_n_ = outcome_.peak_force_n = dynamics_.normal_force_n(touch_);
-    begin_phase(normal_phase_, PhaseKind::kNormal, "compression");
-    begin_phase(tangential_phase_, PhaseKind::kTangential, friction_.mode());
+    enter(PhaseKind::kNormal, "compression");
+    enter(PhaseKind::kTangential, friction_.mode());
     double step_s = 1e-3 * scales_.duration_s;
     const double longest_s = 200 * scales_.duration_s;
     while (!done_ && now_.time_s - start_s_ < longest_s) {
@@ -115,7 +55,8 @@ class Integration {
       while (!advance(step_s) && now_.time_s - start_s_ < longest_s) {
       }
     }
-    return finish();
+    return record_.finish(done_, {now_.time_s, &now_.x}, dynamics_.contact_point(now_.x), dynamics_,
+                          normal_, friction_);
   }
 
  private:
@@ -290,27 +231,22 @@ class Integration {
   void accept(const AcceptedStep& next) {
     const ContactPoint at = dynamics_.contact_point(next.x);
     friction_.step(at);
-    if (++outcome_.steps > kMostSteps) throw Error("no progress", "integration");
-    if (dynamics_.memory.compressing) look_for_force_peak(next, at);
+    record_.count_step();
+    if (record_.steps() > kMostSteps) throw Error("no progress", "integration");
+    if (dynamics_.memory.compressing) {
+      record_.step(dynamics_.normal_force_n(at), next.time_s - previous_.time_s,
+                   [this](double s) { return force_after(previous_, s); });
+    }
     previous_ = now_;
     now_ = next;
   }
 
-  // A damper shifts the largest force before the largest deflection; it also makes the force fall
-  // at first, from what it is at the touch.
-  void look_for_force_peak(const AcceptedStep& next, const ContactPoint& at) {
-    const double force = dynamics_.normal_force_n(at);
-    if (force < last_force_n_ && force_rises_) {
-      const auto negative_force = [&](double step) {
-        return -dynamics_.normal_force_n(dynamics_.contact_point(single_step(previous_, step)));
-      };
-      const auto [place, value] = boost::math::tools::brent_find_minima(
-          negative_force, 0.0, next.time_s - previous_.time_s, 26);
-      outcome_.peak_force_n = std::max(outcome_.peak_force_n, -value);
-    }
-    force_rises_ = force > last_force_n_;
-    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
-    last_force_n_ = force;
+  double force_after(const AcceptedStep& from, double step_s) {
+    return dynamics_.normal_force_n(dynamics_.contact_point(single_step(from, step_s)));
+  }
+
+  void enter(PhaseKind kind, const char* name) {
+    record_.enter(kind, name, {now_.time_s, &now_.x});
   }
 
   void switch_modes(int event) {
@@ -331,7 +267,7 @@ class Integration {
         break;
       default:
         friction_.cross(event - kNormalGuards, at);
-        begin_phase(tangential_phase_, PhaseKind::kTangential, friction_.mode());
+        enter(PhaseKind::kTangential, friction_.mode());
     }
   }
 
@@ -339,50 +275,12 @@ class Integration {
     NormalMemory& memory = dynamics_.memory;
     if (!memory.compressing) {
       memory.compressing = true;
-      begin_phase(normal_phase_, PhaseKind::kNormal, "compression");
+      enter(PhaseKind::kNormal, "compression");
       return;
     }
-    if (outcome_.t_max_compression_s == 0) outcome_.t_max_compression_s = now_.time_s - start_s_;
-    const double force = dynamics_.normal_force_n(at);
-    if (at.deflection_m > outcome_.max_deflection_m) {
-      outcome_.max_deflection_m = at.deflection_m;
-      outcome_.max_force_n = force;
-    }
-    outcome_.peak_force_n = std::max(outcome_.peak_force_n, force);
+    record_.turn(now_.time_s, at, dynamics_.normal_force_n(at));
     memory = normal_.turn(at.deflection_m, memory);
-    begin_phase(normal_phase_, PhaseKind::kNormal, "restitution");
-  }
-
-  // Each of the two sequences of phases has one open at a time, outcome_.phases[open].
-  void begin_phase(int& open, PhaseKind kind, const char* name) {
-    if (open >= 0) {
-      if (std::string_view(outcome_.phases[open].name) == name) return;
-      end_phase(open);
-    }
-    open = static_cast<int>(outcome_.phases.size());
-    outcome_.phases.push_back({kind, name, now_.time_s, now_.time_s, now_.x[kSlip]});
-  }
-
-  void end_phase(int open) {
-    Phase& phase = outcome_.phases[open];
-    phase.end_s = now_.time_s;
-    phase.slip_j = phase.kind == PhaseKind::kTangential ? now_.x[kSlip] - phase.slip_j : 0;
-  }
-
-  ContactOutcome finish() {
-    end_phase(normal_phase_);
-    end_phase(tangential_phase_);
-    const ContactPoint at = dynamics_.contact_point(now_.x);
-    outcome_.separated = done_;
-    outcome_.end_s = now_.time_s;
-    outcome_.end = now_.x;
-    outcome_.end_point = at;
-    outcome_.separation_force_n = done_ ? dynamics_.normal_force_n(at) : 0;
-    const double stored = normal_.stored_j(at.deflection_m, dynamics_.memory);
-    outcome_.plastic_j = normal_.work_j(at.deflection_m, dynamics_.memory) - stored;
-    outcome_.released_j = done_ ? stored : 0;
-    outcome_.released_tangential_j = done_ ? friction_.stored_j(at) : 0;
-    return std::move(outcome_);
+    enter(PhaseKind::kNormal, "restitution");
   }
 
   const ImpactJob& job_;
@@ -392,18 +290,16 @@ class Integration {
   TrajectoryRequest& request_;
   double start_s_;
   ContactPoint touch_;
-  Scales scales_;
+  ContactScales scales_;
   double next_kink_m_;
   ScaledError checker_;
-  Stepper stepper_;
+  ContactStepper stepper_;
   Dopri5 rk_;
   AcceptedStep now_, previous_;
   GuardValues now_guards_{};
-  bool done_ = false, force_rises_ = false, first_of_segment_ = false;
+  bool done_ = false, first_of_segment_ = false;
   int switches_ = 0;
-  double last_force_n_ = 0;
-  int normal_phase_ = -1, tangential_phase_ = -1;
-  ContactOutcome outcome_;
+  ContactRecord record_;
 };
 
 }  // namespace
