@@ -54,7 +54,7 @@ def close_loop(program, folder, seed, angle):
              for key, value in (('stiffness_n_per_m', STIFFNESS), ('damping_n_s_per_m', DAMPING),
                                 ('friction_kinetic', FRICTION)) if key in fit['parameters']}
     for key in ('restitution', 'contact_s'):
-        found[key] = (fit['shot'][key], truth[key])
+        found[key] = (fit['derived'][key], truth[key])
     return {key: (e['value'], e['sd'], value) for key, (e, value) in found.items()}
 
 

@@ -48,6 +48,9 @@ Json fit_json(const ShotFit& fit) {
   json["measurements"] = fit.measurements;
   json["free_parameters"] = fit.free_parameters;
   json["reduced_chi_square"] = json_number(fit.reduced_chi_square);
+  for (const DerivedFigure& d : fit.derived) {
+    json["derived"][d.key] = {{"value", json_number(d.value)}, {"sd", json_number(d.sd)}};
+  }
   if (!fit.deviation_factors.empty()) {
     json["deviation_factors"] = {{"centre", json_number(fit.deviation_factors[0])},
                                  {"motion", json_number(fit.deviation_factors[1])},

@@ -67,9 +67,16 @@ struct ParameterEstimate {
   std::string verdict;    // why it is not determined, and which measurement would determine it
 };
 
+// A figure of the fitted impact itself, such as its restitution.
+struct DerivedFigure {
+  std::string key;
+  double value = 0, sd = 0;
+};
+
 struct ShotFit {
   Shot shot;
   std::vector<ParameterEstimate> parameters;  // laws, then unknowns
+  std::vector<DerivedFigure> derived;         // trajectory only
   std::vector<double> covariance;             // of them, row-major; NaN where not determined
   double chi_square = 0;
   long measurements = 0, free_parameters = 0;

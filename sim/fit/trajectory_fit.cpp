@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/base/units.h"
+#include "sim/fit/derived_figures.h"
 #include "sim/fit/residual_weights.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/shot_model.h"
@@ -279,6 +280,7 @@ ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job) 
       fit.covariance.push_back(std::isfinite(value) ? value : kNotMeasured);
     }
   }
+  fit.derived = derived_figures(model, best.values, unit * inflation);
   add_verdicts(fit, model.impact_of(best.values.data()));
   return fit;
 }

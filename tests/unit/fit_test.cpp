@@ -14,8 +14,8 @@
 namespace impactdic {
 namespace {
 
-using testing::SyntheticTrack;
 using testing::ScratchFolder;
+using testing::SyntheticTrack;
 using testing::write_track;
 
 // The tennis ball of chapter 3 with the pair that its Fig. 3.29 gives.
@@ -124,6 +124,12 @@ TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
   EXPECT_NEAR(result.shots[0].parameters[1].value / kDamping, 1, 1e-4);
   EXPECT_TRUE(result.shots[0].converged);
   EXPECT_EQ(result.shots[0].parameters[0].key, "stiffness_n_per_m");
+  const ImpactResult impact = simulate_impact(track.job);
+  const std::vector<DerivedFigure>& derived = result.shots[0].derived;
+  ASSERT_EQ(derived.size(), 4u);
+  EXPECT_NEAR(derived[0].value, impact.restitution, 1e-5);
+  EXPECT_NEAR(derived[1].value, impact.contact_s, 1e-6);
+  EXPECT_GT(derived[1].sd, 0);
 }
 
 TEST(Fit, PublishedGridGivesThePublishedPair) {

@@ -1,0 +1,64 @@
+#include "sim/fit/derived_figures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+#include "sim/impact/impact.h"
+
+namespace impactdic {
+namespace {
+
+constexpr std::size_t kFigures = 4;
+constexpr std::array<const char*, kFigures> kKeys{"restitution", "contact_s", "t_max_compression_s",
+                                                  "max_deflection_m"};
+
+std::array<double, kFigures> figures(const ShotModel& model, const std::vector<double>& values) {
+  const ImpactResult impact = simulate_impact(model.impact_of(values.data()));
+  return {impact.restitution, impact.contact_s, impact.t_max_compression_s,
+          impact.max_deflection_m};
+}
+
+}  // namespace
+
+std::vector<DerivedFigure> derived_figures(const ShotModel& model,
+                                           const std::vector<double>& values,
+                                           const Eigen::MatrixXd& covariance) {
+  const auto size = static_cast<Eigen::Index>(values.size());
+  Eigen::MatrixXd slope(static_cast<Eigen::Index>(kFigures), size);
+  std::vector<double> moved = values;
+  for (Eigen::Index u = 0; u < size; ++u) {
+    const auto at = static_cast<std::size_t>(u);
+    const Unknown& unknown = model.unknowns()[at];
+    const double up = std::min(values[at] + unknown.step, unknown.upper);
+    const double down = std::max(values[at] - unknown.step, unknown.lower);
+    moved[at] = up;
+    const auto high = figures(model, moved);
+    moved[at] = down;
+    const auto low = figures(model, moved);
+    moved[at] = values[at];
+    for (std::size_t f = 0; f < kFigures; ++f) {
+      slope(static_cast<Eigen::Index>(f), u) = (high[f] - low[f]) / (up - down);
+    }
+  }
+  const auto best = figures(model, values);
+  std::vector<DerivedFigure> derived;
+  for (std::size_t f = 0; f < kFigures; ++f) {
+    const Eigen::RowVectorXd row = slope.row(static_cast<Eigen::Index>(f));
+    double variance = 0;
+    for (Eigen::Index i = 0; i < size; ++i) {
+      for (Eigen::Index j = 0; j < size; ++j) {
+        // An unknown that moves nothing may be as undetermined as it likes.
+        if (row[i] != 0 && row[j] != 0) variance += row[i] * row[j] * covariance(i, j);
+      }
+    }
+    derived.push_back(
+        {kKeys[f], best[f],
+         std::isfinite(variance) && variance >= 0 ? std::sqrt(variance) : kNotMeasured});
+  }
+  return derived;
+}
+
+}  // namespace impactdic
