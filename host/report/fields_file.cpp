@@ -154,7 +154,8 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
                               int window_px, const Attributes& attributes) {
   const Hdf5Guard guard(hdf5_lock());
   auto impl = std::make_unique<Impl>(hdf5::File::create(path.string()), window_px);
-  impl->make_tables(window_count);
+  // Of a clip without a ball: one window, masked in every frame.
+  impl->make_tables(std::max<std::size_t>(window_count, 1));
   for (const auto& [name, value] : attributes) {
     std::visit([&](const auto& v) { impl->file.set_attribute("/", name, v); }, value);
   }

@@ -18,12 +18,13 @@ class Clips {
     fs::create_directories(folder_ / "clips");
     for (int i = 1; i <= 6; ++i) {
       const std::string made = "made" + std::to_string(i);
-      synth(made, "--radius-px 40 --velocity-px 1,0.5 --seed " + std::to_string(i));
+      synth(made, "--pattern e1 --velocity-px 1,0.5 --seed " + std::to_string(i));
       fs::rename(folder_ / made / "video.tif", clip("shot_" + std::to_string(i) + ".tif"));
     }
     fs::copy(clip("shot_1.tif"), clip("shot_7_cut.tif"));
     fs::resize_file(clip("shot_7_cut.tif"), fs::file_size(clip("shot_7_cut.tif")) / 2);
-    std::ofstream(clip("shot_8_empty.tif"));
+    synth("bare", "--pattern none --white 30");  // as the background
+    fs::rename(folder_ / "bare" / "video.tif", clip("shot_8_bare.tif"));
     std::ofstream(clip("shot_9_text.cine")) << "this is no clip";
   }
   fs::path clip(const std::string& name) const { return folder_ / "clips" / name; }
@@ -39,7 +40,7 @@ class Clips {
 
  private:
   void synth(const std::string& name, const std::string& options) const {
-    const Outcome made = run_program("synth --pattern e1 --size 160x160 --frames 6 " + options +
+    const Outcome made = run_program("synth --size 160x160 --radius-px 40 --frames 6 " + options +
                                      " -o " + quoted(folder_ / name));
     if (made.status != 0) throw std::runtime_error(made.err);
   }
@@ -63,6 +64,9 @@ void expect_complete(const fs::path& out) {
     EXPECT_EQ(fs::exists(out / "shots" / name / "track.csv"), good) << name;
     EXPECT_EQ(fs::exists(out / "quarantine" / name / "reason.txt"), !good) << name;
     EXPECT_FALSE(fs::exists(out / "shots" / (name + ".part"))) << name;
+    if (name == "shot_8_bare") {
+      EXPECT_EQ(table.text("reason")[i], "no ball was measured in any frame");
+    }
     if (!good) continue;
     EXPECT_EQ(table.text("frames_ok")[i], "6") << name;
     EXPECT_EQ(table.text("impact")[i], "none") << name;

@@ -187,7 +187,7 @@ class Shot(unittest.TestCase):
         run("track", "-q", folder / "clip" / "video.tif", "--fps", FPS, "--ball-diameter-mm", 67,
             "--surface-angle-deg", 30, "--inertia-factor", 0.667, "--overlay", "--slow-motion", 100,
             "--roi", "0,0,199,200", "-o", folder / "shot")
-        (folder / "compare.toml").write_text(f"""
+        (folder / "compare.toml").write_text("""
 normal = "linear_spring_damper"
 friction = "three_phase"
 tracks = ["shot/track.csv"]

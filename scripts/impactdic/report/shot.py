@@ -3,7 +3,7 @@
 import matplotlib.image
 import numpy as np
 
-from ..results import ResultError
+from ..results import ResultError, read_table
 from .figure import BLACK, BLUE, GREEN, ORANGE, RED, SKY, Figure, Panel, Picture, Series, Span
 
 MOST_ARROWS = 400
@@ -89,7 +89,7 @@ def figures(result):
     shot = Shot(result)
     made = [key_frames(shot), trajectory(shot), position(shot)]
     if np.isfinite(shot.vx).any():
-        made += [velocity(shot), spin(shot), contact_point(shot), force_loop(shot)]
+        made += [velocity(shot), spin(shot), angle(shot), contact_point(shot), force_loop(shot)]
     made.append(quality(shot))
     return [figure for figure in made if figure is not None]
 
@@ -158,6 +158,8 @@ def _velocity_field(shot, frame, grey, factor):
     except ResultError:
         return None
     x, y, u, v = (windows[key].astype(float) for key in ("x_px", "y_px", "u_px", "v_px"))
+    if len(x) == 0:
+        return None
     thin = slice(None, None, max(1, len(x) // MOST_ARROWS))
     x, y, u, v = x[thin], y[thin], u[thin], v[thin]
     gap = np.full(len(x), np.nan)
@@ -277,6 +279,26 @@ def spin(shot):
         "Angular velocity",
         "Counter-clockwise positive. Band: 95 %.",
         [shot.time_panel("", f"angular velocity, {shot.spin_unit}", series)],
+    )
+
+
+def angle(shot):
+    """How far the ball has turned, where keyframes say so (`track --estimator ball`)."""
+    path = shot.result.folder / "pose.csv"
+    if not path.exists():
+        return None
+    pose = read_table(path)
+    steps = np.concatenate([[0.0], np.cumsum(shot.track["rot_deg"][:-1])])
+    time = 1e3 * pose["time_s"] if shot.time_unit == "ms" else pose["frame"] - pose["frame"][0]
+    series = [
+        Series("keyframes", time, pose["angle_deg"], pose["angle_sd_deg"], BLUE),
+        Series("sum of the steps", shot.time, steps, colour=RED, dash=True),
+    ]
+    return Figure(
+        "angle",
+        "Angle turned",
+        "Counter-clockwise positive. Keyframes do not drift; the sum of the steps does. Band: 95 %.",
+        [shot.time_panel("", "angle, °", series)],
     )
 
 
