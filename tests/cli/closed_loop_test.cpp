@@ -51,11 +51,11 @@ ClosedLoop close_loop(bool oblique) {
   std::ofstream(folder / "fit.toml") << fit_job(oblique);
   must("simulate " + quoted(folder / "impact.toml") + " -o " + quoted(folder / "sim"));
   must("synth --simulate " + quoted(folder / "impact.toml") +
-       " --pattern f1 --noise 2 --size 330x400 --frames 150 --touch-frame 40.37 -o " +
+       " --pattern f1 --noise 2 --size 330x400 --frames 130 --touch-frame 32.37 -o " +
        quoted(folder / "clip"));
   must("track " + quoted(folder / "clip/video.tif") + " --fps 10000 --ball-diameter-mm 67" +
-       " --inertia-factor 0.667 --surface-angle-deg " + (oblique ? "30" : "0") + " -o " +
-       quoted(folder / "track"));
+       " --spacing 12 --inertia-factor 0.667 --surface-angle-deg " + (oblique ? "30" : "0") +
+       " -o " + quoted(folder / "track"));
   must("fit " + quoted(folder / "fit.toml") + " -o " + quoted(folder / "fit"));
   return {read_json(folder / "sim/summary.json"),
           read_json(folder / "fit/summary.json")["shots"][0]};
