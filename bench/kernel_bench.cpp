@@ -1,11 +1,34 @@
 // `impactdic bench` without the rest of the program, for machines that have nothing but a driver.
 //   kernel_bench [DEVICE [JSON [ONLY [all [log]]]]]     log: what the compiler says,
-//   and the time of every kernel
+//   and the time of every kernel. ONLY "tune": what `impactdic tune` finds
 #include <cstdio>
 
 #include "bench/table.h"
+#include "bench/tune.h"
 #include "host/base/error.h"
 #include "host/base/log.h"
+
+namespace {
+
+int tune(impactdic::Engine& engine) {
+  const impactdic::TuneSink sink = [](const impactdic::TunedVariant& tried) {
+    std::printf("%s, %s: %.4g windows/s, %.1e px %s\n", tried.kernel.work.c_str(),
+                tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
+                tried.rejected.c_str());
+  };
+  impactdic::FieldOptions field;
+  field.method = impactdic::FieldMethod::zncc;
+  impactdic::tune_zncc(engine, field, {}, sink);
+  field.window_px = 31;
+  field.search_px = 16;
+  impactdic::tune_zncc(engine, field, {}, sink);
+  field.window_px = 32;
+  field.min_correlation = 0.3;
+  impactdic::tune_equal(engine, field, {}, sink);
+  return 0;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   const auto argument = [&](int k) { return std::string(argc > k ? argv[k] : ""); };
@@ -17,6 +40,7 @@ int main(int argc, char** argv) {
     impactdic::EngineOptions settings;
     settings.profile = argument(5) == "log";
     impactdic::Engine engine(argc > 1 ? argv[1] : "auto", settings);
+    if (options.only == "tune") return tune(engine);
     impactdic::print_bench_table(engine, options, argument(2));
     if (settings.profile) std::printf("%s", engine.profiler().table().c_str());
   } catch (const impactdic::Error& error) {

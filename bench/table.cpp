@@ -31,9 +31,10 @@ nlohmann::json to_json(const BenchRow& row, const Roofline& roofline) {
 
 void print_row(const BenchRow& row, const Roofline& roofline) {
   const double rate = row.per_second();
-  std::printf("%-22s %-34s %10.3f %12.4g %-8s %8.0f %9.0f %6.1f %6.1f %9.5f %9.5f %7.4f\n",
-              row.work.c_str(), row.variant.c_str(), 1e3 * row.median_s, rate, row.unit.c_str(),
-              row.bytes, row.flops, 100 * rate * row.bytes / roofline.copy_bytes_per_s,
+  std::printf("%-22s %-34s %10.3f %9.3f %12.4g %-8s %8.0f %9.0f %6.1f %6.1f %9.5f %9.5f %7.4f\n",
+              row.work.c_str(), row.variant.c_str(), 1e3 * row.median_s, 1e3 * row.cpu_s, rate,
+              row.unit.c_str(), row.bytes, row.flops,
+              100 * rate * row.bytes / roofline.copy_bytes_per_s,
               100 * rate * row.flops / roofline.flops_per_s, row.bias_px, row.rms_px, row.lost);
   std::fflush(stdout);
 }
@@ -45,9 +46,9 @@ void print_bench_table(Engine& engine, const BenchOptions& options, const std::s
   std::printf("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s\n",
               engine.device().name.c_str(), engine.device().driver.c_str(),
               1e-9 * roofline.copy_bytes_per_s, 1e-9 * roofline.flops_per_s);
-  std::printf("%-22s %-34s %10s %12s %-8s %8s %9s %6s %6s %9s %9s %7s\n", "work", "variant",
-              "median ms", "per second", "unit", "bytes", "FLOP", "%copy", "%FMA", "bias px",
-              "rms px", "lost");
+  std::printf("%-22s %-34s %10s %9s %12s %-8s %8s %9s %6s %6s %9s %9s %7s\n", "work", "variant",
+              "median ms", "cpu ms", "per second", "unit", "bytes", "FLOP", "%copy", "%FMA",
+              "bias px", "rms px", "lost");
   nlohmann::json rows = nlohmann::json::array();
   const RowSink sink = [&](const BenchRow& row) {
     print_row(row, roofline);
@@ -57,6 +58,10 @@ void print_bench_table(Engine& engine, const BenchOptions& options, const std::s
   bench_zncc(engine, options, sink);
   bench_icgn(engine, options, sink);
   bench_ball(engine, options, sink);
+  bench_methods(engine, options, sink);
+#ifdef IMPACTDIC_WITH_FFTW
+  bench_references(engine, options, sink);
+#endif
   if (rows.empty()) throw InvalidArgument("no row contains '" + options.only + "'", "--only");
   if (json.empty()) return;
   const nlohmann::json all = {{"device",

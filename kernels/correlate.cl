@@ -12,7 +12,6 @@
 // end to end. On a CPU: one work-item a window, rows in SIMD vectors.
 #define MAP_SPACE __local
 #include "kernels/config.h"
-
 #include "kernels/lanes.h"
 #if VECTOR == 1
 #define LOAD(p) (*(p))

@@ -68,59 +68,6 @@ INLINE void put_correlation(const REAL* re, const REAL* im, __local float* plane
   PUT_VALUES(most_b, highest + FFT_PX + x);
 }
 
-// Correlation of a pair of windows, times PAIR_SCALE: part 0 of the plane for A, part 1 for B.
-// energies: those of the first windows by row, then those of the second. highest: the highest value
-// of each column. f_plane: scratch, where a work-item has more than one block. Passes barriers.
-#if BLOCKS == 1
-// The six transforms (columns and rows of the first windows, of the second, and back) go through
-// one copy of the code: six do not fit into a GPU's instruction caches.
-INLINE void correlate_pair(__global const PIXEL* pixels, const Place a, const Place b,
-                           const int width, __local float* plane, __local float* f_plane,
-                           __local float* energies, __local float* highest, const int lane) {
-  (void)f_plane;
-  REAL f_re[FFT_PX], f_im[FFT_PX], re[FFT_PX], im[FFT_PX];
-  UNROLL
-  for (int k = 0; k < FFT_PX; ++k) f_re[k] = f_im[k] = 0.0f;
-#pragma unroll 1
-  for (int pass = 0; pass < 6; ++pass) {
-    if (pass == 0 || pass == 2) {
-      const int first = pass == 0;
-      get_windows(re, im, pixels + (first ? a.first : a.second),
-                  pixels + (first ? b.first : b.second), width, lane);
-    } else if (pass == 1 || pass == 3) {
-      get_rows(re, im, plane, lane);
-    } else if (pass == 4) {
-      REAL p_re[FFT_PX], p_im[FFT_PX];
-      row_product(f_re, f_im, re, im, p_re, p_im, lane);
-      // Back is forward with the parts exchanged, from here to the end.
-      UNROLL
-      for (int k = 0; k < FFT_PX; ++k) {
-        re[k] = p_im[k];
-        im[k] = p_re[k];
-      }
-    } else {
-      get_merged(im, re, plane, lane);
-    }
-    fft_forward(re, im, FFT_PX);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    if (pass == 0 || pass == 2) {
-      put_apart(re, im, plane, lane);
-    } else if (pass == 1 || pass == 3) {
-      energies[(pass == 1 ? 0 : FFT_PX) + lane] = row_energy(re, im, lane);
-      UNROLL
-      for (int k = 0; k < FFT_PX; ++k) {
-        f_re[k] = pass == 1 ? re[k] : f_re[k];
-        f_im[k] = pass == 1 ? im[k] : f_im[k];
-      }
-    } else if (pass == 4) {
-      put_rows(im, re, plane, lane);
-    } else {
-      put_correlation(im, re, plane, highest, lane);
-    }
-    barrier(CLK_LOCAL_MEM_FENCE);
-  }
-}
-#else
 INLINE void put_windows(__global const PIXEL* a, __global const PIXEL* b, const int width,
                         __local float* plane, const int lane) {
   for (int block = 0; block < BLOCKS; ++block) {
@@ -130,6 +77,10 @@ INLINE void put_windows(__global const PIXEL* a, __global const PIXEL* b, const 
   }
 }
 
+// Correlation of a pair of windows, times PAIR_SCALE: part 0 of the plane for A, part 1 for B.
+// energies: those of the first windows by row, then those of the second. highest: the highest value
+// of each column. f_plane: scratch, the plane itself where a work-item has one
+// block. Passes barriers.
 INLINE void correlate_pair(__global const PIXEL* pixels, const Place a, const Place b,
                            const int width, __local float* plane, __local float* f_plane,
                            __local float* energies, __local float* highest, const int lane) {
@@ -140,7 +91,9 @@ INLINE void correlate_pair(__global const PIXEL* pixels, const Place a, const Pl
     const int y = COLUMN(block);
     get_row_spectra(f_re, f_im, plane, y);
     PUT_VALUES(row_energy(f_re, f_im, y), energies + y);
+#if BLOCKS > 1
     for (int k = 0; k < FFT_PX; ++k) PUT(f_plane, y, k, f_re[k], f_im[k]);
+#endif
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   put_windows(pixels + a.second, pixels + b.second, width, plane, lane);
@@ -149,19 +102,22 @@ INLINE void correlate_pair(__global const PIXEL* pixels, const Place a, const Pl
     const int y = COLUMN(block);
     get_row_spectra(g_re, g_im, plane, y);
     PUT_VALUES(row_energy(g_re, g_im, y), energies + FFT_PX + y);
+#if BLOCKS > 1
     for (int k = 0; k < FFT_PX; ++k) GET(f_plane, y, k, f_re[k], f_im[k]);
+#endif
     row_product(f_re, f_im, g_re, g_im, re, im, y);
+    ALL_HAVE_READ;
     put_rows_back(re, im, f_plane, y);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int block = 0; block < BLOCKS; ++block) {
     const int x = COLUMN(block);
     get_correlated_columns(re, im, f_plane, x);
+    ALL_HAVE_READ;
     put_correlation(re, im, plane, highest, x);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
-#endif
 
 INLINE int lag_of(const int at) { return at < HALF_PX ? at : at - FFT_PX; }
 

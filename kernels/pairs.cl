@@ -249,51 +249,54 @@ INLINE void put_correlation(const REAL* numerators, const float scale, const Sea
 
 // Whether entry (x, y) of a map is at least as high as its neighbours.
 INLINE int is_peak(__local const float* map, const int x, const int y) {
-  const float value = map[y * MAP_PITCH + x];
-  for (int j = max(y - 1, 0); j <= min(y + 1, LAGS - 1); ++j) {
-    for (int i = max(x - 1, 0); i <= min(x + 1, LAGS - 1); ++i) {
-      if (map[j * MAP_PITCH + i] > value) return 0;
-    }
-  }
-  return 1;
+  const int left = max(x - 1, 0), right = min(x + 1, LAGS - 1);
+  __local const float* above = map + max(y - 1, 0) * MAP_PITCH;
+  __local const float* row = map + y * MAP_PITCH;
+  __local const float* below = map + min(y + 1, LAGS - 1) * MAP_PITCH;
+  float most = fmax(row[left], row[right]);
+  most = fmax(most, fmax(fmax(above[left], above[right]), above[x]));
+  most = fmax(most, fmax(fmax(below[left], below[right]), below[x]));
+  return row[x] >= most;
 }
 
 // Highest value of both maps, the earliest of equal ones, as y · LAGS + x into found[0 … 1]; LAGS²
 // where there is none. With only_peaks: among those that are peaks more than 2 px away from
-// `around` along an axis. All work-items of the group call it; passes barriers.
+// `around` along an axis. highest, indices: of every work-item, for both. All work-items of the
+// group call it; passes barriers.
 INLINE void find_highest(__local const float* maps, const int only_peaks, __local const int* around,
-                         __local float* highest, __local int* found, const int lane) {
-  int indices[2];
-  float values[2];
-  UNROLL
+                         __local float* highest, __local int* indices, __local int* found,
+                         const int lane) {
+#pragma unroll 1
   for (int which = 0; which < 2; ++which) {
     __local const float* map = maps + which * MAP;
     const int far_x = only_peaks ? around[which] % LAGS : 0;
     const int far_y = only_peaks ? around[which] / LAGS : 0;
-    values[which] = -1.5f;
-    indices[which] = LAGS * LAGS;
+    float value = -1.5f;
+    int index = LAGS * LAGS;
+#pragma unroll 1
     for (int y = 0; y < LAGS; ++y) {
       for (int x = lane; x < LAGS; x += LANES) {
-        const float value = map[y * MAP_PITCH + x];
-        if (value <= values[which]) continue;
+        if (map[y * MAP_PITCH + x] <= value) continue;
         if (only_peaks) {
           const int is_near = abs(x - far_x) <= 2 && abs(y - far_y) <= 2;
           if (is_near || !is_peak(map, x, y)) continue;
         }
-        values[which] = value;
-        indices[which] = y * LAGS + x;
+        value = map[y * MAP_PITCH + x];
+        index = y * LAGS + x;
       }
     }
-    highest[which * LANES + lane] = values[which];
+    highest[which * LANES + lane] = value;
+    indices[which * LANES + lane] = index;
     if (lane == 0) found[which] = LAGS * LAGS;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  UNROLL
+#pragma unroll 1
   for (int which = 0; which < 2; ++which) {
     float most = highest[which * LANES];
     UNROLL
     for (int k = 1; k < LANES; ++k) most = fmax(most, highest[which * LANES + k]);
-    if (values[which] == most) atomic_min(&found[which], indices[which]);
+    const int own = which * LANES + lane;
+    if (highest[own] == most) atomic_min(&found[which], indices[own]);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -352,6 +355,7 @@ __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int widt
   __local float sums[2 * FFT_PX] __attribute__((aligned(16)));
   __local float energies[2 * FFT_PX] __attribute__((aligned(16)));
   __local float highest[2 * LANES];
+  __local int indices[2 * LANES];
   __local int best[2], second[2];
   const int lane = (int)get_local_id(0);
   const uint pair = 2 * (uint)get_group_id(0);
@@ -435,8 +439,8 @@ __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int widt
     put_correlation(im, scale_b, whole_b.place, maps + MAP, x);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  find_highest(maps, 0, best, highest, best, lane);
-  find_highest(maps, 1, best, highest, second, lane);
+  find_highest(maps, 0, best, highest, indices, best, lane);
+  find_highest(maps, 1, best, highest, indices, second, lane);
   write_pair_peak(maps, &a, energy_a, min_contrast, best[0], second[0], lane, peaks + pair);
   if (pair + 1 < count) {
     write_pair_peak(maps + MAP, &b, energy_b, min_contrast, best[1], second[1], lane,

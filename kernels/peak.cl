@@ -5,6 +5,8 @@
 #include "kernels/status.h"
 #include "kernels/types.h"
 
+#define INLINE static inline __attribute__((always_inline))
+#define PEAK_GROUP 32
 // Coefficients −3 … 3 about the peak, which serve the fractions −1 … 1.
 #define NEAR 7
 #define NEWTON_STEPS 20
@@ -42,11 +44,27 @@ static inline Surface surface_at(const float* coefficients, const float x, const
   return s;
 }
 
+// A peak on its way from global memory, where neighbouring work-items would read far apart, as its
+// 4-byte fields; an odd pitch keeps the work-items' banks apart.
+#define PEAK_FIELDS ((int)(sizeof(CorrelationPeak) / 4))
+#define PEAK_PITCH (PEAK_FIELDS | 1)
+
+INLINE void stage_peaks(__global const CorrelationPeak* peaks, const int count,
+                        __local float* staged, const int lane) {
+  __global const float* fields = (__global const float*)peaks;
+  for (int peak = 0; peak < count; ++peak) {
+    for (int k = lane; k < PEAK_FIELDS; k += PEAK_GROUP) {
+      staged[peak * PEAK_PITCH + k] = fields[peak * PEAK_FIELDS + k];
+    }
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
 // The coefficients about the peak: rows of the inverse of the matrix that takes coefficients to
 // samples, for nx and for ny samples. Matrix n of `inverses` has PEAK_PATCH_PX columns and starts
 // at n · PEAK_PATCH_PX².
-static inline void near_coefficients(__global const CorrelationPeak* peak,
-                                     __global const float* inverses, float* coefficients) {
+INLINE void near_coefficients(__local const CorrelationPeak* peak, __global const float* inverses,
+                              float* coefficients) {
   const int nx = peak->nx, ny = peak->ny;
   __global const float* inverse_x = inverses + nx * PEAK_PATCH_PX * PEAK_PATCH_PX;
   __global const float* inverse_y = inverses + ny * PEAK_PATCH_PX * PEAK_PATCH_PX;
@@ -54,15 +72,19 @@ static inline void near_coefficients(__global const CorrelationPeak* peak,
     __global const float* down =
         inverse_y + mirrored_index(peak->y + j - NEAR / 2, ny) * PEAK_PATCH_PX;
     float line[PEAK_PATCH_PX];
+#pragma unroll
     for (int x = 0; x < PEAK_PATCH_PX; ++x) line[x] = 0;
     for (int y = 0; y < ny; ++y) {
       const float weight = down[y];
-      for (int x = 0; x < nx; ++x) line[x] += weight * peak->values[y * nx + x];
+      __local const float* row = peak->values + y * nx;
+#pragma unroll
+      for (int x = 0; x < PEAK_PATCH_PX; ++x) line[x] += x < nx ? weight * row[x] : 0.0f;
     }
     for (int i = 0; i < NEAR; ++i) {
       __global const float* across =
           inverse_x + mirrored_index(peak->x + i - NEAR / 2, nx) * PEAK_PATCH_PX;
       float sum = 0;
+#pragma unroll
       for (int x = 0; x < PEAK_PATCH_PX; ++x) sum += across[x] * line[x];
       coefficients[j * NEAR + i] = sum;
     }
@@ -80,20 +102,24 @@ static inline float parabola_peak(const float before, const float at, const floa
 // work-item a window; the last group may overhang. The standard deviations follow from the
 // residual: with ρ the correlation and n pixels, cov(u, v) = 2 (1 − ρ)/(n − 4) · (−∇∇ρ)⁻¹, four
 // parameters (shift, gain, offset) being fitted.
-__kernel void zncc_subpixel(__global const CorrelationPeak* peaks, const uint start,
-                            const uint count, __global const float* inverses,
-                            const float min_correlation, const float window_pixels,
-                            __global WindowMotion* motions) {
-  const uint at = (uint)get_global_id(0);
+__kernel __attribute__((reqd_work_group_size(PEAK_GROUP, 1, 1))) void zncc_subpixel(
+    __global const CorrelationPeak* peaks, const uint start, const uint count,
+    __global const float* inverses, const float min_correlation, const float window_pixels,
+    __global WindowMotion* motions) {
+  __local float staged[PEAK_GROUP * PEAK_PITCH];
+  const int lane = (int)get_local_id(0);
+  const uint at = (uint)get_global_id(0), first = at - (uint)lane;
+  stage_peaks(peaks + first, (int)min((uint)PEAK_GROUP, count - first), staged, lane);
   if (at >= count) return;
-  __global const CorrelationPeak* peak = peaks + at;
+  __local const CorrelationPeak* peak =
+      (__local const CorrelationPeak*)(staged + lane * PEAK_PITCH);
   if (peak->status != STATUS_OK) {
     motions[start + at] = no_motion(peak->status, peak->value);
     return;
   }
   float coefficients[NEAR * NEAR];
   near_coefficients(peak, inverses, coefficients);
-  __global const float* highest = peak->values + peak->y * peak->nx + peak->x;
+  __local const float* highest = peak->values + peak->y * peak->nx + peak->x;
   float x = parabola_peak(highest[-1], highest[0], highest[1]);
   float y = parabola_peak(highest[-peak->nx], highest[0], highest[peak->nx]);
   Surface s = surface_at(coefficients, x, y);

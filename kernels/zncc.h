@@ -141,13 +141,14 @@ static inline float sum_of_group(__local float* values, const int lane, const fl
 // Whether entry (i, j) is at least as high as its neighbours at valid lags.
 static inline int is_local_maximum(MAP_SPACE const float* map, const SearchPlace place, const int i,
                                    const int j) {
-  const float value = map[j * LAGS + i];
-  for (int y = max(j - 1, place.min_y); y <= min(j + 1, place.max_y); ++y) {
-    for (int x = max(i - 1, place.min_x); x <= min(i + 1, place.max_x); ++x) {
-      if (map[y * LAGS + x] > value) return 0;
-    }
-  }
-  return 1;
+  const int left = max(i - 1, place.min_x), right = min(i + 1, place.max_x);
+  MAP_SPACE const float* above = map + max(j - 1, place.min_y) * LAGS;
+  MAP_SPACE const float* row = map + j * LAGS;
+  MAP_SPACE const float* below = map + min(j + 1, place.max_y) * LAGS;
+  float most = fmax(row[left], row[right]);
+  most = fmax(most, fmax(fmax(above[left], above[right]), above[i]));
+  most = fmax(most, fmax(fmax(below[left], below[right]), below[i]));
+  return row[i] >= most;
 }
 
 // Finds the highest and the second peak of the map and writes them with the values about the

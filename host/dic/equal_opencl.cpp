@@ -38,7 +38,7 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
   for (const bool width_known : {false, true}) {
     for (const int pairs : {1, 2, 4, 16}) offer({1, window_px, pairs, width_known, 0});
   }
-  for (const int registers : {192, 168, 160, 128}) {
+  for (const int registers : {160, 128}) {
     if (limits_registers) offer({1, window_px, 1, true, registers});
   }
   offer({4, 1, 1, false, 0});

@@ -64,7 +64,7 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   if (path == ZnccPath::pairs) {
     const std::size_t rows = std::max(size, 2 * side);
     return sizeof(cl_float) *
-           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 2 * lanes + 4);
+           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4);
   }
   return windows_per_group * sizeof(cl_float) *
          (planes * 2 * size * pitch + side * side + 2 * lanes);
@@ -91,15 +91,13 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
     if (device.is_gpu) {
+      for (const bool width_known : {false, true}) {
+        if (size <= 32) offer({ZnccPath::pairs, size, 1, size, 1, width_known, 0});
+      }
+      if (size <= 32 && limits_registers) offer({ZnccPath::pairs, size, 1, size, 1, true, 144});
       for (const int windows : {128 / size, 64 / size, 1}) {
         offer({ZnccPath::single, size, 1, size, windows});
       }
-      if (size > 32) continue;
-      for (const int registers : {0, 168, 144}) {
-        if (registers > 0 && !limits_registers) continue;
-        offer({ZnccPath::pairs, size, 1, size, 1, true, registers});
-      }
-      offer({ZnccPath::pairs, size, 1, size, 1, false, 0});
     } else {
       for (const int vector : {8, 16, 4}) {
         if (size <= 32) offer({ZnccPath::pairs, size, vector, 1});
