@@ -20,7 +20,7 @@ void bench_pair(Engine& engine, const BenchOptions& options, const RowSink& sink
                 const FieldOptions& field, const std::string& work, const std::string& variant,
                 std::vector<Window> windows) {
   if (!is_wanted(options, work)) return;
-  const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 6);
+  const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 2);
   for (Window& window : windows) window.second = 1;
   const auto correlator = make_opencl_correlator(engine, field, 2);
   std::vector<WindowMotion> motions;
