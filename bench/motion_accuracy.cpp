@@ -173,6 +173,44 @@ void drifts(const Study& study, double shade) {
   print("all", all);
 }
 
+// Errors over stated deviations of everything in track.csv, `pairs` frames of each ball.
+void uncertainty(const Study& study, Estimator estimator) {
+  struct Column {
+    const char* name;
+    Errors all;
+  };
+  Column columns[] = {{"cx", {}}, {"cy", {}}, {"r", {}}, {"dx", {}}, {"dy", {}}, {"rot", {}}};
+  for (const std::string& name : study.patterns) {
+    RenderedClip clip(paint_ball(name, 1), scene(2, 6), rolling_path(study.pairs, 0.5 * kSide, 20));
+    const auto& truth = clip.poses();
+    const std::vector<TrackRow> rows = track(clip, estimator);
+    Errors own[6];
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const TrackRow& row = rows[k];
+      own[0].add(row.cx_px - truth[k].cx_px, row.cx_sd_px);
+      own[1].add(row.cy_px - truth[k].cy_px, row.cy_sd_px);
+      own[2].add(row.r_px - kRadiusPx, row.r_sd_px);
+      if (!row.motion_ok) continue;
+      own[3].add(row.dx_px - (truth[k + 1].cx_px - truth[k].cx_px), row.dx_sd_px);
+      own[4].add(row.dy_px - (truth[k + 1].cy_px - truth[k].cy_px), row.dy_sd_px);
+      const double turn_deg = truth[k + 1].angle_deg - truth[k].angle_deg;
+      own[5].add(row.rot_rad * kDegPerRad - turn_deg, row.rot_sd_rad * kDegPerRad);
+    }
+    std::printf("%-4s", name.c_str());
+    for (int i = 0; i < 6; ++i) {
+      std::printf("  %s %.5f (mean %+.5f, over sd %.2f)", columns[i].name, own[i].rms(),
+                  own[i].mean(), own[i].over_sd());
+      columns[i].all.add(own[i]);
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+  for (const Column& column : columns) {
+    std::printf("all %s: %d, rms %.5f, over sd %.2f\n", column.name, column.all.count,
+                column.all.rms(), column.all.over_sd());
+  }
+}
+
 int run(const std::string& name, Study study) {
   const auto set = [&](int pairs, const std::vector<std::string>& names) {
     if (study.pairs == 0) study.pairs = pairs;
@@ -202,12 +240,19 @@ int run(const std::string& name, Study study) {
   } else if (name == "drift_shaded") {
     set(61, patterns(false));
     drifts(study, 0.3);
+  } else if (name == "uncertainty") {
+    set(12, patterns(false));
+    uncertainty(study, Estimator::ball);
+  } else if (name == "uncertainty_field") {
+    set(12, patterns(false));
+    uncertainty(study, Estimator::field);
   } else if (name == "field") {
     set(8, patterns(false));
     motions(study, Estimator::field, 0);
   } else {
     std::fprintf(stderr,
-                 "studies: fractions motions sparse bar ring shading drift drift_shaded field\n");
+                 "studies: fractions motions sparse bar ring shading drift drift_shaded "
+                 "uncertainty uncertainty_field field\n");
     return 2;
   }
   return 0;

@@ -76,6 +76,7 @@ class RegionCorrelator {
                 {cx_px_, cy_px_, guess_.dx_px, guess_.dy_px, guess_.rot_rad});
     std::vector<WindowMotion> field = correlator_->correlate(windows_);
     out.motion = fit_rigid_motion(field_points(windows_, field, window_px), cx_px_, cy_px_);
+    account_for_overlap(out.motion, window_px, options_.effective_spacing_px());
     share_ = agreeing_share(out.motion, field);
     if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
     out.status = out.motion.ok ? TrackStatus::ok : explain_failure(field);

@@ -115,6 +115,7 @@ class FieldEstimator : public MotionEstimator {
   void fit(PairMotion& pair) const {
     const auto points = field_points(pair.windows, pair.field, options_.field.window_px);
     pair.motion = fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
+    account_for_overlap(pair.motion, options_.field.window_px, options_.effective_spacing_px());
     if (pair.motion.used < options_.fewest_windows ||
         agreeing_share(pair.motion, pair.field) < kFound) {
       pair.motion.ok = false;

@@ -36,6 +36,13 @@ std::vector<PointMotion> field_points(std::span<const Window> windows,
   return points;
 }
 
+void account_for_overlap(RigidMotion& motion, int window_px, int spacing_px) {
+  const double wider = std::max(1.0, static_cast<double>(window_px) / spacing_px);
+  motion.dx_sd_px *= wider;
+  motion.dy_sd_px *= wider;
+  motion.rot_sd_rad *= wider;
+}
+
 namespace {
 
 // Median length of a two-dimensional normal vector of unit scatter.

@@ -28,6 +28,10 @@ std::vector<PointMotion> field_points(std::span<const Window> windows,
                                       std::span<const WindowMotion> motions, int window_px,
                                       double floor_px = 0.002);
 
+// Windows that overlap share pixels and so their noise: every pixel lies in (window / spacing)² of
+// them, and by as much fewer are independent. Widens the deviations of a motion fitted to them.
+void account_for_overlap(RigidMotion& motion, int window_px, int spacing_px);
+
 // Displacement of the point (cx, cy) by a locally weighted linear fit to the field about it
 // (Cleveland 1979, tricube weights over the nearest windows, robust), as section 2.2 interpolates
 // the velocity at the centroid.

@@ -21,6 +21,7 @@ constexpr int kLearning = 40, kRefining = 5;  // steps at most
 constexpr int kLearnFrom = 140;               // points at least, where there are as many
 constexpr double kNoiseTrust = 1.5;
 constexpr double kCommon_px = 0.008;   // leaves 0.0015 px of a centre, as pictures without noise do
+constexpr double kInkShift = 2;        // of fine ink over the scatter it makes (pattern a3)
 constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
 constexpr double kPlainlyOval = 0.004;  // e/R of the search's rim
 constexpr double kTransverse = 0.3;     // of |e|: how far a squashed ball may widen or shrink
@@ -317,6 +318,11 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     result.delta = delta;
     result.covariance =
         Eigen::LDLT<Matrix5>(s.information / wider + known.precision).solve(Matrix5::Identity());
+    // A scatter that the camera does not explain is fine ink all along the rim, or a rough ball:
+    // the ink moves every crossing inwards, by more than it scatters them.
+    const double trusted = kNoiseTrust * trace.noise_px;
+    const double beyond = mixture.sigma * mixture.sigma - trusted * trusted;
+    result.covariance(2, 2) += kInkShift * kInkShift * std::max(0.0, beyond);
     if (!ellipse) result.oval = score_test(s, wider);
     result.log_likelihood = s.log_likelihood;
     result.scale = mixture.sigma;

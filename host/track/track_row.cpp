@@ -46,6 +46,11 @@ void set_motion(TrackRow& row, const RigidMotion& motion) {
   row.dx_sd_px = motion.dx_sd_px;
   row.dy_sd_px = motion.dy_sd_px;
   row.rot_sd_rad = motion.rot_sd_rad;
+  // The point that was followed is off the ball's centre by the circle's error, and turns about it.
+  if (!row.circle_ok) return;
+  const double c = std::cos(motion.rot_rad) - 1, s = std::sin(motion.rot_rad);
+  row.dx_sd_px = std::hypot(row.dx_sd_px, c * row.cx_sd_px, s * row.cy_sd_px);
+  row.dy_sd_px = std::hypot(row.dy_sd_px, s * row.cx_sd_px, c * row.cy_sd_px);
 }
 
 SiRow to_si(const TrackRow& row, const SiScale& scale) {

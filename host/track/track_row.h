@@ -54,6 +54,7 @@ struct TrackRow {
 };
 
 void set_circle(TrackRow& row, const CircleFit& fit);
+// After set_circle: the circle's deviations are a part of the motion's, which is the centre's.
 void set_motion(TrackRow& row, const RigidMotion& motion);
 
 // From pixels and frames to metres and seconds. World axes: x right, y up, origin at the centre
