@@ -35,8 +35,8 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
     return variants;
   }
   const bool limits_registers = device.vendor.find("NVIDIA") != std::string::npos;
-  for (const bool width_known : {false, true}) {
-    for (const int pairs : {1, 2, 4, 16}) offer({1, window_px, pairs, width_known, 0});
+  for (const bool width_known : {true, false}) {
+    for (const int pairs : {2, 1, 4, 16}) offer({1, window_px, pairs, width_known, 0});
   }
   for (const int registers : {160, 128}) {
     if (limits_registers) offer({1, window_px, 1, true, registers});

@@ -91,7 +91,7 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
     if (device.is_gpu) {
-      for (const bool width_known : {false, true}) {
+      for (const bool width_known : {true, false}) {
         if (size <= 32) offer({ZnccPath::pairs, size, 1, size, 1, width_known, 0});
       }
       if (size <= 32 && limits_registers) offer({ZnccPath::pairs, size, 1, size, 1, true, 144});
