@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host/app/advice_output.h"
 #include "host/app/command.h"
 #include "host/app/field_options.h"
 #include "host/app/job.h"
@@ -34,7 +35,7 @@ Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
   if (path.empty()) return {};
   VideoRequest request;
   request.inputs = {path};
-  const auto source = open_requested(request, true);
+  const auto source = open_requested(request);
   if (source->info().width != clip.width || source->info().height != clip.height) {
     throw InvalidArgument("the mask has another size than the clip", path);
   }
@@ -56,8 +57,17 @@ Roi resolve_roi(const std::string& text, const VideoInfo& info, int search_px) {
   return {margin, margin, info.width - 2 * margin, info.height - 2 * margin};
 }
 
+ClipAdvice look_at(FrameSource& source, const CorrelateOptions& options) {
+  AdviceRequest request;
+  request.ball = false;
+  request.frames = options.frames;
+  request.roi = options.roi;
+  request.field = options.field;
+  return advise_clip(source, request);
+}
+
 void run_correlate(const CLI::App& command, const Request& request) {
-  const auto source = open_requested(request.video, request.common.quiet);
+  const auto source = open_requested(request.video);
   const VideoInfo& info = source->info();
   CorrelateOptions options;
   options.field = resolve(request.field);
@@ -75,6 +85,10 @@ void run_correlate(const CLI::App& command, const Request& request) {
   RunContext run(request.common);
   const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
+
+  const ClipAdvice advice = look_at(*source, options);
+  const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
+  if (!request.common.quiet) print_advice(advice, warnings);
 
   const std::string sha256 = sha256_of_clip(request.video);
   Attributes attributes = run.attributes(info, sha256);
@@ -103,7 +117,9 @@ void run_correlate(const CLI::App& command, const Request& request) {
                             {"frames_analysed", options.frames.count()},
                             {"frames_measured", measured},
                             {"windows", windows.size()},
-                            {"frames_per_s", rate}};
+                            {"frames_per_s", rate},
+                            {"advice", describe_advice(advice)},
+                            {"warnings", warnings}};
   write_json(folder / "summary.json", summary);
   if (!request.common.quiet) {
     std::printf("%d of %lld frames measured with %zu windows, %.1f frames/s; results in %s\n",

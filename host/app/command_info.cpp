@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "host/app/advice_output.h"
 #include "host/app/command.h"
 #include "host/app/video_options.h"
 
@@ -17,8 +18,27 @@ std::string rounded(double value) {
   return text;
 }
 
-void run_info(const VideoRequest& request) {
-  const auto source = open_requested(request, true);
+struct Request {
+  VideoRequest video;
+  FieldOptions field;
+  double error_px = 0.01;
+};
+
+// The ball's texture; that of the whole picture where there is no ball.
+ClipAdvice look_at(FrameSource& source, const FieldOptions& field) {
+  AdviceRequest request;
+  request.frames = parse_frame_range("", source.info().frame_count);
+  request.roi = {0, 0, source.info().width, source.info().height};
+  request.field = field;
+  ClipAdvice advice = advise_clip(source, request);
+  if (advice.ball) return advice;
+  request.ball = false;
+  return advise_clip(source, request);
+}
+
+void run_info(const Request& request) {
+  request.field.validate();
+  const auto source = open_requested(request.video);
   const VideoInfo& info = source->info();
   line("file", info.path);
   line("format", info.format + (info.storage.empty() ? "" : ", " + info.storage));
@@ -39,15 +59,26 @@ void run_info(const VideoRequest& request) {
     }
   }
   for (const auto& [label, value] : info.extra) line(label, value);
-  for (const std::string& warning : info.warnings) line("warning", warning);
+  const ClipAdvice advice = look_at(*source, request.field);
+  for (const auto& [label, value] : advice_lines(advice, request.error_px)) line(label, value);
+  for (const std::string& warning : all_warnings(request.video, info, advice)) {
+    line("warning", warning);
+  }
 }
 
 }  // namespace
 
 void add_info_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("info", "What a clip says of itself");
-  auto request = std::make_shared<VideoRequest>();
-  add_video_options(*command, *request);
+  CLI::App* command = app.add_subcommand(
+      "info", "What a clip says of itself, and what its texture lets be measured");
+  auto request = std::make_shared<Request>();
+  add_video_options(*command, request->video);
+  command->add_option("--window", request->field.window_px, "Side of an interrogation window, px")
+      ->capture_default_str();
+  command
+      ->add_option("--error-px", request->error_px, "An error to reach: says which window does, px")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->footer("Example:\n  impactdic info shot_01.cine\n");
   command->callback([request] { run_info(*request); });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/app/advice_output.h"
 #include "host/app/job.h"
 #include "host/app/key_frames.h"
 #include "host/app/track_output.h"
@@ -68,17 +69,44 @@ std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
   });
 }
 
+ClipAdvice look_at(FrameSource& source, const TrackOptions& options) {
+  AdviceRequest request;
+  request.frames = options.frames;
+  request.roi = options.roi;
+  request.circle = options.ball.circle;
+  request.estimator = options.estimator.estimator;
+  request.field = options.estimator.field;
+  request.with_field = options.with_field;
+  request.rim_margin_px = options.estimator.rim_margin_px;
+  return advise_clip(source, request);
+}
+
+std::vector<std::string> warnings_of(const TrackRequest& request, const VideoInfo& info,
+                                     const ClipAdvice& advice) {
+  std::vector<std::string> warnings = all_warnings(request.video, info, advice);
+  if (request.ball_diameter_mm == 0 && request.mm_per_px == 0) {
+    warnings.push_back(
+        "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
+        "metres");
+  }
+  return warnings;
+}
+
 }  // namespace
 
 TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& request,
                              RunContext& run) {
-  const auto source = open_requested(request.video, request.common.quiet);
+  const auto source = open_requested(request.video);
   const VideoInfo& info = source->info();
   TrackOptions options = resolve_options(request, info);
   const SiScale scale = resolve_scale(request, options, info);
   const auto folder =
       prepare_output_directory(request.output, request.common.force || request.resume);
   write_job(command, folder / "job.toml");
+
+  const ClipAdvice advice = look_at(*source, options);
+  const std::vector<std::string> warnings = warnings_of(request, info, advice);
+  if (!request.common.quiet) print_advice(advice, warnings);
 
   OutputOptions output_options;
   output_options.folder = folder;
@@ -105,6 +133,8 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
     nlohmann::json summary = output.finish();
     summary["input"] = describe_input(info, sha256);
     summary["device"] = run.describe();
+    summary["advice"] = describe_advice(advice);
+    summary["warnings"] = warnings;
     const double rate =
         static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
     summary["frames_per_s"] = rate;

@@ -1,6 +1,5 @@
 #include "host/app/video_options.h"
 
-#include <cstdio>
 #include <filesystem>
 
 #include "host/base/error.h"
@@ -26,19 +25,13 @@ void add_reading_options(CLI::App& command, VideoRequest& request) {
       ->check(CLI::PositiveNumber);
 }
 
-std::unique_ptr<FrameSource> open_requested(const VideoRequest& request, bool quiet) {
+std::unique_ptr<FrameSource> open_requested(const VideoRequest& request) {
   VideoOptions options;
   if (!request.raw.empty()) options.raw = parse_raw_layout(request.raw);
 #ifdef IMPACTDIC_WITH_CODECS
   options.open_codec = open_codec;
 #endif
-  auto source = open_video(request.inputs, options);
-  if (!quiet && request.fps == 0) {
-    for (const std::string& warning : source->info().warnings) {
-      std::fprintf(stderr, "impactdic: warning: %s\n", warning.c_str());
-    }
-  }
-  return source;
+  return open_video(request.inputs, options);
 }
 
 double resolve_fps(const VideoRequest& request, const VideoInfo& info,

@@ -21,9 +21,8 @@ void add_video_options(CLI::App& command, VideoRequest& request);
 // Adds --raw and --fps alone.
 void add_reading_options(CLI::App& command, VideoRequest& request);
 
-// Opens the clip with every reader that this program has. Warns on stderr of what the file's
-// header makes doubtful, unless `quiet`.
-std::unique_ptr<FrameSource> open_requested(const VideoRequest& request, bool quiet);
+// Opens the clip with every reader that this program has.
+std::unique_ptr<FrameSource> open_requested(const VideoRequest& request);
 
 // The rate of the stored frames: --fps, else the file's; throws InvalidArgument where neither is
 // known and `needed_for` is not empty.

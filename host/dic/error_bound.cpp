@@ -129,6 +129,35 @@ WindowBound PictureSlopes::window(int x0, int y0, int side, double noise) const 
   return bound;
 }
 
+WindowBound PictureSlopes::affine_window(int x0, int y0, int side, double noise) const {
+  WindowBound bound = window(x0, y0, side, noise);
+  const double half = (side - 1) / 2.0;
+  // Σ g_a g_b (1, X, Y)(1, X, Y)ᵀ for (a, b) = xx, xy, yy, X and Y in units of the half side.
+  Eigen::Matrix3d xx = Eigen::Matrix3d::Zero(), xy = xx, yy = xx;
+  for (int y = 0; y < side; ++y) {
+    const float* gx = slope_x_.row(y0 + y) + x0;
+    const float* gy = slope_y_.row(y0 + y) + x0;
+    for (int x = 0; x < side; ++x) {
+      const Eigen::Vector3d place(1, (x - half) / half, (y - half) / half);
+      const Eigen::Matrix3d product = place * place.transpose();
+      xx += (gx[x] * gx[x] - slope_noise_) * product;
+      xy += gx[x] * gy[x] * product;
+      yy += (gy[x] * gy[x] - slope_noise_) * product;
+    }
+  }
+  Eigen::Matrix<double, 6, 6> information;
+  information << xx, xy, xy, yy;
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factors(information);
+  bound.u_sd_px = bound.v_sd_px = kInfinity;
+  if (factors.info() == Eigen::Success) {
+    const Eigen::Matrix<double, 6, 6> covariance =
+        2 * noise * noise * factors.solve(Eigen::Matrix<double, 6, 6>::Identity());
+    bound.u_sd_px = std::sqrt(covariance(0, 0));
+    bound.v_sd_px = std::sqrt(covariance(3, 3));
+  }
+  return bound;
+}
+
 BallBound PictureSlopes::disc(double cx_px, double cy_px, double radius_px, double noise) const {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   const int top = std::max(0, static_cast<int>(std::ceil(cy_px - radius_px)));

@@ -33,6 +33,10 @@ class PictureSlopes {
   // pictures of noise `noise`: covariance 2 noise² (Σ g gᵀ)⁻¹.
   WindowBound window(int x0, int y0, int side, double noise) const;
 
+  // The same for a window that may deform affinely, as IC-GN's do: J = (g_x, g_y) ⊗ (1, X, Y), X, Y
+  // from the window's centre. A single edge does not fix these six.
+  WindowBound affine_window(int x0, int y0, int side, double noise) const;
+
   // The whole disc about (cx, cy), as far as it is in the picture: 2 noise² (Σ J Jᵀ)⁻¹ with
   // J = (g_x, g_y, g_x Y − g_y X), X, Y from the centre.
   BallBound disc(double cx_px, double cy_px, double radius_px, double noise) const;

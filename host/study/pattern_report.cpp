@@ -67,6 +67,19 @@ json describe(const PooledErrors& p) {
           {"wrong_share", number(p.wrong_share)}};
 }
 
+// By what a pattern is judged: the motion of the ball as a whole and that of its windows alike.
+double score(const PooledErrors& p) { return p.surface_rms_px * p.window_rms_px; }
+
+// Patterns whose windows are now and then taken for others come last.
+bool is_better_pattern(const PooledErrors& a, const PooledErrors& b) {
+  constexpr double kWrong = 0.001;
+  const auto flaws = [&](const PooledErrors& p) {
+    return (p.failed_pairs > 0 ? 2 : 0) + (p.wrong_share > kWrong ? 1 : 0);
+  };
+  if (flaws(a) != flaws(b)) return flaws(a) < flaws(b);
+  return score(a) < score(b);
+}
+
 // Fewer lost pairs first, then the smaller error.
 bool is_better(const PooledErrors& a, const PooledErrors& b) {
   const auto lost = [](const PooledErrors& p) {
@@ -103,15 +116,20 @@ std::string what_it_is(const PatternSpec& spec) {
 }
 
 std::string finding(const PooledErrors& best, const std::string& best_pattern,
-                    const PooledErrors& worst, const std::string& worst_pattern) {
-  char text[400];
+                    const std::vector<std::string>& equals, const PooledErrors& worst,
+                    const std::string& worst_pattern) {
+  char text[500];
   std::snprintf(text, sizeof text,
                 "Paint pattern %s (%s): %s measures its motion to %.4f px and %.4f deg a frame, "
-                "%.1f times as exactly as that of the worst, %s.",
+                "and a window to %.4f px; on the worst, %s, to %.4f px, %.4f deg and %.4f px.",
                 best_pattern.c_str(), what_it_is(find_pattern(best_pattern)).c_str(),
-                best.estimator.c_str(), best.motion_rms_px, best.rot_rms_deg,
-                worst.surface_rms_px / best.surface_rms_px, worst_pattern.c_str());
-  return text;
+                best.estimator.c_str(), best.motion_rms_px, best.rot_rms_deg, best.window_rms_px,
+                worst_pattern.c_str(), worst.motion_rms_px, worst.rot_rms_deg, worst.window_rms_px);
+  std::string sentence = text;
+  for (std::size_t i = 0; i < equals.size(); ++i) {
+    sentence += (i == 0 ? " Within the study's doubt as good: " : ", ") + equals[i];
+  }
+  return equals.empty() ? sentence : sentence + ".";
 }
 
 }  // namespace
@@ -194,14 +212,24 @@ json describe_patterns(std::span<const PatternStudyRow> rows, const PatternStudy
     if (is_better(all, pooled("", best_estimator))) best_estimator = estimator;
   }
   const auto order = [&](const std::string& a, const std::string& b) {
-    return is_better(pooled(a, best_estimator), pooled(b, best_estimator));
+    return is_better_pattern(pooled(a, best_estimator), pooled(b, best_estimator));
   };
   const std::string best = *std::min_element(patterns.begin(), patterns.end(), order);
   const std::string worst = *std::max_element(patterns.begin(), patterns.end(), order);
+  // An rms over n pairs and two axes is known to 1/√(4n); two such differ by chance up to twice it.
+  const PooledErrors first = pooled(best, best_estimator);
+  const double doubt = 1 + 2 / std::sqrt(4.0 * first.pairs);
+  std::vector<std::string> equals;
+  for (const std::string& pattern : patterns) {
+    const PooledErrors other = pooled(pattern, best_estimator);
+    PooledErrors allowed = other;
+    allowed.surface_rms_px /= doubt;
+    if (pattern != best && !is_better_pattern(first, allowed)) equals.push_back(pattern);
+  }
   summary["best_estimator"] = best_estimator;
   summary["best_pattern"] = best;
-  summary["finding"] =
-      finding(pooled(best, best_estimator), best, pooled(worst, best_estimator), worst);
+  summary["as_good_patterns"] = equals;
+  summary["finding"] = finding(first, best, equals, pooled(worst, best_estimator), worst);
   return summary;
 }
 

@@ -59,6 +59,22 @@ TEST(ErrorBound, DiscOfWavesIsTheClosedForm) {
               0.02 * bound.rot_sd_rad);
 }
 
+// Slopes that are the same everywhere on average do not mix with the place: the affine window's
+// displacement is known as well as the rigid one's. An edge alone fixes no affine window.
+TEST(ErrorBound, AffineWindow) {
+  const PictureSlopes slopes(waves(200, 200).view(), 0);
+  const WindowBound rigid = slopes.window(20, 20, 120, 2);
+  const WindowBound affine = slopes.affine_window(20, 20, 120, 2);
+  EXPECT_NEAR(affine.u_sd_px, rigid.u_sd_px, 0.02 * rigid.u_sd_px);
+  EXPECT_NEAR(affine.v_sd_px, rigid.v_sd_px, 0.02 * rigid.v_sd_px);
+  Image<float> edge(60, 60);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 60; ++x) edge(x, y) = 100 + 80 * std::tanh((x - 0.4F * y - 20) / 2.0F);
+  }
+  const PictureSlopes of_edge(edge.view(), 0);
+  EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).u_sd_px, 1);
+}
+
 TEST(ErrorBound, NoiseInThePictureIsTakenOut) {
   const double noise = 12;
   const PictureSlopes clean(waves(200, 200).view(), 0);
@@ -136,6 +152,7 @@ PatternStudyRow row(const std::string& pattern, const std::string& estimator, do
     made.errors.dx_px.add(sign * error_px);
     made.errors.dy_px.add(sign * error_px);
     made.errors.rot_deg.add(sign * error_deg);
+    made.errors.window_px.add(sign * error_px);
   }
   return made;
 }

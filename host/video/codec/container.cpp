@@ -99,8 +99,10 @@ class ContainerSource : public FrameSource {
     if (std::isfinite(fps) && fps > 0) info_.fps = fps;
     // 600 1/s is what a common writer puts into AVI for anything faster.
     if (!info_.fps || *info_.fps < 500 || *info_.fps == 600) {
-      info_.warnings.push_back("the container states " + shortest(info_.fps.value_or(0)) +
-                               " frames/s, which containers often get wrong: check, give --fps");
+      info_.warnings.push_back(
+          "the container states " + shortest(info_.fps.value_or(0)) +
+          " frames/s, at which a high-speed clip is played, not recorded: give "
+          "the camera's rate with --fps");
     }
     const cv::Mat first = grab_next();
     if (is_colored(first)) info_.warnings.push_back("colour pictures: read as luminance");
