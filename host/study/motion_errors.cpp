@@ -5,6 +5,8 @@
 namespace impactdic {
 namespace {
 
+constexpr double kRimPx = 3;  // as far in from the circle the picture is the ball's alone
+
 // How a point of the ball moves that lies (x, y) px from its centre.
 struct Shift {
   double u, v;
@@ -54,6 +56,10 @@ void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
       ++errors.wrong;
       continue;
     }
+    // The bound of a window that the rim cuts would count the rim.
+    const double out_x = std::abs(window.x0 + half - pair.first.cx_px) + half;
+    const double out_y = std::abs(window.y0 + half - pair.first.cy_px) + half;
+    if (std::hypot(out_x, out_y) > pair.first.r_px - kRimPx) continue;
     const WindowBound bound = slopes.window(window.x0, window.y0, window_px, noise);
     if (std::hypot(bound.u_sd_px, bound.v_sd_px) > kUsablePx) continue;
     errors.window_px.add(du);

@@ -36,8 +36,8 @@ struct MotionErrors {
   ErrorSums dx_px, dy_px, rot_deg;
   // Of the estimator alone, both axes: its motion taken to the true centre.
   ErrorSums shift_px;
-  // Both axes, and the bound of the same windows: those found right in which there is something to
-  // be found (bound up to kUsablePx).
+  // Both axes, and the bound of the same windows: those found right, whole on the ball, in which
+  // there is something to be found (bound up to kUsablePx).
   ErrorSums window_px, window_bound_px;
   // Of all windows: those refused, and those called right although they are wrong.
   int windows = 0, no_texture = 0, failed = 0, wrong = 0;

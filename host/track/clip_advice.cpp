@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <type_traits>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/base/units.h"
@@ -226,21 +228,27 @@ void warn_of_texture(const AdviceRequest& request, const TextureAdvice& texture,
                      hint + kBetterPattern);
 }
 
-// Where there is no background, there is no rim either.
-bool is_textured_to_its_corners(const Frame& frame, const FieldOptions& field) {
+// Whether all squares at these places, as shares of what lies between the picture's sides, are full
+// of texture: where there is no background, there is no rim either.
+bool is_textured_at(const Frame& frame, const FieldOptions& field,
+                    std::initializer_list<std::pair<double, double>> places) {
   constexpr double kAllOver = 0.9;
   const int side = std::max(field.window_px, std::min(frame.width(), frame.height()) / 5);
   if (side > std::min(frame.width(), frame.height())) return false;
   TextureRequest request;
   request.window_px = field.window_px;
   request.min_texture = field.min_texture;
-  for (const int x : {0, frame.width() - side}) {
-    for (const int y : {0, frame.height() - side}) {
-      request.region = {x, y, side, side};
-      if (advise_texture(frame, request).asked.usable_share() < kAllOver) return false;
-    }
-  }
-  return true;
+  return std::all_of(places.begin(), places.end(), [&](const auto& place) {
+    request.region = {static_cast<int>(place.first * (frame.width() - side)),
+                      static_cast<int>(place.second * (frame.height() - side)), side, side};
+    return advise_texture(frame, request).asked.usable_share() >= kAllOver;
+  });
+}
+
+bool fills_the_picture(const Frame& frame, const FieldOptions& field, bool ball_found) {
+  if (is_textured_at(frame, field, {{0, 0}, {1, 0}, {0, 1}, {1, 1}})) return true;
+  return !ball_found && (is_textured_at(frame, field, {{0, 0.5}, {0.5, 0.5}, {1, 0.5}}) ||
+                         is_textured_at(frame, field, {{0.5, 0}, {0.5, 0.5}, {0.5, 1}}));
 }
 
 void warn_of_size(const AdviceRequest& request, const ClipAdvice& advice,
@@ -253,9 +261,9 @@ void warn_of_size(const AdviceRequest& request, const ClipAdvice& advice,
             "circle is doubtful; film from farther away",
             2 * advice.ball->r_px, roi.width, roi.height));
   }
-  if (is_textured_to_its_corners(looks.front().first, request.field)) {
+  if (fills_the_picture(looks.front().first, request.field, advice.frames_with_ball > 0)) {
     warnings.push_back(
-        "the picture has texture in all of its corners: is the ball larger than the picture? Film "
+        "the picture has texture from side to side: is the ball larger than the picture? Film "
         "from farther away, or measure the surface with impactdic correlate");
   } else if (advice.frames_with_ball == 0) {
     warnings.push_back(
