@@ -4,13 +4,15 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
+#include "host/base/stopwatch.h"
 #include "host/report/pose_csv.h"
 
 namespace impactdic::app {
 
 namespace {
-// Rows between two writes to the disk: what a killed run may lose.
+// Rows and time between two writes to the disk: what a killed run may lose is the larger of them.
 constexpr std::size_t kFlushEvery = 64;
+constexpr double kFlushEvery_s = 0.5;
 }  // namespace
 
 struct TrackOutput::Impl {
@@ -22,8 +24,9 @@ struct TrackOutput::Impl {
   std::unique_ptr<PoseCsv> poses;
   std::unique_ptr<FieldsFile> fields;
   std::unique_ptr<OverlayOutput> overlay;
-  std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
-  std::size_t unflushed = 0;
+  std::vector<TrackRow> before_grid;      // rows without a ball, before the field's size is known
+  std::size_t in_csv = 0, unflushed = 0;  // rows
+  Stopwatch since_flush;
   std::string impact_line;
 
   std::filesystem::path csv_path() const { return options.folder / "track.csv"; }
@@ -67,11 +70,14 @@ struct TrackOutput::Impl {
     before_grid.clear();
   }
 
+  // The table last: it never holds a row whose field is not in the file.
   void flush() {
-    csv->flush();
     if (poses) poses->flush();
     if (fields) fields->flush();
+    for (; in_csv < rows.size(); ++in_csv) csv->add(rows[in_csv]);
+    csv->flush();
     unflushed = 0;
+    since_flush = {};
   }
 };
 
@@ -79,6 +85,7 @@ TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()
   impl_->options = std::move(options);
   impl_->take_over();
   impl_->csv = std::make_unique<TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->rows);
+  impl_->in_csv = impl_->rows.size();
   if (impl_->options.with_poses) {
     impl_->poses = std::make_unique<PoseCsv>(impl_->options.folder / "pose.csv", impl_->done);
   }
@@ -101,13 +108,20 @@ void TrackOutput::set_grid(std::span<const Window> grid, double radius_px) {
 
 void TrackOutput::add(const TrackedFrame& frame) {
   impl_->rows.push_back(frame.row);
-  impl_->csv->add(frame.row);
   if (impl_->poses) impl_->poses->add(frame.row);
   impl_->write_field(frame.row, frame.pair);
   if (impl_->overlay) {
     impl_->overlay->add(frame, impl_->options.window_px);
   }
-  if (++impl_->unflushed >= kFlushEvery) impl_->flush();
+  if (++impl_->unflushed >= kFlushEvery && impl_->since_flush.seconds() > kFlushEvery_s) {
+    impl_->flush();
+  }
+}
+
+void TrackOutput::set_source_sha256(const std::string& sha256) {
+  if (!impl_->fields) return;
+  impl_->fields->set_attribute("source_sha256", sha256);
+  impl_->fields->flush();
 }
 
 nlohmann::json TrackOutput::finish() {

@@ -43,6 +43,8 @@ class TrackOutput {
   void add(const TrackedFrame& frame);
   // Puts the scale into the table, closes everything and sums it up, the impact with it.
   nlohmann::json finish();
+  // After `finish`: the clip's digest, known only when all of it has been read.
+  void set_source_sha256(const std::string& sha256);
   // After `finish`: what was found of an impact, in a line.
   const std::string& impact_line() const;
   const std::vector<TrackRow>& rows() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "host/app/advice_output.h"
@@ -119,8 +120,12 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.impact = impact_setup(request);
   output_options.resume = request.resume;
   output_options.roi = options.roi;
-  const std::string sha256 = sha256_of_clip(request.video);
-  output_options.attributes = run.attributes(info, sha256);
+  // Beside the run: a digest of a long clip takes longer than a fast device.
+  std::future<std::string> digest;
+  if (!request.no_checksum) {
+    digest = std::async(std::launch::async, [&] { return sha256_of_clip(request.video); });
+  }
+  output_options.attributes = run.attributes(info, "");
   describe(request.field, output_options.attributes);
   output_options.attributes["option_estimator"] = request.estimator;
   TrackOutput output(output_options);
@@ -131,13 +136,17 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   Stopwatch watch;
   const auto finish = [&] {
     nlohmann::json summary = output.finish();
-    summary["input"] = describe_input(info, sha256);
     summary["device"] = run.describe();
     summary["advice"] = describe_advice(advice);
     summary["warnings"] = warnings;
     const double rate =
         static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
     summary["frames_per_s"] = rate;
+    const Stopwatch waiting;
+    const std::string sha256 = digest.valid() ? digest.get() : "";
+    if (!sha256.empty()) output.set_source_sha256(sha256);
+    summary["checksum_wait_s"] = waiting.seconds();
+    summary["input"] = describe_input(info, sha256);
     summary["gravity_angle_deg"] = request.gravity_angle_deg;
     summary["key_frames"] = write_key_frames(*source, output.rows(), summary["impact"], folder);
     write_json(folder / "summary.json", summary);
@@ -157,8 +166,9 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   }
   TrackOutcome outcome;
   outcome.frames_per_s = finish();
-  run.print_stages(watch.seconds(), options.frames.count() - options.start_index);
   outcome.frames = options.frames.count();
+  const std::int64_t done = outcome.frames - options.start_index;
+  run.print_stages(static_cast<double>(done) / outcome.frames_per_s, done);
   outcome.frames_ok = frames_ok(output.rows());
   outcome.impact = output.impact_line();
   return outcome;
@@ -192,6 +202,8 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
       ->capture_default_str();
   add_field_options(command, request.field);
   command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");
+  command.add_flag("--no-checksum", request.no_checksum,
+                   "Leave out the clip's SHA-256 (it reads the whole clip once more)");
   command.add_flag("--overlay", request.overlay.wanted,
                    "Annotated frames as PNGs and as MP4: circle, path, arrows, phase, spin");
   command

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstdint>
 #include <vector>
 
@@ -10,8 +9,18 @@ namespace impactdic {
 namespace {
 
 // Points of the plane as complex numbers, x + iy in image axes. With y down, a turn by θ
-// counter-clockwise as seen on the screen is a factor e^{−iθ}.
-using Complex = std::complex<double>;
+// counter-clockwise as seen on the screen is a factor e^{−iθ}. (std::complex looks for infinities
+// in every product.)
+struct Complex {
+  double x = 0, y = 0;
+};
+Complex operator+(Complex a, Complex b) { return {a.x + b.x, a.y + b.y}; }
+Complex operator-(Complex a, Complex b) { return {a.x - b.x, a.y - b.y}; }
+Complex operator*(Complex a, Complex b) { return {a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x}; }
+Complex operator*(double a, Complex b) { return {a * b.x, a * b.y}; }
+Complex conj(Complex a) { return {a.x, -a.y}; }
+double norm(Complex a) { return a.x * a.x + a.y * a.y; }
+double length(Complex a) { return std::sqrt(norm(a)); }
 
 constexpr int kHypotheses = 60;
 constexpr int kRounds = 30;
@@ -23,30 +32,31 @@ constexpr double kSmallestScale = 1e-3;
 
 struct Pair {
   Complex from, to;
-  double sd;
+  double per_sd;
 };
 
 struct Motion {
   // to = turn · from + skew · conj(from) + shift; rigid where |turn| = 1 and skew = 0.
   Complex turn{1, 0}, shift{0, 0}, skew{0, 0};
-  Complex operator()(Complex z) const { return turn * z + skew * std::conj(z) + shift; }
+  Complex operator()(Complex z) const { return turn * z + skew * conj(z) + shift; }
 };
 
-double residual(const Motion& motion, const Pair& pair) {
-  return std::abs(pair.to - motion(pair.from)) / pair.sd;
+// Squared residual in units of the point's sd.
+double residual_sq(const Motion& motion, const Pair& pair) {
+  return norm(pair.to - motion(pair.from)) * pair.per_sd * pair.per_sd;
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double median_residual(const Motion& motion, const std::vector<Pair>& pairs) {
-  std::vector<double> lengths;
-  lengths.reserve(pairs.size());
-  for (const Pair& pair : pairs) lengths.push_back(residual(motion, pair));
-  return median(lengths);
+// Of every `stride`th pair.
+double median_residual(const Motion& motion, const std::vector<Pair>& pairs,
+                       std::size_t stride = 1) {
+  thread_local std::vector<double> squares;  // memory only
+  squares.clear();
+  for (std::size_t i = 0; i < pairs.size(); i += stride) {
+    squares.push_back(residual_sq(motion, pairs[i]));
+  }
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle);
 }
 
 struct Sums {
@@ -59,26 +69,31 @@ Motion fit(const std::vector<Pair>& pairs, const std::vector<double>& weights, S
   sums = {};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     sums.weight += weights[i];
-    sums.centroid += weights[i] * pairs[i].from;
-    sums.moved += weights[i] * pairs[i].to;
+    sums.centroid = sums.centroid + weights[i] * pairs[i].from;
+    sums.moved = sums.moved + weights[i] * pairs[i].to;
   }
-  sums.centroid /= sums.weight;
-  sums.moved /= sums.weight;
-  Complex product = 0;
+  sums.centroid = (1 / sums.weight) * sums.centroid;
+  sums.moved = (1 / sums.weight) * sums.moved;
+  Complex product;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Complex arm = pairs[i].from - sums.centroid;
-    product += weights[i] * std::conj(arm) * (pairs[i].to - sums.moved);
-    sums.inertia += weights[i] * std::norm(arm);
+    product = product + weights[i] * (conj(arm) * (pairs[i].to - sums.moved));
+    sums.inertia += weights[i] * norm(arm);
   }
   Motion motion;
-  if (std::abs(product) > 0) motion.turn = product / std::abs(product);
+  if (norm(product) > 0) motion.turn = (1 / length(product)) * product;
   motion.shift = sums.moved - motion.turn * sums.centroid;
   return motion;
 }
 
 // Least median of residuals over motions through two points each (Rousseeuw 1984): right while
-// fewer than half of the points are wrong.
+// fewer than half of the points are wrong. The median is that of a part of the points, and a motion
+// that explains them to their deviations ends the search.
 Motion consensus(const std::vector<Pair>& pairs) {
+  constexpr std::size_t kLookedAt = 100;
+  constexpr int kFewest = 12;
+  constexpr double kAsGoodAsTheNoise = 2;
+  const std::size_t stride = std::max<std::size_t>(1, pairs.size() / kLookedAt);
   Motion best;
   double least = INFINITY;
   std::uint32_t state = 12345;  // a fixed sequence: the same points give the same motion
@@ -87,13 +102,14 @@ Motion consensus(const std::vector<Pair>& pairs) {
     return (state >> 8) % pairs.size();
   };
   for (int k = 0; k < kHypotheses; ++k) {
+    if (k >= kFewest && least < kAsGoodAsTheNoise) break;
     const Pair &a = pairs[next()], &b = pairs[next()];
-    const Complex arm = b.from - a.from, moved = b.to - a.to;
-    if (std::abs(arm) == 0 || std::abs(moved) == 0) continue;
+    const Complex turned = (b.to - a.to) * conj(b.from - a.from);
+    if (norm(turned) == 0) continue;
     Motion motion;
-    motion.turn = moved / arm / std::abs(moved / arm);
-    motion.shift = (a.to + b.to) / 2.0 - motion.turn * (a.from + b.from) / 2.0;
-    const double typical = median_residual(motion, pairs);
+    motion.turn = (1 / length(turned)) * turned;
+    motion.shift = 0.5 * ((a.to + b.to) - motion.turn * (a.from + b.from));
+    const double typical = median_residual(motion, pairs, stride);
     if (typical < least) {
       least = typical;
       best = motion;
@@ -107,31 +123,36 @@ Motion consensus(const std::vector<Pair>& pairs) {
 bool fit_strained(const std::vector<Pair>& pairs, const std::vector<double>& weights, Sums& sums,
                   Motion& motion) {
   fit(pairs, weights, sums);
-  Complex squares = 0, with = 0, against = 0;
+  Complex squares, with, against;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Complex arm = pairs[i].from - sums.centroid, moved = pairs[i].to - sums.moved;
-    squares += weights[i] * arm * arm;
-    with += weights[i] * std::conj(arm) * moved;
-    against += weights[i] * arm * moved;
+    squares = squares + weights[i] * (arm * arm);
+    with = with + weights[i] * (conj(arm) * moved);
+    against = against + weights[i] * (arm * moved);
   }
-  const double determinant = sums.inertia * sums.inertia - std::norm(squares);
+  const double determinant = sums.inertia * sums.inertia - norm(squares);
   if (!(determinant > 1e-6 * sums.inertia * sums.inertia)) return false;
-  motion.turn = (sums.inertia * with - std::conj(squares) * against) / determinant;
-  motion.skew = (sums.inertia * against - squares * with) / determinant;
-  motion.shift = sums.moved - motion.turn * sums.centroid - motion.skew * std::conj(sums.centroid);
+  motion.turn = (1 / determinant) * (sums.inertia * with - conj(squares) * against);
+  motion.skew = (1 / determinant) * (sums.inertia * against - squares * with);
+  motion.shift = sums.moved - motion.turn * sums.centroid - motion.skew * conj(sums.centroid);
   return true;
 }
 
-double tukey(double length, double cut) {
-  const double q = length / cut;
-  return q < 1 ? (1 - q * q) * (1 - q * q) : 0;
-}
+// Of a squared residual over the squared cut.
+double tukey(double q_sq) { return q_sq < 1 ? (1 - q_sq) * (1 - q_sq) : 0; }
 
 void weigh(const Motion& motion, const std::vector<Pair>& pairs, double cut,
            std::vector<double>& weights) {
+  const double per_cut_sq = 1 / (cut * cut);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    weights[i] = tukey(residual(motion, pairs[i]), cut) / (pairs[i].sd * pairs[i].sd);
+    weights[i] =
+        tukey(residual_sq(motion, pairs[i]) * per_cut_sq) * (pairs[i].per_sd * pairs[i].per_sd);
   }
+}
+
+// Steps far below any point's deviation.
+bool settled(const Motion& motion, const Motion& before) {
+  return length(motion.turn - before.turn) < 1e-11 && length(motion.shift - before.shift) < 1e-9;
 }
 
 double cut_of(const Motion& motion, const std::vector<Pair>& pairs) {
@@ -142,7 +163,7 @@ double sum_of_squares(const Motion& motion, const std::vector<Pair>& pairs,
                       const std::vector<double>& weights) {
   double sum = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    sum += weights[i] * std::norm(pairs[i].to - motion(pairs[i].from));
+    sum += weights[i] * norm(pairs[i].to - motion(pairs[i].from));
   }
   return sum;
 }
@@ -156,8 +177,9 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
   constexpr std::size_t kFewest = 12;
   constexpr double kSignificant = 30;
   // A few odd windows at the rim look like a weak strain; one that matters halves the residuals.
-  constexpr double kClearly = 0.6;
+  constexpr double kClearly = 0.6, kHopeless = 0.85;
   if (pairs.size() < kFewest) return;
+  const double rigid_scatter = median_residual(motion, pairs);
   Motion strained = motion;
   double wide = cut_of(motion, pairs);
   std::vector<double> kept(pairs.size());
@@ -168,10 +190,8 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
     if (!fit_strained(pairs, kept, strained_sums, strained)) return;
     // The scatter shrinks as the strain is found; then the cut stays.
     if (round < 5) wide = std::min(wide, cut_of(strained, pairs));
-    if (round >= 5 && std::abs(strained.turn - before.turn) < 1e-14 &&
-        std::abs(strained.shift - before.shift) < 1e-12) {
-      break;
-    }
+    if (round == 1 && median_residual(strained, pairs) > kHopeless * rigid_scatter) return;
+    if (round >= 5 && settled(strained, before)) break;
   }
   const double counted =
       static_cast<double>(std::count_if(kept.begin(), kept.end(), [](double w) { return w > 0; }));
@@ -180,7 +200,7 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
   const double rest = sum_of_squares(strained, pairs, kept);
   const double rigid = sum_of_squares(fit(pairs, kept, rigid_sums), pairs, kept);
   if (!(rigid - rest > kSignificant * rest / (2 * counted - 6))) return;
-  if (!(median_residual(strained, pairs) < kClearly * median_residual(motion, pairs))) return;
+  if (!(median_residual(strained, pairs) < kClearly * rigid_scatter)) return;
   motion = strained;
   weights = kept;
   sums = strained_sums;
@@ -192,11 +212,11 @@ void take_strain(const std::vector<Pair>& pairs, Motion& motion, std::vector<dou
 double effective_variance(const Motion& motion, const std::vector<Pair>& pairs, double cut) {
   double psi2 = 0, slope = 0;
   for (const Pair& pair : pairs) {
-    const double length = residual(motion, pair), q = length / cut;
-    if (q >= 1) continue;
-    const double weight = tukey(length, cut);
-    psi2 += weight * weight * length * length;
-    slope += 2 * weight - 4 * (1 - q * q) * q * q;
+    const double squared = residual_sq(motion, pair), q_sq = squared / (cut * cut);
+    if (q_sq >= 1) continue;
+    const double weight = tukey(q_sq);
+    psi2 += weight * weight * squared;
+    slope += 2 * weight - 4 * (1 - q_sq) * q_sq;
   }
   const double n = 2.0 * static_cast<double>(pairs.size());
   return slope > 0 ? psi2 * n * n / ((n - 3) * slope * slope) : INFINITY;
@@ -207,11 +227,12 @@ double effective_variance(const Motion& motion, const std::vector<Pair>& pairs, 
 RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, double cy_px) {
   RigidMotion result;
   if (points.size() < 3) return result;
-  const Complex centre(cx_px, cy_px);
+  const Complex centre{cx_px, cy_px};
   std::vector<Pair> pairs;
+  pairs.reserve(points.size());
   for (const PointMotion& p : points) {
-    const Complex from = Complex(p.x_px, p.y_px) - centre;
-    pairs.push_back({from, from + Complex(p.u_px, p.v_px), p.sd_px});
+    const Complex from = Complex{p.x_px, p.y_px} - centre;
+    pairs.push_back({from, from + Complex{p.u_px, p.v_px}, 1 / p.sd_px});
   }
   Motion motion = consensus(pairs);
   // The scatter of the consensus sets the cut once; it must not follow the weights down.
@@ -231,37 +252,32 @@ RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, 
     if (round == 0) {
       cut = cut_of(motion, pairs);
     }
-    if (std::abs(motion.turn - before.turn) < 1e-14 &&
-        std::abs(motion.shift - before.shift) < 1e-12) {
-      break;
-    }
+    if (round > 0 && settled(motion, before)) break;
   }
   take_strain(pairs, motion, weights, sums, cut);
   if (sums.inertia <= 0) return result;
 
   double full_weight = 0, full_inertia = 0, squares = 0, counted = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const double w = 1 / (pairs[i].sd * pairs[i].sd);
+    const double w = pairs[i].per_sd * pairs[i].per_sd;
     full_weight += w;
-    full_inertia += w * std::norm(pairs[i].from - sums.centroid);
+    full_inertia += w * norm(pairs[i].from - sums.centroid);
     const double share = weights[i] / w;
     counted += share;
-    squares += share * std::norm(pairs[i].to - motion(pairs[i].from));
+    squares += share * norm(pairs[i].to - motion(pairs[i].from));
     result.used += share > 0;
   }
   const double variance = effective_variance(motion, pairs, cut);
   const double shift_variance = variance / full_weight;
   const double turn_variance = variance / full_inertia;
   result.ok = std::isfinite(variance);
-  result.dx_px = motion.shift.real();
-  result.dy_px = motion.shift.imag();
-  result.rot_rad = -std::arg(motion.turn);
+  result.dx_px = motion.shift.x;
+  result.dy_px = motion.shift.y;
+  result.rot_rad = -std::atan2(motion.turn.y, motion.turn.x);
   result.rot_sd_rad = std::sqrt(turn_variance);
   // The centre lies `centroid` away from where the translation is known best.
-  result.dx_sd_px =
-      std::sqrt(shift_variance + turn_variance * sums.centroid.imag() * sums.centroid.imag());
-  result.dy_sd_px =
-      std::sqrt(shift_variance + turn_variance * sums.centroid.real() * sums.centroid.real());
+  result.dx_sd_px = std::sqrt(shift_variance + turn_variance * sums.centroid.y * sums.centroid.y);
+  result.dy_sd_px = std::sqrt(shift_variance + turn_variance * sums.centroid.x * sums.centroid.x);
   result.residual_px = std::sqrt(squares / (2 * counted));
   return result;
 }

@@ -85,6 +85,11 @@ struct FieldsFile::Impl {
     for (hdf5::Table& table : centre) fn(table);
   }
 
+  // Puts the gathered rows into the file.
+  void write() {
+    each_table([](hdf5::Table& table) { table.write(); });
+  }
+
   void make_tables(std::size_t count) {
     windows = count;
     time = hdf5::Table::create<double>(file, "time", 0, kNotMeasured);
@@ -93,6 +98,7 @@ struct FieldsFile::Impl {
     std::vector<std::int32_t> indices(count);
     std::iota(indices.begin(), indices.end(), 0);
     window.append<std::int32_t>(indices);
+    window.write();
     time.become_scale("time");
     window.become_scale("window");
     status = hdf5::Table::create<std::uint8_t>(file, "status", count, 1);
@@ -145,7 +151,13 @@ struct FieldsFile::Impl {
 
 FieldsFile::FieldsFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 FieldsFile::~FieldsFile() {
+  if (!impl_) return;
   const Hdf5Guard guard(hdf5_lock());
+  try {
+    impl_->write();
+  } catch (const Error&) {
+    // Who wants to know has called `flush`.
+  }
   impl_.reset();
 }
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
@@ -219,7 +231,12 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
 
 void FieldsFile::flush() {
   const Hdf5Guard guard(hdf5_lock());
+  impl_->write();
   impl_->file.flush();
+}
+void FieldsFile::set_attribute(const std::string& name, const std::string& text) {
+  const Hdf5Guard guard(hdf5_lock());
+  impl_->file.set_attribute("/", name, text);
 }
 double FieldsFile::number(const std::string& name) {
   const Hdf5Guard guard(hdf5_lock());

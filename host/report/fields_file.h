@@ -34,7 +34,10 @@ class FieldsFile {
   // values are NaN and every window's status is `masked`. centre_*: see TrackRow.
   void add(std::int64_t frame, double time_s, std::span<const Window> windows,
            std::span<const WindowMotion> field, const TrackRow* row);
+  // Frames are gathered; this puts all of them on the disk.
   void flush();
+  // An attribute of the file that became known only later.
+  void set_attribute(const std::string& name, const std::string& text);
   // Attributes as they stand in the file; throws FormatError where it is missing.
   double number(const std::string& name);
   std::size_t rows() const;

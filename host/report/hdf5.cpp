@@ -83,6 +83,7 @@ Table Table::create(File& file, const std::string& name, std::size_t columns, hi
   Table table;
   table.name_ = name;
   table.columns_ = columns;
+  table.chunk_rows_ = depth;
   table.dataset_ = Handle(H5Dcreate2(file.get(), name.c_str(), type, space.get(), H5P_DEFAULT,
                                      properties.get(), H5P_DEFAULT),
                           H5Dclose, file.path() + ", " + name);
@@ -99,33 +100,48 @@ Table Table::open(File& file, const std::string& name) {
   const int rank = H5Sget_simple_extent_ndims(space.get());
   if (rank < 1 || rank > 2) throw FormatError(file.path(), -1, name + " has another shape");
   H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
-  table.rows_ = size[0];
+  table.written_ = size[0];
   table.columns_ = rank == 2 ? size[1] : 0;
+  const Handle properties(H5Dget_create_plist(table.get()), H5Pclose, name);
+  std::array<hsize_t, 2> chunk = {1, 1};
+  H5Pget_chunk(properties.get(), rank, chunk.data());
+  table.chunk_rows_ = chunk[0];
   return table;
 }
 
 void Table::append(hid_t type, const void* values, std::size_t count) {
+  const std::size_t width = std::max<std::size_t>(columns_, 1);
+  if (count % width != 0) throw InvalidArgument("only whole rows can be appended", name_);
+  const auto* bytes = static_cast<const unsigned char*>(values);
+  type_ = type;
+  values_.insert(values_.end(), bytes, bytes + count * H5Tget_size(type));
+  gathered_ += count / width;
+  if (gathered_ >= chunk_rows_) write();
+}
+
+void Table::write() {
+  if (gathered_ == 0) return;
   const hsize_t width = std::max<std::size_t>(columns_, 1);
-  const hsize_t added = count / width;
-  if (added * width != count) throw InvalidArgument("only whole rows can be appended", name_);
-  if (added == 0) return;
   const int rank = columns_ == 0 ? 1 : 2;
-  const std::array<hsize_t, 2> size = {rows_ + added, width}, start = {rows_, 0},
-                               block = {added, width};
+  const std::array<hsize_t, 2> size = {rows(), width}, start = {written_, 0},
+                               block = {gathered_, width};
   check(H5Dset_extent(get(), size.data()), name_);
   const Handle target(H5Dget_space(get()), H5Sclose, name_);
   check(H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
                             nullptr),
         name_);
   const Handle source(H5Screate_simple(rank, block.data(), nullptr), H5Sclose, name_);
-  check(H5Dwrite(get(), type, source.get(), target.get(), H5P_DEFAULT, values), name_);
-  rows_ += added;
+  check(H5Dwrite(get(), type_, source.get(), target.get(), H5P_DEFAULT, values_.data()), name_);
+  written_ += gathered_;
+  gathered_ = 0;
+  values_.clear();
 }
 
 void Table::truncate(std::size_t rows) {
+  write();
   const std::array<hsize_t, 2> size = {rows, std::max<std::size_t>(columns_, 1)};
   check(H5Dset_extent(get(), size.data()), name_);
-  rows_ = rows;
+  written_ = rows;
 }
 
 void Table::attach_scale(unsigned dimension, const Table& scale) {

@@ -72,6 +72,7 @@ class File {
 };
 
 // A dataset that grows along its first dimension: (rows, columns), or (rows) where columns is 0.
+// Rows are gathered and go into the file a chunk at a time.
 class Table {
  public:
   Table() = default;
@@ -87,7 +88,10 @@ class Table {
   void append(std::span<const T> values) {
     append(native_type<T>(), values.data(), values.size());
   }
-  std::size_t rows() const { return rows_; }
+  // Those gathered included.
+  std::size_t rows() const { return written_ + gathered_; }
+  // Puts the gathered rows into the file.
+  void write();
   // Forgets the rows from `rows` on.
   void truncate(std::size_t rows);
   // Makes `scale` the dimension scale of this table's dimension `dimension`.
@@ -102,7 +106,10 @@ class Table {
   void append(hid_t type, const void* values, std::size_t count);
   std::string name_;
   Handle dataset_;
-  std::size_t columns_ = 0, rows_ = 0;
+  std::size_t columns_ = 0, chunk_rows_ = 1;
+  std::size_t written_ = 0, gathered_ = 0;  // rows
+  hid_t type_ = H5I_INVALID_HID;            // of the gathered values
+  std::vector<unsigned char> values_;
 };
 
 }  // namespace impactdic::hdf5

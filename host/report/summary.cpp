@@ -27,9 +27,11 @@ struct Mean {
 }  // namespace
 
 json describe_input(const VideoInfo& info, const std::string& sha256) {
-  json input = {{"path", info.path},         {"sha256", sha256},         {"format", info.format},
-                {"width_px", info.width},    {"height_px", info.height}, {"bits", info.bits},
-                {"frames", info.frame_count}};
+  json input = {
+      {"path", info.path},         {"sha256", sha256.empty() ? json(nullptr) : json(sha256)},
+      {"format", info.format},     {"width_px", info.width},
+      {"height_px", info.height},  {"bits", info.bits},
+      {"frames", info.frame_count}};
   input["camera"] = info.camera.empty() ? json(nullptr) : json(info.camera);
   input["fps"] = info.fps ? json(*info.fps) : json(nullptr);
   input["exposure_s"] = info.exposure_s ? json(*info.exposure_s) : json(nullptr);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace impactdic {
 
@@ -26,6 +27,7 @@ std::vector<PointMotion> field_points(std::span<const Window> windows,
                                       double floor_px) {
   const double half = (window_px - 1) / 2.0;
   std::vector<PointMotion> points;
+  points.reserve(windows.size());
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const WindowMotion& motion = motions[i];
     if (motion.status != static_cast<idic_int>(WindowStatus::ok)) continue;
@@ -48,25 +50,82 @@ namespace {
 // Median length of a two-dimensional normal vector of unit scatter.
 constexpr double kRayleighMedian = 1.1774;
 
-// Weighted least squares of u and v on (1, x, y); returns the value at the origin.
-struct LocalFit {
-  Eigen::Matrix<double, 3, 2> coefficients;
-  Eigen::Matrix3d inverse;
-  bool ok;
+// Weighted least squares of u and v on (1, x, y) about (cx, cy).
+struct PlaneFit {
+  bool ok = false;
+  double u[3] = {}, v[3] = {};  // coefficients
+  Eigen::Matrix3d inverse;      // of the normal matrix
+
+  double residual_sq(const PointMotion& p, double cx, double cy) const {
+    const double x = p.x_px - cx, y = p.y_px - cy;
+    const double du = p.u_px - (u[0] + u[1] * x + u[2] * y);
+    const double dv = p.v_px - (v[0] + v[1] * x + v[2] * y);
+    return du * du + dv * dv;
+  }
 };
 
-LocalFit fit_plane(const std::vector<PointMotion>& near, const std::vector<double>& weights,
-                   double cx, double cy) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    const Eigen::Vector3d row(1, near[i].x_px - cx, near[i].y_px - cy);
-    normal += weights[i] * row * row.transpose();
-    right += weights[i] * row * Eigen::RowVector2d(near[i].u_px, near[i].v_px);
+PlaneFit fit_plane(std::span<const PointMotion> points, std::span<const double> weights, double cx,
+                   double cy) {
+  double s = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  double u = 0, ux = 0, uy = 0, v = 0, vx = 0, vy = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PointMotion& p = points[i];
+    const double x = p.x_px - cx, y = p.y_px - cy, w = weights[i], wx = w * x, wy = w * y;
+    s += w;
+    sx += wx;
+    sy += wy;
+    sxx += wx * x;
+    sxy += wx * y;
+    syy += wy * y;
+    u += w * p.u_px;
+    ux += wx * p.u_px;
+    uy += wy * p.u_px;
+    v += w * p.v_px;
+    vx += wx * p.v_px;
+    vy += wy * p.v_px;
   }
+  Eigen::Matrix3d normal;
+  normal << s, sx, sy, sx, sxx, sxy, sy, sxy, syy;
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
-  if (!lu.isInvertible()) return {{}, {}, false};
-  return {lu.solve(right), lu.inverse(), true};
+  PlaneFit fit;
+  fit.ok = lu.isInvertible();
+  if (!fit.ok) return fit;
+  fit.inverse = lu.inverse();
+  const Eigen::Vector3d of_u = lu.solve(Eigen::Vector3d(u, ux, uy));
+  const Eigen::Vector3d of_v = lu.solve(Eigen::Vector3d(v, vx, vy));
+  std::copy_n(of_u.data(), 3, fit.u);
+  std::copy_n(of_v.data(), 3, fit.v);
+  return fit;
+}
+
+// Median of squared lengths as the scatter of one component; `scratch` is overwritten.
+double scatter_of(std::span<const double> squares, std::vector<double>& scratch) {
+  scratch.assign(squares.begin(), squares.end());
+  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
+  std::nth_element(scratch.begin(), middle, scratch.end());
+  return std::max(std::sqrt(*middle) / kRayleighMedian, 1e-6);
+}
+
+// Tukey's weight of a squared residual, cut off at six times the scatter.
+double robust_weight(double squared, double scatter) {
+  const double t_sq = squared / (36 * scatter * scatter);
+  return t_sq < 1 ? (1 - t_sq) * (1 - t_sq) : 0;
+}
+
+// The `count` points nearest to (cx, cy), nearest first.
+std::vector<PointMotion> nearest(std::span<const PointMotion> points, std::size_t count, double cx,
+                                 double cy) {
+  std::vector<std::pair<double, std::size_t>> order;
+  order.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x = points[i].x_px - cx, y = points[i].y_px - cy;
+    order.emplace_back(x * x + y * y, i);
+  }
+  count = std::min(count, order.size());
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+  std::vector<PointMotion> near;
+  for (std::size_t k = 0; k < count; ++k) near.push_back(points[order[k].second]);
+  return near;
 }
 
 }  // namespace
@@ -75,38 +134,28 @@ CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, d
   constexpr std::size_t kNeighbours = 25, kFewest = 4;
   constexpr int kRobustRounds = 4;
   if (points.size() < kFewest) return {};
-  std::vector<PointMotion> near(points.begin(), points.end());
+  const std::vector<PointMotion> near = nearest(points, kNeighbours, cx_px, cy_px);
   const auto distance = [&](const PointMotion& p) {
     return std::hypot(p.x_px - cx_px, p.y_px - cy_px);
   };
-  std::sort(near.begin(), near.end(),
-            [&](const PointMotion& a, const PointMotion& b) { return distance(a) < distance(b); });
-  const double reach = 1.001 * distance(near[std::min(kNeighbours, near.size()) - 1]) + 1e-9;
-  near.resize(std::min(kNeighbours, near.size()));
-  std::vector<double> base(near.size());
+  const double reach = 1.001 * distance(near.back()) + 1e-9;
+  std::vector<double> base(near.size()), squares(near.size()), scratch;
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const double t = distance(near[i]) / reach;
-    base[i] = std::pow(1 - t * t * t, 3) / (near[i].sd_px * near[i].sd_px);
+    const double t = distance(near[i]) / reach, tricube = 1 - t * t * t;
+    base[i] = tricube * tricube * tricube / (near[i].sd_px * near[i].sd_px);
   }
   std::vector<double> weights = base;
-  LocalFit fit{};
+  PlaneFit fit;
   double scatter = 0;
   for (int round = 0; round < kRobustRounds; ++round) {
     fit = fit_plane(near, weights, cx_px, cy_px);
     if (!fit.ok) return {};
-    std::vector<double> residuals(near.size());
     for (std::size_t i = 0; i < near.size(); ++i) {
-      const Eigen::RowVector3d row(1, near[i].x_px - cx_px, near[i].y_px - cy_px);
-      const Eigen::RowVector2d model = row * fit.coefficients;
-      residuals[i] = std::hypot(near[i].u_px - model(0), near[i].v_px - model(1));
+      squares[i] = fit.residual_sq(near[i], cx_px, cy_px);
     }
-    std::vector<double> sorted = residuals;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
-                     sorted.end());
-    scatter = std::max(sorted[sorted.size() / 2] / kRayleighMedian, 1e-6);
+    scatter = scatter_of(squares, scratch);
     for (std::size_t i = 0; i < near.size(); ++i) {
-      const double t = residuals[i] / (6 * scatter);
-      weights[i] = t < 1 ? base[i] * (1 - t * t) * (1 - t * t) : 0;
+      weights[i] = base[i] * robust_weight(squares[i], scatter);
     }
   }
   // Sandwich variance of the intercept for residuals of size `scatter`.
@@ -116,42 +165,34 @@ CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, d
     const double influence = (fit.inverse.row(0) * row)(0) * weights[i];
     variance += influence * influence * scatter * scatter;
   }
-  return {true, fit.coefficients(0, 0), fit.coefficients(0, 1), std::sqrt(variance),
-          std::sqrt(variance)};
+  return {true, fit.u[0], fit.v[0], std::sqrt(variance), std::sqrt(variance)};
 }
 
 FieldStrain fit_strain(std::span<const PointMotion> points) {
   constexpr std::size_t kFewest = 12;
   constexpr int kRounds = 6;
   if (points.size() < kFewest) return {};
-  const std::vector<PointMotion> all(points.begin(), points.end());
   double cx = 0, cy = 0;
-  for (const PointMotion& p : all) {
-    cx += p.x_px / static_cast<double>(all.size());
-    cy += p.y_px / static_cast<double>(all.size());
+  for (const PointMotion& p : points) {
+    cx += p.x_px / static_cast<double>(points.size());
+    cy += p.y_px / static_cast<double>(points.size());
   }
-  std::vector<double> weights(all.size(), 1), lengths(all.size()), sorted;
-  LocalFit fit{};
+  std::vector<double> weights(points.size(), 1), squares(points.size()), scratch;
+  PlaneFit fit;
   double scatter = 0;
   for (int round = 0; round < kRounds; ++round) {
-    fit = fit_plane(all, weights, cx, cy);
+    fit = fit_plane(points, weights, cx, cy);
     if (!fit.ok) return {};
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const Eigen::RowVector3d row(1, all[i].x_px - cx, all[i].y_px - cy);
-      const Eigen::RowVector2d model = row * fit.coefficients;
-      lengths[i] = std::hypot(all[i].u_px - model(0), all[i].v_px - model(1));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      squares[i] = fit.residual_sq(points[i], cx, cy);
     }
-    sorted = lengths;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    scatter = std::max(*middle / kRayleighMedian, 1e-6);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const double t = lengths[i] / (6 * scatter);
-      weights[i] = t < 1 ? (1 - t * t) * (1 - t * t) : 0;
+    scatter = scatter_of(squares, scratch);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      weights[i] = robust_weight(squares[i], scatter);
     }
   }
-  Eigen::Matrix2d stretch = fit.coefficients.bottomRows<2>().transpose();
-  stretch += Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d stretch;
+  stretch << 1 + fit.u[1], fit.u[2], fit.v[1], 1 + fit.v[2];
   const Eigen::Matrix2d green = 0.5 * (stretch.transpose() * stretch - Eigen::Matrix2d::Identity());
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(green);
   return {true, solver.eigenvalues().cwiseAbs().maxCoeff(),
