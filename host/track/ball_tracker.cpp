@@ -21,13 +21,34 @@ constexpr double kSteadyOfStep = 0.05;    // and of the velocity, an impact apar
 constexpr std::int64_t kLongestGap = 5;   // frames without a ball before the picture is searched
 constexpr double kRadiusTolerance = 0.2;  // of the radius: another circle, not this ball
 
-constexpr std::size_t kRun = 8;     // frames measured in parallel behind one
-constexpr double kStraight_px = 1;  // from the line, over that many frames
+// Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
+constexpr std::size_t kRun = 16, kShortestRun = 4;
+// From the prediction; the frames between then lie within an eighth of it from the line.
+constexpr double kStraight_px = 2.5;
 
 // The circle is the ball's as far as its radius tells.
 bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
   return fit.status == CircleStatus::ok &&
          (!radius_px || std::abs(fit.circle.r_px - *radius_px) < kRadiusTolerance * *radius_px);
+}
+
+// On the line between two measured frames.
+CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const CircleFit& b,
+                          std::int64_t index_b, std::int64_t index) {
+  const double steps = static_cast<double>(index_b - index_a);
+  const double t = static_cast<double>(index - index_a) / steps;
+  CirclePrior prior;
+  prior.predicted = {std::lerp(a.circle.cx_px, b.circle.cx_px, t),
+                     std::lerp(a.circle.cy_px, b.circle.cy_px, t),
+                     std::lerp(a.circle.r_px, b.circle.r_px, t)};
+  prior.e1_px = std::lerp(a.e1_px, b.e1_px, t);
+  prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
+  prior.bright = b.bright;
+  prior.inked = b.inked;
+  const double way = std::hypot(b.circle.cx_px - a.circle.cx_px, b.circle.cy_px - a.circle.cy_px);
+  prior.centre_sd_px = kSteady_px + kSteadyOfStep * way / steps;
+  prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
+  return prior;
 }
 
 double median(std::vector<double> values) {
@@ -74,6 +95,7 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   CirclePrior prior;
   prior.predicted = last.fit.circle;
   prior.bright = last.fit.bright;
+  prior.inked = last.fit.inked;
   prior.e1_px = last.fit.e1_px;
   prior.e2_px = last.fit.e2_px;
   const double r = last.fit.circle.r_px;
@@ -94,29 +116,6 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
     prior.radius_px = *radius;
     prior.radius_sd_px = radius_sd_px();
   }
-  prior.compression_axis_rad = options_.compression_axis_rad;
-  return prior;
-}
-
-CirclePrior BallTracker::prior_between(const Steady& steady, std::int64_t index,
-                                       const Radius& radius) const {
-  const CircleFit &a = steady.from.fit, &b = steady.to.fit;
-  const double steps = static_cast<double>(steady.to.index - steady.from.index);
-  const double t = static_cast<double>(index - steady.from.index) / steps;
-  CirclePrior prior;
-  prior.predicted = {std::lerp(a.circle.cx_px, b.circle.cx_px, t),
-                     std::lerp(a.circle.cy_px, b.circle.cy_px, t),
-                     std::lerp(a.circle.r_px, b.circle.r_px, t)};
-  prior.e1_px = std::lerp(a.e1_px, b.e1_px, t);
-  prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
-  prior.bright = b.bright;
-  prior.centre_sd_px =
-      kSteady_px +
-      kSteadyOfStep * std::hypot(b.circle.cx_px - a.circle.cx_px, b.circle.cy_px - a.circle.cy_px) /
-          steps;
-  prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
-  prior.radius_px = radius.px;
-  prior.radius_sd_px = radius.sd_px;
   prior.compression_axis_rad = options_.compression_axis_rad;
   return prior;
 }
@@ -188,26 +187,42 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
 
 void BallTracker::follow(std::span<const Frame> frames, std::int64_t first_index,
                          std::span<CircleFit> fits) {
-  std::vector<Steady> steady;
-  for (std::size_t begin = 0; begin < frames.size(); begin += kRun) {
-    const std::size_t end = std::min(begin + kRun, frames.size());
-    const std::int64_t first = first_index + static_cast<std::int64_t>(begin);
-    if (seen_.empty() || first - seen_.back().index > kLongestGap) {
-      search_run(frames, first_index, begin, end, fits);
-    } else if (!look_ahead(frames, first_index, begin, end, fits, steady)) {
-      for (std::size_t i = begin; i < end; ++i) {
-        fits[i] = track(frames[i], first_index + static_cast<std::int64_t>(i));
-      }
-    }
-  }
-  measure_between(frames, first_index, steady, fits);
+  complete(lead(frames, first_index, fits), frames, fits);
 }
 
-bool BallTracker::look_ahead(std::span<const Frame> frames, std::int64_t first_index,
-                             std::size_t begin, std::size_t end, std::span<CircleFit> fits,
-                             std::vector<Steady>& steady) {
+BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t first_index,
+                                    std::span<CircleFit> fits) {
+  Plan plan;
+  plan.first_index = first_index;
+  for (std::size_t begin = 0; begin < frames.size(); begin += kRun) {
+    lead_run(frames, begin, std::min(begin + kRun, frames.size()), fits, plan);
+  }
+  plan.radius = radius();
+  return plan;
+}
+
+void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                           std::span<CircleFit> fits, Plan& plan) {
+  const std::int64_t first = plan.first_index + static_cast<std::int64_t>(begin);
+  if (seen_.empty() || first - seen_.back().index > kLongestGap) {
+    search_run(frames, plan.first_index, begin, end, fits);
+  } else if (look_ahead(frames, begin, end, fits, plan)) {
+    return;
+  } else if (end - begin > kShortestRun) {
+    const std::size_t middle = (begin + end) / 2;
+    lead_run(frames, begin, middle, fits, plan);
+    lead_run(frames, middle, end, fits, plan);
+  } else {
+    for (std::size_t i = begin; i < end; ++i) {
+      fits[i] = track(frames[i], plan.first_index + static_cast<std::int64_t>(i));
+    }
+  }
+}
+
+bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                             std::span<CircleFit> fits, Plan& plan) {
   if (seen_.size() < 2 || radii_px_.size() < kLeastRadii) return false;
-  const std::int64_t index = first_index + static_cast<std::int64_t>(end) - 1;
+  const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
   if (!plausible(fit, prior.radius_px)) return false;
@@ -216,9 +231,28 @@ bool BallTracker::look_ahead(std::span<const Frame> frames, std::int64_t first_i
     return false;
   }
   fits[end - 1] = fit;
-  steady.push_back({seen_.back(), {index, fit}, first_index + static_cast<std::int64_t>(begin)});
+  for (std::size_t i = begin; i + 1 < end; ++i) {
+    plan.left.push_back({i, seen_.back(), {index, fit}});
+  }
   remember(fit, index);
   return true;
+}
+
+void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
+                           std::span<CircleFit> fits) const {
+  // Alone: a thread that waits here must not take up work that waits for this.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, plan.left.size(), [&](std::size_t k) {
+      const Plan::Left& left = plan.left[k];
+      const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
+      CirclePrior prior =
+          prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index, index);
+      prior.radius_px = plan.radius.px;
+      prior.radius_sd_px = plan.radius.sd_px;
+      prior.compression_axis_rad = options_.compression_axis_rad;
+      fits[left.frame] = locate(frames[left.frame], prior, plan.radius);
+    });
+  });
 }
 
 void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_index,
@@ -239,32 +273,6 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
   }
   for (; next < end; ++next) {
     fits[next] = track(frames[next], first_index + static_cast<std::int64_t>(next));
-  }
-}
-
-void BallTracker::measure_between(std::span<const Frame> frames, std::int64_t first_index,
-                                  std::span<const Steady> steady, std::span<CircleFit> fits) {
-  struct Task {
-    std::size_t frame;
-    const Steady* steady;
-  };
-  std::vector<Task> tasks;
-  for (const Steady& run : steady) {
-    for (std::int64_t index = run.first; index < run.to.index; ++index) {
-      tasks.push_back({static_cast<std::size_t>(index - first_index), &run});
-    }
-  }
-  const Radius known = radius();
-  // Alone: a thread that waits here must not take up work that waits for this.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t k) {
-      const auto& [at, run] = tasks[k];
-      const std::int64_t index = first_index + static_cast<std::int64_t>(at);
-      fits[at] = locate(frames[at], prior_between(*run, index, known), known);
-    });
-  });
-  for (const Task& task : tasks) {
-    if (fits[task.frame].status == CircleStatus::ok) learn_radius(fits[task.frame]);
   }
 }
 

@@ -33,10 +33,18 @@ class BallTracker {
   // ball says so in its status; the tracker goes on.
   CircleFit track(const Frame& frame, std::int64_t index);
 
-  // Measures the ball in consecutive frames from number `first_index` on, in parallel where it
-  // moves steadily: a frame some way ahead is measured first, and where it lies as predicted the
-  // frames up to it are looked for on the line between. `fits` gets one fit a frame, the same ones
-  // on any number of threads.
+  // Frames that lie between two measured ones, on the line that the ball takes: left by `lead`,
+  // measured by `complete`.
+  struct Plan;
+
+  // Measures the ball in consecutive frames from number `first_index` on. Where it moves steadily a
+  // frame some way ahead is measured, and where it lies as predicted the frames up to it are left
+  // to `complete`. `fits` gets one fit for every other frame, the last one among them.
+  Plan lead(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
+  // Measures the frames that `lead` left, in parallel; safe beside anything, on several batches at
+  // once. The fits are the same on any number of threads.
+  void complete(const Plan& plan, std::span<const Frame> frames, std::span<CircleFit> fits) const;
+  // Both.
   void follow(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
 
   // What is expected of frame `index`; nullopt where nothing is known.
@@ -57,25 +65,19 @@ class BallTracker {
     double sd_px = 0;
     std::optional<double> rough_px;
   };
-  // Frames from number `first` on, between two measured ones.
-  struct Steady {
-    Seen from, to;
-    std::int64_t first;
-  };
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
-  CirclePrior prior_between(const Steady& steady, std::int64_t index, const Radius& radius) const;
   // Measures one frame, from the prior or by searching all of it, without a memory.
   CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
                    const Radius& radius, bool* searched = nullptr) const;
   CircleFit search(const Frame& frame, const Radius& radius) const;
-  // The steps of `follow`, for the run of frames [begin, end).
-  bool look_ahead(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
-                  std::size_t end, std::span<CircleFit> fits, std::vector<Steady>& steady);
+  // The steps of `lead`, for the run of frames [begin, end).
+  void lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                std::span<CircleFit> fits, Plan& plan);
+  bool look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                  std::span<CircleFit> fits, Plan& plan);
   void search_run(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
                   std::size_t end, std::span<CircleFit> fits);
-  void measure_between(std::span<const Frame> frames, std::int64_t first_index,
-                       std::span<const Steady> steady, std::span<CircleFit> fits);
 
   void remember(const CircleFit& fit, std::int64_t index);
   void learn_radius(const CircleFit& fit);
@@ -83,6 +85,16 @@ class BallTracker {
   BallTrackerOptions options_;
   std::deque<Seen> seen_;        // the last measured frames, newest last
   std::deque<double> radii_px_;  // of the last frames in which the ball was round and whole
+};
+
+struct BallTracker::Plan {
+  struct Left {
+    std::size_t frame;  // of the batch
+    Seen from, to;      // the measured frames before and behind
+  };
+  std::int64_t first_index = 0;
+  Radius radius;
+  std::vector<Left> left;
 };
 
 }  // namespace impactdic

@@ -35,6 +35,7 @@ struct CircleFit {
   double e1_px = 0, e2_px = 0;
   double e1_sd_px = 0, e2_sd_px = 0;
   bool bright = true;       // the ball is brighter than what lies behind it
+  bool inked = false;       // ink reaches into most of the rim
   double residual_px = 0;   // scatter of the rim points that no ink disturbs
   int rim_points = 0;       // accepted
   double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
@@ -58,6 +59,7 @@ struct CirclePrior {
   // where absent.
   std::optional<double> rim_sd_px;
   std::optional<bool> bright;                     // tried both ways where absent
+  bool inked = false;                             // as in CircleFit: spares a first look
   std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
   std::optional<double> compression_axis_rad;     // image axes, y down
 };

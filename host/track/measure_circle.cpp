@@ -1,6 +1,7 @@
 // From a frame and what is known of it to a measured circle: search, trace, fit.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.h"
@@ -88,17 +89,21 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   thread_local RimTrace trace;  // memory only
   RimFit fit;
   fit.rim = search.rim;
-  bool sharp = false;
+  // Ink leaves the search too far off for a single trace: then the first one is a coarse one.
+  bool sharp = prior.inked, coarse = prior.inked;
+  int rays = options.rays;
   for (int pass = 0; pass < 4; ++pass) {
     const Rim rim = fit.rim;
-    trace_rim(frame, rim, search.bright, search.blur_px, sharp, options.rays, trace);
+    rays = coarse ? std::max(options.rays / 3, 64) : options.rays;
+    trace_rim(frame, rim, search.bright, search.blur_px, sharp, rays, trace);
     fit = fit_rim(trace, rim, prior, options.allow_ellipse);
     if (!fit.ok) break;
+    if (std::exchange(coarse, false)) continue;
     const bool sharpen = !sharp && fit.inked > kDense;
     if (!sharpen && distance(fit.rim, rim) < kRetrace) break;
     sharp |= sharpen;
   }
-  if (trace.rays_in_view < kRimInView * options.rays) {
+  if (trace.rays_in_view < kRimInView * rays) {
     result.status = CircleStatus::out_of_view;
     return result;
   }
@@ -120,6 +125,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   result.e2_px = fit.rim.e2;
   result.e1_sd_px = fit.sd[3];
   result.e2_sd_px = fit.sd[4];
+  result.inked = fit.inked > kDense;
   result.residual_px = fit.residual_px;
   result.rim_points = fit.points;
   result.rim_fraction = static_cast<double>(fit.points) / options.rays;

@@ -90,6 +90,7 @@ class BallLight {
   // the centre, and `step` a step in the same unit.
   struct Column {
     float x, y, step;
+    float per_distance;  // one over that of the place from the centre
     int ray;
     std::array<float, kDepths> level;
   };
@@ -156,8 +157,8 @@ class BallLight {
       const Vector5 j = basis(column.x, column.y);
       const float expected = static_cast<float>(w_.dot(j));
       // The light changes along the ray as the place does.
-      const float slope = (expected - static_cast<float>(w_[0])) * column.step *
-                          (1 / std::hypot(column.x, column.y));
+      const float slope =
+          (expected - static_cast<float>(w_[0])) * column.step * column.per_distance;
       float sum = 0;
       int n = 0;
       for (int k = 0; k < kDepths; ++k) {
@@ -215,7 +216,8 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
         if (sampler.inside(x - deepest * ux, y - deepest * uy, 1.5f)) {
           const float middle =
               per_radius * (static_cast<float>(radius) - BallLight::kMiddle * inward);
-          BallLight::Column column{middle * ux, middle * uy, inward * per_radius, i, {}};
+          BallLight::Column column{middle * ux, middle * uy, inward * per_radius,
+                                   1 / middle,  i,           {}};
           for (int k = 0; k < BallLight::kDepths; ++k) {
             column.level[k] = level(-BallLight::depth(k) * inward);
           }

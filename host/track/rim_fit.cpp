@@ -36,7 +36,6 @@ struct Estimate {
   double scale = 0;  // scatter of the clean points
   int points = 0;
   double arc = 0;
-  double log_likelihood = 0;
   double oval = 0;  // of a circle: χ² that its residuals hold against it, 2 degrees of freedom
 };
 
@@ -179,7 +178,6 @@ struct Sums {
   // Of the last pass only.
   Matrix5 information = Matrix5::Zero();  // Σ ψ² j jᵀ: what the points tell (Fisher)
   double information_sum = 0;
-  double log_likelihood = 0;
   std::array<double, kRimSectors> sector_score{}, sector_information{};
   std::array<int, kRimSectors> sector_points{};
   int points = 0;
@@ -191,6 +189,13 @@ void add_outer(double weight, const double (&j)[5], Matrix5& sum) {
   }
 }
 
+// Residual of a point from the rim corrected by `delta`.
+double excess_beyond(const RimPoint& p, const Vector5& delta) {
+  const double c = p.cos, s = p.sin;
+  return p.excess - (c * delta[0] + s * delta[1] + delta[2] + (c * c - s * s) * delta[3] +
+                     2 * c * s * delta[4]);
+}
+
 template <bool kLast>
 Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixture, int stride) {
   Sums s;
@@ -199,8 +204,7 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     const RimPoint& p = trace.points[i];
     const double c = p.cos, sn = p.sin;
     const double j[5] = {c, sn, 1, c * c - sn * sn, 2 * c * sn};
-    const double r =
-        p.excess - (c * delta[0] + sn * delta[1] + delta[2] + j[3] * delta[3] + j[4] * delta[4]);
+    const double r = excess_beyond(p, delta);
     // In units in which all points err alike.
     const Evidence e = density(r * p.weight);
     const double once = p.weight, twice = once * once;
@@ -214,7 +218,6 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     if constexpr (kLast) {
       add_outer(twice * e.score * e.score, j, s.information);
       s.information_sum += e.score * e.score;
-      s.log_likelihood += std::log(e.total);
       s.sector_score[p.sector] += e.score;
       s.sector_information[p.sector] += e.score * e.score;
       if (e.clean + e.inked > 0.5) {
@@ -324,12 +327,20 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     const double beyond = mixture.sigma * mixture.sigma - trusted * trusted;
     result.covariance(2, 2) += kInkShift * kInkShift * std::max(0.0, beyond);
     if (!ellipse) result.oval = score_test(s, wider);
-    result.log_likelihood = s.log_likelihood;
     result.scale = mixture.sigma;
     result.points = s.points;
     for (int count : s.sector_points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
     return result;
   }
+}
+
+double log_likelihood(const RimTrace& trace, const Vector5& delta, const Mixture& mixture) {
+  const Density density(mixture);
+  double sum = 0;
+  for (const RimPoint& p : trace.points) {
+    sum += std::log(density(excess_beyond(p, delta) * p.weight).total);
+  }
+  return sum;
 }
 
 // The better of two explanations of a wide scatter: rough edges, or ink in most of them with the
@@ -341,7 +352,10 @@ Estimate explain(const RimTrace& trace, const Rim& rim, const CirclePrior& prior
   if (rough.ok && mixture.sigma <= most) return rough;
   Mixture inked{.clean = 0.2, .inked = 0.79, .most_sigma = most};
   const Estimate other = estimate(trace, rim, prior, ellipse, start, inked, shrink_px);
-  if (rough.ok && !(other.ok && other.log_likelihood > rough.log_likelihood)) return rough;
+  if (rough.ok && !(other.ok && log_likelihood(trace, other.delta, inked) >
+                                    log_likelihood(trace, rough.delta, mixture))) {
+    return rough;
+  }
   mixture = inked;
   return other;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/track/ball_tracker.h"
 #include "host/track/frame_pipeline.h"
 #include "host/track/motion_estimator.h"
 #include "host/track/track_row.h"
@@ -22,6 +23,9 @@ struct TrackBatch {
   std::vector<bool> measured;
   // Who owns the frames.
   std::shared_ptr<FrameBatch> before, own;
+  // The circles of the own frames, while they are being measured.
+  std::vector<CircleFit> fits;
+  BallTracker::Plan plan;
 };
 
 }  // namespace impactdic

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 constexpr int kFewest = 8, kMost = 64;
 // Batches being read or waiting, beside those on the devices.
-constexpr int kBatchesAhead = 5;
+constexpr int kBatchesAhead = 8;
 
 using Batch = std::shared_ptr<TrackBatch>;
 
@@ -39,7 +39,8 @@ std::int64_t first_to_read(const TrackOptions& options, int batch) {
   return std::max<std::int64_t>(0, done - 1) * batch;
 }
 
-// The stages behind the reader; each runs on one thread at a time, in the order of the frames.
+// The stages behind the reader; but for `complete` each runs on one thread at a time, in the order
+// of the frames.
 class ClipTracker {
  public:
   ClipTracker(std::span<Engine* const> engines, const TrackOptions& options, int batch,
@@ -54,7 +55,8 @@ class ClipTracker {
     if (options.times == nullptr) return;
     const int lanes = options.with_field ? DeviceLanes::count(engines) : 1;
     read_stage_ = options.times->add_stage("read", kBatchesAhead);
-    circle_stage_ = options.times->add_stage("circle", 1);
+    lead_stage_ = options.times->add_stage("circle, ahead", 1);
+    circle_stage_ = options.times->add_stage("circle, between", kBatchesAhead);
     if (options.with_field) {
       lane_stages_.upload = options.times->add_stage("upload", lanes);
       lane_stages_.device = options.times->add_stage("kernels, results", lanes);
@@ -65,30 +67,33 @@ class ClipTracker {
 
   int read_stage() const { return read_stage_; }
 
-  // Finds the ball in every frame. nullptr behind a frame that could not be read.
+  // Follows the ball through the frames. nullptr behind a frame that could not be read.
   Batch locate(std::shared_ptr<FrameBatch> own) {
     if (error_) return nullptr;
     error_ = own->error;
     if (own->frames.empty()) return nullptr;
-    const StageTimes::Scope timed(options_.times, circle_stage_);
+    const StageTimes::Scope timed(options_.times, lead_stage_);
     auto batch = std::make_shared<TrackBatch>();
     batch->first_index = own->first_index - (last_frames_ ? 1 : 0);
-    if (last_frames_) {
-      batch->frames.push_back(&last_frames_->frames.back());
-      batch->rows.push_back(last_row_);
-      batch->circles.push_back(last_circle_);
-    }
-    std::vector<CircleFit> fits(own->frames.size());
-    tracker_.follow(own->frames, own->first_index, fits);
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      batch->frames.push_back(&own->frames[i]);
-      batch->rows.push_back(row_of(fits[i], own->first_index + static_cast<std::int64_t>(i)));
-      batch->circles.push_back(fits[i].circle);
-    }
+    if (last_frames_) add_frame(*batch, last_frames_->frames.back(), last_fit_, batch->first_index);
+    batch->fits.resize(own->frames.size());
+    batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
+    last_fit_ = batch->fits.back();
     batch->before = std::move(last_frames_);
     batch->own = last_frames_ = std::move(own);
-    last_row_ = batch->rows.back();
-    last_circle_ = batch->circles.back();
+    return batch;
+  }
+
+  // Measures the circles that `locate` left; safe on several batches at once.
+  Batch complete(Batch batch) const {
+    if (!batch) return nullptr;
+    const StageTimes::Scope timed(options_.times, circle_stage_);
+    const FrameBatch& own = *batch->own;
+    tracker_.complete(batch->plan, own.frames, batch->fits);
+    for (std::size_t i = 0; i < own.frames.size(); ++i) {
+      add_frame(*batch, own.frames[i], batch->fits[i],
+                own.first_index + static_cast<std::int64_t>(i));
+    }
     return batch;
   }
 
@@ -129,6 +134,13 @@ class ClipTracker {
   }
 
  private:
+  void add_frame(TrackBatch& batch, const Frame& frame, const CircleFit& fit,
+                 std::int64_t index) const {
+    batch.frames.push_back(&frame);
+    batch.rows.push_back(row_of(fit, index));
+    batch.circles.push_back(fit.circle);
+  }
+
   TrackRow row_of(const CircleFit& fit, std::int64_t index) const {
     TrackRow row;
     row.frame = options_.frames.at(index);
@@ -210,13 +222,12 @@ class ClipTracker {
   const GridSink& grid_ready_;
   const TrackSink& sink_;
   const ProgressFn& progress_;
-  int read_stage_ = 0, circle_stage_ = 0, write_stage_ = 0;
+  int read_stage_ = 0, lead_stage_ = 0, circle_stage_ = 0, write_stage_ = 0;
   LaneStages lane_stages_;
   // Of `locate`.
   BallTracker tracker_;
   std::shared_ptr<FrameBatch> last_frames_;
-  TrackRow last_row_;
-  Circle last_circle_;
+  CircleFit last_fit_;
   std::exception_ptr error_;
   // Of `measure`.
   std::unique_ptr<DeviceLanes> lanes_;
@@ -242,21 +253,24 @@ void track_clip(FrameSource& source, std::span<Engine* const> engines, const Tra
   using Read = std::shared_ptr<FrameBatch>;
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
   tbb::parallel_pipeline(
-      kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-                       Read batch = reader.next();
-                       if (!batch) control.stop();
-                       return batch;
-                     }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
-                       const StageTimes::Scope timed(options.times, tracker.read_stage());
-                       reader.decode(*batch);
-                       return batch;
-                     }) & tbb::make_filter<Read, Batch>(kInOrder, [&](Read batch) {
-                       return tracker.locate(std::move(batch));
-                     }) & tbb::make_filter<Batch, Batch>(kInOrder, [&](Batch batch) {
-                       return tracker.measure(std::move(batch));
-                     }) & tbb::make_filter<Batch, void>(kInOrder, [&](Batch batch) {
-                       tracker.write(std::move(batch));
-                     }));
+      kBatchesAhead,
+      tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
+        Read batch = reader.next();
+        if (!batch) control.stop();
+        return batch;
+      }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
+        const StageTimes::Scope timed(options.times, tracker.read_stage());
+        reader.decode(*batch);
+        return batch;
+      }) & tbb::make_filter<Read, Batch>(kInOrder, [&](Read batch) {
+        return tracker.locate(std::move(batch));
+      }) & tbb::make_filter<Batch, Batch>(tbb::filter_mode::parallel, [&](Batch batch) {
+        return tracker.complete(std::move(batch));
+      }) & tbb::make_filter<Batch, Batch>(kInOrder, [&](Batch batch) {
+        return tracker.measure(std::move(batch));
+      }) & tbb::make_filter<Batch, void>(kInOrder, [&](Batch batch) {
+        tracker.write(std::move(batch));
+      }));
   tracker.end();
 }
 

@@ -1,0 +1,163 @@
+// `impactdic track` from a clip in the page cache to its files: frames a second of the whole
+// program, with the error against the truth beside it. Renders a part of the clip and plays it to
+// and fro. JSON on standard output.
+//   track_throughput PROGRAM FOLDER [--frames N] [--distinct N] [--format mraw|cine|...]
+//                    [-- options of track]
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "host/base/error.h"
+#include "host/base/parse.h"
+#include "host/base/stopwatch.h"
+#include "host/base/units.h"
+#include "host/report/csv.h"
+#include "host/video/frame_sink.h"
+#include "sim/speckle/render.h"
+
+namespace impactdic {
+namespace {
+
+constexpr double kRadius = 115;
+
+struct Request {
+  std::string program, folder, format = "mraw", options;
+  std::int64_t frames = 20000, distinct = 400;
+};
+
+Request parse(int argc, char** argv) {
+  if (argc < 3) {
+    throw InvalidArgument(
+        "usage: track_throughput PROGRAM FOLDER [--frames N] [--distinct N] "
+        "[--format F] [-- options of track]");
+  }
+  Request request;
+  request.program = argv[1];
+  request.folder = argv[2];
+  int i = 3;
+  for (; i + 1 < argc && std::string(argv[i]) != "--"; i += 2) {
+    const std::string name = argv[i], value = argv[i + 1];
+    if (name == "--frames") {
+      request.frames = parse_int(value, name);
+    } else if (name == "--distinct") {
+      request.distinct = parse_int(value, name);
+    } else if (name == "--format") {
+      request.format = value;
+    } else {
+      throw InvalidArgument("no such option", name);
+    }
+  }
+  for (++i; i < argc; ++i) request.options += std::string(" ") + argv[i];
+  return request;
+}
+
+// Half a pixel and half a degree a frame.
+BallPose pose_of(std::int64_t shown) {
+  const double k = static_cast<double>(shown);
+  return {150.13 + 0.5 * k, 250.41 + 0.1 * k, 0.5 * k};
+}
+
+std::int64_t shown_in(std::int64_t frame, std::int64_t distinct) {
+  const std::int64_t period = 2 * (distinct - 1), at = frame % period;
+  return at < distinct ? at : period - at;
+}
+
+void write_clip(const Request& request, const std::string& path, SinkFormat format) {
+  Scene scene;
+  scene.noise_sigma = 2;
+  const BallRenderer renderer(paint_ball("e1", 7, kRadius), scene);
+  std::vector<Frame> frames(static_cast<std::size_t>(request.distinct));
+  for (std::int64_t k = 0; k < request.distinct; ++k) {
+    renderer.render(pose_of(k), k, frames[static_cast<std::size_t>(k)]);
+  }
+  VideoInfo info;
+  info.width = scene.width;
+  info.height = scene.height;
+  info.bits = 8;
+  info.fps = 10000;
+  info.frame_count = request.frames;
+  const auto sink = open_sink(path, format, info);
+  for (std::int64_t i = 0; i < request.frames; ++i) {
+    sink->write(frames[static_cast<std::size_t>(shown_in(i, request.distinct))]);
+  }
+  sink->finish();
+}
+
+struct Rms {
+  double squares = 0;
+  std::int64_t count = 0;
+  void add(double error) {
+    squares += error * error;
+    ++count;
+  }
+  double value() const { return std::sqrt(squares / static_cast<double>(count)); }
+};
+
+nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) {
+  Rms centre, motion, rotation;
+  std::int64_t ok = 0;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const TrackRow& row = rows[i];
+    const BallPose a = pose_of(shown_in(row.frame, distinct)),
+                   b = pose_of(shown_in(row.frame + 1, distinct));
+    if (row.status != TrackStatus::ok) continue;
+    ++ok;
+    centre.add(row.cx_px - a.cx_px);
+    centre.add(row.cy_px - a.cy_px);
+    if (!row.motion_ok) continue;
+    motion.add(row.dx_px - (b.cx_px - a.cx_px));
+    motion.add(row.dy_px - (b.cy_px - a.cy_px));
+    rotation.add(row.rot_rad * kDegPerRad - (b.angle_deg - a.angle_deg));
+  }
+  return {{"frames_ok", ok},
+          {"rms_centre_px", centre.value()},
+          {"rms_motion_px", motion.value()},
+          {"rms_rotation_deg", rotation.value()}};
+}
+
+int run(const Request& request) {
+  namespace fs = std::filesystem;
+  fs::create_directories(request.folder);
+  const SinkFormat format = parse_sink_format(request.format);
+  const std::string stem = request.folder + "/clip", out = request.folder + "/out";
+  const bool photron = format == SinkFormat::mraw || format == SinkFormat::mraw_packed12;
+  const std::string path = stem + sink_extension(format), clip = photron ? stem + ".cihx" : path;
+  if (!fs::exists(clip)) write_clip(request, path, format);
+  const std::string command =
+      request.program + " track " + clip + " -o " + out + " --force" + request.options + " 1>&2";
+  const Stopwatch watch;
+  const int status = std::system(command.c_str());
+  const double wall_s = watch.seconds();
+  if (status != 0) throw Error("the program failed: " + command);
+  nlohmann::json summary;
+  std::ifstream(out + "/summary.json") >> summary;
+  nlohmann::json result = errors(read_track_csv(out + "/track.csv"), request.distinct);
+  result["command"] = "track" + request.options;
+  result["format"] = request.format;
+  result["frames"] = request.frames;
+  result["device"] = summary["device"];
+  result["frames_per_s"] = summary["frames_per_s"];
+  result["frames_per_s_with_start_and_end"] = static_cast<double>(request.frames) / wall_s;
+  result["checksum_wait_s"] = summary["checksum_wait_s"];
+  std::printf("%s\n", result.dump(1).c_str());
+  return 0;
+}
+
+}  // namespace
+}  // namespace impactdic
+
+int main(int argc, char** argv) {
+  try {
+    return impactdic::run(impactdic::parse(argc, argv));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "track_throughput: %s\n", error.what());
+    return 1;
+  }
+}
