@@ -1,6 +1,6 @@
 // `impactdic track` from a clip in the page cache to its files: frames a second of the whole
-// program, with the error against the truth beside it. Renders a part of the clip and plays it to
-// and fro. JSON on standard output.
+// program, with the error against the truth beside it. Renders a ball that goes around once and
+// plays that again and again. JSON on standard output.
 //   track_throughput PROGRAM FOLDER [--frames N] [--distinct N] [--format mraw|cine|...]
 //                    [-- options of track]
 #include <sys/wait.h>
@@ -29,7 +29,7 @@ constexpr double kRadius = 115;
 
 struct Request {
   std::string program, folder, format = "mraw", options;
-  std::int64_t frames = 20000, distinct = 400;
+  std::int64_t frames = 20000, distinct = 720;
 };
 
 Request parse(int argc, char** argv) {
@@ -58,15 +58,11 @@ Request parse(int argc, char** argv) {
   return request;
 }
 
-// Half a pixel and half a degree a frame.
-BallPose pose_of(std::int64_t shown) {
-  const double k = static_cast<double>(shown);
-  return {150.13 + 0.5 * k, 250.41 + 0.1 * k, 0.5 * k};
-}
-
-std::int64_t shown_in(std::int64_t frame, std::int64_t distinct) {
-  const std::int64_t period = 2 * (distinct - 1), at = frame % period;
-  return at < distinct ? at : period - at;
+// Once around a circle and once about itself in `distinct` frames.
+BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
+  const double turn = static_cast<double>(frame % distinct) / static_cast<double>(distinct);
+  const double at = 2 * kPi * turn;
+  return {255.63 + 60 * std::cos(at), 255.41 + 60 * std::sin(at), 360 * turn};
 }
 
 void write_clip(const Request& request, const std::string& path, SinkFormat format) {
@@ -75,7 +71,7 @@ void write_clip(const Request& request, const std::string& path, SinkFormat form
   const BallRenderer renderer(paint_ball("e1", 7, kRadius), scene);
   std::vector<Frame> frames(static_cast<std::size_t>(request.distinct));
   for (std::int64_t k = 0; k < request.distinct; ++k) {
-    renderer.render(pose_of(k), k, frames[static_cast<std::size_t>(k)]);
+    renderer.render(pose_of(k, request.distinct), k, frames[static_cast<std::size_t>(k)]);
   }
   VideoInfo info;
   info.width = scene.width;
@@ -85,7 +81,7 @@ void write_clip(const Request& request, const std::string& path, SinkFormat form
   info.frame_count = request.frames;
   const auto sink = open_sink(path, format, info);
   for (std::int64_t i = 0; i < request.frames; ++i) {
-    sink->write(frames[static_cast<std::size_t>(shown_in(i, request.distinct))]);
+    sink->write(frames[static_cast<std::size_t>(i % request.distinct)]);
   }
   sink->finish();
 }
@@ -105,8 +101,7 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
   std::int64_t ok = 0;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const TrackRow& row = rows[i];
-    const BallPose a = pose_of(shown_in(row.frame, distinct)),
-                   b = pose_of(shown_in(row.frame + 1, distinct));
+    const BallPose a = pose_of(row.frame, distinct), b = pose_of(row.frame + 1, distinct);
     if (row.status != TrackStatus::ok) continue;
     ++ok;
     centre.add(row.cx_px - a.cx_px);
@@ -114,7 +109,7 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
     if (!row.motion_ok) continue;
     motion.add(row.dx_px - (b.cx_px - a.cx_px));
     motion.add(row.dy_px - (b.cy_px - a.cy_px));
-    rotation.add(row.rot_rad * kDegPerRad - (b.angle_deg - a.angle_deg));
+    rotation.add(std::remainder(row.rot_rad * kDegPerRad - (b.angle_deg - a.angle_deg), 360));
   }
   return {{"frames_ok", ok},
           {"rms_centre_px", centre.value()},
