@@ -11,7 +11,7 @@ namespace {
 
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
-constexpr int kLanesOfGpu = 3, kLanesOfCpu = 1;
+constexpr int kLanesOfGpu = 6, kLanesOfCpu = 1;
 // Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.
 constexpr std::size_t kBytesPerPixel = 4 + 2 * 16;
 // Share of a device's memory that all lanes may take.
