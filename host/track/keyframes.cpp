@@ -13,6 +13,7 @@ namespace {
 // A residual this many times the keyframe's best one is more than noise: interpolation alone makes
 // it vary by a fifth.
 constexpr double kMisfit = 1.5;
+constexpr double kSamePicture = 0.5;
 // Of keyframes whose turns differ by less, the oldest has the shortest chain behind it.
 constexpr double kAlike_rad = 0.1;
 
@@ -161,7 +162,10 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
     placed[i].fits = true;
     placed[i].pose = registered(key.pose, key.circle, motions[i], near[i].angle_rad);
     const double residual = motions[i].residual;
-    key.residual = key.residual == 0 ? residual : std::min(key.residual, residual);
+    // A residual far below the best is no better fit but the same picture once more: a clip that
+    // repeats itself, a camera that stored a frame twice.
+    const bool lower = residual < key.residual && residual > kSamePicture * key.residual;
+    if (key.residual == 0 || lower) key.residual = residual;
     key.last_used = frames[i].index;
   }
   return placed;

@@ -57,15 +57,19 @@ TEST_P(Unpack, GivesEveryPixelAndTouchesNothingElse) {
   std::iota(pixels.begin(), pixels.end(), static_cast<unsigned short>(60000));
   auto input = make_buffer<unsigned short>(engine, pixels);
   auto output = make_buffer<float>(engine, std::vector<float>(count + 64, kCanary));
+  auto kept = make_buffer<unsigned short>(engine, std::vector<unsigned short>(count + 64, 77));
   auto kernel = engine.kernel("unpack.cl", "unpack", {{"PIXEL", "ushort"}});
   kernel.setArg(0, input.get());
   kernel.setArg(1, output.get());
-  kernel.setArg(2, static_cast<cl_ulong>(count));
-  kernel.setArg(3, cl_ulong{0});
+  kernel.setArg(2, kept.get());
+  kernel.setArg(3, static_cast<cl_ulong>(count));
+  kernel.setArg(4, cl_ulong{0});
   engine.launch(engine.queue(), kernel, cl::NDRange(round_up(count, 64)), cl::NDRange(64));
   const auto result = output.to_vector(engine);
+  const auto copies = kept.to_vector(engine);
   for (std::size_t i = 0; i < result.size(); ++i) {
     ASSERT_EQ(result[i], i < count ? static_cast<float>(pixels[i]) : kCanary) << i;
+    ASSERT_EQ(copies[i], i < count ? pixels[i] : 77) << i;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Sizes, Unpack, ::testing::Values(1, 63, 64, 65, 100003));
@@ -115,11 +119,13 @@ TEST(Profiler, CountsCallsBytesAndFlops) {
   Engine engine(std::to_string(shared_engine().device().index), options);
   auto pixels = make_buffer<unsigned char>(engine, std::vector<unsigned char>(1000, 7));
   Buffer<float> image(engine, 1000);
+  Buffer<unsigned char> kept(engine, 1000);
   auto kernel = engine.kernel("unpack.cl", "unpack");
   kernel.setArg(0, pixels.get());
   kernel.setArg(1, image.get());
-  kernel.setArg(2, cl_ulong{1000});
-  kernel.setArg(3, cl_ulong{0});
+  kernel.setArg(2, kept.get());
+  kernel.setArg(3, cl_ulong{1000});
+  kernel.setArg(4, cl_ulong{0});
   for (int i = 0; i < 3; ++i) {
     engine.launch(engine.queue(), kernel, cl::NDRange(1024), cl::NDRange(64), {5000, 1000});
   }
