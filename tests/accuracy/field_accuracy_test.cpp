@@ -12,9 +12,9 @@
 #include "host/dic/correlator.h"
 #include "host/video/codec/codec.h"
 #include "host/video/frame_source.h"
+#include "sim/speckle/speckle_field.h"
 #include "tests/support/data.h"
 #include "tests/support/engine.h"
-#include "tests/support/speckle_field.h"
 #include "tests/support/speckle_frames.h"
 
 namespace impactdic {
@@ -89,7 +89,7 @@ TEST(FieldBias, VanishesAtAnySubpixelShift) {
   constexpr double kBiasPx = 0.005;
   FieldOptions options;
   options.method = FieldMethod::zncc;
-  const testing::SpeckleField surface(9000, 300, 1.5, 17);
+  const SpeckleField surface(9000, 300, 1.5, 17);
   const Frame first = surface.render(300, 300, 0, 0);
   for (int step = 0; step <= 20; ++step) {
     const double shift = 0.1 * step;

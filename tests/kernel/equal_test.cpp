@@ -6,14 +6,13 @@
 
 #include "host/dic/equal_opencl.h"
 #include "host/dic/equal_reference.h"
+#include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
-#include "tests/support/speckle_field.h"
 
 namespace impactdic {
 namespace {
 
 using testing::shared_engine;
-using testing::SpeckleField;
 
 constexpr int kWidth = 141, kHeight = 123;
 

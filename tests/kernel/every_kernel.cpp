@@ -16,7 +16,7 @@
 #include "host/dic/published_opencl.h"
 #include "host/dic/ring.h"
 #include "host/dic/zncc_opencl.h"
-#include "tests/support/speckle_field.h"
+#include "sim/speckle/speckle_field.h"
 
 namespace impactdic {
 namespace {
@@ -32,7 +32,7 @@ struct Setting {
   std::size_t count = 0;
 
   explicit Setting(int bits) : engine("auto", options()), frames(engine, 2) {
-    const testing::SpeckleField surface(150, 50, 1.5, 3);
+    const SpeckleField surface(150, 50, 1.5, 3);
     frames.set(0, surface.render(kWidth, kHeight, 0, 0, 0, 0, 0, bits));
     frames.set(1, surface.render(kWidth, kHeight, kU, kV, 0, 0, 0, bits));
     // In the middle, at a corner with half of its search area outside, outside, and turned.

@@ -6,14 +6,13 @@
 
 #include "host/dic/correlator.h"
 #include "host/dic/cubic_spline.h"
+#include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
-#include "tests/support/speckle_field.h"
 
 namespace impactdic {
 namespace {
 
 using testing::shared_engine;
-using testing::SpeckleField;
 
 FieldOptions published_options(int window_px, int points) {
   FieldOptions options;

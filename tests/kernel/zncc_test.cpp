@@ -7,14 +7,13 @@
 
 #include "host/dic/correlator.h"
 #include "host/dic/zncc_opencl.h"
+#include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
-#include "tests/support/speckle_field.h"
 
 namespace impactdic {
 namespace {
 
 using testing::shared_engine;
-using testing::SpeckleField;
 
 // Single-precision transforms of mean-free pixels: about 1e-6 of the correlation, which is some
 // 1e-5 px at the curvature of speckle.
