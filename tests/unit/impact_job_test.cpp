@@ -1,5 +1,6 @@
 // Job files, result files and poses of the impact models.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -39,7 +40,9 @@ vn_m_s = -1.69
 )";
 
 fs::path write_job(const std::string& text) {
-  const fs::path file = fs::path(testing::TempDir()) / "impact_job_test.toml";
+  // Tests run side by side, each in a process of its own.
+  const fs::path file =
+      fs::path(testing::TempDir()) / ("impact_job_" + std::to_string(::getpid()) + ".toml");
   std::ofstream(file) << text;
   return file;
 }
