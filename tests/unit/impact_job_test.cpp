@@ -41,8 +41,10 @@ vn_m_s = -1.69
 
 fs::path write_job(const std::string& text) {
   // Tests run side by side, each in a process of its own.
-  const fs::path file =
-      fs::path(testing::TempDir()) / ("impact_job_" + std::to_string(::getpid()) + ".toml");
+  const fs::path folder =
+      fs::path(testing::TempDir()) / ("impact_job_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  const fs::path file = folder / "impact_job_test.toml";
   std::ofstream(file) << text;
   return file;
 }
