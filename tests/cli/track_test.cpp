@@ -62,16 +62,16 @@ TEST(Track, MeasuresMotionInTwoDirectionsWithSpin) {
 }
 
 // Neither windows nor the last frame's spin reach so far: rings have to find it.
-TEST(Track, FindsASpinOfTwentyDegreesAFrameUnseeded) {
+TEST(Track, FindsASpinOfSeventyDegreesAFrameUnseeded) {
   const SyntheticClip clip(
-      "--size 240x240 --radius-px 80 --velocity-px 1.3,0.4 --rotation-deg 20 --noise 2 --frames 4");
+      "--size 240x240 --radius-px 80 --velocity-px 1.3,0.4 --rotation-deg 70 --noise 2 --frames 4");
   for (const char* estimator : {"field", "ball"}) {
     ASSERT_EQ(clip.track("out", std::string("--force --estimator ") + estimator).status, 0);
     const CsvTable table = clip.result("out");
     const auto dx = table.numbers("dx_px"), rot = table.numbers("rot_deg");
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(dx[i], 1.3, 0.05) << estimator << ", frame " << i;  // 0.35 of the circle's error
-      EXPECT_NEAR(rot[i], 20, 0.01) << estimator << ", frame " << i;
+      EXPECT_NEAR(dx[i], 1.3, 0.1) << estimator << ", frame " << i;  // the circle's error, turned
+      EXPECT_NEAR(rot[i], 70, 0.01) << estimator << ", frame " << i;
     }
   }
 }
@@ -79,8 +79,8 @@ TEST(Track, FindsASpinOfTwentyDegreesAFrameUnseeded) {
 // The ball falls through the picture from above it to below it. Its speckles come first.
 TEST(Track, BallThatEntersAndLeavesIsMeasuredWhereItIsSeen) {
   const SyntheticClip clip(
-      "--pattern f1 --size 160x256 --radius-px 50 --start-px 78,-42 --velocity-px 0.2,11.3 "
-      "--rotation-deg 2 --noise 2 --frames 32");
+      "--size 256x512 --pattern f1 --radius-px 60 --start-px 120,-40 --velocity-px 1,10 "
+      "--rotation-deg 3 --noise 2 --frames 60");
   ASSERT_EQ(clip.track("out").status, 0);
   const CsvTable table = clip.result("out"), truth = clip.truth();
   const auto cy = table.numbers("cy_px"), want = truth.numbers("cy_px"),
@@ -91,10 +91,10 @@ TEST(Track, BallThatEntersAndLeavesIsMeasuredWhereItIsSeen) {
       EXPECT_NEAR(cy[i], want[i], 0.15) << "frame " << i;
     }
     if (std::isnan(dy[i])) continue;
-    EXPECT_NEAR(dy[i], 11.3, 0.02) << "frame " << i;
+    EXPECT_NEAR(dy[i], 10, 0.02) << "frame " << i;
     ++measured;
   }
-  EXPECT_GE(measured, 20);
+  EXPECT_GE(measured, 48);
 }
 
 TEST(Track, FilesHoldWhatTheInterfacePromises) {
