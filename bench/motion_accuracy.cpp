@@ -194,7 +194,7 @@ void uncertainty(const Study& study, Estimator estimator) {
       own[3].add(row.dx_px - (truth[k + 1].cx_px - truth[k].cx_px), row.dx_sd_px);
       own[4].add(row.dy_px - (truth[k + 1].cy_px - truth[k].cy_px), row.dy_sd_px);
       const double turn_deg = truth[k + 1].angle_deg - truth[k].angle_deg;
-      own[5].add(row.rot_rad * kDegPerRad - turn_deg, row.rot_sd_rad * kDegPerRad);
+      own[5].add(row.rot_deg - turn_deg, row.rot_sd_deg);
     }
     std::printf("%-4s", name.c_str());
     for (int i = 0; i < 6; ++i) {

@@ -109,7 +109,7 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
     if (!row.motion_ok) continue;
     motion.add(row.dx_px - (b.cx_px - a.cx_px));
     motion.add(row.dy_px - (b.cy_px - a.cy_px));
-    rotation.add(std::remainder(row.rot_rad * kDegPerRad - (b.angle_deg - a.angle_deg), 360));
+    rotation.add(std::remainder(row.rot_deg - (b.angle_deg - a.angle_deg), 360));
   }
   return {{"frames_ok", ok},
           {"rms_centre_px", centre.value()},

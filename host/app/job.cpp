@@ -99,16 +99,19 @@ std::set<const CLI::Option*> given_options(const CLI::App& command,
   return given;
 }
 
-std::vector<std::string> read_job(const CLI::App& command, const std::string& file,
-                                  const std::vector<std::string>& arguments) {
+toml::table parse_job(const std::string& file) {
   if (!std::filesystem::is_regular_file(file)) throw FileError("cannot read the job file", file);
-  toml::table table;
   try {
-    table = toml::parse_file(file);
+    return toml::parse_file(file);
   } catch (const toml::parse_error& error) {
     throw InvalidArgument(std::string(error.description()),
                           file + ", line " + std::to_string(error.source().begin.line));
   }
+}
+
+std::vector<std::string> read_job(const CLI::App& command, const std::string& file,
+                                  const std::vector<std::string>& arguments) {
+  const toml::table table = parse_job(file);
   const std::set<const CLI::Option*> given = given_options(command, arguments);
   std::vector<std::string> out;
   for (const auto& [key, node] : table) {
@@ -135,27 +138,7 @@ toml::array values_of(const CLI::Option& option) {
   return values;
 }
 
-}  // namespace
-
-std::vector<std::string> expand_job(const CLI::App& app, std::vector<std::string> arguments) {
-  if (arguments.empty()) return arguments;
-  const CLI::App* command = nullptr;
-  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (candidate->get_name() == arguments.front()) command = candidate;
-  }
-  if (command == nullptr || find_option(*command, "job") == nullptr) return arguments;
-  std::string file;
-  for (std::size_t i = 1; i < arguments.size(); ++i) {
-    if (arguments[i] == "--job" && i + 1 < arguments.size()) file = arguments[i + 1];
-    if (arguments[i].rfind("--job=", 0) == 0) file = arguments[i].substr(6);
-  }
-  if (file.empty()) return arguments;
-  const std::vector<std::string> from_job = read_job(*command, file, arguments);
-  arguments.insert(arguments.begin() + 1, from_job.begin(), from_job.end());
-  return arguments;
-}
-
-void write_job(const CLI::App& command, const std::filesystem::path& path) {
+toml::table job_of(const CLI::App& command) {
   toml::table table;
   table.insert("command", command.get_name());
   table.insert("version", IMPACTDIC_VERSION);
@@ -177,9 +160,61 @@ void write_job(const CLI::App& command, const std::filesystem::path& path) {
       table.insert(key, option->get_default_str());
     }
   }
+  return table;
+}
+
+// As it is shown to a person; "" where the key is missing.
+std::string value_in(const toml::table& job, const std::string& key) {
+  const toml::node* node = job.get(key);
+  if (node == nullptr) return "";
+  if (const auto* text = node->as_string()) {
+    return key == "video" ? std::filesystem::path(text->get()).filename().string() : text->get();
+  }
+  std::ostringstream out;
+  node->visit([&](const auto& value) { out << value; });
+  return out.str();
+}
+
+}  // namespace
+
+std::vector<std::string> expand_job(const CLI::App& app, std::vector<std::string> arguments) {
+  if (arguments.empty()) return arguments;
+  const CLI::App* command = nullptr;
+  for (const CLI::App* candidate : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (candidate->get_name() == arguments.front()) command = candidate;
+  }
+  if (command == nullptr || find_option(*command, "job") == nullptr) return arguments;
+  std::string file;
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    if (arguments[i] == "--job" && i + 1 < arguments.size()) file = arguments[i + 1];
+    if (arguments[i].rfind("--job=", 0) == 0) file = arguments[i].substr(6);
+  }
+  if (file.empty()) return arguments;
+  const std::vector<std::string> from_job = read_job(*command, file, arguments);
+  arguments.insert(arguments.begin() + 1, from_job.begin(), from_job.end());
+  return arguments;
+}
+
+void write_job(const CLI::App& command, const std::filesystem::path& path) {
   std::ofstream file(path);
-  file << table << "\n" << std::flush;
+  file << job_of(command) << "\n" << std::flush;
   if (!file) throw FileError("cannot write the file", path.string());
+}
+
+void require_same_job(const CLI::App& command, const std::filesystem::path& path,
+                      const std::set<std::string>& may_differ) {
+  const toml::table earlier = parse_job(path.string()), now = job_of(command);
+  std::set<std::string> keys;
+  for (const toml::table* job : {&earlier, &now}) {
+    for (const auto& [key, node] : *job) keys.emplace(key.str());
+  }
+  for (const std::string& key : keys) {
+    const std::string before = value_in(earlier, key), wanted = value_in(now, key);
+    if (before == wanted || key == "command" || may_differ.count(key) != 0) continue;
+    throw InvalidArgument(
+        "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
+        path.string(), "go on with the same, or start anew with --force");
+  }
 }
 
 }  // namespace impactdic::app

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,11 @@ std::vector<std::string> expand_job(const CLI::App& app, std::vector<std::string
 // Writes every option of `command` that was given or has a default to `path`, except those that
 // say where results go and how they are shown. Paths become absolute. Throws FileError.
 void write_job(const CLI::App& command, const std::filesystem::path& path);
+
+// Throws InvalidArgument where an option of `command` differs from that in the job `path` of an
+// earlier run, but for those that `may_differ`. Of the clip only the file's name counts. Throws
+// FileError where there is no such job.
+void require_same_job(const CLI::App& command, const std::filesystem::path& path,
+                      const std::set<std::string>& may_differ);
 
 }  // namespace impactdic::app

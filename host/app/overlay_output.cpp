@@ -89,7 +89,7 @@ std::vector<std::string> label(const TrackRow& row, const SiScale& scale, const 
   lines[1] = std::isfinite(si.vt_m_s) ? print("vt %.2f vn %.2f m/s", si.vt_m_s, si.vn_m_s)
                                       : print("dx %.2f dy %.2f px", row.dx_px, row.dy_px);
   lines[1] += std::isfinite(si.omega_rad_s) ? print(" spin %.1f rad/s", si.omega_rad_s)
-                                            : print(" spin %.2f deg", row.rot_rad * kDegPerRad);
+                                            : print(" spin %.2f deg", row.rot_deg);
   return lines;
 }
 

@@ -6,46 +6,53 @@
 #include "host/base/error.h"
 #include "host/base/stopwatch.h"
 #include "host/report/pose_csv.h"
+#include "host/report/resume_file.h"
 
 namespace impactdic::app {
 
 namespace {
-// Rows and time between two writes to the disk: what a killed run may lose is the larger of them.
-constexpr std::size_t kFlushEvery = 64;
+// Between two writes to the disk: a killed run loses no more than this and the frames in flight.
 constexpr double kFlushEvery_s = 0.5;
 }  // namespace
 
 struct TrackOutput::Impl {
   OutputOptions options;
   std::vector<TrackRow> rows;
-  std::int64_t done = 0;
-  std::optional<double> grid_radius;
+  std::optional<ResumePoint> from, reached;
   std::unique_ptr<TrackCsv> csv;
   std::unique_ptr<PoseCsv> poses;
   std::unique_ptr<FieldsFile> fields;
   std::unique_ptr<OverlayOutput> overlay;
-  std::vector<TrackRow> before_grid;      // rows without a ball, before the field's size is known
-  std::size_t in_csv = 0, unflushed = 0;  // rows
+  std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
+  std::size_t in_csv = 0;             // rows
   Stopwatch since_flush;
   std::string impact_line;
 
   std::filesystem::path csv_path() const { return options.folder / "track.csv"; }
   std::filesystem::path fields_path() const { return options.folder / "fields.h5"; }
+  std::filesystem::path resume_path() const { return options.folder / "resume.json"; }
 
-  // The last row of an earlier run may be the clip's last frame or stand before a frame that
-  // could not be read then: it is measured again.
+  // Every row before the point that was reached is final; what stands behind it is measured again.
   void take_over() {
-    if (!options.resume || !std::filesystem::exists(csv_path())) return;
-    rows = read_track_csv(csv_path());
-    if (!rows.empty()) rows.pop_back();
-    if (options.with_field && std::filesystem::exists(fields_path()) && !rows.empty()) {
-      fields = std::make_unique<FieldsFile>(
-          FieldsFile::resume(fields_path(), options.window_px, rows.size()));
-      grid_radius = fields->number("grid_radius_px");
-    } else if (options.with_field) {
-      rows.clear();
+    if (!options.resume || !std::filesystem::exists(resume_path())) return;
+    ResumePoint point = read_resume_point(resume_path());
+    const auto done = static_cast<std::size_t>(point.next_row);
+    std::vector<TrackRow> earlier = read_track_csv(csv_path());
+    if (earlier.size() < done) {
+      throw FormatError(csv_path().string(), -1,
+                        "it holds " + std::to_string(earlier.size()) + " of the " +
+                            std::to_string(done) + " frames that were measured",
+                        "--force without --resume starts anew");
     }
-    done = static_cast<std::int64_t>(rows.size());
+    earlier.resize(done);
+    if (options.with_field && point.grid_radius_px) {
+      fields =
+          std::make_unique<FieldsFile>(FieldsFile::resume(fields_path(), options.window_px, done));
+    } else if (options.with_field) {
+      before_grid = earlier;
+    }
+    rows = std::move(earlier);
+    from = reached = std::move(point);
   }
 
   void write_field(const TrackRow& row, const PairMotion* pair) {
@@ -70,13 +77,13 @@ struct TrackOutput::Impl {
     before_grid.clear();
   }
 
-  // The table last: it never holds a row whose field is not in the file.
+  // The point last: all that it promises is on the disk then.
   void flush() {
     if (poses) poses->flush();
     if (fields) fields->flush();
     for (; in_csv < rows.size(); ++in_csv) csv->add(rows[in_csv]);
     csv->flush();
-    unflushed = 0;
+    if (reached) write_resume_point(resume_path(), *reached);
     since_flush = {};
   }
 };
@@ -84,10 +91,12 @@ struct TrackOutput::Impl {
 TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
   impl_->take_over();
+  if (!impl_->from) std::filesystem::remove(impl_->resume_path());
   impl_->csv = std::make_unique<TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->rows);
   impl_->in_csv = impl_->rows.size();
   if (impl_->options.with_poses) {
-    impl_->poses = std::make_unique<PoseCsv>(impl_->options.folder / "pose.csv", impl_->done);
+    impl_->poses =
+        std::make_unique<PoseCsv>(impl_->options.folder / "pose.csv", impl_->rows.size());
   }
   if (impl_->options.overlay.wanted) {
     impl_->overlay = std::make_unique<OverlayOutput>(impl_->options.folder, impl_->options.overlay,
@@ -97,8 +106,7 @@ TrackOutput::TrackOutput(OutputOptions options) : impl_(std::make_unique<Impl>()
 
 TrackOutput::~TrackOutput() = default;
 
-std::int64_t TrackOutput::rows_done() const { return impl_->done; }
-std::optional<double> TrackOutput::grid_radius_px() const { return impl_->grid_radius; }
+const std::optional<ResumePoint>& TrackOutput::resume_point() const { return impl_->from; }
 const std::vector<TrackRow>& TrackOutput::rows() const { return impl_->rows; }
 const std::string& TrackOutput::impact_line() const { return impl_->impact_line; }
 
@@ -113,9 +121,11 @@ void TrackOutput::add(const TrackedFrame& frame) {
   if (impl_->overlay) {
     impl_->overlay->add(frame, impl_->options.window_px);
   }
-  if (++impl_->unflushed >= kFlushEvery && impl_->since_flush.seconds() > kFlushEvery_s) {
-    impl_->flush();
-  }
+}
+
+void TrackOutput::reach(const ResumePoint& point) {
+  impl_->reached = point;
+  if (impl_->since_flush.seconds() > kFlushEvery_s) impl_->flush();
 }
 
 void TrackOutput::set_source_sha256(const std::string& sha256) {

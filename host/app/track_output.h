@@ -32,15 +32,16 @@ struct OutputOptions {
 
 class TrackOutput {
  public:
-  // With `resume` takes over the rows of an earlier run. Throws FileError, FormatError.
+  // With `resume` takes over what an earlier run finished. Throws FileError, FormatError.
   explicit TrackOutput(OutputOptions options);
   ~TrackOutput();
 
-  std::int64_t rows_done() const;
-  // Of the earlier run's grid; nullopt where there was none.
-  std::optional<double> grid_radius_px() const;
+  // Where the earlier run ended; nullopt where there was none to take over.
+  const std::optional<ResumePoint>& resume_point() const;
   void set_grid(std::span<const Window> grid, double radius_px);
   void add(const TrackedFrame& frame);
+  // A run that is killed from here on goes on from `point`. Writes to the disk now and then.
+  void reach(const ResumePoint& point);
   // Puts the scale into the table, closes everything and sums it up, the impact with it.
   nlohmann::json finish();
   // After `finish`: the clip's digest, known only when all of it has been read.

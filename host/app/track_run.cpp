@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "host/app/advice_output.h"
 #include "host/app/job.h"
@@ -15,6 +17,13 @@
 
 namespace impactdic::app {
 namespace {
+
+// Options that --resume may be given otherwise: they say nothing of how a frame is measured.
+const std::set<std::string> kMayChange = {
+    "device",         "threads",           "ball-diameter-mm",
+    "mm-per-px",      "surface-angle-deg", "gravity-angle-deg",
+    "inertia-factor", "overlay",           "slow-motion",
+    "arrow-scale",    "no-checksum"};
 
 std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
   if (text.empty()) return std::nullopt;
@@ -103,6 +112,9 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   const SiScale scale = resolve_scale(request, options, info);
   const auto folder =
       prepare_output_directory(request.output, request.common.force || request.resume);
+  if (request.resume && std::filesystem::exists(folder / "resume.json")) {
+    require_same_job(command, folder / "job.toml", kMayChange);
+  }
   write_job(command, folder / "job.toml");
 
   const ClipAdvice advice = look_at(*source, options);
@@ -129,8 +141,9 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   describe(request.field, output_options.attributes);
   output_options.attributes["option_estimator"] = request.estimator;
   TrackOutput output(output_options);
-  options.start_index = output.rows_done();
-  options.grid_radius_px = output.grid_radius_px();
+  options.from = output.resume_point();
+  options.checkpoint = [&](const ResumePoint& point) { output.reach(point); };
+  const std::int64_t to_do = options.frames.count() - (options.from ? options.from->next_row : 0);
 
   options.times = run.stage_times();
   Stopwatch watch;
@@ -139,8 +152,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
     summary["device"] = run.describe();
     summary["advice"] = describe_advice(advice);
     summary["warnings"] = warnings;
-    const double rate =
-        static_cast<double>(options.frames.count() - options.start_index) / watch.seconds();
+    const double rate = static_cast<double>(to_do) / watch.seconds();
     summary["frames_per_s"] = rate;
     const Stopwatch waiting;
     const std::string sha256 = digest.valid() ? digest.get() : "";
@@ -154,12 +166,10 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   };
   try {
     TerminalProgress progress("track", request.common.quiet);
-    if (options.start_index < options.frames.count()) {
-      track_clip(
-          *source, run.engines(), options,
-          [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
-          [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
-    }
+    track_clip(
+        *source, run.engines(), options,
+        [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
+        [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
   } catch (...) {
     finish();  // what was measured is kept
     throw;
@@ -167,8 +177,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   TrackOutcome outcome;
   outcome.frames_per_s = finish();
   outcome.frames = options.frames.count();
-  const std::int64_t done = outcome.frames - options.start_index;
-  run.print_stages(static_cast<double>(done) / outcome.frames_per_s, done);
+  run.print_stages(static_cast<double>(to_do) / outcome.frames_per_s, to_do);
   outcome.frames_ok = frames_ok(output.rows());
   outcome.impact = output.impact_line();
   return outcome;

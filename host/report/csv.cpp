@@ -61,10 +61,10 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   row.r_sd_px = number(8);
   row.dx_px = number(9);
   row.dy_px = number(10);
-  row.rot_rad = number(11) * kRadPerDeg;
+  row.rot_deg = number(11);
   row.dx_sd_px = number(12);
   row.dy_sd_px = number(13);
-  row.rot_sd_rad = number(14) * kRadPerDeg;
+  row.rot_sd_deg = number(14);
   row.windows = cells[15].empty() ? 0 : static_cast<int>(parse_int(cells[15], where));
   row.circle_ok = !std::isnan(row.cx_px);
   row.motion_ok = !std::isnan(row.dx_px);
@@ -78,8 +78,7 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
   Line line(std::to_string(row.frame));
   line.add(row.time_s).add_text(to_string(row.status));
   line.add(row.cx_px, row.cy_px, row.r_px, row.cx_sd_px, row.cy_sd_px, row.r_sd_px);
-  line.add(row.dx_px, row.dy_px, row.rot_rad * kDegPerRad, row.dx_sd_px, row.dy_sd_px,
-           row.rot_sd_rad * kDegPerRad);
+  line.add(row.dx_px, row.dy_px, row.rot_deg, row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg);
   line.add_text(std::to_string(row.windows));
   line.add(si.x_m, si.y_m, si.vx_m_s, si.vy_m_s, si.vt_m_s, si.vn_m_s, si.omega_rad_s);
   line.add(si.vx_sd_m_s, si.vy_sd_m_s, si.omega_sd_rad_s);

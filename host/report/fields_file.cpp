@@ -238,10 +238,6 @@ void FieldsFile::set_attribute(const std::string& name, const std::string& text)
   const Hdf5Guard guard(hdf5_lock());
   impl_->file.set_attribute("/", name, text);
 }
-double FieldsFile::number(const std::string& name) {
-  const Hdf5Guard guard(hdf5_lock());
-  return impl_->file.number_attribute("/", name);
-}
 std::size_t FieldsFile::rows() const {
   const Hdf5Guard guard(hdf5_lock());
   return impl_->time.rows();

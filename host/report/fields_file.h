@@ -38,8 +38,6 @@ class FieldsFile {
   void flush();
   // An attribute of the file that became known only later.
   void set_attribute(const std::string& name, const std::string& text);
-  // Attributes as they stand in the file; throws FormatError where it is missing.
-  double number(const std::string& name);
   std::size_t rows() const;
 
  private:

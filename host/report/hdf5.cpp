@@ -60,14 +60,6 @@ void File::set_attribute(const std::string& object, const std::string& name, dou
   check(H5LTset_attribute_double(get(), object.c_str(), name.c_str(), &value, 1), name);
 }
 
-double File::number_attribute(const std::string& object, const std::string& name) {
-  double value = 0;
-  if (H5LTget_attribute_double(get(), object.c_str(), name.c_str(), &value) < 0) {
-    throw FormatError(path_, -1, "the attribute " + name + " is missing");
-  }
-  return value;
-}
-
 Table Table::create(File& file, const std::string& name, std::size_t columns, hid_t type,
                     const void* fill) {
   // Chunks of about 256 KiB: few enough to index, small enough to read one window's history.

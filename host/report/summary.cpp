@@ -50,7 +50,7 @@ json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale) {
     }
     if (row.motion_ok) {
       speed.add(std::hypot(row.dx_px, row.dy_px));
-      rotation.add(row.rot_rad * kDegPerRad);
+      rotation.add(row.rot_deg);
       windows.add(row.windows);
     }
   }

@@ -66,22 +66,22 @@ BallTracker::BallTracker(BallTrackerOptions options) : options_(std::move(option
 }
 
 std::optional<double> BallTracker::radius_px() const {
-  if (radii_px_.size() < kLeastRadii) return std::nullopt;
-  return median({radii_px_.begin(), radii_px_.end()});
+  if (memory_.radii_px.size() < kLeastRadii) return std::nullopt;
+  return median({memory_.radii_px.begin(), memory_.radii_px.end()});
 }
 
 double BallTracker::radius_sd_px() const {
-  if (radii_px_.size() < kLeastRadii) return 0;
+  if (memory_.radii_px.size() < kLeastRadii) return 0;
   const double centre = *radius_px();
   std::vector<double> off;
-  for (double r : radii_px_) off.push_back(std::abs(r - centre));
+  for (double r : memory_.radii_px) off.push_back(std::abs(r - centre));
   // The ball's distance from the camera may change a little: not below a thousandth of a radius.
   return std::hypot(1.48 * median(off), 2e-4 * centre);
 }
 
 std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
-  if (seen_.empty()) return std::nullopt;
-  const double gap = static_cast<double>(std::abs(index - seen_.back().index));
+  if (memory_.seen.empty()) return std::nullopt;
+  const double gap = static_cast<double>(std::abs(index - memory_.seen.back().index));
   if (gap > kLongestGap) return std::nullopt;
   CirclePrior prior = prior_ahead(index);
   prior.centre_sd_px *= std::max(gap, 1.0);
@@ -91,7 +91,7 @@ std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
 
 // As exact as for the next frame, however far ahead.
 CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
-  const Seen& last = seen_.back();
+  const Seen& last = memory_.seen.back();
   CirclePrior prior;
   prior.predicted = last.fit.circle;
   prior.bright = last.fit.bright;
@@ -101,8 +101,8 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   const double r = last.fit.circle.r_px;
   // Without a velocity the ball may have gone far; with one, an impact may have changed it.
   prior.centre_sd_px = std::max(3.0, 0.05 * r);
-  if (seen_.size() > 1) {
-    const Seen& before = seen_[seen_.size() - 2];
+  if (memory_.seen.size() > 1) {
+    const Seen& before = memory_.seen[memory_.seen.size() - 2];
     const double steps = static_cast<double>(last.index - before.index);
     const double vx = (last.fit.circle.cx_px - before.fit.circle.cx_px) / steps;
     const double vy = (last.fit.circle.cy_px - before.fit.circle.cy_px) / steps;
@@ -127,14 +127,14 @@ BallTracker::Radius BallTracker::radius() const {
 
 void BallTracker::learn_radius(const CircleFit& fit) {
   if (fit.ellipse || fit.rim_fraction <= kWholeRim) return;
-  radii_px_.push_back(fit.circle.r_px);
-  if (radii_px_.size() > kRadii) radii_px_.pop_front();
+  memory_.radii_px.push_back(fit.circle.r_px);
+  if (memory_.radii_px.size() > kRadii) memory_.radii_px.pop_front();
 }
 
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
-  if (!seen_.empty() && seen_.back().index == index) seen_.pop_back();
-  seen_.push_back({index, fit});
-  if (seen_.size() > 2) seen_.pop_front();
+  if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
+  memory_.seen.push_back({index, fit});
+  if (memory_.seen.size() > 2) memory_.seen.pop_front();
   learn_radius(fit);
 }
 
@@ -180,7 +180,7 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
   bool searched = false;
   const CircleFit fit = locate(frame, predict(index), radius(), &searched);
   if (fit.status != CircleStatus::ok) return fit;
-  if (searched) seen_.clear();
+  if (searched) memory_.seen.clear();
   remember(fit, index);
   return fit;
 }
@@ -204,7 +204,7 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
 void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
                            std::span<CircleFit> fits, Plan& plan) {
   const std::int64_t first = plan.first_index + static_cast<std::int64_t>(begin);
-  if (seen_.empty() || first - seen_.back().index > kLongestGap) {
+  if (memory_.seen.empty() || first - memory_.seen.back().index > kLongestGap) {
     search_run(frames, plan.first_index, begin, end, fits);
   } else if (look_ahead(frames, begin, end, fits, plan)) {
     return;
@@ -221,7 +221,7 @@ void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std
 
 bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
                              std::span<CircleFit> fits, Plan& plan) {
-  if (seen_.size() < 2 || radii_px_.size() < kLeastRadii) return false;
+  if (memory_.seen.size() < 2 || memory_.radii_px.size() < kLeastRadii) return false;
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
@@ -232,7 +232,7 @@ bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, s
   }
   fits[end - 1] = fit;
   for (std::size_t i = begin; i + 1 < end; ++i) {
-    plan.left.push_back({i, seen_.back(), {index, fit}});
+    plan.left.push_back({i, memory_.seen.back(), {index, fit}});
   }
   remember(fit, index);
   return true;
@@ -267,7 +267,7 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
     });
     while (next < end && fits[next].status != CircleStatus::ok) ++next;
     if (next == end) return;
-    seen_.clear();
+    memory_.seen.clear();
     remember(fits[next], first_index + static_cast<std::int64_t>(next));
     ++next;
   }

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/base/image.h"
@@ -28,6 +29,19 @@ struct BallTrackerOptions {
 class BallTracker {
  public:
   explicit BallTracker(BallTrackerOptions options = {});
+
+  struct Seen {
+    std::int64_t index;
+    CircleFit fit;
+  };
+  // All that it knows of the frames before.
+  struct Memory {
+    std::deque<Seen> seen;        // the last measured frames, newest last
+    std::deque<double> radii_px;  // of the last frames in which the ball was round and whole
+  };
+  const Memory& memory() const { return memory_; }
+  // Goes on as the tracker would whose memory this was.
+  void restore(Memory memory) { memory_ = std::move(memory); }
 
   // Measures the ball in `frame`, which is frame number `index` of the clip. A frame without a
   // ball says so in its status; the tracker goes on.
@@ -55,10 +69,6 @@ class BallTracker {
   double radius_sd_px() const;
 
  private:
-  struct Seen {
-    std::int64_t index;
-    CircleFit fit;
-  };
   // The free ball's radius; nothing before it is learnt. `rough_px` tells the ball from others.
   struct Radius {
     std::optional<double> px;
@@ -83,8 +93,7 @@ class BallTracker {
   void learn_radius(const CircleFit& fit);
 
   BallTrackerOptions options_;
-  std::deque<Seen> seen_;        // the last measured frames, newest last
-  std::deque<double> radii_px_;  // of the last frames in which the ball was round and whole
+  Memory memory_;
 };
 
 struct BallTracker::Plan {

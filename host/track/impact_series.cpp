@@ -64,8 +64,8 @@ ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_ang
     series.step_t.push_back(motion ? c * row.dx_px - s * row.dy_px : kNotMeasured);
     series.step_n.push_back(motion ? -s * row.dx_px - c * row.dy_px : kNotMeasured);
     series.step_sd.push_back(std::hypot(row.dx_sd_px, row.dy_sd_px) / std::sqrt(2.0));
-    series.turn.push_back(motion ? row.rot_rad : kNotMeasured);
-    series.turn_sd.push_back(row.rot_sd_rad);
+    series.turn.push_back(motion ? row.rot_deg * kRadPerDeg : kNotMeasured);
+    series.turn_sd.push_back(row.rot_sd_deg * kRadPerDeg);
   }
   series.from_circle = !any_motion;
   if (!any_motion) {

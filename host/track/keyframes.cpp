@@ -70,8 +70,13 @@ Keyframes::Keyframes(const Engine& engine, const BallOptions& options, double ra
       affine_(*engine_, affine(options)),
       ring_(*engine_, {}) {}
 
+void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
+  memory_ = std::move(memory);
+  for (const Keyframe& key : memory_.keyframes) frames_.set(key.slot, read(key.pose.keyframe));
+}
+
 BodyPose Keyframes::begin(const ChainedFrame& frame) {
-  keyframes_.clear();
+  memory_.keyframes.clear();
   BodyPose pose;
   pose.ok = true;
   pose.x_px = frame.circle.cx_px;
@@ -87,16 +92,16 @@ BodyPose Keyframes::keep(const ChainedFrame& frame, const BodyPose& pose) {
   made.pose.keyframe = frame.index;
   made.circle = frame.circle;
   made.last_used = frame.index;
-  if (keyframes_.size() == kKept) {
+  if (memory_.keyframes.size() == kKept) {
     const auto idle = std::min_element(
-        keyframes_.begin(), keyframes_.end(),
+        memory_.keyframes.begin(), memory_.keyframes.end(),
         [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
     made.slot = idle->slot;
-    keyframes_.erase(idle);
+    memory_.keyframes.erase(idle);
   } else {
-    made.slot = static_cast<int>(keyframes_.size());
+    made.slot = static_cast<int>(memory_.keyframes.size());
   }
-  keyframes_.push_back(made);
+  memory_.keyframes.push_back(made);
   frames_.set(made.slot, *frame.frame);
   ++made_;
   return made.pose;
@@ -107,11 +112,11 @@ std::size_t Keyframes::best_for(double angle_rad) const {
     return std::abs(std::remainder(key.pose.angle_rad - angle_rad, 2 * kPi));
   };
   double least = kPi;
-  for (const Keyframe& key : keyframes_) least = std::min(least, away(key));
-  const auto oldest = std::find_if(keyframes_.begin(), keyframes_.end(), [&](const Keyframe& key) {
-    return away(key) <= least + kAlike_rad;
-  });
-  return static_cast<std::size_t>(oldest - keyframes_.begin());
+  for (const Keyframe& key : memory_.keyframes) least = std::min(least, away(key));
+  const auto oldest =
+      std::find_if(memory_.keyframes.begin(), memory_.keyframes.end(),
+                   [&](const Keyframe& key) { return away(key) <= least + kAlike_rad; });
+  return static_cast<std::size_t>(oldest - memory_.keyframes.begin());
 }
 
 std::vector<BallMotion> Keyframes::measure(BallRegistration& registration, std::size_t first,
@@ -119,7 +124,7 @@ std::vector<BallMotion> Keyframes::measure(BallRegistration& registration, std::
                                            std::span<const std::size_t> keys) {
   std::vector<BallTask> tasks;
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const Keyframe& key = keyframes_[keys[i]];
+    const Keyframe& key = memory_.keyframes[keys[i]];
     const double turn = near[i].angle_rad - key.pose.angle_rad;
     const Point arm =
         turned(key.circle.cx_px - key.pose.x_px, key.circle.cy_px - key.pose.y_px, turn);
@@ -148,7 +153,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
   std::vector<Placed> placed(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     // What does not fit may be a ball under compression, or look otherwise than it did then.
-    const std::size_t newest = keyframes_.size() - 1;
+    const std::size_t newest = memory_.keyframes.size() - 1;
     const std::pair<BallRegistration&, std::size_t> others[] = {
         {affine_, keys[i]}, {rigid_, newest}, {affine_, newest}};
     for (std::size_t k = 0; k < std::size(others) && !fits(motions[i], keys[i]); ++k) {
@@ -158,7 +163,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
           measure(others[k].first, i, near.subspan(i, 1), std::span(keys).subspan(i, 1))[0];
     }
     if (!fits(motions[i], keys[i])) return placed;
-    Keyframe& key = keyframes_[keys[i]];
+    Keyframe& key = memory_.keyframes[keys[i]];
     placed[i].fits = true;
     placed[i].pose = registered(key.pose, key.circle, motions[i], near[i].angle_rad);
     const double residual = motions[i].residual;
@@ -172,14 +177,14 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
 }
 
 bool Keyframes::fits(const BallMotion& motion, std::size_t key) const {
-  const double best = keyframes_[key].residual;
+  const double best = memory_.keyframes[key].residual;
   return motion.status == static_cast<idic_int>(WindowStatus::ok) &&
          (best == 0 || motion.residual <= kMisfit * best);
 }
 
 Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame) {
   const auto key = std::max_element(
-      keyframes_.begin(), keyframes_.end(),
+      memory_.keyframes.begin(), memory_.keyframes.end(),
       [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
   PairMotion pair;
   pair.first_slot = key->slot;
@@ -198,7 +203,7 @@ Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame) {
 
 BodyPose Keyframes::start(const ChainedFrame& frame) {
   if (!frame.circle_ok) return {};
-  if (!keyframes_.empty()) {
+  if (!memory_.keyframes.empty()) {
     const Placed found = find_again(frame);
     if (found.fits) return found.pose;
   }
@@ -215,7 +220,8 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames) {
   };
   std::vector<BodyPose> poses(frames.size());
   std::size_t i = 0;
-  if (!frames.empty() && last_.ok && frames[0].index == last_index_) poses[i++] = last_;
+  if (!frames.empty() && memory_.last.ok && frames[0].index == memory_.last_index)
+    poses[i++] = memory_.last;
   while (i < frames.size()) {
     if (!(linked(i) && poses[i - 1].ok)) {
       poses[i] = start(frames[i]);
@@ -234,8 +240,8 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames) {
     }
   }
   if (!frames.empty()) {
-    last_ = poses.back();
-    last_index_ = frames.back().index;
+    memory_.last = poses.back();
+    memory_.last_index = frames.back().index;
   }
   return poses;
 }

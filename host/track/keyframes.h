@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -40,19 +41,29 @@ class Keyframes {
   // then keeps its pose).
   std::vector<BodyPose> follow(std::span<const ChainedFrame> frames);
 
+  struct Keyframe {
+    BodyPose pose;  // its own
+    Circle circle;
+    double residual = 0;         // of the best registration against it; 0 before the first
+    std::int64_t last_used = 0;  // frame index
+    int slot = 0;
+  };
+  // All that is known of the frames before, but for the pictures of the keyframes.
+  struct Memory {
+    std::vector<Keyframe> keyframes;  // oldest first
+    BodyPose last;                    // of frame last_index
+    std::int64_t last_index = -1;
+  };
+  const Memory& memory() const { return memory_; }
+  // Goes on as those would whose memory this was; `read` gives the picture of a frame index.
+  void restore(Memory memory, const std::function<Frame(std::int64_t)>& read);
+
   int made() const { return made_; }  // keyframes so far
 
  private:
   static constexpr std::size_t kKept = 8;     // keyframes at a time, in the first slots
   static constexpr std::size_t kAtOnce = 16;  // frames that are registered together, behind them
 
-  struct Keyframe {
-    BodyPose pose;  // its own
-    Circle circle;
-    int slot = 0;
-    double residual = 0;         // of the best registration against it; 0 before the first
-    std::int64_t last_used = 0;  // frame index
-  };
   struct Placed {
     bool fits = false;
     BodyPose pose;
@@ -81,9 +92,7 @@ class Keyframes {
   double radius_px_;
   BallRegistration rigid_, affine_;
   RingRotation ring_;
-  std::vector<Keyframe> keyframes_;  // oldest first
-  BodyPose last_;                    // of frame last_index_
-  std::int64_t last_index_ = -1;
+  Memory memory_;
   int made_ = 0;
 };
 

@@ -26,6 +26,7 @@ struct TrackBatch {
   // The circles of the own frames, while they are being measured.
   std::vector<CircleFit> fits;
   BallTracker::Plan plan;
+  BallTracker::Memory tracker;  // behind the own frames
 };
 
 }  // namespace impactdic

@@ -32,26 +32,29 @@ int frames_in_batch(const TrackOptions& options, int bits) {
       std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
 }
 
-// The first frame to read: a resumed run warms the tracker up on a batch that it has measured
-// before, and cuts the clip where an unbroken one does.
-std::int64_t first_to_read(const TrackOptions& options, int batch) {
-  const std::int64_t done = std::max<std::int64_t>(0, options.start_index - 1) / batch;
-  return std::max<std::int64_t>(0, done - 1) * batch;
+Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
+  Frame whole, frame;
+  source.read(options.frames.at(index), whole);
+  crop(whole, options.roi, frame);
+  return frame;
 }
 
 // The stages behind the reader; but for `complete` each runs on one thread at a time, in the order
 // of the frames.
 class ClipTracker {
  public:
-  ClipTracker(std::span<Engine* const> engines, const TrackOptions& options, int batch,
-              const GridSink& grid_ready, const TrackSink& sink, const ProgressFn& progress)
-      : engines_(engines),
+  ClipTracker(FrameSource& source, std::span<Engine* const> engines, const TrackOptions& options,
+              int batch, const GridSink& grid_ready, const TrackSink& sink,
+              const ProgressFn& progress)
+      : source_(source),
+        engines_(engines),
         options_(options),
         batch_(batch),
         grid_ready_(grid_ready),
         sink_(sink),
         progress_(progress),
         tracker_(options.ball) {
+    if (options.from) go_on(*options.from);
     if (options.times == nullptr) return;
     const int lanes = options.with_field ? DeviceLanes::count(engines) : 1;
     read_stage_ = options.times->add_stage("read", kBatchesAhead);
@@ -78,6 +81,7 @@ class ClipTracker {
     if (last_frames_) add_frame(*batch, last_frames_->frames.back(), last_fit_, batch->first_index);
     batch->fits.resize(own->frames.size());
     batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
+    batch->tracker = tracker_.memory();
     last_fit_ = batch->fits.back();
     batch->before = std::move(last_frames_);
     batch->own = last_frames_ = std::move(own);
@@ -109,11 +113,15 @@ class ClipTracker {
   void write(Batch batch) {
     if (!batch) return;
     const StageTimes::Scope timed(options_.times, write_stage_);
-    if (grid_is_new_.exchange(false)) grid_ready_(lanes_->grid(), lanes_->radius_px());
+    if (grid_is_new_.exchange(false)) {
+      grid_ready_(lanes_->grid(), lanes_->radius_px());
+      point_.grid_radius_px = lanes_->radius_px();
+    }
     place(*batch);
     for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
+    note_point(*last_, done);
     progress_(done, options_.frames.count());
   }
 
@@ -134,6 +142,28 @@ class ClipTracker {
   }
 
  private:
+  // Takes up an earlier run: the last frame before its next batch, and what it knew by then.
+  void go_on(const ResumePoint& from) {
+    point_ = from;
+    tracker_.restore(from.tracker);
+    last_fit_ = from.circle;
+    last_frames_ = std::make_shared<FrameBatch>();
+    last_frames_->first_index = from.next_row;
+    last_frames_->frames.push_back(read_frame(source_, options_, from.next_row));
+  }
+
+  // Behind a whole batch, so that the next one begins where it would have.
+  void note_point(const TrackBatch& batch, std::int64_t done) {
+    const FrameBatch& own = *batch.own;
+    const bool whole = !own.error && static_cast<int>(own.frames.size()) == batch_;
+    if (!options_.checkpoint || !whole || done >= options_.frames.count()) return;
+    point_.next_row = done - 1;
+    point_.circle = batch.fits.back();
+    point_.tracker = batch.tracker;
+    if (keyframes_) point_.keyframes = keyframes_->memory();
+    options_.checkpoint(point_);
+  }
+
   void add_frame(TrackBatch& batch, const Frame& frame, const CircleFit& fit,
                  std::int64_t index) const {
     batch.frames.push_back(&frame);
@@ -156,7 +186,7 @@ class ClipTracker {
     const auto seen = median_radius_px(batch.rows);
     if (!seen) return;
     lanes_ = std::make_unique<DeviceLanes>(
-        engines_, options_.estimator, options_.grid_radius_px.value_or(*seen), options_.roi.width,
+        engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
         options_.roi.height, batch_, options_.times, lane_stages_);
     grid_is_new_ = true;
   }
@@ -167,6 +197,11 @@ class ClipTracker {
     if (!keyframes_) {
       keyframes_ = std::make_unique<Keyframes>(
           *engines_[0], ball_options(options_.estimator.field, false), lanes_->radius_px());
+      if (point_.keyframes) {
+        keyframes_->restore(*point_.keyframes, [&](std::int64_t index) {
+          return read_frame(source_, options_, index);
+        });
+      }
     }
     std::vector<ChainedFrame> frames;
     for (std::size_t i = 0; i < batch.frames.size(); ++i) {
@@ -203,7 +238,6 @@ class ClipTracker {
   }
 
   void emit(TrackBatch& batch, std::size_t i, const PairMotion* pair) {
-    if (batch.first_index + static_cast<std::int64_t>(i) < options_.start_index) return;
     TrackRow& row = batch.rows[i];
     row.cx_px += options_.roi.x;
     row.cy_px += options_.roi.y;
@@ -216,6 +250,7 @@ class ClipTracker {
     sink_({row, *batch.frames[i], pair});
   }
 
+  FrameSource& source_;
   std::span<Engine* const> engines_;
   const TrackOptions& options_;
   int batch_;
@@ -234,6 +269,7 @@ class ClipTracker {
   // Of `write`.
   std::atomic<bool> grid_is_new_ = false;
   std::unique_ptr<Keyframes> keyframes_;  // with the ball estimator
+  ResumePoint point_;
   Batch last_;
 };
 
@@ -244,12 +280,17 @@ void track_clip(FrameSource& source, std::span<Engine* const> engines, const Tra
   options.estimator.validate();
   options.ball.validate();
   if (options.with_field && engines.empty()) throw InvalidArgument("the field needs a device");
+  if (options.from && options.from->next_row + 1 >= options.frames.count()) {
+    throw InvalidArgument("an earlier run has gone beyond the end of this clip", "--resume",
+                          "give the clip and the frames of that run");
+  }
   const int size = frames_in_batch(options, source.info().bits);
-  BatchReader reader(source, options.frames, first_to_read(options, size), options.roi, size);
+  const std::int64_t first = options.from ? options.from->next_row + 1 : 0;
+  BatchReader reader(source, options.frames, first, options.roi, size);
   TrackOptions scouted = options;
   scouted.ball.scouted_radius_px =
       scout_radius_px(source, options.frames, options.roi, options.ball.circle);
-  ClipTracker tracker(engines, scouted, size, grid_ready, sink, progress);
+  ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
   using Read = std::shared_ptr<FrameBatch>;
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
   tbb::parallel_pipeline(

@@ -10,6 +10,7 @@
 #include "host/track/ball_tracker.h"
 #include "host/track/frame_range.h"
 #include "host/track/motion_estimator.h"
+#include "host/track/resume_point.h"
 #include "host/track/roi.h"
 #include "host/video/frame_source.h"
 
@@ -26,10 +27,10 @@ struct TrackOptions {
   double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
   int batch = 0;                // frames handed on at once; 0: as many as fill 16 MB
   StageTimes* times = nullptr;  // gets the stages' times where given
-  // Continues an earlier run: rows before `start_index` are not given out again, the frames just
-  // before it only warm up the tracker; the windows' grid is that of `grid_radius_px`.
-  std::int64_t start_index = 0;
-  std::optional<double> grid_radius_px;
+  // Goes on where an earlier run of the same options and batches was.
+  std::optional<ResumePoint> from;
+  // Called between rows whenever such a point is reached: all rows before it are with the sink.
+  std::function<void(const ResumePoint&)> checkpoint;
 };
 
 // One finished frame. Views are valid during the call only.

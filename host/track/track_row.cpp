@@ -42,10 +42,10 @@ void set_motion(TrackRow& row, const RigidMotion& motion) {
   if (!motion.ok) return;
   row.dx_px = motion.dx_px;
   row.dy_px = motion.dy_px;
-  row.rot_rad = motion.rot_rad;
+  row.rot_deg = motion.rot_rad * kDegPerRad;
   row.dx_sd_px = motion.dx_sd_px;
   row.dy_sd_px = motion.dy_sd_px;
-  row.rot_sd_rad = motion.rot_sd_rad;
+  row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
   // The point that was followed is off the ball's centre by the circle's error, and turns about it.
   if (!row.circle_ok) return;
   const double c = std::cos(motion.rot_rad) - 1, s = std::sin(motion.rot_rad);
@@ -65,10 +65,10 @@ SiRow to_si(const TrackRow& row, const SiScale& scale) {
   si.vy_m_s = -row.dy_px * speed;
   si.vt_m_s = c * si.vx_m_s + s * si.vy_m_s;
   si.vn_m_s = -s * si.vx_m_s + c * si.vy_m_s;
-  si.omega_rad_s = row.rot_rad * rate;
+  si.omega_rad_s = row.rot_deg * kRadPerDeg * rate;
   si.vx_sd_m_s = row.dx_sd_px * speed;
   si.vy_sd_m_s = row.dy_sd_px * speed;
-  si.omega_sd_rad_s = row.rot_sd_rad * rate;
+  si.omega_sd_rad_s = row.rot_sd_deg * kRadPerDeg * rate;
   return si;
 }
 

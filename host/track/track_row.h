@@ -36,7 +36,8 @@ struct BodyPose {
 };
 
 // One frame. Pixels in image axes (x right, y down); the motion is from this frame to the next
-// analysed one. Fields that were not measured are NaN (see `circle_ok` and `motion_ok`).
+// analysed one. Fields that were not measured are NaN (see `circle_ok` and `motion_ok`). Units are
+// those of track.csv: a row that is read back is the same to the last bit.
 struct TrackRow {
   std::int64_t frame = 0;  // in the stored file
   double time_s = 0;       // since the first analysed frame
@@ -44,13 +45,13 @@ struct TrackRow {
   bool circle_ok = false, motion_ok = false;
   double cx_px = kNotMeasured, cy_px = kNotMeasured, r_px = kNotMeasured;
   double cx_sd_px = kNotMeasured, cy_sd_px = kNotMeasured, r_sd_px = kNotMeasured;
-  double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_rad = kNotMeasured;
-  double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_rad = kNotMeasured;
+  double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
+  double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;
   // The displacement field interpolated at the centroid, the dissertation's velocity of the centre.
   double centre_u_px = kNotMeasured, centre_v_px = kNotMeasured;
   double centre_u_sd_px = kNotMeasured, centre_v_sd_px = kNotMeasured;
   int windows = 0;  // interrogation windows that carried the motion
-  BodyPose pose;   // where keyframes are kept
+  BodyPose pose;    // where keyframes are kept
 };
 
 void set_circle(TrackRow& row, const CircleFit& fit);

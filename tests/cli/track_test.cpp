@@ -133,58 +133,106 @@ TEST(Track, JobFileRerunsBitForBit) {
   EXPECT_EQ(read_text(clip.path("first/job.toml")), read_text(clip.path("second/job.toml")));
 }
 
-TEST(Track, ResumeGoesOnWhereARunEnded) {
-  const SyntheticClip& clip = turning_clip();
-  ASSERT_EQ(clip.track("whole", "--force").status, 0);
-  ASSERT_EQ(clip.track("parts", "--force").status, 0);
-  // As a killed run leaves it: the table ends in the middle of a line.
-  std::istringstream lines(read_text(clip.path("parts/track.csv")));
-  std::string line, kept;
-  for (int i = 0; i < 6 && std::getline(lines, line); ++i) kept += line + "\n";
-  std::ofstream(clip.path("parts/track.csv")) << kept << "5,0.00";
-  const Outcome outcome = clip.track("parts", "--resume");
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const CsvTable whole = clip.result("whole"), parts = clip.result("parts");
-  ASSERT_EQ(parts.rows, whole.rows);
-  for (std::size_t i = 0; i < whole.rows; ++i) {
-    EXPECT_EQ(parts.text("frame")[i], whole.text("frame")[i]);
-    EXPECT_EQ(parts.text("status")[i], whole.text("status")[i]);
-  }
-  for (const char* column : {"cx_px", "dx_px", "rot_deg"}) {
-    for (std::size_t i = 0; i + 1 < whole.rows; ++i) {
-      // The tracker was warmed up on fewer frames: the same within a fraction of its uncertainty.
-      EXPECT_NEAR(parts.numbers(column)[i], whole.numbers(column)[i], 2e-3) << column << i;
+// Seven batches of frames; the ball is hit after the first ninety.
+class LongClip {
+ public:
+  LongClip() {
+    std::string motion = "cx_px,cy_px,angle_deg\n";
+    for (int k = 0; k < kFrames; ++k) {
+      const double fall = k < 90 ? k : 90 - 0.05 * (k - 90);
+      motion += std::to_string(50 + 0.04 * k) + "," + std::to_string(45 + 0.5 * fall) + "," +
+                std::to_string(k < 90 ? 0.3 * k : 27 + 2.0 * (k - 90)) + "\n";
     }
+    std::ofstream(folder_ / "motion.csv") << motion;
+    const Outcome made = run_program(
+        "synth --pattern e1 --size 128x128 --radius-px 36 --noise 1 --format mraw --motion " +
+        quoted(folder_ / "motion.csv") + " -o " + quoted(folder_ / "clip"));
+    if (made.status != 0) throw std::runtime_error(made.err);
   }
+  static constexpr int kFrames = 400;
+  std::string command(const std::string& out, const std::string& options) const {
+    return "track " + quoted(folder_ / "clip/video.cihx") + " -o " + quoted(folder_ / out) +
+           " --spacing 11 " + options;
+  }
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+
+ private:
+  ScratchFolder folder_;
+};
+
+const LongClip& long_clip() {
+  static const LongClip clip;
+  return clip;
 }
 
-// Three batches of frames; the ball is hit in the second.
-TEST(Track, NeitherThreadsNorDevicesChangeAResult) {
-  const ScratchFolder folder;
-  std::string motion = "cx_px,cy_px,angle_deg\n";
-  for (int k = 0; k < 140; ++k) {
-    const double fall = k < 90 ? k : 90 - 0.6 * (k - 90);
-    motion += std::to_string(50 + 0.2 * k) + "," + std::to_string(45 + 0.5 * fall) + "," +
-              std::to_string(k < 90 ? 0.3 * k : 27 + 2.0 * (k - 90)) + "\n";
+// Every dataset and attribute, to the last bit.
+bool same_fields(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const std::string script =
+      "import h5py, sys; a, b = map(h5py.File, sys.argv[1:]); "
+      "same = lambda k: a[k].shape == b[k].shape and a[k][()].tobytes() == b[k][()].tobytes(); "
+      "sys.exit(set(a) != set(b) or not all(map(same, a)) or dict(a.attrs) != dict(b.attrs))";
+  const std::string command = "/usr/bin/python3 -c '" + script + "' " + quoted(a / "fields.h5") +
+                              " " + quoted(b / "fields.h5");
+  return std::system(command.c_str()) == 0;
+}
+
+class TrackResume : public ::testing::TestWithParam<const char*> {};
+
+// Killed in the middle, whatever it was at.
+TEST_P(TrackResume, AKilledRunGoesOnToTheSameFiles) {
+  const std::string options =
+      std::string("--force --ball-diameter-mm 67 --estimator ") + GetParam();
+  const LongClip& clip = long_clip();
+  ASSERT_EQ(run_program(clip.command("whole", options)).status, 0);
+  std::filesystem::remove_all(clip.path("parts"));
+  const std::string point = quoted(clip.path("parts/resume.json"));
+  const std::string script = std::string(IMPACTDIC_PROGRAM) + " " + clip.command("parts", options) +
+                             " -q & pid=$!; while kill -0 $pid && [ ! -e " + point +
+                             " ]; do sleep 0.02; done; kill -9 $pid; wait $pid";
+  ASSERT_EQ(std::system(("exec 2> /dev/null; " + script + "; true").c_str()), 0);
+  const CsvTable killed(clip.path("parts/track.csv"));
+  // As a run that was killed while it wrote may leave it.
+  std::ofstream(clip.path("parts/track.csv"), std::ios::app) << killed.rows << ",0.00";
+  const Outcome outcome = run_program(clip.command(
+      "parts", std::string("--resume --ball-diameter-mm 67 --estimator ") + GetParam()));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* name : {"track.csv", "pose.csv"}) {
+    if (!std::filesystem::exists(clip.path("whole") / name)) continue;
+    EXPECT_EQ(read_text(clip.path("whole") / name), read_text(clip.path("parts") / name)) << name;
   }
-  std::ofstream(folder / "motion.csv") << motion;
-  const Outcome made = run_program(
-      "synth --pattern e1 --size 128x128 --radius-px 36 --noise 1 --format mraw --motion " +
-      quoted(folder / "motion.csv") + " -o " + quoted(folder / "clip"));
-  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(same_fields(clip.path("whole"), clip.path("parts")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Estimators, TrackResume, ::testing::Values("field", "ball"));
+
+TEST(Track, ResumeWithOtherOptionsIsRefused) {
+  const LongClip& clip = long_clip();
+  ASSERT_EQ(run_program(clip.command("other", "--no-field --force --ball-diameter-mm 67")).status,
+            0);
+  const Outcome window =
+      run_program(clip.command("other", "--no-field --resume --radius-px 30:40"));
+  EXPECT_EQ(window.status, 2);
+  EXPECT_NE(window.err.find("radius-px"), std::string::npos) << window.err;
+  // The scale is no part of what was measured.
+  EXPECT_EQ(run_program(clip.command("other", "--no-field --resume --ball-diameter-mm 60")).status,
+            0);
+}
+
+// The ball is hit in the second batch of frames.
+TEST(Track, NeitherThreadsNorDevicesChangeAResult) {
+  const LongClip& clip = long_clip();
   // On PoCL: two devices, both of them all cores.
   ::setenv("POCL_DEVICES", "pthread pthread", 1);
   const auto track = [&](const std::string& name, const std::string& options) {
-    const Outcome outcome = run_program("track " + quoted(folder / "clip/video.cihx") + " -o " +
-                                        quoted(folder / name) + " " + options);
+    const Outcome outcome = run_program(clip.command(name, "--force --frames 0:140 " + options));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return read_text(folder / (name + "/track.csv"));
+    return read_text(clip.path(name) / "track.csv");
   };
   const std::string one = track("one", "-j 1");
   EXPECT_EQ(one, track("many", ""));
   EXPECT_EQ(one, track("devices", "--device all"));
   ::unsetenv("POCL_DEVICES");
-  const CsvTable table(folder / "one/track.csv");
+  const CsvTable table(clip.path("one/track.csv"));
   ASSERT_EQ(table.rows, 140u);
   for (std::size_t k = 0; k + 1 < table.rows; ++k) {
     ASSERT_EQ(table.text("status")[k], "ok") << k;

@@ -96,9 +96,9 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
     row.motion_ok = true;
     row.dx_px = x_px(next) - x_px(here) + step_sd * noise(random);
     row.dy_px = y_px(next) - y_px(here) + step_sd * noise(random);
-    row.rot_rad = next.angle_rad - here.angle_rad + turn_sd * noise(random);
+    row.rot_deg = (next.angle_rad - here.angle_rad + turn_sd * noise(random)) * kDegPerRad;
     row.dx_sd_px = row.dy_sd_px = step_sd;
-    row.rot_sd_rad = turn_sd;
+    row.rot_sd_deg = turn_sd * kDegPerRad;
     row.windows = 200;
   }
   FilmedTruth truth;

@@ -86,11 +86,12 @@ inline DriftErrors drift(const std::vector<TrackRow>& rows, const std::vector<Ba
     const double c = std::cos(turn_deg * kRadPerDeg), s = std::sin(turn_deg * kRadPerDeg);
     const double true_x = truth[k].cx_px + c * ex + s * ey;
     const double true_y = truth[k].cy_px - s * ex + c * ey;
-    const double ac = std::cos(last.rot_rad), as = std::sin(last.rot_rad);
+    const double turn_rad = last.rot_deg * kRadPerDeg;
+    const double ac = std::cos(turn_rad), as = std::sin(turn_rad);
     const double arm_x = x - last.cx_px, arm_y = y - last.cy_px;
     x = last.cx_px + last.dx_px + ac * arm_x + as * arm_y;
     y = last.cy_px + last.dy_px - as * arm_x + ac * arm_y;
-    angle_deg += last.rot_rad * kDegPerRad;
+    angle_deg += last.rot_deg;
     out.sum_x_px = x - true_x;
     out.sum_y_px = y - true_y;
     out.sum_angle_deg = angle_deg - turn_deg;

@@ -178,7 +178,7 @@ TEST(ImpactPhases, BadFramesDoNotMatter) {
   for (const std::size_t i : {20u, 55u, 90u, 210u, 260u}) rows[i].dy_px += 0.5;
   for (const std::size_t i : {31u, 72u, 222u}) {
     rows[i].motion_ok = false;
-    rows[i].dx_px = rows[i].dy_px = rows[i].rot_rad = kNotMeasured;
+    rows[i].dx_px = rows[i].dy_px = rows[i].rot_deg = kNotMeasured;
   }
   const ImpactAnalysis found = analyse_impact(rows, filmed.options());
   ASSERT_EQ(found.status, ImpactStatus::found);
@@ -262,7 +262,7 @@ TEST(ImpactPhases, ClosureNamesWhatIsWrong) {
   film(filmed, rows);
   const auto verdict = [&](double radius, double turn, std::optional<double> inertia) {
     std::vector<TrackRow> changed = rows;
-    for (TrackRow& row : changed) row.r_px *= radius, row.rot_rad *= turn;
+    for (TrackRow& row : changed) row.r_px *= radius, row.rot_deg *= turn;
     ImpactOptions options = filmed.options();
     options.inertia_factor = inertia;
     return analyse_impact(changed, options).closure.verdict;

@@ -26,9 +26,9 @@ TrackRow example_row(std::int64_t frame) {
   row.cx_sd_px = row.cy_sd_px = row.r_sd_px = 1e-3;
   row.dx_px = 1;
   row.dy_px = -2;
-  row.rot_rad = 0.05;
+  row.rot_deg = 0.05 * kDegPerRad;
   row.dx_sd_px = row.dy_sd_px = 2e-4;
-  row.rot_sd_rad = 1e-6;
+  row.rot_sd_deg = 1e-6 * kDegPerRad;
   row.windows = 57;
   return row;
 }
@@ -69,7 +69,7 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].cx_px, 100.123456789);
   EXPECT_EQ(rows[0].time_s, 0);
-  EXPECT_NEAR(rows[0].rot_rad, 0.05, 1e-17);
+  EXPECT_EQ(rows[0].rot_deg, example_row(0).rot_deg);
   EXPECT_EQ(rows[0].windows, 57);
   EXPECT_FALSE(rows[1].circle_ok || rows[1].motion_ok);
   EXPECT_EQ(rows[1].status, TrackStatus::no_ball);
@@ -113,7 +113,6 @@ TEST(FieldsFile, GrowsIsReadByH5pyAndResumes) {
   }
   {
     auto file = FieldsFile::resume(path, 15, 4);
-    EXPECT_EQ(file.number("grid_radius_px"), 42.5);
     EXPECT_EQ(file.rows(), 4u);
     EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr), InvalidArgument);
     file.add(4, 0.4, windows, field, nullptr);
@@ -128,6 +127,7 @@ assert numpy.isnan(f['u_px'][4][1]) and f['u_px'][4][2] == 2.5
 assert list(f['status'][2]) == [0, 3, 0]
 assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
 assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
+assert f.attrs['grid_radius_px'] == 42.5
 )";
   const std::string command =
       "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " + testing::quoted(path);

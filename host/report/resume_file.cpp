@@ -1,0 +1,180 @@
+#include "host/report/resume_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <type_traits>
+
+#include "host/base/error.h"
+#include "host/report/summary.h"
+
+namespace impactdic {
+namespace {
+
+using nlohmann::json;
+
+// JSON has no infinity and no NaN.
+json number(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+double number(const json& value) {
+  return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
+}
+
+// One list of fields serves both ways.
+struct Writer {
+  json& object;
+  template <typename T>
+  void operator()(const char* name, const T& value) {
+    if constexpr (std::is_same_v<T, double>) {
+      object[name] = number(value);
+    } else if constexpr (std::is_enum_v<T>) {
+      object[name] = static_cast<int>(value);
+    } else {
+      object[name] = value;
+    }
+  }
+};
+
+struct Reader {
+  const json& object;
+  template <typename T>
+  void operator()(const char* name, T& value) {
+    if constexpr (std::is_same_v<T, double>) {
+      value = number(object.at(name));
+    } else if constexpr (std::is_enum_v<T>) {
+      value = static_cast<T>(object.at(name).get<int>());
+    } else {
+      value = object.at(name).get<T>();
+    }
+  }
+};
+
+template <typename Field, typename T>
+void each_of_circle(Field field, T& circle) {
+  field("cx_px", circle.cx_px);
+  field("cy_px", circle.cy_px);
+  field("r_px", circle.r_px);
+  field("free_px", circle.free_px);
+}
+
+template <typename Field, typename T>
+void each_of_fit(Field field, T& fit) {
+  each_of_circle(field, fit.circle);
+  field("status", fit.status);
+  field("cx_sd_px", fit.cx_sd_px);
+  field("cy_sd_px", fit.cy_sd_px);
+  field("r_sd_px", fit.r_sd_px);
+  field("ellipse", fit.ellipse);
+  field("e1_px", fit.e1_px);
+  field("e2_px", fit.e2_px);
+  field("e1_sd_px", fit.e1_sd_px);
+  field("e2_sd_px", fit.e2_sd_px);
+  field("bright", fit.bright);
+  field("inked", fit.inked);
+  field("residual_px", fit.residual_px);
+  field("rim_points", fit.rim_points);
+  field("rim_fraction", fit.rim_fraction);
+}
+
+template <typename Field, typename T>
+void each_of_pose(Field field, T& pose) {
+  field("ok", pose.ok);
+  field("x_px", pose.x_px);
+  field("y_px", pose.y_px);
+  field("angle_rad", pose.angle_rad);
+  field("x_sd_px", pose.x_sd_px);
+  field("y_sd_px", pose.y_sd_px);
+  field("angle_sd_rad", pose.angle_sd_rad);
+  field("origin", pose.origin);
+  field("keyframe", pose.keyframe);
+}
+
+template <typename Field, typename T>
+void each_of_keyframe(Field field, T& key) {
+  each_of_pose(field, key.pose);
+  each_of_circle(field, key.circle);
+  field("residual", key.residual);
+  field("last_used", key.last_used);
+  field("slot", key.slot);
+}
+
+json describe(const BallTracker::Memory& tracker) {
+  json described = {{"seen", json::array()}, {"radii_px", json::array()}};
+  for (const BallTracker::Seen& seen : tracker.seen) {
+    json& item = described["seen"].emplace_back(json{{"index", seen.index}});
+    each_of_fit(Writer{item}, seen.fit);
+  }
+  for (const double radius : tracker.radii_px) described["radii_px"].push_back(number(radius));
+  return described;
+}
+
+BallTracker::Memory tracker_of(const json& described) {
+  BallTracker::Memory tracker;
+  for (const json& item : described.at("seen")) {
+    auto& seen = tracker.seen.emplace_back();
+    seen.index = item.at("index").get<std::int64_t>();
+    each_of_fit(Reader{item}, seen.fit);
+  }
+  for (const json& radius : described.at("radii_px")) tracker.radii_px.push_back(number(radius));
+  return tracker;
+}
+
+json describe(const Keyframes::Memory& memory) {
+  json described = {
+      {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
+  for (const Keyframes::Keyframe& key : memory.keyframes) {
+    each_of_keyframe(Writer{described["keyframes"].emplace_back(json::object())}, key);
+  }
+  each_of_pose(Writer{described["last"]}, memory.last);
+  return described;
+}
+
+Keyframes::Memory keyframes_of(const json& described) {
+  Keyframes::Memory memory;
+  for (const json& item : described.at("keyframes")) {
+    each_of_keyframe(Reader{item}, memory.keyframes.emplace_back());
+  }
+  each_of_pose(Reader{described.at("last")}, memory.last);
+  memory.last_index = described.at("last_index").get<std::int64_t>();
+  return memory;
+}
+
+ResumePoint point_of(const json& described) {
+  ResumePoint point;
+  point.next_row = described.at("next_row").get<std::int64_t>();
+  each_of_fit(Reader{described.at("circle")}, point.circle);
+  point.tracker = tracker_of(described.at("tracker"));
+  if (described.contains("grid_radius_px")) {
+    point.grid_radius_px = number(described.at("grid_radius_px"));
+  }
+  if (described.contains("keyframes")) point.keyframes = keyframes_of(described.at("keyframes"));
+  return point;
+}
+
+}  // namespace
+
+void write_resume_point(const std::filesystem::path& path, const ResumePoint& point) {
+  json described = {{"next_row", point.next_row}, {"circle", json::object()}};
+  each_of_fit(Writer{described["circle"]}, point.circle);
+  described["tracker"] = describe(point.tracker);
+  if (point.grid_radius_px) described["grid_radius_px"] = number(*point.grid_radius_px);
+  if (point.keyframes) described["keyframes"] = describe(*point.keyframes);
+  write_json(path, described);
+}
+
+ResumePoint read_resume_point(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the file", path.string());
+  try {
+    return point_of(json::parse(file));
+  } catch (const std::exception&) {
+    throw FormatError(path.string(), -1, "this is not where a run of impactdic track ended",
+                      "--force without --resume starts anew");
+  }
+}
+
+}  // namespace impactdic
