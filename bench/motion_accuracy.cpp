@@ -1,6 +1,6 @@
 // How exactly the motion of rendered balls is measured: the rows of docs/accuracy.md, every one
 // with its fixed seeds.
-//   motion_accuracy STUDY [PAIRS-PER-BALL [PATTERN...]]
+//   motion_accuracy STUDY [PAIRS-PER-BALL [PATTERN[:SEED]...]]
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -32,6 +32,15 @@ Scene scene(double noise, std::uint64_t seed) {
   return out;
 }
 
+// Of a ball named PATTERN or PATTERN:SEED.
+std::uint64_t seed_of(const std::string& name) {
+  const auto colon = name.find(':');
+  return colon == std::string::npos ? 1 : std::stoull(name.substr(colon + 1));
+}
+SpeckleBall paint(const std::string& name) {
+  return paint_ball(name.substr(0, name.find(':')), seed_of(name));
+}
+
 std::vector<std::string> patterns(bool d) {
   std::vector<std::string> names;
   for (const PatternSpec& spec : pattern_specs()) {
@@ -54,8 +63,7 @@ void fractions(const Study& study) {
   }
   MotionErrors all;
   for (const std::string& name : study.patterns) {
-    const auto got =
-        measurement.measure(paint_ball(name, 1), scene(0, 1), pairs, Centres::known, {});
+    const auto got = measurement.measure(paint(name), scene(0, 1), pairs, Centres::known, {});
     got.at_point.print(name);
     all.add(got.at_point);
   }
@@ -67,7 +75,7 @@ void motions(const Study& study, Estimator estimator, double hidden) {
   PairMeasurement measurement(estimator, kRadiusPx);
   std::map<std::string, MotionErrors> pooled;
   for (const std::string& name : study.patterns) {
-    const SpeckleBall ball = paint_ball(name, 1);
+    const SpeckleBall ball = paint(name);
     Scene the_scene = scene(2, 1);
     BallPose middle;
     middle.cx_px = middle.cy_px = 0.5 * kSide;
@@ -99,7 +107,7 @@ void ring_turns(const Study& study) {
   for (const double turn_deg : {3.0, 20.0, 90.0, 170.0}) {
     MotionErrors known, measured;
     for (const std::string& name : study.patterns) {
-      const SpeckleBall ball = paint_ball(name, 1);
+      const SpeckleBall ball = paint(name);
       const MotionBound bound = motion_bound(ball, scene(2, 1), 5);
       const PosePairs pairs = fixed_motions(study.pairs, 0.37, -0.61, turn_deg, 18, 0.5 * kSide);
       known.add(measurement.measure(ball, scene(2, 1), pairs, Centres::known, bound).at_point);
@@ -119,7 +127,7 @@ void shading(const Study& study) {
     for (const double turn_deg : {3.0, 30.0, 90.0, 180.0}) {
       MotionErrors all;
       for (const std::string& name : study.patterns) {
-        const SpeckleBall ball = paint_ball(name, 1);
+        const SpeckleBall ball = paint(name);
         Scene lit = scene(2, 3);
         lit.shading = strength;
         const MotionBound bound = motion_bound(ball, lit, kMargin);
@@ -162,7 +170,7 @@ void drifts(const Study& study, double shade) {
   for (const std::string& name : study.patterns) {
     Scene lit = scene(2, 5);
     lit.shading = shade;
-    RenderedClip clip(paint_ball(name, 1), lit, rolling_path(study.pairs, 0.5 * kSide, 20));
+    RenderedClip clip(paint(name), lit, rolling_path(study.pairs, 0.5 * kSide, 20));
     const DriftErrors errors = drift(track(clip, Estimator::ball), clip.poses());
     print(name, errors);
     all.x.add(errors.x);
@@ -181,7 +189,8 @@ void uncertainty(const Study& study, Estimator estimator) {
   };
   Column columns[] = {{"cx", {}}, {"cy", {}}, {"r", {}}, {"dx", {}}, {"dy", {}}, {"rot", {}}};
   for (const std::string& name : study.patterns) {
-    RenderedClip clip(paint_ball(name, 1), scene(2, 6), rolling_path(study.pairs, 0.5 * kSide, 20));
+    RenderedClip clip(paint(name), scene(2, 5 + seed_of(name)),
+                      rolling_path(study.pairs, 0.5 * kSide, 20));
     const auto& truth = clip.poses();
     const std::vector<TrackRow> rows = track(clip, estimator);
     Errors own[6];

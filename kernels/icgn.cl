@@ -28,16 +28,22 @@
 // some direction. A hundred roundings.
 #define SMALLEST_PIVOT 1e-5f
 #define ROUNDING_VARIANCE (1.0f / 12.0f) /* of a pixel, grey levels */
+// Between pixels, and in its slopes, a spline errs as if hard edges stood elsewhere by this.
+#define INTERPOLATION_PX 0.02f
+// Mean square of a pixel's place along an axis in a whole window, over HALF_PX.
+#define MEAN_SQUARE ((WINDOW_PX + 1.0f) / (3.0f * (WINDOW_PX - 1.0f)))
 
 // WindowStatus of host/dic/field.h.
 #define STATUS_OK 0
 #define STATUS_MASKED 1
 #define STATUS_NO_TEXTURE 2
 #define STATUS_LOW_CORRELATION 3
+#define STATUS_AT_SEARCH_EDGE 4
 #define STATUS_NOT_CONVERGED 5
 #define STATUS_OUT_OF_VIEW 6
 #define STATUS_RUNNING (-1)
 #define STATUS_NO_SEED (-2) /* the window stays as it is */
+#define STATUS_LOST (-3)    /* the same, unless there is nothing that could have been found */
 
 // What the work-items of a group share about their window.
 typedef struct Shared {
@@ -46,10 +52,23 @@ typedef struct Shared {
   float origin;  // grey level taken off both pictures, so that sums of squares keep their digits
   float correlation, gain, variance;
   int status;
-  float normal[SUMS], factor[SUMS];
+  float normal[SUMS];
+  // Cholesky factors: of the normal matrix, and of its part that is texture.
+  float factor[SUMS], texture[SUMS];
+  float doubt_variance;      // of a pixel: noise, and what interpolation adds
+  float slope_variance;      // of the slopes that this makes
+  int singular[2];           // what has no such factor
   float right[COLUMNS + 1];  // regressors times g, and g²
   float solution[COLUMNS];
+  float row[2][COLUMNS], spread[2];  // see spreads
 } Shared;
+
+// What noise leaves of a window.
+typedef struct Doubt {
+  float pixel_variance;  // of the noise, as far as it is known before
+  float slope_gain;      // variance of a slope in units of a pixel's
+  float max_sd_px;       // expected of either component: beyond, there is no texture
+} Doubt;
 
 // One unit of the template: VECTOR pixels of a row.
 typedef struct Pixels {
@@ -82,11 +101,53 @@ static inline void load_pixels(__global const float* value, const int plane, con
   p->column[7] = slope_y * y;
 }
 
-// The normal matrix of the window; its factor where it has one. Lane 0 judges.
+// Of the normal matrix, the mean share that noise has whose slopes have the variance `slope`: the
+// window's pixels are taken to lie evenly about its centre.
+static inline float noise_share(const int column, const float count, const float slope) {
+  return column < 2 ? 0.0f : count * slope * (column == 2 || column == 5 ? 1.0f : MEAN_SQUARE);
+}
+
+// Into spread: variance of displacement components 0 (u) and 1 (v) per unit of the variance of the
+// pictures' difference. The registration's equations read (T + K) δ = Σ ∇f (g − f) with T the
+// texture's and K the noise's share of the information, but their mean moves with T δ alone: the
+// variance is that of T⁻¹ (T + K) T⁻¹. Every work-item must call it.
+BARRIER_INLINE void spreads(__local Shared* shared) {
+  for (int c = (int)get_local_id(0); c < 2; c += GROUP) {
+    __local float* row = shared->row[c];
+    for (int k = 0; k < COLUMNS; ++k) row[k] = k == 2 + 3 * c ? 1.0f : 0.0f;
+    cholesky_solve(shared->texture, COLUMNS, row);
+    float sum = row[2 + 3 * c];
+    for (int k = 0; k < COLUMNS; ++k) {
+      sum += noise_share(k, shared->normal[0], shared->slope_variance) * row[k] * row[k];
+    }
+    shared->spread[c] = sum;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Lane 0: what can be told before the second picture is looked at.
+static inline void judge_texture(__local Shared* shared, const float min_contrast,
+                                 const Doubt doubt) {
+  const float count = shared->normal[0];
+  const float contrast = shared->normal[TRIANGLE(1, 1)] -
+                         shared->normal[TRIANGLE(1, 0)] * shared->normal[TRIANGLE(1, 0)] / count;
+  const float least = min_contrast * min_contrast;
+  const float most = doubt.max_sd_px * doubt.max_sd_px;
+  const float sd_u = 2.0f * shared->doubt_variance * shared->spread[0];
+  const float sd_v = 2.0f * shared->doubt_variance * shared->spread[1];
+  if (count < 0.5f * WINDOW_PX * WINDOW_PX) {
+    shared->status = STATUS_MASKED;
+  } else if (!(contrast >= count * (least + doubt.pixel_variance)) || shared->singular[0] ||
+             shared->singular[1] || !(sd_u <= most && sd_v <= most)) {
+    shared->status = STATUS_NO_TEXTURE;
+  }
+}
+
+// The normal matrix of the window, and its factors where it has them.
 BARRIER_INLINE void make_template(__global const float* value, const int plane,
                                   const int plane_pitch, const float4 disc, const Window window,
-                                  const float min_contrast, __local float* scratch,
-                                  __local Shared* shared) {
+                                  const float min_contrast, const Doubt doubt,
+                                  __local float* scratch, __local Shared* shared) {
   const int item = (int)get_local_id(0);
   REAL sums[SUMS];
   for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
@@ -102,18 +163,25 @@ BARRIER_INLINE void make_template(__global const float* value, const int plane,
     }
   }
   GROUP_SUMS(sums, SUMS, scratch, shared->normal)
-  if (item == 0) {
-    for (int k = 0; k < SUMS; ++k) shared->factor[k] = shared->normal[k];
-    const float count = shared->normal[0];
-    const float spread = shared->normal[TRIANGLE(1, 1)] -
-                         shared->normal[TRIANGLE(1, 0)] * shared->normal[TRIANGLE(1, 0)] / count;
-    if (count < 0.5f * WINDOW_PX * WINDOW_PX) {
-      shared->status = STATUS_MASKED;
-    } else if (!(spread >= count * min_contrast * min_contrast) ||
-               !cholesky(shared->factor, COLUMNS, SMALLEST_PIVOT)) {
-      shared->status = STATUS_NO_TEXTURE;
+  const float slopes = shared->normal[TRIANGLE(2, 2)] + shared->normal[TRIANGLE(5, 5)];
+  const float variance =
+      doubt.pixel_variance + INTERPOLATION_PX * INTERPOLATION_PX * slopes / shared->normal[0];
+  const float slope_variance = variance * doubt.slope_gain;
+  for (int which = item; which < 2; which += GROUP) {
+    __local float* matrix = which == 0 ? shared->factor : shared->texture;
+    for (int k = 0; k < SUMS; ++k) matrix[k] = shared->normal[k];
+    for (int k = 2; which == 1 && k < COLUMNS; ++k) {
+      matrix[TRIANGLE(k, k)] -= noise_share(k, shared->normal[0], slope_variance);
     }
+    shared->singular[which] = !cholesky(matrix, COLUMNS, SMALLEST_PIVOT);
   }
+  if (item == 0) {
+    shared->doubt_variance = variance;
+    shared->slope_variance = slope_variance;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  spreads(shared);
+  if (item == 0) judge_texture(shared, min_contrast, doubt);
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
@@ -172,13 +240,6 @@ static inline void step(__local Shared* shared, const Window window, const int w
   }
 }
 
-// Lane 0: standard deviation of displacement component 0 (u) or 1 (v).
-static inline float deviation(__local Shared* shared, const int component, const float variance) {
-  for (int k = 0; k < COLUMNS; ++k) shared->solution[k] = k == 2 + 3 * component ? 1.0f : 0.0f;
-  const float inverse = cholesky_quadratic(shared->factor, COLUMNS, shared->solution);
-  return sqrt(variance * inverse) / shared->gain;
-}
-
 static inline void store(__global WindowMotion* motion, __local Shared* shared,
                          const float min_correlation, const float4 noise) {
   int status = shared->status;
@@ -195,8 +256,8 @@ static inline void store(__global WindowMotion* motion, __local Shared* shared,
     const float variance = 2.0f * fmax(shared->variance / (1.0f + second_noise), ROUNDING_VARIANCE);
     motion->u = shared->warp[4];
     motion->v = shared->warp[5];
-    motion->u_sd = deviation(shared, 0, variance);
-    motion->v_sd = deviation(shared, 1, variance);
+    motion->u_sd = sqrt(variance * shared->spread[0]) / shared->gain;
+    motion->v_sd = sqrt(variance * shared->spread[1]) / shared->gain;
     motion->ux = shared->warp[0] - 1.0f;
     motion->uy = shared->warp[1];
     motion->vx = shared->warp[2];
@@ -212,24 +273,31 @@ static inline void start(__local Shared* shared, const Window window, const Wind
   warp_start(shared->warp, seed.u, seed.v, window.guess_rot_rad);
   shared->correlation = NAN;
   const int inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + WINDOW_PX <= width &&
-                     window.y0 + WINDOW_PX <= height && in_view(shared, window, width, height);
-  shared->status = seed.status != STATUS_OK ? STATUS_NO_SEED
-                   : inside                 ? STATUS_RUNNING
-                                            : STATUS_OUT_OF_VIEW;
+                     window.y0 + WINDOW_PX <= height;
+  if (seed.status != STATUS_OK) {
+    const int was_sought = seed.status == STATUS_LOW_CORRELATION ||
+                           seed.status == STATUS_AT_SEARCH_EDGE ||
+                           seed.status == STATUS_NOT_CONVERGED;
+    shared->status = inside && was_sought ? STATUS_LOST : STATUS_NO_SEED;
+  } else {
+    shared->status =
+        inside && in_view(shared, window, width, height) ? STATUS_RUNNING : STATUS_OUT_OF_VIEW;
+  }
   shared->seed_u = seed.u;
   shared->seed_v = seed.v;
 }
 
 // Refines every window whose seed is ok (u, v of `motions`; the rotation of the window's guess) in
-// place. coefficients, planes: of SplineFrames (prefilter.cl), the former from element
+// place; of those that were sought in vain it tells which have no texture. coefficients, planes: of SplineFrames (prefilter.cl), the former from element
 // `offset` on. discs: (slots) centre x, y and squared radius; pixels of the first frame
-// outside carry no weight. noise: see warp_noise. One group of GROUP a window.
+// outside carry no weight. noise: see warp_noise; w: variance of a slope in units of a pixel's.
+// pixel_variance: of the pictures' noise. One group of GROUP a window.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     __global const float* coefficients, const int offset, __global const float* planes,
     const int width, const int height, const int pitch, const int plane_pitch,
     __global const float4* discs, __global const Window* windows, __global WindowMotion* motions,
     const float min_contrast, const float min_correlation, const int max_iterations,
-    const float4 noise) {
+    const float4 noise, const float pixel_variance, const float max_sd_px) {
   __local float scratch[REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
@@ -240,10 +308,11 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
   __global const float* value =
       planes + (size_t)window.first * 3 * plane + window.y0 * plane_pitch + window.x0;
   const float4 disc = discs[window.first];
-  if (shared.status == STATUS_RUNNING) {
+  if (shared.status == STATUS_RUNNING || shared.status == STATUS_LOST) {
     if (item == 0) shared.origin = value[(WINDOW_PX / 2) * plane_pitch + WINDOW_PX / 2];
     barrier(CLK_LOCAL_MEM_FENCE);
-    make_template(value, plane, plane_pitch, disc, window, min_contrast, scratch, &shared);
+    const Doubt doubt = {pixel_variance, noise.w, max_sd_px};
+    make_template(value, plane, plane_pitch, disc, window, min_contrast, doubt, scratch, &shared);
   }
   __global const float* second = coefficients + offset +
                                  (size_t)window.second * (height + 2 * SPLINE_PAD) * pitch +
@@ -276,7 +345,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     if (item == 0) step(&shared, window, width, height);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  if (item == 0 && shared.status != STATUS_NO_SEED) {
+  if (item == 0 && shared.status != STATUS_NO_SEED && shared.status != STATUS_LOST) {
     store(&motions[get_group_id(0)], &shared, min_correlation, noise);
   }
 }

@@ -87,6 +87,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
   write_job(command, folder / "job.toml");
 
   const ClipAdvice advice = look_at(*source, options);
+  if (advice.texture) options.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
 

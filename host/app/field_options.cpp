@@ -31,8 +31,15 @@ void add_field_options(CLI::App& command, FieldRequest& request) {
                   "ZNCC below which a window counts as not found")
       ->capture_default_str();
   command
-      .add_option("--min-texture", field.min_texture,
-                  "Contrast of a window (rms, grey levels of 255) below which it is left out")
+      .add_option(
+          "--min-texture", field.min_texture,
+          "Contrast of a window (rms, grey levels of 255, without the noise) below which it "
+          "is left out")
+      ->capture_default_str();
+  command
+      .add_option("--max-sd", field.max_sd_px,
+                  "Standard deviation, px, that the clip's noise lets expect of a window's "
+                  "displacement, above which it is left out (icgn)")
       ->capture_default_str();
 }
 
@@ -54,6 +61,7 @@ void describe(const FieldRequest& request, Attributes& attributes) {
   attributes["option_max_iterations"] = double(field.max_iterations);
   attributes["option_min_correlation"] = field.min_correlation;
   attributes["option_min_texture"] = field.min_texture;
+  attributes["option_max_sd_px"] = field.max_sd_px;
 }
 
 }  // namespace impactdic::app

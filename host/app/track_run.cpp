@@ -118,6 +118,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   write_job(command, folder / "job.toml");
 
   const ClipAdvice advice = look_at(*source, options);
+  if (advice.texture) options.estimator.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = warnings_of(request, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
 

@@ -47,16 +47,16 @@ class ReferenceCorrelator final : public Correlator {
       return motions;
     }
     search_whole_windows(windows, options_.window_px, discs_, motions, search);
-    refine_from_neighbours(
-        windows, options_.window_px,
-        [&](std::span<const Window> lost, std::span<const WindowMotion> seeds) {
-          std::vector<WindowMotion> found;
-          for (std::size_t i = 0; i < lost.size(); ++i) {
-            found.push_back(icgn_->refine(lost[i], seeds[i]));
-          }
-          return found;
-        },
-        motions);
+    const RefineWindows again = [&](std::span<const Window> lost,
+                                    std::span<const WindowMotion> seeds) {
+      std::vector<WindowMotion> found;
+      for (std::size_t i = 0; i < lost.size(); ++i) {
+        found.push_back(icgn_->refine(lost[i], seeds[i]));
+      }
+      return found;
+    };
+    refine_from_neighbours(windows, options_.window_px, again, motions);
+    judge_lost(windows, again, motions);
     return motions;
   }
 

@@ -1,5 +1,6 @@
 #include "host/dic/field.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 
@@ -47,6 +48,8 @@ void FieldOptions::validate() const {
   check_range(max_iterations, 1, 1000, "the iterations", "--max-iterations");
   check_range(min_correlation, 0, 1, "the lowest correlation", "--min-correlation");
   check_range(min_texture, 0, 255, "the lowest contrast", "--min-texture");
+  check_range(noise, 0, 255, "the noise", "--noise");
+  check_range(max_sd_px, 0.001, 1000, "the largest expected deviation", "--max-sd");
   if (spline_degree != 3 && spline_degree != 5 && spline_degree != 7) {
     throw InvalidArgument(
         "the spline's degree must be 3, 5 or 7, not " + std::to_string(spline_degree),
@@ -58,6 +61,11 @@ void FieldOptions::validate() const {
         "the published method takes windows of at most 65 px, not " + std::to_string(window_px),
         "--window", "use --method zncc or icgn");
   }
+}
+
+double pixel_variance(const FieldOptions& options, double full_scale) {
+  const double noise = options.noise * full_scale / 255;
+  return std::max(noise * noise, 1.0 / 12);
 }
 
 const char* to_string(WindowStatus status) {

@@ -35,14 +35,22 @@ struct FieldOptions {
   int max_iterations = 30;       // of IC-GN
   double min_correlation = 0.6;  // ZNCC below which a window is low_correlation
   double min_texture = 1.0;  // rms contrast of a window, grey levels of 255, below which no_texture
-  void validate() const;     // throws InvalidArgument naming the option
+  // Of IC-GN: the camera's noise (standard deviation of a pixel, grey levels of 255; 0: rounding to
+  // whole grey levels alone), and the expected standard deviation of a window's displacement, px,
+  // above which no_texture. What is expected is the Cramér–Rao bound of an affine window in two
+  // pictures of that noise, whose own slopes are taken out of the information.
+  double noise = 0;
+  double max_sd_px = 0.07;
+  void validate() const;  // throws InvalidArgument naming the option
 };
+// Variance of a pixel, grey levels of a file whose white is `full_scale`.
+double pixel_variance(const FieldOptions& options, double full_scale);
 
 // The values stand in WindowMotion::status and in files.
 enum class WindowStatus : std::int32_t {
   ok = 0,
   masked = 1,           // not (wholly) on the surface to be measured
-  no_texture = 2,       // contrast too low to be correlated
+  no_texture = 2,       // too little contrast, or none that tells of both components
   low_correlation = 3,  // best ZNCC below the threshold
   at_search_edge = 4,   // the peak lies on the edge of the search area: it may be larger
   not_converged = 5,    // IC-GN left its window or ran out of iterations

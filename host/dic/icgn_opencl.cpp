@@ -25,7 +25,8 @@ IcgnRefiner::IcgnRefiner(Engine& engine, const FieldOptions& options, int slots,
   discs_.assign(static_cast<std::size_t>(slots), {{0, 0, endless, 0}});
   const auto noise = interpolation_noise(options.spline_degree, 0.0);
   noise_ = {{static_cast<float>(noise[0]), static_cast<float>(noise[1]),
-             static_cast<float>(noise[2]), 0}};
+             static_cast<float>(noise[2]),
+             static_cast<float>(slope_noise(options.spline_degree))}};
 }
 
 void IcgnRefiner::set_disc(int slot, double cx_px, double cy_px, double radius_px) {
@@ -50,7 +51,9 @@ void IcgnRefiner::refine(DeviceFrames& frames, const Buffer<Window>& windows, st
                 splines.planes().get(), splines.width(), splines.height(), splines.pitch(),
                 splines.plane_pitch(), device_discs_.get(), windows.get(), in_out.get(),
                 static_cast<float>(options_.min_texture * levels),
-                static_cast<float>(options_.min_correlation), options_.max_iterations, noise_);
+                static_cast<float>(options_.min_correlation), options_.max_iterations, noise_,
+                static_cast<float>(pixel_variance(options_, frames.full_scale())),
+                static_cast<float>(options_.max_sd_px));
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double pixels = static_cast<double>(count) * options_.window_px * options_.window_px;
   const double taps = options_.spline_degree + 1.0;

@@ -17,8 +17,9 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Row = Eigen::Matrix<double, 1, 6>;
 
-// As CLOSE_ENOUGH_PX of kernels/icgn.cl.
+// As CLOSE_ENOUGH_PX and INTERPOLATION_PX of kernels/icgn.cl.
 constexpr double kCloseEnoughPx = 5e-4;
+constexpr double kInterpolationPx = 0.02;
 
 // The pixels of a window that carry weight: where they are from its centre, grey level and the
 // derivatives by du, ux, uy, dv, vx, vy.
@@ -129,8 +130,14 @@ struct Minimum {
   WindowStatus status = WindowStatus::ok;
   Warp warp;
   double correlation = std::numeric_limits<double>::quiet_NaN();
-  double variance = 0;              // of the residual
-  double sd_u_px = 0, sd_v_px = 0;  // per grey level of noise
+  double variance = 0;  // of the residual
+  double gain = 1;
+};
+
+// Variance of both components of the displacement per unit of the variance of the pictures'
+// difference: T⁻¹ (T + K) T⁻¹ of kernels/icgn.cl. Infinite where there is no texture.
+struct Spread {
+  double u = std::numeric_limits<double>::infinity(), v = u;
 };
 
 class Registration {
@@ -139,6 +146,7 @@ class Registration {
       : model_(std::move(model)), second_(second), centre_(centre), half_(half) {
     contrast_ = centred_norm(model_.f);
     f_unit_ = (model_.f.array() - model_.f.mean()).matrix() / contrast_;
+    slopes_ = model_.jacobian.col(0).squaredNorm() + model_.jacobian.col(3).squaredNorm();
     project_out(f_unit_, model_.jacobian);
     const Eigen::Matrix<double, 6, 6> hessian = model_.jacobian.transpose() * model_.jacobian;
     solver_.compute(hessian);
@@ -148,6 +156,25 @@ class Registration {
   bool singular() const { return singular_; }
   double rms_contrast() const {
     return contrast_ / std::sqrt(static_cast<double>(model_.f.size()));
+  }
+
+  // Σ |∇f|².
+  double slopes() const { return slopes_; }
+  // `slope_variance`: of slopes that are not the picture's.
+  Spread spread(double slope_variance) const {
+    const double shift = slope_variance * static_cast<double>(model_.f.size());
+    const double change = shift * half_ * (half_ + 1) / 3;  // of a whole window's pixels
+    const Row noise = (Row() << shift, change, change, shift, change, change).finished();
+    Eigen::Matrix<double, 6, 6> texture = model_.jacobian.transpose() * model_.jacobian;
+    texture.diagonal() -= noise.transpose();
+    const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(texture);
+    if (factor.info() != Eigen::Success) return {};
+    const auto of = [&](int column) {
+      const Eigen::Matrix<double, 6, 1> unit = Eigen::Matrix<double, 6, 1>::Unit(column);
+      const Eigen::Matrix<double, 6, 1> row = factor.solve(unit);
+      return row(column) + row.cwiseAbs2().dot(noise.transpose());
+    };
+    return {of(0), of(3)};
   }
 
   // Iterates to double precision; a step of the first `max_iterations` must be below
@@ -190,10 +217,7 @@ class Registration {
     const Row q = solver_.solve(model_.jacobian.transpose() * g).transpose();
     result.variance =
         (g - model_.jacobian * q.transpose()).squaredNorm() / static_cast<double>(g.size() - 8);
-    const Eigen::Matrix<double, 6, 6> inverse =
-        solver_.solve(Eigen::Matrix<double, 6, 6>::Identity());
-    result.sd_u_px = std::sqrt(inverse(0, 0)) / gain;
-    result.sd_v_px = std::sqrt(inverse(3, 3)) / gain;
+    result.gain = gain;
     const Row delta = q / gain;
     compose(delta, result.warp);
     return largest_move(delta, half_);
@@ -202,7 +226,7 @@ class Registration {
   Template model_;
   const BSplineImage& second_;
   Vector2d centre_;
-  double half_, contrast_;
+  double half_, contrast_, slopes_;
   Eigen::VectorXd f_unit_;
   Eigen::LDLT<Eigen::Matrix<double, 6, 6>> solver_;
   bool singular_ = false;
@@ -240,7 +264,10 @@ const IcgnReference::Slot& IcgnReference::slot(int index) const {
 }
 
 WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& seed) const {
-  if (seed.status != static_cast<idic_int>(WindowStatus::ok)) return seed;
+  const auto status = static_cast<WindowStatus>(seed.status);
+  const bool lost = status == WindowStatus::low_correlation ||
+                    status == WindowStatus::at_search_edge || status == WindowStatus::not_converged;
+  if (status != WindowStatus::ok && !lost) return seed;
   const Slot& first = slot(window.first);
   const BSplineImage& second = slot(window.second).spline;
   const int side = options_.window_px;
@@ -251,20 +278,30 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
 
   const double c = std::cos(window.guess_rot_rad), s = std::sin(window.guess_rot_rad);
   const Warp start{(Matrix2d() << c, s, -s, c).finished(), Vector2d(seed.u, seed.v)};
-  if (window.x0 < 0 || window.y0 < 0 || window.x0 + side > second.width() ||
-      window.y0 + side > second.height() || !in_view(second, start, centre, half)) {
+  const bool is_inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + side <= second.width() &&
+                         window.y0 + side <= second.height();
+  if (lost && !is_inside) return seed;
+  if (!is_inside || (!lost && !in_view(second, start, centre, half))) {
     return failed(motion, WindowStatus::out_of_view);
   }
   Template model =
       make_template(first.spline, window, side, {first.cx_px, first.cy_px}, first.radius_px);
-  if (static_cast<double>(model.f.size()) < 0.5 * side * side) {
+  const auto count = static_cast<double>(model.f.size());
+  if (count < 0.5 * side * side) {
     return failed(motion, WindowStatus::masked);
   }
   const Registration registration(std::move(model), second, centre, half);
-  if (registration.rms_contrast() < options_.min_texture * first.full_scale / 255 ||
-      registration.singular()) {
+  const double known_variance = pixel_variance(options_, first.full_scale);
+  const double least = options_.min_texture * first.full_scale / 255;
+  const double doubt =
+      known_variance + kInterpolationPx * kInterpolationPx * registration.slopes() / count;
+  const Spread spread = registration.spread(doubt * slope_noise(options_.spline_degree));
+  const double most = options_.max_sd_px * options_.max_sd_px / (2 * doubt);
+  if (registration.rms_contrast() < std::sqrt(least * least + known_variance) ||
+      registration.singular() || !(spread.u <= most && spread.v <= most)) {
     return failed(motion, WindowStatus::no_texture);
   }
+  if (lost) return seed;
   const Minimum found = registration.run(start, options_.max_iterations);
   motion.correlation = static_cast<float>(found.correlation);
   if (found.status != WindowStatus::ok) return failed(motion, found.status);
@@ -273,14 +310,14 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
   }
   // Both frames' noise, of which the residual holds the second one's after interpolation; at least
   // that of rounding to whole grey levels.
-  const double pixel_variance = std::max(
+  const double variance = std::max(
       found.variance / (1 + noise_in_window(options_.spline_degree, found.warp, centre, half)),
       1.0 / 12);
-  const double noise = std::sqrt(2 * pixel_variance);
+  const double noise = std::sqrt(2 * variance) / found.gain;
   motion.u = static_cast<float>(found.warp.t.x());
   motion.v = static_cast<float>(found.warp.t.y());
-  motion.u_sd = static_cast<float>(noise * found.sd_u_px);
-  motion.v_sd = static_cast<float>(noise * found.sd_v_px);
+  motion.u_sd = static_cast<float>(noise * std::sqrt(spread.u));
+  motion.v_sd = static_cast<float>(noise * std::sqrt(spread.v));
   motion.ux = static_cast<float>(found.warp.a(0, 0) - 1);
   motion.uy = static_cast<float>(found.warp.a(0, 1));
   motion.vx = static_cast<float>(found.warp.a(1, 0));

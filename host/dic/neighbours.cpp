@@ -20,6 +20,10 @@ bool is_found(const WindowMotion& motion) {
   return motion.status == static_cast<idic_int>(WindowStatus::ok);
 }
 
+bool has_no_texture(const WindowMotion& motion) {
+  return motion.status == static_cast<idic_int>(WindowStatus::no_texture);
+}
+
 bool is_lost(const WindowMotion& motion) {
   const auto status = static_cast<WindowStatus>(motion.status);
   return status == WindowStatus::low_correlation || status == WindowStatus::at_search_edge ||
@@ -252,6 +256,24 @@ void refine_from_neighbours(std::span<const Window> windows, int window_px,
       any = front.accept(std::span(results).subspan(at, count)) || any;
       at += count;
     }
+  }
+}
+
+void judge_lost(std::span<const Window> windows, const RefineWindows& refine,
+                std::span<WindowMotion> motions) {
+  std::vector<std::size_t> index;
+  std::vector<Window> lost;
+  std::vector<WindowMotion> seeds;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (!is_lost(motions[i])) continue;
+    index.push_back(i);
+    lost.push_back(windows[i]);
+    seeds.push_back(motions[i]);
+  }
+  if (lost.empty()) return;
+  const std::vector<WindowMotion> judged = refine(lost, seeds);
+  for (std::size_t k = 0; k < index.size(); ++k) {
+    if (has_no_texture(judged[k])) motions[index[k]].status = judged[k].status;
   }
 }
 

@@ -20,4 +20,9 @@ using RefineWindows = std::function<std::vector<WindowMotion>(std::span<const Wi
 void refine_from_neighbours(std::span<const Window> windows, int window_px,
                             const RefineWindows& refine, std::span<WindowMotion> motions);
 
+// Windows that stayed lost and have too little texture to be found at all get that status. `refine`
+// says so of seeds that are lost.
+void judge_lost(std::span<const Window> windows, const RefineWindows& refine,
+                std::span<WindowMotion> motions);
+
 }  // namespace impactdic

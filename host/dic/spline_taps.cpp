@@ -87,4 +87,20 @@ std::array<double, 3> interpolation_noise(int degree, double presmooth_sigma_px)
   return {quarter, (at_pixel - middle) / 2, (at_pixel + middle) / 2 - quarter};
 }
 
+double slope_noise(int degree) {
+  const auto taps = prefilter_taps(degree, 0, 1e-12);
+  const auto weights = bspline_slopes(degree, 0);
+  const int radius = static_cast<int>(taps.size()) - 1;
+  double sum = 0;
+  for (int sample = -radius; sample <= radius + degree; ++sample) {
+    double share = 0;
+    for (int j = 0; j <= degree; ++j) {
+      const int distance = std::abs(sample - j);
+      if (distance <= radius) share += weights[j] * taps[distance];
+    }
+    sum += share * share;
+  }
+  return sum;
+}
+
 }  // namespace impactdic

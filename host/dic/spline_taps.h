@@ -24,4 +24,7 @@ std::vector<double> prefilter_taps(int degree, double presmooth_sigma_px, double
 // test bounds the rest by 0.3 %.
 std::array<double, 3> interpolation_noise(int degree, double presmooth_sigma_px);
 
+// Variance of a slope at a pixel in units of the variance of the picture's noise.
+double slope_noise(int degree);
+
 }  // namespace impactdic

@@ -34,12 +34,12 @@ std::vector<WindowMotion> WindowCorrelator::correlate(DeviceFrames& frames,
                        [&](std::span<const Window> whole, std::span<WindowMotion> found) {
                          search(frames, whole, found);
                        });
-  refine_from_neighbours(
-      windows, window_px_,
-      [&](std::span<const Window> lost, std::span<const WindowMotion> seeds) {
-        return refine(frames, lost, seeds);
-      },
-      motions);
+  const RefineWindows again = [&](std::span<const Window> lost,
+                                  std::span<const WindowMotion> seeds) {
+    return refine(frames, lost, seeds);
+  };
+  refine_from_neighbours(windows, window_px_, again, motions);
+  judge_lost(windows, again, motions);
   return motions;
 }
 

@@ -41,6 +41,7 @@ class PatternStudy {
       : options_(options), frames_(engine, options.pairs + 1) {
     for (const std::string& name : options.estimators) {
       estimators_.push_back(parse_study_estimator(name));
+      estimators_.back().options.field.noise = options.noise;
       runs_.push_back(
           make_motion_estimator(engine, estimators_.back().options, options.radius_px, frames_));
     }

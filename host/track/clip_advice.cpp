@@ -238,6 +238,7 @@ bool is_textured_at(const Frame& frame, const FieldOptions& field,
   TextureRequest request;
   request.window_px = field.window_px;
   request.min_texture = field.min_texture;
+  request.max_sd_px = field.max_sd_px;
   return std::all_of(places.begin(), places.end(), [&](const auto& place) {
     request.region = {static_cast<int>(place.first * (frame.width() - side)),
                       static_cast<int>(place.second * (frame.height() - side)), side, side};
@@ -297,6 +298,7 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request) {
     TextureRequest texture;
     texture.window_px = request.field.window_px;
     texture.min_texture = request.field.min_texture;
+    texture.max_sd_px = request.field.max_sd_px;
     texture.rim_margin_px = request.rim_margin_px;
     texture.circle = look.first_ball;
     texture.region = {0, 0, look.first.width(), look.first.height()};

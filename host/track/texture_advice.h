@@ -12,9 +12,6 @@
 
 namespace impactdic {
 
-// A window that noise lets nobody measure better than this has too little texture.
-inline constexpr double kUsableErrorPx = 0.1;
-
 struct SizeAdvice {
   int window_px = 0;
   int windows = 0, usable = 0;
@@ -33,6 +30,7 @@ struct TextureAdvice {
 struct TextureRequest {
   int window_px = 15;
   double min_texture = 1;        // as FieldOptions
+  double max_sd_px = 0.07;       // the same
   double rim_margin_px = 3;      // windows keep this far inside the ball's rim
   std::optional<Circle> circle;  // the ball; otherwise all of `region`
   Roi region;
