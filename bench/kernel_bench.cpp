@@ -1,7 +1,8 @@
 // `impactdic bench` without the rest of the program, for machines that have nothing but a driver.
-//   kernel_bench [DEVICE [JSON [ONLY [all [log]]]]]     log: what the compiler says,
-//   and the time of every kernel. ONLY "tune": what `impactdic tune` finds
+//   kernel_bench [DEVICE [JSON [ONLY [all [log]]]]]     DEVICE as --device, or all; log: what the
+//   compiler says, and the time of every kernel. ONLY "tune": what `impactdic tune` finds
 #include <cstdio>
+#include <memory>
 
 #include "bench/table.h"
 #include "bench/tune.h"
@@ -39,10 +40,19 @@ int main(int argc, char** argv) {
   try {
     impactdic::EngineOptions settings;
     settings.profile = argument(5) == "log";
-    impactdic::Engine engine(argc > 1 ? argv[1] : "auto", settings);
-    if (options.only == "tune") return tune(engine);
-    impactdic::print_bench_table(engine, options, argument(2));
-    if (settings.profile) std::printf("%s", engine.profiler().table().c_str());
+    std::vector<std::unique_ptr<impactdic::Engine>> own;
+    if (argument(1) == "all") {
+      for (const auto& device : impactdic::all_devices(impactdic::list_devices())) {
+        own.push_back(std::make_unique<impactdic::Engine>(std::to_string(device.index), settings));
+      }
+    } else {
+      own.push_back(std::make_unique<impactdic::Engine>(argc > 1 ? argv[1] : "auto", settings));
+    }
+    std::vector<impactdic::Engine*> engines;
+    for (const auto& engine : own) engines.push_back(engine.get());
+    if (options.only == "tune") return tune(*engines.front());
+    impactdic::print_bench_table(engines, options, argument(2));
+    if (settings.profile) std::printf("%s", engines.front()->profiler().table().c_str());
   } catch (const impactdic::Error& error) {
     std::fprintf(stderr, "kernel_bench: %s\n", error.line().c_str());
     return 1;

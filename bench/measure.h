@@ -60,7 +60,9 @@ void bench_equal_windows(Engine& engine, const BenchOptions& options, const RowS
 void bench_zncc(Engine& engine, const BenchOptions& options, const RowSink& sink);
 void bench_icgn(Engine& engine, const BenchOptions& options, const RowSink& sink);
 void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink);
-void bench_methods(Engine& engine, const BenchOptions& options, const RowSink& sink);
+// The stream of frames on all of the engines, the rest on the first.
+void bench_methods(std::span<Engine* const> engines, const BenchOptions& options,
+                   const RowSink& sink);
 #ifdef IMPACTDIC_WITH_FFTW
 // On a CPU only.
 void bench_references(Engine& engine, const BenchOptions& options, const RowSink& sink);

@@ -1,10 +1,11 @@
 // Whole methods from frames in host memory to displacements in host memory.
-#include <atomic>
-#include <thread>
+#include <cstring>
+#include <future>
+#include <memory>
 
 #include "bench/measure.h"
 #include "host/dic/correlator.h"
-#include "host/dic/tuning.h"
+#include "host/dic/equal_stream.h"
 
 namespace impactdic {
 namespace {
@@ -39,75 +40,84 @@ void bench_pair(Engine& engine, const BenchOptions& options, const RowSink& sink
   sink(row);
 }
 
-// Frames in, displacements out, several workers whose copies and kernels overlap.
-void bench_stream(Engine& engine, const BenchOptions& options, const RowSink& sink) {
+constexpr int kStreamPictures = 8;
+
+// A device's stream with its pictures in place: `pairs` pairs a batch.
+struct DeviceStream {
+  EqualStream stream;
+
+  DeviceStream(const Engine& engine, const FieldOptions& field, const ShiftedPictures& pictures,
+               const std::vector<Window>& windows, int pairs, int lanes)
+      : stream(engine, field, {kSide, kSide, PixelType::u8, 255, pairs + 1, windows.size() / pairs},
+               windows, lanes) {
+    for (int lane = 0; lane < lanes; ++lane) {
+      const auto bytes = stream.pictures(lane);
+      for (std::size_t k = 0; k <= static_cast<std::size_t>(pairs); ++k) {
+        const Frame& frame = pictures.frames[k % kStreamPictures];
+        std::memcpy(bytes.data() + k * frame.byte_count(), frame.bytes(), frame.byte_count());
+      }
+    }
+  }
+
+  void run(int batches) {
+    const int lanes = stream.lanes();
+    for (int k = 0; k < batches + lanes; ++k) {
+      if (k >= lanes) stream.wait(k % lanes);
+      if (k < batches) stream.start(k % lanes);
+    }
+  }
+};
+
+// Pictures in page-locked host memory in, displacements out, on every device at once.
+void bench_stream(std::span<Engine* const> engines, const BenchOptions& options,
+                  const RowSink& sink) {
   const std::string work = "stream equal 32x32";
   if (!is_wanted(options, work)) return;
-  constexpr int kPictures = 8;
-  const int batch = engine.device().is_gpu ? 128 : 2, workers = engine.device().is_gpu ? 4 : 1;
-  const int batches = engine.device().is_gpu ? 64 : 2;
-  const ShiftedPictures pictures = make_shifted_pictures(kPictures, kSide, kSide, 6);
-  std::vector<const Frame*> given;
-  for (int k = 0; k <= batch; ++k) given.push_back(&pictures.frames[k % kPictures]);
+  const bool is_gpu = engines.front()->device().is_gpu;
+  const int pairs = options.batch > 0 ? options.batch : is_gpu ? 128 : 2;
+  const int lanes = is_gpu ? 3 : 1, batches = is_gpu ? 64 : 2;
+  const ShiftedPictures pictures = make_shifted_pictures(kStreamPictures, kSide, kSide, 6);
   FieldOptions field;
   field.window_px = 32;
   field.min_correlation = 0.3;
   std::vector<Window> windows;
-  for (int pair = 0; pair < batch; ++pair) {
+  for (int pair = 0; pair < pairs; ++pair) {
     for (Window window : rectangle_grid(0, 0, kSide, kSide, 32, 16)) {
       window.first = pair;
       window.second = pair + 1;
       windows.push_back(window);
     }
   }
-  struct Worker {
-    std::unique_ptr<Engine> engine;
-    DeviceFrames frames;
-    EqualOpencl equal;
-    Buffer<Window> windows;
-    Buffer<WindowMotion> motions;
-    std::vector<WindowMotion> result;
-    Worker(std::unique_ptr<Engine> own, const FieldOptions& field, int slots,
-           const std::vector<Window>& list)
-        : engine(std::move(own)),
-          frames(*engine, slots),
-          equal(*engine, field, choose_equal_variant(*engine, field.window_px)),
-          windows(make_buffer<Window>(*engine, list)),
-          motions(*engine, list.size()),
-          result(list.size()) {}
-  };
-  std::vector<std::unique_ptr<Worker>> all;
-  for (int k = 0; k < workers; ++k) {
-    all.push_back(std::make_unique<Worker>(engine.beside(), field, batch + 1, windows));
+  std::vector<std::unique_ptr<DeviceStream>> all;
+  for (const Engine* engine : engines) {
+    all.push_back(std::make_unique<DeviceStream>(*engine, field, pictures, windows, pairs, lanes));
+    const std::size_t devices = all.size();
+    if (devices > 1 && devices < engines.size()) continue;
+    BenchRow row;
+    row.work = work;
+    row.variant = "host to host, " + std::to_string(lanes) + " in flight";
+    if (devices > 1) row.variant += ", " + std::to_string(devices) + " devices";
+    row.unit = "frames";
+    row.count = static_cast<double>(pairs) * batches * static_cast<double>(devices);
+    measure_time(row, options.seconds, [&] {
+      std::vector<std::future<void>> runs;
+      for (const auto& device : all) {
+        runs.push_back(std::async(std::launch::async, [&] { device->run(batches); }));
+      }
+      for (auto& run : runs) run.get();
+    });
+    row.bytes = kSide * kSide + 961.0 * sizeof(WindowMotion);
+    row.flops = 961 * equal_flops(32);
+    put_errors(row, pictures, windows, all.back()->stream.wait(0));
+    sink(row);
   }
-  BenchRow row;
-  row.work = work;
-  row.variant = "host to host, " + std::to_string(workers) + " in flight";
-  row.unit = "frames";
-  row.count = static_cast<double>(batch) * batches;
-  measure_time(row, options.seconds, [&] {
-    std::atomic<int> next{0};
-    std::vector<std::thread> threads;
-    for (const auto& worker : all) {
-      threads.emplace_back([&, own = worker.get()] {
-        while (next++ < batches) {
-          own->frames.set(0, given);
-          own->equal.run(own->frames, own->windows, windows.size(), own->motions);
-          own->motions.read(*own->engine, own->result);
-        }
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
-  });
-  row.bytes = kSide * kSide + 961.0 * sizeof(WindowMotion);
-  row.flops = 961 * equal_flops(32);
-  put_errors(row, pictures, windows, all.front()->result);
-  sink(row);
 }
 
 }  // namespace
 
-void bench_methods(Engine& engine, const BenchOptions& options, const RowSink& sink) {
+void bench_methods(std::span<Engine* const> engines, const BenchOptions& options,
+                   const RowSink& sink) {
+  Engine& engine = *engines.front();
   FieldOptions field;
   field.window_px = 31;
   bench_pair(engine, options, sink, field, "seed + icgn 31x31", "frames in, points out",
@@ -122,7 +132,7 @@ void bench_methods(Engine& engine, const BenchOptions& options, const RowSink& s
     field.method = FieldMethod::icgn;
     bench_pair(engine, options, sink, field, "default 15x15", density, grid);
   }
-  bench_stream(engine, options, sink);
+  bench_stream(engines, options, sink);
 }
 
 }  // namespace impactdic

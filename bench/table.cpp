@@ -41,7 +41,9 @@ void print_row(const BenchRow& row, const Roofline& roofline) {
 
 }  // namespace
 
-void print_bench_table(Engine& engine, const BenchOptions& options, const std::string& json) {
+void print_bench_table(std::span<Engine* const> engines, const BenchOptions& options,
+                       const std::string& json) {
+  Engine& engine = *engines.front();
   const Roofline roofline = measure_roofline(engine);
   std::printf("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s\n",
               engine.device().name.c_str(), engine.device().driver.c_str(),
@@ -58,7 +60,7 @@ void print_bench_table(Engine& engine, const BenchOptions& options, const std::s
   bench_zncc(engine, options, sink);
   bench_icgn(engine, options, sink);
   bench_ball(engine, options, sink);
-  bench_methods(engine, options, sink);
+  bench_methods(engines, options, sink);
 #ifdef IMPACTDIC_WITH_FFTW
   bench_references(engine, options, sink);
 #endif
@@ -67,7 +69,8 @@ void print_bench_table(Engine& engine, const BenchOptions& options, const std::s
   const nlohmann::json all = {{"device",
                                {{"name", engine.device().name},
                                 {"platform", engine.device().platform},
-                                {"driver", engine.device().driver}}},
+                                {"driver", engine.device().driver},
+                                {"count", engines.size()}}},
                               {"copy_bytes_per_s", roofline.copy_bytes_per_s},
                               {"flops_per_s", roofline.flops_per_s},
                               {"rows", rows}};

@@ -116,13 +116,22 @@ TunedKernel tune_zncc(Engine& engine, const FieldOptions& field, const TuneOptio
 
 TunedKernel tune_equal(Engine& engine, const FieldOptions& field, const TuneOptions& options,
                        const TuneSink& sink) {
-  Trial trial(engine, rectangle_grid(0, 0, kSide, kSide, field.window_px, field.window_px / 2),
-              [&](auto first, auto second, const Window& window, double full_scale) {
-                return equal_reference(first, second, window, field, full_scale);
-              });
+  const auto grid = rectangle_grid(0, 0, kSide, kSide, field.window_px, field.window_px / 2);
+  Trial trial(engine, grid, [&](auto first, auto second, const Window& window, double full_scale) {
+    return equal_reference(first, second, window, field, full_scale);
+  });
   return tune(trial, equal_work(field.window_px), equal_variants(engine.device(), field.window_px),
-              options, sink,
-              [&](const EqualVariant& variant) { return EqualOpencl(engine, field, variant); });
+              options, sink, [&](const EqualVariant& variant) {
+                struct OfClip {
+                  EqualOpencl equal;
+                  std::size_t period;
+                  void run(const DeviceFrames& frames, const Buffer<Window>& windows,
+                           std::size_t count, Buffer<WindowMotion>& motions) {
+                    equal.run(frames, windows, count, motions, period);
+                  }
+                };
+                return OfClip{EqualOpencl(engine, field, variant), grid.size()};
+              });
 }
 
 }  // namespace impactdic

@@ -65,29 +65,34 @@ bool is_wanted(const BenchOptions& options, const std::string& work) {
 }  // namespace
 
 void bench_equal_windows(Engine& engine, const BenchOptions& options, const RowSink& sink) {
-  const std::string work = "equal 32x32";
-  if (!is_wanted(options, work)) return;
   FieldOptions field;
   field.window_px = 32;
   field.min_correlation = 0.3;
   // 961 windows at half their width: the 31 × 31 that 512 × 512 hold.
-  Setting setting(engine, rectangle_grid(0, 0, kSide, kSide, 32, 16), pairs_of(engine, options));
-  auto variants = equal_variants(engine.device(), field.window_px);
-  if (!options.every_variant) variants = {choose_equal_variant(engine, field.window_px)};
-  for (const EqualVariant& variant : variants) {
-    BenchRow row;
-    row.work = work;
-    row.variant = variant.name();
-    EqualOpencl equal(engine, field, variant);
-    measure_time(row, options.seconds, [&] {
-      equal.run(setting.frames, setting.windows, setting.count(), setting.motions);
-      engine.queue().finish();
-    });
-    // Every pixel of the two frames once, shared by the windows of a pair; windows and results.
-    row.bytes = 2.0 * kSide * kSide / 961 + sizeof(Window) + sizeof(WindowMotion);
-    row.flops = equal_flops(field.window_px);
-    setting.finish(row);
-    sink(row);
+  const auto grid = rectangle_grid(0, 0, kSide, kSide, 32, 16);
+  // Each pair by itself, and the pictures of a clip, each of which belongs to two pairs.
+  for (const bool of_clip : {false, true}) {
+    const std::string work = of_clip ? "equal 32x32 of a clip" : "equal 32x32";
+    if (!is_wanted(options, work)) continue;
+    Setting setting(engine, grid, pairs_of(engine, options));
+    auto variants = equal_variants(engine.device(), field.window_px);
+    if (!options.every_variant) variants = {choose_equal_variant(engine, field.window_px)};
+    for (const EqualVariant& variant : variants) {
+      BenchRow row;
+      row.work = work;
+      row.variant = variant.name();
+      EqualOpencl equal(engine, field, variant);
+      measure_time(row, options.seconds, [&] {
+        equal.run(setting.frames, setting.windows, setting.count(), setting.motions,
+                  of_clip ? grid.size() : 0);
+        engine.queue().finish();
+      });
+      // Every pixel of the two frames once, shared by the windows of a pair; windows and results.
+      row.bytes = 2.0 * kSide * kSide / 961 + sizeof(Window) + sizeof(WindowMotion);
+      row.flops = equal_flops(field.window_px);
+      setting.finish(row);
+      sink(row);
+    }
   }
 }
 

@@ -37,9 +37,12 @@
 #define WINDOWS_PER_GROUP 1
 #endif
 
-// equal.cl: pairs of windows that a work-group measures one after the other.
-#ifndef PAIRS
-#define PAIRS 1
+// Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Of kernels that
+// read stored pictures: WIDTH, their width, defined or not.
+
+// equal.cl: pictures after each other that a work-group follows its windows through.
+#ifndef CHAIN
+#define CHAIN 1
 #endif
 
 // prefilter.cl, icgn.cl, rigid.cl, ring.cl: degree of the B-spline, 3, 5 or 7.

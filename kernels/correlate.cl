@@ -102,11 +102,13 @@ static inline float sum_of_lanes(__local float* values, const int lane, const fl
 // overhang.
 __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) void zncc_fused(
     __global const float* images, const int width, const int height, __global const Window* windows,
-    const uint start, const uint count, const float min_contrast, __global CorrelationPeak* peaks) {
+    const uint start, const uint count, const float min_contrast, __global const float* weights,
+    __global CorrelationPeak* peaks) {
   __local float planes[WINDOWS_PER_GROUP][PLANES * 2 * PLANE];
   __local float maps[WINDOWS_PER_GROUP][LAGS * LAGS];
   __local float values[WINDOWS_PER_GROUP][LANES];
   __local int indices[WINDOWS_PER_GROUP][LANES];
+  __local float8 lines[WINDOWS_PER_GROUP][PEAK_PATCH_PX];
   const int lane = (int)get_local_id(0) % LANES;
   const int member = (int)get_local_id(0) / LANES;
   const uint wanted = (uint)get_group_id(0) * WINDOWS_PER_GROUP + (uint)member;
@@ -307,5 +309,5 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   write_peak(map, window, place, sqrt(template_energy * (1.0f / WINDOW_PIXELS)), min_contrast,
-             values[member], indices[member], lane, LANES, wanted < count, peaks + at);
+             weights, values[member], indices[member], lines[member], lane, LANES, wanted < count, peaks + at);
 }

@@ -6,8 +6,7 @@
 #include "kernels/pair.h"
 
 #define PIXELS ((float)(FFT_PX * FFT_PX))
-// The highest value and its neighbours left, right, above, below.
-#define CROSS 5
+#define CROSS EQUAL_CROSS
 
 typedef struct Place {
   int first, second;  // of the window's first pixel in the pictures
@@ -68,6 +67,48 @@ INLINE void put_correlation(const REAL* re, const REAL* im, __local float* plane
   PUT_VALUES(most_b, highest + FFT_PX + x);
 }
 
+#if VECTOR == 1 && BLOCKS == 1
+#define SCRATCH PACKED
+
+// Row `lane` of the spectra of two windows, its energy, and the packed rows: number `second` of
+// those that are multiplied. Passes barriers; the plane is free when it returns.
+INLINE void transform_windows(__global const PIXEL* a, __global const PIXEL* b, const int width,
+                              __local float* plane, __local float* packed, __local float* energies,
+                              const int second, const int lane, float* re, float* im) {
+  get_windows(re, im, a, b, width, lane);
+  put_column_spectra(re, im, plane, lane);
+  GROUP_BARRIER;
+  get_row_spectra(re, im, plane, lane);
+  put_packed(re, im, packed, second, lane);
+  energies[second * FFT_PX + lane] = row_energy(re, im, lane);
+  GROUP_BARRIER;
+}
+
+// The correlation of two pairs of windows, whose spectra are f and g, into the plane, times
+// PAIR_SCALE: part 0 for A, part 1 for B. highest: the highest value of each column. Passes
+// barriers.
+INLINE void correlate_rows(const float* f_re, const float* f_im, const float* g_re,
+                           const float* g_im, __local float* plane, __local float* packed,
+                           __local float* highest, const int lane) {
+  float re[FFT_PX], im[FFT_PX];
+  multiply_packed(packed, lane);
+  GROUP_BARRIER;
+  row_product(f_re, f_im, g_re, g_im, packed, re, im, lane);
+  put_rows_back(re, im, plane, lane);
+  GROUP_BARRIER;
+  get_correlated_columns(re, im, plane, lane);
+  GROUP_BARRIER;
+  put_correlation(re, im, plane, highest, lane);
+  GROUP_BARRIER;
+}
+
+// What was worked out from the second windows becomes that of the first.
+INLINE void move_on(__local float* packed, __local float* energies, const int lane) {
+  for (int k = lane; k < PACKED / 2; k += LANES) packed[k] = packed[PACKED / 2 + k];
+  energies[lane] = energies[FFT_PX + lane];
+}
+#else
+#define SCRATCH (2 * PLANE)
 INLINE void put_windows(__global const PIXEL* a, __global const PIXEL* b, const int width,
                         __local float* plane, const int lane) {
   for (int block = 0; block < BLOCKS; ++block) {
@@ -77,119 +118,190 @@ INLINE void put_windows(__global const PIXEL* a, __global const PIXEL* b, const 
   }
 }
 
-// Correlation of a pair of windows, times PAIR_SCALE: part 0 of the plane for A, part 1 for B.
-// energies: those of the first windows by row, then those of the second. highest: the highest value
-// of each column. f_plane: scratch, the plane itself where a work-item has one
-// block. Passes barriers.
+// The correlation of two pairs of windows as above. energies: of the rows of A, then of B, in the
+// first picture, then the same in the second. scratch: a plane.
 INLINE void correlate_pair(__global const PIXEL* pixels, const Place a, const Place b,
-                           const int width, __local float* plane, __local float* f_plane,
+                           const int width, __local float* plane, __local float* scratch,
                            __local float* energies, __local float* highest, const int lane) {
   REAL f_re[FFT_PX], f_im[FFT_PX], g_re[FFT_PX], g_im[FFT_PX], re[FFT_PX], im[FFT_PX];
   put_windows(pixels + a.first, pixels + b.first, width, plane, lane);
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
   for (int block = 0; block < BLOCKS; ++block) {
     const int y = COLUMN(block);
     get_row_spectra(f_re, f_im, plane, y);
     PUT_VALUES(row_energy(f_re, f_im, y), energies + y);
-#if BLOCKS > 1
-    for (int k = 0; k < FFT_PX; ++k) PUT(f_plane, y, k, f_re[k], f_im[k]);
-#endif
+    for (int k = 0; k < FFT_PX; ++k) PUT(scratch, y, k, f_re[k], f_im[k]);
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
   put_windows(pixels + a.second, pixels + b.second, width, plane, lane);
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
   for (int block = 0; block < BLOCKS; ++block) {
     const int y = COLUMN(block);
     get_row_spectra(g_re, g_im, plane, y);
     PUT_VALUES(row_energy(g_re, g_im, y), energies + FFT_PX + y);
-#if BLOCKS > 1
-    for (int k = 0; k < FFT_PX; ++k) GET(f_plane, y, k, f_re[k], f_im[k]);
-#endif
+    for (int k = 0; k < FFT_PX; ++k) GET(scratch, y, k, f_re[k], f_im[k]);
     row_product(f_re, f_im, g_re, g_im, re, im, y);
-    ALL_HAVE_READ;
-    put_rows_back(re, im, f_plane, y);
+    put_rows_back(re, im, scratch, y);
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
   for (int block = 0; block < BLOCKS; ++block) {
     const int x = COLUMN(block);
-    get_correlated_columns(re, im, f_plane, x);
-    ALL_HAVE_READ;
+    get_correlated_columns(re, im, scratch, x);
     put_correlation(re, im, plane, highest, x);
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
 }
+#endif
 
 INLINE int lag_of(const int at) { return at < HALF_PX ? at : at - FFT_PX; }
 
-// A window's peak: where its highest value stands (of equal ones the leftmost, of those the
-// topmost), that value and its neighbours over the overlap.
-typedef struct Peak {
-  int x, y;
-  float cross[CROSS];
-} Peak;
+// Where the highest value of both windows of a pair stands: of equal ones the leftmost, of those
+// the topmost.
+typedef struct Found {
+  int most, x, y;
+} Found;
 
-// Peaks of both windows of a pair; their x and y must have been set to FFT_PX. Passes barriers.
+// All work-items of the group call it; passes barriers, and `found` may be read when it returns.
 INLINE void find_peaks(__local const float* plane, __local const float* highest,
-                       __local Peak* peaks, const int lane) {
-  float most[2];
-  UNROLL
-  for (int which = 0; which < 2; ++which) {
-    float4 values = vload4(0, highest + which * FFT_PX);
+                       __local Found* found, const int lane) {
+  for (int x = lane; x < FFT_PX; x += LANES) {
     UNROLL
-    for (int k = 1; k < FFT_PX / 4; ++k) values = fmax(values, vload4(k, highest + which * FFT_PX));
-    most[which] = fmax(fmax(values.x, values.y), fmax(values.z, values.w));
-    for (int x = lane; x < FFT_PX; x += LANES) {
-      if (highest[which * FFT_PX + x] == most[which]) atomic_min(&peaks[which].x, x);
+    for (int which = 0; which < 2; ++which) {
+      atomic_max(&found[which].most, in_order(highest[which * FFT_PX + x]));
     }
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  UNROLL
-  for (int which = 0; which < 2; ++which) {
-    for (int y = lane; y < FFT_PX; y += LANES) {
-      if (AT(plane, which, peaks[which].x, y) == most[which]) atomic_min(&peaks[which].y, y);
+  GROUP_BARRIER;
+  for (int x = lane; x < FFT_PX; x += LANES) {
+    UNROLL
+    for (int which = 0; which < 2; ++which) {
+      if (in_order(highest[which * FFT_PX + x]) == found[which].most) {
+        atomic_min(&found[which].x, x);
+      }
     }
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int k = lane; k < 2 * CROSS; k += LANES) {
-    const int which = k / CROSS, arm = k % CROSS;
-    const int x = (peaks[which].x + FFT_PX + (arm == 2) - (arm == 1)) % FFT_PX;
-    const int y = (peaks[which].y + FFT_PX + (arm == 4) - (arm == 3)) % FFT_PX;
-    const float overlap = (float)((FFT_PX - abs(lag_of(x))) * (FFT_PX - abs(lag_of(y))));
-    peaks[which].cross[arm] = AT(plane, which, x, y) * (PIXELS / PAIR_SCALE) / overlap;
+  GROUP_BARRIER;
+  for (int y = lane; y < FFT_PX; y += LANES) {
+    UNROLL
+    for (int which = 0; which < 2; ++which) {
+      if (in_order(AT(plane, which, found[which].x, y)) == found[which].most) {
+        atomic_min(&found[which].y, y);
+      }
+    }
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
+  GROUP_BARRIER;
 }
 
-// energies: of its rows in the first picture, FFT_PX further on in the second.
-INLINE WindowMotion motion_of(const Window window, const int in_view, __local const Peak* peak,
-                              __local const float* energies, const float min_contrast,
-                              const float min_correlation) {
-  float f_energy = 0.0f, g_energy = 0.0f;
-  for (int k = 0; k < HALF_PX; ++k) {
-    f_energy += energies[k] * (0.5f / PIXELS);
-    g_energy += energies[FFT_PX + k] * (0.5f / PIXELS);
+// energies: of the rows of A, then of B, in the first picture, then the same in the second.
+INLINE void write_peaks(__local const float* plane, __local const float* energies,
+                        __local const Found* found, const uint at, const uint count, const int lane,
+                        __global EqualPeak* peaks) {
+  for (int k = lane; k < 2 * CROSS; k += LANES) {
+    const int which = k / CROSS, arm = k % CROSS;
+    if (at + which >= count) continue;
+    const int x = (found[which].x + FFT_PX + (arm == 2) - (arm == 1)) % FFT_PX;
+    const int y = (found[which].y + FFT_PX + (arm == 4) - (arm == 3)) % FFT_PX;
+    peaks[at + which].cross[arm] = AT(plane, which, x, y) * (PIXELS / PAIR_SCALE);
+    if (arm == 0) {
+      peaks[at + which].x = x;
+      peaks[at + which].y = y;
+    }
   }
-  const float centre = peak->cross[0];
-  const float correlation = fmin(centre / (sqrt(f_energy) * sqrt(g_energy)), 1.0f);
+  for (int k = lane; k < 4; k += LANES) {
+    const int which = k % 2, picture = k / 2;
+    if (at + which >= count) continue;
+    float4 sum = vload4(0, energies + k * HALF_PX);
+    for (int row = 1; row < HALF_PX / 4; ++row) sum += vload4(row, energies + k * HALF_PX);
+    peaks[at + which].energy[picture] = ((sum.x + sum.y) + (sum.z + sum.w)) * (0.5f / PIXELS);
+  }
+}
+
+// pixels: (slots, height, width), each slot a picture; windows: (count); peaks: (count) written. A
+// group of LANES measures windows i and i + 1, then i + period and i + period + 1, and so on, CHAIN
+// times: where the second picture's windows are the first's of the next, as in the frames of a
+// clip, they are transformed once. FFT_PX ≤ width, height; a batch's pixels are at most 2³¹.
+__kernel GROUP_SIZE void equal_windows(__global const PIXEL* pixels, const int width,
+                                       const int height, __global const Window* windows,
+                                       const uint count, const uint period,
+                                       __global EqualPeak* peaks) {
+  __local float plane[2 * PLANE] __attribute__((aligned(16)));
+  __local float scratch[SCRATCH] __attribute__((aligned(16)));
+  __local float highest[2 * FFT_PX] __attribute__((aligned(16)));
+  __local float energies[2 * FFT_PX] __attribute__((aligned(16)));
+  __local Found found[2];
+  const int lane = (int)get_local_id(0);
+  const uint groups = (period + 1) / 2, group = (uint)get_group_id(0);
+  const uint i = 2 * (group % groups), begin = group / groups * CHAIN * period + i;
+#if VECTOR == 1 && BLOCKS == 1
+  float f_re[FFT_PX], f_im[FFT_PX], g_re[FFT_PX], g_im[FFT_PX];
+  int before_a = -1, before_b = -1;
+#endif
+#pragma unroll 1
+  for (uint k = 0; k < CHAIN && begin + k * period < count; ++k) {
+    const uint at = begin + k * period;
+    const uint end = min(count, at - i + period);
+    const Place a = place_of(windows[at], width, height);
+    const Place b = place_of(windows[min(at + 1, end - 1)], width, height);
+    for (int which = lane; which < 2; which += LANES) {
+      found[which].most = INT_MIN;
+      found[which].x = found[which].y = FFT_PX;
+    }
+#if VECTOR == 1 && BLOCKS == 1
+    if (a.first == before_a && b.first == before_b) {
+      UNROLL
+      for (int p = 0; p < FFT_PX; ++p) {
+        f_re[p] = g_re[p];
+        f_im[p] = g_im[p];
+      }
+      move_on(scratch, energies, lane);
+    } else {
+      transform_windows(pixels + a.first, pixels + b.first, width, plane, scratch, energies, 0,
+                        lane, f_re, f_im);
+    }
+    transform_windows(pixels + a.second, pixels + b.second, width, plane, scratch, energies, 1,
+                      lane, g_re, g_im);
+    correlate_rows(f_re, f_im, g_re, g_im, plane, scratch, highest, lane);
+    before_a = a.second;
+    before_b = b.second;
+#else
+    correlate_pair(pixels, a, b, width, plane, scratch, energies, highest, lane);
+#endif
+    find_peaks(plane, highest, found, lane);
+    write_peaks(plane, energies, found, at, end, lane, peaks);
+    GROUP_BARRIER;
+  }
+}
+
+INLINE WindowMotion motion_of(const Window window, const int in_view,
+                              __global const EqualPeak* peak, const float min_contrast,
+                              const float min_correlation) {
   const int lag_x = lag_of(peak->x), lag_y = lag_of(peak->y);
+  float cross[CROSS];
+  UNROLL
+  for (int arm = 0; arm < CROSS; ++arm) {
+    const int x = lag_of((peak->x + FFT_PX + (arm == 2) - (arm == 1)) % FFT_PX);
+    const int y = lag_of((peak->y + FFT_PX + (arm == 4) - (arm == 3)) % FFT_PX);
+    cross[arm] = peak->cross[arm] / (float)((FFT_PX - abs(x)) * (FFT_PX - abs(y)));
+  }
+  const float centre = cross[0];
+  const float correlation = fmin(centre / (sqrt(peak->energy[0]) * sqrt(peak->energy[1])), 1.0f);
   float shift[2], bend[2];
   int is_peak = 1;
   UNROLL
   for (int axis = 0; axis < 2; ++axis) {
-    const float before = peak->cross[1 + 2 * axis] / centre;
-    const float after = peak->cross[2 + 2 * axis] / centre;
+    const float before = cross[1 + 2 * axis] / centre;
+    const float after = cross[2 + 2 * axis] / centre;
     const float left = log(before), right = log(after);
     bend[axis] = -(left + right);
     shift[axis] = 0.5f * (right - left) / bend[axis];
     is_peak &= before > 0.0f && after > 0.0f && bend[axis] > 0.0f;
   }
   const float least = min_contrast * min_contrast * PIXELS;
-  const int status = !in_view                                 ? STATUS_OUT_OF_VIEW
-                     : fmin(f_energy, g_energy) < least       ? STATUS_NO_TEXTURE
-                     : lag_x == -HALF_PX || lag_y == -HALF_PX ? STATUS_AT_SEARCH_EDGE
-                     : correlation < min_correlation          ? STATUS_LOW_CORRELATION
-                     : !is_peak                               ? STATUS_NOT_CONVERGED
-                                                              : STATUS_OK;
+  const int status = !in_view                                         ? STATUS_OUT_OF_VIEW
+                     : fmin(peak->energy[0], peak->energy[1]) < least ? STATUS_NO_TEXTURE
+                     : lag_x == -HALF_PX || lag_y == -HALF_PX         ? STATUS_AT_SEARCH_EDGE
+                     : correlation < min_correlation                  ? STATUS_LOW_CORRELATION
+                     : !is_peak                                       ? STATUS_NOT_CONVERGED
+                                                                      : STATUS_OK;
   WindowMotion motion = no_motion(status, correlation);
   if (status != STATUS_OK) return motion;
   // As in peak.cl, with the Gaussian's bend; u and v apart.
@@ -202,37 +314,19 @@ INLINE WindowMotion motion_of(const Window window, const int in_view, __local co
   return motion;
 }
 
-// pixels: (slots, height, width), each slot a picture; windows, motions: (count), these written. A
-// group of LANES measures 2 · PAIRS windows and ends with one window a work-item. FFT_PX ≤ width,
-// height; a batch's pixels are at most 2³¹.
-__kernel GROUP_SIZE void equal_windows(__global const PIXEL* pixels, const int width,
-                                       const int height, __global const Window* windows,
-                                       const uint count, const float min_contrast,
-                                       const float min_correlation,
-                                       __global WindowMotion* motions) {
-  __local float plane[2 * PLANE] __attribute__((aligned(16)));
-#if BLOCKS == 1
-  __local float* f_plane = plane;
-#else
-  __local float f_plane[2 * PLANE];
-#endif
-  __local float highest[2 * FFT_PX] __attribute__((aligned(16)));
-  __local float energies[PAIRS][2 * FFT_PX];
-  __local Peak peaks[2 * PAIRS];
-  const int lane = (int)get_local_id(0);
-  const uint begin = 2 * PAIRS * (uint)get_group_id(0);
-  for (int k = lane; k < 2 * PAIRS; k += LANES) peaks[k].x = peaks[k].y = FFT_PX;
-  for (uint pair = 0; pair < PAIRS && begin + 2 * pair < count; ++pair) {
-    const uint at = begin + 2 * pair;
-    const Place a = place_of(windows[at], width, height);
-    const Place b = place_of(windows[min(at + 1, count - 1)], width, height);
-    correlate_pair(pixels, a, b, width, plane, f_plane, energies[pair], highest, lane);
-    find_peaks(plane, highest, peaks + 2 * pair, lane);
+// windows, peaks: (count); motions: `count` written. One work-item of MOTION_GROUP a window; the
+// last group may overhang.
+__kernel __attribute__((reqd_work_group_size(MOTION_GROUP, 1, 1))) void equal_motions(
+    __global const Window* windows, __global const EqualPeak* peaks, const int width,
+    const int height, const uint count, const float min_contrast, const float min_correlation,
+    __global WindowMotion* motions) {
+  __local int staged[MOTION_GROUP * MOTION_FIELDS];
+  const uint at = (uint)get_global_id(0);
+  if (at < count) {
+    const Window window = windows[at];
+    stage_motion(motion_of(window, place_of(window, width, height).in_view, peaks + at,
+                           min_contrast, min_correlation),
+                 staged);
   }
-  for (uint k = (uint)lane; k < 2 * PAIRS && begin + k < count; k += LANES) {
-    const Window window = windows[begin + k];
-    motions[begin + k] =
-        motion_of(window, place_of(window, width, height).in_view, peaks + k,
-                  energies[k / 2] + k % 2 * HALF_PX, min_contrast, min_correlation);
-  }
+  write_motions(staged, count, motions);
 }

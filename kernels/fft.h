@@ -70,11 +70,13 @@ INLINE int fft_order(const int p, const int points) {
 }
 
 // Transforms of radix · step points out of `radix` transforms of `step` points each, the radix (4
-// or 8) points of a group staying in registers meanwhile.
-INLINE void fft_pass(REAL* re, REAL* im, const int points, const int step, const int radix) {
+// or 8) points of a group staying in registers meanwhile. least_span: 1, or 2 where neighbours have
+// been combined.
+INLINE void fft_pass(REAL* re, REAL* im, const int points, const int step, const int radix,
+                     const int least_span) {
   _Pragma("unroll") for (int group = 0; group < points / radix; ++group) {
     const int j = group % step, first = (group - j) * radix + j;
-    _Pragma("unroll") for (int span = 1; span < radix; span *= 2) {
+    _Pragma("unroll") for (int span = least_span; span < radix; span *= 2) {
       _Pragma("unroll") for (int pair = 0; pair < radix / 2; ++pair) {
         const int i = pair % span, a = first + (2 * (pair - i) + i) * step;
         fft_butterfly(re, im, a, a + span * step, (j + i * step) * (32 / (span * step)));
@@ -86,11 +88,26 @@ INLINE void fft_pass(REAL* re, REAL* im, const int points, const int step, const
 // Forward transform, unscaled. Element p of the input is sample fft_order(p, points); the output is
 // in order. The inverse (times `points`) is fft_forward(im, re, points).
 FFT_FUNCTION void fft_forward(REAL* re, REAL* im, const int points) {
-  fft_pass(re, im, points, 1, points == 16 ? 4 : 8);
+  fft_pass(re, im, points, 1, points == 16 ? 4 : 8, 1);
   if (points == 64) {
-    fft_pass(re, im, points, 8, 8);
+    fft_pass(re, im, points, 8, 8, 1);
   } else {
-    fft_pass(re, im, points, points / 4, 4);
+    fft_pass(re, im, points, points / 4, 4, 1);
+  }
+}
+
+// The same where the upper half of the samples, which are the odd elements, is zero and need not be
+// given.
+FFT_FUNCTION void fft_forward_padded(REAL* re, REAL* im, const int points) {
+  _Pragma("unroll") for (int p = 0; p < points; p += 2) {
+    re[p + 1] = re[p];
+    im[p + 1] = im[p];
+  }
+  fft_pass(re, im, points, 1, points == 16 ? 4 : 8, 2);
+  if (points == 64) {
+    fft_pass(re, im, points, 8, 8, 1);
+  } else {
+    fft_pass(re, im, points, points / 4, 4, 1);
   }
 }
 

@@ -109,11 +109,26 @@
   }
 #endif
 
+// Where the work-items of a group run in step as one warp of 32 anyway, it need not ask the others.
+#ifdef WARP_BARRIER
+#define GROUP_BARRIER asm volatile("bar.warp.sync 0xffffffff;" ::: "memory")
+#else
+#define GROUP_BARRIER barrier(CLK_LOCAL_MEM_FENCE)
+#endif
+
 // NVIDIA's compiler looks at -cl-nv-maxrregcount only where the size of a group is not fixed.
 #ifdef FREE_GROUP_SIZE
 #define GROUP_SIZE
 #else
 #define GROUP_SIZE __attribute__((reqd_work_group_size(LANES, 1, 1)))
 #endif
+
+// Floats as integers of the same order.
+INLINE int in_order(const float x) {
+  const int bits = as_int(x);
+  return bits ^ (bits >> 31 & 0x7fffffff);
+}
+
+INLINE float from_order(const int order) { return as_float(order ^ (order >> 31 & 0x7fffffff)); }
 
 #endif  // IMPACTDIC_KERNELS_LANES_H_

@@ -28,15 +28,16 @@ static inline void column_sums(__global const float* second, const int width, co
 
 // images: (slots, height, width); windows: from `start` on; levels: (count), see cut_windows;
 // planes: (count, FFT_PX, FFT_PX), the numerators in their real parts; sums: (count, LAGS, AREA_PX)
-// scratch; maps: (count, LAGS, LAGS) written; peaks: `count` written from `first_peak` on. One
+// scratch; maps: (count, LAGS, LAGS) written; weights: of the peaks; peaks: `count` written from `first_peak` on. One
 // group a window.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void zncc_map(
     __global const float* images, const int width, const int height, __global const Window* windows,
     const uint start, __global const float2* levels, __global const float2* planes,
     __global float2* sums, __global float* maps, const float min_contrast,
-    __global CorrelationPeak* peaks, const uint first_peak) {
+    __global const float* weights, __global CorrelationPeak* peaks, const uint first_peak) {
   __local float values[GROUP];
   __local int indices[GROUP];
+  __local float8 lines[PEAK_PATCH_PX];
   const int lane = (int)get_local_id(0);
   const size_t at = get_group_id(0);
   const Window window = windows[start + at];
@@ -64,6 +65,6 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void zncc_map(
     }
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
-  write_peak(map, window, place, sqrt(energy * (1.0f / WINDOW_PIXELS)), min_contrast, values,
-             indices, lane, GROUP, 1, peaks + first_peak + at);
+  write_peak(map, window, place, sqrt(energy * (1.0f / WINDOW_PIXELS)), min_contrast, weights,
+             values, indices, lines, lane, GROUP, 1, peaks + first_peak + at);
 }

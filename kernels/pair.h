@@ -47,8 +47,73 @@ INLINE void get_row_spectra(REAL* re, REAL* im, __local const float* plane, cons
   fft_forward(re, im, FFT_PX);
 }
 
-// f* g of rows y …, in fft_order. A packed row is F0 + i F1 with Hermitian F0 and F1, and so is its
-// product. Frequency 0 of rows 0 is left out, which makes the windows mean-free.
+// The product f* g of a packed row at frequencies k and m = −k. A packed row is F0 + i F1 with
+// Hermitian F0 and F1, and so is its product.
+INLINE void packed_product(const REAL fk_re, const REAL fk_im, const REAL fm_re, const REAL fm_im,
+                           const REAL gk_re, const REAL gk_im, const REAL gm_re, const REAL gm_im,
+                           REAL* k_re, REAL* k_im, REAL* m_re, REAL* m_im) {
+  const REAL f0_re = fk_re + fm_re, f0_im = fk_im - fm_im;
+  const REAL f1_re = fk_im + fm_im, f1_im = fm_re - fk_re;
+  const REAL g0_re = gk_re + gm_re, g0_im = gk_im - gm_im;
+  const REAL g1_re = gk_im + gm_im, g1_im = gm_re - gk_re;
+  const REAL p0_re = f0_re * g0_re + f0_im * g0_im, p0_im = f0_re * g0_im - f0_im * g0_re;
+  const REAL p1_re = f1_re * g1_re + f1_im * g1_im, p1_im = f1_re * g1_im - f1_im * g1_re;
+  *k_re = p0_re - p1_im;
+  *k_im = p0_im + p1_re;
+  *m_re = p0_re + p1_im;
+  *m_im = p1_re - p0_im;
+}
+
+#if VECTOR == 1 && BLOCKS == 1
+// The two work-items with a packed row lay its spectra down, and all work-items multiply them, a
+// frequency and its negative each: spectra of A's row, of B's, then their product likewise.
+#define PACKED (4 * 2 * FFT_PX) /* floats */
+
+INLINE void put_packed(const REAL* re, const REAL* im, __local float* packed, const int second,
+                       const int y) {
+  if (y % HALF_PX != 0) return;
+  __local float2* row = (__local float2*)packed + (2 * second + y / HALF_PX) * FFT_PX;
+  UNROLL
+  for (int k = 0; k < FFT_PX; ++k) row[k] = (float2)(re[k], im[k]);
+}
+
+// All work-items of the group must call it, when both spectra have been put; they see the product
+// after a barrier.
+INLINE void multiply_packed(__local float* packed, const int lane) {
+  __local float2* f = (__local float2*)packed + lane / HALF_PX * FFT_PX;
+  __local const float2* g = f + 2 * FFT_PX;
+  // Frequency 0 is left to row_product.
+  const int k = lane % HALF_PX == 0 ? HALF_PX : lane % HALF_PX, m = FFT_PX - k;
+  const float2 fk = f[k], fm = f[m], gk = g[k], gm = g[m];
+  float2 at_k, at_m;
+  packed_product(fk.x, fk.y, fm.x, fm.y, gk.x, gk.y, gm.x, gm.y, (float*)&at_k, (float*)&at_k + 1,
+                 (float*)&at_m, (float*)&at_m + 1);
+  f[k] = at_k;
+  f[m] = at_m;
+}
+
+// f* g of rows y …, in fft_order. Frequency 0 of rows 0 is left out, which makes the windows
+// mean-free.
+INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, const REAL* g_im,
+                        __local const float* packed, REAL* re, REAL* im, const int y) {
+  UNROLL
+  for (int k = 0; k < FFT_PX; ++k) {
+    const int at = fft_order(k, FFT_PX);
+    re[at] = f_re[k] * g_re[k] + f_im[k] * g_im[k];
+    im[at] = f_re[k] * g_im[k] - f_im[k] * g_re[k];
+  }
+  if (y % HALF_PX != 0) return;
+  __local const float2* row = (__local const float2*)packed + y / HALF_PX * FFT_PX;
+  re[0] = 0.0f;
+  im[0] = 4.0f * f_im[0] * g_im[0];
+  UNROLL
+  for (int p = 1; p < FFT_PX; ++p) {
+    const float2 product = row[fft_order(p, FFT_PX)];
+    re[p] = product.x;
+    im[p] = product.y;
+  }
+}
+#else
 INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, const REAL* g_im,
                         REAL* re, REAL* im, const int y) {
   const INTEGER packed = (y + COLUMN_NUMBERS) % HALF_PX == 0;
@@ -62,18 +127,16 @@ INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, co
   UNROLL
   for (int k = 1; k < HALF_PX; ++k) {
     const int m = FFT_PX - k, at_k = fft_order(k, FFT_PX), at_m = fft_order(m, FFT_PX);
-    const REAL f0_re = f_re[k] + f_re[m], f0_im = f_im[k] - f_im[m];
-    const REAL f1_re = f_im[k] + f_im[m], f1_im = f_re[m] - f_re[k];
-    const REAL g0_re = g_re[k] + g_re[m], g0_im = g_im[k] - g_im[m];
-    const REAL g1_re = g_im[k] + g_im[m], g1_im = g_re[m] - g_re[k];
-    const REAL p0_re = f0_re * g0_re + f0_im * g0_im, p0_im = f0_re * g0_im - f0_im * g0_re;
-    const REAL p1_re = f1_re * g1_re + f1_im * g1_im, p1_im = f1_re * g1_im - f1_im * g1_re;
-    re[at_k] = packed ? p0_re - p1_im : f_re[k] * g_re[k] + f_im[k] * g_im[k];
-    im[at_k] = packed ? p0_im + p1_re : f_re[k] * g_im[k] - f_im[k] * g_re[k];
-    re[at_m] = packed ? p0_re + p1_im : f_re[m] * g_re[m] + f_im[m] * g_im[m];
-    im[at_m] = packed ? p1_re - p0_im : f_re[m] * g_im[m] - f_im[m] * g_re[m];
+    REAL k_re, k_im, m_re, m_im;
+    packed_product(f_re[k], f_im[k], f_re[m], f_im[m], g_re[k], g_im[k], g_re[m], g_im[m], &k_re,
+                   &k_im, &m_re, &m_im);
+    re[at_k] = packed ? k_re : f_re[k] * g_re[k] + f_im[k] * g_im[k];
+    im[at_k] = packed ? k_im : f_re[k] * g_im[k] - f_im[k] * g_re[k];
+    re[at_m] = packed ? m_re : f_re[m] * g_re[m] + f_im[m] * g_im[m];
+    im[at_m] = packed ? m_im : f_re[m] * g_im[m] - f_im[m] * g_re[m];
   }
 }
+#endif
 
 // Writes rows y … that are transformed back for get_merged.
 INLINE void put_rows(const REAL* re, const REAL* im, __local float* plane, const int y) {

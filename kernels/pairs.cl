@@ -1,20 +1,21 @@
 // Zero-mean normalised cross-correlation (Lewis 1995) of two windows at a time in one kernel, for
 // transforms of FFT_PX = 16 and 32 (kernels/pair.h): templates A and B, zero-padded, with their
-// search areas. FFT_PX ≥ WINDOW_PX + 2·SEARCH_PX keeps every lag free of wrap-around. What the
-// numerator is divided by comes from exact sums over each displaced window.
+// search areas. A work-item holds a column from end to end; pairs_vector.cl is the same for devices
+// without many of them. FFT_PX ≥ WINDOW_PX + 2·SEARCH_PX keeps every lag free of wrap-around. What
+// the numerator is divided by comes from exact sums over each displaced window.
 #include "kernels/config.h"
 #define PICTURE PIXEL
 #define MAP_SPACE __local
-// Planes also hold the sums of both search areas, a row a lag.
-#define SUM_ROWS (2 * (2 * SEARCH_PX + 1))
-#define PLANE_ROWS (SUM_ROWS > FFT_PX ? SUM_ROWS : FFT_PX)
+#include "kernels/map_peaks.h"
 #include "kernels/pair.h"
 #include "kernels/zncc.h"
 
-#define MAP_PITCH LAGS
-#define MAP (LAGS * MAP_PITCH)
-// Work-items side by side that write a row of a patch.
-#define ACROSS (LANES >= 16 ? 16 : 1)
+// Where a template fills no more than half of the transform, the other half is left out of it.
+#define IS_PADDED (2 * WINDOW_PX <= FFT_PX)
+// Sums over columns of displaced windows, a row a lag: of A's pixels and squares, and of B's.
+#define SUM_PITCH (FFT_PX + 1)
+#define SUM_FLOATS (4 * LAGS * SUM_PITCH)
+#define PLANE_FLOATS (2 * PLANE > SUM_FLOATS ? 2 * PLANE : SUM_FLOATS)
 
 // A window of the pair, where it is looked for, and its pictures.
 typedef struct Task {
@@ -35,415 +36,265 @@ INLINE Task task_of(__global const PIXEL* pixels, const int width, const int hei
   return task;
 }
 
-#if VECTOR == 1
-#define PIXELS_AT(p) ((float)*(p))
-#else
-#define PIXELS_AT(p) PASTE(convert_float, VECTOR)(LOAD(p))
-#endif
-
-// Pixels of the search area from (x, y) of it on, those of the nearest edge where it leaves the
-// picture.
-INLINE REAL area_pixels(const Task* task, const int width, const int height, const int x,
-                        const int y) {
-  const int px = task->place.x0 + x, py = clamp(task->place.y0 + y, 0, height - 1);
-  __global const PIXEL* row = task->second + py * ROW;
-#if VECTOR == 1
-  return PIXELS_AT(row + clamp(px, 0, width - 1));
-#else
-  if (px >= 0 && px <= width - VECTOR) return PIXELS_AT(row + px);
-  float pixels[VECTOR];
-  for (int k = 0; k < VECTOR; ++k) pixels[k] = (float)row[clamp(px + k, 0, width - 1)];
-  return LOAD(pixels);
-#endif
-}
-
-// Pixels of the template from column x of row y on; 0 beyond its last column.
-INLINE REAL template_pixels(const Task* task, const int width, const int height,
-                            const float2 cos_sin, const int x, const int y) {
-#if VECTOR == 1
-  return x < WINDOW_PX ? template_pixel(task->first, width, height, task->window, cos_sin, x, y)
-                       : 0.0f;
-#else
-  if (task->window.guess_rot_rad == 0.0f && x + VECTOR <= WINDOW_PX) {
-    return PIXELS_AT(task->first + (task->window.y0 + y) * ROW + task->window.x0 + x);
-  }
-  float pixels[VECTOR];
-  for (int k = 0; k < VECTOR; ++k) {
-    pixels[k] = x + k < WINDOW_PX
-                    ? template_pixel(task->first, width, height, task->window, cos_sin, x + k, y)
-                    : 0.0f;
-  }
-  return LOAD(pixels);
-#endif
-}
-
 INLINE int is_upright(const Task* task) { return task->window.guess_rot_rad == 0.0f; }
 
-// First pixel of an upright template's columns x ….
-INLINE __global const PIXEL* template_columns(const Task* task, const int width, const int x) {
+// First pixel of an upright template's column x.
+INLINE __global const PIXEL* template_column(const Task* task, const int width, const int x) {
   return task->first + task->window.y0 * ROW + task->window.x0 + x;
 }
 
-// Sums of the templates by column.
-INLINE void put_template_sums(const Task* a, const Task* b, const int width, const int height,
-                              __local float* sums, const int lane) {
-  const float2 turn_a = guessed_turn(a->window), turn_b = guessed_turn(b->window);
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int x = COLUMN(block);
-    REAL sum_a = (REAL)(0.0f), sum_b = (REAL)(0.0f);
-    if (VECTOR == 1 && is_upright(a) && is_upright(b)) {
-      __global const PIXEL* columns_a = template_columns(a, width, x);
-      __global const PIXEL* columns_b = template_columns(b, width, x);
-      UNROLL
-      for (int y = 0; x < WINDOW_PX && y < WINDOW_PX; ++y) {
-        sum_a += PIXELS_AT(columns_a + y * ROW);
-        sum_b += PIXELS_AT(columns_b + y * ROW);
-      }
-    } else {
-      for (int y = 0; x < WINDOW_PX && y < WINDOW_PX; ++y) {
-        sum_a += template_pixels(a, width, height, turn_a, x, y);
-        sum_b += template_pixels(b, width, height, turn_b, x, y);
-      }
-    }
-    PUT_VALUES(sum_a, sums + x);
-    PUT_VALUES(sum_b, sums + FFT_PX + x);
-  }
-}
-
-// Writes the templates into the rows 0 … WINDOW_PX − 1 of the plane.
-INLINE void put_templates(const Task* a, const Task* b, const int width, const int height,
-                          __local float* plane, const int x) {
-  if (VECTOR == 1 && is_upright(a) && is_upright(b)) {
-    __global const PIXEL* columns_a = template_columns(a, width, x);
-    __global const PIXEL* columns_b = template_columns(b, width, x);
+// Column x of the templates, re: A's, im: B's. own: room for it in the plane.
+INLINE void get_templates(const Task* a, const Task* b, const int width, const int height,
+                          __local float2* own, const int pitch, const int x, float* re, float* im) {
+  if (is_upright(a) && is_upright(b)) {
+    const int column = min(x, WINDOW_PX - 1);
+    __global const PIXEL* column_a = template_column(a, width, column);
+    __global const PIXEL* column_b = template_column(b, width, column);
     UNROLL
     for (int y = 0; y < WINDOW_PX; ++y) {
-      PUT(plane, x, y, PIXELS_AT(columns_a + y * ROW), PIXELS_AT(columns_b + y * ROW));
+      re[y] = (float)column_a[y * ROW];
+      im[y] = (float)column_b[y * ROW];
     }
     return;
   }
   const float2 turn_a = guessed_turn(a->window), turn_b = guessed_turn(b->window);
+#pragma unroll 1
+  for (int y = 0; x < WINDOW_PX && y < WINDOW_PX; ++y) {
+    own[y * pitch] = (float2)(template_pixel(a->first, width, height, a->window, turn_a, x, y),
+                              template_pixel(b->first, width, height, b->window, turn_b, x, y));
+  }
+  UNROLL
   for (int y = 0; y < WINDOW_PX; ++y) {
-    const REAL columns_a = template_pixels(a, width, height, turn_a, x, y);
-    const REAL columns_b = template_pixels(b, width, height, turn_b, x, y);
-    PUT(plane, x, y, columns_a, columns_b);
+    re[y] = own[y * pitch].x;
+    im[y] = own[y * pitch].y;
   }
 }
 
-// Sum of FFT_PX values.
-INLINE float sum_of(__local const float* values) {
-  float4 sum = vload4(0, values);
-  UNROLL
-  for (int k = 1; k < FFT_PX / 4; ++k) sum += vload4(k, values);
-  return (sum.s0 + sum.s1) + (sum.s2 + sum.s3);
+INLINE int is_area_in_view(const SearchPlace place, const int width, const int height) {
+  return place.x0 >= 0 && place.y0 >= 0 && place.x0 <= width - FFT_PX &&
+         place.y0 <= height - AREA_PX;
 }
 
-// Column spectra of the templates less their means; their energies by column.
-INLINE void put_template_spectra(const Task* a, const Task* b, const int width, const int height,
-                                 const float mean_a, const float mean_b, __local float* plane,
-                                 __local float* energies, const int lane) {
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int x = COLUMN(block);
-    const INTEGER is_in = x + COLUMN_NUMBERS < WINDOW_PX;
-    REAL re[FFT_PX], im[FFT_PX], energy_a = (REAL)(0.0f), energy_b = (REAL)(0.0f);
-    if (x < WINDOW_PX) put_templates(a, b, width, height, plane, x);
+// Column x of a search area; pixels outside the picture are those of the nearest edge.
+INLINE void get_area(const Task* task, const int width, const int height, const int x,
+                     float* pixels) {
+  if (is_area_in_view(task->place, width, height)) {
+    __global const PIXEL* column = task->second + task->place.y0 * ROW + task->place.x0 + x;
     UNROLL
-    for (int p = 0; p < FFT_PX; ++p) {
-      const int y = fft_order(p, FFT_PX);
-      re[p] = im[p] = (REAL)(0.0f);
-      if (y >= WINDOW_PX) continue;
-      GET(plane, x, y, re[p], im[p]);
-      re[p] = is_in ? re[p] - mean_a : (REAL)(0.0f);
-      im[p] = is_in ? im[p] - mean_b : (REAL)(0.0f);
-      energy_a += re[p] * re[p];
-      energy_b += im[p] * im[p];
-    }
-    PUT_VALUES(energy_a, energies + x);
-    PUT_VALUES(energy_b, energies + FFT_PX + x);
-    put_column_spectra(re, im, plane, x);
+    for (int y = 0; y < AREA_PX; ++y) pixels[y] = (float)column[y * ROW];
+    return;
+  }
+  __global const PIXEL* column = task->second + clamp(task->place.x0 + x, 0, width - 1);
+  UNROLL
+  for (int y = 0; y < AREA_PX; ++y) {
+    pixels[y] = (float)column[clamp(task->place.y0 + y, 0, height - 1) * ROW];
   }
 }
 
-// Search areas in order of rows, less the templates' means: any constant near the pixels' level
-// keeps the sums of squares exact enough, and the numerator does not see it.
-INLINE void get_area_columns(REAL* re, REAL* im, const Task* a, const Task* b, const int width,
-                             const int height, const float mean_a, const float mean_b,
-                             const int x) {
+// Σ over the templates' columns. Elements from WINDOW_PX on are zero.
+INLINE float2 sum_of_columns(__local const float4* columns) {
+  float4 sum = columns[0];
   UNROLL
-  for (int y = 0; y < AREA_PX; ++y) {
-    re[y] = area_pixels(a, width, height, x, y) - mean_a;
-    im[y] = area_pixels(b, width, height, x, y) - mean_b;
+  for (int k = 1; k < (WINDOW_PX + 1) / 2; ++k) sum += columns[k];
+  return sum.lo + sum.hi;
+}
+
+// Spectra of mean-free templates down their columns into the plane.
+INLINE void put_template_spectra(const float* re, const float* im, __local float* plane,
+                                 const int x) {
+  float f_re[FFT_PX], f_im[FFT_PX];
+  UNROLL
+  for (int p = 0; p < FFT_PX; ++p) {
+    const int y = fft_order(p, FFT_PX);
+    f_re[p] = y < WINDOW_PX ? re[y] : 0.0f;
+    f_im[p] = y < WINDOW_PX ? im[y] : 0.0f;
+  }
+  if (IS_PADDED) {
+    fft_forward_padded(f_re, f_im, FFT_PX);
+  } else {
+    fft_forward(f_re, f_im, FFT_PX);
+  }
+  if (x < WINDOW_PX) put_apart(f_re, f_im, plane, x);
+}
+
+// Their rows.
+INLINE void get_template_rows(float* re, float* im, __local const float* plane, const int y) {
+  UNROLL
+  for (int p = 0; p < FFT_PX; ++p) {
+    const int x = fft_order(p, FFT_PX);
+    re[p] = im[p] = 0.0f;
+    if (x < WINDOW_PX) GET(plane, x, y, re[p], im[p]);
+  }
+  if (IS_PADDED) {
+    fft_forward_padded(re, im, FFT_PX);
+  } else {
+    fft_forward(re, im, FFT_PX);
   }
 }
 
-// Sums of pixels and squares down the columns of every displaced window, into rows first_row … of
-// the plane.
-INLINE void put_column_sums(const REAL* pixels, __local float* plane, const int x,
-                            const int first_row) {
-  REAL sum = (REAL)(0.0f), squares = (REAL)(0.0f);
+// Sums of pixels and squares down the columns of every displaced window.
+INLINE void put_column_sums(const float* a, const float* b, __local float4* sums, const int x) {
+  float4 sum = 0.0f;
   UNROLL
   for (int y = 0; y < AREA_PX; ++y) {
-    sum += pixels[y];
-    squares += pixels[y] * pixels[y];
+    sum += (float4)(a[y], a[y] * a[y], b[y], b[y] * b[y]);
     if (y >= WINDOW_PX) {
-      sum -= pixels[y - WINDOW_PX];
-      squares -= pixels[y - WINDOW_PX] * pixels[y - WINDOW_PX];
+      const int out = y - WINDOW_PX;
+      sum -= (float4)(a[out], a[out] * a[out], b[out], b[out] * b[out]);
     }
-    if (y >= WINDOW_PX - 1) PUT(plane, x, first_row + y - WINDOW_PX + 1, sum, squares);
+    if (y >= WINDOW_PX - 1) sums[(y - WINDOW_PX + 1) * SUM_PITCH + x] = sum;
   }
 }
 
 // Sums along the rows of those, and the norm of every displaced window, into both maps.
-INLINE void put_norms(__local const float* plane, __local float* maps, const float min_energy,
+INLINE void put_norms(__local const float4* sums, __local float2* maps, const float min_energy,
                       const int lane) {
-  for (int j = lane; j < 2 * LAGS; j += LANES) {
-    __local float* row = maps + j * MAP_PITCH;
-#if VECTOR == 1
-    float sum = 0.0f, squares = 0.0f;
+  for (int j = lane; j < LAGS; j += LANES) {
+    __local const float4* row = sums + j * SUM_PITCH;
+    float4 sum = 0.0f;
     UNROLL
     for (int x = 0; x < AREA_PX; ++x) {
-      float in, in_squares;
-      GET(plane, x, j, in, in_squares);
-      sum += in;
-      squares += in_squares;
-      if (x >= WINDOW_PX) {
-        GET(plane, x - WINDOW_PX, j, in, in_squares);
-        sum -= in;
-        squares -= in_squares;
-      }
-      if (x >= WINDOW_PX - 1) row[x - WINDOW_PX + 1] = inverse_norm(sum, squares, min_energy);
-    }
-#else
-    for (int x = 0; x < LAGS; x += VECTOR) {
-      REAL sum = (REAL)(0.0f), squares = (REAL)(0.0f);
-      for (int k = 0; k < WINDOW_PX; ++k) {
-        REAL in, in_squares;
-        GET(plane, x + k, j, in, in_squares);
-        sum += in;
-        squares += in_squares;
-      }
-      const REAL energy = squares - sum * sum * (1.0f / WINDOW_PIXELS);
-      const INTEGER is_textured = energy > 0.01f * min_energy && energy > 0.0f;
-      const REAL norms = is_textured ? rsqrt(energy) : (REAL)(0.0f);
-      for (int k = 0; k < min(VECTOR, LAGS - x); ++k) row[x + k] = ELEMENT(norms, k);
-    }
-#endif
-  }
-}
-
-// The numerators of columns x … times `scale` and the norms there: the correlation. −2 at lags that
-// take the window out of the picture.
-INLINE void put_correlation(const REAL* numerators, const float scale, const SearchPlace place,
-                            __local float* map, const int x) {
-  for (int k = 0; k < VECTOR && x + k < LAGS; ++k) {
-    const int in_range = x + k >= place.min_x && x + k <= place.max_x;
-    UNROLL
-    for (int y = 0; y < LAGS; ++y) {
-      __local float* value = map + y * MAP_PITCH + x + k;
-      const float numerator = ELEMENT(numerators[y], k);
-      const int is_valid = in_range && y >= place.min_y && y <= place.max_y;
-      *value = is_valid ? *value * (scale * numerator) : -2.0f;
-    }
-  }
-}
-
-// Whether entry (x, y) of a map is at least as high as its neighbours.
-INLINE int is_peak(__local const float* map, const int x, const int y) {
-  const int left = max(x - 1, 0), right = min(x + 1, LAGS - 1);
-  __local const float* above = map + max(y - 1, 0) * MAP_PITCH;
-  __local const float* row = map + y * MAP_PITCH;
-  __local const float* below = map + min(y + 1, LAGS - 1) * MAP_PITCH;
-  float most = fmax(row[left], row[right]);
-  most = fmax(most, fmax(fmax(above[left], above[right]), above[x]));
-  most = fmax(most, fmax(fmax(below[left], below[right]), below[x]));
-  return row[x] >= most;
-}
-
-// Highest value of both maps, the earliest of equal ones, as y · LAGS + x into found[0 … 1]; LAGS²
-// where there is none. With only_peaks: among those that are peaks more than 2 px away from
-// `around` along an axis. highest, indices: of every work-item, for both. All work-items of the
-// group call it; passes barriers.
-INLINE void find_highest(__local const float* maps, const int only_peaks, __local const int* around,
-                         __local float* highest, __local int* indices, __local int* found,
-                         const int lane) {
-#pragma unroll 1
-  for (int which = 0; which < 2; ++which) {
-    __local const float* map = maps + which * MAP;
-    const int far_x = only_peaks ? around[which] % LAGS : 0;
-    const int far_y = only_peaks ? around[which] / LAGS : 0;
-    float value = -1.5f;
-    int index = LAGS * LAGS;
-#pragma unroll 1
-    for (int y = 0; y < LAGS; ++y) {
-      for (int x = lane; x < LAGS; x += LANES) {
-        if (map[y * MAP_PITCH + x] <= value) continue;
-        if (only_peaks) {
-          const int is_near = abs(x - far_x) <= 2 && abs(y - far_y) <= 2;
-          if (is_near || !is_peak(map, x, y)) continue;
-        }
-        value = map[y * MAP_PITCH + x];
-        index = y * LAGS + x;
+      sum += row[x];
+      if (x >= WINDOW_PX) sum -= row[x - WINDOW_PX];
+      if (x >= WINDOW_PX - 1) {
+        maps[j * LAGS + x - WINDOW_PX + 1] = (float2)(inverse_norm(sum.x, sum.y, min_energy),
+                                                      inverse_norm(sum.z, sum.w, min_energy));
       }
     }
-    highest[which * LANES + lane] = value;
-    indices[which * LANES + lane] = index;
-    if (lane == 0) found[which] = LAGS * LAGS;
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-#pragma unroll 1
-  for (int which = 0; which < 2; ++which) {
-    float most = highest[which * LANES];
-    UNROLL
-    for (int k = 1; k < LANES; ++k) most = fmax(most, highest[which * LANES + k]);
-    const int own = which * LANES + lane;
-    if (highest[own] == most) atomic_min(&found[which], indices[own]);
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-}
-
-// energy: of the template. best, second: see find_highest.
-INLINE void write_pair_peak(__local const float* map, const Task* task, const float energy,
-                            const float min_contrast, const int best, const int second,
-                            const int lane, __global CorrelationPeak* peak) {
-  const SearchPlace place = task->place;
-  const int has_texture = sqrt(energy * (1.0f / WINDOW_PIXELS)) >= min_contrast;
-  const int has_peak = place.in_view && has_texture && best < LAGS * LAGS;
-  const int best_x = best % LAGS, best_y = best / LAGS;
-  // The patch reaches as far as the lags do, on each side by itself.
-  const int reach = PEAK_PATCH_PX / 2;
-  const int x0 = max(best_x - reach, place.min_x), y0 = max(best_y - reach, place.min_y);
-  const int nx = min(best_x + reach, place.max_x) - x0 + 1;
-  const int ny = min(best_y + reach, place.max_y) - y0 + 1;
-  if (lane == 0) {
-    const int on_edge = best_x == place.min_x || best_x == place.max_x || best_y == place.min_y ||
-                        best_y == place.max_y;
-    peak->status = !place.in_view ? STATUS_OUT_OF_VIEW
-                   : !has_texture ? STATUS_NO_TEXTURE
-                   : on_edge      ? STATUS_AT_SEARCH_EDGE
-                                  : STATUS_OK;
-    peak->shift_x = task->window.guess_u - SEARCH_PX + best_x;
-    peak->shift_y = task->window.guess_v - SEARCH_PX + best_y;
-    peak->x = best_x - x0;
-    peak->y = best_y - y0;
-    peak->nx = nx;
-    peak->ny = ny;
-    peak->value = has_peak ? map[best_y * MAP_PITCH + best_x] : NAN;
-    peak->second =
-        has_peak && second < LAGS * LAGS ? map[second / LAGS * MAP_PITCH + second % LAGS] : -2.0f;
-  }
-  if (!has_peak) return;
-  for (int y = lane / ACROSS; y < ny; y += LANES / ACROSS) {
-    for (int x = lane % ACROSS; x < nx; x += ACROSS) {
-      peak->values[y * nx + x] = map[(y0 + y) * MAP_PITCH + x0 + x];
-    }
   }
 }
 
-// pixels: (slots, height, width); windows: start … start + count − 1 are measured; peaks: (count)
-// written. min_contrast: grey levels rms. One group of LANES two windows.
+// Spectra of search areas down their columns into the plane.
+INLINE void put_area_spectra(const float* a, const float* b, __local float* plane, const int x) {
+  float re[FFT_PX], im[FFT_PX];
+  UNROLL
+  for (int p = 0; p < FFT_PX; ++p) {
+    const int y = fft_order(p, FFT_PX);
+    re[p] = y < AREA_PX ? a[y] : 0.0f;
+    im[p] = y < AREA_PX ? b[y] : 0.0f;
+  }
+  put_column_spectra(re, im, plane, x);
+}
+
+// pixels: (slots, height, width); windows: start … start + count − 1 are measured; weights: of the
+// peaks (types.h); peaks: (count) written. min_contrast: grey levels rms. One group of LANES =
+// FFT_PX two windows.
 __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int width, const int height,
                                     __global const Window* windows, const uint start,
                                     const uint count, const float min_contrast,
+                                    __global const float* weights,
                                     __global CorrelationPeak* peaks) {
-  __local float plane[2 * PLANE] __attribute__((aligned(16)));
-#if BLOCKS == 1
-  __local float* g_plane = plane;
-#else
-  __local float g_plane[2 * PLANE];
-#endif
-  __local float maps[2 * MAP];
-  __local float sums[2 * FFT_PX] __attribute__((aligned(16)));
-  __local float energies[2 * FFT_PX] __attribute__((aligned(16)));
-  __local float highest[2 * LANES];
-  __local int indices[2 * LANES];
-  __local int best[2], second[2];
+  __local float plane[PLANE_FLOATS] __attribute__((aligned(16)));
+  __local float scratch[PACKED > 16 * PEAK_LINES ? PACKED : 16 * PEAK_LINES]
+      __attribute__((aligned(32)));
+  __local float2 maps[LAGS * LAGS];
+  __local float2 sums[FFT_PX] __attribute__((aligned(16)));
+  __local float2 energies[FFT_PX] __attribute__((aligned(16)));
+  __local Found found[2];
   const int lane = (int)get_local_id(0);
   const uint pair = 2 * (uint)get_group_id(0);
-  Task a = task_of(pixels, width, height, windows[start + pair]);
-  Task b = task_of(pixels, width, height, windows[start + min(pair + 1, count - 1)]);
+  const Task a = task_of(pixels, width, height, windows[start + pair]);
+  const Task b = task_of(pixels, width, height, windows[start + min(pair + 1, count - 1)]);
   const int in_view_a = a.place.in_view, in_view_b = b.place.in_view;
   if (!in_view_a && !in_view_b) {
     if (lane < 2 && pair + (uint)lane < count) {
       peaks[pair + (uint)lane].status = STATUS_OUT_OF_VIEW;
       peaks[pair + (uint)lane].value = NAN;
-#if LANES == 1
-      if (pair + 1 < count) {
-        peaks[pair + 1].status = STATUS_OUT_OF_VIEW;
-        peaks[pair + 1].value = NAN;
-      }
-#endif
     }
     return;
   }
   // What is out of view is replaced by its partner and marked again in the end.
   const Task whole_a = in_view_a ? a : b, whole_b = in_view_b ? b : a;
-  REAL g_re[FFT_PX], g_im[FFT_PX], re[FFT_PX], im[FFT_PX];
+  const int is_template = lane < WINDOW_PX;
+  clear_found(found, lane);
 
-  put_template_sums(&whole_a, &whole_b, width, height, sums, lane);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  const float mean_a = sum_of(sums) * (1.0f / WINDOW_PIXELS);
-  const float mean_b = sum_of(sums + FFT_PX) * (1.0f / WINDOW_PIXELS);
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int x = COLUMN(block);
-    get_area_columns(re, im, &whole_a, &whole_b, width, height, mean_a, mean_b, x);
-    put_column_sums(re, plane, x, 0);
-    put_column_sums(im, plane, x, LAGS);
+  float t_re[WINDOW_PX], t_im[WINDOW_PX], g_a[AREA_PX], g_b[AREA_PX];
+  get_templates(&whole_a, &whole_b, width, height, (__local float2*)plane + lane, PITCH, lane, t_re,
+                t_im);
+  float2 sum = 0.0f;
+  UNROLL
+  for (int y = 0; y < WINDOW_PX; ++y) sum += (float2)(t_re[y], t_im[y]);
+  sums[lane] = is_template ? sum : 0.0f;
+  // Before the barrier, so that the pixels travel meanwhile.
+  get_area(&whole_a, width, height, lane, g_a);
+  get_area(&whole_b, width, height, lane, g_b);
+  GROUP_BARRIER;
+  const float2 mean = sum_of_columns((__local const float4*)sums) * (1.0f / WINDOW_PIXELS);
+  sum = 0.0f;
+  UNROLL
+  for (int y = 0; y < WINDOW_PX; ++y) {
+    t_re[y] -= mean.x;
+    t_im[y] -= mean.y;
+    sum += (float2)(t_re[y] * t_re[y], t_im[y] * t_im[y]);
   }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  put_norms(plane, maps, min_contrast * min_contrast * WINDOW_PIXELS, lane);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int x = COLUMN(block);
-#if BLOCKS > 1
-    get_area_columns(re, im, &whole_a, &whole_b, width, height, mean_a, mean_b, x);
-#endif
-    UNROLL
-    for (int p = 0; p < FFT_PX; ++p) {
-      const int y = fft_order(p, FFT_PX);
-      g_re[p] = y < AREA_PX ? re[y] : (REAL)(0.0f);
-      g_im[p] = y < AREA_PX ? im[y] : (REAL)(0.0f);
+  energies[lane] = is_template ? sum : 0.0f;
+  // Any constant near the pixels' level keeps the sums of squares exact enough, and the numerator
+  // does not see it.
+  UNROLL
+  for (int y = 0; y < AREA_PX; ++y) {
+    g_a[y] -= mean.x;
+    g_b[y] -= mean.y;
+  }
+  put_column_sums(g_a, g_b, (__local float4*)plane, lane);
+  GROUP_BARRIER;
+  put_norms((__local const float4*)plane, maps, min_contrast * min_contrast * WINDOW_PIXELS, lane);
+  GROUP_BARRIER;
+  float f_re[FFT_PX], f_im[FFT_PX], g_re[FFT_PX], g_im[FFT_PX], re[FFT_PX], im[FFT_PX];
+  put_template_spectra(t_re, t_im, plane, lane);
+  GROUP_BARRIER;
+  get_template_rows(f_re, f_im, plane, lane);
+  put_packed(f_re, f_im, scratch, 0, lane);
+  GROUP_BARRIER;
+  put_area_spectra(g_a, g_b, plane, lane);
+  GROUP_BARRIER;
+  get_row_spectra(g_re, g_im, plane, lane);
+  put_packed(g_re, g_im, scratch, 1, lane);
+  GROUP_BARRIER;
+  multiply_packed(scratch, lane);
+  GROUP_BARRIER;
+  row_product(f_re, f_im, g_re, g_im, scratch, re, im, lane);
+  fft_forward(im, re, FFT_PX);
+  UNROLL
+  for (int x = 0; x < LAGS; ++x) PUT(plane, lane, x, re[x], im[x]);
+  GROUP_BARRIER;
+
+  const float2 energy = sum_of_columns((__local const float4*)energies);
+  const float2 scale = (float2)(energy.x > 0.0f ? rsqrt(energy.x) * (1.0f / PAIR_SCALE) : 0.0f,
+                                energy.y > 0.0f ? rsqrt(energy.y) * (1.0f / PAIR_SCALE) : 0.0f);
+  const int x = min(lane, LAGS - 1);
+  get_correlated_columns(re, im, plane, x);
+  UNROLL
+  for (int y = 0; y < LAGS; ++y) {
+    const float2 norm = maps[y * LAGS + x] * scale;
+    re[y] *= norm.x;
+    im[y] *= norm.y;
+  }
+  GROUP_BARRIER;
+  mark_lags_out_of_view(re, whole_a.place, x);
+  mark_lags_out_of_view(im, whole_b.place, x);
+  find_peaks(re, im, maps, found, x);
+  put_second_peaks(re, im, maps, found, x);
+  const Patch patch_a = patch_about(whole_a.place, found[0].x, found[0].y);
+  const Patch patch_b = patch_about(whole_b.place, found[1].x, found[1].y);
+  for (int k = lane; k < 32; k += LANES) {
+    const Patch patch = k < 16 ? patch_a : patch_b;
+    if (k % 16 >= PEAK_PATCH_PX) continue;
+    put_line((__local const float*)maps + k / 16, 2, patch, weights,
+             (__local float8*)scratch + k / 16 * PEAK_PATCH_PX, k % 16);
+  }
+  GROUP_BARRIER;
+  for (int k = lane; k < 32; k += LANES) {
+    const int which = k / 16;
+    if (pair + (uint)which >= count) continue;
+    if (k % 16 < PEAK_PARTS) {
+      write_part((__local const float8*)scratch + which * PEAK_PATCH_PX,
+                 which == 0 ? patch_a : patch_b, weights, k % 16, peaks + pair + which);
+    } else if (k % 16 == 15) {
+      const Task own = which == 0 ? a : b;
+      const float contrast = sqrt((which == 0 ? energy.x : energy.y) * (1.0f / WINDOW_PIXELS));
+      write_head((__local const float*)maps + which, 2, own.window, own.place, found[which].x,
+                 found[which].y, from_order(found[which].second), contrast, min_contrast,
+                 peaks + pair + which);
     }
-    put_column_spectra(g_re, g_im, plane, x);
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int y = COLUMN(block);
-    get_row_spectra(g_re, g_im, plane, y);
-#if BLOCKS > 1
-    for (int k = 0; k < FFT_PX; ++k) PUT(g_plane, y, k, g_re[k], g_im[k]);
-#endif
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  put_template_spectra(&whole_a, &whole_b, width, height, mean_a, mean_b, plane, energies, lane);
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int y = COLUMN(block);
-    REAL f_re[FFT_PX], f_im[FFT_PX];
-    get_row_spectra(f_re, f_im, plane, y);
-#if BLOCKS > 1
-    for (int k = 0; k < FFT_PX; ++k) GET(g_plane, y, k, g_re[k], g_im[k]);
-#endif
-    row_product(f_re, f_im, g_re, g_im, re, im, y);
-    ALL_HAVE_READ;
-    put_rows_back(re, im, g_plane, y);
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  const float energy_a = sum_of(energies), energy_b = sum_of(energies + FFT_PX);
-  const float scale_a = energy_a > 0.0f ? rsqrt(energy_a) * (1.0f / PAIR_SCALE) : 0.0f;
-  const float scale_b = energy_b > 0.0f ? rsqrt(energy_b) * (1.0f / PAIR_SCALE) : 0.0f;
-  for (int block = 0; block < BLOCKS; ++block) {
-    const int x = COLUMN(block);
-    if (x >= LAGS) break;
-    get_correlated_columns(re, im, g_plane, x);
-    put_correlation(re, scale_a, whole_a.place, maps, x);
-    put_correlation(im, scale_b, whole_b.place, maps + MAP, x);
-  }
-  barrier(CLK_LOCAL_MEM_FENCE);
-  find_highest(maps, 0, best, highest, indices, best, lane);
-  find_highest(maps, 1, best, highest, indices, second, lane);
-  write_pair_peak(maps, &a, energy_a, min_contrast, best[0], second[0], lane, peaks + pair);
-  if (pair + 1 < count) {
-    write_pair_peak(maps + MAP, &b, energy_b, min_contrast, best[1], second[1], lane,
-                    peaks + pair + 1);
   }
 }

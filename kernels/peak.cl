@@ -6,9 +6,6 @@
 #include "kernels/types.h"
 
 #define INLINE static inline __attribute__((always_inline))
-#define PEAK_GROUP 32
-// Coefficients −3 … 3 about the peak, which serve the fractions −1 … 1.
-#define NEAR 7
 #define NEWTON_STEPS 20
 // The spline's peak lies within about half a pixel of the highest sample, on the diagonal of a long
 // ridge somewhat farther.
@@ -19,14 +16,14 @@ typedef struct Surface {
   float value, x, y, xx, xy, yy;
 } Surface;
 
-static inline Surface surface_at(const float* coefficients, const float x, const float y) {
+INLINE Surface surface_at(__local const float* coefficients, const float x, const float y) {
   const int left = (int)floor(x), top = (int)floor(y);
   float wx[6], dx[6], ddx[6], wy[6], dy[6], ddy[6];
   quintic_weights(x - (float)left, wx, dx, ddx);
   quintic_weights(y - (float)top, wy, dy, ddy);
   Surface s = {0, 0, 0, 0, 0, 0};
   for (int j = 0; j < 6; ++j) {
-    const float* row = coefficients + (top + 1 + j) * NEAR + left + 1;
+    __local const float* row = coefficients + (top + 1 + j) * PEAK_NEAR + left + 1;
     float value = 0, slope = 0, bend = 0;
 #pragma unroll
     for (int i = 0; i < 6; ++i) {
@@ -48,80 +45,29 @@ static inline Surface surface_at(const float* coefficients, const float x, const
 // 4-byte fields; an odd pitch keeps the work-items' banks apart.
 #define PEAK_FIELDS ((int)(sizeof(CorrelationPeak) / 4))
 #define PEAK_PITCH (PEAK_FIELDS | 1)
+#define PEAK_HEAD (PEAK_FIELDS - PEAK_NEAR * PEAK_NEAR) /* fields before the coefficients */
 
 INLINE void stage_peaks(__global const CorrelationPeak* peaks, const int count,
                         __local float* staged, const int lane) {
   __global const float* fields = (__global const float*)peaks;
   for (int peak = 0; peak < count; ++peak) {
-    for (int k = lane; k < PEAK_FIELDS; k += PEAK_GROUP) {
+    for (int k = lane; k < PEAK_FIELDS; k += MOTION_GROUP) {
       staged[peak * PEAK_PITCH + k] = fields[peak * PEAK_FIELDS + k];
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// The coefficients about the peak: rows of the inverse of the matrix that takes coefficients to
-// samples, for nx and for ny samples. Matrix n of `inverses` has PEAK_PATCH_PX columns and starts
-// at n · PEAK_PATCH_PX².
-INLINE void near_coefficients(__local const CorrelationPeak* peak, __global const float* inverses,
-                              float* coefficients) {
-  const int nx = peak->nx, ny = peak->ny;
-  __global const float* inverse_x = inverses + nx * PEAK_PATCH_PX * PEAK_PATCH_PX;
-  __global const float* inverse_y = inverses + ny * PEAK_PATCH_PX * PEAK_PATCH_PX;
-  for (int j = 0; j < NEAR; ++j) {
-    __global const float* down =
-        inverse_y + mirrored_index(peak->y + j - NEAR / 2, ny) * PEAK_PATCH_PX;
-    float line[PEAK_PATCH_PX];
-#pragma unroll
-    for (int x = 0; x < PEAK_PATCH_PX; ++x) line[x] = 0;
-    for (int y = 0; y < ny; ++y) {
-      const float weight = down[y];
-      __local const float* row = peak->values + y * nx;
-#pragma unroll
-      for (int x = 0; x < PEAK_PATCH_PX; ++x) line[x] += x < nx ? weight * row[x] : 0.0f;
-    }
-    for (int i = 0; i < NEAR; ++i) {
-      __global const float* across =
-          inverse_x + mirrored_index(peak->x + i - NEAR / 2, nx) * PEAK_PATCH_PX;
-      float sum = 0;
-#pragma unroll
-      for (int x = 0; x < PEAK_PATCH_PX; ++x) sum += across[x] * line[x];
-      coefficients[j * NEAR + i] = sum;
-    }
-  }
-}
-
-// Where a parabola through three samples about the highest has its peak, −1/2 … 1/2.
-static inline float parabola_peak(const float before, const float at, const float after) {
-  const float bend = before - 2.0f * at + after;
-  return bend < 0.0f ? 0.5f * (before - after) / bend : 0.0f;
-}
-
-// peaks: (count), of the windows from `start` on; inverses: (PEAK_PATCH_PX + 1, PEAK_PATCH_PX,
-// PEAK_PATCH_PX), zero outside the n × n of matrix n; motions: `count` written from `start` on. One
-// work-item a window; the last group may overhang. The standard deviations follow from the
-// residual: with ρ the correlation and n pixels, cov(u, v) = 2 (1 − ρ)/(n − 4) · (−∇∇ρ)⁻¹, four
-// parameters (shift, gain, offset) being fitted.
-__kernel __attribute__((reqd_work_group_size(PEAK_GROUP, 1, 1))) void zncc_subpixel(
-    __global const CorrelationPeak* peaks, const uint start, const uint count,
-    __global const float* inverses, const float min_correlation, const float window_pixels,
-    __global WindowMotion* motions) {
-  __local float staged[PEAK_GROUP * PEAK_PITCH];
-  const int lane = (int)get_local_id(0);
-  const uint at = (uint)get_global_id(0), first = at - (uint)lane;
-  stage_peaks(peaks + first, (int)min((uint)PEAK_GROUP, count - first), staged, lane);
-  if (at >= count) return;
-  __local const CorrelationPeak* peak =
-      (__local const CorrelationPeak*)(staged + lane * PEAK_PITCH);
+// The standard deviations follow from the residual: with ρ the correlation and n pixels, cov(u, v)
+// = 2 (1 − ρ)/(n − 4) · (−∇∇ρ)⁻¹, four parameters (shift, gain, offset) being fitted.
+INLINE WindowMotion motion_of(__local const float* fields, const float min_correlation,
+                              const float window_pixels) {
+  __local const CorrelationPeak* peak = (__local const CorrelationPeak*)fields;
+  __local const float* coefficients = fields + PEAK_HEAD;
   if (peak->status != STATUS_OK) {
-    motions[start + at] = no_motion(peak->status, peak->value);
-    return;
+    return no_motion(peak->status, peak->value);
   }
-  float coefficients[NEAR * NEAR];
-  near_coefficients(peak, inverses, coefficients);
-  __local const float* highest = peak->values + peak->y * peak->nx + peak->x;
-  float x = parabola_peak(highest[-1], highest[0], highest[1]);
-  float y = parabola_peak(highest[-peak->nx], highest[0], highest[peak->nx]);
+  float x = peak->start_x, y = peak->start_y;
   Surface s = surface_at(coefficients, x, y);
   float determinant = s.xx * s.yy - s.xy * s.xy;
   int has_converged = 0;
@@ -137,13 +83,11 @@ __kernel __attribute__((reqd_work_group_size(PEAK_GROUP, 1, 1))) void zncc_subpi
   }
   has_converged &= fabs(x) < FARTHEST && fabs(y) < FARTHEST && determinant > 0.0f && s.xx < 0.0f;
   if (!has_converged) {
-    motions[start + at] = no_motion(STATUS_NOT_CONVERGED, peak->value);
-    return;
+    return no_motion(STATUS_NOT_CONVERGED, peak->value);
   }
   const float correlation = fmin(s.value, 1.0f);
   if (correlation < min_correlation) {
-    motions[start + at] = no_motion(STATUS_LOW_CORRELATION, correlation);
-    return;
+    return no_motion(STATUS_LOW_CORRELATION, correlation);
   }
   const float residual = 2.0f * (1.0f - correlation) / (window_pixels - 4.0f);
   WindowMotion motion;
@@ -155,5 +99,21 @@ __kernel __attribute__((reqd_work_group_size(PEAK_GROUP, 1, 1))) void zncc_subpi
   motion.peak_ratio = peak->value / fmax(peak->second, 1e-3f * peak->value);
   motion.ux = motion.uy = motion.vx = motion.vy = 0.0f;
   motion.status = STATUS_OK;
-  motions[start + at] = motion;
+  return motion;
+}
+
+// peaks: (count), of the windows from `start` on; motions: `count` written from `start` on. One
+// work-item a window; the last group may overhang.
+__kernel __attribute__((reqd_work_group_size(MOTION_GROUP, 1, 1))) void zncc_subpixel(
+    __global const CorrelationPeak* peaks, const uint start, const uint count,
+    const float min_correlation, const float window_pixels, __global WindowMotion* motions) {
+  __local int finished[MOTION_GROUP * MOTION_FIELDS];
+  __local float staged[MOTION_GROUP * PEAK_PITCH];
+  const int lane = (int)get_local_id(0);
+  const uint at = (uint)get_global_id(0), first = at - (uint)lane;
+  stage_peaks(peaks + first, (int)min((uint)MOTION_GROUP, count - first), staged, lane);
+  if (at < count) {
+    stage_motion(motion_of(staged + lane * PEAK_PITCH, min_correlation, window_pixels), finished);
+  }
+  write_motions(finished, count, motions + start);
 }

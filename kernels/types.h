@@ -35,17 +35,35 @@ typedef struct WindowMotion {
   idic_int status;
 } WindowMotion;
 
-// The correlation map about its highest value: `nx` × `ny` values of `values` (row by row, nx to a
-// row) with the highest at (x, y) of them, which is the displacement (shift_x, shift_y) px. second:
-// the highest other peak (see peak_ratio). status: ok, or why there is none.
+// The highest value of a correlation map, `value` at the displacement (shift_x, shift_y) px, and the
+// coefficients of the quintic spline about it, row by row, −3 … 3 lags away; (start_x, start_y):
+// where parabolas through its neighbours have their peak, px from it. second: the highest other
+// peak (see peak_ratio). status: ok, or why there is none. The spline goes through the
+// PEAK_PATCH_PX² values about the peak, or as many of them as the lags reach.
 #define PEAK_PATCH_PX 13
+#define PEAK_NEAR 7
 typedef struct CorrelationPeak {
   idic_int status;
   idic_int shift_x, shift_y;
-  idic_int x, y, nx, ny;
+  float start_x, start_y;
   float value, second;
-  float values[PEAK_PATCH_PX * PEAK_PATCH_PX];
+  float coefficients[PEAK_NEAR * PEAK_NEAR];
 } CorrelationPeak;
+
+// Weights that take the values of a patch's row or column to coefficients: for each of the
+// PEAK_PATCH_PX + 1 numbers of values n and PEAK_PATCH_PX places p of the peak among them,
+// PEAK_PATCH_PX rows (one for each value, zero from n on) of PEAK_WEIGHTS (one for each
+// coefficient, and a zero).
+#define PEAK_WEIGHTS 8
+
+// The highest value of the circular correlation of a pair of equal windows, at (x, y) of it, and its
+// neighbours left, right, above, below; energies of both windows about their means, grey levels².
+#define EQUAL_CROSS 5
+typedef struct EqualPeak {
+  idic_int x, y;
+  float cross[EQUAL_CROSS];
+  float energy[2];
+} EqualPeak;
 
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion.

@@ -151,12 +151,101 @@ static inline int is_local_maximum(MAP_SPACE const float* map, const SearchPlace
   return row[i] >= most;
 }
 
-// Finds the highest and the second peak of the map and writes them with the values about the
-// highest. All `lanes` work-items of a window call it together.
+// The values about a peak through which its spline goes: as far as the lags do, on each side by
+// itself; the peak is number (px, py) of the nx × ny from (x0, y0) on.
+typedef struct Patch {
+  int x0, y0, nx, ny, px, py;
+} Patch;
+
+static inline Patch patch_about(const SearchPlace place, const int x, const int y) {
+  const int reach = PEAK_PATCH_PX / 2;
+  Patch patch;
+  patch.x0 = max(x - reach, place.min_x);
+  patch.y0 = max(y - reach, place.min_y);
+  patch.nx = min(x + reach, place.max_x) - patch.x0 + 1;
+  patch.ny = min(y + reach, place.max_y) - patch.y0 + 1;
+  patch.px = x - patch.x0;
+  patch.py = y - patch.y0;
+  return patch;
+}
+
+// Of CorrelationPeak's weights (types.h), those of n values with the peak at number p.
+static inline __global const float* weights_of(__global const float* weights, const int n,
+                                               const int p) {
+  return weights + (n * PEAK_PATCH_PX + p) * PEAK_PATCH_PX * PEAK_WEIGHTS;
+}
+
+// Column x = 0 … PEAK_PATCH_PX − 1 of a patch to coefficients along y, into line x. Entries of the
+// map are `stride` apart.
+static inline void put_line(MAP_SPACE const float* map, const int stride, const Patch patch,
+                            __global const float* weights, __local float8* lines, const int x) {
+  __global const float8* down = (__global const float8*)weights_of(weights, patch.ny, patch.py);
+  map += stride * min(patch.x0 + x, LAGS - 1);
+  float8 line = 0.0f;
+  // Values beyond the patch have no weight.
+#pragma unroll
+  for (int y = 0; y < PEAK_PATCH_PX; ++y) {
+    line += down[y] * map[stride * LAGS * min(patch.y0 + y, LAGS - 1)];
+  }
+  lines[x] = line;
+}
+
+// Parts of a peak's coefficients that can be written one by one: a column's upper or lower half.
+#define PEAK_PARTS (2 * PEAK_NEAR)
+
+static inline void write_part(__local const float8* lines, const Patch patch,
+                              __global const float* weights, const int part,
+                              __global CorrelationPeak* peak) {
+  const int i = part % PEAK_NEAR, lower = part / PEAK_NEAR;
+  __global const float* across = weights_of(weights, patch.nx, patch.px) + i;
+  float4 sum = 0.0f;
+#pragma unroll
+  for (int x = 0; x < PEAK_PATCH_PX; ++x) {
+    sum += across[x * PEAK_WEIGHTS] * ((__local const float4*)lines)[2 * x + lower];
+  }
+  __global float* column = peak->coefficients + lower * 4 * PEAK_NEAR + i;
+  column[0 * PEAK_NEAR] = sum.x;
+  column[1 * PEAK_NEAR] = sum.y;
+  column[2 * PEAK_NEAR] = sum.z;
+  if (lower == 0) column[3 * PEAK_NEAR] = sum.w;
+}
+
+// Where a parabola through three samples about the highest has its peak, −1/2 … 1/2.
+static inline float parabola_peak(const float before, const float at, const float after) {
+  const float bend = before - 2.0f * at + after;
+  return bend < 0.0f ? 0.5f * (before - after) / bend : 0.0f;
+}
+
+// All but the coefficients. (x, y): the highest entry of the map; second: the highest other peak.
 // contrast: rms of the template about its mean, and its lower bound, in the pictures' grey levels.
+static inline void write_head(MAP_SPACE const float* map, const int stride, const Window window,
+                              const SearchPlace place, const int x, const int y, const float second,
+                              const float contrast, const float min_contrast,
+                              __global CorrelationPeak* peak) {
+  const int has_texture = contrast >= min_contrast;
+  const int on_edge = x == place.min_x || x == place.max_x || y == place.min_y || y == place.max_y;
+  peak->status = !place.in_view ? STATUS_OUT_OF_VIEW
+                 : !has_texture ? STATUS_NO_TEXTURE
+                 : on_edge      ? STATUS_AT_SEARCH_EDGE
+                                : STATUS_OK;
+  peak->shift_x = window.guess_u - SEARCH_PX + x;
+  peak->shift_y = window.guess_v - SEARCH_PX + y;
+  const int has_peak = place.in_view && has_texture;
+  MAP_SPACE const float* highest = map + stride * (y * LAGS + x);
+  peak->value = has_peak ? *highest : NAN;
+  peak->second = second;
+  if (!has_peak || on_edge) return;
+  peak->start_x = parabola_peak(highest[-stride], highest[0], highest[stride]);
+  peak->start_y = parabola_peak(highest[-stride * LAGS], highest[0], highest[stride * LAGS]);
+}
+
+// Finds the highest and the second peak of the map and writes them with the spline about the
+// highest. All `lanes` work-items of a window call it together, and all windows of a group.
+// lines: PEAK_PATCH_PX of the window's own.
 static inline void write_peak(MAP_SPACE const float* map, const Window window,
                               const SearchPlace place, const float contrast,
-                              const float min_contrast, __local float* values, __local int* indices,
+                              const float min_contrast, __global const float* weights,
+                              __local float* values, __local int* indices, __local float8* lines,
                               const int lane, const int lanes, const int is_wanted,
                               __global CorrelationPeak* peak) {
   const int columns = place.in_view ? place.max_x - place.min_x + 1 : 0;
@@ -184,32 +273,19 @@ static inline void write_peak(MAP_SPACE const float* map, const Window window,
     }
   }
   const int second = best_of_lanes(values, indices, lane, lanes, value, index);
-  if (!is_wanted) return;
-  // The patch reaches as far as the lags do, on each side by itself.
-  const int reach = PEAK_PATCH_PX / 2;
-  const int x0 = max(best_x - reach, place.min_x), x1 = min(best_x + reach, place.max_x);
-  const int y0 = max(best_y - reach, place.min_y), y1 = min(best_y + reach, place.max_y);
-  const int has_texture = contrast >= min_contrast;
-  const int has_peak = entries > 0 && has_texture;
-  if (lane == 0) {
-    const int on_edge = best_x == place.min_x || best_x == place.max_x || best_y == place.min_y ||
-                        best_y == place.max_y;
-    peak->status = !place.in_view ? STATUS_OUT_OF_VIEW
-                   : !has_texture ? STATUS_NO_TEXTURE
-                   : on_edge      ? STATUS_AT_SEARCH_EDGE
-                                  : STATUS_OK;
-    peak->shift_x = window.guess_u - SEARCH_PX + best_x;
-    peak->shift_y = window.guess_v - SEARCH_PX + best_y;
-    peak->x = best_x - x0;
-    peak->y = best_y - y0;
-    peak->nx = x1 - x0 + 1;
-    peak->ny = y1 - y0 + 1;
-    peak->value = has_peak ? map[best] : NAN;
-    peak->second = has_peak && second < LAGS * LAGS ? map[second] : -2.0f;
+  const Patch patch = patch_about(place, best_x, best_y);
+  if (place.in_view) {
+    for (int x = lane; x < PEAK_PATCH_PX; x += lanes) put_line(map, 1, patch, weights, lines, x);
   }
-  if (!has_peak) return;
-  for (int k = lane; k < (x1 - x0 + 1) * (y1 - y0 + 1); k += lanes) {
-    peak->values[k] = map[(y0 + k / (x1 - x0 + 1)) * LAGS + x0 + k % (x1 - x0 + 1)];
+  barrier(CLK_LOCAL_MEM_FENCE);
+  if (!is_wanted) return;
+  if (lane == 0) {
+    write_head(map, 1, window, place, best_x, best_y, second < LAGS * LAGS ? map[second] : -2.0f,
+               contrast, min_contrast, peak);
+  }
+  if (!place.in_view) return;
+  for (int part = lane; part < PEAK_PARTS; part += lanes) {
+    write_part(lines, patch, weights, part, peak);
   }
 }
 

@@ -16,7 +16,7 @@ struct Options {
 
 void run_bench(const Options& options) {
   RunContext context(options.common);
-  print_bench_table(context.engine(), options.bench, options.json);
+  print_bench_table(context.engines(), options.bench, options.json);
 }
 
 }  // namespace

@@ -9,14 +9,15 @@ namespace impactdic {
 
 std::size_t EqualVariant::local_bytes(int window_px) const {
   const auto side = static_cast<std::size_t>(window_px);
-  const std::size_t planes = window_px == lanes * vector ? 1 : 2;
-  return sizeof(cl_float) * (planes * 2 * side * (side + vector) + 2 * side +
-                             static_cast<std::size_t>(pairs) * (2 * side + 14));
+  const std::size_t plane = 2 * side * (side + static_cast<std::size_t>(vector));
+  const std::size_t scratch = window_px == lanes * vector && vector == 1 ? 8 * side : plane;
+  return sizeof(cl_float) * (plane + scratch + 4 * side + 6);
 }
 
 std::string EqualVariant::name() const {
-  return "vector " + std::to_string(vector) + " lanes " + std::to_string(lanes) + " pairs " +
-         std::to_string(pairs) + (width_known ? " width" : "") +
+  return "vector " + std::to_string(vector) + " lanes " + std::to_string(lanes) +
+         (chain > 1 ? " chain " + std::to_string(chain) : "") + (width_known ? " width" : "") +
+         (warp_barrier ? " warp" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
@@ -30,18 +31,19 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
     }
   };
   if (!device.is_gpu) {
-    for (const int vector : {8, 16, 4}) offer({vector, 1, 1, false, 0});
-    offer({1, window_px, 2, true, 0});
+    for (const int vector : {8, 16, 4}) offer({vector, 1, 1, false, false, 0});
+    offer({1, window_px, 2, true, false, 0});
     return variants;
   }
-  const bool limits_registers = device.vendor.find("NVIDIA") != std::string::npos;
-  for (const bool width_known : {true, false}) {
-    for (const int pairs : {2, 1, 4, 16}) offer({1, window_px, pairs, width_known, 0});
+  const bool is_nvidia = device.vendor.find("NVIDIA") != std::string::npos;
+  const bool is_warp = is_nvidia && window_px == 32;
+  for (const int chain : {8, 16, 4, 1}) offer({1, window_px, chain, true, is_warp, 0});
+  for (const int registers : {168, 144, 128}) {
+    if (is_nvidia) offer({1, window_px, 8, true, is_warp, registers});
   }
-  for (const int registers : {160, 128}) {
-    if (limits_registers) offer({1, window_px, 1, true, registers});
-  }
-  offer({4, 1, 1, false, 0});
+  if (is_warp) offer({1, window_px, 8, true, false, 0});
+  offer({1, window_px, 8, false, is_warp, 0});
+  offer({4, 1, 1, false, false, 0});
   return variants;
 }
 
@@ -52,45 +54,60 @@ EqualOpencl::EqualOpencl(Engine& engine, const FieldOptions& options, const Equa
   }
 }
 
-void EqualOpencl::compile(const DeviceFrames& frames) {
+void EqualOpencl::compile(const StoredPictures& pictures) {
   Defines defines = {{"FFT_PX", std::to_string(options_.window_px)},
                      {"VECTOR", std::to_string(variant_.vector)},
                      {"LANES", std::to_string(variant_.lanes)},
-                     {"PIXEL", frames.pixel_type() == PixelType::u8 ? "uchar" : "ushort"}};
-  defines.emplace_back("PAIRS", std::to_string(variant_.pairs));
+                     {"PIXEL", pictures.type == PixelType::u8 ? "uchar" : "ushort"}};
+  if (variant_.chain > 1) defines.emplace_back("CHAIN", std::to_string(variant_.chain));
+  if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
   if (variant_.most_registers > 0) defines.emplace_back("FREE_GROUP_SIZE", "1");
-  if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
-  if (kernel_() != nullptr && defines == defines_) return;
+  if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(pictures.width));
+  if (correlate_() != nullptr && defines == defines_) return;
   const std::string options = variant_.most_registers > 0
                                   ? "-cl-nv-maxrregcount=" + std::to_string(variant_.most_registers)
                                   : "";
-  kernel_ = engine_.kernel("equal.cl", "equal_windows", defines, options);
+  correlate_ = engine_.kernel("equal.cl", "equal_windows", defines, options);
+  finish_ = engine_.kernel("equal.cl", "equal_motions", defines, options);
   defines_ = defines;
 }
 
 void EqualOpencl::run(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
-                      Buffer<WindowMotion>& motions) {
+                      Buffer<WindowMotion>& motions, std::size_t period) {
+  run(StoredPictures{frames.pixels().get(), frames.width(), frames.height(), frames.pixel_type(),
+                     frames.full_scale()},
+      windows, count, motions, period);
+}
+
+void EqualOpencl::run(const StoredPictures& pictures, const Buffer<Window>& windows,
+                      std::size_t count, Buffer<WindowMotion>& motions, std::size_t period) {
   if (count > windows.size() || count > motions.size()) {
     throw InvalidArgument("more windows than their buffers hold");
   }
-  if (frames.width() < options_.window_px || frames.height() < options_.window_px) {
+  if (pictures.width < options_.window_px || pictures.height < options_.window_px) {
     throw InvalidArgument("the pictures are smaller than a window", "--window");
   }
   if (count == 0) return;
-  compile(frames);
-  set_arguments(kernel_, frames.pixels().get(), frames.width(), frames.height(), windows.get(),
-                static_cast<cl_uint>(count),
-                static_cast<float>(min_contrast(options_, frames.full_scale())),
-                static_cast<float>(options_.min_correlation), motions.get());
-  const auto lanes = static_cast<std::size_t>(variant_.lanes);
-  const auto windows_a_group = 2 * static_cast<std::size_t>(variant_.pairs);
+  if (period == 0) period = count;
+  compile(pictures);
+  peaks_.reserve(engine_, count);
   const double side = options_.window_px, points = side * side;
   const auto done = static_cast<double>(count);
-  engine_.launch(
-      engine_.queue(), kernel_,
-      cl::NDRange(round_up(count, windows_a_group) / windows_a_group * lanes), cl::NDRange(lanes),
-      {done * (2 * points * frames.pixel_bytes() + sizeof(Window) + sizeof(WindowMotion)),
-       done * equal_flops(options_.window_px)});
+  const double pixel_bytes = pictures.type == PixelType::u8 ? 1 : 2;
+  set_arguments(correlate_, pictures.pixels, pictures.width, pictures.height, windows.get(),
+                static_cast<cl_uint>(count), static_cast<cl_uint>(period), peaks_.get());
+  const auto lanes = static_cast<std::size_t>(variant_.lanes);
+  const auto followed = static_cast<std::size_t>(variant_.chain) * period;
+  const std::size_t groups = (count + followed - 1) / followed * ((period + 1) / 2);
+  engine_.launch(engine_.queue(), correlate_, cl::NDRange(groups * lanes), cl::NDRange(lanes),
+                 {done * (2 * points * pixel_bytes + sizeof(Window) + sizeof(EqualPeak)),
+                  done * equal_flops(options_.window_px)});
+  set_arguments(finish_, windows.get(), peaks_.get(), pictures.width, pictures.height,
+                static_cast<cl_uint>(count),
+                static_cast<float>(min_contrast(options_, pictures.full_scale)),
+                static_cast<float>(options_.min_correlation), motions.get());
+  engine_.launch(engine_.queue(), finish_, cl::NDRange(round_up(count, 32)), cl::NDRange(32),
+                 {done * (sizeof(Window) + sizeof(EqualPeak) + sizeof(WindowMotion)), 0});
 }
 
 double equal_flops(int window_px) {

@@ -14,9 +14,10 @@ namespace impactdic {
 // One way to compute the same. See kernels/lanes.h.
 struct EqualVariant {
   int vector = 1, lanes = 32;
-  int pairs = 1;             // of windows that a group measures
-  bool width_known = false;  // the pictures' width compiled in
-  int most_registers = 0;    // of a work-item, for NVIDIA's compiler; 0: its choice
+  int chain = 1;              // pictures after each other that a group follows its windows through
+  bool width_known = false;   // the pictures' width compiled in
+  bool warp_barrier = false;  // a group is one warp of an NVIDIA device
+  int most_registers = 0;     // of a work-item, for NVIDIA's compiler; 0: its choice
 
   std::size_t local_bytes(int window_px) const;
   std::string name() const;
@@ -28,6 +29,14 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
 // Real operations of a window, transforms counted as 5 N log2 N.
 double equal_flops(int window_px);
 
+// Pictures on the device as stored: (slots, height, width).
+struct StoredPictures {
+  const cl::Buffer& pixels;
+  int width = 0, height = 0;
+  PixelType type = PixelType::u8;
+  double full_scale = 255;  // grey level of white
+};
+
 class EqualOpencl {
  public:
   // Takes window_px (16 or 32), min_texture and min_correlation of `options`. Throws
@@ -35,18 +44,23 @@ class EqualOpencl {
   EqualOpencl(Engine& engine, const FieldOptions& options, const EqualVariant& variant);
 
   // As ZnccOpencl::run. The guess moves the second window by whole pixels; a guessed rotation is
-  // not looked at.
+  // not looked at. period: the windows come in lists of so many, one after the other; where a list
+  // begins in the pictures in which the one before ends, as with the frames of a clip, windows need
+  // not be transformed twice. 0: one list. Never changes a result.
   void run(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t count,
-           Buffer<WindowMotion>& motions);
+           Buffer<WindowMotion>& motions, std::size_t period = 0);
+  void run(const StoredPictures& pictures, const Buffer<Window>& windows, std::size_t count,
+           Buffer<WindowMotion>& motions, std::size_t period = 0);
 
  private:
-  void compile(const DeviceFrames& frames);
+  void compile(const StoredPictures& pictures);
 
   Engine& engine_;
   FieldOptions options_;
   EqualVariant variant_;
-  cl::Kernel kernel_;
+  cl::Kernel correlate_, finish_;
   Defines defines_;
+  Buffer<EqualPeak> peaks_;
 };
 
 }  // namespace impactdic

@@ -33,16 +33,21 @@ Defines defines_of(const FieldOptions& options, const ZnccVariant& variant) {
           {"FFT_PX", std::to_string(variant.fft_px)}};
 }
 
-// quintic_inverse(n) for every n that a patch may have, as peak.cl wants them.
-std::vector<cl_float> inverses_by_size() {
-  constexpr int kSide = PEAK_PATCH_PX;
-  std::vector<cl_float> all(static_cast<std::size_t>(kSide + 1) * kSide * kSide, 0.0F);
+// The weights that CorrelationPeak (kernels/types.h) speaks of, out of quintic_inverse(n).
+std::vector<cl_float> peak_weights() {
+  constexpr int kSide = PEAK_PATCH_PX, kReach = PEAK_NEAR / 2;
+  std::vector<cl_float> all(static_cast<std::size_t>(kSide + 1) * kSide * kSide * PEAK_WEIGHTS,
+                            0.0F);
   for (int n = 3; n <= kSide; ++n) {
     const std::vector<double> inverse = quintic_inverse(n);
-    for (int i = 0; i < n; ++i) {
-      for (int j = 0; j < n; ++j) {
-        all[static_cast<std::size_t>((n * kSide + i) * kSide + j)] =
-            static_cast<cl_float>(inverse[static_cast<std::size_t>(i * n + j)]);
+    for (int place = 0; place < n; ++place) {
+      for (int k = 0; k < n; ++k) {
+        const int row = (n * kSide + place) * kSide + k;
+        for (int i = 0; i < PEAK_NEAR; ++i) {
+          const int coefficient = mirrored_index(place + i - kReach, n);
+          all[static_cast<std::size_t>(row * PEAK_WEIGHTS + i)] =
+              static_cast<cl_float>(inverse[static_cast<std::size_t>(coefficient * n + k)]);
+        }
       }
     }
   }
@@ -61,13 +66,19 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   const auto side = static_cast<std::size_t>(lags(options));
   const auto size = static_cast<std::size_t>(fft_px), pitch = size + vector;
   const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
+  constexpr std::size_t kLines = PEAK_PATCH_PX * PEAK_WEIGHTS;
+  if (path == ZnccPath::pairs && vector == 1) {
+    const std::size_t plane = std::max(2 * size * pitch, 4 * side * pitch);
+    return sizeof(cl_float) *
+           (plane + std::max(8 * size, 2 * kLines) + 2 * side * side + 4 * size + 8);
+  }
   if (path == ZnccPath::pairs) {
     const std::size_t rows = std::max(size, 2 * side);
     return sizeof(cl_float) *
-           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4);
+           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
   }
   return windows_per_group * sizeof(cl_float) *
-         (planes * 2 * size * pitch + side * side + 2 * lanes);
+         (planes * 2 * size * pitch + side * side + 2 * lanes + kLines);
 }
 
 std::string ZnccVariant::name() const {
@@ -78,7 +89,7 @@ std::string ZnccVariant::name() const {
   if (path == ZnccPath::single) {
     return "single" + shape + " windows " + std::to_string(windows_per_group);
   }
-  return "pairs" + shape + (width_known ? " width" : "") +
+  return "pairs" + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
@@ -87,14 +98,17 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
   const auto offer = [&](const ZnccVariant& variant) {
     if (fits(variant, options, device)) variants.push_back(variant);
   };
-  const bool limits_registers = device.vendor.find("NVIDIA") != std::string::npos;
+  const bool is_nvidia = device.vendor.find("NVIDIA") != std::string::npos;
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
     if (device.is_gpu) {
-      for (const bool width_known : {true, false}) {
-        if (size <= 32) offer({ZnccPath::pairs, size, 1, size, 1, width_known, 0});
+      const bool is_warp = is_nvidia && size == 32;
+      for (const int registers : {168, 144, 128, 0}) {
+        if (size > 32 || (registers > 0 && !is_nvidia)) continue;
+        offer({ZnccPath::pairs, size, 1, size, 1, true, is_warp, registers});
       }
-      if (size <= 32 && limits_registers) offer({ZnccPath::pairs, size, 1, size, 1, true, 144});
+      if (is_warp) offer({ZnccPath::pairs, size, 1, size, 1, true, false, 0});
+      if (size <= 32) offer({ZnccPath::pairs, size, 1, size, 1, false, is_warp, 0});
       for (const int windows : {128 / size, 64 / size, 1}) {
         offer({ZnccPath::single, size, 1, size, windows});
       }
@@ -113,7 +127,7 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
 ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVariant& variant)
     : engine_(engine), options_(options), variant_(variant) {
   Defines defines = defines_of(options, variant);
-  inverses_ = make_buffer<cl_float>(engine, inverses_by_size());
+  weights_ = make_buffer<cl_float>(engine, peak_weights());
   subpixel_ = engine.kernel("peak.cl", "zncc_subpixel");
   if (variant.path == ZnccPath::pairs) return;
   if (variant.path == ZnccPath::single) {
@@ -158,13 +172,15 @@ void ZnccOpencl::compile_pairs(const DeviceFrames& frames) {
   defines.emplace_back("VECTOR", std::to_string(variant_.vector));
   defines.emplace_back("LANES", std::to_string(variant_.lanes));
   if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
+  if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
   std::string limit;
   if (variant_.most_registers > 0) {
     defines.emplace_back("FREE_GROUP_SIZE", "1");
     limit = "-cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
   }
   if (fused_() != nullptr && defines == pairs_defines_) return;
-  fused_ = engine_.kernel("pairs.cl", "zncc_pairs", defines, limit);
+  fused_ = engine_.kernel(variant_.vector == 1 ? "pairs.cl" : "pairs_vector.cl", "zncc_pairs",
+                          defines, limit);
   pairs_defines_ = defines;
 }
 
@@ -183,6 +199,7 @@ void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const Buffer<Window>&
   fused_.setArg(argument++, static_cast<cl_uint>(start));
   fused_.setArg(argument++, static_cast<cl_uint>(count));
   fused_.setArg(argument++, contrast(frames));
+  fused_.setArg(argument++, weights_.get());
   fused_.setArg(argument++, peaks_.get());
   const double area = area_px(options_), window = options_.window_px;
   const auto windows_done = static_cast<double>(count);
@@ -220,6 +237,7 @@ void ZnccOpencl::enqueue_batch(const DeviceFrames& frames, const Buffer<Window>&
   map_.setArg(argument++, sums_.get());
   map_.setArg(argument++, maps_.get());
   map_.setArg(argument++, contrast(frames));
+  map_.setArg(argument++, weights_.get());
   map_.setArg(argument++, peaks_.get());
   map_.setArg(argument++, static_cast<cl_uint>(at));
   engine_.launch(queue, map_, range, group, {planes, 0});
@@ -245,7 +263,6 @@ void ZnccOpencl::run(const DeviceFrames& frames, const Buffer<Window>& windows, 
     subpixel_.setArg(argument++, peaks_.get());
     subpixel_.setArg(argument++, static_cast<cl_uint>(start));
     subpixel_.setArg(argument++, static_cast<cl_uint>(part));
-    subpixel_.setArg(argument++, inverses_.get());
     subpixel_.setArg(argument++, static_cast<cl_float>(options_.min_correlation));
     subpixel_.setArg(argument++, static_cast<cl_float>(options_.window_px * options_.window_px));
     subpixel_.setArg(argument++, motions.get());

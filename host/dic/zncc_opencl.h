@@ -26,6 +26,7 @@ struct ZnccVariant {
   int vector = 1, lanes = 32;
   int windows_per_group = 1;  // of `single`
   bool width_known = false;   // of `pairs`: the pictures' width compiled in
+  bool warp_barrier = false;  // of `pairs`: a group is one warp of an NVIDIA device
   int most_registers = 0;     // of `pairs`, of a work-item, for NVIDIA's compiler; 0: its choice
 
   std::size_t local_bytes(const FieldOptions& options) const;
@@ -69,7 +70,7 @@ class ZnccOpencl {
   cl::Kernel fused_, cut_, power_, map_, subpixel_;
   std::size_t group_ = 64, batch_ = 0;
   std::optional<FftPlan> plan_;
-  Buffer<cl_float> inverses_, maps_;
+  Buffer<cl_float> weights_, maps_;
   Buffer<cl_float2> planes_, levels_, sums_;
   Buffer<CorrelationPeak> peaks_;
 };

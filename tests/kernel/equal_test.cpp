@@ -99,6 +99,54 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Equal,
                          ::testing::Values(Case{32, 8, 37, false}, Case{16, 12, 1, false},
                                            Case{16, 8, 64, true}));
 
+// Lists of windows after each other: most begin where those of the list before end, so that a group
+// of a GPU's variant need not transform them again; some do not.
+TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
+  Engine& engine = shared_engine();
+  FieldOptions options;
+  options.window_px = 16;
+  options.min_correlation = 0.2;
+  DeviceFrames frames(engine, 6);
+  for (int k = 0; k < 6; ++k) {
+    frames.set(k, field().render(kWidth, kHeight, 1.3 * k, -0.7 * k, 0, 0, 0, 8, 2,
+                                 static_cast<unsigned>(k + 1)));
+  }
+  const auto grid = rectangle_grid(20, 20, 64, 48, 16, 8);
+  const std::size_t period = grid.size();
+  ASSERT_EQ(period % 2, 1U) << "a list's last window has no partner";
+  std::vector<Window> windows;
+  for (int pair = 0; pair < 5; ++pair) {
+    for (Window window : grid) {
+      const bool jumps = pair == 3 && windows.size() % 4 == 0;
+      window.first = jumps ? 0 : pair;
+      window.second = pair + 1;
+      // Another guess moves the second window away from where the next list has its first.
+      window.guess_u = windows.size() % 11 == 0 ? 2 : 0;
+      windows.push_back(window);
+    }
+  }
+  windows.resize(windows.size() - 4);
+  const auto input = make_buffer<Window>(engine, windows);
+  // As the one that a CPU offers, so that the program is there already.
+  const EqualVariant variant{1, 16, 2, true, false, 0};
+  const auto measure = [&](std::size_t of) {
+    Buffer<WindowMotion> output(engine, windows.size());
+    EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output, of);
+    return output.to_vector(engine);
+  };
+  const auto apart = measure(0), followed = measure(period);
+  int ok = 0;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    ASSERT_EQ(followed[i].status, apart[i].status) << i;
+    if (apart[i].status != static_cast<int>(WindowStatus::ok)) continue;
+    ++ok;
+    EXPECT_NEAR(followed[i].u, apart[i].u, 1e-5) << i;
+    EXPECT_NEAR(followed[i].v, apart[i].v, 1e-5) << i;
+    EXPECT_NEAR(followed[i].u_sd, apart[i].u_sd, 1e-5) << i;
+  }
+  EXPECT_GT(ok, 100);
+}
+
 TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {
   Engine& engine = shared_engine();
   FieldOptions options;

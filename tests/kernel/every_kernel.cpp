@@ -79,7 +79,7 @@ void run_equal(const EqualVariant& variant) {
   FieldOptions options = small_options(FieldMethod::zncc);
   options.window_px = 16;
   EqualOpencl(setting.engine, options, variant)
-      .run(setting.frames, setting.windows, setting.count, setting.motions);
+      .run(setting.frames, setting.windows, setting.count, setting.motions, 3);
   setting.finish();
 }
 
@@ -127,7 +127,7 @@ void run_ring() {
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_pairs_scalar",
      [] {
-       run_zncc({ZnccPath::pairs, 16, 1, 16, 1, true}, 8);
+       run_zncc({ZnccPath::pairs, 16, 1, 16, 1, true, false, 0}, 8);
      }},
     {"zncc_pairs_vector",
      [] {
@@ -135,11 +135,11 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"equal_scalar",
      [] {
-       run_equal({1, 16, 2, true, 0});
+       run_equal({1, 16, 2, true, false, 0});
      }},
     {"equal_vector",
      [] {
-       run_equal({4, 1, 1, false, 0});
+       run_equal({4, 1, 1, false, false, 0});
      }},
     {"zncc_scalar",
      [] {

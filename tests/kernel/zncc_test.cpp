@@ -108,7 +108,7 @@ std::vector<ZnccVariant> variants_of(const FieldOptions& options, bool every) {
   if (every && !shared_engine().device().is_gpu) {
     std::erase_if(variants,
                   [](const auto& variant) { return variant.vector == 4 || variant.vector == 16; });
-    variants.push_back({ZnccPath::pairs, 16, 1, 16, 1, true});
+    variants.push_back({ZnccPath::pairs, 16, 1, 16, 1, true, false, 0});
   }
   return variants;
 }
