@@ -14,7 +14,7 @@
 #if VECTOR == 1
 #define FFT_FUNCTION INLINE
 #else
-#define FFT_FUNCTION static __attribute__((noinline))
+#define FFT_FUNCTION static inline __attribute__((noinline))
 #endif
 
 // Of w = exp(−2πi k/64), k = 0 … 31: the larger of |cos| and |sin|, signed, and the other over it.

@@ -1,5 +1,8 @@
 // As pairs.cl, for devices whose work-items have wide vectors and share little: a work-item holds
 // VECTOR neighbouring columns and takes BLOCKS of them in turn.
+#ifndef VECTOR
+#define VECTOR 8
+#endif
 #include "kernels/config.h"
 #define PICTURE PIXEL
 #define MAP_SPACE __local

@@ -9,11 +9,15 @@ lint() {
 }
 bad=0
 for file in kernels/*.cl; do lint "$file"; done
+for size in 16 32; do
+  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs.cl
+  lint -DFFT_PX=$size -DCHAIN=8 kernels/equal.cl
+done
 for vector in 4 8 16; do
   for size in 16 32 64; do
     lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/correlate.cl
     [ $size = 64 ] || [ $vector = $size ] && continue
-    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs.cl
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs_vector.cl
     lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size kernels/equal.cl
   done
   for file in prefilter icgn rigid; do lint -DVECTOR=$vector -DGROUP=1 kernels/$file.cl; done
