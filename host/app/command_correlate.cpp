@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cstdio>
+#include <functional>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "host/app/advice_output.h"
@@ -91,13 +93,14 @@ void run_correlate(const CLI::App& command, const Request& request) {
   const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
 
-  const std::string sha256 = sha256_of_clip(request.video);
-  Attributes attributes = run.attributes(info, sha256);
+  std::future<ClipDigest> digest = std::async(std::launch::async, digest_of, std::cref(info));
+  Attributes attributes = run.attributes(info);
   describe(request.field, attributes);
   attributes["option_reference"] = request.reference;
   MotionCsv motion_csv(folder / "motion.csv");
   auto fields =
       FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px, attributes);
+  options.times = run.stage_times();
   int measured = 0;
   Stopwatch watch;
   {
@@ -112,8 +115,11 @@ void run_correlate(const CLI::App& command, const Request& request) {
         std::ref(progress));
   }
   fields.flush();
-  const double rate = static_cast<double>(options.frames.count()) / watch.seconds();
-  nlohmann::json summary = {{"input", describe_input(info, sha256)},
+  const double wall_s = watch.seconds();
+  const double rate = static_cast<double>(options.frames.count()) / wall_s;
+  const ClipDigest found = digest.get();
+  fields.set_source_digest(found);
+  nlohmann::json summary = {{"input", describe_input(info, found)},
                             {"device", run.describe()},
                             {"frames_analysed", options.frames.count()},
                             {"frames_measured", measured},
@@ -127,6 +133,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
                 measured, static_cast<long long>(options.frames.count() - 1), windows.size(), rate,
                 folder.string().c_str());
   }
+  run.print_stages(wall_s, options.frames.count());
   run.print_profile();
 }
 

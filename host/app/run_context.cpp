@@ -42,12 +42,12 @@ std::vector<Engine*> RunContext::engines() {
   return engines;
 }
 
-Attributes RunContext::attributes(const VideoInfo& info, const std::string& sha256) const {
+Attributes RunContext::attributes(const VideoInfo& info) const {
   Attributes attributes = {
       {"program", std::string("impactdic")},
       {"version", std::string(IMPACTDIC_VERSION)},
       {"source", info.path},
-      {"source_sha256", sha256},
+      {"source_sha256", std::string()},
       {"axes", std::string("image axes: x right, y down, pixel centres at integers, (0, 0) the "
                            "centre of the top-left pixel; u along x, v along y; rotation positive "
                            "counter-clockwise as seen on the screen")}};

@@ -27,8 +27,8 @@ class RunContext {
   Engine& engine() { return *engines_.front(); }
   // All of them; none where the run needs no device.
   std::vector<Engine*> engines();
-  // Version, device, driver, source and axes, for fields.h5.
-  Attributes attributes(const VideoInfo& info, const std::string& sha256) const;
+  // Version, device, driver, source (its digest comes later) and axes, for fields.h5.
+  Attributes attributes(const VideoInfo& info) const;
   // The device for summary.json; null without one.
   nlohmann::json describe() const;
   // Where the stages of a pipeline note their times; nullptr without -v.

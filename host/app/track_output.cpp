@@ -128,10 +128,8 @@ void TrackOutput::reach(const ResumePoint& point) {
   if (impl_->since_flush.seconds() > kFlushEvery_s) impl_->flush();
 }
 
-void TrackOutput::set_source_sha256(const std::string& sha256) {
-  if (!impl_->fields) return;
-  impl_->fields->set_attribute("source_sha256", sha256);
-  impl_->fields->flush();
+void TrackOutput::set_source_digest(const ClipDigest& digest) {
+  if (impl_->fields) impl_->fields->set_source_digest(digest);
 }
 
 nlohmann::json TrackOutput::finish() {

@@ -45,7 +45,7 @@ class TrackOutput {
   // Puts the scale into the table, closes everything and sums it up, the impact with it.
   nlohmann::json finish();
   // After `finish`: the clip's digest, known only when all of it has been read.
-  void set_source_sha256(const std::string& sha256);
+  void set_source_digest(const ClipDigest& digest);
   // After `finish`: what was found of an impact, in a line.
   const std::string& impact_line() const;
   const std::vector<TrackRow>& rows() const;

@@ -133,15 +133,13 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.impact = impact_setup(request);
   output_options.resume = request.resume;
   output_options.roi = options.roi;
-  // Beside the run: a digest of a long clip takes longer than a fast device.
-  std::future<std::string> digest;
-  if (!request.no_checksum) {
-    digest = std::async(std::launch::async, [&] { return sha256_of_clip(request.video); });
-  }
-  output_options.attributes = run.attributes(info, "");
+  output_options.attributes = run.attributes(info);
   describe(request.field, output_options.attributes);
   output_options.attributes["option_estimator"] = request.estimator;
   TrackOutput output(output_options);
+  // Beside the run: a digest of a long clip takes longer than a fast device.
+  std::future<ClipDigest> digest;
+  if (!request.no_checksum) digest = std::async(std::launch::async, digest_of, std::cref(info));
   options.from = output.resume_point();
   options.checkpoint = [&](const ResumePoint& point) { output.reach(point); };
   const std::int64_t to_do = options.frames.count() - (options.from ? options.from->next_row : 0);
@@ -156,10 +154,10 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
     const double rate = static_cast<double>(to_do) / watch.seconds();
     summary["frames_per_s"] = rate;
     const Stopwatch waiting;
-    const std::string sha256 = digest.valid() ? digest.get() : "";
-    if (!sha256.empty()) output.set_source_sha256(sha256);
+    const ClipDigest found = digest.valid() ? digest.get() : ClipDigest{};
+    if (!request.no_checksum) output.set_source_digest(found);
     summary["checksum_wait_s"] = waiting.seconds();
-    summary["input"] = describe_input(info, sha256);
+    summary["input"] = describe_input(info, found);
     summary["gravity_angle_deg"] = request.gravity_angle_deg;
     summary["key_frames"] = write_key_frames(*source, output.rows(), summary["impact"], folder);
     write_json(folder / "summary.json", summary);

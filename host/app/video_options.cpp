@@ -1,9 +1,6 @@
 #include "host/app/video_options.h"
 
-#include <filesystem>
-
 #include "host/base/error.h"
-#include "host/base/sha256.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
 #endif
@@ -43,31 +40,6 @@ double resolve_fps(const VideoRequest& request, const VideoInfo& info,
                           info.path, "give it with --fps");
   }
   return 0;
-}
-
-std::string sha256_of_clip(const VideoRequest& request) {
-  namespace fs = std::filesystem;
-  if (request.inputs.size() == 1 && fs::is_regular_file(request.inputs.front())) {
-    return sha256_of_file(request.inputs.front());
-  }
-  std::string listing;
-  for (const std::string& input : request.inputs) {
-    if (fs::is_directory(input)) {
-      std::vector<std::string> lines;
-      for (const auto& entry : fs::directory_iterator(input)) {
-        if (!entry.is_regular_file()) continue;
-        lines.push_back(entry.path().filename().string() + " " + std::to_string(entry.file_size()) +
-                        "\n");
-      }
-      std::sort(lines.begin(), lines.end());
-      for (const std::string& line : lines) listing += line;
-    } else if (fs::is_regular_file(input)) {
-      listing += sha256_of_file(input) + "\n";
-    } else {
-      listing += input + "\n";  // a glob
-    }
-  }
-  return sha256_of_text(listing);
 }
 
 }  // namespace impactdic::app

@@ -29,7 +29,4 @@ std::unique_ptr<FrameSource> open_requested(const VideoRequest& request);
 double resolve_fps(const VideoRequest& request, const VideoInfo& info,
                    const std::string& needed_for);
 
-// SHA-256 of the clip's file; of the names and sizes of its pictures where it is a sequence.
-std::string sha256_of_clip(const VideoRequest& request);
-
 }  // namespace impactdic::app

@@ -234,9 +234,13 @@ void FieldsFile::flush() {
   impl_->write();
   impl_->file.flush();
 }
-void FieldsFile::set_attribute(const std::string& name, const std::string& text) {
+void FieldsFile::set_source_digest(const ClipDigest& digest) {
   const Hdf5Guard guard(hdf5_lock());
-  impl_->file.set_attribute("/", name, text);
+  impl_->file.set_attribute("/", "source_sha256", digest.sha256);
+  if (!digest.header_sha256.empty()) {
+    impl_->file.set_attribute("/", "source_header_sha256", digest.header_sha256);
+  }
+  impl_->file.flush();
 }
 std::size_t FieldsFile::rows() const {
   const Hdf5Guard guard(hdf5_lock());

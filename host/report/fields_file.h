@@ -11,6 +11,7 @@
 
 #include "host/dic/field.h"
 #include "host/track/track_row.h"
+#include "host/video/clip_digest.h"
 
 namespace impactdic {
 
@@ -36,8 +37,8 @@ class FieldsFile {
            std::span<const WindowMotion> field, const TrackRow* row);
   // Frames are gathered; this puts all of them on the disk.
   void flush();
-  // An attribute of the file that became known only later.
-  void set_attribute(const std::string& name, const std::string& text);
+  // Of the clip, known when all of it has been read.
+  void set_source_digest(const ClipDigest& digest);
   std::size_t rows() const;
 
  private:

@@ -26,12 +26,18 @@ struct Mean {
 
 }  // namespace
 
-json describe_input(const VideoInfo& info, const std::string& sha256) {
-  json input = {
-      {"path", info.path},         {"sha256", sha256.empty() ? json(nullptr) : json(sha256)},
-      {"format", info.format},     {"width_px", info.width},
-      {"height_px", info.height},  {"bits", info.bits},
-      {"frames", info.frame_count}};
+json describe_input(const VideoInfo& info, const ClipDigest& digest) {
+  const auto or_null = [](const std::string& text) {
+    return text.empty() ? json(nullptr) : json(text);
+  };
+  json input = {{"path", info.path},         {"sha256", or_null(digest.sha256)},
+                {"format", info.format},     {"width_px", info.width},
+                {"height_px", info.height},  {"bits", info.bits},
+                {"frames", info.frame_count}};
+  if (!info.header_path.empty()) {
+    input["header_path"] = info.header_path;
+    input["header_sha256"] = or_null(digest.header_sha256);
+  }
   input["camera"] = info.camera.empty() ? json(nullptr) : json(info.camera);
   input["fps"] = info.fps ? json(*info.fps) : json(nullptr);
   input["exposure_s"] = info.exposure_s ? json(*info.exposure_s) : json(nullptr);

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "host/track/track_row.h"
-#include "host/video/frame_source.h"
+#include "host/video/clip_digest.h"
 
 namespace impactdic {
 
-// The input as it describes itself, with its SHA-256.
-nlohmann::json describe_input(const VideoInfo& info, const std::string& sha256);
+// The input as it describes itself, with its SHA-256 (null where `digest` is empty).
+nlohmann::json describe_input(const VideoInfo& info, const ClipDigest& digest);
 
 // Frames by status, mean speed, ball, scale. Figures that were not measured are null.
 nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale);

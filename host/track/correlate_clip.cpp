@@ -1,10 +1,15 @@
 #include "host/track/correlate_clip.h"
 
+#include <tbb/parallel_pipeline.h>
+
 #include <algorithm>
+#include <array>
+#include <future>
 #include <utility>
 
 #include "host/base/error.h"
 #include "host/dic/correlator.h"
+#include "host/opencl/engine.h"
 #include "host/track/coarse_search.h"
 #include "host/track/field_motion.h"
 #include "host/track/frame_pipeline.h"
@@ -29,52 +34,150 @@ bool on_surface(const Window& window, int window_px, const Image<std::uint8_t>& 
   return true;
 }
 
-class RegionCorrelator {
- public:
-  RegionCorrelator(Engine& engine, const CorrelateOptions& options, const CorrelateSink& sink)
-      : options_(options),
-        sink_(sink),
-        correlator_(make_opencl_correlator(engine, options.field, 2)),
-        coarse_(engine, options.field),
-        windows_(region_grid(options)),
-        cx_px_(options.roi.x + (options.roi.width - 1) / 2.0),
-        cy_px_(options.roi.y + (options.roi.height - 1) / 2.0) {}
+// One frame's result, owning its field.
+struct Measured {
+  CorrelatedFrame frame;
+  std::vector<WindowMotion> field;
+};
 
-  void take(const Frame& frame, std::int64_t index) {
-    CorrelatedFrame out;
-    out.frame = options_.frames.at(index);
-    const double rate =
-        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
-    out.time_s = static_cast<double>(index) / rate;
-    std::vector<WindowMotion> field;
-    if (index == 0) {
-      correlator_->set_frame(0, frame);
-      out.is_reference = true;
-      out.motion.ok = true;
-    } else {
-      const bool first = options_.reference == ReferenceFrame::first;
-      const int now = first ? 1 : static_cast<int>(index % 2);
-      correlator_->set_frame(now, frame);
-      field = measure(first ? 0 : 1 - now, now, out);
-      if (!out.motion.ok || share_ < kWellFound) {
-        search_anew(frame, first ? 0 : 1 - now, now, out, field);
-      } else {
-        vain_searches_ = 0;
-      }
-      if (out.motion.ok) guess_ = out.motion;
-    }
-    if (index == 0 || options_.reference == ReferenceFrame::previous) before_ = frame;
-    out.field = field;
-    sink_(out);
+using FramePtr = std::shared_ptr<const Frame>;
+
+// Frames on a device of its own queue, and what measures between them.
+class Lane {
+ public:
+  Lane(const Engine& engine, const FieldOptions& options)
+      : engine_(engine.beside()), correlator_(make_opencl_correlator(*engine_, options, kSlots)) {}
+
+  // Copies frame `index` there, unless it is there already. `slot` is its own.
+  void hold(int slot, const Frame& frame, std::int64_t index) {
+    std::int64_t& held = held_[static_cast<std::size_t>(slot)];
+    if (held == index) return;
+    correlator_->set_frame(slot, frame);
+    held = index;
+  }
+  std::vector<WindowMotion> correlate(std::span<const Window> windows) {
+    return correlator_->correlate(windows);
   }
 
  private:
+  static constexpr int kSlots = 2;
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Correlator> correlator_;
+  std::array<std::int64_t, kSlots> held_ = {-1, -1};
+};
+
+struct CorrelateStages {
+  int read = 0, upload = 0, device = 0, fit = 0, write = 0;
+};
+
+// Where a frame is looked for depends on the one before: frames are measured one after the other,
+// and while one is, the next one travels to the device.
+class RegionCorrelator {
+ public:
+  RegionCorrelator(Engine& engine, const CorrelateOptions& options, const CorrelateStages& stages)
+      : options_(options),
+        stages_(stages),
+        coarse_(engine, options.field),
+        windows_(region_grid(options)),
+        cx_px_(options.roi.x + (options.roi.width - 1) / 2.0),
+        cy_px_(options.roi.y + (options.roi.height - 1) / 2.0) {
+    const int lanes = lanes_of(engine, options);
+    for (int k = 0; k < lanes; ++k) lanes_.push_back(std::make_unique<Lane>(engine, options.field));
+  }
+  ~RegionCorrelator() {
+    if (upload_.valid()) upload_.wait();
+  }
+
+  // A CPU that is the device itself gains nothing from copies beside its kernels.
+  static int lanes_of(const Engine& engine, const CorrelateOptions& options) {
+    return options.lanes > 0 ? options.lanes : engine.device().is_gpu ? 2 : 1;
+  }
+
+  // Sends the frame on its way and gives out the one before, measured; nullopt for the first.
+  std::optional<Measured> take(FramePtr frame, std::int64_t index) {
+    if (next_) upload_.get();
+    std::optional<Task> now = std::exchange(next_, Task{std::move(frame), index});
+    const bool ahead = lanes_.size() > 1;
+    if (!now) {
+      before_ = next_->frame;
+      upload_next(std::launch::async);
+      return std::nullopt;
+    }
+    if (ahead) upload_next(std::launch::async);
+    Measured out = measure(*now);
+    if (!ahead) upload_next(std::launch::deferred);
+    return out;
+  }
+  // The last one.
+  std::optional<Measured> end() {
+    if (!next_) return std::nullopt;
+    upload_.get();
+    const Task now = *std::exchange(next_, std::nullopt);
+    return measure(now);
+  }
+
+ private:
+  struct Task {
+    FramePtr frame;
+    std::int64_t index = 0;
+  };
+
+  bool from_first() const { return options_.reference == ReferenceFrame::first; }
+  Lane& lane_of(std::int64_t index) {
+    return *lanes_[static_cast<std::size_t>(index) % lanes_.size()];
+  }
+  int slot_of(std::int64_t index) const {
+    return from_first() ? (index == 0 ? 0 : 1) : static_cast<int>(index % 2);
+  }
+
+  // Both pictures of the pair; the one before is mostly there.
+  void upload_next(std::launch how) {
+    const FramePtr before = from_first() || !last_ ? before_ : last_;
+    const std::int64_t from = from_first() ? 0 : std::max<std::int64_t>(0, next_->index - 1);
+    last_ = next_->frame;
+    upload_ = std::async(how, [this, before, from, next = *next_] {
+      const StageTimes::Scope timed(options_.times, stages_.upload);
+      Lane& lane = lane_of(next.index);
+      if (from < next.index) lane.hold(slot_of(from), *before, from);
+      lane.hold(slot_of(next.index), *next.frame, next.index);
+    });
+  }
+
+  Measured measure(const Task& now) {
+    Measured out;
+    CorrelatedFrame& frame = out.frame;
+    frame.frame = options_.frames.at(now.index);
+    const double rate =
+        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
+    frame.time_s = static_cast<double>(now.index) / rate;
+    if (now.index == 0) {
+      frame.is_reference = true;
+      frame.motion.ok = true;
+    } else {
+      out.field = look(now.index, frame);
+      if (!frame.motion.ok || share_ < kWellFound) {
+        search_anew(now, frame, out.field);
+      } else {
+        vain_searches_ = 0;
+      }
+      if (frame.motion.ok) guess_ = frame.motion;
+    }
+    if (now.index == 0 || !from_first()) before_ = now.frame;
+    return out;
+  }
+
   // Looks about what `guess_` says.
-  std::vector<WindowMotion> measure(int before, int now, CorrelatedFrame& out) {
+  std::vector<WindowMotion> look(std::int64_t index, CorrelatedFrame& out) {
     const int window_px = options_.field.window_px;
-    aim_windows(windows_, window_px, before, now,
+    const std::int64_t from = from_first() ? 0 : index - 1;
+    aim_windows(windows_, window_px, slot_of(from), slot_of(index),
                 {cx_px_, cy_px_, guess_.dx_px, guess_.dy_px, guess_.rot_rad});
-    std::vector<WindowMotion> field = correlator_->correlate(windows_);
+    std::vector<WindowMotion> field;
+    {
+      const StageTimes::Scope timed(options_.times, stages_.device);
+      field = lane_of(index).correlate(windows_);
+    }
+    const StageTimes::Scope timed(options_.times, stages_.fit);
     out.motion = fit_rigid_motion(field_points(windows_, field, window_px), cx_px_, cy_px_);
     account_for_overlap(out.motion, window_px, options_.effective_spacing_px());
     share_ = agreeing_share(out.motion, field);
@@ -84,16 +187,15 @@ class RegionCorrelator {
   }
 
   // Finds the region without a guess and measures again; keeps what more windows agree on.
-  void search_anew(const Frame& frame, int before, int now, CorrelatedFrame& out,
-                   std::vector<WindowMotion>& field) {
+  void search_anew(const Task& now, CorrelatedFrame& out, std::vector<WindowMotion>& field) {
     if (vain_searches_ >= kVainSearches) return;
     ++vain_searches_;
-    const RigidMotion coarse = coarse_.find(before_, frame, options_.roi);
+    const RigidMotion coarse = coarse_.find(*before_, *now.frame, options_.roi);
     if (!coarse.ok) return;
     const RigidMotion kept = std::exchange(guess_, coarse);
     const double share = share_;
     CorrelatedFrame again = out;
-    std::vector<WindowMotion> field_again = measure(before, now, again);
+    std::vector<WindowMotion> field_again = look(now.index, again);
     if (share_ > share) {
       out = again;
       field = std::move(field_again);
@@ -103,12 +205,15 @@ class RegionCorrelator {
   }
 
   const CorrelateOptions& options_;
-  const CorrelateSink& sink_;
-  std::unique_ptr<Correlator> correlator_;
+  CorrelateStages stages_;
+  std::vector<std::unique_ptr<Lane>> lanes_;
   CoarseSearch coarse_;
   std::vector<Window> windows_;
   double cx_px_, cy_px_;
-  Frame before_;           // what the motion is measured from
+  std::optional<Task> next_;  // on its way to the device
+  std::future<void> upload_;
+  FramePtr last_;          // the last one sent
+  FramePtr before_;        // what the motion of the frame that is being measured starts from
   RigidMotion guess_;      // the last motion measured: where to look next
   double share_ = 0;       // of the windows with texture that agreed on the last motion
   int vain_searches_ = 0;  // since a motion was found
@@ -132,17 +237,55 @@ std::vector<Window> region_grid(const CorrelateOptions& options) {
 
 void correlate_clip(FrameSource& source, Engine& engine, const CorrelateOptions& options,
                     const CorrelateSink& sink, const ProgressFn& progress) {
-  constexpr int kBatch = 8;
+  constexpr int kBatch = 8, kBatchesAhead = 8;
   options.field.validate();
-  RegionCorrelator region(engine, options, sink);
+  CorrelateStages stages;
+  if (options.times != nullptr) {
+    stages.read = options.times->add_stage("read", kBatchesAhead);
+    stages.upload = options.times->add_stage("upload", RegionCorrelator::lanes_of(engine, options));
+    stages.device = options.times->add_stage("kernels, results", 1);
+    stages.fit = options.times->add_stage("fits", 1);
+    stages.write = options.times->add_stage("write", 1);
+  }
+  RegionCorrelator region(engine, options, stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
-  for_each_batch(source, options.frames, 0, whole, kBatch, [&](FrameBatch& batch) {
-    for (std::size_t i = 0; i < batch.frames.size(); ++i) {
-      const std::int64_t index = batch.first_index + static_cast<std::int64_t>(i);
-      region.take(batch.frames[i], index);
-      progress(index + 1, options.frames.count());
-    }
-  });
+  BatchReader reader(source, options.frames, 0, whole, kBatch);
+  std::exception_ptr error;
+  std::int64_t done = 0;
+  const auto write = [&](Measured& measured) {
+    const StageTimes::Scope timed(options.times, stages.write);
+    measured.frame.field = measured.field;
+    sink(measured.frame);
+    progress(++done, options.frames.count());
+  };
+  using Read = std::shared_ptr<FrameBatch>;
+  using Results = std::shared_ptr<std::vector<Measured>>;
+  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
+  tbb::parallel_pipeline(
+      kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
+                       Read batch = reader.next();
+                       if (!batch) control.stop();
+                       return batch;
+                     }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
+                       const StageTimes::Scope timed(options.times, stages.read);
+                       reader.decode(*batch);
+                       return batch;
+                     }) & tbb::make_filter<Read, Results>(kInOrder, [&](const Read& batch) {
+                       auto results = std::make_shared<std::vector<Measured>>();
+                       if (error) return results;
+                       error = batch->error;
+                       for (std::size_t i = 0; i < batch->frames.size(); ++i) {
+                         auto measured =
+                             region.take(FramePtr(batch, &batch->frames[i]),
+                                         batch->first_index + static_cast<std::int64_t>(i));
+                         if (measured) results->push_back(std::move(*measured));
+                       }
+                       return results;
+                     }) & tbb::make_filter<Results, void>(kInOrder, [&](const Results& results) {
+                       for (Measured& measured : *results) write(measured);
+                     }));
+  if (auto last = region.end()) write(*last);
+  if (error) std::rethrow_exception(error);
 }
 
 }  // namespace impactdic

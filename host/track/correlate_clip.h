@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
+#include "host/base/stage_times.h"
 #include "host/dic/field.h"
 #include "host/dic/rigid_fit.h"
 #include "host/track/frame_range.h"
@@ -29,6 +30,8 @@ struct CorrelateOptions {
   ReferenceFrame reference = ReferenceFrame::first;
   Image<std::uint8_t> mask;  // empty, or the picture's size: windows stand on non-zero pixels only
   double fps = 0;            // of the stored frames; 0 where unknown (time_s then counts frames)
+  int lanes = 0;             // pictures on the device at a time, 1 or 2; 0: as suits the device
+  StageTimes* times = nullptr;  // gets the stages' times where given
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }
@@ -50,6 +53,7 @@ struct CorrelatedFrame {
 
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;
 
+// Called in order, once a frame. Reading and writing run beside the measurement.
 void correlate_clip(FrameSource& source, Engine& engine, const CorrelateOptions& options,
                     const CorrelateSink& sink, const ProgressFn& progress);
 

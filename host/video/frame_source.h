@@ -14,9 +14,11 @@ namespace impactdic {
 
 // What a file says of itself. Absent facts are absent, never guessed.
 struct VideoInfo {
-  std::string path;     // as opened
-  std::string format;   // "Phantom cine", "Photron mraw", "TIFF", ...
-  std::string camera;   // model, "" where the file does not say
+  std::string path;                // of the pixels, as opened; of a sequence its first file
+  std::string header_path;         // where that is a file of its own
+  std::vector<std::string> files;  // of a sequence, in order; else empty
+  std::string format;              // "Phantom cine", "Photron mraw", "TIFF", ...
+  std::string camera;              // model, "" where the file does not say
   std::string storage;  // how pixels are stored: "12-bit packed", "16-bit little-endian", ...
   int width = 0, height = 0;
   int bits = 8;  // effective bits of a pixel

@@ -27,6 +27,7 @@ class ImageSequence : public FrameSource {
       : paths_(paths), options_(options) {
     info_ = open_picture(paths_.front(), options_)->info();
     info_.format += " sequence";
+    info_.files = paths_;
     info_.frame_count = static_cast<std::int64_t>(paths_.size());
     info_.extra.emplace_back("last_file", paths_.back());
   }

@@ -114,6 +114,7 @@ class MrawSource : public FrameSource {
 
   void fill_info(const MrawPair& pair) {
     info_.path = pair.pixels;
+    info_.header_path = pair.header;
     info_.format = "Photron mraw";
     info_.camera = facts_.camera;
     info_.storage = packing_name(packing_);

@@ -4,6 +4,8 @@
 #include <thread>
 
 #include "host/base/error.h"
+#include "host/base/sha256.h"
+#include "host/video/clip_digest.h"
 #include "host/video/frame_sink.h"
 #include "host/video/unpack.h"
 #include "tests/support/video.h"
@@ -235,6 +237,40 @@ TEST_P(ManyThreads, ReadTheSamePixels) {
 INSTANTIATE_TEST_SUITE_P(Formats, ManyThreads,
                          ::testing::Values(SinkFormat::tiff, SinkFormat::cine,
                                            SinkFormat::cine_packed12, SinkFormat::mraw_packed12));
+
+std::string write_clip(const std::string& path, SinkFormat format, std::uint32_t seed) {
+  VideoInfo info;
+  info.width = info.height = 8;
+  info.frame_count = 2;
+  info.fps = 1000;
+  auto sink = open_sink(path, format, info);
+  for (std::uint32_t k = 0; k < 2; ++k) sink->write(random_frame(8, 8, 8, seed + k));
+  sink->finish();
+  return path;
+}
+
+// Whichever of the two files is named.
+TEST(ClipDigest, CoversPixelsAndHeaderOfAPhotronPair) {
+  const TemporaryFolder folder;
+  const std::string pixels = write_clip(folder.file("clip.mraw"), SinkFormat::mraw, 1);
+  for (const std::string& named : {pixels, folder.file("clip.cihx")}) {
+    const ClipDigest digest = digest_of(open_video({named})->info());
+    EXPECT_EQ(digest.sha256, sha256_of_file(pixels));
+    EXPECT_EQ(digest.header_sha256, sha256_of_file(folder.file("clip.cihx")));
+  }
+  write_clip(folder.file("other.mraw"), SinkFormat::mraw, 2);
+  EXPECT_NE(sha256_of_file(pixels), sha256_of_file(folder.file("other.mraw")));
+}
+
+TEST(ClipDigest, CoversEveryPictureOfASequence) {
+  const TemporaryFolder folder;
+  const auto a = write_clip(folder.file("f2.tif"), SinkFormat::tiff, 1);
+  const auto b = write_clip(folder.file("f10.tif"), SinkFormat::tiff, 5);
+  const ClipDigest digest = digest_of(open_video({folder.file("f*.tif")})->info());
+  EXPECT_EQ(digest.sha256,
+            sha256_of_text(sha256_of_file(a) + "  f2.tif\n" + sha256_of_file(b) + "  f10.tif\n"));
+  EXPECT_EQ(digest.header_sha256, "");
+}
 
 }  // namespace
 }  // namespace impactdic
