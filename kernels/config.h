@@ -60,4 +60,9 @@
 #define PARAMETERS 3
 #endif
 
+// rigid.cl: 1 where a mask says which pixels of the first picture count.
+#ifndef MASKED
+#define MASKED 0
+#endif
+
 #endif  // IMPACTDIC_KERNELS_CONFIG_H_

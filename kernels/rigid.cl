@@ -58,6 +58,11 @@ typedef struct Shared {
   int histogram[BINS];
 } Shared;
 
+// What is compared has this area, px: the disc, or the mask's pixels in it.
+static inline float compared_area(const BallTask task, const BallLimits limits) {
+  return limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+}
+
 // The disc's bounding box within the first picture.
 typedef struct Box {
   int x0, y0, x1, y1;  // half open
@@ -105,8 +110,9 @@ static inline void count_residuals(const REAL r, const REAL weight, const float 
 // One pass over the disc: the weighted sums of products of all columns, and the histogram.
 // value: the first picture's planes; second: coefficient of pixel (0, 0) of the second picture.
 BARRIER_INLINE void pass(__global const float* value, __global const float* second,
-                         const BallTask task, const Box box, const BallLimits limits,
+                         __global const float* mask, const BallTask task, const Box box, const BallLimits limits,
                          __local float* scratch, __local Shared* shared) {
+  (void)mask;
   const int item = (int)get_local_id(0);
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
   const int units = (box.y1 - box.y0) * box.chunks;
@@ -138,6 +144,9 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
     w = x + (rest_cx + whole_cx) < (float)box.x1 - 0.5f ? w : zero;
     w = fmin(view_x, most_x - view_x) >= 0.0f ? w : zero;
     w = fmin(view_y, most_y - view_y) >= 0.0f ? w : zero;
+#if MASKED
+    w *= LOAD_REAL(mask + (size_t)py * limits.plane_pitch + px);
+#endif
 #if VECTOR == 1
     if (w == 0.0f) continue;
 #endif
@@ -234,8 +243,7 @@ static inline float median_scale(__local const Shared* shared) {
 static inline void step(__local Shared* shared, const BallTask task, const BallLimits limits) {
   __local float* sums = shared->sums;
   const float count = sums[0];
-  const float disc = 3.14159265f * task.radius * task.radius;
-  if (!(count > SMALLEST_SHARE * disc)) {
+  if (!(count > SMALLEST_SHARE * compared_area(task, limits))) {
     shared->status = shared->scale > 0.0f ? STATUS_LOW_CORRELATION : STATUS_OUT_OF_VIEW;
     return;
   }
@@ -365,11 +373,12 @@ static inline void store_failure(__global BallMotion* out) {
 
 // coefficients, planes: of SplineFrames (prefilter.cl), the former from element `offset` on.
 // smooth_taps: (limits.smooth_radius + 1) weights of the pre-smoothing. noise: see warp_noise, and
-// in its last element the noise variance of the first picture. One group of GROUP a task.
+// in its last element the noise variance of the first picture. mask: weights of the first picture's
+// pixels, rows as the planes' (MASKED 1; else not read). One group of GROUP a task.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     __global const float* coefficients, const int offset, __global const float* planes,
     __global const BallTask* tasks, __global BallMotion* motions, const BallLimits limits,
-    __constant float* smooth_taps, const float4 noise) {
+    __constant float* smooth_taps, const float4 noise, __global const float* mask) {
   __local float scratch[REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
@@ -397,7 +406,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     for (int b = item; b < BINS; b += GROUP) shared.histogram[b] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (shared.status != STATUS_RUNNING) break;
-    pass(value, second, task, box, limits, scratch, &shared);
+    pass(value, second, mask, task, box, limits, scratch, &shared);
     if (item == 0) step(&shared, task, limits);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
@@ -413,7 +422,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   out->steps = shared.steps;
   out->correlation = shared.correlation;
   out->residual = sqrt(shared.variance);
-  out->used = shared.carried / (3.14159265f * task.radius * task.radius);
+  out->used = shared.carried / compared_area(task, limits);
   if (status == STATUS_OK) {
     const float second_noise =
         warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise);

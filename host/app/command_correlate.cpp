@@ -24,13 +24,20 @@ struct Request {
   Common common;
   VideoRequest video;
   FieldRequest field;
-  std::string output, frames, roi, reference = "first", mask;
+  std::string output, frames, roi, reference = "first", mask, polygon, motion = "windows";
 };
 
 ReferenceFrame parse_reference(const std::string& word) {
   if (word == "first") return ReferenceFrame::first;
   if (word == "previous") return ReferenceFrame::previous;
   throw InvalidArgument("'" + word + "' is not a reference", "--reference", "first or previous");
+}
+
+RegionMotion parse_motion(const std::string& word) {
+  if (word == "windows") return RegionMotion::windows;
+  if (word == "region") return RegionMotion::region;
+  throw InvalidArgument("'" + word + "' is no way to measure the motion", "--motion",
+                        "windows or region");
 }
 
 Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
@@ -48,6 +55,16 @@ Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
     mask.data()[i] =
         frame.type == PixelType::u8 ? frame.u8.data()[i] != 0 : frame.u16.data()[i] != 0;
   }
+  return mask;
+}
+
+// What both leave: the mask's picture and the polygon.
+Image<std::uint8_t> resolve_mask(const Request& request, const VideoInfo& clip) {
+  Image<std::uint8_t> mask = read_mask(request.mask, clip);
+  if (request.polygon.empty()) return mask;
+  const Image<std::uint8_t> polygon = parse_polygon(request.polygon, clip.width, clip.height);
+  if (mask.size() == 0) return polygon;
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.data()[i] &= polygon.data()[i];
   return mask;
 }
 
@@ -75,9 +92,12 @@ void run_correlate(const CLI::App& command, const Request& request) {
   options.field = resolve(request.field);
   options.spacing_px = request.field.spacing_px;
   options.frames = parse_frame_range(request.frames, info.frame_count);
-  options.roi = resolve_roi(request.roi, info, options.field.search_px);
+  options.mask = resolve_mask(request, info);
+  options.roi = request.roi.empty() && !request.polygon.empty()
+                    ? extent(options.mask)
+                    : resolve_roi(request.roi, info, options.field.search_px);
   options.reference = parse_reference(request.reference);
-  options.mask = read_mask(request.mask, info);
+  options.motion = parse_motion(request.motion);
   options.fps = resolve_fps(request.video, info, "");
   if (options.frames.count() < 2) {
     throw InvalidArgument("a displacement needs two frames", info.path,
@@ -97,6 +117,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
   Attributes attributes = run.attributes(info);
   describe(request.field, attributes);
   attributes["option_reference"] = request.reference;
+  attributes["option_motion"] = request.motion;
   MotionCsv motion_csv(folder / "motion.csv");
   auto fields =
       FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px, attributes);
@@ -151,7 +172,14 @@ void add_correlate_command(CLI::App& app) {
       "--roi", request->roi,
       "X,Y,W,H: the rectangle that is measured, px; without it, the picture less the "
       "search radius");
-  command->add_option("--mask", request->mask, "Picture: windows stand on its non-zero pixels");
+  command->add_option("--mask", request->mask, "Picture: only its non-zero pixels are measured");
+  command->add_option("--polygon", request->polygon,
+                      "X,Y,X,Y,X,Y...: corners, px; only pixels inside are measured");
+  command
+      ->add_option("--motion", request->motion,
+                   "Rigid motion of the region: windows (robust fit to their displacements) or "
+                   "region (one registration of all its pixels, for rigid bodies)")
+      ->capture_default_str();
   command->add_option("--frames", request->frames, "A:B[:STEP]: frames analysed, B excluded");
   add_field_options(*command, request->field);
   add_common_options(*command, request->common);

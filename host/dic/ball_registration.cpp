@@ -25,7 +25,8 @@ BallRegistration::BallRegistration(Engine& engine, const BallOptions& options,
                           {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
                            {"VECTOR", std::to_string(tiling_.vector)},
                            {"GROUP", std::to_string(tiling_.group)},
-                           {"PARAMETERS", options.affine ? "6" : "3"}});
+                           {"PARAMETERS", options.affine ? "6" : "3"},
+                           {"MASKED", options.mask.size() > 0 ? "1" : "0"}});
   const auto taps = gaussian_taps(options.presmooth_sigma_px);
   smooth_radius_ = static_cast<int>(taps.size()) - 1;
   smooth_taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
@@ -33,6 +34,27 @@ BallRegistration::BallRegistration(Engine& engine, const BallOptions& options,
   const double at_pixel = noise[0] + noise[1] + noise[2];
   noise_ = {{static_cast<float>(noise[0]), static_cast<float>(noise[1]),
              static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
+}
+
+void BallRegistration::write_mask(const SplineFrames& splines) {
+  const Image<std::uint8_t>& mask = options_.mask;
+  if (mask.size() == 0) {
+    mask_ = Buffer<float>(engine_, 1);
+    return;
+  }
+  if (mask.width() != splines.width() || mask.height() != splines.height()) {
+    throw InvalidArgument("the mask has another size than the frames");
+  }
+  const auto pitch = static_cast<std::size_t>(splines.plane_pitch());
+  std::vector<float> weights(pitch * static_cast<std::size_t>(mask.height()) + pitch);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      const float weight = mask(x, y) != 0 ? 1.0F : 0.0F;
+      weights[static_cast<std::size_t>(y) * pitch + static_cast<std::size_t>(x)] = weight;
+      mask_area_ += weight;
+    }
+  }
+  mask_ = make_buffer<float>(engine_, weights);
 }
 
 std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
@@ -48,6 +70,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   }
   const SplineFrames& splines =
       frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
+  if (mask_.size() == 0) write_mask(splines);
   tasks_.reserve(engine_, tasks.size());
   motions_.reserve(engine_, tasks.size());
   tasks_.write(engine_, tasks);
@@ -62,9 +85,10 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   limits.grey_level = static_cast<float>(frames.full_scale() / 255);
   limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
   limits.min_correlation = static_cast<float>(options_.min_correlation);
+  limits.mask_area = mask_area_;
   set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),
                 splines.planes().get(), tasks_.get(), motions_.get(), limits, smooth_taps_.get(),
-                noise_);
+                noise_, mask_.get());
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 11 : 8;
   // Four steps are typical.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "host/base/image.h"
 #include "host/dic/device_frames.h"
 #include "host/dic/field.h"
 #include "host/dic/spline_frames.h"
@@ -19,7 +20,9 @@ struct BallOptions {
   int max_steps = 30;
   double min_correlation = 0.6;  // ZNCC below which a ball is low_correlation
   double min_texture = 1.0;      // rms contrast, grey levels of 255, below which it is no_texture
-  void validate() const;         // throws InvalidArgument
+  // Which pixels of the first frame count (not 0), of the frames' size; empty: all of the disc.
+  Image<std::uint8_t> mask;
+  void validate() const;  // throws InvalidArgument
 };
 
 // A task's disc should end this far within the ball's rim: nearer, background shines through.
@@ -39,7 +42,9 @@ class BallRegistration {
   BallOptions options_;
   Tiling tiling_;
   cl::Kernel kernel_;
-  Buffer<float> smooth_taps_;
+  void write_mask(const SplineFrames& splines);
+  Buffer<float> smooth_taps_, mask_;
+  float mask_area_ = 0;
   Buffer<BallTask> tasks_;
   Buffer<BallMotion> motions_;
   int smooth_radius_ = 0;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <future>
 #include <utility>
 
 #include "host/base/error.h"
+#include "host/dic/ball_registration.h"
 #include "host/dic/correlator.h"
 #include "host/opencl/engine.h"
 #include "host/track/coarse_search.h"
@@ -42,18 +44,44 @@ struct Measured {
 
 using FramePtr = std::shared_ptr<const Frame>;
 
+// The region's pixels as the mask of a registration.
+BallOptions region_options(const CorrelateOptions& options, const VideoInfo& clip) {
+  BallOptions region;
+  region.min_correlation = options.field.min_correlation;
+  region.min_texture = options.field.min_texture;
+  region.mask = Image<std::uint8_t>(clip.width, clip.height, 0);
+  const Roi& roi = options.roi;
+  for (int y = roi.y; y < roi.y + roi.height; ++y) {
+    for (int x = roi.x; x < roi.x + roi.width; ++x) {
+      region.mask(x, y) = options.mask.size() == 0 || options.mask(x, y) != 0 ? 1 : 0;
+    }
+  }
+  return region;
+}
+
 // Frames on a device of its own queue, and what measures between them.
 class Lane {
  public:
-  Lane(const Engine& engine, const FieldOptions& options)
-      : engine_(engine.beside()), correlator_(make_opencl_correlator(*engine_, options, kSlots)) {}
+  Lane(const Engine& engine, const CorrelateOptions& options, const VideoInfo& clip)
+      : engine_(engine.beside()),
+        correlator_(make_opencl_correlator(*engine_, options.field, kSlots)) {
+    if (options.motion == RegionMotion::region) {
+      frames_.emplace(*engine_, kSlots);
+      registration_.emplace(*engine_, region_options(options, clip));
+    }
+  }
 
   // Copies frame `index` there, unless it is there already. `slot` is its own.
   void hold(int slot, const Frame& frame, std::int64_t index) {
     std::int64_t& held = held_[static_cast<std::size_t>(slot)];
     if (held == index) return;
     correlator_->set_frame(slot, frame);
+    if (frames_) frames_->set(slot, frame);
     held = index;
+  }
+  // The region as a whole; `task` holds what is expected.
+  BallMotion register_region(const BallTask& task) {
+    return registration_->measure(*frames_, {&task, 1})[0];
   }
   std::vector<WindowMotion> correlate(std::span<const Window> windows) {
     return correlator_->correlate(windows);
@@ -63,6 +91,8 @@ class Lane {
   static constexpr int kSlots = 2;
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<Correlator> correlator_;
+  std::optional<DeviceFrames> frames_;
+  std::optional<BallRegistration> registration_;
   std::array<std::int64_t, kSlots> held_ = {-1, -1};
 };
 
@@ -74,7 +104,8 @@ struct CorrelateStages {
 // and while one is, the next one travels to the device.
 class RegionCorrelator {
  public:
-  RegionCorrelator(Engine& engine, const CorrelateOptions& options, const CorrelateStages& stages)
+  RegionCorrelator(Engine& engine, const CorrelateOptions& options, const VideoInfo& clip,
+                   const CorrelateStages& stages)
       : options_(options),
         stages_(stages),
         coarse_(engine, options.field),
@@ -82,7 +113,7 @@ class RegionCorrelator {
         cx_px_(options.roi.x + (options.roi.width - 1) / 2.0),
         cy_px_(options.roi.y + (options.roi.height - 1) / 2.0) {
     const int lanes = lanes_of(engine, options);
-    for (int k = 0; k < lanes; ++k) lanes_.push_back(std::make_unique<Lane>(engine, options.field));
+    for (int k = 0; k < lanes; ++k) lanes_.push_back(std::make_unique<Lane>(engine, options, clip));
   }
   ~RegionCorrelator() {
     if (upload_.valid()) upload_.wait();
@@ -160,6 +191,9 @@ class RegionCorrelator {
       } else {
         vain_searches_ = 0;
       }
+      if (frame.motion.ok && options_.motion == RegionMotion::region) {
+        register_region(now.index, frame);
+      }
       if (frame.motion.ok) guess_ = frame.motion;
     }
     if (now.index == 0 || !from_first()) before_ = now.frame;
@@ -184,6 +218,32 @@ class RegionCorrelator {
     if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
     out.status = out.motion.ok ? TrackStatus::ok : explain_failure(field);
     return field;
+  }
+
+  // Replaces what the windows say of the motion by the registration of all pixels from there.
+  void register_region(std::int64_t index, CorrelatedFrame& out) {
+    const std::int64_t from = from_first() ? 0 : index - 1;
+    const double reach = std::hypot(options_.roi.width, options_.roi.height) / 2;
+    const RigidMotion& guess = out.motion;
+    BallMotion found;
+    {
+      const StageTimes::Scope timed(options_.times, stages_.device);
+      found = lane_of(index).register_region(
+          {slot_of(from), slot_of(index), static_cast<float>(cx_px_), static_cast<float>(cy_px_),
+           static_cast<float>(reach), static_cast<float>(guess.dx_px),
+           static_cast<float>(guess.dy_px), static_cast<float>(guess.rot_rad)});
+    }
+    if (found.status != static_cast<idic_int>(WindowStatus::ok)) {
+      out.motion.ok = false;
+      out.status = TrackStatus::low_correlation;
+      return;
+    }
+    out.motion.dx_px = found.dx;
+    out.motion.dy_px = found.dy;
+    out.motion.rot_rad = found.rot_rad;
+    out.motion.dx_sd_px = found.dx_sd;
+    out.motion.dy_sd_px = found.dy_sd;
+    out.motion.rot_sd_rad = found.rot_sd_rad;
   }
 
   // Finds the region without a guess and measures again; keeps what more windows agree on.
@@ -247,7 +307,7 @@ void correlate_clip(FrameSource& source, Engine& engine, const CorrelateOptions&
     stages.fit = options.times->add_stage("fits", 1);
     stages.write = options.times->add_stage("write", 1);
   }
-  RegionCorrelator region(engine, options, stages);
+  RegionCorrelator region(engine, options, source.info(), stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
   BatchReader reader(source, options.frames, 0, whole, kBatch);
   std::exception_ptr error;

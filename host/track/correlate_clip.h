@@ -22,13 +22,20 @@ class Engine;
 
 enum class ReferenceFrame { first, previous };
 
+// How the region's rigid motion is measured.
+enum class RegionMotion {
+  windows,  // robust fit to the windows' displacements
+  region,   // one registration of all its pixels, about where the windows say: for rigid bodies
+};
+
 struct CorrelateOptions {
   FieldOptions field;
   int spacing_px = 0;  // 0: half a window, rounded up
   FrameRange frames;
   Roi roi;  // where windows stand; the motion is that of its centre
   ReferenceFrame reference = ReferenceFrame::first;
-  Image<std::uint8_t> mask;  // empty, or the picture's size: windows stand on non-zero pixels only
+  RegionMotion motion = RegionMotion::windows;
+  Image<std::uint8_t> mask;  // empty, or the picture's size: only pixels that are not 0 count
   double fps = 0;            // of the stored frames; 0 where unknown (time_s then counts frames)
   int lanes = 0;             // pictures on the device at a time, 1 or 2; 0: as suits the device
   StageTimes* times = nullptr;  // gets the stages' times where given

@@ -23,6 +23,45 @@ Roi parse_roi(const std::string& text, int image_width, int image_height) {
           static_cast<int>(v[3])};
 }
 
+Image<std::uint8_t> parse_polygon(const std::string& text, int image_width, int image_height) {
+  const std::vector<double> v = parse_doubles(text, ',', 0, "--polygon");
+  if (v.size() < 6 || v.size() % 2 != 0) {
+    throw InvalidArgument("'" + text + "' is not X,Y,X,Y,X,Y...", "--polygon",
+                          "a polygon has at least three corners");
+  }
+  const std::size_t corners = v.size() / 2;
+  Image<std::uint8_t> mask(image_width, image_height, 0);
+  bool any = false;
+  for (int y = 0; y < image_height; ++y) {
+    for (int x = 0; x < image_width; ++x) {
+      // Inside where a ray to the right crosses an odd number of sides.
+      bool inside = false;
+      for (std::size_t i = 0, before = corners - 1; i < corners; before = i++) {
+        const double ax = v[2 * before], ay = v[2 * before + 1], bx = v[2 * i], by = v[2 * i + 1];
+        if ((ay > y) != (by > y) && x < ax + (bx - ax) * (y - ay) / (by - ay)) inside = !inside;
+      }
+      mask(x, y) = inside ? 1 : 0;
+      any = any || inside;
+    }
+  }
+  if (!any) throw InvalidArgument("the polygon holds no pixel of the picture", "--polygon");
+  return mask;
+}
+
+Roi extent(const Image<std::uint8_t>& mask) {
+  int x0 = mask.width(), y0 = mask.height(), x1 = 0, y1 = 0;
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      if (mask(x, y) == 0) continue;
+      x0 = std::min(x0, x);
+      y0 = std::min(y0, y);
+      x1 = std::max(x1, x + 1);
+      y1 = std::max(y1, y + 1);
+    }
+  }
+  return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+}
+
 namespace {
 template <typename T>
 void copy_rows(const Image<T>& from, const Roi& roi, Image<T>& to) {

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <fstream>
 #include <numeric>
+#include <sstream>
 
 #include "tests/support/data.h"
 #include "tests/support/program.h"
@@ -176,6 +178,39 @@ TEST(RealClips, TurningWheelFrameToFrame) {
     sum += steps[i];
     // The gold angle is clockwise on the screen, in radians.
     EXPECT_NEAR(sum, -turned[i] * 180 / M_PI, 0.4) << i;
+  }
+}
+
+// The same region as the other engine's, by its own definition.
+TEST(RealClips, TurningWheelAgainstTheFirstFrame) {
+  IMPACTDIC_NEED_DATA("wheel/subset_defs.txt");
+  std::ifstream definition(data_path("wheel/subset_defs.txt"));
+  std::string corners, line;
+  bool in_polygon = false;
+  while (std::getline(definition, line)) {
+    if (line.find("end vertices") != std::string::npos) break;
+    if (in_polygon) {
+      std::istringstream numbers(line);
+      int x = 0, y = 0;
+      numbers >> x >> y;
+      corners += (corners.empty() ? "" : ",") + std::to_string(x) + "," + std::to_string(y);
+    }
+    in_polygon = in_polygon || line.find("begin vertices") != std::string::npos;
+  }
+  const ScratchFolder folder;
+  correlate(
+      quoted(data_path("wheel")) + " --roi 304,172,81,81 --motion region --polygon " + corners,
+      folder);
+  const CsvTable gold(data_path("wheel/gold_DICe_solution_0.txt"));
+  const CsvTable motion(folder / "out/motion.csv");
+  ASSERT_EQ(motion.rows, gold.rows);
+  const auto dx = motion.numbers("dx_px"), gold_dx = gold.numbers("DISPLACEMENT_X");
+  const auto dy = motion.numbers("dy_px"), gold_dy = gold.numbers("DISPLACEMENT_Y");
+  const auto turn = motion.numbers("rot_deg"), gold_turn = gold.numbers("ROTATION_Z");
+  for (std::size_t i = 1; i < motion.rows; ++i) {
+    EXPECT_EQ(motion.text("status")[i], "ok");
+    EXPECT_LE(std::hypot(dx[i] - gold_dx[i], dy[i] - gold_dy[i]), 0.1) << i;
+    EXPECT_NEAR(turn[i], -gold_turn[i] * 180 / M_PI, 0.1) << i;
   }
 }
 

@@ -85,6 +85,42 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{7, false, true, true, 40.2, Tiling{1, 128}},
                       Case{5, true, true, true, 76.3, Tiling{4, 2}}));
 
+// Two halves of a picture that move apart: each mask sees its own.
+TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
+  Scene scene;
+  scene.width = kWidth;
+  scene.height = kHeight;
+  const auto pictures =
+      testing::render_frames(testing::quick_ball(6, kRadiusPx), scene,
+                             {pose(76, 74, 0), pose(76.4, 73.7, 2), pose(75.5, 74.6, -1.5)});
+  Frame second = pictures[1];
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 76; x < kWidth; ++x) second.u8(x, y) = pictures[2].u8(x, y);
+  }
+  DeviceFrames frames(shared_engine(), 2);
+  frames.set(0, pictures[0]);
+  frames.set(1, second);
+  for (const bool left : {true, false}) {
+    BallOptions options;
+    options.mask = Image<std::uint8_t>(kWidth, kHeight, 0);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) options.mask(x, y) = left ? x < 68 : x > 84;
+    }
+    const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
+    const BallMotion motion =
+        BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
+    ASSERT_EQ(motion.status, static_cast<idic_int>(WindowStatus::ok)) << left;
+    EXPECT_NEAR(motion.dx, left ? 0.4 : -0.5, 0.01) << left;
+    EXPECT_NEAR(motion.dy, left ? -0.3 : 0.6, 0.01) << left;
+    EXPECT_NEAR(motion.rot_rad * 180 / M_PI, left ? 2 : -1.5, 0.02) << left;
+  }
+  BallOptions options;
+  options.mask = Image<std::uint8_t>(kWidth + 1, kHeight, 1);
+  const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
+  EXPECT_THROW(BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
+               InvalidArgument);
+}
+
 TEST(BallKernel, SaysWhyItCannotMeasure) {
   Engine& engine = shared_engine();
   Scene scene;

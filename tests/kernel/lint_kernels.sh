@@ -13,6 +13,7 @@ for size in 16 32; do
   lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs.cl
   lint -DFFT_PX=$size -DCHAIN=8 kernels/equal.cl
 done
+lint -DMASKED=1 kernels/rigid.cl
 for vector in 4 8 16; do
   for size in 16 32 64; do
     lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/correlate.cl

@@ -46,5 +46,25 @@ TEST(Roi, CropKeepsDepthAndPlace) {
   EXPECT_EQ(cut.u16(2, 1), frame.u16(3, 3));
 }
 
+TEST(Polygon, HoldsThePixelsWhoseCentresLieInside) {
+  // An L: the rectangle 10 … 29 × 5 … 24 without its right upper quarter.
+  const Image<std::uint8_t> mask =
+      parse_polygon("9.5,4.5,19.5,4.5,19.5,14.5,29.5,14.5,29.5,24.5,9.5,24.5", 64, 48);
+  int count = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) count += mask.data()[i];
+  EXPECT_EQ(count, 300);
+  EXPECT_EQ(mask(10, 5), 1);
+  EXPECT_EQ(mask(20, 5), 0);
+  EXPECT_EQ(mask(20, 15), 1);
+  const Roi box = extent(mask);
+  EXPECT_EQ(box.x, 10);
+  EXPECT_EQ(box.y, 5);
+  EXPECT_EQ(box.width, 20);
+  EXPECT_EQ(box.height, 20);
+  for (const char* text : {"", "1,2,3,4", "1,2,3,4,5,6,7", "a,b,c,d,e,f", "70,1,90,1,80,9"}) {
+    EXPECT_THROW(parse_polygon(text, 64, 48), InvalidArgument) << text;
+  }
+}
+
 }  // namespace
 }  // namespace impactdic
