@@ -17,7 +17,8 @@
 #define SEARCH_PX 8
 #endif
 
-// Side of the transform: 16, 32 or 64 in correlate.cl, any length clFFT knows elsewhere.
+// Side of the transform: 16, 32 or 64 in single.cl, 16 or 32 in pairs.cl and equal.cl, any length
+// clFFT knows elsewhere.
 #ifndef FFT_PX
 #define FFT_PX 32
 #endif
@@ -28,13 +29,9 @@
 #define VECTOR 1
 #endif
 
-// correlate.cl: work-items that share a window (LANES · VECTOR divides FFT_PX), and windows of a
-// work-group.
+// Correlation kernels: work-items that share a window or a pair (LANES · VECTOR divides FFT_PX).
 #ifndef LANES
 #define LANES (FFT_PX / VECTOR)
-#endif
-#ifndef WINDOWS_PER_GROUP
-#define WINDOWS_PER_GROUP 1
 #endif
 
 // Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Of kernels that

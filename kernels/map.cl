@@ -28,8 +28,8 @@ static inline void column_sums(__global const float* second, const int width, co
 
 // images: (slots, height, width); windows: from `start` on; levels: (count), see cut_windows;
 // planes: (count, FFT_PX, FFT_PX), the numerators in their real parts; sums: (count, LAGS, AREA_PX)
-// scratch; maps: (count, LAGS, LAGS) written; weights: of the peaks; peaks: `count` written from `first_peak` on. One
-// group a window.
+// scratch; maps: (count, LAGS, LAGS) written; weights: of the peaks; peaks: `count` written from
+// `first_peak` on. One group a window.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void zncc_map(
     __global const float* images, const int width, const int height, __global const Window* windows,
     const uint start, __global const float2* levels, __global const float2* planes,
@@ -66,5 +66,5 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void zncc_map(
   }
   barrier(CLK_GLOBAL_MEM_FENCE);
   write_peak(map, window, place, sqrt(energy * (1.0f / WINDOW_PIXELS)), min_contrast, weights,
-             values, indices, lines, lane, GROUP, 1, peaks + first_peak + at);
+             values, indices, lines, lane, GROUP, peaks + first_peak + at);
 }

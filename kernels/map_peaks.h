@@ -1,10 +1,10 @@
-// The highest and the second peak of two correlation maps at once. Both lie side by side in local
-// memory, LAGS × LAGS pairs row by row, and a work-item holds a column of each in registers.
+// The highest and the second peak of correlation maps of which a work-item holds two columns in
+// registers: the same one of two maps, which lie side by side in local memory, LAGS × LAGS pairs
+// row by row, or two of one map (single.cl).
 #ifndef IMPACTDIC_KERNELS_MAP_PEAKS_H_
 #define IMPACTDIC_KERNELS_MAP_PEAKS_H_
 
-#include "kernels/lanes.h"
-#include "kernels/zncc.h"
+#include "kernels/task.h"
 
 // Lines of coefficients of both maps, 8 floats each (see put_line).
 #define PEAK_LINES (PEAK_PATCH_PX)
@@ -15,8 +15,8 @@ typedef struct Found {
   int most, x, y, second;
 } Found;
 
-INLINE void clear_found(__local Found* found, const int lane) {
-  if (lane >= 2) return;
+INLINE void clear_found(__local Found* found, const int count, const int lane) {
+  if (lane >= count) return;
   found[lane].most = INT_MIN;
   found[lane].x = found[lane].y = LAGS;
   found[lane].second = in_order(-2.0f);

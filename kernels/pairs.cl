@@ -4,11 +4,9 @@
 // without many of them. FFT_PX ≥ WINDOW_PX + 2·SEARCH_PX keeps every lag free of wrap-around. What
 // the numerator is divided by comes from exact sums over each displaced window.
 #include "kernels/config.h"
-#define PICTURE PIXEL
 #define MAP_SPACE __local
 #include "kernels/map_peaks.h"
 #include "kernels/pair.h"
-#include "kernels/zncc.h"
 
 // Where a template fills no more than half of the transform, the other half is left out of it.
 #define IS_PADDED (2 * WINDOW_PX <= FFT_PX)
@@ -16,80 +14,6 @@
 #define SUM_PITCH (FFT_PX + 1)
 #define SUM_FLOATS (4 * LAGS * SUM_PITCH)
 #define PLANE_FLOATS (2 * PLANE > SUM_FLOATS ? 2 * PLANE : SUM_FLOATS)
-
-// A window of the pair, where it is looked for, and its pictures.
-typedef struct Task {
-  Window window;
-  SearchPlace place;
-  __global const PIXEL* first;
-  __global const PIXEL* second;
-} Task;
-
-INLINE Task task_of(__global const PIXEL* pixels, const int width, const int height,
-                    const Window window) {
-  const size_t frame = (size_t)width * (size_t)height;
-  Task task;
-  task.window = window;
-  task.place = search_place(window, width, height);
-  task.first = pixels + frame * (size_t)window.first;
-  task.second = pixels + frame * (size_t)window.second;
-  return task;
-}
-
-INLINE int is_upright(const Task* task) { return task->window.guess_rot_rad == 0.0f; }
-
-// First pixel of an upright template's column x.
-INLINE __global const PIXEL* template_column(const Task* task, const int width, const int x) {
-  return task->first + task->window.y0 * ROW + task->window.x0 + x;
-}
-
-// Column x of the templates, re: A's, im: B's. own: room for it in the plane.
-INLINE void get_templates(const Task* a, const Task* b, const int width, const int height,
-                          __local float2* own, const int pitch, const int x, float* re, float* im) {
-  if (is_upright(a) && is_upright(b)) {
-    const int column = min(x, WINDOW_PX - 1);
-    __global const PIXEL* column_a = template_column(a, width, column);
-    __global const PIXEL* column_b = template_column(b, width, column);
-    UNROLL
-    for (int y = 0; y < WINDOW_PX; ++y) {
-      re[y] = (float)column_a[y * ROW];
-      im[y] = (float)column_b[y * ROW];
-    }
-    return;
-  }
-  const float2 turn_a = guessed_turn(a->window), turn_b = guessed_turn(b->window);
-#pragma unroll 1
-  for (int y = 0; x < WINDOW_PX && y < WINDOW_PX; ++y) {
-    own[y * pitch] = (float2)(template_pixel(a->first, width, height, a->window, turn_a, x, y),
-                              template_pixel(b->first, width, height, b->window, turn_b, x, y));
-  }
-  UNROLL
-  for (int y = 0; y < WINDOW_PX; ++y) {
-    re[y] = own[y * pitch].x;
-    im[y] = own[y * pitch].y;
-  }
-}
-
-INLINE int is_area_in_view(const SearchPlace place, const int width, const int height) {
-  return place.x0 >= 0 && place.y0 >= 0 && place.x0 <= width - FFT_PX &&
-         place.y0 <= height - AREA_PX;
-}
-
-// Column x of a search area; pixels outside the picture are those of the nearest edge.
-INLINE void get_area(const Task* task, const int width, const int height, const int x,
-                     float* pixels) {
-  if (is_area_in_view(task->place, width, height)) {
-    __global const PIXEL* column = task->second + task->place.y0 * ROW + task->place.x0 + x;
-    UNROLL
-    for (int y = 0; y < AREA_PX; ++y) pixels[y] = (float)column[y * ROW];
-    return;
-  }
-  __global const PIXEL* column = task->second + clamp(task->place.x0 + x, 0, width - 1);
-  UNROLL
-  for (int y = 0; y < AREA_PX; ++y) {
-    pixels[y] = (float)column[clamp(task->place.y0 + y, 0, height - 1) * ROW];
-  }
-}
 
 // Σ over the templates' columns. Elements from WINDOW_PX on are zero.
 INLINE float2 sum_of_columns(__local const float4* columns) {
@@ -206,11 +130,11 @@ __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int widt
   // What is out of view is replaced by its partner and marked again in the end.
   const Task whole_a = in_view_a ? a : b, whole_b = in_view_b ? b : a;
   const int is_template = lane < WINDOW_PX;
-  clear_found(found, lane);
+  clear_found(found, 2, lane);
 
   float t_re[WINDOW_PX], t_im[WINDOW_PX], g_a[AREA_PX], g_b[AREA_PX];
-  get_templates(&whole_a, &whole_b, width, height, (__local float2*)plane + lane, PITCH, lane, t_re,
-                t_im);
+  get_template(&whole_a, width, height, plane + lane, PITCH, lane, t_re);
+  get_template(&whole_b, width, height, plane + PLANE + lane, PITCH, lane, t_im);
   float2 sum = 0.0f;
   UNROLL
   for (int y = 0; y < WINDOW_PX; ++y) sum += (float2)(t_re[y], t_im[y]);

@@ -4,34 +4,14 @@
 #define VECTOR 8
 #endif
 #include "kernels/config.h"
-#define PICTURE PIXEL
 #define MAP_SPACE __local
 // Planes also hold the sums of both search areas, a row a lag.
 #define SUM_ROWS (2 * (2 * SEARCH_PX + 1))
 #define PLANE_ROWS (SUM_ROWS > FFT_PX ? SUM_ROWS : FFT_PX)
 #include "kernels/pair.h"
-#include "kernels/zncc.h"
+#include "kernels/task.h"
 
 #define MAP (LAGS * LAGS)
-
-// A window of the pair, where it is looked for, and its pictures.
-typedef struct Task {
-  Window window;
-  SearchPlace place;
-  __global const PIXEL* first;
-  __global const PIXEL* second;
-} Task;
-
-INLINE Task task_of(__global const PIXEL* pixels, const int width, const int height,
-                    const Window window) {
-  const size_t frame = (size_t)width * (size_t)height;
-  Task task;
-  task.window = window;
-  task.place = search_place(window, width, height);
-  task.first = pixels + frame * (size_t)window.first;
-  task.second = pixels + frame * (size_t)window.second;
-  return task;
-}
 
 #define PIXELS_AT(p) PASTE(convert_float, VECTOR)(LOAD(p))
 

@@ -2,7 +2,7 @@
 #include "kernels/config.h"
 
 // planes: (count, FFT_PX, FFT_PX), spectra Z of template + i·search, in place to t^* g^ (see
-// correlate.cl), which is Hermitian: one work-item serves k and −k. Two-dimensional range:
+// single.cl), which is Hermitian: one work-item serves k and −k. Two-dimensional range:
 // x half a plane, the last group may overhang; y the window.
 __kernel void cross_power(__global float2* planes) {
   const int kx = (int)get_global_id(0) % FFT_PX, ky = (int)get_global_id(0) / FFT_PX;

@@ -1,5 +1,5 @@
 // Interrogation windows for the sizes that go through clFFT: template and search area, mean-free,
-// as the real and the imaginary part of one zero-padded picture (see correlate.cl).
+// as the real and the imaginary part of one zero-padded picture (see single.cl).
 #include "kernels/config.h"
 #include "kernels/zncc.h"
 

@@ -240,14 +240,12 @@ static inline void write_head(MAP_SPACE const float* map, const int stride, cons
 }
 
 // Finds the highest and the second peak of the map and writes them with the spline about the
-// highest. All `lanes` work-items of a window call it together, and all windows of a group.
-// lines: PEAK_PATCH_PX of the window's own.
+// highest. All `lanes` work-items of the group call it together; lines: PEAK_PATCH_PX.
 static inline void write_peak(MAP_SPACE const float* map, const Window window,
                               const SearchPlace place, const float contrast,
                               const float min_contrast, __global const float* weights,
                               __local float* values, __local int* indices, __local float8* lines,
-                              const int lane, const int lanes, const int is_wanted,
-                              __global CorrelationPeak* peak) {
+                              const int lane, const int lanes, __global CorrelationPeak* peak) {
   const int columns = place.in_view ? place.max_x - place.min_x + 1 : 0;
   const int entries = place.in_view ? columns * (place.max_y - place.min_y + 1) : 0;
   float value = -2.0f;
@@ -278,7 +276,6 @@ static inline void write_peak(MAP_SPACE const float* map, const Window window,
     for (int x = lane; x < PEAK_PATCH_PX; x += lanes) put_line(map, 1, patch, weights, lines, x);
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (!is_wanted) return;
   if (lane == 0) {
     write_head(map, 1, window, place, best_x, best_y, second < LAGS * LAGS ? map[second] : -2.0f,
                contrast, min_contrast, peak);

@@ -22,8 +22,7 @@ bool fits(const ZnccVariant& variant, const FieldOptions& options, const DeviceI
   return area_px(options) <= variant.fft_px &&
          variant.fft_px % (variant.vector * variant.lanes) == 0 &&
          (variant.path != ZnccPath::pairs || variant.vector <= variant.fft_px / 2) &&
-         static_cast<std::size_t>(variant.lanes * variant.windows_per_group) <=
-             device.max_work_group &&
+         static_cast<std::size_t>(variant.lanes) <= device.max_work_group &&
          variant.local_bytes(options) <= device.local_memory_bytes;
 }
 
@@ -77,8 +76,9 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
     return sizeof(cl_float) *
            (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
   }
-  return windows_per_group * sizeof(cl_float) *
-         (planes * 2 * size * pitch + side * side + 2 * lanes + kLines);
+  const std::size_t plane = planes * 2 * size * pitch;
+  if (vector == 1) return sizeof(cl_float) * (plane + side * side + 4 * size + kLines + 4);
+  return sizeof(cl_float) * (plane + side * side + 2 * lanes + kLines);
 }
 
 std::string ZnccVariant::name() const {
@@ -86,10 +86,8 @@ std::string ZnccVariant::name() const {
   if (path == ZnccPath::clfft) return "clfft" + size;
   const std::string shape =
       size + " vector " + std::to_string(vector) + " lanes " + std::to_string(lanes);
-  if (path == ZnccPath::single) {
-    return "single" + shape + " windows " + std::to_string(windows_per_group);
-  }
-  return "pairs" + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
+  return (path == ZnccPath::single ? "single" : "pairs") + shape + (width_known ? " width" : "") +
+         (warp_barrier ? " warp" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
@@ -101,23 +99,22 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
   const bool is_nvidia = device.vendor.find("NVIDIA") != std::string::npos;
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
-    if (device.is_gpu) {
-      const bool is_warp = is_nvidia && size == 32;
-      for (const int registers : {168, 144, 128, 0}) {
-        if (size > 32 || (registers > 0 && !is_nvidia)) continue;
-        offer({ZnccPath::pairs, size, 1, size, 1, true, is_warp, registers});
-      }
-      if (is_warp) offer({ZnccPath::pairs, size, 1, size, 1, true, false, 0});
-      if (size <= 32) offer({ZnccPath::pairs, size, 1, size, 1, false, is_warp, 0});
-      for (const int windows : {128 / size, 64 / size, 1}) {
-        offer({ZnccPath::single, size, 1, size, windows});
-      }
-    } else {
+    if (!device.is_gpu) {
       for (const int vector : {8, 16, 4}) {
         if (size <= 32) offer({ZnccPath::pairs, size, vector, 1});
       }
       for (const int vector : {8, 16}) offer({ZnccPath::single, size, vector, 1});
+      continue;
     }
+    const ZnccPath path = size <= 32 ? ZnccPath::pairs : ZnccPath::single;
+    const bool is_warp = is_nvidia && size == 32;
+    for (const int registers : {168, 144, 128}) {
+      if (is_nvidia) offer({path, size, 1, size, true, is_warp, registers});
+    }
+    offer({path, size, 1, size, true, is_warp, 0});
+    if (is_warp) offer({path, size, 1, size, true, false, 0});
+    offer({path, size, 1, size, false, is_warp, 0});
+    if (size <= 32) offer({ZnccPath::single, size, 1, size, true, is_warp, 0});
   }
   const auto length = FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
   variants.push_back({ZnccPath::clfft, static_cast<int>(length), 1, 1});
@@ -129,15 +126,7 @@ ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVa
   Defines defines = defines_of(options, variant);
   weights_ = make_buffer<cl_float>(engine, peak_weights());
   subpixel_ = engine.kernel("peak.cl", "zncc_subpixel");
-  if (variant.path == ZnccPath::pairs) return;
-  if (variant.path == ZnccPath::single) {
-    defines.insert(defines.end(),
-                   {{"VECTOR", std::to_string(variant.vector)},
-                    {"LANES", std::to_string(variant.lanes)},
-                    {"WINDOWS_PER_GROUP", std::to_string(variant.windows_per_group)}});
-    fused_ = engine.kernel("correlate.cl", "zncc_fused", defines);
-    return;
-  }
+  if (variant.path != ZnccPath::clfft) return;
   group_ =
       engine.device().is_gpu ? std::min<std::size_t>(group_, engine.device().max_work_group) : 1;
   defines.emplace_back("GROUP", std::to_string(group_));
@@ -166,38 +155,41 @@ float ZnccOpencl::contrast(const DeviceFrames& frames) const {
   return static_cast<float>(min_contrast(options_, frames.full_scale()));
 }
 
-void ZnccOpencl::compile_pairs(const DeviceFrames& frames) {
+void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
+  const bool pairs = variant_.path == ZnccPath::pairs, vectors = variant_.vector > 1;
   Defines defines = defines_of(options_, variant_);
   defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::u8 ? "uchar" : "ushort");
   defines.emplace_back("VECTOR", std::to_string(variant_.vector));
   defines.emplace_back("LANES", std::to_string(variant_.lanes));
   if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
   if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
-  std::string limit;
+  // Nothing here is that small, but square roots and quotients provide for it.
+  std::string options = engine_.device().is_gpu ? "-cl-denorms-are-zero" : "";
   if (variant_.most_registers > 0) {
     defines.emplace_back("FREE_GROUP_SIZE", "1");
-    limit = "-cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
+    options += " -cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
   }
-  if (fused_() != nullptr && defines == pairs_defines_) return;
-  fused_ = engine_.kernel(variant_.vector == 1 ? "pairs.cl" : "pairs_vector.cl", "zncc_pairs",
-                          defines, limit);
-  pairs_defines_ = defines;
+  if (fused_() != nullptr && defines == fused_defines_) return;
+  const std::string file =
+      std::string(pairs ? "pairs" : "single") + (vectors ? "_vector.cl" : ".cl");
+  fused_ = engine_.kernel(file, pairs ? "zncc_pairs" : "zncc_single", defines, options);
+  fused_defines_ = defines;
 }
 
 void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const Buffer<Window>& windows,
                                std::size_t start, std::size_t count) {
   const bool pairs = variant_.path == ZnccPath::pairs;
-  if (pairs) compile_pairs(frames);
-  const auto group = static_cast<std::size_t>(variant_.lanes * variant_.windows_per_group);
-  const auto windows_a_group = static_cast<std::size_t>(pairs ? 2 : variant_.windows_per_group);
-  const auto groups = round_up(count, windows_a_group) / windows_a_group;
+  compile_fused(frames);
+  const auto group = static_cast<std::size_t>(variant_.lanes);
+  const std::size_t groups = pairs ? (count + 1) / 2 : count;
+  const bool as_stored = pairs || variant_.vector == 1;
   int argument = 0;
-  fused_.setArg(argument++, pairs ? frames.pixels().get() : frames.images().get());
+  fused_.setArg(argument++, as_stored ? frames.pixels().get() : frames.images().get());
   fused_.setArg(argument++, static_cast<cl_int>(frames.width()));
   fused_.setArg(argument++, static_cast<cl_int>(frames.height()));
   fused_.setArg(argument++, windows.get());
   fused_.setArg(argument++, static_cast<cl_uint>(start));
-  fused_.setArg(argument++, static_cast<cl_uint>(count));
+  if (pairs) fused_.setArg(argument++, static_cast<cl_uint>(count));
   fused_.setArg(argument++, contrast(frames));
   fused_.setArg(argument++, weights_.get());
   fused_.setArg(argument++, peaks_.get());

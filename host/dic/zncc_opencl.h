@@ -14,8 +14,8 @@ namespace impactdic {
 
 // How a correlation is computed.
 enum class ZnccPath {
-  pairs,   // two windows a group in one kernel (kernels/pairs.cl): transforms of 16 and 32
-  single,  // a window in one kernel (kernels/correlate.cl): transforms of 16, 32 and 64
+  pairs,   // two windows a group in one kernel (kernels/pairs*.cl): transforms of 16 and 32
+  single,  // a window a group in one kernel (kernels/single*.cl): transforms of 16, 32 and 64
   clfft,   // several kernels about clFFT's batches: any size
 };
 
@@ -24,10 +24,10 @@ struct ZnccVariant {
   ZnccPath path = ZnccPath::pairs;
   int fft_px = 32;
   int vector = 1, lanes = 32;
-  int windows_per_group = 1;  // of `single`
-  bool width_known = false;   // of `pairs`: the pictures' width compiled in
-  bool warp_barrier = false;  // of `pairs`: a group is one warp of an NVIDIA device
-  int most_registers = 0;     // of `pairs`, of a work-item, for NVIDIA's compiler; 0: its choice
+  // Of vector 1 alone:
+  bool width_known = false;   // the pictures' width compiled in
+  bool warp_barrier = false;  // a group is one warp of an NVIDIA device
+  int most_registers = 0;     // of a work-item, for NVIDIA's compiler; 0: its choice
 
   std::size_t local_bytes(const FieldOptions& options) const;
   std::string name() const;  // "pairs 32 vector 8 lanes 1", "clfft 36"
@@ -58,7 +58,7 @@ class ZnccOpencl {
   void enqueue_batch(const DeviceFrames& frames, const Buffer<Window>& windows, std::size_t start,
                      std::size_t at, std::size_t count);
   // Compiles what depends on the pictures' depth and width.
-  void compile_pairs(const DeviceFrames& frames);
+  void compile_fused(const DeviceFrames& frames);
   // Makes plan and scratch large enough for `count` windows or for one full batch.
   void reserve_batch(std::size_t count);
   float contrast(const DeviceFrames& frames) const;
@@ -66,7 +66,7 @@ class ZnccOpencl {
   Engine& engine_;
   FieldOptions options_;
   ZnccVariant variant_;
-  Defines pairs_defines_;
+  Defines fused_defines_;
   cl::Kernel fused_, cut_, power_, map_, subpixel_;
   std::size_t group_ = 64, batch_ = 0;
   std::optional<FftPlan> plan_;

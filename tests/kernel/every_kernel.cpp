@@ -127,7 +127,7 @@ void run_ring() {
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_pairs_scalar",
      [] {
-       run_zncc({ZnccPath::pairs, 16, 1, 16, 1, true, false, 0}, 8);
+       run_zncc({ZnccPath::pairs, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_pairs_vector",
      [] {
@@ -143,19 +143,19 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"zncc_scalar",
      [] {
-       run_zncc({ZnccPath::single, 16, 1, 16, 2}, 8);
+       run_zncc({ZnccPath::single, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_vector",
      [] {
-       run_zncc({ZnccPath::single, 16, 4, 1, 1}, 12);
+       run_zncc({ZnccPath::single, 16, 4, 1}, 12);
      }},
     {"zncc_vector_lanes",
      [] {
-       run_zncc({ZnccPath::single, 16, 4, 2, 1}, 8);
+       run_zncc({ZnccPath::single, 16, 4, 2}, 8);
      }},
     {"zncc_clfft",
      [] {
-       run_zncc({ZnccPath::clfft, 15, 1, 1, 1}, 8);
+       run_zncc({ZnccPath::clfft, 15, 1, 1}, 8);
      }},
     {"published", run_published},
     {"icgn", run_icgn},

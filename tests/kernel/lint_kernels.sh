@@ -9,14 +9,16 @@ lint() {
 }
 bad=0
 for file in kernels/*.cl; do lint "$file"; done
-for size in 16 32; do
+for size in 16 32 64; do
+  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/single.cl
+  [ $size = 64 ] && continue
   lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs.cl
   lint -DFFT_PX=$size -DCHAIN=8 kernels/equal.cl
 done
 lint -DMASKED=1 kernels/rigid.cl
 for vector in 4 8 16; do
   for size in 16 32 64; do
-    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/correlate.cl
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/single_vector.cl
     [ $size = 64 ] || [ $vector = $size ] && continue
     lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs_vector.cl
     lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size kernels/equal.cl

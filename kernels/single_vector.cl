@@ -1,5 +1,5 @@
-// Zero-mean normalised cross-correlation of a window with a search area (Lewis 1995) in one kernel,
-// for transforms of FFT_PX = 16, 32 and 64 that fit in local memory.
+// As single.cl, for devices whose work-items have wide vectors and share little; all rows and
+// columns are transformed there and back.
 //
 // Template t (zero-padded) and search area g, both mean-free, are the real and the imaginary part
 // of one picture, so that one forward transform Z serves both (hats: spectra):
@@ -7,18 +7,15 @@
 // The spectra never leave local memory. FFT_PX ≥ WINDOW_PX + 2·SEARCH_PX keeps every lag free of
 // wrap-around. What the numerator is divided by comes from exact sums over each displaced window.
 //
-// LANES work-items share a window; each holds columns of VECTOR neighbouring pixels and takes
-// BLOCKS of them in turn. On a GPU: one column a work-item (VECTOR 1, BLOCKS 1), in registers from
-// end to end. On a CPU: one work-item a window, rows in SIMD vectors.
+// LANES work-items share a window; each holds VECTOR neighbouring columns and takes BLOCKS of them
+// in turn.
 #define MAP_SPACE __local
+#ifndef VECTOR
+#define VECTOR 8
+#endif
 #include "kernels/config.h"
 #include "kernels/lanes.h"
-#if VECTOR == 1
-#define LOAD(p) (*(p))
-#define STORE(v, p) (*(p) = (v))
-#define LOAD_ACROSS(p) (*(p))
-#define LOAD_REVERSED(p) (*(p))
-#elif VECTOR == 4
+#if VECTOR == 4
 #define LOAD_REVERSED(p) (LOAD((p)-3).s3210)
 #elif VECTOR == 8
 #define LOAD_REVERSED(p) (LOAD((p)-7).s76543210)
@@ -53,7 +50,6 @@ INLINE void fft_ordered(REAL* re, REAL* im) {
 // VECTOR pixels of the search area from (x, y) on.
 static inline REAL area_pixels(__global const float* image, const int width, const int height,
                                const int x, const int y) {
-#if VECTOR > 1
   if (x >= 0 && x <= width - VECTOR) {
     return LOAD(image + clamp(y, 0, height - 1) * width + x);
   }
@@ -62,16 +58,12 @@ static inline REAL area_pixels(__global const float* image, const int width, con
     pixels[k] = clamped_pixel(image, width, height, add_sat(x, k), y);
   }
   return LOAD(pixels);
-#else
-  return clamped_pixel(image, width, height, x, y);
-#endif
 }
 
 // VECTOR pixels of the template from column i of row j on; 0 beyond its last column.
 static inline REAL template_pixels(__global const float* image, const int width, const int height,
                                    const Window window, const float2 cos_sin, const int i,
                                    const int j) {
-#if VECTOR > 1
   if (window.guess_rot_rad == 0.0f && i + VECTOR <= WINDOW_PX && window.x0 >= 0 &&
       window.x0 <= width - WINDOW_PX) {
     return LOAD(image + clamp(window.y0 + j, 0, height - 1) * width + window.x0 + i);
@@ -82,9 +74,6 @@ static inline REAL template_pixels(__global const float* image, const int width,
         i + k < WINDOW_PX ? template_pixel(image, width, height, window, cos_sin, i + k, j) : 0.0f;
   }
   return LOAD(pixels);
-#else
-  return i < WINDOW_PX ? template_pixel(image, width, height, window, cos_sin, i, j) : 0.0f;
-#endif
 }
 
 // Sum over the window's work-items, for all of them. Passes two barriers.
@@ -97,34 +86,30 @@ static inline float sum_of_lanes(__local float* values, const int lane, const fl
   return sum;
 }
 
-// images: (slots, height, width); windows: start … start + count − 1 are measured; peaks: (count)
-// written. min_contrast: grey levels rms. Groups of LANES · WINDOWS_PER_GROUP; the last may
-// overhang.
-__kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) void zncc_fused(
-    __global const float* images, const int width, const int height, __global const Window* windows,
-    const uint start, const uint count, const float min_contrast, __global const float* weights,
-    __global CorrelationPeak* peaks) {
-  __local float planes[WINDOWS_PER_GROUP][PLANES * 2 * PLANE];
-  __local float maps[WINDOWS_PER_GROUP][LAGS * LAGS];
-  __local float values[WINDOWS_PER_GROUP][LANES];
-  __local int indices[WINDOWS_PER_GROUP][LANES];
-  __local float8 lines[WINDOWS_PER_GROUP][PEAK_PATCH_PX];
-  const int lane = (int)get_local_id(0) % LANES;
-  const int member = (int)get_local_id(0) / LANES;
-  const uint wanted = (uint)get_group_id(0) * WINDOWS_PER_GROUP + (uint)member;
-  // A group that overhangs measures the last window again and does not write it.
-  const uint at = min(wanted, count - 1);
+// images: (slots, height, width); windows: from `start` on; weights: of the
+// peaks (types.h); peaks: (count) written. min_contrast: grey levels rms. A group a window.
+__kernel GROUP_SIZE void zncc_single(__global const float* images, const int width,
+                                     const int height, __global const Window* windows,
+                                     const uint start, const float min_contrast,
+                                     __global const float* weights,
+                                     __global CorrelationPeak* peaks) {
+  __local float planes[PLANES * 2 * PLANE];
+  __local float map[LAGS * LAGS];
+  __local float values[LANES];
+  __local int indices[LANES];
+  __local float8 lines[PEAK_PATCH_PX];
+  const int lane = (int)get_local_id(0);
+  const uint at = (uint)get_group_id(0);
   const Window window = windows[start + at];
   const SearchPlace place = search_place(window, width, height);
   const float2 cos_sin = guessed_turn(window);
   const size_t frame = (size_t)width * (size_t)height;
   __global const float* first = images + frame * (size_t)window.first;
   __global const float* second = images + frame * (size_t)window.second;
-  __local float* a_re = planes[member];
+  __local float* a_re = planes;
   __local float* a_im = a_re + PLANE;
   __local float* b_re = a_re + (PLANES - 1) * 2 * PLANE;
   __local float* b_im = b_re + PLANE;
-  __local float* map = maps[member];
   REAL re[FFT_PX], im[FFT_PX];
 
   // Pixels and their means.
@@ -150,11 +135,10 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
     }
   }
   const float template_mean =
-      sum_of_lanes(values[member], lane, SUM(template_sum)) * (1.0f / WINDOW_PIXELS);
+      sum_of_lanes(values, lane, SUM(template_sum)) * (1.0f / WINDOW_PIXELS);
   // Any constant near the pixels' level keeps the sums of squares exact enough; the numerator does
   // not see it, the template being mean-free.
-  const float area_level =
-      sum_of_lanes(values[member], lane, SUM(area_sum)) * (1.0f / (AREA_PX * FFT_PX));
+  const float area_level = sum_of_lanes(values, lane, SUM(area_sum)) * (1.0f / (AREA_PX * FFT_PX));
 
   // Mean-free pixels; sums down the columns of every displaced window.
   REAL energy = (REAL)(0.0f);
@@ -191,7 +175,7 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
       }
     }
   }
-  const float template_energy = sum_of_lanes(values[member], lane, SUM(energy));
+  const float template_energy = sum_of_lanes(values, lane, SUM(energy));
   const float min_energy = min_contrast * min_contrast * WINDOW_PIXELS;
 
   // Sums along the rows of those, and the norm of every displaced window.
@@ -294,20 +278,16 @@ __kernel __attribute__((reqd_work_group_size(LANES * WINDOWS_PER_GROUP, 1, 1))) 
       for (int p = 0; p < FFT_PX; ++p) {
         const int y = p;
         if (y < LAGS) {
-#if VECTOR > 1
           float numerators[VECTOR];
           STORE(re[p], numerators);
           for (int k = 0; k < min(VECTOR, LAGS - x); ++k) {
             map[y * LAGS + x + k] *= scale * numerators[k];
           }
-#else
-          map[y * LAGS + x] *= scale * re[p];
-#endif
         }
       }
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   write_peak(map, window, place, sqrt(template_energy * (1.0f / WINDOW_PIXELS)), min_contrast,
-             weights, values[member], indices[member], lines[member], lane, LANES, wanted < count, peaks + at);
+             weights, values, indices, lines, lane, LANES, peaks + at);
 }
