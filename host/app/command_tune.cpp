@@ -46,6 +46,7 @@ void run_tune(const Options& options) {
                 tried.rejected.c_str());
     std::fflush(stdout);
   };
+  store_tuning(engine, {});  // fails at once where nothing can be kept
   std::vector<TunedKernel> best;
   for (const FieldOptions& field : sizes_of(options)) {
     best.push_back(tune_zncc(engine, field, options.tune, sink));
