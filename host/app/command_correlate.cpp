@@ -119,8 +119,8 @@ void run_correlate(const CLI::App& command, const Request& request) {
   attributes["option_reference"] = request.reference;
   attributes["option_motion"] = request.motion;
   MotionCsv motion_csv(folder / "motion.csv");
-  auto fields =
-      FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px, attributes);
+  auto fields = FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px,
+                                   attributes, request.field.compression);
   options.times = run.stage_times();
   int measured = 0;
   Stopwatch watch;

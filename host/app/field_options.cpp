@@ -41,6 +41,11 @@ void add_field_options(CLI::App& command, FieldRequest& request) {
                   "Standard deviation, px, that the clip's noise lets expect of a window's "
                   "displacement, above which it is left out (icgn)")
       ->capture_default_str();
+  command
+      .add_option("--compress", request.compression,
+                  "Deflate fields.h5 at this level, 1 to 9; 0: not at all")
+      ->check(CLI::Range(0, 9))
+      ->capture_default_str();
 }
 
 FieldOptions resolve(const FieldRequest& request) {

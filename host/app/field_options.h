@@ -13,9 +13,11 @@ struct FieldRequest {
   FieldOptions field;
   std::string method = "icgn";
   int spacing_px = 0;
+  int compression = 0;  // of fields.h5
 };
 
-// Adds --window, --spacing, --search, --interp, --method, --spline-degree and the thresholds.
+// Adds --window, --spacing, --search, --interp, --method, --spline-degree, the thresholds and
+// --compress.
 void add_field_options(CLI::App& command, FieldRequest& request);
 // Turns the words into values. Throws InvalidArgument.
 FieldOptions resolve(const FieldRequest& request);

@@ -71,8 +71,8 @@ struct TrackOutput::Impl {
   void open_fields(std::size_t window_count, double radius_px) {
     if (fields) return;
     options.attributes["grid_radius_px"] = radius_px;
-    fields = std::make_unique<FieldsFile>(
-        FieldsFile::create(fields_path(), window_count, options.window_px, options.attributes));
+    fields = std::make_unique<FieldsFile>(FieldsFile::create(
+        fields_path(), window_count, options.window_px, options.attributes, options.compression));
     for (const TrackRow& row : before_grid) write_field(row, nullptr);
     before_grid.clear();
   }

@@ -23,7 +23,7 @@ struct OutputOptions {
   SiScale scale;               // metre_per_px 0 where only the ball's diameter is known
   double ball_diameter_m = 0;  // 0: unknown
   ImpactSetup impact;
-  int window_px = 15;
+  int window_px = 15, compression = 0;
   bool with_field = true, with_poses = false, resume = false;
   OverlayOptions overlay;
   Roi roi;

@@ -23,7 +23,7 @@ const std::set<std::string> kMayChange = {
     "device",         "threads",           "ball-diameter-mm",
     "mm-per-px",      "surface-angle-deg", "gravity-angle-deg",
     "inertia-factor", "overlay",           "slow-motion",
-    "arrow-scale",    "no-checksum"};
+    "arrow-scale",    "no-checksum",       "compress"};
 
 std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
   if (text.empty()) return std::nullopt;
@@ -127,6 +127,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.scale = scale;
   output_options.ball_diameter_m = request.ball_diameter_mm * 1e-3;
   output_options.window_px = options.estimator.field.window_px;
+  output_options.compression = request.field.compression;
   output_options.with_field = options.with_field;
   output_options.with_poses = options.with_field && options.estimator.estimator == Estimator::ball;
   output_options.overlay = request.overlay;

@@ -163,9 +163,9 @@ FieldsFile::~FieldsFile() {
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
 
 FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t window_count,
-                              int window_px, const Attributes& attributes) {
+                              int window_px, const Attributes& attributes, int compression) {
   const Hdf5Guard guard(hdf5_lock());
-  auto impl = std::make_unique<Impl>(hdf5::File::create(path.string()), window_px);
+  auto impl = std::make_unique<Impl>(hdf5::File::create(path.string(), compression), window_px);
   // Of a clip without a ball: one window, masked in every frame.
   impl->make_tables(std::max<std::size_t>(window_count, 1));
   for (const auto& [name, value] : attributes) {

@@ -21,10 +21,10 @@ using Attributes = std::map<std::string, std::variant<double, std::string>>;
 // Several may be written at once, each by a thread of its own.
 class FieldsFile {
  public:
-  // Starts the file anew with room for `window_count` windows a frame. Throws FileError here and
-  // below.
+  // Starts the file anew with room for `window_count` windows a frame, compressed at level 1 … 9
+  // (deflate) or not at all (0). Throws FileError here and below.
   static FieldsFile create(const std::filesystem::path& path, std::size_t window_count,
-                           int window_px, const Attributes& attributes);
+                           int window_px, const Attributes& attributes, int compression = 0);
   // Opens the file of an earlier run and keeps its first `rows` frames. Throws FormatError where
   // it holds fewer.
   static FieldsFile resume(const std::filesystem::path& path, int window_px, std::size_t rows);

@@ -36,11 +36,13 @@ Handle::~Handle() {
   if (id_ >= 0) close_(id_);
 }
 
-File File::create(const std::string& path) {
+File File::create(const std::string& path, int compression) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Handle access = file_access();
-  return {path, Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose,
-                       path)};
+  File file(path, Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
+                         H5Fclose, path));
+  file.compression_ = compression;
+  return file;
 }
 
 File File::open(const std::string& path) {
@@ -72,6 +74,10 @@ Table Table::create(File& file, const std::string& name, std::size_t columns, hi
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
   check(H5Pset_chunk(properties.get(), rank, chunk.data()), name);
   check(H5Pset_fill_value(properties.get(), type, fill), name);
+  if (file.compression() > 0) {
+    check(H5Pset_shuffle(properties.get()), name);
+    check(H5Pset_deflate(properties.get(), static_cast<unsigned>(file.compression())), name);
+  }
   Table table;
   table.name_ = name;
   table.columns_ = columns;

@@ -55,10 +55,13 @@ inline hid_t native_type<std::int64_t>() {
 class File {
  public:
   // Creates the file anew, or opens it for writing. HDF5 must not print: errors are ours.
-  static File create(const std::string& path);
+  // Tables made in it are compressed at `compression` (deflate, 1 … 9, behind shuffled bytes); 0:
+  // not at all.
+  static File create(const std::string& path, int compression = 0);
   static File open(const std::string& path);
   hid_t get() const { return handle_.get(); }
   const std::string& path() const { return path_; }
+  int compression() const { return compression_; }
   void flush();
 
   void set_attribute(const std::string& object, const std::string& name, const std::string& text);
@@ -68,6 +71,7 @@ class File {
   File(std::string path, Handle handle) : path_(std::move(path)), handle_(std::move(handle)) {}
   std::string path_;
   Handle handle_;
+  int compression_ = 0;
 };
 
 // A dataset that grows along its first dimension: (rows, columns), or (rows) where columns is 0.

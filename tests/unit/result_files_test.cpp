@@ -96,7 +96,10 @@ TEST(TrackCsv, DropsALineThatWasCutOffAndRefusesDamage) {
   EXPECT_THROW(read_track_csv(folder / "none.csv"), FileError);
 }
 
-TEST(FieldsFile, GrowsIsReadByH5pyAndResumes) {
+class FieldsFileTest : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Compression, FieldsFileTest, ::testing::Values(0, 4));
+
+TEST_P(FieldsFileTest, GrowsIsReadByH5pyAndResumes) {
   const ScratchFolder folder;
   const auto path = folder / "fields.h5";
   std::vector<Window> windows(3);
@@ -107,7 +110,8 @@ TEST(FieldsFile, GrowsIsReadByH5pyAndResumes) {
     field[i].status = i == 1 ? 3 : 0;
   }
   {
-    auto file = FieldsFile::create(path, 3, 15, {{"grid_radius_px", 42.5}, {"axes", "x right"}});
+    auto file = FieldsFile::create(path, 3, 15, {{"grid_radius_px", 42.5}, {"axes", "x right"}},
+                                   GetParam());
     for (int k = 0; k < 4; ++k) file.add(k, 0.1 * k, windows, field, nullptr);
     file.add(4, 0.4, {}, {}, nullptr);
   }
@@ -128,9 +132,11 @@ assert list(f['status'][2]) == [0, 3, 0]
 assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
 assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
 assert f.attrs['grid_radius_px'] == 42.5
+level = int(sys.argv[2])
+assert f['u_px'].compression_opts == (level or None) and f['u_px'].shuffle == (level > 0)
 )";
-  const std::string command =
-      "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " + testing::quoted(path);
+  const std::string command = "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " +
+                              testing::quoted(path) + " " + std::to_string(GetParam());
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
