@@ -10,6 +10,7 @@ rows that were written by then, and its growth per frame over the last half of t
 
 import math
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
@@ -52,6 +53,7 @@ def main():
     program, folder, frames = sys.argv[1], pathlib.Path(sys.argv[2]), int(sys.argv[3])
     clip = make_clip(program, folder, frames)
     results = folder / "results"
+    shutil.rmtree(results, ignore_errors=True)
     run = subprocess.Popen([program, "track", clip, "-o", results, "--force", "-q", *sys.argv[4:]])
     samples = []
     begin = time.monotonic()

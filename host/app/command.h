@@ -22,6 +22,13 @@ struct Common {
 // stand in the job file too, under its long name without the dashes (see job.h).
 void add_common_options(CLI::App& command, Common& common);
 
+// Checks of an option's value.
+CLI::Validator positive_number();
+CLI::Validator non_negative_number();
+// Has every option of every command that is a number refuse what is none: NaN, infinity, a negative
+// count.
+void refuse_non_numbers(CLI::App& app);
+
 // Makes DIR ready for results: creates it; refuses one that holds files unless `force`.
 // Throws InvalidArgument or FileError.
 std::filesystem::path prepare_output_directory(const std::string& dir, bool force);

@@ -288,7 +288,10 @@ void add_batch_command(CLI::App& app) {
       "that failed, and shots.csv with a row for each; impactdic report makes one page of all.\n"
       "Example:\n"
       "  impactdic batch shots -o results --table shots.csv --fps 10000 --ball-diameter-mm 67\n");
-  command->callback([command, request] { Batch(*command, *request).run(); });
+  command->callback([command, request] {
+    check_settings(request->track);
+    Batch(*command, *request).run();
+  });
 }
 
 }  // namespace impactdic::app

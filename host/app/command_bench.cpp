@@ -28,10 +28,10 @@ void add_bench_command(CLI::App& app) {
   add_common_options(*command, options->common);
   command->add_option("--only", options->bench.only, "Only rows whose work contains this text");
   command->add_option("--seconds", options->bench.seconds, "Time to measure each row for")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command->add_option("--batch", options->bench.batch, "Frame pairs a run (default: by device)")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command->add_flag("--all-variants", options->bench.every_variant,
                     "Every variant of a kernel, not only the one in use");
   command->add_option("--json", options->json, "Write the table to this file too");

@@ -77,7 +77,7 @@ void add_info_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--error-px", request->error_px, "An error to reach: says which window does, px")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command->footer("Example:\n  impactdic info shot_01.cine\n");
   command->callback([request] { run_info(*request); });

@@ -160,7 +160,7 @@ void add_options(CLI::App& command, Request& request) {
   command.add_option("--size", request.size, "WIDTHxHEIGHT of the picture, px")
       ->capture_default_str();
   command.add_option("--fps", request.fps, "Frames a second")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command.add_option("--radius-px", request.radius_px, "The ball's radius, px")
       ->check(CLI::Range(20.0, 2000.0))

@@ -75,7 +75,7 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--search", options->search_px, "Their search radius (px)")
       ->capture_default_str();
   command->add_option("--seconds", options->tune.seconds, "Time to measure each variant for")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   command->footer("Example:\n  impactdic tune --device gpu");
   command->callback([options] { run_tune(*options); });

@@ -1,5 +1,8 @@
 #include "host/app/field_options.h"
 
+#include "host/app/command.h"
+#include "host/base/error.h"
+
 namespace impactdic::app {
 
 void add_field_options(CLI::App& command, FieldRequest& request) {
@@ -51,6 +54,10 @@ void add_field_options(CLI::App& command, FieldRequest& request) {
 FieldOptions resolve(const FieldRequest& request) {
   FieldOptions field = request.field;
   field.method = parse_field_method(request.method);
+  if (request.spacing_px < 0) {
+    throw InvalidArgument(
+        "the spacing must be 0 or more, not " + std::to_string(request.spacing_px), "--spacing");
+  }
   field.validate();
   return field;
 }

@@ -64,6 +64,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "impactdic " IMPACTDIC_VERSION);
   app.footer("impactdic COMMAND --help explains a command, with an example.");
   add_commands(app);
+  impactdic::app::refuse_non_numbers(app);
   const std::vector<std::string> given(argv + 1, argv + argc);
   try {
     std::vector<std::string> arguments = impactdic::app::expand_job(app, given);

@@ -55,9 +55,6 @@ TrackOptions resolve_options(const TrackRequest& request, const VideoInfo& info)
 // Metres a pixel as far as they are known before the ball is: from --mm-per-px.
 SiScale resolve_scale(const TrackRequest& request, const TrackOptions& options,
                       const VideoInfo& info) {
-  if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
-    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
-  }
   SiScale scale;
   scale.metre_per_px = request.mm_per_px * 1e-3;
   scale.fps = options.fps / static_cast<double>(options.frames.step);
@@ -104,8 +101,21 @@ std::vector<std::string> warnings_of(const TrackRequest& request, const VideoInf
 
 }  // namespace
 
+void check_settings(const TrackRequest& request) {
+  resolve(request.field);
+  parse_radius(request.radius);
+  if (parse_estimator(request.estimator) != Estimator::field && request.no_field) {
+    throw InvalidArgument("--no-field measures no motion, so no estimator is used", "--estimator",
+                          "leave one of the two out");
+  }
+  if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
+    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
+  }
+}
+
 TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& request,
                              RunContext& run) {
+  check_settings(request);
   const auto source = open_requested(request.video);
   const VideoInfo& info = source->info();
   TrackOptions options = resolve_options(request, info);
@@ -185,9 +195,9 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
 
 void add_track_settings(CLI::App& command, TrackRequest& request) {
   command.add_option("--ball-diameter-mm", request.ball_diameter_mm, "Scale: the ball's diameter")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command.add_option("--mm-per-px", request.mm_per_px, "Scale: millimetres a pixel")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command
       .add_option("--surface-angle-deg", request.surface_angle_deg,
                   "Inclination of the surface, counter-clockwise from image-right")
@@ -219,12 +229,12 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
       .add_option("--slow-motion", request.overlay.slow_motion,
                   "How many times slower than life the overlay's video plays; 0: every frame, 25 "
                   "a second")
-      ->check(CLI::NonNegativeNumber)
+      ->check(non_negative_number())
       ->capture_default_str();
   command
       .add_option("--arrow-scale", request.overlay.arrow_scale,
                   "Length of the overlay's arrows over the displacement to the next frame")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
 }
 

@@ -32,6 +32,9 @@ void add_track_settings(CLI::App& command, TrackRequest& request);
 // Those, and the clip, the folder and the common ones: all options of `track`.
 void add_track_options(CLI::App& command, TrackRequest& request);
 
+// Throws InvalidArgument for settings that are wrong whatever the clip is.
+void check_settings(const TrackRequest& request);
+
 struct TrackOutcome {
   std::int64_t frames = 0, frames_ok = 0;
   double frames_per_s = 0;

@@ -1,5 +1,6 @@
 #include "host/app/video_options.h"
 
+#include "host/app/command.h"
 #include "host/base/error.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
@@ -19,7 +20,7 @@ void add_video_options(CLI::App& command, VideoRequest& request) {
 void add_reading_options(CLI::App& command, VideoRequest& request) {
   command.add_option("--raw", request.raw, "WIDTHxHEIGHTxBITS: the file is bare pixels");
   command.add_option("--fps", request.fps, "Frames a second; overrides the file's own rate")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
 }
 
 std::unique_ptr<FrameSource> open_requested(const VideoRequest& request) {

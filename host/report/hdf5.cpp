@@ -14,6 +14,14 @@ void check(herr_t status, const std::string& what) {
   if (status < 0) throw FileError("HDF5 cannot write", what, "is the disk full?");
 }
 
+// HDF5 must not print. Nor may it clean up when the program ends: a file that could not be written
+// because the disk is full is tried once more then, and that crashes. Our handles close everything.
+void begin() {
+  static const bool once = H5dont_atexit() >= 0;
+  (void)once;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
 Handle file_access() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access");
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V110), "file access");
@@ -37,7 +45,7 @@ Handle::~Handle() {
 }
 
 File File::create(const std::string& path, int compression) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  begin();
   const Handle access = file_access();
   File file(path, Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()),
                          H5Fclose, path));
@@ -46,7 +54,7 @@ File File::create(const std::string& path, int compression) {
 }
 
 File File::open(const std::string& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  begin();
   const Handle access = file_access();
   return {path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, path)};
 }

@@ -1,4 +1,6 @@
 // Several picture files as one clip: TIFF through libtiff, other kinds through the codecs.
+#include <filesystem>
+
 #include "host/base/error.h"
 #include "host/video/byte_file.h"
 #include "host/video/file_kind.h"
@@ -25,6 +27,9 @@ class ImageSequence : public FrameSource {
  public:
   ImageSequence(const std::vector<std::string>& paths, const VideoOptions& options)
       : paths_(paths), options_(options) {
+    for (const std::string& path : paths_) {
+      if (!std::filesystem::exists(path)) throw FileError("there is no such file", path);
+    }
     info_ = open_picture(paths_.front(), options_)->info();
     info_.format += " sequence";
     info_.files = paths_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 #include "host/base/error.h"
@@ -12,11 +13,12 @@ namespace {
 
 toml::table parse(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  std::stringstream content;
-  if (!stream || !(content << stream.rdbuf()))
+  if (!stream || std::filesystem::is_directory(file)) {
     throw FileError("cannot read the job", file.string());
+  }
+  const std::string content{std::istreambuf_iterator<char>(stream), {}};
   try {
-    return toml::parse(content.str());
+    return toml::parse(content);
   } catch (const toml::parse_error& error) {
     throw FormatError(file.string() + ", line " + std::to_string(error.source().begin.line), -1,
                       "not TOML: " + std::string(error.description()));

@@ -50,6 +50,18 @@ TEST(Errors, WrongRequestsExitTwo) {
   expect_one_line("track " + clip + out + " --mm-per-px 0.5 --ball-diameter-mm 5 --fps 9", 2,
                   "one of");
   expect_one_line("track " + clip + out + " --mm-per-px 0.5", 2, "--fps");
+  expect_one_line("track " + clip + out + " --fps nan", 2, "--fps");
+  expect_one_line("track " + clip + out + " --fps 0", 2, "must be positive, not 0");
+  expect_one_line("track " + clip + out + " --ball-diameter-mm nan --fps 9", 2, "positive");
+  expect_one_line("track " + clip + out + " --surface-angle-deg inf", 2, "--surface-angle-deg");
+  expect_one_line("track " + clip + out + " --spacing -1", 2, "--spacing");
+  expect_one_line("track " + clip + out + " --no-field --estimator ball", 2, "--estimator");
+  expect_one_line("track " + clip + " -o ''", 2, "--output");
+  expect_one_line("correlate " + clip + out + " --fps nan", 2, "--fps");
+  expect_one_line("correlate " + clip + out + " --spacing -2", 2, "--spacing");
+  expect_one_line("synth --rotation-deg nan" + out, 2, "--rotation-deg");
+  expect_one_line("synth --seed -1" + out, 2, "--seed");
+  expect_one_line("batch " + quoted(folder / ".") + out + " --window 1", 2, "--window");
   expect_one_line("correlate " + clip + out + " --reference last", 2, "--reference");
   expect_one_line("correlate " + clip + out + " --roi 0,0,10,10", 2, "no interrogation window");
   expect_one_line("track " + quoted(folder / "noise.raw") + out + " --raw 64x48", 2, "64x48");
@@ -65,6 +77,32 @@ TEST(Errors, UnreadableFilesExitOne) {
   std::ofstream(folder / "text.mraw") << "hello";
   expect_one_line("track " + quoted(folder / "text.mraw") + out, 1, "text");
   expect_one_line("track " + write_raw(folder, 2) + " --raw 4000x4000x16" + out, 1, "noise.raw");
+  std::ofstream(folder / "a.tif") << "II*";
+  expect_one_line("info " + quoted(folder / "a.tif") + " b.tif", 1, "b.tif");
+  std::ofstream(folder / "empty.toml");
+  expect_one_line("simulate " + quoted(folder / "empty.toml") + out, 2, "empty.toml");
+}
+
+// A limit on the size of files fails writes as a full disk does.
+TEST(Errors, AFullDiskExitsOne) {
+  const ScratchFolder folder;
+  ASSERT_EQ(run_program("synth --size 96x96 --radius-px 30 --frames 8 --noise 1 -o " +
+                        quoted(folder / "clip"))
+                .status,
+            0);
+  for (const char* command : {"track", "correlate"}) {
+    const std::string arguments = std::string(command) + " " + quoted(folder / "clip/video.tif") +
+                                  " --force -q -o " + quoted(folder / command);
+    ASSERT_EQ(run_program(arguments).status, 0);  // the kernels are compiled
+    const std::string script = std::string("trap '' XFSZ; ulimit -f 4000; ") + IMPACTDIC_PROGRAM +
+                               " " + arguments + " 2> " + quoted(folder / "err");
+    const int raw = std::system(script.c_str());
+    ASSERT_TRUE(WIFEXITED(raw)) << command;
+    EXPECT_EQ(WEXITSTATUS(raw), 1) << command;
+    const std::string said = read_text(folder / "err");
+    EXPECT_NE(said.find("is the disk full?"), std::string::npos) << said;
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
 }
 
 TEST(Errors, OutputFolderWithFilesIsRefusedUnlessForced) {
