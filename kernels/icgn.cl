@@ -28,7 +28,7 @@
 // some direction. A hundred roundings.
 #define SMALLEST_PIVOT 1e-5f
 #define ROUNDING_VARIANCE (1.0f / 12.0f) /* of a pixel, grey levels */
-// Between pixels, and in its slopes, a spline errs as if hard edges stood elsewhere by this.
+// kInterpolationPx of host/dic/spline_taps.h.
 #define INTERPOLATION_PX 0.02f
 // Mean square of a pixel's place along an axis in a whole window, over HALF_PX.
 #define MEAN_SQUARE ((WINDOW_PX + 1.0f) / (3.0f * (WINDOW_PX - 1.0f)))

@@ -12,6 +12,8 @@
 namespace impactdic {
 namespace {
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The slope at a pixel is Σ taps[k − 1] (p(k) − p(−k)), k = 1, 2, …: the spline's coefficients by
@@ -89,7 +91,8 @@ PictureSlopes::PictureSlopes(ImageView<const float> picture, double noise)
     : width_(picture.width), height_(picture.height), noise_(noise * noise) {
   if (width_ < 1 || height_ < 1) throw InvalidArgument("the picture is empty");
   const std::vector<float> taps = slope_taps();
-  for (const float tap : taps) slope_noise_ += 2 * noise_ * tap * tap;
+  for (const float tap : taps) slope_gain_ += 2.0 * tap * tap;
+  slope_noise_ = slope_gain_ * noise_;
   slope_x_ = slopes_along_x(picture, taps);
   slope_y_ = slopes_along_y(picture, taps);
   sums_.assign(static_cast<std::size_t>(width_ + 1) * static_cast<std::size_t>(height_ + 1), {});
@@ -148,12 +151,27 @@ WindowBound PictureSlopes::affine_window(int x0, int y0, int side, double noise)
   Eigen::Matrix<double, 6, 6> information;
   information << xx, xy, xy, yy;
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factors(information);
-  bound.u_sd_px = bound.v_sd_px = kInfinity;
+  bound.u_sd_px = bound.v_sd_px = bound.expected_sd_px = kInfinity;
   if (factors.info() == Eigen::Success) {
     const Eigen::Matrix<double, 6, 6> covariance =
         2 * noise * noise * factors.solve(Eigen::Matrix<double, 6, 6>::Identity());
     bound.u_sd_px = std::sqrt(covariance(0, 0));
     bound.v_sd_px = std::sqrt(covariance(3, 3));
+  }
+  const double count = static_cast<double>(side) * side;
+  const double interpolation = kInterpolationPx * kInterpolationPx * (xx(0, 0) + yy(0, 0)) / count;
+  const double doubt = noise * noise + interpolation;
+  const double moment = (side + 1.0) / (3.0 * (side - 1.0));
+  const Vector6 shape = (Vector6() << 1, moment, moment, 1, moment, moment).finished();
+  const Vector6 noise_share = count * slope_gain_ * doubt * shape;
+  information.diagonal() -= count * slope_gain_ * interpolation * shape;
+  const Eigen::LLT<Eigen::Matrix<double, 6, 6>> texture(information);
+  if (texture.info() == Eigen::Success) {
+    const auto deviation = [&](int column) {
+      const Vector6 row = texture.solve(Vector6(Vector6::Unit(column)));
+      return std::sqrt(2 * doubt * (row(column) + row.cwiseAbs2().dot(noise_share)));
+    };
+    bound.expected_sd_px = std::max(deviation(0), deviation(3));
   }
   return bound;
 }

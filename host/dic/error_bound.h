@@ -13,6 +13,9 @@ namespace impactdic {
 struct WindowBound {
   double contrast = 0;  // rms of the grey levels about their mean, the noise's own share left out
   double u_sd_px = 0, v_sd_px = 0;
+  // Of affine windows, the larger one of both as IC-GN expects it: above the bound, since it takes
+  // the noise's slopes for the picture's, and interpolation errs (kernels/icgn.cl).
+  double expected_sd_px = 0;
 };
 
 struct BallBound {
@@ -53,6 +56,7 @@ class PictureSlopes {
 
   int width_ = 0, height_ = 0;
   double noise_ = 0, slope_noise_ = 0;  // variances: of a pixel, of a slope
+  double slope_gain_ = 0;               // the latter over the former
   Image<float> slope_x_, slope_y_;
   std::vector<Sums> sums_;
 };

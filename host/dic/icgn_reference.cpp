@@ -17,9 +17,8 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Row = Eigen::Matrix<double, 1, 6>;
 
-// As CLOSE_ENOUGH_PX and INTERPOLATION_PX of kernels/icgn.cl.
+// As CLOSE_ENOUGH_PX of kernels/icgn.cl.
 constexpr double kCloseEnoughPx = 5e-4;
-constexpr double kInterpolationPx = 0.02;
 
 // The pixels of a window that carry weight: where they are from its centre, grey level and the
 // derivatives by du, ux, uy, dv, vx, vy.

@@ -24,6 +24,9 @@ std::vector<double> prefilter_taps(int degree, double presmooth_sigma_px, double
 // test bounds the rest by 0.3 %.
 std::array<double, 3> interpolation_noise(int degree, double presmooth_sigma_px);
 
+// Between pixels, and in its slopes, a spline errs as if hard edges stood elsewhere by this.
+inline constexpr double kInterpolationPx = 0.02;
+
 // Variance of a slope at a pixel in units of the variance of the picture's noise.
 double slope_noise(int degree);
 

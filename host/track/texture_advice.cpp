@@ -56,8 +56,7 @@ SizeAdvice advise_size(const PictureSlopes& slopes, const TextureRequest& reques
     const WindowBound bound = slopes.affine_window(window.x0, window.y0, window_px, noise);
     contrasts.push_back(bound.contrast / level);
     const double error = std::hypot(bound.u_sd_px, bound.v_sd_px) / std::sqrt(2.0);
-    if (!(std::max(bound.u_sd_px, bound.v_sd_px) <= request.max_sd_px) ||
-        contrasts.back() < request.min_texture) {
+    if (!(bound.expected_sd_px <= request.max_sd_px) || contrasts.back() < request.min_texture) {
       continue;
     }
     ++advice.usable;

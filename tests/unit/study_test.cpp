@@ -67,12 +67,15 @@ TEST(ErrorBound, AffineWindow) {
   const WindowBound affine = slopes.affine_window(20, 20, 120, 2);
   EXPECT_NEAR(affine.u_sd_px, rigid.u_sd_px, 0.02 * rigid.u_sd_px);
   EXPECT_NEAR(affine.v_sd_px, rigid.v_sd_px, 0.02 * rigid.v_sd_px);
+  EXPECT_GT(affine.expected_sd_px, std::max(affine.u_sd_px, affine.v_sd_px));
+  EXPECT_LT(affine.expected_sd_px, 1.5 * std::max(affine.u_sd_px, affine.v_sd_px));
   Image<float> edge(60, 60);
   for (int y = 0; y < 60; ++y) {
     for (int x = 0; x < 60; ++x) edge(x, y) = 100 + 80 * std::tanh((x - 0.4F * y - 20) / 2.0F);
   }
   const PictureSlopes of_edge(edge.view(), 0);
   EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).u_sd_px, 1);
+  EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).expected_sd_px, 1);
 }
 
 TEST(ErrorBound, NoiseInThePictureIsTakenOut) {
