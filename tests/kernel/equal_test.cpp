@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "host/dic/equal_opencl.h"
 #include "host/dic/equal_reference.h"
+#include "host/dic/equal_stream.h"
+#include "host/dic/tuning.h"
 #include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
 
@@ -145,6 +148,64 @@ TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
     EXPECT_NEAR(followed[i].u_sd, apart[i].u_sd, 1e-5) << i;
   }
   EXPECT_GT(ok, 100);
+}
+
+// Batches of a stream, two under way at a time, give what their pictures give one after the other.
+TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
+  Engine& engine = shared_engine();
+  FieldOptions options;
+  options.window_px = 16;
+  options.min_correlation = 0.2;
+  std::vector<Frame> clip;
+  for (int k = 0; k < 5; ++k) {
+    clip.push_back(field().render(kWidth, kHeight, 0.9 * k * k, -0.7 * k, 0, 0, 0, 8, 2,
+                                  static_cast<unsigned>(k + 1)));
+  }
+  std::vector<Window> windows = rectangle_grid(10, 10, 80, 60, 16, 16);
+  for (Window& window : windows) window.second = 1;
+  const auto expected = [&](std::size_t first) {
+    DeviceFrames frames(engine, 2);
+    frames.set(0, clip[first]);
+    frames.set(1, clip[first + 1]);
+    Buffer<WindowMotion> motions(engine, windows.size());
+    EqualOpencl(engine, options, choose_equal_variant(engine, 16))
+        .run(frames, make_buffer<Window>(engine, windows), windows.size(), motions);
+    return motions.to_vector(engine);
+  };
+  EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 2);
+  const auto start = [&](int lane, std::size_t first) {
+    const auto bytes = stream.pictures(lane);
+    ASSERT_EQ(bytes.size(), 2 * clip[0].byte_count());
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::memcpy(bytes.data() + k * clip[0].byte_count(), clip[first + k].bytes(),
+                  clip[0].byte_count());
+    }
+    stream.start(lane);
+  };
+  const auto check = [&](int lane, std::size_t first) {
+    SCOPED_TRACE(first);
+    const auto wanted = expected(first);
+    const auto got = stream.wait(lane);
+    ASSERT_EQ(got.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      ASSERT_EQ(got[i].status, wanted[i].status) << i;
+      if (wanted[i].status != static_cast<int>(WindowStatus::ok)) continue;
+      EXPECT_EQ(got[i].u, wanted[i].u) << i;
+      EXPECT_EQ(got[i].v, wanted[i].v) << i;
+    }
+  };
+  start(0, 0);
+  start(1, 1);
+  check(0, 0);
+  start(0, 2);
+  check(1, 1);
+  start(1, 3);
+  check(1, 3);
+  check(0, 2);
+  windows.back().second = 2;
+  EXPECT_THROW(
+      EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 1),
+      InvalidArgument);
 }
 
 TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {
