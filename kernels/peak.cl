@@ -50,10 +50,9 @@ INLINE Surface surface_at(__local const float* coefficients, const float x, cons
 INLINE void stage_peaks(__global const CorrelationPeak* peaks, const int count,
                         __local float* staged, const int lane) {
   __global const float* fields = (__global const float*)peaks;
-  for (int peak = 0; peak < count; ++peak) {
-    for (int k = lane; k < PEAK_FIELDS; k += MOTION_GROUP) {
-      staged[peak * PEAK_PITCH + k] = fields[peak * PEAK_FIELDS + k];
-    }
+#pragma unroll 8
+  for (int k = lane; k < count * PEAK_FIELDS; k += MOTION_GROUP) {
+    staged[k / PEAK_FIELDS * PEAK_PITCH + k % PEAK_FIELDS] = fields[k];
   }
   barrier(CLK_LOCAL_MEM_FENCE);
 }
@@ -73,8 +72,9 @@ INLINE WindowMotion motion_of(__local const float* fields, const float min_corre
   int has_converged = 0;
   for (int step = 0; step < NEWTON_STEPS && !has_converged && determinant > 0.0f && s.xx < 0.0f;
        ++step) {
-    const float to_x = clamp(x + (s.xy * s.y - s.yy * s.x) / determinant, -FARTHEST, FARTHEST);
-    const float to_y = clamp(y + (s.xy * s.x - s.xx * s.y) / determinant, -FARTHEST, FARTHEST);
+    const float scale = 1.0f / determinant;
+    const float to_x = clamp(x + (s.xy * s.y - s.yy * s.x) * scale, -FARTHEST, FARTHEST);
+    const float to_y = clamp(y + (s.xy * s.x - s.xx * s.y) * scale, -FARTHEST, FARTHEST);
     has_converged = fabs(to_x - x) < 1e-5f && fabs(to_y - y) < 1e-5f;
     x = to_x;
     y = to_y;

@@ -146,10 +146,11 @@ __kernel GROUP_SIZE void zncc_single(__global const PIXEL* pixels, const int wid
   __local float plane[2 * PLANE] __attribute__((aligned(32)));
   __local float8* lines = (__local float8*)plane;  // in the end
   __local float map[LAGS * LAGS];
-  __local float sums[FFT_PX] __attribute__((aligned(16)));
-  __local float energies[FFT_PX] __attribute__((aligned(16)));
-  __local float2 middle[FFT_PX];  // row FFT_PX/2 of the product
-  __local int highest[LAGS];      // of each column, in_order
+  // The end of the plane, which the sums over displaced windows and what comes back do not reach.
+  __local float* sums = plane + 2 * PLANE - FFT_PX;
+  __local float* energies = sums - FFT_PX;
+  __local float2* middle = (__local float2*)energies;  // row FFT_PX/2 of the product
+  __local int highest[LAGS];                           // of each column, in_order
   __local Found found[1];
   const int lane = (int)get_local_id(0);
   __global CorrelationPeak* peak = peaks + get_group_id(0);
@@ -184,6 +185,7 @@ __kernel GROUP_SIZE void zncc_single(__global const PIXEL* pixels, const int wid
   for (int y = 0; y < AREA_PX; ++y) g[y] -= mean;
   put_column_sums(g, plane, lane);
   GROUP_BARRIER;
+  const float energy = sum_of(energies);
   put_norms(plane, map, min_contrast * min_contrast * WINDOW_PIXELS, lane);
   GROUP_BARRIER;
 
@@ -199,10 +201,10 @@ __kernel GROUP_SIZE void zncc_single(__global const PIXEL* pixels, const int wid
   GROUP_BARRIER;
 
   // The first half of the work-items takes a row of the product each, the other half row FFT_PX/2.
+  float2 low = 0.0f, high = 0.0f;
   if (lane >= HALF_PX) {
-    const int k = lane - HALF_PX;
-    middle[k] = product_at(plane, k, HALF_PX);
-    middle[lane] = product_at(plane, lane, HALF_PX);
+    low = product_at(plane, lane - HALF_PX, HALF_PX);
+    high = product_at(plane, lane, HALF_PX);
   } else {
     UNROLL
     for (int p = 0; p < FFT_PX; ++p) {
@@ -210,6 +212,11 @@ __kernel GROUP_SIZE void zncc_single(__global const PIXEL* pixels, const int wid
       re[p] = product.x;
       im[p] = product.y;
     }
+  }
+  GROUP_BARRIER;
+  if (lane >= HALF_PX) {
+    middle[lane - HALF_PX] = low;
+    middle[lane] = high;
   }
   GROUP_BARRIER;
   if (lane < HALF_PX) {
@@ -227,7 +234,6 @@ __kernel GROUP_SIZE void zncc_single(__global const PIXEL* pixels, const int wid
   }
   GROUP_BARRIER;
 
-  const float energy = sum_of(energies);
   const float scale = energy > 0.0f ? rsqrt(energy) * (1.0f / SCALE) : 0.0f;
   const int x_a = min(lane, COLUMNS - 1), x_b = x_a + COLUMNS, has_both = x_b < LAGS;
   if (lane < COLUMNS) {

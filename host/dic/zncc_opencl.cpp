@@ -53,6 +53,11 @@ std::vector<cl_float> peak_weights() {
   return all;
 }
 
+// Nothing here is as small as a denormal number, but square roots and quotients provide for it.
+std::string device_options(const Engine& engine) {
+  return engine.device().is_gpu ? "-cl-denorms-are-zero" : "";
+}
+
 }  // namespace
 
 double zncc_flops(const ZnccVariant& variant) {
@@ -77,7 +82,7 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
            (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
   }
   const std::size_t plane = planes * 2 * size * pitch;
-  if (vector == 1) return sizeof(cl_float) * (plane + side * side + 4 * size + kLines + 4);
+  if (vector == 1) return sizeof(cl_float) * (plane + side * side + side + 4);
   return sizeof(cl_float) * (plane + side * side + 2 * lanes + kLines);
 }
 
@@ -125,7 +130,7 @@ ZnccOpencl::ZnccOpencl(Engine& engine, const FieldOptions& options, const ZnccVa
     : engine_(engine), options_(options), variant_(variant) {
   Defines defines = defines_of(options, variant);
   weights_ = make_buffer<cl_float>(engine, peak_weights());
-  subpixel_ = engine.kernel("peak.cl", "zncc_subpixel");
+  subpixel_ = engine.kernel("peak.cl", "zncc_subpixel", {}, device_options(engine));
   if (variant.path != ZnccPath::clfft) return;
   group_ =
       engine.device().is_gpu ? std::min<std::size_t>(group_, engine.device().max_work_group) : 1;
@@ -163,8 +168,7 @@ void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
   defines.emplace_back("LANES", std::to_string(variant_.lanes));
   if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
   if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
-  // Nothing here is that small, but square roots and quotients provide for it.
-  std::string options = engine_.device().is_gpu ? "-cl-denorms-are-zero" : "";
+  std::string options = device_options(engine_);
   if (variant_.most_registers > 0) {
     defines.emplace_back("FREE_GROUP_SIZE", "1");
     options += " -cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
