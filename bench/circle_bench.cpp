@@ -34,19 +34,26 @@ Clip make_clip(const std::string& pattern) {
   return clip;
 }
 
-// As in the middle of a clip: predicted to a fraction of a pixel.
-void measure(benchmark::State& state, const std::string& pattern) {
+CirclePrior near(const BallPose& pose, CirclePrior prior) {
+  prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
+  return prior;
+}
+
+// Predicted to a fraction of a pixel. `followed`: as in the middle of a clip, the look of the rim
+// known from a frame before.
+void measure(benchmark::State& state, const std::string& pattern, bool followed) {
   const Clip clip = make_clip(pattern);
   double squares = 0;
   std::int64_t n = 0;
+  CirclePrior prior;
+  prior.centre_sd_px = 0.3;
+  prior.rim_sd_px = 0.3;
+  prior.bright = true;
+  if (followed) prior.look = measure_circle(clip.frames[0], near(clip.poses[0], prior), {}).look;
   for (auto _ : state) {
     const int k = static_cast<int>(n % kFrames);
     const BallPose& truth = clip.poses[k];
-    CirclePrior prior;
-    prior.predicted = {truth.cx_px + 0.21, truth.cy_px - 0.17, kRadius + 0.1};
-    prior.centre_sd_px = 0.3;
-    prior.rim_sd_px = 0.3;
-    prior.bright = true;
+    prior = near(truth, prior);
     const CircleFit fit = measure_circle(clip.frames[k], prior, {});
     benchmark::DoNotOptimize(fit);
     squares +=
@@ -70,9 +77,14 @@ void find(benchmark::State& state, const std::string& pattern) {
   state.counters["worst_error_px"] = worst;
 }
 
-BENCHMARK_CAPTURE(measure, b1, "b1")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, d3, "d3")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, e1, "e1")->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_a1, "a1", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_b1, "b1", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_d3, "d3", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_e1, "e1", true)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_a1, "a1", false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_b1, "b1", false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_d3, "d3", false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_e1, "e1", false)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(find, b1, "b1")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(find, e1, "e1")->Unit(benchmark::kMillisecond);
 

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/report/summary.h"
+#include "host/track/rim_model.h"
 
 namespace impactdic {
 namespace {
@@ -103,10 +104,13 @@ void each_of_keyframe(Field field, T& key) {
 }
 
 json describe(const BallTracker::Memory& tracker) {
-  json described = {{"seen", json::array()}, {"radii_px", json::array()}};
+  json described = {{"seen", json::array()},
+                    {"radii_px", json::array()},
+                    {"next_learning", tracker.next_learning}};
   for (const BallTracker::Seen& seen : tracker.seen) {
     json& item = described["seen"].emplace_back(json{{"index", seen.index}});
     each_of_fit(Writer{item}, seen.fit);
+    if (seen.fit.look) item["look"] = seen.fit.look->numbers();
   }
   for (const double radius : tracker.radii_px) described["radii_px"].push_back(number(radius));
   return described;
@@ -118,7 +122,11 @@ BallTracker::Memory tracker_of(const json& described) {
     auto& seen = tracker.seen.emplace_back();
     seen.index = item.at("index").get<std::int64_t>();
     each_of_fit(Reader{item}, seen.fit);
+    if (item.contains("look")) {
+      seen.fit.look = std::make_shared<RimModel>(item.at("look").get<std::vector<double>>());
+    }
   }
+  tracker.next_learning = described.at("next_learning").get<std::int64_t>();
   for (const json& radius : described.at("radii_px")) tracker.radii_px.push_back(number(radius));
   return tracker;
 }

@@ -25,6 +25,7 @@ constexpr double kRadiusTolerance = 0.2;  // of the radius: another circle, not 
 constexpr std::size_t kRun = 16, kShortestRun = 4;
 // From the prediction; the frames between then lie within an eighth of it from the line.
 constexpr double kStraight_px = 2.5;
+constexpr std::int64_t kLearnEvery = 256;  // frames
 
 // The circle is the ball's as far as its radius tells.
 bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
@@ -45,6 +46,8 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
   prior.bright = b.bright;
   prior.inked = b.inked;
+  prior.look = b.look;
+  prior.learn = false;
   const double way = std::hypot(b.circle.cx_px - a.circle.cx_px, b.circle.cy_px - a.circle.cy_px);
   prior.centre_sd_px = kSteady_px + kSteadyOfStep * way / steps;
   prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
@@ -96,6 +99,8 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   prior.predicted = last.fit.circle;
   prior.bright = last.fit.bright;
   prior.inked = last.fit.inked;
+  prior.look = last.fit.look;
+  prior.learn = index >= memory_.next_learning;
   prior.e1_px = last.fit.e1_px;
   prior.e2_px = last.fit.e2_px;
   const double r = last.fit.circle.r_px;
@@ -135,6 +140,10 @@ void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
   memory_.seen.push_back({index, fit});
   if (memory_.seen.size() > 2) memory_.seen.pop_front();
+  // Where the look could not be learnt it is tried again, but not in every frame.
+  if (fit.look == nullptr && index >= memory_.next_learning) {
+    memory_.next_learning = index + kLearnEvery;
+  }
   learn_radius(fit);
 }
 

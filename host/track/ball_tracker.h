@@ -36,8 +36,9 @@ class BallTracker {
   };
   // All that it knows of the frames before.
   struct Memory {
-    std::deque<Seen> seen;        // the last measured frames, newest last
-    std::deque<double> radii_px;  // of the last frames in which the ball was round and whole
+    std::deque<Seen> seen;           // the last measured frames, newest last
+    std::deque<double> radii_px;     // of the last frames in which the ball was round and whole
+    std::int64_t next_learning = 0;  // frame from which on the rim's look is learnt
   };
   const Memory& memory() const { return memory_; }
   // Goes on as the tracker would whose memory this was.

@@ -1,12 +1,15 @@
 // The ball in a frame as a circle: found by the Hough transform, measured by a sub-pixel fit.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "host/base/image.h"
 
 namespace impactdic {
+
+class RimModel;
 
 struct Circle {
   double cx_px = 0, cy_px = 0, r_px = 0;
@@ -39,6 +42,9 @@ struct CircleFit {
   double residual_px = 0;   // scatter of the rim points that no ink disturbs
   int rim_points = 0;       // accepted
   double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
+  // How the rim looks: the edge's width and the ink beside it. None where the picture does not
+  // follow the model of it.
+  std::shared_ptr<const RimModel> look;
 };
 
 struct CircleOptions {
@@ -60,6 +66,8 @@ struct CirclePrior {
   std::optional<double> rim_sd_px;
   std::optional<bool> bright;                     // tried both ways where absent
   bool inked = false;                             // as in CircleFit: spares a first look
+  std::shared_ptr<const RimModel> look;           // as in CircleFit: spares the learning
+  bool learn = true;                              // a look, where there is none
   std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
   std::optional<double> compression_axis_rad;     // image axes, y down
 };

@@ -76,6 +76,7 @@ Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) 
   prior.predicted = candidate;
   prior.centre_sd_px = std::max(2.0, kCandidateSd * candidate.r_px);
   prior.rim_sd_px = prior.centre_sd_px;
+  prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
   if (fit.status != CircleStatus::ok) return {};
   return {fit.rim_fraction * fit.circle.r_px, fit.rim_fraction, fit.circle};

@@ -1,6 +1,7 @@
 // From a frame and what is known of it to a measured circle: search, trace, fit.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "host/base/units.h"
 #include "host/track/circle.h"
 #include "host/track/rim.h"
+#include "host/track/rim_lines.h"
+#include "host/track/rim_model.h"
 
 namespace impactdic {
 namespace {
@@ -17,27 +20,41 @@ constexpr double kLeastArc = 0.12;   // share of the rim's sectors that must hol
 constexpr int kLeastPoints = 24;
 constexpr double kDense = 0.6;    // share of inked points above which a sharp kernel is better
 constexpr double kRetrace = 0.1;  // px; a fit farther from its rays' rim is traced again
+constexpr double kOnRim_px = 3;   // points so near show the rim
+// Of the fit by the look; steps are those of the lines.
+constexpr double kSharpest_px = 0.75;    // a wider edge is sampled on proportionally wider steps
+constexpr double kRetraceLines = 0.2;    // steps; a fit farther from its lines' rim is traced again
+constexpr double kFollowed = 1.5;        // steps; a rim farther from its prediction is searched
+constexpr int kFew = 4;                  // of so many lines one is enough for a first look
+constexpr double kWidthSettled = 0.01;   // of ln σ
+constexpr int kTraces = 6, kWidths = 5;  // at most
+constexpr double kClose = 0.8;           // steps that a prediction may scatter to be followed
+constexpr double kNoisier = 2;           // than when the look was learnt: learn again
+constexpr double kExplained = 0.7;       // share of the lines that must have to do with the rim
+constexpr double kMisfit = 20;           // RimModel::misfit; 7 where the model holds
+constexpr double kApart_px = 0.015;      // of the two kinds of fit, and
+constexpr double kMostShift = 0.4;       // of the edge's σ: what ink may shift the crossings
 
 double distance(const Rim& a, const Rim& b) {
   return std::hypot(a.cx - b.cx, a.cy - b.cy) + std::abs(a.r - b.r) +
          std::hypot(a.e1 - b.e1, a.e2 - b.e2);
 }
 
-// See Circle::free_px. Ink on the rim makes gaps too: those are narrow.
-double free_distance(const RimTrace& trace, const Rim& rim) {
-  constexpr double kNarrow = 20 * kRadPerDeg, kOnRimPx = 3;
-  std::vector<double> angles;
-  for (const RimPoint& point : trace.points) {
-    if (std::abs(point.excess) < kOnRimPx) angles.push_back(std::atan2(point.sin, point.cos));
+// See Circle::free_px. Ink on the rim makes gaps too: those are narrow. `points` in the order of
+// the angle, with members cos and sin.
+template <typename Point>
+double free_distance(const std::vector<Point>& points, const Rim& rim) {
+  const double narrow = std::cos(20 * kRadPerDeg);
+  double widest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& a = points[i];
+    const Point& b = points[i + 1 < points.size() ? i + 1 : 0];
+    const double along = a.cos * b.cos + a.sin * b.sin, across = a.cos * b.sin - a.sin * b.cos;
+    if (along > narrow) continue;
+    const double gap = std::atan2(across, along);
+    widest = std::max(widest, gap < 0 ? gap + 2 * kPi : gap);
   }
-  if (angles.empty()) return 0;
-  std::sort(angles.begin(), angles.end());
-  double widest = angles.front() + 2 * kPi - angles.back();
-  for (std::size_t i = 1; i < angles.size(); ++i) {
-    widest = std::max(widest, angles[i] - angles[i - 1]);
-  }
-  if (widest < kNarrow) return rim.r;
-  return rim.r * std::max(0.0, std::cos(widest / 2));
+  return points.empty() ? 0 : rim.r * std::max(0.0, std::cos(widest / 2));
 }
 
 void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
@@ -48,6 +65,127 @@ void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions&
   if (frame.width() < 8 || frame.height() < 8) {
     throw InvalidArgument("a picture for a circle must be at least 8x8 pixels");
   }
+}
+
+// What both kinds of fit have. A blurred disc crosses its half level inside its rim: at R − σ²/2R
+// (mean of the Rice distribution).
+template <typename Fit>
+void fill(const Fit& fit, double edge_sigma_px, CircleFit& result) {
+  const double shrink = edge_sigma_px * edge_sigma_px / (2 * fit.rim.r);
+  result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink};
+  result.cx_sd_px = fit.sd[0];
+  result.cy_sd_px = fit.sd[1];
+  result.r_sd_px = fit.sd[2];
+  result.ellipse = fit.ellipse;
+  result.e1_px = fit.rim.e1;
+  result.e2_px = fit.rim.e2;
+  result.e1_sd_px = fit.sd[3];
+  result.e2_sd_px = fit.sd[4];
+  result.residual_px = fit.residual_px;
+  result.rim_points = fit.points;
+}
+
+double step_of(double sigma_px, const Rim& rim) {
+  return std::clamp(sigma_px / kSharpest_px, 1.0, rim.r / 8);
+}
+
+// A rim by its look.
+struct ByLook {
+  LineFit fit;
+  std::shared_ptr<const RimModel> look;
+};
+
+// With the prior's look, from a rim known to a pixel. Not ok where that does not hold.
+ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
+              LineTrace& trace) {
+  ByLook m{{}, prior.look};
+  const Circle& c = prior.predicted;
+  m.fit.rim = {c.cx_px, c.cy_px, c.r_px, prior.e1_px, prior.e2_px};
+  for (int pass = 0; pass < 3; ++pass) {
+    const bool roughly = pass == 0;
+    const Rim from = m.fit.rim;
+    trace_lines(frame, from, *prior.bright, m.look->step_px(),
+                roughly ? options.rays / kFew : options.rays, trace, nullptr);
+    if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
+    m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
+                      {roughly ? Thoroughness::roughly : Thoroughness::finely});
+    if (!m.fit.ok || m.fit.points < kExplained * static_cast<double>(trace.lines.size())) break;
+    const double moved = distance(m.fit.rim, from) / trace.step_px;
+    if (moved > kFollowed) break;
+    if (!roughly && moved < kRetraceLines) return m;
+  }
+  return {};
+}
+
+// The fit by the look lies where the crossings allow it: an edge of another shape, or a ball that
+// looks otherwise near its rim, shows here.
+bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px) {
+  const auto near = [](double off, double sd) { return std::abs(off) < 5 * sd + kApart_px; };
+  const Rim& other = crossings.rim;
+  return near(rim.cx - other.cx, crossings.sd[0]) && near(rim.cy - other.cy, crossings.sd[1]) &&
+         near(rim.r - other.r, crossings.sd[2]) &&
+         std::abs(rim.r - other.r) < kMostShift * edge_sigma_px;
+}
+
+// Learns the look from a rim that is known already, and fits again. Not ok where the lines do not
+// follow the model.
+ByLook learn(const Frame& frame, const RimFit& known, bool bright, double blur_px,
+             const CirclePrior& prior, const CircleOptions& options, LineTrace& trace) {
+  ByLook m;
+  m.fit.rim = known.rim;
+  Rim from;
+  TextureSums texture;
+  double sigma = std::max(0.8 * blur_px, 0.6);
+  const auto fit = [&](const Rim* start) {
+    m.look = std::make_shared<RimModel>(texture.result(), trace.noise, sigma, trace.step_px);
+    m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
+                      {Thoroughness::with_width, start});
+    return m.fit.ok;
+  };
+  for (int pass = 0; pass < kTraces; ++pass) {
+    from = m.fit.rim;
+    texture = {};
+    trace_lines(frame, from, bright, step_of(sigma, from), options.rays, trace, &texture);
+    if (trace.lines.empty()) return {};
+    if (!fit(nullptr)) {
+      const Rim start = rim_by_area(trace, from);  // which fine ink does not mislead
+      if (!fit(&start)) return {};
+    }
+    if (distance(m.fit.rim, from) < kRetraceLines * trace.step_px) break;
+    sigma *= std::exp(std::clamp(m.fit.width, -0.3, 0.3));
+  }
+  // The root of the width that is asked for over the width that is assumed, between the nearest
+  // on either side once there are both.
+  struct Side {
+    double log_sigma = 0, asked = 0;
+  } narrow, wide;
+  for (int pass = 0; pass < kWidths; ++pass) {
+    const Side here{std::log(sigma), std::clamp(m.fit.width, -0.2, 0.2)};
+    if (std::abs(here.asked) < kWidthSettled) break;
+    (here.asked > 0 ? narrow : wide) = here;
+    double next = here.log_sigma + 1.5 * here.asked;
+    if (narrow.asked > 0 && wide.asked < 0) {
+      next =
+          std::lerp(narrow.log_sigma, wide.log_sigma, narrow.asked / (narrow.asked - wide.asked));
+    }
+    sigma = std::exp(next);
+    const Rim last = m.fit.rim;
+    if (!fit(&last)) return {};
+  }
+  const bool holds = m.fit.misfit < kMisfit && agree(m.fit.rim, known, sigma) &&
+                     m.fit.points > kExplained * static_cast<double>(trace.lines.size());
+  return holds ? m : ByLook{};
+}
+
+CircleFit describe(const ByLook& m, const LineTrace& trace, bool bright) {
+  CircleFit result;
+  const double sigma = m.look->edge_sigma_px();
+  fill(m.fit, sigma, result);
+  result.circle.free_px = free_distance(trace.lines, m.fit.rim);
+  result.bright = bright;
+  result.look = m.look;
+  result.rim_fraction = static_cast<double>(m.fit.points) / trace.cast;
+  return result;
 }
 
 }  // namespace
@@ -77,6 +215,28 @@ void CircleOptions::validate() const {
 CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
                          const CircleOptions& options) {
   validate(frame, prior, options);
+  const auto accepted = [&](CircleFit result) {
+    const Circle& c = result.circle;
+    if (options.radius_range_px &&
+        (c.r_px < options.radius_range_px->first || c.r_px > options.radius_range_px->second)) {
+      return CircleFit{.bright = result.bright};
+    }
+    const bool centre_in = c.cx_px >= 0 && c.cy_px >= 0 && c.cx_px <= frame.width() - 1 &&
+                           c.cy_px <= frame.height() - 1;
+    result.status = centre_in ? CircleStatus::ok : CircleStatus::out_of_view;
+    return result;
+  };
+  const auto enough = [](const auto& fit) {
+    return fit.ok && fit.points >= kLeastPoints && fit.arc >= kLeastArc;
+  };
+
+  thread_local LineTrace lines;  // memory only
+  if (prior.look && prior.bright && prior.rim_sd_px &&
+      std::hypot(prior.centre_sd_px, *prior.rim_sd_px) < kClose * prior.look->step_px()) {
+    const ByLook m = follow(frame, prior, options, lines);
+    if (enough(m.fit)) return accepted(describe(m, lines, *prior.bright));
+  }
+
   CircleFit result;
   const RimSearch search = search_rim(frame, prior, options);
   result.bright = search.bright;
@@ -107,32 +267,21 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     result.status = CircleStatus::out_of_view;
     return result;
   }
-  if (!fit.ok || fit.points < kLeastPoints || fit.arc < kLeastArc) return result;
-  if (options.radius_range_px &&
-      (fit.rim.r < options.radius_range_px->first || fit.rim.r > options.radius_range_px->second)) {
-    return result;
+  if (!enough(fit)) return result;
+  if (prior.learn) {
+    const ByLook m = learn(frame, fit, search.bright, search.blur_px, prior, options, lines);
+    if (enough(m.fit)) {
+      CircleFit by_look = describe(m, lines, search.bright);
+      by_look.inked = fit.inked > kDense;
+      return accepted(by_look);
+    }
   }
-
-  // A blurred disc crosses its half level inside its rim: at R − σ²/2R (mean of the Rice
-  // distribution).
-  const double shrink = trace.edge_sigma_px * trace.edge_sigma_px / (2 * fit.rim.r);
-  result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink, free_distance(trace, fit.rim)};
-  result.cx_sd_px = fit.sd[0];
-  result.cy_sd_px = fit.sd[1];
-  result.r_sd_px = fit.sd[2];
-  result.ellipse = fit.ellipse;
-  result.e1_px = fit.rim.e1;
-  result.e2_px = fit.rim.e2;
-  result.e1_sd_px = fit.sd[3];
-  result.e2_sd_px = fit.sd[4];
+  fill(fit, trace.edge_sigma_px, result);
+  std::erase_if(trace.points, [](const RimPoint& p) { return std::abs(p.excess) > kOnRim_px; });
+  result.circle.free_px = free_distance(trace.points, fit.rim);
   result.inked = fit.inked > kDense;
-  result.residual_px = fit.residual_px;
-  result.rim_points = fit.points;
   result.rim_fraction = static_cast<double>(fit.points) / options.rays;
-  const bool centre_in = fit.rim.cx >= 0 && fit.rim.cy >= 0 && fit.rim.cx <= frame.width() - 1 &&
-                         fit.rim.cy <= frame.height() - 1;
-  result.status = centre_in ? CircleStatus::ok : CircleStatus::out_of_view;
-  return result;
+  return accepted(result);
 }
 
 }  // namespace impactdic

@@ -10,23 +10,16 @@
 
 #include "host/base/units.h"
 #include "host/track/rim.h"
+#include "host/track/rim_prior.h"
 
 namespace impactdic {
 namespace {
 
-using Vector5 = Eigen::Matrix<double, 5, 1>;
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
 constexpr int kLearning = 40, kRefining = 5;  // steps at most
 constexpr int kLearnFrom = 140;               // points at least, where there are as many
 constexpr double kNoiseTrust = 1.5;
-constexpr double kCommon_px = 0.008;   // leaves 0.0015 px of a centre, as pictures without noise do
-constexpr double kInkShift = 2;        // of fine ink over the scatter it makes (pattern a3)
-constexpr double kSignificant = 18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
-constexpr double kPlainlyOval = 0.004;  // e/R of the search's rim
-constexpr double kTransverse = 0.3;     // of |e|: how far a squashed ball may widen or shrink
-constexpr double kRound_px = 0.05;
-constexpr double kAxisTilt = 0.1;  // of |e|: shape across the given compression axis
+constexpr double kCommon_px = 0.008;  // leaves 0.0015 px of a centre, as pictures without noise do
+constexpr double kInkShift = 2;       // of fine ink over the scatter it makes (pattern a3)
 
 // One fit: corrections to the rim, their covariance, and what the residuals say.
 struct Estimate {
@@ -124,52 +117,6 @@ class Density {
 };
 const InverseMills Density::inverse_mills_;
 
-// What is known beforehand of (x, y, dR, de1, de2), as a quadratic: precision·delta = pull.
-struct Knowledge {
-  Matrix5 precision = Matrix5::Zero();
-  Vector5 pull = Vector5::Zero();
-  // direction · delta = value ± sd.
-  void add(const Vector5& direction, double value, double sd) {
-    precision += direction * direction.transpose() / (sd * sd);
-    pull += direction * (value / (sd * sd));
-  }
-};
-
-// The uncompressed ball's radius and the axis of its compression, for the shape at `delta`.
-Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, bool ellipse,
-                    double shrink_px) {
-  Knowledge k;
-  const double e1 = rim.e1 + delta[3], e2 = rim.e2 + delta[4];
-  const double e = std::hypot(e1, e2);
-  if (!ellipse) {
-    k.add(Vector5::Unit(3), -rim.e1, 1e-6);
-    k.add(Vector5::Unit(4), -rim.e2, 1e-6);
-  }
-  // Unit vector (in e1, e2) of the long axis: across the compression.
-  // Without a given axis it fades out where the shape is too round to have one.
-  double u1 = e1 / (e + kRound_px), u2 = e2 / (e + kRound_px);
-  if (ellipse && prior.compression_axis_rad) {
-    u1 = -std::cos(2 * *prior.compression_axis_rad);
-    u2 = -std::sin(2 * *prior.compression_axis_rad);
-    Vector5 across = Vector5::Zero();
-    across[3] = -u2;
-    across[4] = u1;
-    k.add(across, u2 * rim.e1 - u1 * rim.e2, kAxisTilt * e + 0.02);
-  }
-  if (prior.radius_px && prior.radius_sd_px) {
-    Vector5 long_axis = Vector5::Unit(2);
-    double value = *prior.radius_px - shrink_px - rim.r, sd = *prior.radius_sd_px;
-    if (ellipse) {
-      long_axis[3] = u1;
-      long_axis[4] = u2;
-      value -= u1 * rim.e1 + u2 * rim.e2;
-      sd = std::hypot(sd, kTransverse * e);
-    }
-    k.add(long_axis, value, std::max(sd, 1e-4));
-  }
-  return k;
-}
-
 struct Sums {
   Matrix5 curvature = Matrix5::Zero();  // Σ w j jᵀ
   Vector5 score = Vector5::Zero();      // Σ ψ j
@@ -178,8 +125,7 @@ struct Sums {
   // Of the last pass only.
   Matrix5 information = Matrix5::Zero();  // Σ ψ² j jᵀ: what the points tell (Fisher)
   double information_sum = 0;
-  std::array<double, kRimSectors> sector_score{}, sector_information{};
-  std::array<int, kRimSectors> sector_points{};
+  SectorSums sectors;
   int points = 0;
 };
 
@@ -218,10 +164,10 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     if constexpr (kLast) {
       add_outer(twice * e.score * e.score, j, s.information);
       s.information_sum += e.score * e.score;
-      s.sector_score[p.sector] += e.score;
-      s.sector_information[p.sector] += e.score * e.score;
+      s.sectors.score[p.sector] += e.score;
+      s.sectors.information[p.sector] += e.score * e.score;
       if (e.clean + e.inked > 0.5) {
-        ++s.sector_points[p.sector];
+        ++s.sectors.points[p.sector];
         ++s.points;
       }
     }
@@ -255,32 +201,6 @@ Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
   return m;
 }
 
-// How much wider the score scatters than that of independent points. What neighbours share is seen
-// in the sums over sectors: independent errors add up as roots, common ones do not. Levels and
-// pixel phases that are common to longer arcs add kCommon_px to every sector.
-double inflation(const Sums& s, int parameters) {
-  double between = 0, common = 0;
-  int used = 0;
-  for (int b = 0; b < kRimSectors; ++b) {
-    between += s.sector_score[b] * s.sector_score[b];
-    common += std::pow(kCommon_px * s.sector_information[b], 2);
-    used += s.sector_points[b] > 0;
-  }
-  const double freedom = static_cast<double>(used) / std::max(1, used - parameters);
-  const double sum = std::max(s.information_sum, 1e-30);
-  return std::max(1.0, between * freedom / sum) + common / sum;
-}
-
-// χ² of an ellipse against the circle fitted: the score that e1 and e2 have there (Rao's test).
-double score_test(const Sums& s, double wider) {
-  const Eigen::Matrix3d circle = s.information.topLeftCorner<3, 3>();
-  const Eigen::Matrix<double, 3, 2> cross = s.information.topRightCorner<3, 2>();
-  const Eigen::Matrix2d shape =
-      s.information.bottomRightCorner<2, 2>() - cross.transpose() * circle.ldlt().solve(cross);
-  const Eigen::Vector2d score = s.score.tail<2>();
-  return score.dot(shape.ldlt().solve(score)) / wider;
-}
-
 // Corrections and mixture from `delta` and `mixture` on: both are learnt from a part of the points,
 // then the corrections settle on all of them.
 Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool ellipse,
@@ -312,7 +232,7 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
   for (int pass = 0;; ++pass) {
     const Sums s = accumulate<true>(trace, delta, mixture, 1);
     if (s.points < 3 * parameters) return result;
-    wider = inflation(s, parameters);
+    wider = inflation(s.sectors, s.information_sum, kCommon_px, parameters);
     const double moved = improve_delta(s);
     if (!std::isfinite(moved)) return result;
     if (moved > 0.01 * mixture.sigma && pass + 1 < kRefining) continue;
@@ -326,10 +246,10 @@ Estimate estimate(const RimTrace& trace, const Rim& rim, const CirclePrior& prio
     const double trusted = kNoiseTrust * trace.noise_px;
     const double beyond = mixture.sigma * mixture.sigma - trusted * trusted;
     result.covariance(2, 2) += kInkShift * kInkShift * std::max(0.0, beyond);
-    if (!ellipse) result.oval = score_test(s, wider);
+    if (!ellipse) result.oval = score_test(s.information, s.score, wider);
     result.scale = mixture.sigma;
     result.points = s.points;
-    for (int count : s.sector_points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
+    for (int count : s.sectors.points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
     return result;
   }
 }
@@ -370,13 +290,6 @@ Vector5 outer(const RimTrace& trace) {
   return Vector5::Unit(2) * *rank;
 }
 
-// χ² of e1 and e2 (2 degrees of freedom) for a fitted ellipse: Wald's test.
-double wald(const Rim& rim, const Estimate& fit) {
-  const Eigen::Vector2d e{rim.e1 + fit.delta[3], rim.e2 + fit.delta[4]};
-  const Eigen::Matrix2d covariance = fit.covariance.bottomRightCorner<2, 2>();
-  return e.dot(covariance.ldlt().solve(e));
-}
-
 }  // namespace
 
 RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
@@ -395,7 +308,7 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior,
   if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
     Mixture oval_mixture;
     const Estimate oval = explain(trace, rim, prior, true, start, oval_mixture, shrink);
-    fit.ellipse = oval.ok && wald(rim, oval) > kSignificant;
+    fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
     if (fit.ellipse) {
       best = oval;
       mixture = oval_mixture;

@@ -1,0 +1,348 @@
+// Circle or ellipse through the traced lines by maximum likelihood, about a rim so close that the
+// geometric distance is linear in its corrections:
+//   excess = x cos φ + y sin φ + dR + de1 cos 2φ + de2 sin 2φ,
+// with an error of x²/2R (4e-4 px at x = 0.3 px and R = 115 px; measure_circle traces again from
+// farther away). What each line says of its own excess is in rim_model.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "host/base/units.h"
+#include "host/track/rim_lines.h"
+#include "host/track/rim_model.h"
+#include "host/track/rim_prior.h"
+
+namespace impactdic {
+namespace {
+
+constexpr int kRounds = 14, kSteps = 12;         // at most
+constexpr double kLinear = 0.12, kClose = 0.05;  // steps of the trace
+constexpr int kFirstStride = 4;
+constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
+constexpr double kShareWorth = 100;   // lines whose worth the shares inside the ball count
+constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
+constexpr double kRelinearise = 0.03;               // steps of the trace
+constexpr double kCommon_px = 0.004;                // errors common to an arc
+
+// One fit: corrections to the rim, their covariance, and what the lines say.
+struct Estimate {
+  bool ok = false;
+  Vector5 delta = Vector5::Zero();
+  Matrix5 covariance = Matrix5::Zero();
+  double scatter = 0;  // of the bare lines
+  int points = 0;
+  double arc = 0;
+  double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
+};
+
+// Products of the jacobian (cos φ, sin φ, 1, cos 2φ, sin 2φ) from the means of cos kφ and sin kφ.
+struct Waves {
+  double cos[5], sin[5];  // Σ w cos kφ, Σ w sin kφ
+  Matrix5 products() const {
+    const int order[5] = {1, 1, 0, 2, 2};
+    const bool sine[5] = {false, true, false, false, true};
+    Matrix5 m;
+    for (int i = 0; i < 5; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        const int sum = order[i] + order[j], gap = order[i] - order[j], far = std::abs(gap);
+        const double sign = gap < 0 ? -1 : 1;
+        if (sine[i] && sine[j]) {
+          m(i, j) = 0.5 * (cos[far] - cos[sum]);
+        } else if (!sine[i] && !sine[j]) {
+          m(i, j) = 0.5 * (cos[far] + cos[sum]);
+        } else {
+          const double odd = sine[i] ? sign * sin[far] : -sign * sin[far];
+          m(i, j) = 0.5 * (sin[sum] + odd);
+        }
+        m(j, i) = m(i, j);
+      }
+    }
+    return m;
+  }
+};
+
+struct Sums {
+  Matrix5 curvature;  // Σ −∂² ln p j jᵀ, were the kinds known
+  Matrix5 hessian;    // Σ −∂² ln p j jᵀ
+  Vector5 score;      // Σ ∂ ln p j
+  double hessian_sum = 0;
+  SectorSums sectors;
+  int points = 0;
+  double scatter = 0;
+  PerKind kinds{};  // lines of each
+};
+
+double excess_at(const RimLine& p, const Vector5& delta) {
+  const double c = p.cos, s = p.sin;
+  return c * delta[0] + s * delta[1] + delta[2] + (c * c - s * s) * delta[3] + 2 * c * s * delta[4];
+}
+
+using Evidence = RimModel::Evidence;
+
+// e^x for x <= 0, to 2e-7 of it; e^−30 below −30.
+[[gnu::always_inline]] inline void exponential(Lanes& x) {
+  typedef int Int __attribute__((vector_size(sizeof(Lanes))));
+  x = x < -30.0f ? Lanes{} - 30.0f : x;
+  const Int whole = __builtin_convertvector(x * 1.44269504f - 0.5f, Int);
+  const Lanes r = x - __builtin_convertvector(whole, Lanes) * 0.693147181f;
+  const Lanes p =
+      1 + r * (1 + r * (0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r / 720)))));
+  const Int bits = (whole + 127) << 23;
+  Lanes power;
+  std::memcpy(&power, &bits, sizeof(power));
+  x = p * power;
+}
+
+float total_of(const Lanes& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+
+// Chances of the kinds from their ln p; returns that of none of them.
+[[gnu::always_inline]] inline void to_chances(float stray, Lanes (&value)[kKinds], Lanes& other) {
+  Lanes most = Lanes{} + stray;
+  for (const Lanes& v : value) most = v > most ? v : most;
+  other = stray - most;
+  exponential(other);
+  Lanes total = other;
+  for (Lanes& v : value) {
+    v -= most;
+    exponential(v);
+    total += v;
+  }
+  total = 1 / total;
+  other *= total;
+  for (Lanes& v : value) v *= total;
+}
+
+IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector5& delta,
+                               double step_px, const PerKind& log_more, float stray, Sums& s) {
+  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
+  // By 1, cos φ, sin φ … cos 4φ, sin 4φ.
+  constexpr int kWaves = 9;
+  Lanes score_waves[kWaves] = {}, curvature_waves[kWaves] = {}, hessian_waves[kWaves] = {};
+  Lanes kinds[kKinds] = {}, scatter{};
+  float d[5];
+  for (int m = 0; m < 5; ++m) d[m] = static_cast<float>(delta[m]) * per_step;
+  for (const Evidence& e : blocks) {
+    const Lanes c = e.cos, sn = e.sin, c2 = c * c - sn * sn, s2 = 2 * c * sn;
+    const Lanes off = c * d[0] + sn * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
+    Lanes share[kKinds], slope[kKinds], other;
+    for (int k = 0; k < kKinds; ++k) {
+      slope[k] = e.slope[k] - off * e.information[k];
+      share[k] = e.value[k] + log_more[k] + (0.5f * off) * (e.slope[k] + slope[k]);
+    }
+    to_chances(stray, share, other);
+    Lanes score{}, square{}, information{};
+    for (int k = 0; k < kKinds; ++k) {
+      share[k] *= e.present;
+      const Lanes weighted = share[k] * slope[k];
+      score += weighted;
+      square += weighted * slope[k];
+      information += share[k] * e.information[k];
+      kinds[k] += share[k];
+    }
+    const Lanes hessian = information - square + score * score;
+    const Lanes error = slope[0] / e.information[0];
+    scatter += share[0] * error * error;
+    const Lanes waves[kWaves] = {
+        Lanes{} + 1,       c,          sn, c2, s2, c * c2 - sn * s2, sn * c2 + c * s2,
+        c2 * c2 - s2 * s2, 2 * c2 * s2};
+    for (int m = 0; m < kWaves; ++m) {
+      score_waves[m] += score * waves[m];
+      curvature_waves[m] += information * waves[m];
+      hessian_waves[m] += hessian * waves[m];
+    }
+    for (int lane = 0; lane < RimModel::kLanes; ++lane) {
+      const int sector = e.sector[lane];
+      s.sectors.score[sector] += score[lane] * per_step;
+      s.sectors.information[sector] += hessian[lane] * per_step_sq;
+      const bool counts = e.present[lane] > 0 && other[lane] < 0.5f;
+      s.sectors.points[sector] += counts;
+      s.points += counts;
+    }
+  }
+  const auto products = [&](const Lanes* w, Matrix5& out) {
+    float sum[kWaves];
+    for (int m = 0; m < kWaves; ++m) sum[m] = per_step_sq * total_of(w[m]);
+    out = Waves{{sum[0], sum[1], sum[3], sum[5], sum[7]}, {0, sum[2], sum[4], sum[6], sum[8]}}
+              .products();
+  };
+  products(curvature_waves, s.curvature);
+  products(hessian_waves, s.hessian);
+  s.hessian_sum = s.hessian(2, 2);
+  const int order[5] = {1, 2, 0, 3, 4};
+  for (int m = 0; m < 5; ++m) s.score[m] = per_step * total_of(score_waves[order[m]]);
+  for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(kinds[k]);
+  s.scatter = total_of(scatter);
+}
+
+struct Memory {
+  std::vector<float> excess;
+  std::vector<Evidence> lines;
+  std::vector<Evidence> width;
+};
+
+void excesses(const LineTrace& trace, const Vector5& delta, int stride, std::vector<float>& out) {
+  out.clear();
+  const double per_step = 1 / trace.step_px;
+  for (std::size_t i = 0; i < trace.lines.size(); i += static_cast<std::size_t>(stride)) {
+    out.push_back(static_cast<float>(excess_at(trace.lines[i], delta) * per_step));
+  }
+}
+
+Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
+                  const CirclePrior& prior, bool ellipse, const LineStart& start, Memory& memory) {
+  Estimate result;
+  const int parameters = ellipse ? 5 : 3;
+  const double shrink = model.edge_sigma_px() * model.edge_sigma_px() / (2 * rim.r);
+  const bool roughly = start.how == Thoroughness::roughly;
+  Vector5 delta = Vector5::Zero();
+  if (start.from) {
+    const Rim& r = *start.from;
+    delta << r.cx - rim.cx, r.cy - rim.cy, r.r - rim.r, r.e1 - rim.e1, r.e2 - rim.e2;
+  }
+  double wider = 1;
+  PerKind log_more{};
+  // Evidence of every line, linear about the present rim; of some lines at first.
+  int stride = !start.from && trace.lines.size() > kPlenty ? kFirstStride : 1;
+  for (int round = 0; round < kRounds; ++round) {
+    excesses(trace, delta, stride, memory.excess);
+    model.evidence(trace, memory.excess, stride, memory.lines);
+    const Vector5 before = delta;
+    for (int pass = 0; pass < kSteps; ++pass) {
+      Sums s;
+      accumulate(memory.lines, delta, trace.step_px, log_more, model.stray(), s);
+      if (s.points < 3 * parameters) return result;
+      wider = inflation(s.sectors, s.hessian_sum, kCommon_px, parameters);
+      const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink);
+      const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
+      // Newton's step where the fit is all but there.
+      const bool there = stride == 1 && !roughly && s.hessian_sum > 0.5 * s.curvature(2, 2);
+      const Matrix5& bend = there ? s.hessian : s.curvature;
+      Vector5 step = Eigen::LDLT<Matrix5>(bend / wider + known.precision).solve(gradient);
+      // No farther than what is known of the lines holds.
+      const double far = (delta + step - before).cwiseAbs().maxCoeff();
+      const bool held = far > kLinear * trace.step_px;
+      if (held) step = (delta + step - before) * (kLinear * trace.step_px / far) + before - delta;
+      delta += step;
+      const double moved = step.cwiseAbs().maxCoeff();
+      if (!std::isfinite(moved)) return result;
+
+      const double n = static_cast<double>(memory.excess.size());
+      for (int k = 0; k < kKinds; ++k) {
+        const double share = model.texture().kinds[k].share;
+        log_more[k] = static_cast<float>(
+            std::log((s.kinds[k] + kShareWorth * share) / ((n + kShareWorth) * share)));
+      }
+      if (!held && moved > (stride > 1 || roughly ? kRoughly : kSettled) * trace.step_px &&
+          pass + 1 < kSteps)
+        continue;
+      if (stride > 1) break;
+      result.covariance =
+          Eigen::LDLT<Matrix5>(s.hessian / wider + known.precision).solve(Matrix5::Identity());
+      if (!ellipse) result.oval = score_test(s.hessian, s.score, wider);
+      result.scatter = trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
+      result.points = s.points;
+      result.arc = 0;
+      for (int count : s.sectors.points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
+      break;
+    }
+    const double moved = (delta - before).cwiseAbs().maxCoeff();
+    if (stride == 1 && moved < (roughly ? kClose : kRelinearise) * trace.step_px) {
+      result.ok = true;
+      break;
+    }
+    if (moved < kClose * trace.step_px) stride = 1;
+  }
+  result.delta = delta;
+  return result;
+}
+
+// Change of ln σ of the edge that the lines ask for, with x, y and R free beside it.
+double change_of_width(const LineTrace& trace, const RimModel& model, const Vector5& delta,
+                       Memory& memory) {
+  excesses(trace, delta, 1, memory.excess);
+  model.evidence(trace, memory.excess, 1, memory.lines);
+  memory.width = memory.lines;
+  model.width_slopes(trace, memory.excess, memory.width);
+  Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * 1e-3;
+  double slope = 0;
+  for (std::size_t i = 0; i < memory.lines.size(); ++i) {
+    Evidence& e = memory.lines[i];
+    Lanes other;
+    to_chances(model.stray(), e.value, other);
+    Lanes by_place{}, by_width{};
+    for (int k = 0; k < kKinds; ++k) {
+      by_place += e.value[k] * e.slope[k] * e.present;
+      by_width += e.value[k] * memory.width[i].slope[k] * e.present;
+    }
+    for (int lane = 0; lane < RimModel::kLanes; ++lane) {
+      const Eigen::Vector4d s{by_place[lane] * e.cos[lane], by_place[lane] * e.sin[lane],
+                              by_place[lane], by_width[lane]};
+      square.noalias() += s * s.transpose();
+      slope += by_width[lane];
+    }
+  }
+  return square.ldlt().solve(Eigen::Vector4d{0, 0, 0, slope})[3];
+}
+
+}  // namespace
+
+LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
+                  const CirclePrior& prior, bool allow_ellipse, const LineStart& start) {
+  LineFit fit;
+  fit.rim = rim;
+  if (trace.lines.size() < 24) return fit;
+  thread_local Memory memory;
+  Estimate best;
+  // A circle where the search saw none but small deviations, unless its lines object.
+  if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
+    best = estimate(trace, model, rim, prior, false, start, memory);
+  }
+  if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
+    const Estimate oval = estimate(trace, model, rim, prior, true, start, memory);
+    fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
+    if (fit.ellipse) {
+      best = oval;
+    } else if (!best.ok) {
+      best = estimate(trace, model, rim, prior, false, start, memory);
+    }
+  }
+  if (!best.ok) return fit;
+  fit.ok = true;
+  fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
+             fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
+  for (int i = 0; i < 5; ++i) fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+  fit.residual_px = best.scatter;
+  fit.points = best.points;
+  fit.arc = best.arc;
+  if (start.how == Thoroughness::with_width) {
+    fit.width = change_of_width(trace, model, best.delta, memory);
+    fit.misfit = model.misfit(trace, memory.excess);
+  }
+  return fit;
+}
+
+// The sum over a line is what the ball's mean level makes of its length inside the rim, wherever
+// the ink is.
+Rim rim_by_area(const LineTrace& trace, const Rim& rim) {
+  double inside = 0;
+  for (const RimLine& p : trace.lines) inside += p.profile[0] + p.profile[1];
+  const double per_level = 2.0 * static_cast<double>(trace.lines.size()) / std::max(inside, 1e-3);
+  Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (const RimLine& p : trace.lines) {
+    double sum = 0;
+    for (int k = 0; k < kSamples; ++k) sum += p.profile[k];
+    const Eigen::Vector3d j{p.cos, p.sin, 1};
+    a.noalias() += j * j.transpose();
+    b.noalias() += (sum * per_level - kInside - 0.5) * trace.step_px * j;
+  }
+  const Eigen::Vector3d move = a.ldlt().solve(b);
+  return {rim.cx + move[0], rim.cy + move[1], rim.r + move[2], rim.e1, rim.e2};
+}
+
+}  // namespace impactdic

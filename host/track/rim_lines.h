@@ -1,0 +1,73 @@
+// The rim of a ball by its look: lines across the rim, and the fit that makes them likeliest. More
+// exact than the crossings of rim.h where the ball looks at the rim as it does farther inside, and
+// quicker once the look is known. Internal to host/track.
+//
+//   trace_lines  short lines across a rim known to a pixel               (rim_lines.cpp)
+//   RimModel     the look, and what a line says under it                 (rim_model.cpp)
+//   fit_lines    circle or ellipse of the greatest likelihood            (line_fit.cpp)
+#pragma once
+
+#include <vector>
+
+#include "host/track/rim.h"
+
+// A function of vectors, compiled for wide ones too and chosen when the program starts.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define IMPACTDIC_WIDE
+#endif
+
+namespace impactdic {
+
+// The picture along short lines across the rim, at every pixel row or column that the rim crosses
+// (whichever lies nearer to its normal): one sample every `step_px` from kInside steps inside the
+// expected rim to kOutside outside, as shares of the local contrast (0 the background, 1 the ball's
+// bare paint).
+inline constexpr int kInside = 3, kOutside = 3;
+inline constexpr int kSamples = kInside + 1 + kOutside;
+typedef float Profile __attribute__((vector_size(32), aligned(16)));  // kSamples and a zero
+struct RimLine {
+  Profile profile;
+  float cos, sin;  // direction from the rim's centre
+  float weight;    // usual noise over this point's, squared
+  int sector;      // 0 … kRimSectors − 1, by the angle
+};
+
+struct LineTrace {
+  std::vector<RimLine> lines;  // that show the background outside, in the order of the angle
+  int cast = 0;
+  int in_view = 0;
+  double step_px = 1;
+  double noise = 0;  // of a sample, share of the usual contrast
+};
+class TextureSums;
+// Casts at most `most_lines` lines across `rim`. `trace` keeps its memory from call to call;
+// `texture`, if there is one, gets what the ball looks like inside.
+void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px, int most_lines,
+                 LineTrace& trace, TextureSums* texture);
+
+// The fit to the traced lines.
+class RimModel;
+struct LineFit {
+  bool ok = false;
+  Rim rim;
+  bool ellipse = false;
+  double sd[5] = {};       // cx, cy, r, e1, e2
+  double residual_px = 0;  // scatter of the clean lines
+  int points = 0;          // that have to do with the rim
+  double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
+  // Where wanted: change of ln σ of the edge that the lines ask for, and RimModel::misfit.
+  double width = 0, misfit = 0;
+};
+enum class Thoroughness { roughly, finely, with_width };
+struct LineStart {
+  Thoroughness how = Thoroughness::finely;
+  const Rim* from = nullptr;  // an earlier fit to the same trace
+};
+LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
+                  const CirclePrior& prior, bool allow_ellipse, const LineStart& start);
+// A rough fit from farther away, by the area that the ball covers.
+Rim rim_by_area(const LineTrace& trace, const Rim& rim);
+
+}  // namespace impactdic

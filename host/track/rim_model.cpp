@@ -1,0 +1,317 @@
+#include "host/track/rim_model.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "host/base/error.h"
+#include "host/base/units.h"
+
+namespace impactdic {
+
+using Vector = Eigen::Matrix<double, kSamples, 1>;
+
+// The blurred edge and how it changes with its place and with ln σ.
+struct RimModel::Edge {
+  Vector level, shift, wider;
+};
+
+namespace {
+
+using Matrix = Eigen::Matrix<double, kSamples, kSamples>;
+
+constexpr float kDark = 0.3f, kBright = 0.85f;  // levels apart
+// Kinds by the level of the middle (rows) and of the outer end: dark, between, bright.
+constexpr int kKindOf[3][3] = {{1, 3, 6}, {1, 4, 6}, {2, 5, 7}};
+constexpr double kInnerOf[kKinds] = {1, 0.4, 0.95, 0.15, 0.6, 0.95, 0.5, 0.95};
+constexpr double kOuterOf[kKinds] = {1, 0.15, 0.15, 0.6, 0.6, 0.6, 0.95, 0.95};
+constexpr double kTypicalVariance = 0.03;
+constexpr double kUsual = 8;         // windows whose worth the typical counts
+constexpr double kPaintSd = 0.01;    // of the level of bare paint, share of the contrast
+constexpr double kGroundSd = 0.004;  // of the background's
+constexpr double kWidthSd = 0.08;    // of ln σ from line to line
+constexpr double kStray = 0.01;      // share
+constexpr double kKernel = 0.9;  // px along the normal for one along a row or column, on average
+
+int level_of(float b) { return b < kDark ? 0 : b < kBright ? 1 : 2; }
+
+}  // namespace
+
+void TextureSums::add(const float* samples, float noise) {
+  const float tolerance = 3.5f * noise + 0.02f;
+  bool bare = true;
+  float b[kTexture];
+  for (int k = 0; k < kTexture; ++k) {
+    bare = bare && std::abs(samples[k] - 1) < tolerance;
+    b[k] = std::clamp(samples[k], -0.3f, 1.5f);
+  }
+  ++windows_;
+  if (bare) {
+    ++kinds_[0].n;
+    return;
+  }
+  Sums& s = kinds_[kKindOf[level_of(b[kTexture - 3])][level_of(b[kTexture - 1])]];
+  ++s.n;
+  for (int m = 0; m < kTexture; ++m) {
+    s.sum[m] += b[m];
+    for (int n = 0; n <= m; ++n) s.product[m][n] += b[m] * b[n];
+  }
+}
+
+RimTexture TextureSums::result() const {
+  RimTexture texture;
+  RimTexture::Kind& bare = texture.kinds[0];
+  bare.share = (kinds_[0].n + 4) / (windows_ + 8);
+  for (int m = 0; m < kTexture; ++m) {
+    bare.mean[m] = 1;
+    for (int n = 0; n < kTexture; ++n) bare.covariance[m][n] = kPaintSd * kPaintSd;
+  }
+  for (int k = 1; k < kKinds; ++k) {
+    RimTexture::Kind& kind = texture.kinds[k];
+    const Sums& s = kinds_[k];
+    const double total = s.n + kUsual;
+    const double inner = kInnerOf[k], outer = kOuterOf[k];
+    kind.share = (s.n + 0.5) / (windows_ + 8);
+    double typical[kTexture];
+    for (int m = 0; m < kTexture; ++m) {
+      typical[m] = m < kTexture - 2 ? inner : m == kTexture - 2 ? 0.5 * (inner + outer) : outer;
+      kind.mean[m] = (s.sum[m] + kUsual * typical[m]) / total;
+    }
+    for (int m = 0; m < kTexture; ++m) {
+      for (int n = 0; n <= m; ++n) {
+        const double usual = kTypicalVariance * std::exp(-0.4 * (m - n)) + typical[m] * typical[n];
+        const double v = (s.product[m][n] + kUsual * usual) / total - kind.mean[m] * kind.mean[n];
+        kind.covariance[m][n] = kind.covariance[n][m] = v;
+      }
+    }
+  }
+  return texture;
+}
+
+RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px)
+    : texture_(texture),
+      edge_sigma_px_(edge_sigma_px),
+      noise_(noise),
+      step_px_(step_px),
+      sigma_(edge_sigma_px / step_px),
+      tables_(2 * kReach + 1) {
+  double total = kStray;
+  for (const auto& kind : texture.kinds) total += kind.share;
+  for (int k = 0; k < kKinds; ++k) {
+    log_share_[k] = static_cast<float>(std::log(texture.kinds[k].share / total));
+  }
+  // A stray's samples are anything between background and paint, with equal chance; in units in
+  // which a normal density has no factor (2π)^(−n/2).
+  log_stray_ = static_cast<float>(std::log(kStray / total) + 0.5 * kSamples * std::log(2 * kPi));
+}
+
+// The samples are interpolated along rows and columns with Catmull and Rom's cubic, whose kernel
+// blurs the edge too, by its fourth moment; `kernel` is its unit along the normal.
+RimModel::Edge RimModel::edge_at(double excess, double sigma, double kernel) {
+  constexpr int kNodes = 16;
+  static const std::array<std::pair<double, double>, kNodes> nodes = [] {
+    std::array<std::pair<double, double>, kNodes> at;
+    double sum = 0;
+    for (int i = 0; i < kNodes; ++i) {
+      const double u = (i + 0.5) * 4 / kNodes - 2, d = std::abs(u);
+      const double h = d < 1 ? (1.5 * d - 2.5) * d * d + 1 : ((2.5 - 0.5 * d) * d - 4) * d + 2;
+      at[i] = {u, h};
+      sum += h;
+    }
+    for (auto& node : at) node.second /= sum;
+    return at;
+  }();
+  Edge e{Vector::Zero(), Vector::Zero(), Vector::Zero()};
+  for (int k = 0; k < kSamples; ++k) {
+    for (const auto& [u, h] : nodes) {
+      const double z = (k - kInside - excess - kernel * u) / sigma;
+      const double density = h * std::exp(-0.5 * z * z) / std::sqrt(2 * kPi);
+      e.level[k] += h * 0.5 * std::erfc(z / std::sqrt(2.0));
+      e.shift[k] += density / sigma;
+      e.wider[k] += density * z;
+    }
+  }
+  return e;
+}
+
+namespace {
+
+constexpr std::size_t kNumbers = 3 + kKinds * (1 + kTexture + kTexture * kTexture);
+
+RimTexture texture_of(const std::vector<double>& numbers) {
+  if (numbers.size() != kNumbers) {
+    throw InvalidArgument("a rim's look has another count of numbers", "resume");
+  }
+  RimTexture texture;
+  auto next = numbers.begin() + 3;
+  for (auto& kind : texture.kinds) {
+    kind.share = *next++;
+    for (double& mean : kind.mean) mean = *next++;
+    for (auto& row : kind.covariance) {
+      for (double& value : row) value = *next++;
+    }
+  }
+  return texture;
+}
+
+}  // namespace
+
+RimModel::RimModel(const std::vector<double>& numbers)
+    : RimModel(texture_of(numbers), numbers[0], numbers[1], numbers[2]) {}
+
+std::vector<double> RimModel::numbers() const {
+  std::vector<double> numbers = {noise_, edge_sigma_px_, step_px_};
+  for (const auto& kind : texture_.kinds) {
+    numbers.push_back(kind.share);
+    numbers.insert(numbers.end(), std::begin(kind.mean), std::end(kind.mean));
+    for (const auto& row : kind.covariance) {
+      numbers.insert(numbers.end(), std::begin(row), std::end(row));
+    }
+  }
+  return numbers;
+}
+
+void RimModel::fill(int place) const {
+  const Edge edge = edge_at((place - kReach) / kPerStep, sigma_, kKernel / step_px_);
+  for (int k = 0; k < kKinds; ++k) fill(edge, k, tables_[place]);
+}
+
+void RimModel::reach(const std::vector<float>& excess) const {
+  int far = 0;
+  for (const float e : excess) far = std::max(far, std::abs(place_of(e) - kReach));
+  if (far <= ready_.load(std::memory_order_acquire)) return;
+  const std::lock_guard lock(filling_);
+  for (int d = ready_.load(std::memory_order_relaxed) + 1; d <= far; ++d) {
+    fill(kReach + d);
+    if (d > 0) fill(kReach - d);
+    ready_.store(d, std::memory_order_release);
+  }
+}
+
+// The normal density of a profile, N(m, Σ) with m = μ C and Σ = C K C + noise, and its slopes: with
+// P = Σ⁻¹ and r = p − m,
+//   ∂ ln p = rᵀ P ∂m + ½ rᵀ P ∂Σ P r − ½ tr(P ∂Σ).
+void RimModel::fill(const Edge& edge, int of, Table& table) const {
+  const RimTexture::Kind& kind = texture_.kinds[of];
+  Vector mean;
+  Matrix paint;
+  for (int i = 0; i < kSamples; ++i) {
+    const int a = std::min(i, kTexture - 1);
+    mean[i] = kind.mean[a];
+    for (int j = 0; j < kSamples; ++j) {
+      paint(i, j) = kind.covariance[a][std::min(j, kTexture - 1)];
+    }
+  }
+  const Vector m = mean.cwiseProduct(edge.level), outside = Vector::Ones() - edge.level;
+  const Vector wider = mean.cwiseProduct(edge.wider);
+  Matrix sigma = edge.level.asDiagonal() * paint * edge.level.asDiagonal();
+  sigma.diagonal().array() += noise_ * noise_;
+  sigma.noalias() += (kGroundSd * kGroundSd) * outside * outside.transpose();
+  sigma.noalias() += (kWidthSd * kWidthSd) * wider * wider.transpose();
+  const Eigen::LLT<Matrix> factor(sigma);
+  const Matrix p = factor.solve(Matrix::Identity());
+
+  const auto store = [of](const Matrix& matrix, const Vector& linear, double constant,
+                          double offset, Quadratic& q) {
+    for (int i = 0, at = 0; i < kSamples; ++i) {
+      for (int j = 0; j <= i; ++j, ++at) {
+        q.matrix[at][of] = static_cast<float>(j == i ? matrix(i, i) : 2 * matrix(i, j));
+      }
+      q.linear[i][of] = static_cast<float>(linear[i]);
+    }
+    q.constant[of] = static_cast<float>(constant);
+    q.offset[of] = static_cast<float>(offset);
+  };
+  const Vector pm = p * m;
+  store(-0.5 * p, pm, -0.5 * m.dot(pm),
+        log_share_[of] - factor.matrixLLT().diagonal().array().log().sum(), table.value);
+  const auto slope = [&](const Vector& change, Quadratic& q) {
+    const Vector dm = mean.cwiseProduct(change);
+    Matrix ds = change.asDiagonal() * paint * edge.level.asDiagonal();
+    ds.noalias() -= (kGroundSd * kGroundSd) * change * outside.transpose();
+    ds += ds.transpose().eval();
+    const Matrix pds = p * ds;
+    const Matrix w = 0.5 * pds * p;
+    const Vector pdm = p * dm, wm = w * m;
+    store(w, pdm - 2 * wm, m.dot(wm) - m.dot(pdm), -0.5 * pds.trace(), q);
+    return dm.dot(pdm) + 0.5 * pds.cwiseProduct(pds.transpose()).sum();
+  };
+  table.information[of] = static_cast<float>(slope(edge.shift, table.slope));
+  slope(edge.wider, table.width);
+}
+
+int RimModel::place_of(float excess) {
+  const float at =
+      std::clamp(excess * kPerStep, -static_cast<float>(kReach), static_cast<float>(kReach));
+  return static_cast<int>(at + (kReach + 0.5f));
+}
+
+[[gnu::always_inline]] inline void RimModel::form(const Quadratic& q, const Profile& p,
+                                                  const PerKind& weight, PerKind& out) {
+  PerKind sum = q.constant;
+  for (int i = 0, at = 0; i < kSamples; ++i) {
+    PerKind row = q.linear[i];
+    for (int j = 0; j <= i; ++j, ++at) row += p[j] * q.matrix[at];
+    sum += p[i] * row;
+  }
+  out = weight * sum + q.offset;
+}
+
+IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const std::vector<float>& excess,
+                                       int stride, std::vector<Evidence>& out) const {
+  reach(excess);
+  out.resize((excess.size() + kLanes - 1) / kLanes);
+  PerKind weight = PerKind{} + 1;
+  for (std::size_t k = 0; k < out.size() * kLanes; ++k) {
+    // The last block is filled up with the last line.
+    const std::size_t from = std::min(k, excess.size() - 1);
+    const RimLine& point = trace.lines[from * static_cast<std::size_t>(stride)];
+    const int place = place_of(excess[from]);
+    const Table& table = tables_[place];
+    weight[0] = point.weight;
+    PerKind value, slope;
+    form(table.value, point.profile, weight, value);
+    form(table.slope, point.profile, weight, slope);
+    const PerKind information = weight * table.information;
+    Evidence& block = out[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    for (int kind = 0; kind < kKinds; ++kind) {
+      block.value[kind][lane] = value[kind];
+      block.slope[kind][lane] = slope[kind];
+      block.information[kind][lane] = information[kind];
+    }
+    block.at[lane] = static_cast<float>(place - kReach) / kPerStep;
+    block.cos[lane] = point.cos;
+    block.sin[lane] = point.sin;
+    block.present[lane] = k == from ? 1 : 0;
+    block.sector[lane] = point.sector;
+  }
+}
+
+void RimModel::width_slopes(const LineTrace& trace, const std::vector<float>& excess,
+                            std::vector<Evidence>& out) const {
+  PerKind weight = PerKind{} + 1;
+  for (std::size_t i = 0; i < excess.size(); ++i) {
+    weight[0] = trace.lines[i].weight;
+    PerKind slope;
+    form(tables_[place_of(excess[i])].width, trace.lines[i].profile, weight, slope);
+    for (int kind = 0; kind < kKinds; ++kind) out[i / kLanes].slope[kind][i % kLanes] = slope[kind];
+  }
+}
+
+double RimModel::misfit(const LineTrace& trace, const std::vector<float>& excess) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < excess.size(); ++i) {
+    const Quadratic& q = tables_[place_of(excess[i])].value;
+    PerKind value, weight = PerKind{} + 1;
+    weight[0] = trace.lines[i].weight;
+    form(q, trace.lines[i].profile, weight, value);
+    int likeliest = 0;
+    for (int k = 1; k < kKinds; ++k) likeliest = value[k] > value[likeliest] ? k : likeliest;
+    sum += 2 * (q.offset[likeliest] - value[likeliest]);
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(excess.size(), 1));
+}
+
+}  // namespace impactdic

@@ -1,0 +1,114 @@
+// What one line across the rim says of where the rim is. Internal to host/track.
+//
+// A profile is p(x) = B(x) C(x − δ) + noise, x from the expected rim outwards: B the ball's paint
+// and ink, C the blurred edge, δ the excess wanted. B is of one of a few kinds (bare paint; ink
+// within, at the end, all along …), in each normal with the mean and covariance that the ball shows
+// farther inside; or the line has nothing to do with the rim. The likelihood of δ is that of the
+// mixture. Ink up to the rim then neither hides the edge nor moves it: it darkens both sides of
+// the half-way level alike, and how it scatters is known.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "host/track/rim_lines.h"
+
+namespace impactdic {
+
+// Moments of the ball's look over kTexture samples from the innermost on, kind by kind.
+inline constexpr int kTexture = kInside + 2;
+inline constexpr int kKinds = 8;  // bare paint throughout; others by the middle and the outer end
+struct RimTexture {
+  struct Kind {
+    double share;
+    double mean[kTexture];
+    double covariance[kTexture][kTexture];
+  };
+  std::array<Kind, kKinds> kinds;
+};
+
+// Learns a texture from windows of the ball's inside.
+class TextureSums {
+ public:
+  // kTexture samples from the innermost on, 0 background, 1 bare paint.
+  void add(const float* samples, float noise);
+  RimTexture result() const;
+
+ private:
+  struct Sums {
+    double n = 0;
+    double sum[kTexture] = {}, product[kTexture][kTexture] = {};
+  };
+  double windows_ = 0;
+  std::array<Sums, kKinds> kinds_;
+};
+
+// One number a kind, one number a line.
+typedef float PerKind __attribute__((vector_size(4 * kKinds), aligned(16)));
+typedef float Lanes __attribute__((vector_size(32), aligned(16)));
+
+class RimModel {
+ public:
+  // `noise` of a sample as a share of the contrast; `excess`es in steps of the trace.
+  RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px);
+
+  // From and to plain numbers, bit for bit. Throws InvalidArgument for another count of them.
+  explicit RimModel(const std::vector<double>& numbers);
+  std::vector<double> numbers() const;
+
+  double edge_sigma_px() const { return edge_sigma_px_; }
+  double step_px() const { return step_px_; }
+  double noise() const { return noise_; }
+  const RimTexture& texture() const { return texture_; }
+
+  // What kLanes lines say, linear about an excess `at` of each: ln p by kind, ∂/∂δ and −∂²/∂δ².
+  static constexpr int kLanes = 8;
+  struct Evidence {
+    Lanes value[kKinds], slope[kKinds], information[kKinds];
+    Lanes at, cos, sin, present;  // present: 1, or 0 where there are no more lines
+    int sector[kLanes];
+  };
+  // Of every `stride`th line, about `excess` of each.
+  void evidence(const LineTrace& trace, const std::vector<float>& excess, int stride,
+                std::vector<Evidence>& out) const;
+  // ∂ ln p / ∂ ln σ by kind, at the same excesses, in place of the slopes.
+  void width_slopes(const LineTrace& trace, const std::vector<float>& excess,
+                    std::vector<Evidence>& out) const;
+  // Mean square of what the lines leave, in standard deviations of their likeliest kinds; kSamples
+  // where the model holds.
+  double misfit(const LineTrace& trace, const std::vector<float>& excess) const;
+  // ln p of a line that has nothing to do with the rim.
+  float stray() const { return log_stray_; }
+
+ private:
+  static constexpr float kPerStep = 8;  // excesses with a table, per step of the trace
+  static constexpr int kReach = 8;      // tables on either side of 0
+  // constant + linear·p + pᵀ matrix p (its lower triangle), times the line's weight, + offset.
+  struct Quadratic {
+    PerKind constant, linear[kSamples], matrix[kSamples * (kSamples + 1) / 2], offset;
+  };
+  struct Table {
+    Quadratic value, slope, width;  // ln p, ∂/∂δ, ∂/∂ ln σ
+    PerKind information;
+  };
+  struct Edge;
+  static Edge edge_at(double excess, double sigma, double kernel);
+  void fill(int place) const;
+  void fill(const Edge& edge, int kind, Table& table) const;
+  // Makes the tables that `excess` needs; safe on several threads.
+  void reach(const std::vector<float>& excess) const;
+  static int place_of(float excess);
+  static void form(const Quadratic& q, const Profile& p, const PerKind& weight, PerKind& out);
+
+  RimTexture texture_;
+  double edge_sigma_px_, noise_, step_px_, sigma_;
+  PerKind log_share_{};
+  float log_stray_ = 0;
+  mutable std::vector<Table> tables_;    // by excess
+  mutable std::atomic<int> ready_ = -1;  // of the tables, this far on either side
+  mutable std::mutex filling_;
+};
+
+}  // namespace impactdic
