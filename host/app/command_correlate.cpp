@@ -113,7 +113,8 @@ void run_correlate(const CLI::App& command, const Request& request) {
   const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
 
-  std::future<ClipDigest> digest = std::async(std::launch::async, digest_of, std::cref(info));
+  std::future<ClipDigest> digest =
+      std::async(std::launch::async, digest_of, std::cref(info), kDigestPiece);
   Attributes attributes = run.attributes(info);
   describe(request.field, attributes);
   attributes["option_reference"] = request.reference;

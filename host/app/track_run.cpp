@@ -150,7 +150,8 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   TrackOutput output(output_options);
   // Beside the run: a digest of a long clip takes longer than a fast device.
   std::future<ClipDigest> digest;
-  if (!request.no_checksum) digest = std::async(std::launch::async, digest_of, std::cref(info));
+  if (!request.no_checksum)
+    digest = std::async(std::launch::async, digest_of, std::cref(info), kDigestPiece);
   options.from = output.resume_point();
   options.checkpoint = [&](const ResumePoint& point) { output.reach(point); };
   const std::int64_t to_do = options.frames.count() - (options.from ? options.from->next_row : 0);

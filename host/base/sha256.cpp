@@ -2,7 +2,9 @@
 
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -18,9 +20,7 @@ class Digest {
       throw Error("SHA-256 is not available in libcrypto");
     }
   }
-  void add(const void* bytes, std::size_t count) {
-    EVP_DigestUpdate(context_.get(), bytes, count);
-  }
+  void add(const void* bytes, std::size_t count) { EVP_DigestUpdate(context_.get(), bytes, count); }
   std::string hex() {
     unsigned char raw[EVP_MAX_MD_SIZE];
     unsigned length = 0;
@@ -46,13 +46,20 @@ std::string sha256_of_text(std::string_view bytes) {
 }
 
 std::string sha256_of_file(const std::string& path) {
+  return sha256_of_part(path, 0, std::numeric_limits<std::uint64_t>::max());
+}
+
+std::string sha256_of_part(const std::string& path, std::uint64_t offset, std::uint64_t count) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileError("cannot read the file", path);
+  file.seekg(static_cast<std::streamoff>(offset));
   Digest digest;
   std::vector<char> block(1 << 20);
-  while (file) {
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+  while (file && count > 0) {
+    const std::uint64_t wanted = std::min<std::uint64_t>(block.size(), count);
+    file.read(block.data(), static_cast<std::streamsize>(wanted));
     digest.add(block.data(), static_cast<std::size_t>(file.gcount()));
+    count -= wanted;
   }
   return digest.hex();
 }

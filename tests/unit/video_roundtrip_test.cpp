@@ -262,6 +262,18 @@ TEST(ClipDigest, CoversPixelsAndHeaderOfAPhotronPair) {
   EXPECT_NE(sha256_of_file(pixels), sha256_of_file(folder.file("other.mraw")));
 }
 
+TEST(ClipDigest, OfALargeFileIsThatOfItsPieces) {
+  const TemporaryFolder folder;
+  const std::string path = write_clip(folder.file("clip.mraw"), SinkFormat::mraw, 1);  // 128 bytes
+  const auto clip = open_video({path});
+  const std::string pieces = sha256_of_part(path, 0, 50) + "  -\n" + sha256_of_part(path, 50, 50) +
+                             "  -\n" + sha256_of_part(path, 100, 28) + "  -\n";
+  EXPECT_EQ(digest_of(clip->info(), 50).sha256, sha256_of_text(pieces));
+  const std::vector<char> bytes = testing::file_bytes(path);
+  EXPECT_EQ(sha256_of_part(path, 50, 50), sha256_of_text({bytes.data() + 50, 50}));
+  EXPECT_EQ(digest_of(clip->info(), 128).sha256, sha256_of_file(path));
+}
+
 TEST(ClipDigest, CoversEveryPictureOfASequence) {
   const TemporaryFolder folder;
   const auto a = write_clip(folder.file("f2.tif"), SinkFormat::tiff, 1);
