@@ -25,7 +25,7 @@ constexpr double kOnRim_px = 3;   // points so near show the rim
 constexpr double kSharpest_px = 0.75;    // a wider edge is sampled on proportionally wider steps
 constexpr double kRetraceLines = 0.2;    // steps; a fit farther from its lines' rim is traced again
 constexpr double kFollowed = 1.5;        // steps; a rim farther from its prediction is searched
-constexpr int kFew = 4;                  // of so many lines one is enough for a first look
+constexpr int kFew = 3;                  // of so many lines one is enough for a first look
 constexpr double kWidthSettled = 0.01;   // of ln σ
 constexpr int kTraces = 6, kWidths = 5;  // at most
 constexpr double kClose = 0.8;           // steps that a prediction may scatter to be followed
@@ -105,7 +105,7 @@ ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions&
     const bool roughly = pass == 0;
     const Rim from = m.fit.rim;
     trace_lines(frame, from, *prior.bright, m.look->step_px(),
-                roughly ? options.rays / kFew : options.rays, trace, nullptr);
+                roughly ? options.rays / kFew : options.rays, {.levels = roughly}, trace);
     if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
     m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
                       {roughly ? Thoroughness::roughly : Thoroughness::finely});
@@ -145,7 +145,8 @@ ByLook learn(const Frame& frame, const RimFit& known, bool bright, double blur_p
   for (int pass = 0; pass < kTraces; ++pass) {
     from = m.fit.rim;
     texture = {};
-    trace_lines(frame, from, bright, step_of(sigma, from), options.rays, trace, &texture);
+    trace_lines(frame, from, bright, step_of(sigma, from), options.rays, {.texture = &texture},
+                trace);
     if (trace.lines.empty()) return {};
     if (!fit(nullptr)) {
       const Rim start = rim_by_area(trace, from);  // which fine ink does not mislead

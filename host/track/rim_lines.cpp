@@ -14,8 +14,8 @@
 namespace impactdic {
 namespace {
 
-constexpr int kSectors = 24;   // of the rim, in which levels are found
-constexpr int kDeepEvery = 1;  // lines from one that reaches deep to the next, for the light
+constexpr int kSectors = LineTrace::Levels::kSectors;
+constexpr int kDeepEvery = 4;  // lines from one that reaches deep to the next, where many are cast
 constexpr int kDeep = 8;       // its further samples, 4, 5 … 11 steps inside
 constexpr int kBeside = 3;     // lines beside one with an obstacle that the obstacle's blur reaches
 constexpr float kLeastContrast = 0.2f;     // of the usual contrast
@@ -263,6 +263,10 @@ void drop_deep_in_front(Lines& lines) {
   lines.deep.resize(kept);
 }
 
+float light_at(const std::array<float, 5>& w, float x, float y) {
+  return w[0] + w[1] * x + w[2] * y + w[3] * (x * x - y * y) + w[4] * 2 * x * y;
+}
+
 // The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
 // quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of the
 // samples inside. It starts from what one sample in twenty exceeds in each sector, since on a
@@ -315,11 +319,10 @@ class BallLight {
       settle(deep, window);
     }
   }
-  float at(float x, float y) const {
-    const float w[5] = {static_cast<float>(w_[0]), static_cast<float>(w_[1]),
-                        static_cast<float>(w_[2]), static_cast<float>(w_[3]),
-                        static_cast<float>(w_[4])};
-    return w[0] + w[1] * x + w[2] * y + w[3] * (x * x - y * y) + w[4] * 2 * x * y;
+  std::array<float, 5> coefficients() const {
+    std::array<float, 5> w;
+    for (int m = 0; m < 5; ++m) w[m] = static_cast<float>(w_[m]);
+    return w;
   }
 
  private:
@@ -327,6 +330,7 @@ class BallLight {
 
   void settle(const std::vector<DeepLine>& deep, float window) {
     // A handful of samples at the present level, so that sectors without bare paint keep theirs.
+    const std::array<float, 5> w = coefficients();
     Matrix5 a = Matrix5::Identity() * 5;
     Vector5 b = Vector5::Zero();
     std::size_t i = 0;
@@ -335,7 +339,7 @@ class BallLight {
       float sum = 0;
       int n = 0;
       for (; i < ends_[sector]; ++i) {
-        const float expected = at(deep[i].x, deep[i].y);
+        const float expected = light_at(w, deep[i].x, deep[i].y);
         for (int k = 0; k < kDeep; ++k) {
           const float off = deep[i].level[k] - expected;
           const bool near = std::abs(off) <= window;
@@ -368,15 +372,29 @@ float ground_at(const std::array<float, kSectors>& levels, const Line& line, flo
   return std::abs(seen - a) < std::abs(seen - c) ? a : c;
 }
 
+void find_levels(Lines& lines, LineTrace::Levels& levels) {
+  levels.noise = sample_noise(lines);
+  levels.ground = ground_levels(lines, levels.noise);
+  lines.scratch.assign(levels.ground.begin(), levels.ground.end());
+  const float ground = quantile(lines.scratch, 0.5);
+  BallLight light;
+  light.fit(lines, ground, levels.noise);
+  levels.light = light.coefficients();
+  levels.usual = std::max(levels.light[0] - ground, 1e-6f);
+}
+
 }  // namespace
 
 IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px,
-                                int most_lines, LineTrace& trace, TextureSums* texture) {
+                                int most_lines, const LineWants& wants, LineTrace& trace) {
   thread_local Lines lines;  // memory only
-  BallLight light;
   const float step = static_cast<float>(step_px);
   const float sign = bright ? 1.0f : -1.0f;
-  const int deep_every = texture ? 1 : kDeepEvery;  // a texture wants all that it can get
+  // A texture wants all that it can get, the light a hundred lines or two.
+  const int deep_every = wants.texture      ? 1
+                         : !wants.levels    ? most_lines
+                         : most_lines > 400 ? kDeepEvery
+                                            : 1;
   trace.cast = frame.type == PixelType::u8
                    ? cast_lines(frame.u8.view(), rim, sign, step, most_lines, deep_every, lines)
                    : cast_lines(frame.u16.view(), rim, sign, step, most_lines, deep_every, lines);
@@ -384,15 +402,14 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
   trace.in_view = static_cast<int>(lines.all.size());
   trace.step_px = step;
   if (lines.all.size() < 16) return;
-  drop_deep_in_front(lines);
-  if (lines.deep.size() < 5) return;
-
-  const float noise = sample_noise(lines);
-  const auto grounds = ground_levels(lines, noise);
-  lines.scratch.assign(grounds.begin(), grounds.end());
-  const float ground = quantile(lines.scratch, 0.5);
-  light.fit(lines, ground, noise);
-  const float usual = std::max(light.at(0, 0) - ground, 1e-6f);
+  if (wants.levels) {
+    drop_deep_in_front(lines);
+    if (lines.deep.size() < 5) return;
+    find_levels(lines, trace.levels);
+  }
+  const float noise = trace.levels.noise;
+  const auto& light = trace.levels.light;
+  const float usual = trace.levels.usual;
   trace.noise = std::max(noise / usual, 0.003f);
 
   const int n = static_cast<int>(lines.all.size());
@@ -401,8 +418,8 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
   kept.clear();
   for (int i = 0; i < n; ++i) {
     const Line& line = lines.all[i];
-    const float ball = light.at(line.cos, line.sin);
-    const float outside = ground_at(grounds, line, usual);
+    const float ball = light_at(light, line.cos, line.sin);
+    const float outside = ground_at(trace.levels.ground, line, usual);
     const float contrast = ball - outside;
     const bool seen =
         contrast > kLeastContrast * usual && contrast > 6 * noise &&
@@ -426,14 +443,14 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
     trace.lines.push_back({p, line.cos, line.sin, relative * relative,
                            std::min(static_cast<int>(turn(line.cos, line.sin) * (kRimSectors / 4)),
                                     kRimSectors - 1)});
-    if (line.deep >= 0 && texture) {
+    if (line.deep >= 0 && wants.texture) {
       // From the innermost of the deep samples to the innermost of the profile.
       const DeepLine& deep = lines.deep[line.deep];
-      const float per = 1 / (light.at(deep.x, deep.y) - outside);
+      const float per = 1 / (light_at(light, deep.x, deep.y) - outside);
       float b[kDeep];
       for (int k = 0; k < kDeep; ++k) b[k] = (deep.level[kDeep - 1 - k] - outside) * per;
       for (int k = 0; k + kTexture <= kDeep; ++k) {
-        texture->add(b + k, static_cast<float>(trace.noise) / relative);
+        wants.texture->add(b + k, static_cast<float>(trace.noise) / relative);
       }
     }
   }

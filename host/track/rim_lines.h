@@ -7,6 +7,7 @@
 //   fit_lines    circle or ellipse of the greatest likelihood            (line_fit.cpp)
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "host/track/rim.h"
@@ -35,6 +36,15 @@ struct RimLine {
 };
 
 struct LineTrace {
+  // Grey levels, every ball made bright: noise, the background by sector of the rim, the bare paint
+  // as a quadratic in the place.
+  struct Levels {
+    static constexpr int kSectors = 24;
+    float noise = 0;
+    float usual = 1;  // contrast
+    std::array<float, kSectors> ground{};
+    std::array<float, 5> light{};
+  } levels;
   std::vector<RimLine> lines;  // that show the background outside, in the order of the angle
   int cast = 0;
   int in_view = 0;
@@ -42,10 +52,16 @@ struct LineTrace {
   double noise = 0;  // of a sample, share of the usual contrast
 };
 class TextureSums;
-// Casts at most `most_lines` lines across `rim`. `trace` keeps its memory from call to call;
-// `texture`, if there is one, gets what the ball looks like inside.
+// What a trace has to find beside the profiles: the levels are found anew, or those of the trace
+// before are right (the same frame); `texture`, if there is one, gets what the ball looks like
+// inside.
+struct LineWants {
+  bool levels = true;
+  TextureSums* texture = nullptr;
+};
+// Casts at most `most_lines` lines across `rim`. `trace` keeps its memory from call to call.
 void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px, int most_lines,
-                 LineTrace& trace, TextureSums* texture);
+                 const LineWants& wants, LineTrace& trace);
 
 // The fit to the traced lines.
 class RimModel;
