@@ -10,6 +10,24 @@
 #include "host/dic/spline_frames.h"
 
 namespace impactdic {
+namespace {
+
+void copy_part(const FramePart& part, int width, int height, unsigned char* to) {
+  const Frame& frame = *part.frame;
+  const std::size_t depth = frame.type == PixelType::u8 ? 1 : 2;
+  const std::size_t bytes = depth * static_cast<std::size_t>(width);
+  const std::size_t pitch = depth * static_cast<std::size_t>(frame.width());
+  const auto* from = static_cast<const unsigned char*>(frame.bytes()) +
+                     static_cast<std::size_t>(part.y) * pitch +
+                     static_cast<std::size_t>(part.x) * depth;
+  if (bytes == pitch) {
+    std::memcpy(to, from, bytes * static_cast<std::size_t>(height));
+    return;
+  }
+  for (int y = 0; y < height; ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
+}
+
+}  // namespace
 
 DeviceFrames::DeviceFrames(Engine& engine, int slots)
     : engine_(engine), versions_(static_cast<std::size_t>(slots), 0), staging_(engine) {}
@@ -28,18 +46,24 @@ void DeviceFrames::set(int slot, const Frame& frame) {
   set(slot, one);
 }
 
-void DeviceFrames::check(const Frame& frame) {
-  if (frame.width() < 1 || frame.height() < 1) throw InvalidArgument("the frame has no pixels");
+void DeviceFrames::check(const FramePart& part, int width, int height) {
+  const Frame& frame = *part.frame;
+  if (width < 1 || height < 1) throw InvalidArgument("the frame has no pixels");
+  if (part.x < 0 || part.y < 0 || part.x + width > frame.width() ||
+      part.y + height > frame.height()) {
+    throw InvalidArgument("a part of a frame must lie in it");
+  }
   if (images_.size() == 0) {
-    width_ = frame.width();
-    height_ = frame.height();
-    images_ = Buffer<float>(engine_, static_cast<std::size_t>(width_) * height_ * versions_.size());
-    pixels_ = Buffer<unsigned char>(engine_, frame.byte_count() * versions_.size());
+    width_ = width;
+    height_ = height;
     pixel_type_ = frame.type;
+    const std::size_t count = static_cast<std::size_t>(width_) * height_ * versions_.size();
+    images_ = Buffer<float>(engine_, count);
+    pixels_ = Buffer<unsigned char>(engine_, count * pixel_bytes());
     unpack_ = engine_.kernel("unpack.cl", "unpack",
                              {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
   }
-  if (frame.width() != width_ || frame.height() != height_) {
+  if (width != width_ || height != height_) {
     throw InvalidArgument("frames of one clip must have one size");
   }
   if (frame.type != pixel_type_) throw InvalidArgument("frames of one clip must have one depth");
@@ -47,20 +71,27 @@ void DeviceFrames::check(const Frame& frame) {
 
 void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
   if (frames.empty()) return;
+  std::vector<FramePart> whole;
+  for (const Frame* frame : frames) whole.push_back({frame});
+  set(first_slot, whole, frames.front()->width(), frames.front()->height());
+}
+
+void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int width, int height) {
+  if (parts.empty()) return;
   version(first_slot);
-  version(first_slot + static_cast<int>(frames.size()) - 1);
-  for (const Frame* frame : frames) check(*frame);
-  full_scale_ = frames.back()->full_scale();
-  const std::size_t bytes = frames.front()->byte_count(), total = bytes * frames.size();
+  version(first_slot + static_cast<int>(parts.size()) - 1);
+  for (const FramePart& part : parts) check(part, width, height);
+  full_scale_ = parts.back().frame->full_scale();
+  const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
+  const std::size_t bytes = pixels * pixel_bytes(), total = bytes * parts.size();
   const std::span<unsigned char> staged = staging_.bytes(total);
   // Alone: a thread that waits here must not take up work that waits for this.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
-      std::memcpy(staged.data() + i * bytes, frames[i]->bytes(), bytes);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      copy_part(parts[i], width, height, staged.data() + i * bytes);
     });
   });
-  const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
-  const std::size_t count = pixels * frames.size();
+  const std::size_t count = pixels * parts.size();
   unpack_.setArg(0, staging_.upload(total));
   unpack_.setArg(1, images_.get());
   unpack_.setArg(2, pixels_.get());
@@ -68,7 +99,7 @@ void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
   unpack_.setArg(4, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
   engine_.launch(engine_.queue(), unpack_, cl::NDRange(round_up(count, 64)), cl::NDRange(64),
                  {static_cast<double>(2 * total + 4 * count), 0});
-  for (std::size_t i = 0; i < frames.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     ++versions_[static_cast<std::size_t>(first_slot) + i];
   }
 }

@@ -17,6 +17,12 @@ namespace impactdic {
 
 class SplineFrames;
 
+// A rectangle of a frame: its corner at the top left.
+struct FramePart {
+  const Frame* frame = nullptr;
+  int x = 0, y = 0;
+};
+
 class DeviceFrames {
  public:
   // `engine` must outlive the object.
@@ -29,6 +35,9 @@ class DeviceFrames {
   // The same for several frames into the slots from `first_slot` on, all in one copy. Returns
   // when the frames may change; kernels enqueued later see the new pictures.
   void set(int first_slot, std::span<const Frame* const> frames);
+  // The same for rectangles of `width` × `height`, which are then all that the slots know: pixel
+  // (0, 0) is a part's corner. Throws InvalidArgument where a part leaves its frame.
+  void set(int first_slot, std::span<const FramePart> parts, int width, int height);
 
   int slots() const { return static_cast<int>(versions_.size()); }
   int width() const { return width_; }
@@ -50,7 +59,7 @@ class DeviceFrames {
   double full_scale() const { return full_scale_; }
 
  private:
-  void check(const Frame& frame);
+  void check(const FramePart& part, int width, int height);
 
   Engine& engine_;
   int width_ = 0, height_ = 0;

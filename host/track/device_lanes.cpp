@@ -5,6 +5,7 @@
 
 #include "host/base/stopwatch.h"
 #include "host/opencl/engine.h"
+#include "host/track/estimators.h"
 
 namespace impactdic {
 namespace {
@@ -30,21 +31,57 @@ int slots_of(const DeviceInfo& device, int lanes, int width, int height, int bat
 
 }  // namespace
 
+// The slots of the frames, and behind them those of the keyframes.
 struct DeviceLanes::Lane {
   std::unique_ptr<Engine> engine;
+  int slots;
   DeviceFrames frames;
   std::unique_ptr<MotionEstimator> estimator;
+  std::optional<KeyframeSlots> keyframes;  // with the ball estimator
 
-  Lane(std::unique_ptr<Engine> own, const EstimatorOptions& options, double radius_px, int slots)
+  Lane(std::unique_ptr<Engine> own, const EstimatorOptions& options, double radius_px, int count)
       : engine(std::move(own)),
-        frames(*engine, slots),
-        estimator(make_motion_estimator(*engine, options, radius_px, frames)) {}
+        slots(count),
+        frames(*engine, count + kKeyframes),
+        estimator(make_motion_estimator(*engine, options, radius_px, frames)) {
+    if (options.estimator != Estimator::ball) return;
+    keyframes.emplace(*engine, frames, count, ball_options(options.field, false));
+  }
+};
+
+// A batch's turn at the poses: comes when all batches before have had theirs, and ends with it.
+class DeviceLanes::Turn {
+ public:
+  Turn(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes), number_(number) {}
+  ~Turn() {
+    wait();
+    {
+      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
+      ++lanes_.placed_;
+    }
+    lanes_.next_turn_.notify_all();
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+  void wait() {
+    std::unique_lock<std::mutex> lock(lanes_.mutex_);
+    lanes_.next_turn_.wait(lock, [this] { return lanes_.placed_ == number_; });
+  }
+
+ private:
+  DeviceLanes& lanes_;
+  std::int64_t number_;
 };
 
 DeviceLanes::DeviceLanes(std::span<Engine* const> engines, const EstimatorOptions& options,
                          double radius_px, int width, int height, int batch, StageTimes* times,
                          const LaneStages& stages)
-    : radius_px_(radius_px), times_(times), stages_(stages) {
+    : radius_px_(radius_px),
+      crop_(options, radius_px, width, height),
+      times_(times),
+      stages_(stages) {
+  if (options.estimator == Estimator::ball) keyframes_.emplace(radius_px, crop_);
   int most = 0;
   for (const Engine* engine : engines) most = std::max(most, lanes_of(*engine));
   // Neighbouring lanes are on different devices, so that a short clip reaches all of them.
@@ -52,9 +89,9 @@ DeviceLanes::DeviceLanes(std::span<Engine* const> engines, const EstimatorOption
     for (const Engine* engine : engines) {
       const int lanes = lanes_of(*engine);
       if (k >= lanes) continue;
-      lanes_.push_back(
-          std::make_unique<Lane>(engine->beside(), options, radius_px,
-                                 slots_of(engine->device(), lanes, width, height, batch)));
+      lanes_.push_back(std::make_unique<Lane>(
+          engine->beside(), options, radius_px,
+          slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch)));
     }
   }
 }
@@ -76,8 +113,11 @@ DeviceLanes::Batch DeviceLanes::submit(Batch batch) {
   if (flights_.size() == lanes_.size()) finished = take();
   Lane& lane = *lanes_[next_];
   next_ = (next_ + 1) % lanes_.size();
-  flights_.push_back(
-      {batch, std::async(std::launch::async, [this, &lane, batch] { measure(lane, *batch); })});
+  const std::int64_t number = submitted_++;
+  flights_.push_back({batch, std::async(std::launch::async, [this, &lane, batch, number] {
+                        Turn turn(*this, number);
+                        measure(lane, *batch, turn);
+                      })});
   return finished;
 }
 
@@ -89,44 +129,79 @@ DeviceLanes::Batch DeviceLanes::take() {
   return flight.batch;
 }
 
-void DeviceLanes::measure(Lane& lane, TrackBatch& batch) {
+void DeviceLanes::measure(Lane& lane, TrackBatch& batch, Turn& turn) {
   const std::size_t count = batch.frames.size();
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
-  const auto slots = static_cast<std::size_t>(lane.frames.slots());
+  const auto slots = static_cast<std::size_t>(lane.slots);
   // A part begins with the last frame of the one before.
   for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
     const std::size_t frames = std::min(slots, count - first);
-    std::vector<PairMotion> pairs;
-    std::vector<std::size_t> which;
-    for (std::size_t k = 0; k + 1 < frames; ++k) {
-      const std::size_t i = first + k;
-      if (!batch.rows[i].circle_ok || !batch.rows[i + 1].circle_ok) continue;
-      PairMotion& pair = pairs.emplace_back();
-      pair.first_slot = static_cast<int>(k);
-      pair.second_slot = static_cast<int>(k + 1);
-      pair.first = batch.circles[i];
-      pair.second = batch.circles[i + 1];
-      which.push_back(i);
-    }
-    if (which.empty()) continue;
-    {
-      const StageTimes::Scope timed(times_, stages_.upload);
-      lane.frames.set(0, std::span(batch.frames).subspan(first, frames));
-    }
-    const double fits_before = lane.estimator->fit_seconds();
-    const Stopwatch watch;
-    measure_pairs(*lane.estimator, radius_px_, pairs);
-    if (times_ != nullptr) {
-      const double fits = lane.estimator->fit_seconds() - fits_before;
-      times_->add(stages_.fit, fits);
-      times_->add(stages_.device, watch.seconds() - fits);
-    }
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      batch.pairs[which[k]] = std::move(pairs[k]);
-      batch.measured[which[k]] = true;
-    }
+    measure_part(lane, batch, first, frames);
+    if (!keyframes_) continue;
+    turn.wait();
+    place_part(lane, batch, first, frames);
   }
+}
+
+void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
+                               std::size_t count) {
+  std::vector<FramePart> parts;
+  std::vector<CropOrigin> origins;
+  for (std::size_t k = 0; k < count; ++k) {
+    origins.push_back(crop_.about(batch.circles[first + k]));
+    parts.push_back({batch.frames[first + k], origins[k].x, origins[k].y});
+  }
+  std::vector<PairMotion> pairs;
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const std::size_t i = first + k;
+    if (!batch.rows[i].circle_ok || !batch.rows[i + 1].circle_ok) continue;
+    PairMotion& pair = pairs.emplace_back();
+    pair.first_slot = static_cast<int>(k);
+    pair.second_slot = static_cast<int>(k + 1);
+    pair.first = batch.circles[i];
+    pair.second = batch.circles[i + 1];
+    into_crops(pair, origins[k], origins[k + 1]);
+    which.push_back(k);
+  }
+  if (which.empty() && !keyframes_) return;
+  {
+    const StageTimes::Scope timed(times_, stages_.upload);
+    lane.frames.set(0, parts, crop_.width(), crop_.height());
+  }
+  const double fits_before = lane.estimator->fit_seconds();
+  const Stopwatch watch;
+  measure_pairs(*lane.estimator, radius_px_, pairs);
+  if (times_ != nullptr) {
+    const double fits = lane.estimator->fit_seconds() - fits_before;
+    times_->add(stages_.fit, fits);
+    times_->add(stages_.device, watch.seconds() - fits);
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    out_of_crops(pairs[k], origins[which[k]], origins[which[k] + 1]);
+    batch.pairs[first + which[k]] = std::move(pairs[k]);
+    batch.measured[first + which[k]] = true;
+  }
+}
+
+void DeviceLanes::place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count) {
+  const StageTimes::Scope timed(times_, stages_.poses);
+  std::vector<ChainedFrame> frames;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = first + k;
+    ChainedFrame& frame = frames.emplace_back();
+    frame.index = batch.first_index + static_cast<std::int64_t>(i);
+    frame.circle_ok = batch.rows[i].circle_ok;
+    frame.circle = batch.circles[i];
+    frame.frame = batch.frames[i];
+    if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
+    frame.slot = static_cast<int>(k);
+    frame.origin = crop_.about(batch.circles[i]);
+  }
+  const std::vector<BodyPose> poses = keyframes_->follow(frames, *lane.keyframes);
+  for (std::size_t k = 0; k < count; ++k) batch.rows[first + k].pose = poses[k];
+  batch.keyframes = keyframes_->memory();
 }
 
 }  // namespace impactdic

@@ -2,21 +2,24 @@
 // its device, another's kernels run and a third's fits are made.
 #pragma once
 
+#include <condition_variable>
 #include <deque>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "host/base/stage_times.h"
 #include "host/dic/device_frames.h"
+#include "host/track/keyframes.h"
 #include "host/track/track_batch.h"
 
 namespace impactdic {
 
 // Stages that the lanes are timed under.
 struct LaneStages {
-  int upload = 0, device = 0, fit = 0;
+  int upload = 0, device = 0, fit = 0, poses = 0;
 };
 
 class DeviceLanes {
@@ -35,17 +38,27 @@ class DeviceLanes {
   // Lanes that `engines` will get: as many batches are in flight.
   static int count(std::span<Engine* const> engines);
 
-  // Starts measuring the pairs of `batch`. Where all lanes are busy it waits for the oldest batch
-  // and returns that, else nullptr. What a lane throws comes out here or from `take`.
+  // Poses go on from those of an earlier run: see Keyframes. Before the first batch.
+  void restore(const Keyframes::Memory& memory, const std::function<Frame(std::int64_t)>& read) {
+    if (keyframes_) keyframes_->restore(memory, read);
+  }
+
+  // Starts measuring the pairs of `batch`, and with the ball estimator its frames' poses. Where all
+  // lanes are busy it waits for the oldest batch and returns that, else nullptr. What a lane throws
+  // comes out here or from `take`.
   Batch submit(Batch batch);
   // Waits for the oldest batch; nullptr where none is left.
   Batch take();
 
  private:
   struct Lane;
-  void measure(Lane& lane, TrackBatch& batch);
+  class Turn;
+  void measure(Lane& lane, TrackBatch& batch, Turn& turn);
+  void measure_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
+  void place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
 
   double radius_px_;
+  BallCrop crop_;
   StageTimes* times_;
   LaneStages stages_;
   std::vector<std::unique_ptr<Lane>> lanes_;
@@ -55,6 +68,11 @@ class DeviceLanes {
     std::future<void> done;
   };
   std::deque<Flight> flights_;  // oldest first
+  // Poses are a chain through all frames: batches come to it one after the other.
+  std::optional<Keyframes> keyframes_;
+  std::int64_t submitted_ = 0, placed_ = 0;  // batches
+  std::mutex mutex_;                         // of placed_
+  std::condition_variable next_turn_;
 };
 
 // Measures `pairs`, whose frames are in their slots, from a guess of the rotation that the pairs

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/track/estimators.h"
+#include "host/track/roi.h"
 
 namespace impactdic {
 namespace {
@@ -14,6 +15,8 @@ namespace {
 // it vary by a fifth.
 constexpr double kMisfit = 1.5;
 constexpr double kSamePicture = 0.5;
+// Frames that are registered together behind one that did not fit: likely the next does not either.
+constexpr std::size_t kFewAtOnce = 4;
 // Of keyframes whose turns differ by less, the oldest has the shortest chain behind it.
 constexpr double kAlike_rad = 0.1;
 
@@ -40,12 +43,13 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const RigidMotion& mo
   return next;
 }
 
-// Of a frame that was registered against a keyframe; the turn is the one nearest to `expected_rad`.
-BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion& motion,
-                    double expected_rad) {
+// Of a frame that was registered against a keyframe, its part's corner (u, v) from that one's; the
+// turn is the one nearest to `expected_rad`.
+BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion& motion, int u,
+                    int v, double expected_rad) {
   RigidMotion rigid;
-  rigid.dx_px = motion.dx;
-  rigid.dy_px = motion.dy;
+  rigid.dx_px = motion.dx + u;
+  rigid.dy_px = motion.dy + v;
   rigid.rot_rad = motion.rot_rad;
   rigid.dx_sd_px = motion.dx_sd;
   rigid.dy_sd_px = motion.dy_sd;
@@ -62,17 +66,45 @@ BallOptions affine(BallOptions options) {
 
 }  // namespace
 
-Keyframes::Keyframes(const Engine& engine, const BallOptions& options, double radius_px)
-    : engine_(engine.beside()),
-      frames_(*engine_, kKept + kAtOnce),
-      radius_px_(radius_px),
-      rigid_(*engine_, options),
-      affine_(*engine_, affine(options)),
-      ring_(*engine_, {}) {}
+KeyframeSlots::KeyframeSlots(Engine& engine, DeviceFrames& frames, int first_slot,
+                             const BallOptions& options)
+    : frames_(frames),
+      first_slot_(first_slot),
+      rigid_(engine, options),
+      affine_(engine, affine(options)),
+      ring_(engine, {}) {
+  held_.fill(-1);
+}
+
+void KeyframeSlots::hold(int place, std::int64_t index, const Frame& picture) {
+  std::int64_t& held = held_.at(static_cast<std::size_t>(place));
+  if (held == index) return;
+  frames_.set(slot(place), picture);
+  held = index;
+}
+
+std::vector<BallMotion> KeyframeSlots::measure(std::span<const BallTask> tasks, bool affine) {
+  return (affine ? affine_ : rigid_).measure(frames_, tasks);
+}
+
+RingMotion KeyframeSlots::turn(const RingTask& task) {
+  return ring_.measure(frames_, std::span(&task, 1))[0];
+}
 
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
   memory_ = std::move(memory);
-  for (const Keyframe& key : memory_.keyframes) frames_.set(key.slot, read(key.pose.keyframe));
+  for (const Keyframe& key : memory_.keyframes) keep_picture(key, read(key.pose.keyframe));
+}
+
+void Keyframes::keep_picture(const Keyframe& key, const Frame& frame) {
+  const CropOrigin origin = crop_.about(key.circle);
+  crop(frame, {origin.x, origin.y, crop_.width(), crop_.height()},
+       pictures_.at(static_cast<std::size_t>(key.slot)));
+}
+
+int Keyframes::hold(const Keyframe& key, KeyframeSlots& slots) const {
+  slots.hold(key.slot, key.pose.keyframe, pictures_.at(static_cast<std::size_t>(key.slot)));
+  return slots.slot(key.slot);
 }
 
 BodyPose Keyframes::begin(const ChainedFrame& frame) {
@@ -92,7 +124,8 @@ BodyPose Keyframes::keep(const ChainedFrame& frame, const BodyPose& pose) {
   made.pose.keyframe = frame.index;
   made.circle = frame.circle;
   made.last_used = frame.index;
-  if (memory_.keyframes.size() == kKept) {
+  ++made_;
+  if (memory_.keyframes.size() == kKeyframes) {
     const auto idle = std::min_element(
         memory_.keyframes.begin(), memory_.keyframes.end(),
         [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
@@ -102,8 +135,7 @@ BodyPose Keyframes::keep(const ChainedFrame& frame, const BodyPose& pose) {
     made.slot = static_cast<int>(memory_.keyframes.size());
   }
   memory_.keyframes.push_back(made);
-  frames_.set(made.slot, *frame.frame);
-  ++made_;
+  keep_picture(made, *frame.frame);
   return made.pose;
 }
 
@@ -119,53 +151,56 @@ std::size_t Keyframes::best_for(double angle_rad) const {
   return static_cast<std::size_t>(oldest - memory_.keyframes.begin());
 }
 
-std::vector<BallMotion> Keyframes::measure(BallRegistration& registration, std::size_t first,
+std::vector<BallMotion> Keyframes::measure(std::span<const ChainedFrame> frames,
                                            std::span<const BodyPose> near,
-                                           std::span<const std::size_t> keys) {
+                                           std::span<const std::size_t> keys, bool affine,
+                                           KeyframeSlots& slots) {
   std::vector<BallTask> tasks;
   for (std::size_t i = 0; i < near.size(); ++i) {
     const Keyframe& key = memory_.keyframes[keys[i]];
+    const CropOrigin origin = crop_.about(key.circle);
     const double turn = near[i].angle_rad - key.pose.angle_rad;
     const Point arm =
         turned(key.circle.cx_px - key.pose.x_px, key.circle.cy_px - key.pose.y_px, turn);
+    const int u = frames[i].origin.x - origin.x, v = frames[i].origin.y - origin.y;
     BallTask task{};
-    task.first = key.slot;
-    task.second = static_cast<idic_int>(kKept + first + i);
-    task.cx = static_cast<float>(key.circle.cx_px);
-    task.cy = static_cast<float>(key.circle.cy_px);
+    task.first = hold(key, slots);
+    task.second = frames[i].slot;
+    task.cx = static_cast<float>(key.circle.cx_px - origin.x);
+    task.cy = static_cast<float>(key.circle.cy_px - origin.y);
     task.radius = static_cast<float>(radius_px_ - kRimMarginPx);
-    task.guess_dx = static_cast<float>(near[i].x_px + arm.x - key.circle.cx_px);
-    task.guess_dy = static_cast<float>(near[i].y_px + arm.y - key.circle.cy_px);
+    task.guess_dx = static_cast<float>(near[i].x_px + arm.x - key.circle.cx_px - u);
+    task.guess_dy = static_cast<float>(near[i].y_px + arm.y - key.circle.cy_px - v);
     task.guess_rot_rad = static_cast<float>(std::remainder(turn, 2 * kPi));
     tasks.push_back(task);
   }
-  return registration.measure(frames_, tasks);
+  return slots.measure(tasks, affine);
 }
 
 std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> frames,
-                                                std::span<const BodyPose> near) {
+                                                std::span<const BodyPose> near,
+                                                KeyframeSlots& slots) {
   std::vector<std::size_t> keys;
   for (const BodyPose& pose : near) keys.push_back(best_for(pose.angle_rad));
-  std::vector<const Frame*> pictures;
-  for (const ChainedFrame& frame : frames) pictures.push_back(frame.frame);
-  frames_.set(kKept, pictures);
-  std::vector<BallMotion> motions = measure(rigid_, 0, near, keys);
+  std::vector<BallMotion> motions = measure(frames, near, keys, false, slots);
   std::vector<Placed> placed(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     // What does not fit may be a ball under compression, or look otherwise than it did then.
     const std::size_t newest = memory_.keyframes.size() - 1;
-    const std::pair<BallRegistration&, std::size_t> others[] = {
-        {affine_, keys[i]}, {rigid_, newest}, {affine_, newest}};
+    const std::pair<bool, std::size_t> others[] = {
+        {true, keys[i]}, {false, newest}, {true, newest}};
     for (std::size_t k = 0; k < std::size(others) && !fits(motions[i], keys[i]); ++k) {
       if (k > 0 && others[k].second == others[0].second) break;
       keys[i] = others[k].second;
-      motions[i] =
-          measure(others[k].first, i, near.subspan(i, 1), std::span(keys).subspan(i, 1))[0];
+      motions[i] = measure(frames.subspan(i, 1), near.subspan(i, 1), std::span(keys).subspan(i, 1),
+                           others[k].first, slots)[0];
     }
     if (!fits(motions[i], keys[i])) return placed;
     Keyframe& key = memory_.keyframes[keys[i]];
     placed[i].fits = true;
-    placed[i].pose = registered(key.pose, key.circle, motions[i], near[i].angle_rad);
+    const CropOrigin origin = crop_.about(key.circle);
+    placed[i].pose = registered(key.pose, key.circle, motions[i], frames[i].origin.x - origin.x,
+                                frames[i].origin.y - origin.y, near[i].angle_rad);
     const double residual = motions[i].residual;
     // A residual far below the best is no better fit but the same picture once more: a clip that
     // repeats itself, a camera that stored a frame twice.
@@ -182,36 +217,37 @@ bool Keyframes::fits(const BallMotion& motion, std::size_t key) const {
          (best == 0 || motion.residual <= kMisfit * best);
 }
 
-Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame) {
+Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame, KeyframeSlots& slots) {
   const auto key = std::max_element(
       memory_.keyframes.begin(), memory_.keyframes.end(),
       [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
   PairMotion pair;
-  pair.first_slot = key->slot;
-  pair.second_slot = kKept;
-  frames_.set(pair.second_slot, *frame.frame);
+  pair.first_slot = hold(*key, slots);
+  pair.second_slot = frame.slot;
   pair.first = key->circle;
   pair.second = frame.circle;
-  const RingMotion turn = ring_.measure(frames_, std::vector{ring_task(pair, radius_px_)})[0];
+  into_crops(pair, crop_.about(key->circle), frame.origin);
+  const RingMotion turn = slots.turn(ring_task(pair, radius_px_));
   if (turn.status != WindowStatus::ok) return {};
   RigidMotion motion;
   motion.dx_px = frame.circle.cx_px - key->circle.cx_px;
   motion.dy_px = frame.circle.cy_px - key->circle.cy_px;
   motion.rot_rad = turn.rot_rad;
-  return place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)})[0];
+  return place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)}, slots)[0];
 }
 
-BodyPose Keyframes::start(const ChainedFrame& frame) {
+BodyPose Keyframes::start(const ChainedFrame& frame, KeyframeSlots& slots) {
   if (!frame.circle_ok) return {};
   if (!memory_.keyframes.empty()) {
-    const Placed found = find_again(frame);
+    const Placed found = find_again(frame, slots);
     if (found.fits) return found.pose;
   }
   // Only what can be followed is worth a beginning.
   return frame.next != nullptr && frame.next->ok ? begin(frame) : BodyPose{};
 }
 
-std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames) {
+std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
+                                        KeyframeSlots& slots) {
   const auto linked = [&](std::size_t i) {  // to the frame before
     return i > 0 && frames[i - 1].next != nullptr && frames[i - 1].next->ok;
   };
@@ -219,24 +255,27 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames) {
     return moved(pose, frames[i - 1].circle, *frames[i - 1].next);
   };
   std::vector<BodyPose> poses(frames.size());
-  std::size_t i = 0;
+  std::size_t i = 0, at_once = frames.size();
   if (!frames.empty() && memory_.last.ok && frames[0].index == memory_.last_index)
     poses[i++] = memory_.last;
   while (i < frames.size()) {
     if (!(linked(i) && poses[i - 1].ok)) {
-      poses[i] = start(frames[i]);
+      poses[i] = start(frames[i], slots);
       ++i;
       continue;
     }
     std::vector<BodyPose> near;
-    for (std::size_t k = i; k < frames.size() && near.size() < kAtOnce && linked(k); ++k) {
+    for (std::size_t k = i; k < frames.size() && near.size() < at_once && linked(k); ++k) {
       near.push_back(step(near.empty() ? poses[i - 1] : near.back(), k));
     }
-    const std::vector<Placed> placed = place(frames.subspan(i, near.size()), near);
+    const std::vector<Placed> placed = place(frames.subspan(i, near.size()), near, slots);
     for (std::size_t k = 0; k < placed.size() && placed[k].fits; ++k) poses[i++] = placed[k].pose;
     if (std::any_of(placed.begin(), placed.end(), [](const Placed& p) { return !p.fits; })) {
       poses[i] = keep(frames[i], step(poses[i - 1], i));
       ++i;
+      at_once = kFewAtOnce;
+    } else {
+      at_once = std::min(2 * at_once, frames.size());
     }
   }
   if (!frames.empty()) {

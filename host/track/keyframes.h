@@ -3,9 +3,9 @@
 // before it. Steps from frame to frame add up their errors; a keyframe's do not grow.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,18 +13,46 @@
 #include "host/dic/device_frames.h"
 #include "host/dic/ring.h"
 #include "host/opencl/engine.h"
+#include "host/track/ball_crop.h"
 #include "host/track/circle.h"
 #include "host/track/track_row.h"
 
 namespace impactdic {
 
-// One frame in order, its circle, and the motion to the next one.
+// Keyframes at a time.
+inline constexpr int kKeyframes = 8;
+
+// Where frames are registered against keyframes: whoever has the frames on its device. The
+// keyframes' pictures stand in the kKeyframes slots from `first_slot` on.
+class KeyframeSlots {
+ public:
+  // `engine` and `frames` must outlive the object.
+  KeyframeSlots(Engine& engine, DeviceFrames& frames, int first_slot, const BallOptions& options);
+
+  // Puts the picture of keyframe `index` into place `place` unless it is there.
+  void hold(int place, std::int64_t index, const Frame& picture);
+  int slot(int place) const { return first_slot_ + place; }
+  std::vector<BallMotion> measure(std::span<const BallTask> tasks, bool affine);
+  RingMotion turn(const RingTask& task);
+
+ private:
+  DeviceFrames& frames_;
+  int first_slot_;
+  BallRegistration rigid_, affine_;
+  RingRotation ring_;
+  std::array<std::int64_t, kKeyframes> held_;  // frame indices, −1: none
+};
+
+// One frame in order, its circle, and the motion to the next one. `slot`: of its part on the
+// device, whose corner is `origin`.
 struct ChainedFrame {
   std::int64_t index = 0;  // among the analysed frames
   bool circle_ok = false;
   Circle circle;
   const Frame* frame = nullptr;
   const RigidMotion* next = nullptr;  // nullptr where it was not measured
+  int slot = 0;
+  CropOrigin origin;
 };
 
 // The first frame with a ball is the first keyframe. A frame is registered against the keyframe
@@ -34,19 +62,19 @@ struct ChainedFrame {
 // one that rolls out of sight gets as few links of a chain as the pictures allow.
 class Keyframes {
  public:
-  // Works on a queue of its own beside `engine`'s. `radius_px` is the ball's.
-  Keyframes(const Engine& engine, const BallOptions& options, double radius_px);
+  // `radius_px` is the ball's, `crop` the size of the frames' parts.
+  Keyframes(double radius_px, const BallCrop& crop) : radius_px_(radius_px), crop_(crop) {}
 
   // Poses of consecutive frames, the first of which may be the last one of the call before (it
-  // then keeps its pose).
-  std::vector<BodyPose> follow(std::span<const ChainedFrame> frames);
+  // then keeps its pose). Calls follow the order of the frames; `slots` may be another every time.
+  std::vector<BodyPose> follow(std::span<const ChainedFrame> frames, KeyframeSlots& slots);
 
   struct Keyframe {
     BodyPose pose;  // its own
     Circle circle;
     double residual = 0;         // of the best registration against it; 0 before the first
     std::int64_t last_used = 0;  // frame index
-    int slot = 0;
+    int slot = 0;                // of 0 … kKeyframes − 1
   };
   // All that is known of the frames before, but for the pictures of the keyframes.
   struct Memory {
@@ -61,38 +89,37 @@ class Keyframes {
   int made() const { return made_; }  // keyframes so far
 
  private:
-  static constexpr std::size_t kKept = 8;     // keyframes at a time, in the first slots
-  static constexpr std::size_t kAtOnce = 16;  // frames that are registered together, behind them
-
   struct Placed {
     bool fits = false;
     BodyPose pose;
   };
 
+  // Keeps the part of a keyframe's picture that goes to devices.
+  void keep_picture(const Keyframe& key, const Frame& frame);
+  // Puts a keyframe where `slots` needs it; returns the slot.
+  int hold(const Keyframe& key, KeyframeSlots& slots) const;
   // Makes `frame` the first keyframe of a new chain.
   BodyPose begin(const ChainedFrame& frame);
   // Makes `frame` a keyframe, in place of the one that has been idle longest if need be.
   BodyPose keep(const ChainedFrame& frame, const BodyPose& pose);
   // The pose of a frame to which no motion leads: found again, or a new chain's beginning.
-  BodyPose start(const ChainedFrame& frame);
+  BodyPose start(const ChainedFrame& frame, KeyframeSlots& slots);
   std::size_t best_for(double angle_rad) const;
-  // Registers frames (kAtOnce at most) against their best keyframes from the poses expected of
-  // them, up to the first that fits none.
-  std::vector<Placed> place(std::span<const ChainedFrame> frames, std::span<const BodyPose> near);
-  // The same of frames that are on the device, the first of them `first` of those placed together.
-  std::vector<BallMotion> measure(BallRegistration& registration, std::size_t first,
-                                  std::span<const BodyPose> near,
-                                  std::span<const std::size_t> keys);
+  // Registers frames against their best keyframes from the poses expected of them, up to the first
+  // that fits none.
+  std::vector<Placed> place(std::span<const ChainedFrame> frames, std::span<const BodyPose> near,
+                            KeyframeSlots& slots);
+  std::vector<BallMotion> measure(std::span<const ChainedFrame> frames,
+                                  std::span<const BodyPose> near, std::span<const std::size_t> keys,
+                                  bool affine, KeyframeSlots& slots);
   bool fits(const BallMotion& motion, std::size_t key) const;
   // Looks for the ball after a gap: the turn by rings about the circles.
-  Placed find_again(const ChainedFrame& frame);
+  Placed find_again(const ChainedFrame& frame, KeyframeSlots& slots);
 
-  std::unique_ptr<Engine> engine_;
-  DeviceFrames frames_;
   double radius_px_;
-  BallRegistration rigid_, affine_;
-  RingRotation ring_;
+  BallCrop crop_;
   Memory memory_;
+  std::array<Frame, kKeyframes> pictures_;  // of the keyframes, cut, by their slots
   int made_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "host/track/ball_tracker.h"
 #include "host/track/frame_pipeline.h"
+#include "host/track/keyframes.h"
 #include "host/track/motion_estimator.h"
 #include "host/track/track_row.h"
 
@@ -26,7 +27,9 @@ struct TrackBatch {
   // The circles of the own frames, while they are being measured.
   std::vector<CircleFit> fits;
   BallTracker::Plan plan;
-  BallTracker::Memory tracker;  // behind the own frames
+  // Behind the own frames.
+  BallTracker::Memory tracker;
+  std::optional<Keyframes::Memory> keyframes;  // with the ball estimator
 };
 
 }  // namespace impactdic

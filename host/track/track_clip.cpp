@@ -8,8 +8,6 @@
 #include "host/base/error.h"
 #include "host/opencl/engine.h"
 #include "host/track/device_lanes.h"
-#include "host/track/estimators.h"
-#include "host/track/keyframes.h"
 #include "host/track/scout_ball.h"
 #include "host/track/track_batch.h"
 
@@ -64,6 +62,9 @@ class ClipTracker {
       lane_stages_.upload = options.times->add_stage("upload", lanes);
       lane_stages_.device = options.times->add_stage("kernels, results", lanes);
       lane_stages_.fit = options.times->add_stage("fits", lanes);
+      if (options.estimator.estimator == Estimator::ball) {
+        lane_stages_.poses = options.times->add_stage("poses (in order)", 1);
+      }
     }
     write_stage_ = options.times->add_stage("write", 1);
   }
@@ -117,7 +118,6 @@ class ClipTracker {
       grid_ready_(lanes_->grid(), lanes_->radius_px());
       point_.grid_radius_px = lanes_->radius_px();
     }
-    place(*batch);
     for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
@@ -160,7 +160,7 @@ class ClipTracker {
     point_.next_row = done - 1;
     point_.circle = batch.fits.back();
     point_.tracker = batch.tracker;
-    if (keyframes_) point_.keyframes = keyframes_->memory();
+    if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);
   }
 
@@ -188,29 +188,11 @@ class ClipTracker {
     lanes_ = std::make_unique<DeviceLanes>(
         engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
         options_.roi.height, batch_, options_.times, lane_stages_);
+    if (point_.keyframes) {
+      lanes_->restore(*point_.keyframes,
+                      [&](std::int64_t index) { return read_frame(source_, options_, index); });
+    }
     grid_is_new_ = true;
-  }
-
-  // Poses by keyframes, of all frames in order.
-  void place(TrackBatch& batch) {
-    if (options_.estimator.estimator != Estimator::ball || batch.measured.empty()) return;
-    if (!keyframes_) {
-      keyframes_ = std::make_unique<Keyframes>(
-          *engines_[0], ball_options(options_.estimator.field, false), lanes_->radius_px());
-      if (point_.keyframes) {
-        keyframes_->restore(*point_.keyframes, [&](std::int64_t index) {
-          return read_frame(source_, options_, index);
-        });
-      }
-    }
-    std::vector<ChainedFrame> frames;
-    for (std::size_t i = 0; i < batch.frames.size(); ++i) {
-      frames.push_back({batch.first_index + static_cast<std::int64_t>(i), batch.rows[i].circle_ok,
-                        batch.circles[i], batch.frames[i],
-                        batch.measured[i] ? &batch.pairs[i].motion : nullptr});
-    }
-    const std::vector<BodyPose> poses = keyframes_->follow(frames);
-    for (std::size_t i = 0; i < poses.size(); ++i) batch.rows[i].pose = poses[i];
   }
 
   void write_row(TrackBatch& batch, std::size_t i) {
@@ -268,7 +250,6 @@ class ClipTracker {
   std::unique_ptr<DeviceLanes> lanes_;
   // Of `write`.
   std::atomic<bool> grid_is_new_ = false;
-  std::unique_ptr<Keyframes> keyframes_;  // with the ball estimator
   ResumePoint point_;
   Batch last_;
 };
