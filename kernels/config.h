@@ -47,6 +47,11 @@
 #define SPLINE_DEGREE 5
 #endif
 
+// prefilter.cl: taps of the filter on each side of its middle.
+#ifndef RADIUS
+#define RADIUS 24
+#endif
+
 // Kernels that share one task among a group: its work-items, a power of two.
 #ifndef GROUP
 #define GROUP 64

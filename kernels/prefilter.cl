@@ -1,12 +1,13 @@
 #include "kernels/config.h"
+#include "kernels/prefilter.h"
 #include "kernels/spline.h"
 
 // B-spline coefficients of whole pictures: the recursive filter of Unser, Aldroubi and Eden (1993)
-// written as its impulse response, cut where the rest is below 1e-8 of a pixel, so that every
-// pixel is independent of the others; a Gaussian that smooths the picture beforehand is part of
-// the same taps. Beyond the border the picture is mirrored about its last pixel, and so are the
+// written as its impulse response, cut where the rest is below 1e-8 of a pixel (RADIUS), so that
+// every pixel is independent of the others; a Gaussian that smooths the picture beforehand is part
+// of the same taps. Beyond the border the picture is mirrored about its last pixel, and so are the
 // coefficients in the pad.
-// taps: (radius + 1) weights of distance 0 … radius. slots: (batch) which pictures.
+// taps: (RADIUS + 1) weights of distance 0 … RADIUS. slots: (batch) which pictures.
 
 static inline int mirrored(const int i, const int size) {
   if (size == 1) return 0;
@@ -15,28 +16,66 @@ static inline int mirrored(const int i, const int size) {
   return folded < size ? folded : period - folded;
 }
 
+#if VECTOR == 1
+#define ACROSS PREFILTER_ACROSS
+#define REACH ((RADIUS + ACROSS - 1) / ACROSS * ACROSS)
+#define SPAN (PREFILTER_ITEMS * ACROSS) /* columns of a group */
+
 // Along x. images: (slots, height, width); rows: (batch, height, pitch), pitch >= width +
-// 2·SPLINE_PAD a multiple of VECTOR. One work-item for VECTOR neighbours: (pitch / VECTOR or more,
-// height, batch).
+// 2·SPLINE_PAD a multiple of ACROSS. A work-item for ACROSS neighbours: (pitch / ACROSS or more,
+// height or more, batch).
+__kernel __attribute__((reqd_work_group_size(PREFILTER_ITEMS, PREFILTER_LINES, 1))) void
+prefilter_rows(__global const float* images, __global float* rows, __constant float* taps,
+               __global const int* slots, const int width, const int height, const int pitch) {
+  __local float4 pixels[PREFILTER_LINES][(SPAN + 2 * REACH) / ACROSS];
+  const int item = (int)get_local_id(0), line = (int)get_local_id(1);
+  const int y = (int)get_global_id(1), batch = (int)get_global_id(2);
+  const int x0 = (int)get_group_id(0) * SPAN - SPLINE_PAD - REACH;
+  __global const float* from =
+      images + ((size_t)slots[batch] * height + min(y, height - 1)) * width;
+  for (int i = item; i < SPAN + 2 * REACH; i += PREFILTER_ITEMS) {
+    ((__local float*)pixels[line])[i] = from[mirrored(x0 + i, width)];
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+  float sums[ACROSS] = {0.0f, 0.0f, 0.0f, 0.0f};
+#pragma unroll
+  for (int part = 0; part < 2 * REACH / ACROSS + 1; ++part) {
+    const float4 four = pixels[line][item + part];
+    const float own[ACROSS] = {four.x, four.y, four.z, four.w};
+#pragma unroll
+    for (int i = 0; i < ACROSS; ++i) {
+#pragma unroll
+      for (int k = 0; k < ACROSS; ++k) {
+        const int distance = abs(part * ACROSS + i - REACH - k);
+        if (distance <= RADIUS) sums[k] += taps[distance] * own[i];
+      }
+    }
+  }
+  const int column = (int)get_global_id(0) * ACROSS;
+  if (y >= height || column >= pitch) return;
+  __global float4* to = (__global float4*)(rows + ((size_t)batch * height + y) * pitch + column);
+  *to = (float4)(sums[0], sums[1], sums[2], sums[3]);
+}
+#else
+// The same, one work-item for VECTOR neighbours: (pitch / VECTOR, height, batch).
 __kernel void prefilter_rows(__global const float* images, __global float* rows,
-                             __constant float* taps, const int radius, __global const int* slots,
-                             const int width, const int height, const int pitch) {
+                             __constant float* taps, __global const int* slots, const int width,
+                             const int height, const int pitch) {
   const int column = (int)get_global_id(0) * VECTOR;
-  if (column >= pitch) return;
   const size_t y = get_global_id(1), batch = get_global_id(2);
   const int x = column - SPLINE_PAD;
   __global const float* line = images + ((size_t)slots[batch] * height + y) * width;
   REAL sum;
-  if (x >= radius && x + VECTOR + radius <= width) {
+  if (x >= RADIUS && x + VECTOR + RADIUS <= width) {
     sum = taps[0] * LOAD_REAL(line + x);
-    for (int k = 1; k <= radius; ++k) {
+    for (int k = 1; k <= RADIUS; ++k) {
       sum += taps[k] * (LOAD_REAL(line + x - k) + LOAD_REAL(line + x + k));
     }
   } else {
     float lanes[VECTOR];
     for (int lane = 0; lane < VECTOR; ++lane) {
       float one = taps[0] * line[mirrored(x + lane, width)];
-      for (int k = 1; k <= radius; ++k) {
+      for (int k = 1; k <= RADIUS; ++k) {
         one +=
             taps[k] * (line[mirrored(x + lane - k, width)] + line[mirrored(x + lane + k, width)]);
       }
@@ -46,48 +85,54 @@ __kernel void prefilter_rows(__global const float* images, __global float* rows,
   }
   STORE_REAL(sum, rows + (batch * height + y) * pitch + column);
 }
+#endif
 
 // Along y. coefficients: from element `offset` on (slots, height + 2·SPLINE_PAD, pitch); pixel (x,
 // y) of the picture stands at (x + SPLINE_PAD, y + SPLINE_PAD). One work-item for VECTOR
-// neighbours: (pitch / VECTOR or more, height + 2·SPLINE_PAD, batch).
+// neighbours in PREFILTER_DOWN rows: (pitch / VECTOR or more, (height + 2·SPLINE_PAD) /
+// PREFILTER_DOWN rounded up, batch).
 __kernel void prefilter_columns(__global const float* rows, __global float* coefficients,
-                                __constant float* taps, const int radius, __global const int* slots,
+                                __constant float* taps, __global const int* slots,
                                 const int height, const int pitch, const int offset) {
   const int column = (int)get_global_id(0) * VECTOR;
   if (column >= pitch) return;
-  const size_t batch = get_global_id(2);
-  const int y = (int)get_global_id(1) - SPLINE_PAD;
-  __global const float* from = rows + batch * height * pitch + column;
-  REAL sum;
-  if (y >= radius && y + radius < height) {
-    __global const float* above = from + (size_t)y * pitch;
-    __global const float* below = above;
-    sum = taps[0] * LOAD_REAL(above);
-    for (int k = 1; k <= radius; ++k) {
-      above -= pitch;
-      below += pitch;
-      sum += taps[k] * (LOAD_REAL(above) + LOAD_REAL(below));
-    }
-  } else {
-    sum = taps[0] * LOAD_REAL(from + (size_t)mirrored(y, height) * pitch);
-    for (int k = 1; k <= radius; ++k) {
-      sum += taps[k] * (LOAD_REAL(from + (size_t)mirrored(y - k, height) * pitch) +
-                        LOAD_REAL(from + (size_t)mirrored(y + k, height) * pitch));
+  const int batch = (int)get_global_id(2);
+  const int line = (int)get_global_id(1) * PREFILTER_DOWN, y = line - SPLINE_PAD;
+  __global const float* from = rows + (size_t)batch * height * pitch + column;
+  const int inside = y >= RADIUS && y + PREFILTER_DOWN + RADIUS <= height;
+  REAL sums[PREFILTER_DOWN];
+#pragma unroll
+  for (int k = 0; k < PREFILTER_DOWN; ++k) sums[k] = 0.0f;
+#pragma unroll
+  for (int j = -RADIUS; j < RADIUS + PREFILTER_DOWN; ++j) {
+    const int at = inside ? y + j : mirrored(y + j, height);
+    const REAL pixel = LOAD_REAL(from + (size_t)at * pitch);
+#pragma unroll
+    for (int k = 0; k < PREFILTER_DOWN; ++k) {
+      const int distance = abs(j - k);
+      if (distance <= RADIUS) sums[k] += taps[distance] * pixel;
     }
   }
-  const size_t row = (size_t)slots[batch] * (height + 2 * SPLINE_PAD) + get_global_id(1);
-  STORE_REAL(sum, coefficients + offset + row * pitch + column);
+  const int lines = height + 2 * SPLINE_PAD;
+  __global float* to =
+      coefficients + offset + ((size_t)slots[batch] * lines + line) * pitch + column;
+#pragma unroll
+  for (int k = 0; k < PREFILTER_DOWN; ++k) {
+    if (line + k < lines) STORE_REAL(sums[k], to + (size_t)k * pitch);
+  }
 }
 
 // The spline and its slopes at the pixels. planes: (slots, 3, height, width_pitch): value, ∂/∂x,
 // ∂/∂y; `coefficients` and `offset` as above, plane_pitch >= width a multiple of VECTOR. One
-// work-item for VECTOR neighbours: (plane_pitch / VECTOR or more, height, batch).
+// work-item for VECTOR neighbours in GRADIENT_DOWN rows: (plane_pitch / VECTOR or more, height /
+// GRADIENT_DOWN rounded up, batch).
 __kernel void gradients(__global const float* coefficients, __global float* planes,
                         __global const int* slots, const int height, const int pitch,
                         const int plane_pitch, const int offset) {
   const int x = (int)get_global_id(0) * VECTOR;
   if (x >= plane_pitch) return;
-  const size_t y = get_global_id(1), slot = (size_t)slots[get_global_id(2)];
+  const int y = (int)get_global_id(1) * GRADIENT_DOWN;
+  const size_t slot = (size_t)slots[get_global_id(2)];
   const int reach = (SPLINE_DEGREE - 1) / 2;
   __global const float* c = coefficients + offset +
                             (slot * (height + 2 * SPLINE_PAD) + y + SPLINE_PAD - reach) * pitch +
@@ -95,9 +140,11 @@ __kernel void gradients(__global const float* coefficients, __global float* plan
   REAL weights[SPLINE_MAX_TAPS], slopes[SPLINE_MAX_TAPS];
   spline_weights(SPLINE_DEGREE, 0.0f, weights);
   spline_slopes(SPLINE_DEGREE, 0.0f, slopes);
-  REAL value = 0.0f, along_x = 0.0f, along_y = 0.0f;
+  REAL value[GRADIENT_DOWN], along_x[GRADIENT_DOWN], along_y[GRADIENT_DOWN];
 #pragma unroll
-  for (int j = 0; j < SPLINE_DEGREE; ++j) {
+  for (int k = 0; k < GRADIENT_DOWN; ++k) value[k] = along_x[k] = along_y[k] = 0.0f;
+#pragma unroll
+  for (int j = 0; j < SPLINE_DEGREE + GRADIENT_DOWN - 1; ++j) {
     REAL row = 0.0f, row_slope = 0.0f;
 #pragma unroll
     for (int i = 0; i < SPLINE_DEGREE; ++i) {
@@ -105,13 +152,22 @@ __kernel void gradients(__global const float* coefficients, __global float* plan
       row += weights[i] * tap;
       row_slope += slopes[i] * tap;
     }
-    value += weights[j] * row;
-    along_x += weights[j] * row_slope;
-    along_y += slopes[j] * row;
+#pragma unroll
+    for (int k = 0; k < GRADIENT_DOWN; ++k) {
+      if (j < k || j - k >= SPLINE_DEGREE) continue;
+      value[k] += weights[j - k] * row;
+      along_x[k] += weights[j - k] * row_slope;
+      along_y[k] += slopes[j - k] * row;
+    }
   }
   const size_t plane = (size_t)height * plane_pitch;
-  __global float* out = planes + slot * 3 * plane + y * plane_pitch + x;
-  STORE_REAL(value, out);
-  STORE_REAL(along_x, out + plane);
-  STORE_REAL(along_y, out + 2 * plane);
+  __global float* out = planes + slot * 3 * plane + (size_t)y * plane_pitch + x;
+#pragma unroll
+  for (int k = 0; k < GRADIENT_DOWN; ++k) {
+    if (y + k >= height) return;
+    STORE_REAL(value[k], out);
+    STORE_REAL(along_x[k], out + plane);
+    STORE_REAL(along_y[k], out + 2 * plane);
+    out += plane_pitch;
+  }
 }

@@ -63,10 +63,20 @@ static inline float compared_area(const BallTask task, const BallLimits limits) 
   return limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
 }
 
-// The disc's bounding box within the first picture.
+// Work-items side by side take a tile of this many columns and rows: where the ball has turned, a
+// row of pixels lies across as many cache lines of the second picture.
+#if VECTOR == 1
+#define TILE_X 8
+#define TILE_Y 4
+#else
+#define TILE_X 1
+#define TILE_Y 1
+#endif
+
+// The disc's bounding box within the first picture, in units of VECTOR pixels.
 typedef struct Box {
   int x0, y0, x1, y1;  // half open
-  int chunks;          // of a row, VECTOR pixels each
+  int tiles, units;    // of a row of tiles; of all
 } Box;
 
 static inline Box disc_box(const BallTask task, const int width, const int height) {
@@ -75,8 +85,18 @@ static inline Box disc_box(const BallTask task, const int width, const int heigh
   box.y0 = max(0, (int)ceil(task.cy - task.radius));
   box.x1 = min(width, (int)floor(task.cx + task.radius) + 1);
   box.y1 = min(height, (int)floor(task.cy + task.radius) + 1);
-  box.chunks = max(0, (box.x1 - box.x0 + VECTOR - 1) / VECTOR);
+  const int across = TILE_X * VECTOR;
+  box.tiles = max(0, (box.x1 - box.x0 + across - 1) / across);
+  box.units = max(0, (box.y1 - box.y0 + TILE_Y - 1) / TILE_Y) * box.tiles * TILE_X * TILE_Y;
   return box;
+}
+
+// First pixel of a unit; some of the last tiles' lie beyond the box.
+static inline int unit_x(const Box box, const int unit) {
+  return box.x0 + (unit / (TILE_X * TILE_Y) % box.tiles * TILE_X + unit % TILE_X) * VECTOR;
+}
+static inline int unit_y(const Box box, const int unit) {
+  return box.y0 + unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y;
 }
 
 // True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
@@ -115,7 +135,7 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   (void)mask;
   const int item = (int)get_local_id(0);
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
-  const int units = (box.y1 - box.y0) * box.chunks;
+  const int units = box.units;
   // Whole pixels apart, floats keep their digits for the position about the centre.
   const float whole_cx = rint(task.cx), whole_cy = rint(task.cy);
   const float rest_cx = task.cx - whole_cx, rest_cy = task.cy - whole_cy;
@@ -129,7 +149,10 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   REAL sums[SUMS];
   for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
   for (int unit = item; unit < units; unit += GROUP) {
-    const int py = box.y0 + unit / box.chunks, px = box.x0 + (unit % box.chunks) * VECTOR;
+    const int py = unit_y(box, unit), px = unit_x(box, unit);
+#if VECTOR == 1
+    if (px >= box.x1 || py >= box.y1) continue;
+#endif
     const REAL x = LANE_NUMBERS + ((float)(px - (int)whole_cx) - rest_cx);
     const REAL y = (REAL)((float)(py - (int)whole_cy) - rest_cy);
     const REAL to_x = t_x + shared->warp[0] * x + shared->warp[1] * y;

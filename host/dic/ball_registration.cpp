@@ -20,7 +20,7 @@ BallRegistration::BallRegistration(Engine& engine, const BallOptions& options,
                                    std::optional<Tiling> tiling)
     : engine_(engine),
       options_((options.validate(), options)),
-      tiling_(choose_tiling(engine, tiling, 256)) {
+      tiling_(choose_tiling(engine, tiling, 512)) {
   kernel_ = engine.kernel("rigid.cl", "register_balls",
                           {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
                            {"VECTOR", std::to_string(tiling_.vector)},

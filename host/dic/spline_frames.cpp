@@ -4,6 +4,7 @@
 
 #include "host/dic/spline_taps.h"
 #include "host/opencl/arguments.h"
+#include "kernels/prefilter.h"
 #include "kernels/spline.h"
 
 namespace impactdic {
@@ -33,6 +34,7 @@ SplineFrames::SplineFrames(Engine& engine, int degree, double presmooth_sigma_px
   radius_ = static_cast<int>(taps.size()) - 1;
   taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
   const Defines defines = {{"SPLINE_DEGREE", std::to_string(degree)},
+                           {"RADIUS", std::to_string(radius_)},
                            {"VECTOR", std::to_string(tiling_.vector)}};
   rows_kernel_ = engine.kernel("prefilter.cl", "prefilter_rows", defines);
   columns_kernel_ = engine.kernel("prefilter.cl", "prefilter_columns", defines);
@@ -44,7 +46,8 @@ void SplineFrames::allocate(const DeviceFrames& frames) {
   height_ = frames.height();
   const auto vector = static_cast<std::size_t>(tiling_.vector);
   const std::size_t plane_pitch = round_up(static_cast<std::size_t>(width_), vector);
-  const std::size_t pitch = round_up(plane_pitch + 2 * SPLINE_PAD, vector);
+  const std::size_t pitch =
+      round_up(plane_pitch + 2 * SPLINE_PAD, std::max<std::size_t>(vector, PREFILTER_ACROSS));
   const auto height = static_cast<std::size_t>(height_);
   const std::size_t count = versions_.size();
   plane_pitch_ = static_cast<int>(plane_pitch);
@@ -78,25 +81,40 @@ void SplineFrames::prepare(const DeviceFrames& frames) {
 
 void SplineFrames::launch(const DeviceFrames& frames, const std::vector<int>& slots) {
   batch_.write(engine_, slots);
-  const std::size_t across = tiling_.vector == 1 ? 64 : 1;
-  const auto columns = round_up(static_cast<std::size_t>(pitch_ / tiling_.vector), across);
-  const auto pixels = round_up(static_cast<std::size_t>(plane_pitch_ / tiling_.vector), across);
-  const auto height = static_cast<std::size_t>(height_), count = slots.size();
+  const bool wide = tiling_.vector == 1;
+  const auto vector = static_cast<std::size_t>(tiling_.vector);
+  const auto pitch = static_cast<std::size_t>(pitch_), height = static_cast<std::size_t>(height_);
+  const std::size_t lines = height + 2 * SPLINE_PAD, count = slots.size();
   const double area = static_cast<double>(width_) * height_ * static_cast<double>(count);
+  const WorkCount filter = {8 * area, area * (4.0 * radius_ + 2)};
+  set_arguments(rows_kernel_, frames.images().get(), rows_.get(), taps_.get(), batch_.get(), width_,
+                height_, pitch_);
+  if (wide) {
+    const std::size_t columns = (pitch + PREFILTER_ACROSS - 1) / PREFILTER_ACROSS;
+    engine_.launch(
+        engine_.queue(), rows_kernel_,
+        cl::NDRange(round_up(columns, PREFILTER_ITEMS), round_up(height, PREFILTER_LINES), count),
+        cl::NDRange(PREFILTER_ITEMS, PREFILTER_LINES, 1), filter);
+  } else {
+    engine_.launch(engine_.queue(), rows_kernel_, cl::NDRange(pitch / vector, height, count),
+                   cl::NDRange(1, 1, 1), filter);
+  }
+  const std::size_t across = wide ? 64 : 1;
   const cl::NDRange local(across, 1, 1);
-  set_arguments(rows_kernel_, frames.images().get(), rows_.get(), taps_.get(), radius_,
-                batch_.get(), width_, height_, pitch_);
-  engine_.launch(engine_.queue(), rows_kernel_, cl::NDRange(columns, height, count), local,
-                 {8 * area, area * (3.0 * radius_ + 1)});
-  set_arguments(columns_kernel_, rows_.get(), coefficients_.get(), taps_.get(), radius_,
-                batch_.get(), height_, pitch_, coefficient_offset());
-  engine_.launch(engine_.queue(), columns_kernel_,
-                 cl::NDRange(columns, height + 2 * SPLINE_PAD, count), local,
-                 {8 * area, area * (3.0 * radius_ + 1)});
+  const auto parts = [](std::size_t all, std::size_t part) { return (all + part - 1) / part; };
+  set_arguments(columns_kernel_, rows_.get(), coefficients_.get(), taps_.get(), batch_.get(),
+                height_, pitch_, coefficient_offset());
+  engine_.launch(
+      engine_.queue(), columns_kernel_,
+      cl::NDRange(round_up(pitch / vector, across), parts(lines, PREFILTER_DOWN), count), local,
+      filter);
   set_arguments(gradients_kernel_, coefficients_.get(), planes_.get(), batch_.get(), height_,
                 pitch_, plane_pitch_, coefficient_offset());
-  engine_.launch(engine_.queue(), gradients_kernel_, cl::NDRange(pixels, height, count), local,
-                 {16 * area, area * (4.0 * degree_ * degree_ + 6.0 * degree_)});
+  const auto plane_pitch = static_cast<std::size_t>(plane_pitch_);
+  engine_.launch(
+      engine_.queue(), gradients_kernel_,
+      cl::NDRange(round_up(plane_pitch / vector, across), parts(height, GRADIENT_DOWN), count),
+      local, {16 * area, area * (4.0 * degree_ * degree_ + 6.0 * degree_)});
 }
 
 }  // namespace impactdic
