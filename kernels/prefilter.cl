@@ -7,7 +7,8 @@
 // every pixel is independent of the others; a Gaussian that smooths the picture beforehand is part
 // of the same taps. Beyond the border the picture is mirrored about its last pixel, and so are the
 // coefficients in the pad.
-// taps: (RADIUS + 1) weights of distance 0 … RADIUS. slots: (batch) which pictures.
+// taps: (RADIUS + 1) weights of distance 0 … RADIUS. slots: which pictures, from element `first` on
+// (batch).
 
 static inline int mirrored(const int i, const int size) {
   if (size == 1) return 0;
@@ -26,13 +27,14 @@ static inline int mirrored(const int i, const int size) {
 // height or more, batch).
 __kernel __attribute__((reqd_work_group_size(PREFILTER_ITEMS, PREFILTER_LINES, 1))) void
 prefilter_rows(__global const float* images, __global float* rows, __constant float* taps,
-               __global const int* slots, const int width, const int height, const int pitch) {
+               __global const int* slots, const int first, const int width, const int height,
+               const int pitch) {
   __local float4 pixels[PREFILTER_LINES][(SPAN + 2 * REACH) / ACROSS];
   const int item = (int)get_local_id(0), line = (int)get_local_id(1);
   const int y = (int)get_global_id(1), batch = (int)get_global_id(2);
   const int x0 = (int)get_group_id(0) * SPAN - SPLINE_PAD - REACH;
   __global const float* from =
-      images + ((size_t)slots[batch] * height + min(y, height - 1)) * width;
+      images + ((size_t)slots[first + batch] * height + min(y, height - 1)) * width;
   for (int i = item; i < SPAN + 2 * REACH; i += PREFILTER_ITEMS) {
     ((__local float*)pixels[line])[i] = from[mirrored(x0 + i, width)];
   }
@@ -59,12 +61,12 @@ prefilter_rows(__global const float* images, __global float* rows, __constant fl
 #else
 // The same, one work-item for VECTOR neighbours: (pitch / VECTOR, height, batch).
 __kernel void prefilter_rows(__global const float* images, __global float* rows,
-                             __constant float* taps, __global const int* slots, const int width,
-                             const int height, const int pitch) {
+                             __constant float* taps, __global const int* slots, const int first,
+                             const int width, const int height, const int pitch) {
   const int column = (int)get_global_id(0) * VECTOR;
   const size_t y = get_global_id(1), batch = get_global_id(2);
   const int x = column - SPLINE_PAD;
-  __global const float* line = images + ((size_t)slots[batch] * height + y) * width;
+  __global const float* line = images + ((size_t)slots[first + batch] * height + y) * width;
   REAL sum;
   if (x >= RADIUS && x + VECTOR + RADIUS <= width) {
     sum = taps[0] * LOAD_REAL(line + x);
@@ -87,35 +89,40 @@ __kernel void prefilter_rows(__global const float* images, __global float* rows,
 }
 #endif
 
+// Adds the rows `at`, of j = −RADIUS …, to the sums of PREFILTER_DOWN rows.
+#define FILTER_COLUMN(at)                                                     \
+  _Pragma("unroll") for (int j = -RADIUS; j < RADIUS + PREFILTER_DOWN; ++j) { \
+    const REAL pixel = LOAD_REAL(from + (size_t)(at)*pitch);                  \
+    _Pragma("unroll") for (int k = 0; k < PREFILTER_DOWN; ++k) {              \
+      const int distance = abs(j - k);                                        \
+      if (distance <= RADIUS) sums[k] += taps[distance] * pixel;              \
+    }                                                                         \
+  }
+
 // Along y. coefficients: from element `offset` on (slots, height + 2·SPLINE_PAD, pitch); pixel (x,
 // y) of the picture stands at (x + SPLINE_PAD, y + SPLINE_PAD). One work-item for VECTOR
 // neighbours in PREFILTER_DOWN rows: (pitch / VECTOR or more, (height + 2·SPLINE_PAD) /
 // PREFILTER_DOWN rounded up, batch).
 __kernel void prefilter_columns(__global const float* rows, __global float* coefficients,
-                                __constant float* taps, __global const int* slots,
+                                __constant float* taps, __global const int* slots, const int first,
                                 const int height, const int pitch, const int offset) {
   const int column = (int)get_global_id(0) * VECTOR;
   if (column >= pitch) return;
   const int batch = (int)get_global_id(2);
   const int line = (int)get_global_id(1) * PREFILTER_DOWN, y = line - SPLINE_PAD;
   __global const float* from = rows + (size_t)batch * height * pitch + column;
-  const int inside = y >= RADIUS && y + PREFILTER_DOWN + RADIUS <= height;
   REAL sums[PREFILTER_DOWN];
 #pragma unroll
   for (int k = 0; k < PREFILTER_DOWN; ++k) sums[k] = 0.0f;
-#pragma unroll
-  for (int j = -RADIUS; j < RADIUS + PREFILTER_DOWN; ++j) {
-    const int at = inside ? y + j : mirrored(y + j, height);
-    const REAL pixel = LOAD_REAL(from + (size_t)at * pitch);
-#pragma unroll
-    for (int k = 0; k < PREFILTER_DOWN; ++k) {
-      const int distance = abs(j - k);
-      if (distance <= RADIUS) sums[k] += taps[distance] * pixel;
-    }
+  // Apart: finding a mirrored row takes longer than what is done with it.
+  if (y >= RADIUS && y + PREFILTER_DOWN + RADIUS <= height) {
+    FILTER_COLUMN(y + j)
+  } else {
+    FILTER_COLUMN(mirrored(y + j, height))
   }
   const int lines = height + 2 * SPLINE_PAD;
   __global float* to =
-      coefficients + offset + ((size_t)slots[batch] * lines + line) * pitch + column;
+      coefficients + offset + ((size_t)slots[first + batch] * lines + line) * pitch + column;
 #pragma unroll
   for (int k = 0; k < PREFILTER_DOWN; ++k) {
     if (line + k < lines) STORE_REAL(sums[k], to + (size_t)k * pitch);
@@ -127,12 +134,12 @@ __kernel void prefilter_columns(__global const float* rows, __global float* coef
 // work-item for VECTOR neighbours in GRADIENT_DOWN rows: (plane_pitch / VECTOR or more, height /
 // GRADIENT_DOWN rounded up, batch).
 __kernel void gradients(__global const float* coefficients, __global float* planes,
-                        __global const int* slots, const int height, const int pitch,
-                        const int plane_pitch, const int offset) {
+                        __global const int* slots, const int first, const int height,
+                        const int pitch, const int plane_pitch, const int offset) {
   const int x = (int)get_global_id(0) * VECTOR;
   if (x >= plane_pitch) return;
   const int y = (int)get_global_id(1) * GRADIENT_DOWN;
-  const size_t slot = (size_t)slots[get_global_id(2)];
+  const size_t slot = (size_t)slots[first + get_global_id(2)];
   const int reach = (SPLINE_DEGREE - 1) / 2;
   __global const float* c = coefficients + offset +
                             (slot * (height + 2 * SPLINE_PAD) + y + SPLINE_PAD - reach) * pitch +

@@ -20,10 +20,16 @@
 #define COLUMNS (REGRESSORS + 1)        /* and r */
 #define SUMS (COLUMNS * (COLUMNS + 1) / 2)
 #define BINS 256
+#define PART_BINS 16
 #define ROUNDING_VARIANCE (1.0f / 12.0f)
 
-// A step that moves no pixel by more than this is the last one; what is then left is far smaller.
-#define CLOSE_ENOUGH_PX 1e-4f
+// A step that moves no pixel by more than this is the last one: what is then left is less than a
+// fifth of it, far below what noise of one grey level does to a ball.
+#define CLOSE_ENOUGH_PX 3e-4f
+// The first steps of a large disc see one row in so many, until they are this small.
+#define COARSE_ROWS 4
+#define COARSE_RADIUS_PX 64.0f
+#define COARSE_PX 0.02f
 // Steps above this are still far from the minimum: outliers cannot be told yet.
 #define NEAR_PX 0.5f
 // Residuals of this many scales have no weight: 98 % efficient on normal noise.
@@ -51,11 +57,13 @@ typedef struct Shared {
   float bin;                    // width of a bin of the histogram, 0: none is made
   float correlation, variance;  // at the last step
   float carried;                // sum of weights
+  int rows;                     // every how many-th row the next pass sees
   int status, steps;
   float sums[SUMS];
   float solution[REGRESSORS];
   float smoothed[2];
   int histogram[BINS];
+  int parts[BINS / PART_BINS];
 } Shared;
 
 // What is compared has this area, px: the disc, or the mask's pixels in it.
@@ -76,7 +84,7 @@ static inline float compared_area(const BallTask task, const BallLimits limits) 
 // The disc's bounding box within the first picture, in units of VECTOR pixels.
 typedef struct Box {
   int x0, y0, x1, y1;  // half open
-  int tiles, units;    // of a row of tiles; of all
+  int tiles;           // across
 } Box;
 
 static inline Box disc_box(const BallTask task, const int width, const int height) {
@@ -87,16 +95,20 @@ static inline Box disc_box(const BallTask task, const int width, const int heigh
   box.y1 = min(height, (int)floor(task.cy + task.radius) + 1);
   const int across = TILE_X * VECTOR;
   box.tiles = max(0, (box.x1 - box.x0 + across - 1) / across);
-  box.units = max(0, (box.y1 - box.y0 + TILE_Y - 1) / TILE_Y) * box.tiles * TILE_X * TILE_Y;
   return box;
 }
 
-// First pixel of a unit; some of the last tiles' lie beyond the box.
+// Units of which every `rows`-th row has some; those of the last tiles may lie beyond the box.
+static inline int unit_count(const Box box, const int rows) {
+  const int down = max(0, (box.y1 - box.y0 + rows - 1) / rows);
+  return (down + TILE_Y - 1) / TILE_Y * box.tiles * TILE_X * TILE_Y;
+}
+// First pixel of a unit.
 static inline int unit_x(const Box box, const int unit) {
   return box.x0 + (unit / (TILE_X * TILE_Y) % box.tiles * TILE_X + unit % TILE_X) * VECTOR;
 }
-static inline int unit_y(const Box box, const int unit) {
-  return box.y0 + unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y;
+static inline int unit_y(const Box box, const int rows, const int unit) {
+  return box.y0 + rows * (unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y);
 }
 
 // True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
@@ -130,12 +142,12 @@ static inline void count_residuals(const REAL r, const REAL weight, const float 
 // One pass over the disc: the weighted sums of products of all columns, and the histogram.
 // value: the first picture's planes; second: coefficient of pixel (0, 0) of the second picture.
 BARRIER_INLINE void pass(__global const float* value, __global const float* second,
-                         __global const float* mask, const BallTask task, const Box box, const BallLimits limits,
-                         __local float* scratch, __local Shared* shared) {
+                         __global const float* mask, const BallTask task, const Box box,
+                         const BallLimits limits, __local float* scratch, __local Shared* shared) {
   (void)mask;
   const int item = (int)get_local_id(0);
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
-  const int units = box.units;
+  const int rows = shared->rows, units = unit_count(box, rows);
   // Whole pixels apart, floats keep their digits for the position about the centre.
   const float whole_cx = rint(task.cx), whole_cy = rint(task.cy);
   const float rest_cx = task.cx - whole_cx, rest_cy = task.cy - whole_cy;
@@ -149,10 +161,11 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   REAL sums[SUMS];
   for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
   for (int unit = item; unit < units; unit += GROUP) {
-    const int py = unit_y(box, unit), px = unit_x(box, unit);
+    const int py = unit_y(box, rows, unit), px = unit_x(box, unit);
 #if VECTOR == 1
-    if (px >= box.x1 || py >= box.y1) continue;
+    if (px >= box.x1) continue;
 #endif
+    if (py >= box.y1) continue;
     const REAL x = LANE_NUMBERS + ((float)(px - (int)whole_cx) - rest_cx);
     const REAL y = (REAL)((float)(py - (int)whole_cy) - rest_cy);
     const REAL to_x = t_x + shared->warp[0] * x + shared->warp[1] * y;
@@ -248,12 +261,27 @@ static inline float move(__local Shared* shared, const float radius) {
 #endif
 }
 
+// Sums of PART_BINS bins of the histogram each, so that no single work-item adds up all of them.
+BARRIER_INLINE void sum_bins(__local Shared* shared) {
+  for (int part = (int)get_local_id(0); part < BINS / PART_BINS; part += GROUP) {
+    int sum = 0;
+    for (int k = 0; k < PART_BINS; ++k) sum += shared->histogram[part * PART_BINS + k];
+    shared->parts[part] = sum;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
+}
+
 // Median of |r| from the histogram, straight within its bin; as a normal deviation.
 static inline float median_scale(__local const Shared* shared) {
   int total = 0;
-  for (int k = 0; k < BINS; ++k) total += shared->histogram[k];
+  for (int part = 0; part < BINS / PART_BINS; ++part) total += shared->parts[part];
   const float middle = 0.5f * (float)total;
-  int below = 0, k = 0;
+  int below = 0, part = 0;
+  while (part < BINS / PART_BINS - 1 && (float)(below + shared->parts[part]) < middle) {
+    below += shared->parts[part];
+    ++part;
+  }
+  int k = part * PART_BINS;
   while (k < BINS - 1 && (float)(below + shared->histogram[k]) < middle) {
     below += shared->histogram[k];
     ++k;
@@ -266,13 +294,14 @@ static inline float median_scale(__local const Shared* shared) {
 static inline void step(__local Shared* shared, const BallTask task, const BallLimits limits) {
   __local float* sums = shared->sums;
   const float count = sums[0];
-  if (!(count > SMALLEST_SHARE * compared_area(task, limits))) {
+  const float area = compared_area(task, limits) / (float)shared->rows;
+  if (!(count > SMALLEST_SHARE * area)) {
     shared->status = shared->scale > 0.0f ? STATUS_LOW_CORRELATION : STATUS_OUT_OF_VIEW;
     return;
   }
   const float spread = covariance(sums, 1, 1);
   shared->carried = count;
-  shared->correlation = correlation(shared);
+  if (shared->rows == 1) shared->correlation = correlation(shared);
   // The factor takes the place of the regressors' sums; those of r stand behind and stay.
   if (!(spread >= count * limits.min_contrast * limits.min_contrast) ||
       !cholesky(sums, REGRESSORS, SMALLEST_PIVOT)) {
@@ -297,7 +326,7 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   const int settled = !limits.robust || shared->scale > 0.0f;
   if (!(drift <= 0.5f * task.radius)) {
     shared->status = STATUS_NOT_CONVERGED;
-  } else if (settled && moved < CLOSE_ENOUGH_PX) {
+  } else if (shared->rows == 1 && settled && moved < CLOSE_ENOUGH_PX) {
     shared->status = STATUS_OK;
   }
   if (shared->bin > 0.0f) {
@@ -306,6 +335,7 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   shared->bin = limits.robust && moved < NEAR_PX
                     ? fmax(sqrt(shared->variance), 0.25f * limits.grey_level) / 32.0f
                     : 0.0f;
+  if (moved < COARSE_PX && (!limits.robust || shared->scale > 0.0f)) shared->rows = 1;
 }
 
 // Share of the slopes' power that smoothing them once more leaves, from every fourth pixel each
@@ -423,6 +453,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     shared.correlation = NAN;
     shared.variance = NAN;
     shared.steps = 0;
+    shared.rows = task.radius >= COARSE_RADIUS_PX ? COARSE_ROWS : 1;
     shared.status = STATUS_RUNNING;
   }
   for (int k = 0; k < limits.max_steps; ++k) {
@@ -430,6 +461,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     barrier(CLK_LOCAL_MEM_FENCE);
     if (shared.status != STATUS_RUNNING) break;
     pass(value, second, mask, task, box, limits, scratch, &shared);
+    if (shared.bin > 0.0f) sum_bins(&shared);
     if (item == 0) step(&shared, task, limits);
     barrier(CLK_LOCAL_MEM_FENCE);
   }

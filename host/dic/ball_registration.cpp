@@ -73,7 +73,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   if (mask_.size() == 0) write_mask(splines);
   tasks_.reserve(engine_, tasks.size());
   motions_.reserve(engine_, tasks.size());
-  tasks_.write(engine_, tasks);
+  tasks_.write_later(engine_, tasks);
   BallLimits limits{};
   limits.width = splines.width();
   limits.height = splines.height();

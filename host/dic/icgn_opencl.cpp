@@ -44,7 +44,7 @@ void IcgnRefiner::refine(DeviceFrames& frames, const Buffer<Window>& windows, st
   }
   if (count == 0) return;
   const SplineFrames& splines = frames.splines(options_.spline_degree, 0.0, tiling_);
-  if (discs_changed_) device_discs_.write(engine_, discs_);
+  if (discs_changed_) device_discs_.write_later(engine_, discs_);
   discs_changed_ = false;
   const double levels = frames.full_scale() / 255.0;
   set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),

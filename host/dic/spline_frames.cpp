@@ -56,39 +56,42 @@ void SplineFrames::allocate(const DeviceFrames& frames) {
   coefficients_ =
       Buffer<float>(engine_, (count * (height + 2 * SPLINE_PAD) + 2 * kGuardRows) * pitch);
   planes_ = Buffer<float>(engine_, count * 3 * height * plane_pitch + vector);
-  batch_ = Buffer<cl_int>(engine_, kBatch);
+  device_changed_ = Buffer<cl_int>(engine_, count);
   // Idle lanes of vectors may read what no frame has filled yet.
   zero(engine_, coefficients_);
   zero(engine_, planes_);
 }
 
 void SplineFrames::prepare(const DeviceFrames& frames) {
-  std::vector<int> slots;
-  for (int slot = 0; slot < this->slots(); ++slot) {
-    if (versions_[static_cast<std::size_t>(slot)] != frames.version(slot)) slots.push_back(slot);
-  }
-  if (slots.empty()) return;
+  const auto is_new = [&](int slot) {
+    return versions_[static_cast<std::size_t>(slot)] != frames.version(slot);
+  };
+  int fresh = 0;
+  for (int slot = 0; slot < slots(); ++slot) fresh += is_new(slot) ? 1 : 0;
+  if (fresh == 0) return;
   if (coefficients_.size() == 0) allocate(frames);
-  for (std::size_t first = 0; first < slots.size(); first += kBatch) {
-    const std::size_t last = std::min(slots.size(), first + kBatch);
-    launch(frames, {slots.begin() + static_cast<std::ptrdiff_t>(first),
-                    slots.begin() + static_cast<std::ptrdiff_t>(last)});
-  }
-  for (const int slot : slots) {
+  changed_.clear();
+  for (int slot = 0; slot < slots(); ++slot) {
+    if (!is_new(slot)) continue;
+    changed_.push_back(slot);
     versions_[static_cast<std::size_t>(slot)] = frames.version(slot);
+  }
+  device_changed_.write_later(engine_, changed_);
+  for (std::size_t first = 0; first < changed_.size(); first += kBatch) {
+    launch(frames, first, std::min(changed_.size() - first, kBatch));
   }
 }
 
-void SplineFrames::launch(const DeviceFrames& frames, const std::vector<int>& slots) {
-  batch_.write(engine_, slots);
+void SplineFrames::launch(const DeviceFrames& frames, std::size_t first, std::size_t count) {
   const bool wide = tiling_.vector == 1;
+  const auto begin = static_cast<cl_int>(first);
   const auto vector = static_cast<std::size_t>(tiling_.vector);
   const auto pitch = static_cast<std::size_t>(pitch_), height = static_cast<std::size_t>(height_);
-  const std::size_t lines = height + 2 * SPLINE_PAD, count = slots.size();
+  const std::size_t lines = height + 2 * SPLINE_PAD;
   const double area = static_cast<double>(width_) * height_ * static_cast<double>(count);
   const WorkCount filter = {8 * area, area * (4.0 * radius_ + 2)};
-  set_arguments(rows_kernel_, frames.images().get(), rows_.get(), taps_.get(), batch_.get(), width_,
-                height_, pitch_);
+  set_arguments(rows_kernel_, frames.images().get(), rows_.get(), taps_.get(),
+                device_changed_.get(), begin, width_, height_, pitch_);
   if (wide) {
     const std::size_t columns = (pitch + PREFILTER_ACROSS - 1) / PREFILTER_ACROSS;
     engine_.launch(
@@ -102,14 +105,13 @@ void SplineFrames::launch(const DeviceFrames& frames, const std::vector<int>& sl
   const std::size_t across = wide ? 64 : 1;
   const cl::NDRange local(across, 1, 1);
   const auto parts = [](std::size_t all, std::size_t part) { return (all + part - 1) / part; };
-  set_arguments(columns_kernel_, rows_.get(), coefficients_.get(), taps_.get(), batch_.get(),
-                height_, pitch_, coefficient_offset());
-  engine_.launch(
-      engine_.queue(), columns_kernel_,
-      cl::NDRange(round_up(pitch / vector, across), parts(lines, PREFILTER_DOWN), count), local,
-      filter);
-  set_arguments(gradients_kernel_, coefficients_.get(), planes_.get(), batch_.get(), height_,
-                pitch_, plane_pitch_, coefficient_offset());
+  set_arguments(columns_kernel_, rows_.get(), coefficients_.get(), taps_.get(),
+                device_changed_.get(), begin, height_, pitch_, coefficient_offset());
+  engine_.launch(engine_.queue(), columns_kernel_,
+                 cl::NDRange(round_up(pitch / vector, across), parts(lines, PREFILTER_DOWN), count),
+                 local, filter);
+  set_arguments(gradients_kernel_, coefficients_.get(), planes_.get(), device_changed_.get(), begin,
+                height_, pitch_, plane_pitch_, coefficient_offset());
   const auto plane_pitch = static_cast<std::size_t>(plane_pitch_);
   engine_.launch(
       engine_.queue(), gradients_kernel_,

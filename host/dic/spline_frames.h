@@ -41,7 +41,7 @@ class SplineFrames {
   // A vector's idle lanes may be turned out of the picture by as many rows as it has lanes.
   static constexpr int kGuardRows = 32;
   void allocate(const DeviceFrames& frames);
-  void launch(const DeviceFrames& frames, const std::vector<int>& slots);
+  void launch(const DeviceFrames& frames, std::size_t first, std::size_t count);
 
   Engine& engine_;
   int degree_;
@@ -52,7 +52,8 @@ class SplineFrames {
   std::vector<std::uint64_t> versions_;  // of the pictures that the splines are of
   cl::Kernel rows_kernel_, columns_kernel_, gradients_kernel_;
   Buffer<float> taps_, rows_, coefficients_, planes_;
-  Buffer<cl_int> batch_;
+  std::vector<cl_int> changed_;  // slots of the last call
+  Buffer<cl_int> device_changed_;
 };
 
 }  // namespace impactdic

@@ -53,7 +53,7 @@ void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> wind
   if (windows.empty()) return;
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
-  windows_.write(engine_, windows);
+  windows_.write_later(engine_, windows);
   if (published_) published_->run(frames, windows_, windows.size(), motions_);
   if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
   if (icgn_) icgn_->refine(frames, windows_, windows.size(), motions_);
@@ -66,8 +66,8 @@ std::vector<WindowMotion> WindowCorrelator::refine(DeviceFrames& frames,
   std::vector<WindowMotion> motions(windows.size());
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
-  windows_.write(engine_, windows);
-  motions_.write(engine_, seeds);
+  windows_.write_later(engine_, windows);
+  motions_.write_later(engine_, seeds);
   icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
   return motions;

@@ -38,19 +38,17 @@ class Buffer {
   // Blocking copies on the engine's queue; `offset` in elements. Throw OpenClError, and
   // InvalidArgument where they would pass the end.
   void write(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
-    if (!fits(host.size(), offset)) return;
-    try {
-      cl::Event event;
-      engine.queue().enqueueWriteBuffer(buffer_, CL_TRUE, offset * sizeof(T), host.size_bytes(),
-                                        host.data(), nullptr, &event);
-      engine.profiler().add("copy to device", event, static_cast<double>(host.size_bytes()));
-    } catch (const cl::Error& error) {
-      throw OpenClError(error.what(), error.err());
-    }
+    enqueue_write(engine, CL_TRUE, host, offset);
+  }
+  // The same without waiting: `host` must stay until the queue has been waited for, which `read`
+  // does.
+  void write_later(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
+    enqueue_write(engine, CL_FALSE, host, offset);
   }
   void read(Engine& engine, std::span<T> host, std::size_t offset = 0) const {
     if (!fits(host.size(), offset)) return;
     try {
+      engine.wait();
       cl::Event event;
       engine.queue().enqueueReadBuffer(buffer_, CL_TRUE, offset * sizeof(T), host.size_bytes(),
                                        host.data(), nullptr, &event);
@@ -70,6 +68,18 @@ class Buffer {
   }
 
  private:
+  void enqueue_write(Engine& engine, cl_bool blocking, std::span<const T> host,
+                     std::size_t offset) {
+    if (!fits(host.size(), offset)) return;
+    try {
+      cl::Event event;
+      engine.queue().enqueueWriteBuffer(buffer_, blocking, offset * sizeof(T), host.size_bytes(),
+                                        host.data(), nullptr, &event);
+      engine.profiler().add("copy to device", event, static_cast<double>(host.size_bytes()));
+    } catch (const cl::Error& error) {
+      throw OpenClError(error.what(), error.err());
+    }
+  }
   // False where there is nothing to copy.
   bool fits(std::size_t count, std::size_t offset) const {
     if (offset + count > count_) throw InvalidArgument("copy beyond the end of a device buffer");

@@ -1,6 +1,7 @@
 #include "host/opencl/engine.h"
 
 #include <cstdlib>
+#include <future>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -56,6 +57,32 @@ cl::CommandQueue Engine::make_queue() const {
   return cl::CommandQueue(
       shared_->context, shared_->device.handle,
       shared_->options.profile ? cl::QueueProperties::Profiling : cl::QueueProperties::None);
+}
+
+void Engine::wait() const {
+  try {
+    if (!device().is_gpu) {
+      queue_.finish();
+      return;
+    }
+    cl::Event reached;
+    queue_.enqueueMarkerWithWaitList(nullptr, &reached);
+    // Shared: the driver's thread may still be in it when this one goes on.
+    const auto status = std::make_shared<std::promise<cl_int>>();
+    reached.setCallback(
+        CL_COMPLETE,
+        [](cl_event, cl_int how, void* data) {
+          const std::unique_ptr<std::shared_ptr<std::promise<cl_int>>> own(
+              static_cast<std::shared_ptr<std::promise<cl_int>>*>(data));
+          (*own)->set_value(how);
+        },
+        new std::shared_ptr<std::promise<cl_int>>(status));
+    queue_.flush();
+    const cl_int how = status->get_future().get();
+    if (how < 0) throw OpenClError("a kernel or copy failed", how);
+  } catch (const cl::Error& error) {
+    throw OpenClError(error.what(), error.err());
+  }
 }
 
 cl::Kernel Engine::kernel(const std::string& file, const std::string& name,

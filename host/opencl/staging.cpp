@@ -33,7 +33,8 @@ std::span<unsigned char> Staging::bytes(std::size_t count) {
 }
 
 const cl::Buffer& Staging::upload(std::size_t count) {
-  device_.write(engine_, {mapped_, count});
+  device_.write_later(engine_, {mapped_, count});
+  engine_.wait();
   return device_.get();
 }
 

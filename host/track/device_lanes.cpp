@@ -12,7 +12,9 @@ namespace {
 
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
-constexpr int kLanesOfGpu = 6, kLanesOfCpu = 1;
+constexpr int kLanesOfGpu = 8, kLanesOfCpu = 1;
+// Batches that wait for a lane, so that none of those is idle while the oldest batch is finished.
+constexpr std::size_t kWaiting = 2;
 // Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.
 constexpr std::size_t kBytesPerPixel = 4 + 2 * 16;
 // Share of a device's memory that all lanes may take.
@@ -49,6 +51,35 @@ struct DeviceLanes::Lane {
   }
 };
 
+// A batch's use of a lane: batches get lanes in their order, so that none holds one while another
+// before it, whose poses it waits for, has none.
+class DeviceLanes::Use {
+ public:
+  Use(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes) {
+    std::unique_lock<std::mutex> lock(lanes.mutex_);
+    lanes.changed_.wait(lock, [&] { return lanes.started_ == number && !lanes.free_.empty(); });
+    lane_ = lanes.free_.front();
+    lanes.free_.pop_front();
+    ++lanes.started_;
+    lock.unlock();
+    lanes.changed_.notify_all();
+  }
+  ~Use() {
+    {
+      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
+      lanes_.free_.push_back(lane_);
+    }
+    lanes_.changed_.notify_all();
+  }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+  Lane& lane() { return *lane_; }
+
+ private:
+  DeviceLanes& lanes_;
+  Lane* lane_ = nullptr;
+};
+
 // A batch's turn at the poses: comes when all batches before have had theirs, and ends with it.
 class DeviceLanes::Turn {
  public:
@@ -59,14 +90,14 @@ class DeviceLanes::Turn {
       const std::lock_guard<std::mutex> lock(lanes_.mutex_);
       ++lanes_.placed_;
     }
-    lanes_.next_turn_.notify_all();
+    lanes_.changed_.notify_all();
   }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
   void wait() {
     std::unique_lock<std::mutex> lock(lanes_.mutex_);
-    lanes_.next_turn_.wait(lock, [this] { return lanes_.placed_ == number_; });
+    lanes_.changed_.wait(lock, [this] { return lanes_.placed_ == number_; });
   }
 
  private:
@@ -94,6 +125,7 @@ DeviceLanes::DeviceLanes(std::span<Engine* const> engines, const EstimatorOption
           slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch)));
     }
   }
+  for (const auto& lane : lanes_) free_.push_back(lane.get());
 }
 
 DeviceLanes::~DeviceLanes() {
@@ -110,13 +142,12 @@ int DeviceLanes::count(std::span<Engine* const> engines) {
 
 DeviceLanes::Batch DeviceLanes::submit(Batch batch) {
   Batch finished;
-  if (flights_.size() == lanes_.size()) finished = take();
-  Lane& lane = *lanes_[next_];
-  next_ = (next_ + 1) % lanes_.size();
+  if (flights_.size() == lanes_.size() + kWaiting) finished = take();
   const std::int64_t number = submitted_++;
-  flights_.push_back({batch, std::async(std::launch::async, [this, &lane, batch, number] {
+  flights_.push_back({batch, std::async(std::launch::async, [this, batch, number] {
                         Turn turn(*this, number);
-                        measure(lane, *batch, turn);
+                        Use use(*this, number);
+                        measure(use.lane(), *batch, turn);
                       })});
   return finished;
 }

@@ -43,9 +43,9 @@ class DeviceLanes {
     if (keyframes_) keyframes_->restore(memory, read);
   }
 
-  // Starts measuring the pairs of `batch`, and with the ball estimator its frames' poses. Where all
-  // lanes are busy it waits for the oldest batch and returns that, else nullptr. What a lane throws
-  // comes out here or from `take`.
+  // Has a lane measure the pairs of `batch`, and with the ball estimator its frames' poses. Where
+  // all lanes are busy it waits for the oldest batch and returns that, else nullptr. What a lane
+  // throws comes out here or from `take`.
   Batch submit(Batch batch);
   // Waits for the oldest batch; nullptr where none is left.
   Batch take();
@@ -53,6 +53,7 @@ class DeviceLanes {
  private:
   struct Lane;
   class Turn;
+  class Use;
   void measure(Lane& lane, TrackBatch& batch, Turn& turn);
   void measure_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
   void place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
@@ -62,7 +63,6 @@ class DeviceLanes {
   StageTimes* times_;
   LaneStages stages_;
   std::vector<std::unique_ptr<Lane>> lanes_;
-  std::size_t next_ = 0;
   struct Flight {
     Batch batch;
     std::future<void> done;
@@ -70,9 +70,11 @@ class DeviceLanes {
   std::deque<Flight> flights_;  // oldest first
   // Poses are a chain through all frames: batches come to it one after the other.
   std::optional<Keyframes> keyframes_;
-  std::int64_t submitted_ = 0, placed_ = 0;  // batches
-  std::mutex mutex_;                         // of placed_
-  std::condition_variable next_turn_;
+  std::int64_t submitted_ = 0;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable changed_;
+  std::deque<Lane*> free_;
+  std::int64_t started_ = 0, placed_ = 0;  // batches that have had a lane, and their poses
 };
 
 // Measures `pairs`, whose frames are in their slots, from a guess of the rotation that the pairs
