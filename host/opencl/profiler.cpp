@@ -11,13 +11,14 @@ constexpr std::size_t kMaxPending = 1024;
 }  // namespace
 
 void Profiler::settle(Entry& entry) {
-  for (const cl::Event& event : entry.pending) {
-    event.wait();
+  std::erase_if(entry.pending, [&](const cl::Event& event) {
+    if (event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() != CL_COMPLETE) return false;
     const auto start = event.getProfilingInfo<CL_PROFILING_COMMAND_START>();
     const auto end = event.getProfilingInfo<CL_PROFILING_COMMAND_END>();
     entry.seconds.push_back(static_cast<double>(end - start) * 1e-9);
-  }
-  entry.pending.clear();
+    return true;
+  });
+  entry.settle_at = entry.pending.size() + kMaxPending;
 }
 
 void Profiler::add(const std::string& name, const cl::Event& event, double bytes, double flops) {
@@ -27,13 +28,14 @@ void Profiler::add(const std::string& name, const cl::Event& event, double bytes
   entry.pending.push_back(event);
   entry.bytes += bytes;
   entry.flops += flops;
-  if (entry.pending.size() >= kMaxPending) settle(entry);
+  if (entry.pending.size() >= std::max(entry.settle_at, kMaxPending)) settle(entry);
 }
 
 std::vector<ProfileRow> Profiler::rows() {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::vector<ProfileRow> rows;
   for (auto& [name, entry] : entries_) {
+    for (const cl::Event& event : entry.pending) event.wait();
     settle(entry);
     ProfileRow row{name, entry.seconds.size(), 0, 0, entry.bytes, entry.flops};
     std::vector<double> sorted = entry.seconds;

@@ -32,8 +32,10 @@ class Profiler {
   struct Entry {
     std::vector<double> seconds;
     std::vector<cl::Event> pending;
+    std::size_t settle_at = 0;  // events pending
     double bytes = 0, flops = 0;
   };
+  // Reads out the events that are done. It waits for none: that one's owner may be waiting here.
   static void settle(Entry& entry);
   bool enabled_;
   std::mutex mutex_;
