@@ -1,7 +1,8 @@
 #include "host/opencl/engine.h"
 
+#include <chrono>
 #include <cstdlib>
-#include <future>
+#include <thread>
 
 #include "host/base/error.h"
 #include "host/base/log.h"
@@ -60,6 +61,7 @@ cl::CommandQueue Engine::make_queue() const {
 }
 
 void Engine::wait() const {
+  constexpr auto kNap = std::chrono::microseconds(20);
   try {
     if (!device().is_gpu) {
       queue_.finish();
@@ -67,19 +69,13 @@ void Engine::wait() const {
     }
     cl::Event reached;
     queue_.enqueueMarkerWithWaitList(nullptr, &reached);
-    // Shared: the driver's thread may still be in it when this one goes on.
-    const auto status = std::make_shared<std::promise<cl_int>>();
-    reached.setCallback(
-        CL_COMPLETE,
-        [](cl_event, cl_int how, void* data) {
-          const std::unique_ptr<std::shared_ptr<std::promise<cl_int>>> own(
-              static_cast<std::shared_ptr<std::promise<cl_int>>*>(data));
-          (*own)->set_value(how);
-        },
-        new std::shared_ptr<std::promise<cl_int>>(status));
     queue_.flush();
-    const cl_int how = status->get_future().get();
-    if (how < 0) throw OpenClError("a kernel or copy failed", how);
+    for (;;) {
+      const cl_int status = reached.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
+      if (status < 0) throw OpenClError("a kernel or copy failed", status);
+      if (status == CL_COMPLETE) return;
+      std::this_thread::sleep_for(kNap);
+    }
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
