@@ -13,16 +13,16 @@
 
 #include "host/dic/correlator.h"
 #include "host/dic/rigid_fit.h"
-#include "host/video/codec/codec.h"
-#include "host/video/frame_source.h"
 #include "sim/speckle/speckle_field.h"
 #include "tests/support/data.h"
 #include "tests/support/engine.h"
+#include "tests/support/pictures.h"
 #include "tests/support/speckle_frames.h"
 
 namespace impactdic {
 namespace {
 
+using testing::read_picture;
 using testing::shared_engine;
 
 struct Statistics {
@@ -77,15 +77,6 @@ std::vector<WindowMotion> measure(const FieldOptions& options, const Frame& firs
 void report(const char* what, const Statistics& s) {
   std::printf("%s: mean %.5f %.5f rms_u %.5f 95%% %.5f worst %.5f lost %zu of %zu\n", what,
               s.mean_u, s.mean_v, s.rms_u, s.within_95, s.worst, s.lost, s.windows);
-}
-
-Frame read_picture(const std::string& file) {
-  VideoOptions options;
-  options.open_codec = open_codec;
-  const auto source = open_video({testing::data_path(file).string()}, options);
-  Frame frame;
-  source->read(0, frame);
-  return frame;
 }
 
 // The bias that the overlap of equal windows brings (0.16 px) is gone: shifts from 0 to 2 px, on no

@@ -9,16 +9,16 @@
 #include <sstream>
 
 #include "host/dic/correlator.h"
-#include "host/video/codec/codec.h"
-#include "host/video/frame_source.h"
 #include "tests/support/data.h"
 #include "tests/support/engine.h"
+#include "tests/support/pictures.h"
 #include "tests/support/speckle_frames.h"
 #include "tests/support/window_truth.h"
 
 namespace impactdic {
 namespace {
 
+using testing::read_picture;
 using testing::shared_engine;
 
 constexpr auto kOk = static_cast<idic_int>(WindowStatus::ok);
@@ -123,15 +123,6 @@ TEST_P(IcgnOnSparseBalls, NoWindowIsWrong) {
 }
 INSTANTIATE_TEST_SUITE_P(Patterns, IcgnOnSparseBalls, ::testing::Values("d1", "d2", "d3"),
                          [](const auto& info) { return std::string(info.param); });
-
-Frame read_picture(const std::string& file) {
-  VideoOptions options;
-  options.open_codec = open_codec;
-  const auto source = open_video({testing::data_path(file).string()}, options);
-  Frame frame;
-  source->read(0, frame);
-  return frame;
-}
 
 TEST(IcgnOnPictures, EveryWindowOfTheTranslation) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
