@@ -92,6 +92,13 @@ TEST(CircleAccuracy, Plain) {
   EXPECT_LE(measure_balls("e1", {}).rms_px, 0.01);
 }
 
+// The half level's crossings alone lie 0.2 px inside.
+TEST(CircleAccuracy, FineInkAllAlongTheRim) {
+  const Errors errors = measure_balls("a3", {});
+  EXPECT_LE(errors.radius_rms_px, 0.04);
+  EXPECT_LE(errors.rms_px, 0.015);
+}
+
 TEST(CircleAccuracy, ThirtyPercentOfTheRimHidden) {
   EXPECT_LE(measure_balls("a1", {.bar = true}).rms_px, 0.01);
   // One frame of a dense ball by itself leaves 0.023 px: centre and radius go together.

@@ -140,6 +140,27 @@ TEST(MeasureCircle, TheSameOnEveryCall) {
   EXPECT_EQ(first.cx_sd_px, second.cx_sd_px);
 }
 
+TEST(MeasureCircle, FollowsByTheLookOfTheFrameBefore) {
+  const SpeckleBall ball = paint_ball("b1", 3, kRadius);
+  const BallPose first{118.3, 101.8}, second{119.1, 103.2, 20};
+  const CircleFit before =
+      measure_circle(picture(ball, small_scene(), first), {.predicted = {119, 101, 60}}, {});
+  ASSERT_TRUE(before.look);
+  CirclePrior prior;
+  prior.predicted = {119.3, 103.0, before.circle.r_px};
+  prior.centre_sd_px = 0.3;
+  prior.rim_sd_px = 0.3;
+  prior.bright = before.bright;
+  prior.look = before.look;
+  const CircleFit fit = measure_circle(picture(ball, small_scene(), second), prior, {});
+  ASSERT_EQ(fit.status, CircleStatus::ok);
+  EXPECT_EQ(fit.look, before.look);
+  EXPECT_LT(miss(fit.circle, second), 0.02);
+  // Where the ball is elsewhere, it is searched and its look learnt anew.
+  const CircleFit far = measure_circle(picture(ball, small_scene(), {122.9, 106.5}), prior, {});
+  EXPECT_NE(far.look, before.look);
+}
+
 TEST(MeasureCircle, RefusesNonsense) {
   const Frame frame = picture({kRadius, {}, {}}, small_scene(), {118, 102});
   EXPECT_THROW(measure_circle(frame, {}, {}), InvalidArgument);
