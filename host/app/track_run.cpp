@@ -104,10 +104,7 @@ std::vector<std::string> warnings_of(const TrackRequest& request, const VideoInf
 void check_settings(const TrackRequest& request) {
   resolve(request.field);
   parse_radius(request.radius);
-  if (parse_estimator(request.estimator) != Estimator::field && request.no_field) {
-    throw InvalidArgument("--no-field measures no motion, so no estimator is used", "--estimator",
-                          "leave one of the two out");
-  }
+  parse_estimator(request.estimator);
   if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
     throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
   }
@@ -217,8 +214,8 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
   command
       .add_option(
           "--estimator", request.estimator,
-          "How the motion is measured: field (windows), ring (rotation from rings, any angle) "
-          "or ball (one registration of the whole ball, the most exact)")
+          "How the motion is measured: ball (one registration of the whole ball, the most exact, and "
+          "poses without drift), field (windows alone) or ring (rotation from rings, any angle)")
       ->capture_default_str();
   add_field_options(command, request.field);
   command.add_flag("--no-field", request.no_field, "Circle only: no displacement field");

@@ -17,7 +17,7 @@ struct TrackRequest {
   Common common;
   VideoRequest video;
   FieldRequest field;
-  std::string output, frames, roi, radius, estimator = "field";
+  std::string output, frames, roi, radius, estimator = "ball";
   double ball_diameter_mm = 0, mm_per_px = 0, surface_angle_deg = 0, gravity_angle_deg = -90;
   double inertia_factor = 0;  // 0: unknown
   bool no_field = false, resume = false, no_checksum = false;

@@ -12,46 +12,65 @@
 namespace impactdic {
 namespace {
 
+// The windows of a frame.
+struct Rows {
+  std::span<const Window> windows;
+  std::span<const WindowMotion> field;
+  double half;
+};
+
 // One dataset of (time, window) floats: how it is called and what it holds.
 struct Column {
   const char* name;
   const char* units;
   const char* meaning;
-  float (*value)(const Window&, const WindowMotion&, double half);
+  void (*gather)(const Rows&, float* values);
 };
 
+// `place`: where the window stood, which is known whatever came of it; the rest only where it was
+// measured.
+template <bool place, typename Value>
+constexpr Column column(const char* name, const char* units, const char* meaning, Value) {
+  return {name, units, meaning, [](const Rows& rows, float* values) {
+            constexpr Value kValue;
+            for (std::size_t i = 0; i < rows.field.size(); ++i) {
+              const bool known =
+                  place || rows.field[i].status == static_cast<std::int32_t>(WindowStatus::ok);
+              values[i] = known ? kValue(rows, i) : NAN;
+            }
+          }};
+}
+
 constexpr std::array kColumns = {
-    Column{"x_px", "px", "centre of the window in the frame, x right",
-           [](const Window& w, const WindowMotion&, double half) -> float {
-             return static_cast<float>(w.x0 + half);
-           }},
-    Column{"y_px", "px", "centre of the window in the frame, y down",
-           [](const Window& w, const WindowMotion&, double half) -> float {
-             return static_cast<float>(w.y0 + half);
-           }},
-    Column{"u_px", "px", "displacement of the window's centre, x right",
-           [](const Window&, const WindowMotion& m, double) { return m.u; }},
-    Column{"v_px", "px", "displacement of the window's centre, y down",
-           [](const Window&, const WindowMotion& m, double) { return m.v; }},
-    Column{"u_sd_px", "px", "one standard deviation of u_px",
-           [](const Window&, const WindowMotion& m, double) { return m.u_sd; }},
-    Column{"v_sd_px", "px", "one standard deviation of v_px",
-           [](const Window&, const WindowMotion& m, double) { return m.v_sd; }},
-    Column{"correlation", "1", "zero-mean normalised cross-correlation (ZNCC)",
-           [](const Window&, const WindowMotion& m, double) { return m.correlation; }},
-    Column{"peak_ratio", "1", "highest correlation peak over the highest one elsewhere",
-           [](const Window&, const WindowMotion& m, double) { return m.peak_ratio; }},
-    Column{"ux", "1", "displacement gradient du/dx",
-           [](const Window&, const WindowMotion& m, double) { return m.ux; }},
-    Column{"uy", "1", "displacement gradient du/dy",
-           [](const Window&, const WindowMotion& m, double) { return m.uy; }},
-    Column{"vx", "1", "displacement gradient dv/dx",
-           [](const Window&, const WindowMotion& m, double) { return m.vx; }},
-    Column{"vy", "1", "displacement gradient dv/dy",
-           [](const Window&, const WindowMotion& m, double) { return m.vy; }},
+    column<true>("x_px", "px", "centre of the window in the frame, x right",
+                 [](const Rows& rows, std::size_t i) {
+                   return static_cast<float>(rows.windows[i].x0 + rows.half);
+                 }),
+    column<true>("y_px", "px", "centre of the window in the frame, y down",
+                 [](const Rows& rows, std::size_t i) {
+                   return static_cast<float>(rows.windows[i].y0 + rows.half);
+                 }),
+    column<false>("u_px", "px", "displacement of the window's centre, x right",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].u; }),
+    column<false>("v_px", "px", "displacement of the window's centre, y down",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].v; }),
+    column<false>("u_sd_px", "px", "one standard deviation of u_px",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].u_sd; }),
+    column<false>("v_sd_px", "px", "one standard deviation of v_px",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].v_sd; }),
+    column<false>("correlation", "1", "zero-mean normalised cross-correlation (ZNCC)",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].correlation; }),
+    column<false>("peak_ratio", "1", "highest correlation peak over the highest one elsewhere",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].peak_ratio; }),
+    column<false>("ux", "1", "displacement gradient du/dx",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].ux; }),
+    column<false>("uy", "1", "displacement gradient du/dy",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].uy; }),
+    column<false>("vx", "1", "displacement gradient dv/dx",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].vx; }),
+    column<false>("vy", "1", "displacement gradient dv/dy",
+                  [](const Rows& rows, std::size_t i) { return rows.field[i].vy; }),
 };
-// Where the window stood is known whatever came of it; the rest only where it was measured.
-constexpr std::size_t kPlaceColumns = 2;
 
 // HDF5 has one state for the whole program: two files are not written at once, even by two threads.
 std::recursive_mutex& hdf5_lock() {
@@ -209,14 +228,10 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
   }
   file.status.append<std::uint8_t>(status);
   file.mask.append<std::uint8_t>(mask);
-  std::vector<float> values(file.windows);
+  std::vector<float> values(file.windows, NAN);
+  const Rows rows = {windows, field, file.half};
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
-    std::fill(values.begin(), values.end(), NAN);
-    for (std::size_t i = 0; measured && i < file.windows; ++i) {
-      const bool known =
-          c < kPlaceColumns || field[i].status == static_cast<std::int32_t>(WindowStatus::ok);
-      if (known) values[i] = kColumns[c].value(windows[i], field[i], file.half);
-    }
+    kColumns[c].gather(rows, values.data());
     file.columns[c].append<float>(values);
   }
   const double nothing = kNotMeasured;

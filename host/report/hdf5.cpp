@@ -86,12 +86,19 @@ Table Table::create(File& file, const std::string& name, std::size_t columns, hi
     check(H5Pset_shuffle(properties.get()), name);
     check(H5Pset_deflate(properties.get(), static_cast<unsigned>(file.compression())), name);
   }
+  // Rows come a chunk at a time: a cache would only copy them once more, and what fills a new chunk
+  // is overwritten at once.
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, name);
+  if (file.compression() == 0) {
+    check(H5Pset_chunk_cache(access.get(), 0, 0, 1), name);
+    check(H5Pset_fill_time(properties.get(), H5D_FILL_TIME_NEVER), name);
+  }
   Table table;
   table.name_ = name;
   table.columns_ = columns;
   table.chunk_rows_ = depth;
   table.dataset_ = Handle(H5Dcreate2(file.get(), name.c_str(), type, space.get(), H5P_DEFAULT,
-                                     properties.get(), H5P_DEFAULT),
+                                     properties.get(), access.get()),
                           H5Dclose, file.path() + ", " + name);
   return table;
 }
@@ -122,7 +129,8 @@ void Table::append(hid_t type, const void* values, std::size_t count) {
   type_ = type;
   values_.insert(values_.end(), bytes, bytes + count * H5Tget_size(type));
   gathered_ += count / width;
-  if (gathered_ >= chunk_rows_) write();
+  // Whole chunks, also behind a part of one that has been flushed.
+  if (gathered_ >= chunk_rows_ || rows() % chunk_rows_ == 0) write();
 }
 
 void Table::write() {

@@ -55,7 +55,6 @@ TEST(Errors, WrongRequestsExitTwo) {
   expect_one_line("track " + clip + out + " --ball-diameter-mm nan --fps 9", 2, "positive");
   expect_one_line("track " + clip + out + " --surface-angle-deg inf", 2, "--surface-angle-deg");
   expect_one_line("track " + clip + out + " --spacing -1", 2, "--spacing");
-  expect_one_line("track " + clip + out + " --no-field --estimator ball", 2, "--estimator");
   expect_one_line("track " + clip + " -o ''", 2, "--output");
   expect_one_line("correlate " + clip + out + " --fps nan", 2, "--fps");
   expect_one_line("correlate " + clip + out + " --spacing -2", 2, "--spacing");
