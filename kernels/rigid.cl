@@ -460,8 +460,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     for (int b = item; b < BINS; b += GROUP) shared.histogram[b] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (shared.status != STATUS_RUNNING) break;
+    // Read before the first work-item can go on to change it.
+    const int counted = shared.bin > 0.0f;
     pass(value, second, mask, task, box, limits, scratch, &shared);
-    if (shared.bin > 0.0f) sum_bins(&shared);
+    if (counted) sum_bins(&shared);
     if (item == 0) step(&shared, task, limits);
     barrier(CLK_LOCAL_MEM_FENCE);
   }

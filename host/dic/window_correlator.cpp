@@ -13,7 +13,10 @@ WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, 
     published_.emplace(engine, options);
   } else {
     const FieldOptions seed = seed_options(options);
-    zncc_.emplace(engine, seed, choose_zncc_variant(engine, seed));
+    ZnccVariant variant = choose_zncc_variant(engine, seed);
+    // Pictures are cut about a clip's ball: not another program for every width, for a few per cent.
+    variant.width_known = false;
+    zncc_.emplace(engine, seed, variant);
   }
   if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
 }

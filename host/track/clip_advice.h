@@ -17,7 +17,7 @@ struct AdviceRequest {
   Roi roi;
   bool ball = true;  // look for a ball; otherwise the rectangle is the surface
   CircleOptions circle;
-  Estimator estimator = Estimator::ball;
+  Estimator estimator = Estimator::field;
   FieldOptions field;
   bool with_field = true;  // windows will be measured
   double rim_margin_px = 3;

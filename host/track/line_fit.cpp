@@ -302,8 +302,13 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
     best = estimate(trace, model, rim, prior, false, start, memory);
   }
-  if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
+  // A fine fit tries one even so: lines that no circle explains count as strays, and hold nothing
+  // against it.
+  const bool unsure = start.how == Thoroughness::finely || !best.ok || best.oval >= kSignificant;
+  if (allow_ellipse && unsure) {
     const Estimate oval = estimate(trace, model, rim, prior, true, start, memory);
+    // A circle beside which no ellipse can be found may lie across one.
+    if (start.how == Thoroughness::finely && !oval.ok) return fit;
     fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
     if (fit.ellipse) {
       best = oval;

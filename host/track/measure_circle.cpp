@@ -31,6 +31,7 @@ constexpr int kTraces = 6, kWidths = 5;  // at most
 constexpr double kClose = 0.8;           // steps that a prediction may scatter to be followed
 constexpr double kNoisier = 2;           // than when the look was learnt: learn again
 constexpr double kExplained = 0.7;       // share of the lines that must have to do with the rim
+constexpr double kFollowable = 0.9;      // and must where no search confirms the rim
 constexpr double kMisfit = 20;           // RimModel::misfit; 7 where the model holds
 constexpr double kApart_px = 0.015;      // of the two kinds of fit, and
 constexpr double kMostShift = 0.4;       // of the edge's σ: what ink may shift the crossings
@@ -109,7 +110,7 @@ ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions&
     if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
     m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
                       {roughly ? Thoroughness::roughly : Thoroughness::finely});
-    if (!m.fit.ok || m.fit.points < kExplained * static_cast<double>(trace.lines.size())) break;
+    if (!m.fit.ok || m.fit.points < kFollowable * static_cast<double>(trace.lines.size())) break;
     const double moved = distance(m.fit.rim, from) / trace.step_px;
     if (moved > kFollowed) break;
     if (!roughly && moved < kRetraceLines) return m;
@@ -232,7 +233,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   };
 
   thread_local LineTrace lines;  // memory only
-  if (prior.look && prior.bright && prior.rim_sd_px &&
+  // A ball under compression changes its shape from frame to frame: it is searched.
+  const bool round = prior.e1_px == 0 && prior.e2_px == 0;
+  if (round && prior.look && prior.bright && prior.rim_sd_px &&
       std::hypot(prior.centre_sd_px, *prior.rim_sd_px) < kClose * prior.look->step_px()) {
     const ByLook m = follow(frame, prior, options, lines);
     if (enough(m.fit)) return accepted(describe(m, lines, *prior.bright));
@@ -269,17 +272,19 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     return result;
   }
   if (!enough(fit)) return result;
+  std::erase_if(trace.points, [](const RimPoint& p) { return std::abs(p.excess) > kOnRim_px; });
+  const double free_px = free_distance(trace.points, fit.rim);
   if (prior.learn) {
     const ByLook m = learn(frame, fit, search.bright, search.blur_px, prior, options, lines);
     if (enough(m.fit)) {
       CircleFit by_look = describe(m, lines, search.bright);
       by_look.inked = fit.inked > kDense;
+      by_look.circle.free_px = free_px;  // crossings end more sharply at what hides the rim
       return accepted(by_look);
     }
   }
   fill(fit, trace.edge_sigma_px, result);
-  std::erase_if(trace.points, [](const RimPoint& p) { return std::abs(p.excess) > kOnRim_px; });
-  result.circle.free_px = free_distance(trace.points, fit.rim);
+  result.circle.free_px = free_px;
   result.inked = fit.inked > kDense;
   result.rim_fraction = static_cast<double>(fit.points) / options.rays;
   return accepted(result);

@@ -25,7 +25,7 @@ const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
 
 struct EstimatorOptions {
-  Estimator estimator = Estimator::ball;
+  Estimator estimator = Estimator::field;
   FieldOptions field;
   int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
   double rim_margin_px = 3;  // windows keep this far inside the rim
