@@ -26,13 +26,15 @@ constexpr double kShareWorth = 100;   // lines whose worth the shares inside the
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
 constexpr double kRelinearise = 0.03;               // steps of the trace
 constexpr double kCommon_px = 0.004;                // errors common to an arc
+constexpr double kArcs = 1.2;  // how a sector is misplaced by itself, over all of them together
 
 // One fit: corrections to the rim, their covariance, and what the lines say.
 struct Estimate {
   bool ok = false;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
-  double scatter = 0;  // of the bare lines
+  Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
+  double scatter = 0;                   // of the bare lines
   int points = 0;
   double arc = 0;
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
@@ -179,6 +181,17 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
   s.scatter = total_of(scatter);
 }
 
+// What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
+// all around the rim and of kArcs px sector by sector. A known radius turns some of it aside.
+Matrix5 misplaced(const Sums& s, double wider, const Matrix5& covariance) {
+  const Matrix5 response = covariance * s.hessian / wider;
+  double squares = 0;
+  for (const double information : s.sectors.information) squares += information * information;
+  const double sector = squares / std::max(s.hessian_sum, 1e-30);
+  return response.col(2) * response.col(2).transpose() +
+         kArcs * kArcs * sector / wider * response * covariance;
+}
+
 struct Memory {
   std::vector<float> excess;
   std::vector<Evidence> lines;
@@ -243,6 +256,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       if (stride > 1) break;
       result.covariance =
           Eigen::LDLT<Matrix5>(s.hessian / wider + known.precision).solve(Matrix5::Identity());
+      result.misplaced = misplaced(s, wider, result.covariance);
       if (!ellipse) result.oval = score_test(s.hessian, s.score, wider);
       result.scatter = trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
       result.points = s.points;
@@ -320,7 +334,10 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.ok = true;
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
-  for (int i = 0; i < 5; ++i) fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+  for (int i = 0; i < 5; ++i) {
+    fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+    fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
+  }
   fit.residual_px = best.scatter;
   fit.points = best.points;
   fit.arc = best.arc;

@@ -35,6 +35,11 @@ constexpr double kFollowable = 0.9;      // and must where no search confirms th
 constexpr double kMisfit = 20;           // RimModel::misfit; 7 where the model holds
 constexpr double kApart_px = 0.015;      // of the two kinds of fit, and
 constexpr double kMostShift = 0.4;       // of the edge's σ: what ink may shift the crossings
+// The ball is foreshortened towards its rim, so that its ink there is finer than where the look is
+// learnt. That misplaces the rim about as a misjudged width of the edge would, by so much of ln σ.
+constexpr double kLookError = 0.06;
+constexpr double kLeastPlaceSd_px = 0.001;
+constexpr double kWider = 0.05;  // of ln σ, to see what the width does
 
 double distance(const Rim& a, const Rim& b) {
   return std::hypot(a.cx - b.cx, a.cy - b.cy) + std::abs(a.r - b.r) +
@@ -137,9 +142,11 @@ ByLook learn(const Frame& frame, const RimFit& known, bool bright, double blur_p
   Rim from;
   TextureSums texture;
   double sigma = std::max(0.8 * blur_px, 0.6);
+  std::shared_ptr<RimModel> look;
   const auto fit = [&](const Rim* start) {
-    m.look = std::make_shared<RimModel>(texture.result(), trace.noise, sigma, trace.step_px);
-    m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
+    look = std::make_shared<RimModel>(texture.result(), trace.noise, sigma, trace.step_px);
+    m.look = look;
+    m.fit = fit_lines(trace, *look, from, prior, options.allow_ellipse,
                       {Thoroughness::with_width, start});
     return m.fit.ok;
   };
@@ -176,13 +183,23 @@ ByLook learn(const Frame& frame, const RimFit& known, bool bright, double blur_p
   }
   const bool holds = m.fit.misfit < kMisfit && agree(m.fit.rim, known, sigma) &&
                      m.fit.points > kExplained * static_cast<double>(trace.lines.size());
-  return holds ? m : ByLook{};
+  if (!holds) return {};
+  const RimModel wider(texture.result(), trace.noise, sigma * std::exp(kWider), trace.step_px);
+  const LineFit other = fit_lines(trace, wider, from, prior, options.allow_ellipse,
+                                  {Thoroughness::finely, &m.fit.rim});
+  const double moved = other.ok ? (other.rim.r - m.fit.rim.r) / kWider : sigma;
+  look->set_place_sd_px(std::hypot(kLookError * moved, kLeastPlaceSd_px));
+  return m;
 }
 
 CircleFit describe(const ByLook& m, const LineTrace& trace, bool bright) {
   CircleFit result;
   const double sigma = m.look->edge_sigma_px();
-  fill(m.fit, sigma, result);
+  LineFit fit = m.fit;
+  for (int i = 0; i < 5; ++i) {
+    fit.sd[i] = std::hypot(fit.sd[i], m.look->place_sd_px() * std::sqrt(fit.misplaced[i]));
+  }
+  fill(fit, sigma, result);
   result.circle.free_px = free_distance(trace.lines, m.fit.rim);
   result.bright = bright;
   result.look = m.look;

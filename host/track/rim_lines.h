@@ -69,7 +69,9 @@ struct LineFit {
   bool ok = false;
   Rim rim;
   bool ellipse = false;
-  double sd[5] = {};       // cx, cy, r, e1, e2
+  double sd[5] = {};  // cx, cy, r, e1, e2, were the look exactly the model's
+  // Their variances from lines all misplaced by the look, where its place_sd_px is 1 px.
+  double misplaced[5] = {};
   double residual_px = 0;  // scatter of the clean lines
   int points = 0;          // that have to do with the rim
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points

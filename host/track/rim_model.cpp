@@ -137,14 +137,14 @@ RimModel::Edge RimModel::edge_at(double excess, double sigma, double kernel) {
 
 namespace {
 
-constexpr std::size_t kNumbers = 3 + kKinds * (1 + kTexture + kTexture * kTexture);
+constexpr std::size_t kNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
 
 RimTexture texture_of(const std::vector<double>& numbers) {
   if (numbers.size() != kNumbers) {
     throw InvalidArgument("a rim's look has another count of numbers", "resume");
   }
   RimTexture texture;
-  auto next = numbers.begin() + 3;
+  auto next = numbers.begin() + 4;
   for (auto& kind : texture.kinds) {
     kind.share = *next++;
     for (double& mean : kind.mean) mean = *next++;
@@ -158,10 +158,12 @@ RimTexture texture_of(const std::vector<double>& numbers) {
 }  // namespace
 
 RimModel::RimModel(const std::vector<double>& numbers)
-    : RimModel(texture_of(numbers), numbers[0], numbers[1], numbers[2]) {}
+    : RimModel(texture_of(numbers), numbers[0], numbers[1], numbers[2]) {
+  place_sd_px_ = numbers[3];
+}
 
 std::vector<double> RimModel::numbers() const {
-  std::vector<double> numbers = {noise_, edge_sigma_px_, step_px_};
+  std::vector<double> numbers = {noise_, edge_sigma_px_, step_px_, place_sd_px_};
   for (const auto& kind : texture_.kinds) {
     numbers.push_back(kind.share);
     numbers.insert(numbers.end(), std::begin(kind.mean), std::end(kind.mean));

@@ -61,6 +61,9 @@ class RimModel {
   double edge_sigma_px() const { return edge_sigma_px_; }
   double step_px() const { return step_px_; }
   double noise() const { return noise_; }
+  // How far all lines together may place the rim wrongly because the look is not quite this one.
+  double place_sd_px() const { return place_sd_px_; }
+  void set_place_sd_px(double sd) { place_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
 
   // What kLanes lines say, linear about an excess `at` of each: ln p by kind, ∂/∂δ and −∂²/∂δ².
@@ -104,6 +107,7 @@ class RimModel {
 
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
+  double place_sd_px_ = 0;
   PerKind log_share_{};
   float log_stray_ = 0;
   mutable std::vector<Table> tables_;    // by excess

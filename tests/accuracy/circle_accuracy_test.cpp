@@ -31,6 +31,7 @@ struct Errors {
   double rms_px = 0;  // per axis
   double radius_rms_px = 0;
   double normalised = 0;  // mean square of error over its stated deviation
+  double radius_normalised = 0;
 };
 
 // The lower 30 % of the rim hidden: a bar whose upper edge cuts the rim at ±54° from straight down.
@@ -51,7 +52,7 @@ const SpeckleBall& painted(const std::string& pattern, int seed) {
 }
 
 Errors measure_balls(const std::string& pattern, const Condition& condition) {
-  double squares = 0, radius_squares = 0, normalised = 0;
+  double squares = 0, radius_squares = 0, normalised = 0, radius_normalised = 0;
   for (int k = 0; k < kBalls; ++k) {
     const BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
                         260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
@@ -77,13 +78,16 @@ Errors measure_balls(const std::string& pattern, const Condition& condition) {
     const double er = fit.circle.r_px - kRadius * (1 - condition.compression / 2);
     squares += (ex * ex + ey * ey) / 2;
     radius_squares += er * er;
+    radius_normalised += std::pow(er / fit.r_sd_px, 2);
     normalised += (std::pow(ex / fit.cx_sd_px, 2) + std::pow(ey / fit.cy_sd_px, 2)) / 2;
   }
   const Errors errors{std::sqrt(squares / kBalls), std::sqrt(radius_squares / kBalls),
-                      normalised / kBalls};
+                      normalised / kBalls, radius_normalised / kBalls};
   ::testing::Test::RecordProperty("rms_px_" + pattern, std::to_string(errors.rms_px));
-  std::printf("%s: centre %.4f px rms, radius %.4f px, normalised errors squared %.2f\n",
-              pattern.c_str(), errors.rms_px, errors.radius_rms_px, errors.normalised);
+  std::printf(
+      "%s: centre %.4f px rms, radius %.4f px, normalised errors squared %.2f, radius %.2f\n",
+      pattern.c_str(), errors.rms_px, errors.radius_rms_px, errors.normalised,
+      errors.radius_normalised);
   return errors;
 }
 
@@ -97,6 +101,9 @@ TEST(CircleAccuracy, FineInkAllAlongTheRim) {
   const Errors errors = measure_balls("a3", {});
   EXPECT_LE(errors.radius_rms_px, 0.04);
   EXPECT_LE(errors.rms_px, 0.015);
+  // What the look misplaces is common to the whole rim; all else is four times too small.
+  EXPECT_GT(std::sqrt(errors.radius_normalised), 0.5);
+  EXPECT_LT(std::sqrt(errors.radius_normalised), 1.6);
 }
 
 TEST(CircleAccuracy, ThirtyPercentOfTheRimHidden) {
@@ -125,12 +132,20 @@ TEST(CircleAccuracy, Shaded) {
 // Errors over their stated deviations have unit variance. 60 balls make 120 of them, so that their
 // mean square is known to 13 %; neighbouring pictures of a pattern share no noise.
 TEST(CircleAccuracy, DeviationsAreHonest) {
-  double sum = 0;
+  double sum = 0, radius_sum = 0;
   const std::vector<std::string> patterns = {"a1", "b1", "c1", "d1", "e1"};
-  for (const std::string& pattern : patterns) sum += measure_balls(pattern, {}).normalised;
+  for (const std::string& pattern : patterns) {
+    const Errors errors = measure_balls(pattern, {});
+    sum += errors.normalised;
+    radius_sum += errors.radius_normalised;
+  }
   const double deviation = std::sqrt(sum / static_cast<double>(patterns.size()));
   EXPECT_GT(deviation, 0.85);
   EXPECT_LT(deviation, 1.15);
+  // Errors of the radius are partly a pattern's, not a ball's: fewer of them are independent.
+  const double radius = std::sqrt(radius_sum / static_cast<double>(patterns.size()));
+  EXPECT_GT(radius, 0.6);
+  EXPECT_LT(radius, 1.2);
 }
 
 }  // namespace
