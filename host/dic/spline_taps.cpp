@@ -40,6 +40,23 @@ double response(const std::vector<double>& taps, double omega) {
   return sum;
 }
 
+// Variance of Σ weights[j] c(j) for white noise of variance 1 in the samples that `taps` turn into
+// the coefficients c.
+double variance_of(const std::array<double, 8>& weights, int degree,
+                   const std::vector<double>& taps) {
+  const int radius = static_cast<int>(taps.size()) - 1;
+  double sum = 0;
+  for (int sample = -radius; sample <= radius + degree; ++sample) {
+    double share = 0;
+    for (int j = 0; j <= degree; ++j) {
+      const int distance = std::abs(sample - j);
+      if (distance <= radius) share += weights[j] * taps[distance];
+    }
+    sum += share * share;
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::vector<double> prefilter_taps(int degree, double presmooth_sigma_px, double tolerance) {
@@ -69,38 +86,15 @@ std::vector<double> prefilter_taps(int degree, double presmooth_sigma_px, double
 
 std::array<double, 3> interpolation_noise(int degree, double presmooth_sigma_px) {
   const auto taps = prefilter_taps(degree, presmooth_sigma_px, 1e-12);
-  const int radius = static_cast<int>(taps.size()) - 1;
   const auto variance = [&](double t) {
-    const auto weights = bspline_weights(degree, t);
-    double sum = 0;
-    for (int sample = -radius; sample <= radius + degree; ++sample) {
-      double share = 0;
-      for (int j = 0; j <= degree; ++j) {
-        const int distance = std::abs(sample - j);
-        if (distance <= radius) share += weights[j] * taps[distance];
-      }
-      sum += share * share;
-    }
-    return sum;
+    return variance_of(bspline_weights(degree, t), degree, taps);
   };
   const double at_pixel = variance(0), quarter = variance(0.25), middle = variance(0.5);
   return {quarter, (at_pixel - middle) / 2, (at_pixel + middle) / 2 - quarter};
 }
 
 double slope_noise(int degree) {
-  const auto taps = prefilter_taps(degree, 0, 1e-12);
-  const auto weights = bspline_slopes(degree, 0);
-  const int radius = static_cast<int>(taps.size()) - 1;
-  double sum = 0;
-  for (int sample = -radius; sample <= radius + degree; ++sample) {
-    double share = 0;
-    for (int j = 0; j <= degree; ++j) {
-      const int distance = std::abs(sample - j);
-      if (distance <= radius) share += weights[j] * taps[distance];
-    }
-    sum += share * share;
-  }
-  return sum;
+  return variance_of(bspline_slopes(degree, 0), degree, prefilter_taps(degree, 0, 1e-12));
 }
 
 }  // namespace impactdic

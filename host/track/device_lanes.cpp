@@ -196,7 +196,11 @@ void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
     into_crops(pair, origins[k], origins[k + 1]);
     which.push_back(k);
   }
-  if (which.empty() && !keyframes_) return;
+  // A ball without a neighbour may still be placed against a keyframe.
+  const auto rows = std::span(batch.rows).subspan(first, count);
+  const bool any_ball =
+      std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) { return row.circle_ok; });
+  if (which.empty() && !(keyframes_ && any_ball)) return;
   {
     const StageTimes::Scope timed(times_, stages_.upload);
     lane.frames.set(0, parts, crop_.width(), crop_.height());

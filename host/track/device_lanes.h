@@ -35,7 +35,7 @@ class DeviceLanes {
 
   std::span<const Window> grid() const;
   double radius_px() const { return radius_px_; }
-  // Lanes that `engines` will get: as many batches are in flight.
+  // Lanes that `engines` will get: as many batches are measured at once.
   static int count(std::span<Engine* const> engines);
 
   // Poses go on from those of an earlier run: see Keyframes. Before the first batch.

@@ -5,6 +5,7 @@
 //   fit_rim     robust circle or ellipse through those edges                  (rim_fit.cpp)
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -24,6 +25,16 @@ struct Rim {
     return (r * r - e_sq) / std::sqrt(r * r + e_sq - 2 * r * (e1 * cos2 + e2 * sin2));
   }
 };
+
+// The value below which the share `q` of `values`, one at least, lies; puts them into another
+// order.
+inline float quantile(std::vector<float>& values, double q) {
+  const auto at =
+      values.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q * values.size()),
+                                                static_cast<std::ptrdiff_t>(values.size()) - 1);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
 
 // A bilinear and a bicubic look at a picture. The point must lie inside by one pixel (bilinear) or
 // two (bicubic).

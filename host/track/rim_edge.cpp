@@ -46,14 +46,6 @@ struct Edge {
   float contrast;  // of the usual
 };
 
-float quantile(std::vector<float>& values, double q) {
-  const auto at =
-      values.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q * values.size()),
-                                                static_cast<std::ptrdiff_t>(values.size()) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Noise of one profile sample: from ray to ray outside the ball, where nothing else changes.
 float sample_noise(Rays& rays, int n) {
   rays.scratch.clear();

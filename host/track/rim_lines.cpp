@@ -46,14 +46,6 @@ struct Lines {
   float deep_step = 1;  // px
 };
 
-float quantile(std::vector<float>& values, double q) {
-  const auto at =
-      values.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q * values.size()),
-                                                static_cast<std::ptrdiff_t>(values.size()) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Catmull and Rom's cubic through pixels `stride` apart.
 template <typename T>
 [[gnu::always_inline]] inline float along(const T* pixels, std::ptrdiff_t stride, float at) {
