@@ -21,9 +21,11 @@
 #define COLUMNS 8 /* of the regression: 1, f, fx, fx X, fx Y, fy, fy X, fy Y; X, Y over HALF_PX */
 #define SUMS (COLUMNS * (COLUMNS + 1) / 2)
 
-// Steps smaller than this end the iteration, px anywhere in the window. What is then left is
-// about a tenth of it.
-#define CLOSE_ENOUGH_PX 5e-4f
+// A step after which no pixel of the window is further than this from where further ones would take
+// it is the last. What is left of a step is taken to be the share of it that the step before left,
+// and a tenth where there was none.
+#define LEFT_PX 5e-5f
+#define UNKNOWN_PACE 0.1f
 // Smallest pivot of the normal matrix relative to its diagonal: below, there is no texture in
 // some direction. A hundred roundings.
 #define SMALLEST_PIVOT 1e-5f
@@ -51,6 +53,7 @@ typedef struct Shared {
   float seed_u, seed_v;
   float origin;  // grey level taken off both pictures, so that sums of squares keep their digits
   float correlation, gain, variance;
+  float moved;  // by the last step, px; 0: none yet
   int status;
   float normal[SUMS];
   // Cholesky factors: of the normal matrix, and of its part that is texture.
@@ -230,12 +233,14 @@ static inline void step(__local Shared* shared, const Window window, const int w
   for (int k = 0; k < COLUMNS; ++k) residual -= shared->solution[k] * shared->right[k];
   shared->variance = fmax(residual, 0.0f) / (count - COLUMNS);
   const float moved = compose(shared);
+  const float pace = shared->moved > 0.0f ? fmin(moved / shared->moved, 1.0f) : UNKNOWN_PACE;
+  shared->moved = moved;
   if (!(fabs(shared->warp[4] - shared->seed_u) <= HALF_PX &&
         fabs(shared->warp[5] - shared->seed_v) <= HALF_PX)) {
     shared->status = STATUS_NOT_CONVERGED;
   } else if (!in_view(shared, window, width, height)) {
     shared->status = STATUS_OUT_OF_VIEW;
-  } else if (moved < CLOSE_ENOUGH_PX) {
+  } else if (moved * pace < LEFT_PX) {
     shared->status = STATUS_OK;
   }
 }
@@ -272,6 +277,7 @@ static inline void start(__local Shared* shared, const Window window, const Wind
                          const int width, const int height) {
   warp_start(shared->warp, seed.u, seed.v, window.guess_rot_rad);
   shared->correlation = NAN;
+  shared->moved = 0.0f;
   const int inside = window.x0 >= 0 && window.y0 >= 0 && window.x0 + WINDOW_PX <= width &&
                      window.y0 + WINDOW_PX <= height;
   if (seed.status != STATUS_OK) {

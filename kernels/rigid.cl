@@ -18,22 +18,35 @@
 #define LIGHT 4                         /* 1, f, f X/R, f Y/R */
 #define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)        /* and r */
-#define SUMS (COLUMNS * (COLUMNS + 1) / 2)
+#define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
+#define SUMS (PRODUCTS + 1) /* and the weights' share of Newton's matrix, see biweight */
 #define BINS 256
 #define PART_BINS 16
 #define ROUNDING_VARIANCE (1.0f / 12.0f)
 
-// A step that moves no pixel by more than this is the last one: what is then left is less than a
-// fifth of it, far below what noise of one grey level does to a ball.
-#define CLOSE_ENOUGH_PX 3e-4f
-// The first steps of a large disc see one row in so many, until they are this small.
+// A step after which no pixel is further than this from where further ones would take it is the
+// last: far below what noise of one grey level does to a ball. What is left of a step is taken to
+// be its share that the step before it had left, at least the first of these, and the second where
+// there was no such step.
+#define LEFT_PX 6e-5f
+#define SMALLEST_PACE 0.01f
+#define UNKNOWN_PACE 0.2f
+#define SHORTEST_STEP_PX 3e-4f /* what remains of a step below this says nothing about pace */
+// The first steps of a large disc see one row in so many, and of those one unit in so many, until
+// they are this small.
 #define COARSE_ROWS 4
+#define COARSE_UNITS 2
 #define COARSE_RADIUS_PX 64.0f
 #define COARSE_PX 0.02f
 // Steps above this are still far from the minimum: outliers cannot be told yet.
 #define NEAR_PX 0.5f
 // Residuals of this many scales have no weight: 98 % efficient on normal noise.
 #define TUKEY 6.0f
+// A pass whose weights had this much another scale than its residuals is not the last one.
+#define SAME_SCALE 0.02f
+// With weights that are held, each step leaves the same share of the way; Newton's, which tells how
+// they change, is longer. At most so much, since it need not be positive where most are outliers.
+#define LONGEST_STRETCH 1.3f
 // The scale is not taken to be smaller than this, grey levels of 255: where there is no noise,
 // rounding and interpolation are largest at the edges, which must not look like outliers.
 #define SMALLEST_SCALE 1.0f
@@ -57,7 +70,8 @@ typedef struct Shared {
   float bin;                    // width of a bin of the histogram, 0: none is made
   float correlation, variance;  // at the last step
   float carried;                // sum of weights
-  int rows;                     // every how many-th row the next pass sees
+  float moved, pace;            // of the last step, px; see LEFT_PX
+  int coarse;                   // not 0: the next pass does not see all pixels
   int status, steps;
   float sums[SUMS];
   float solution[REGRESSORS];
@@ -84,31 +98,36 @@ static inline float compared_area(const BallTask task, const BallLimits limits) 
 // The disc's bounding box within the first picture, in units of VECTOR pixels.
 typedef struct Box {
   int x0, y0, x1, y1;  // half open
+  int rows, apart;     // every how many-th row is seen, and first pixel to first pixel of a unit
   int tiles;           // across
 } Box;
 
-static inline Box disc_box(const BallTask task, const int width, const int height) {
+static inline Box disc_box(const BallTask task, const int coarse, const int width,
+                           const int height) {
   Box box;
   box.x0 = max(0, (int)ceil(task.cx - task.radius));
   box.y0 = max(0, (int)ceil(task.cy - task.radius));
   box.x1 = min(width, (int)floor(task.cx + task.radius) + 1);
   box.y1 = min(height, (int)floor(task.cy + task.radius) + 1);
-  const int across = TILE_X * VECTOR;
+  box.rows = coarse ? COARSE_ROWS : 1;
+  box.apart = (coarse ? COARSE_UNITS : 1) * VECTOR;
+  const int across = TILE_X * box.apart;
   box.tiles = max(0, (box.x1 - box.x0 + across - 1) / across);
   return box;
 }
 
-// Units of which every `rows`-th row has some; those of the last tiles may lie beyond the box.
-static inline int unit_count(const Box box, const int rows) {
-  const int down = max(0, (box.y1 - box.y0 + rows - 1) / rows);
+// Those of the last tiles may lie beyond the box.
+static inline int unit_count(const Box box) {
+  const int down = max(0, (box.y1 - box.y0 + box.rows - 1) / box.rows);
   return (down + TILE_Y - 1) / TILE_Y * box.tiles * TILE_X * TILE_Y;
 }
 // First pixel of a unit.
 static inline int unit_x(const Box box, const int unit) {
-  return box.x0 + (unit / (TILE_X * TILE_Y) % box.tiles * TILE_X + unit % TILE_X) * VECTOR;
+  return box.x0 + (unit / (TILE_X * TILE_Y) % box.tiles * TILE_X + unit % TILE_X) * box.apart;
 }
-static inline int unit_y(const Box box, const int rows, const int unit) {
-  return box.y0 + rows * (unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y);
+static inline int unit_y(const Box box, const int unit) {
+  return box.y0 +
+         box.rows * (unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y);
 }
 
 // True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
@@ -116,10 +135,11 @@ static inline int beyond(const float first, const float last, const float most) 
   return (first < 0.0f && last < 0.0f) || (first > most && last > most);
 }
 
-// Tukey's biweight.
-static inline REAL biweight(const REAL r, const float scale) {
+// Tukey's biweight w(r); newton: d(w r)/dr.
+static inline REAL biweight(const REAL r, const float scale, REAL* newton) {
   const REAL u = r * (1.0f / (TUKEY * scale));
   const REAL rest = fmax(1.0f - u * u, (REAL)0.0f);
+  *newton = rest * (1.0f - 5.0f * u * u);
   return rest * rest;
 }
 
@@ -147,7 +167,7 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   (void)mask;
   const int item = (int)get_local_id(0);
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
-  const int rows = shared->rows, units = unit_count(box, rows);
+  const int units = unit_count(box);
   // Whole pixels apart, floats keep their digits for the position about the centre.
   const float whole_cx = rint(task.cx), whole_cy = rint(task.cy);
   const float rest_cx = task.cx - whole_cx, rest_cy = task.cy - whole_cy;
@@ -161,7 +181,7 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
   REAL sums[SUMS];
   for (int k = 0; k < SUMS; ++k) sums[k] = 0.0f;
   for (int unit = item; unit < units; unit += GROUP) {
-    const int py = unit_y(box, rows, unit), px = unit_x(box, unit);
+    const int py = unit_y(box, unit), px = unit_x(box, unit);
 #if VECTOR == 1
     if (px >= box.x1) continue;
 #endif
@@ -196,7 +216,10 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
     const REAL r = g - shared->light[0] - shared->light[1] * f - shared->light[2] * along_x -
                    shared->light[3] * along_y;
     if (shared->bin > 0.0f) count_residuals(r, w, shared->bin, shared->histogram);
-    if (shared->scale > 0.0f) w *= biweight(r, shared->scale);
+    REAL newton = 1.0f;
+    const REAL robust = shared->scale > 0.0f ? biweight(r, shared->scale, &newton) : one;
+    sums[PRODUCTS] += w * newton;
+    w *= robust;
     REAL column[COLUMNS];
     column[0] = 1.0f;
     column[1] = f;
@@ -294,14 +317,15 @@ static inline float median_scale(__local const Shared* shared) {
 static inline void step(__local Shared* shared, const BallTask task, const BallLimits limits) {
   __local float* sums = shared->sums;
   const float count = sums[0];
-  const float area = compared_area(task, limits) / (float)shared->rows;
+  const float area =
+      compared_area(task, limits) / (shared->coarse ? COARSE_ROWS * COARSE_UNITS : 1);
   if (!(count > SMALLEST_SHARE * area)) {
     shared->status = shared->scale > 0.0f ? STATUS_LOW_CORRELATION : STATUS_OUT_OF_VIEW;
     return;
   }
   const float spread = covariance(sums, 1, 1);
   shared->carried = count;
-  if (shared->rows == 1) shared->correlation = correlation(shared);
+  if (!shared->coarse) shared->correlation = correlation(shared);
   // The factor takes the place of the regressors' sums; those of r stand behind and stay.
   if (!(spread >= count * limits.min_contrast * limits.min_contrast) ||
       !cholesky(sums, REGRESSORS, SMALLEST_PIVOT)) {
@@ -314,6 +338,8 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   float residual = right[REGRESSORS];
   for (int k = 0; k < REGRESSORS; ++k) residual -= shared->solution[k] * right[k];
   shared->variance = fmax(residual, 0.0f) / (count - REGRESSORS);
+  const float stretch = clamp(count / sums[PRODUCTS], 1.0f, LONGEST_STRETCH);
+  for (int k = 0; k < REGRESSORS; ++k) shared->solution[k] *= stretch;
   for (int k = 0; k < LIGHT; ++k) shared->light[k] += shared->solution[k];
   if (!(shared->light[1] > 0.0f)) {
     shared->status = STATUS_LOW_CORRELATION;
@@ -323,19 +349,28 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   ++shared->steps;
   const float drift =
       fmax(fabs(shared->warp[4] - task.guess_dx), fabs(shared->warp[5] - task.guess_dy));
-  const int settled = !limits.robust || shared->scale > 0.0f;
+  const float scale =
+      shared->bin > 0.0f ? fmax(median_scale(shared), SMALLEST_SCALE * limits.grey_level) : 0.0f;
+  const int settled =
+      !limits.robust ||
+      (shared->scale > 0.0f && fabs(scale - shared->scale) <= SAME_SCALE * shared->scale);
+  if (shared->moved > 0.0f) {
+    shared->pace = clamp(moved / fmax(shared->moved, SHORTEST_STEP_PX), SMALLEST_PACE, 1.0f);
+  }
+  shared->moved = moved;
   if (!(drift <= 0.5f * task.radius)) {
     shared->status = STATUS_NOT_CONVERGED;
-  } else if (shared->rows == 1 && settled && moved < CLOSE_ENOUGH_PX) {
+  } else if (!shared->coarse && settled && moved * shared->pace < LEFT_PX) {
     shared->status = STATUS_OK;
   }
-  if (shared->bin > 0.0f) {
-    shared->scale = fmax(median_scale(shared), SMALLEST_SCALE * limits.grey_level);
-  }
+  if (shared->bin > 0.0f) shared->scale = scale;
   shared->bin = limits.robust && moved < NEAR_PX
                     ? fmax(sqrt(shared->variance), 0.25f * limits.grey_level) / 32.0f
                     : 0.0f;
-  if (moved < COARSE_PX && (!limits.robust || shared->scale > 0.0f)) shared->rows = 1;
+  if (shared->coarse && moved < COARSE_PX && (!limits.robust || shared->scale > 0.0f)) {
+    shared->coarse = 0;
+    shared->moved = 0.0f;  // other pixels, another minimum
+  }
 }
 
 // Share of the slopes' power that smoothing them once more leaves, from every fourth pixel each
@@ -436,7 +471,6 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   __local Shared shared;
   const int item = (int)get_local_id(0);
   const BallTask task = tasks[get_group_id(0)];
-  const Box box = disc_box(task, limits.width, limits.height);
   const int cx = clamp((int)rint(task.cx), 0, limits.width - 1);
   const int cy = clamp((int)rint(task.cy), 0, limits.height - 1);
   __global const float* value =
@@ -453,7 +487,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     shared.correlation = NAN;
     shared.variance = NAN;
     shared.steps = 0;
-    shared.rows = task.radius >= COARSE_RADIUS_PX ? COARSE_ROWS : 1;
+    shared.moved = 0.0f;
+    shared.pace = UNKNOWN_PACE;
+    shared.coarse = task.radius >= COARSE_RADIUS_PX;
     shared.status = STATUS_RUNNING;
   }
   for (int k = 0; k < limits.max_steps; ++k) {
@@ -462,11 +498,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     if (shared.status != STATUS_RUNNING) break;
     // Read before the first work-item can go on to change it.
     const int counted = shared.bin > 0.0f;
+    const Box box = disc_box(task, shared.coarse, limits.width, limits.height);
     pass(value, second, mask, task, box, limits, scratch, &shared);
     if (counted) sum_bins(&shared);
     if (item == 0) step(&shared, task, limits);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
+  const Box box = disc_box(task, 0, limits.width, limits.height);
   const float share = smoothed_share(value, box, task, limits, smooth_taps, scratch, &shared);
   if (item != 0) return;
   int status = shared.status;
