@@ -38,6 +38,10 @@ struct Estimate {
   int points = 0;
   double arc = 0;
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
+  // What the next estimate can start from: the shares of the kinds over those inside the ball, and
+  // the corrections about which the evidence in the memory is linear.
+  std::array<float, kKinds> log_more{};
+  Vector5 about = Vector5::Zero();
 };
 
 // Products of the jacobian (cos φ, sin φ, 1, cos 2φ, sin 2φ) from the means of cos kφ and sin kφ.
@@ -74,7 +78,7 @@ struct Sums {
   SectorSums sectors;
   int points = 0;
   double scatter = 0;
-  PerKind kinds{};  // lines of each
+  std::array<float, kKinds> kinds{};  // lines of each
 };
 
 double excess_at(const RimLine& p, const Vector5& delta) {
@@ -120,7 +124,8 @@ float total_of(const Lanes& v) {
 }
 
 IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector5& delta,
-                               double step_px, const PerKind& log_more, float stray, Sums& s) {
+                               double step_px, const std::array<float, kKinds>& log_more,
+                               float stray, Sums& s) {
   const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
   // By 1, cos φ, sin φ … cos 4φ, sin 4φ.
   constexpr int kWaves = 9;
@@ -128,6 +133,17 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
   Lanes kinds[kKinds] = {}, scatter{};
   float d[5];
   for (int m = 0; m < 5; ++m) d[m] = static_cast<float>(delta[m]) * per_step;
+  // Of the sector that the lines have come to.
+  int sector = 0, sector_points = 0;
+  float sector_score = 0, sector_information = 0;
+  const auto flush = [&] {
+    s.sectors.score[sector] += sector_score * per_step;
+    s.sectors.information[sector] += sector_information * per_step_sq;
+    s.sectors.points[sector] += sector_points;
+    s.points += sector_points;
+    sector_points = 0;
+    sector_score = sector_information = 0;
+  };
   for (const Evidence& e : blocks) {
     const Lanes c = e.cos, sn = e.sin, c2 = c * c - sn * sn, s2 = 2 * c * sn;
     const Lanes off = c * d[0] + sn * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
@@ -158,14 +174,16 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
       hessian_waves[m] += hessian * waves[m];
     }
     for (int lane = 0; lane < RimModel::kLanes; ++lane) {
-      const int sector = e.sector[lane];
-      s.sectors.score[sector] += score[lane] * per_step;
-      s.sectors.information[sector] += hessian[lane] * per_step_sq;
-      const bool counts = e.present[lane] > 0 && other[lane] < 0.5f;
-      s.sectors.points[sector] += counts;
-      s.points += counts;
+      if (e.sector[lane] != sector) {
+        flush();
+        sector = e.sector[lane];
+      }
+      sector_score += score[lane];
+      sector_information += hessian[lane];
+      sector_points += e.present[lane] > 0 && other[lane] < 0.5f;
     }
   }
+  flush();
   const auto products = [&](const Lanes* w, Matrix5& out) {
     float sum[kWaves];
     for (int m = 0; m < kWaves; ++m) sum[m] = per_step_sq * total_of(w[m]);
@@ -206,8 +224,10 @@ void excesses(const LineTrace& trace, const Vector5& delta, int stride, std::vec
   }
 }
 
+// `circle`: an estimate of the same lines, the last one made.
 Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
-                  const CirclePrior& prior, bool ellipse, const LineStart& start, Memory& memory) {
+                  const CirclePrior& prior, bool ellipse, const LineStart& start,
+                  const Estimate* circle, Memory& memory) {
   Estimate result;
   const int parameters = ellipse ? 5 : 3;
   const double shrink = model.edge_sigma_px() * model.edge_sigma_px() / (2 * rim.r);
@@ -217,14 +237,22 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
     const Rim& r = *start.from;
     delta << r.cx - rim.cx, r.cy - rim.cy, r.r - rim.r, r.e1 - rim.e1, r.e2 - rim.e2;
   }
+  if (circle) {
+    delta = circle->delta;
+    result.log_more = circle->log_more;
+    result.about = circle->about;
+  }
+  auto& log_more = result.log_more;
   double wider = 1;
-  PerKind log_more{};
   // Evidence of every line, linear about the present rim; of some lines at first.
-  int stride = !start.from && trace.lines.size() > kPlenty ? kFirstStride : 1;
+  int stride = !start.from && !circle && trace.lines.size() > kPlenty ? kFirstStride : 1;
   for (int round = 0; round < kRounds; ++round) {
-    excesses(trace, delta, stride, memory.excess);
-    model.evidence(trace, memory.excess, stride, memory.lines);
-    const Vector5 before = delta;
+    if (round > 0 || !circle) {
+      excesses(trace, delta, stride, memory.excess);
+      model.evidence(trace, memory.excess, stride, memory.lines);
+      result.about = delta;
+    }
+    const Vector5& before = result.about;
     for (int pass = 0; pass < kSteps; ++pass) {
       Sums s;
       accumulate(memory.lines, delta, trace.step_px, log_more, model.stray(), s);
@@ -281,7 +309,7 @@ double change_of_width(const LineTrace& trace, const RimModel& model, const Vect
   excesses(trace, delta, 1, memory.excess);
   model.evidence(trace, memory.excess, 1, memory.lines);
   memory.width = memory.lines;
-  model.width_slopes(trace, memory.excess, memory.width);
+  model.width_slopes(memory.width);
   Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * 1e-3;
   double slope = 0;
   for (std::size_t i = 0; i < memory.lines.size(); ++i) {
@@ -314,20 +342,21 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   Estimate best;
   // A circle where the search saw none but small deviations, unless its lines object.
   if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
-    best = estimate(trace, model, rim, prior, false, start, memory);
+    best = estimate(trace, model, rim, prior, false, start, nullptr, memory);
   }
   // A fine fit tries one even so: lines that no circle explains count as strays, and hold nothing
   // against it.
   const bool unsure = start.how == Thoroughness::finely || !best.ok || best.oval >= kSignificant;
   if (allow_ellipse && unsure) {
-    const Estimate oval = estimate(trace, model, rim, prior, true, start, memory);
+    const Estimate oval =
+        estimate(trace, model, rim, prior, true, start, best.ok ? &best : nullptr, memory);
     // A circle beside which no ellipse can be found may lie across one.
     if (start.how == Thoroughness::finely && !oval.ok) return fit;
     fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
     if (fit.ellipse) {
       best = oval;
     } else if (!best.ok) {
-      best = estimate(trace, model, rim, prior, false, start, memory);
+      best = estimate(trace, model, rim, prior, false, start, nullptr, memory);
     }
   }
   if (!best.ok) return fit;
@@ -343,7 +372,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.arc = best.arc;
   if (start.how == Thoroughness::with_width) {
     fit.width = change_of_width(trace, model, best.delta, memory);
-    fit.misfit = model.misfit(trace, memory.excess);
+    fit.misfit = model.misfit(memory.width);
   }
   return fit;
 }

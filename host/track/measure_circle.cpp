@@ -113,8 +113,9 @@ ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions&
     trace_lines(frame, from, *prior.bright, m.look->step_px(),
                 roughly ? options.rays / kFew : options.rays, {.levels = roughly}, trace);
     if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
-    m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse,
-                      {roughly ? Thoroughness::roughly : Thoroughness::finely});
+    m.fit = fit_lines(
+        trace, *m.look, from, prior, options.allow_ellipse,
+        {roughly ? Thoroughness::roughly : Thoroughness::finely, roughly ? nullptr : &from});
     if (!m.fit.ok || m.fit.points < kFollowable * static_cast<double>(trace.lines.size())) break;
     const double moved = distance(m.fit.rim, from) / trace.step_px;
     if (moved > kFollowed) break;

@@ -14,7 +14,7 @@
 
 // A function of vectors, compiled for wide ones too and chosen when the program starts.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define IMPACTDIC_WIDE
 #endif
@@ -27,7 +27,8 @@ namespace impactdic {
 // bare paint).
 inline constexpr int kInside = 3, kOutside = 3;
 inline constexpr int kSamples = kInside + 1 + kOutside;
-typedef float Profile __attribute__((vector_size(32), aligned(16)));  // kSamples and a zero
+typedef float Lanes __attribute__((vector_size(32), aligned(16)));
+typedef Lanes Profile;  // kSamples and a zero
 struct RimLine {
   Profile profile;
   float cos, sin;  // direction from the rim's centre

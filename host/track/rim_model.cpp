@@ -216,13 +216,14 @@ void RimModel::fill(const Edge& edge, int of, Table& table) const {
 
   const auto store = [of](const Matrix& matrix, const Vector& linear, double constant,
                           double offset, Quadratic& q) {
-    for (int i = 0, at = 0; i < kSamples; ++i) {
-      for (int j = 0; j <= i; ++j, ++at) {
-        q.matrix[at][of] = static_cast<float>(j == i ? matrix(i, i) : 2 * matrix(i, j));
+    int at = 0;
+    q.number[at++][of] = static_cast<float>(constant);
+    for (int i = 0; i < kSamples; ++i) {
+      q.number[at++][of] = static_cast<float>(linear[i]);
+      for (int j = 0; j <= i; ++j) {
+        q.number[at++][of] = static_cast<float>(j == i ? matrix(i, i) : 2 * matrix(i, j));
       }
-      q.linear[i][of] = static_cast<float>(linear[i]);
     }
-    q.constant[of] = static_cast<float>(constant);
     q.offset[of] = static_cast<float>(offset);
   };
   const Vector pm = p * m;
@@ -249,71 +250,106 @@ int RimModel::place_of(float excess) {
   return static_cast<int>(at + (kReach + 0.5f));
 }
 
-[[gnu::always_inline]] inline void RimModel::form(const Quadratic& q, const Profile& p,
-                                                  const PerKind& weight, PerKind& out) {
-  PerKind sum = q.constant;
-  for (int i = 0, at = 0; i < kSamples; ++i) {
-    PerKind row = q.linear[i];
-    for (int j = 0; j <= i; ++j, ++at) row += p[j] * q.matrix[at];
-    sum += p[i] * row;
+// Calls use(table, here) for every place of a block's lines; `here`: which of them.
+template <typename Use>
+[[gnu::always_inline]] inline void RimModel::for_each_place(const Evidence& e,
+                                                            const Use& use) const {
+  float lowest = e.at[0], highest = e.at[0];
+  for (int lane = 1; lane < kLanes; ++lane) {
+    lowest = std::min(lowest, e.at[lane]);
+    highest = std::max(highest, e.at[lane]);
   }
-  out = weight * sum + q.offset;
+  for (float at = lowest; at <= highest; at += 1 / kPerStep) {
+    use(tables_[place_of(at)], e.at == at);
+  }
+}
+
+[[gnu::always_inline]] inline void RimModel::form(const Quadratic& q, const Lanes (&p)[kSamples],
+                                                  const Lanes& weight, Lanes (&out)[kKinds]) {
+  const auto* number = q.number;
+  Lanes sum[kKinds];
+  for (int k = 0; k < kKinds; ++k) sum[k] = Lanes{} + (*number)[k];
+  ++number;
+  const auto add = [&](const Lanes& product) __attribute__((always_inline)) {
+    for (int k = 0; k < kKinds; ++k) sum[k] += product * (*number)[k];
+    ++number;
+  };
+  for (int i = 0; i < kSamples; ++i) {
+    add(p[i]);
+    for (int j = 0; j <= i; ++j) add(p[i] * p[j]);
+  }
+  sum[0] *= weight;  // how much bare paint tells goes with the contrast
+  for (int k = 0; k < kKinds; ++k) out[k] = sum[k] + q.offset[k];
 }
 
 IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const std::vector<float>& excess,
                                        int stride, std::vector<Evidence>& out) const {
   reach(excess);
   out.resize((excess.size() + kLanes - 1) / kLanes);
-  PerKind weight = PerKind{} + 1;
-  for (std::size_t k = 0; k < out.size() * kLanes; ++k) {
-    // The last block is filled up with the last line.
-    const std::size_t from = std::min(k, excess.size() - 1);
-    const RimLine& point = trace.lines[from * static_cast<std::size_t>(stride)];
-    const int place = place_of(excess[from]);
-    const Table& table = tables_[place];
-    weight[0] = point.weight;
-    PerKind value, slope;
-    form(table.value, point.profile, weight, value);
-    form(table.slope, point.profile, weight, slope);
-    const PerKind information = weight * table.information;
-    Evidence& block = out[k / kLanes];
-    const std::size_t lane = k % kLanes;
-    for (int kind = 0; kind < kKinds; ++kind) {
-      block.value[kind][lane] = value[kind];
-      block.slope[kind][lane] = slope[kind];
-      block.information[kind][lane] = information[kind];
+  for (std::size_t block = 0; block < out.size(); ++block) {
+    Evidence& e = out[block];
+    int place[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      // The last block is filled up with the last line.
+      const std::size_t k = block * kLanes + static_cast<std::size_t>(lane);
+      const std::size_t from = std::min(k, excess.size() - 1);
+      const RimLine& line = trace.lines[from * static_cast<std::size_t>(stride)];
+      place[lane] = place_of(excess[from]);
+      for (int i = 0; i < kSamples; ++i) e.profile[i][lane] = line.profile[i];
+      e.at[lane] = static_cast<float>(place[lane] - kReach) / kPerStep;
+      e.cos[lane] = line.cos;
+      e.sin[lane] = line.sin;
+      e.weight[lane] = line.weight;
+      e.present[lane] = k == from ? 1 : 0;
+      e.sector[lane] = line.sector;
     }
-    block.at[lane] = static_cast<float>(place - kReach) / kPerStep;
-    block.cos[lane] = point.cos;
-    block.sin[lane] = point.sin;
-    block.present[lane] = k == from ? 1 : 0;
-    block.sector[lane] = point.sector;
+    for_each_place(
+        e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
+          Lanes value[kKinds], slope[kKinds];
+          form(table.value, e.profile, e.weight, value);
+          form(table.slope, e.profile, e.weight, slope);
+          for (int k = 0; k < kKinds; ++k) {
+            const Lanes information =
+                k == 0 ? table.information[k] * e.weight : Lanes{} + table.information[k];
+            e.value[k] = here ? value[k] : e.value[k];
+            e.slope[k] = here ? slope[k] : e.slope[k];
+            e.information[k] = here ? information : e.information[k];
+          }
+        });
   }
 }
 
-void RimModel::width_slopes(const LineTrace& trace, const std::vector<float>& excess,
-                            std::vector<Evidence>& out) const {
-  PerKind weight = PerKind{} + 1;
-  for (std::size_t i = 0; i < excess.size(); ++i) {
-    weight[0] = trace.lines[i].weight;
-    PerKind slope;
-    form(tables_[place_of(excess[i])].width, trace.lines[i].profile, weight, slope);
-    for (int kind = 0; kind < kKinds; ++kind) out[i / kLanes].slope[kind][i % kLanes] = slope[kind];
+void RimModel::width_slopes(std::vector<Evidence>& blocks) const {
+  for (Evidence& e : blocks) {
+    for_each_place(
+        e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
+          Lanes slope[kKinds];
+          form(table.width, e.profile, e.weight, slope);
+          for (int k = 0; k < kKinds; ++k) e.slope[k] = here ? slope[k] : e.slope[k];
+        });
   }
 }
 
-double RimModel::misfit(const LineTrace& trace, const std::vector<float>& excess) const {
-  double sum = 0;
-  for (std::size_t i = 0; i < excess.size(); ++i) {
-    const Quadratic& q = tables_[place_of(excess[i])].value;
-    PerKind value, weight = PerKind{} + 1;
-    weight[0] = trace.lines[i].weight;
-    form(q, trace.lines[i].profile, weight, value);
-    int likeliest = 0;
-    for (int k = 1; k < kKinds; ++k) likeliest = value[k] > value[likeliest] ? k : likeliest;
-    sum += 2 * (q.offset[likeliest] - value[likeliest]);
+double RimModel::misfit(const std::vector<Evidence>& blocks) const {
+  double sum = 0, lines = 0;
+  for (const Evidence& e : blocks) {
+    Lanes most = Lanes{} - 1e30f, left{};
+    for_each_place(
+        e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
+          Lanes value[kKinds];
+          form(table.value, e.profile, e.weight, value);
+          for (int k = 0; k < kKinds; ++k) {
+            const auto likelier = here && value[k] > most;
+            most = likelier ? value[k] : most;
+            left = likelier ? 2 * (table.value.offset[k] - value[k]) : left;
+          }
+        });
+    for (int lane = 0; lane < kLanes; ++lane) {
+      sum += left[lane] * e.present[lane];
+      lines += e.present[lane];
+    }
   }
-  return sum / static_cast<double>(std::max<std::size_t>(excess.size(), 1));
+  return sum / std::max(lines, 1.0);
 }
 
 }  // namespace impactdic

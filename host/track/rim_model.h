@@ -45,10 +45,6 @@ class TextureSums {
   std::array<Sums, kKinds> kinds_;
 };
 
-// One number a kind, one number a line.
-typedef float PerKind __attribute__((vector_size(4 * kKinds), aligned(16)));
-typedef float Lanes __attribute__((vector_size(32), aligned(16)));
-
 class RimModel {
  public:
   // `noise` of a sample as a share of the contrast; `excess`es in steps of the trace.
@@ -71,30 +67,32 @@ class RimModel {
   struct Evidence {
     Lanes value[kKinds], slope[kKinds], information[kKinds];
     Lanes at, cos, sin, present;  // present: 1, or 0 where there are no more lines
+    Lanes profile[kSamples], weight;
     int sector[kLanes];
   };
   // Of every `stride`th line, about `excess` of each.
   void evidence(const LineTrace& trace, const std::vector<float>& excess, int stride,
                 std::vector<Evidence>& out) const;
   // ∂ ln p / ∂ ln σ by kind, at the same excesses, in place of the slopes.
-  void width_slopes(const LineTrace& trace, const std::vector<float>& excess,
-                    std::vector<Evidence>& out) const;
+  void width_slopes(std::vector<Evidence>& blocks) const;
   // Mean square of what the lines leave, in standard deviations of their likeliest kinds; kSamples
   // where the model holds.
-  double misfit(const LineTrace& trace, const std::vector<float>& excess) const;
+  double misfit(const std::vector<Evidence>& blocks) const;
   // ln p of a line that has nothing to do with the rim.
   float stray() const { return log_stray_; }
 
  private:
   static constexpr float kPerStep = 8;  // excesses with a table, per step of the trace
   static constexpr int kReach = 8;      // tables on either side of 0
-  // constant + linear·p + pᵀ matrix p (its lower triangle), times the line's weight, + offset.
+  // By kind: (constant + linear·p + pᵀ matrix p) times the line's weight, + offset. The numbers in
+  // the order constant, then for each i linear[i] and matrix[i][0 … i].
+  static constexpr int kNumbers = 1 + kSamples + kSamples * (kSamples + 1) / 2;
   struct Quadratic {
-    PerKind constant, linear[kSamples], matrix[kSamples * (kSamples + 1) / 2], offset;
+    float number[kNumbers][kKinds], offset[kKinds];
   };
   struct Table {
     Quadratic value, slope, width;  // ln p, ∂/∂δ, ∂/∂ ln σ
-    PerKind information;
+    float information[kKinds];
   };
   struct Edge;
   static Edge edge_at(double excess, double sigma, double kernel);
@@ -103,12 +101,15 @@ class RimModel {
   // Makes the tables that `excess` needs; safe on several threads.
   void reach(const std::vector<float>& excess) const;
   static int place_of(float excess);
-  static void form(const Quadratic& q, const Profile& p, const PerKind& weight, PerKind& out);
+  template <typename Use>
+  void for_each_place(const Evidence& e, const Use& use) const;
+  static void form(const Quadratic& q, const Lanes (&p)[kSamples], const Lanes& weight,
+                   Lanes (&out)[kKinds]);
 
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
   double place_sd_px_ = 0;
-  PerKind log_share_{};
+  std::array<float, kKinds> log_share_{};
   float log_stray_ = 0;
   mutable std::vector<Table> tables_;    // by excess
   mutable std::atomic<int> ready_ = -1;  // of the tables, this far on either side

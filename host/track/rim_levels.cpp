@@ -1,0 +1,204 @@
+// The levels about a rim, from lines across it.
+#include "host/track/rim_levels.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace impactdic {
+namespace {
+
+constexpr int kSectors = LineTrace::Levels::kSectors;
+
+using Vector5 = Eigen::Matrix<double, 5, 1>;
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+float total_of(const Lanes& v) {
+  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
+}
+
+// Noise of one sample: from line to line outside the ball, where nothing else changes.
+float sample_noise(const std::vector<float>& outermost) {
+  thread_local std::vector<float> steps;  // memory only
+  steps.clear();
+  for (std::size_t i = 1; i < outermost.size(); i += 2) {
+    steps.push_back(std::abs(outermost[i] - outermost[i - 1]));
+  }
+  return 1.4826f / std::sqrt(2.0f) * quantile(steps, 0.5);
+}
+
+// The background's level by sector: the mean of what lies near the median of three sectors.
+std::array<float, kSectors> ground_levels(const CastLines& lines,
+                                          const std::vector<float>& outermost, float noise) {
+  std::array<int, kSectors + 1> first{};  // line of each sector
+  for (int i = 0; i < lines.size(); ++i) ++first[lines.sector(i, kSectors) + 1];
+  for (int b = 0; b < kSectors; ++b) first[b + 1] += first[b];
+  std::array<float, kSectors> levels{};
+  const float window = 3 * noise + 0.5f;
+  thread_local std::vector<float> values;  // memory only
+  for (int b = 0; b < kSectors; ++b) {
+    values.clear();
+    for (int d = -1; d <= 1; ++d) {
+      const int sector = (b + d + kSectors) % kSectors;
+      values.insert(values.end(), outermost.begin() + first[sector],
+                    outermost.begin() + first[sector + 1]);
+    }
+    if (values.empty()) continue;
+    const float middle = quantile(values, 0.5);
+    float sum = 0;
+    int n = 0;
+    for (const float value : values) {
+      const bool near = std::abs(value - middle) < window;
+      sum += near ? value : 0;
+      n += near;
+    }
+    levels[b] = sum / static_cast<float>(n);
+  }
+  return levels;
+}
+
+// Leaves only the deep lines that show the ball: something inside that is brighter than outside.
+void drop_deep_in_front(CastLines& lines) {
+  const auto rise = [](const Profile& p) { return std::max({p[0], p[1], p[2]}) - p[kSamples - 1]; };
+  thread_local std::vector<float> rises;  // memory only
+  rises.clear();
+  for (int i = 0; i < lines.size(); i += 2) rises.push_back(rise(lines.level[i].v));
+  const float least = kNothing * quantile(rises, 0.9);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < lines.deep_line.size(); ++i) {
+    if (!(rise(lines.level[lines.deep_line[i]].v) > least)) continue;
+    lines.deep_line[kept] = lines.deep_line[i];
+    lines.deep_x[kept] = lines.deep_x[i];
+    lines.deep_y[kept] = lines.deep_y[i];
+    lines.deep_level[kept] = lines.deep_level[i];
+    ++kept;
+  }
+  lines.deep_line.resize(kept);
+  lines.deep_x.resize(kept);
+  lines.deep_y.resize(kept);
+  lines.deep_level.resize(kept);
+}
+
+// How many of the deep samples of lines `begin` to `end` lie within a window about the paint's
+// level, and how far off they lie, added up.
+IMPACTDIC_WIDE void sum_near(const CastLines& lines, int begin, int end,
+                             const std::array<float, 5>& light, float window, float& n,
+                             float& sum) {
+  Lanes off_sum{}, count{};
+  for (int i = begin; i < end; ++i) {
+    const Lanes off = lines.deep_level[i].v - light_at(light, lines.deep_x[i], lines.deep_y[i]);
+    const auto near = off <= window && off >= -window;
+    off_sum += near ? off : Lanes{};
+    count += near ? Lanes{} + 1 : Lanes{};
+  }
+  n = total_of(count);
+  sum = total_of(off_sum);
+}
+
+// The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
+// quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of the
+// samples inside. It starts from what one sample in twenty exceeds in each sector, since on a
+// densely inked ball little more shows the bare paint, and settles on what lies within a window
+// about it that shrinks to the noise.
+class BallLight {
+ public:
+  // `ground` is the background's level.
+  void fit(const CastLines& lines, float ground, float noise) {
+    struct Bright {
+      Vector5 basis;
+      double level;
+    };
+    std::array<Bright, kSectors> bright;
+    int sectors = 0;
+    const int n = static_cast<int>(lines.deep_line.size());
+    thread_local std::vector<float> values;  // memory only
+    for (int sector = 0, begin = 0; sector < kSectors; ++sector) {
+      values.clear();
+      int end = begin;
+      for (; end < n && lines.sector(lines.deep_line[end], kSectors) == sector; ++end) {
+        const float* level = reinterpret_cast<const float*>(&lines.deep_level[end]);
+        values.insert(values.end(), level, level + kDeep);
+      }
+      ends_[sector] = end;
+      if (!values.empty()) {
+        const int middle = (begin + end) / 2;
+        bright[sectors++] = {basis(lines.deep_x[middle], lines.deep_y[middle]),
+                             quantile(values, 0.95)};
+      }
+      begin = end;
+    }
+    // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
+    w_.setZero();
+    for (int pass = 0; pass < 6; ++pass) {
+      Matrix5 a = Matrix5::Identity() * 1e-6;
+      for (int m = 1; m < 5; ++m) a(m, m) = m < 3 ? 0.1 : 1;  // no shading unless it shows
+      Vector5 b = Vector5::Zero();
+      for (int k = 0; k < sectors; ++k) {
+        const double off = bright[k].level - w_.dot(bright[k].basis);
+        const double weight = pass == 0 || off > -0.02 * (w_[0] - ground) ? 1 : 0.03;
+        a.noalias() += weight * bright[k].basis * bright[k].basis.transpose();
+        b.noalias() += weight * bright[k].level * bright[k].basis;
+      }
+      w_ = a.ldlt().solve(b);
+    }
+    const float contrast = static_cast<float>(w_[0]) - ground;
+    const float last = std::max(2.5f * noise, 0.015f * contrast);
+    for (const float window :
+         {std::max(0.08f * contrast, last), std::max(0.04f * contrast, last), last}) {
+      settle(lines, window);
+    }
+  }
+  std::array<float, 5> coefficients() const {
+    std::array<float, 5> w;
+    for (int m = 0; m < 5; ++m) w[m] = static_cast<float>(w_[m]);
+    return w;
+  }
+
+ private:
+  static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
+
+  void settle(const CastLines& lines, float window) {
+    // A handful of samples at the present level, so that sectors without bare paint keep theirs.
+    const std::array<float, 5> w = coefficients();
+    Matrix5 a = Matrix5::Identity() * 5;
+    Vector5 b = Vector5::Zero();
+    for (int sector = 0, i = 0; sector < kSectors; ++sector) {
+      const int begin = i;
+      float n, sum;
+      i = ends_[sector];
+      sum_near(lines, begin, i, w, window, n, sum);
+      if (n == 0) continue;
+      const int middle = (begin + i) / 2;
+      const Vector5 j = basis(lines.deep_x[middle], lines.deep_y[middle]);
+      a.noalias() += n * j * j.transpose();
+      b.noalias() += sum * j;
+    }
+    w_ += a.ldlt().solve(b);
+  }
+
+  std::array<int, kSectors> ends_{};
+  Vector5 w_ = Vector5::Zero();
+};
+
+}  // namespace
+
+IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {
+  drop_deep_in_front(lines);
+  if (lines.deep_line.size() < 5) return false;
+  thread_local std::vector<float> outermost;  // memory only
+  outermost.clear();
+  for (const Eight& level : lines.level) outermost.push_back(level.v[kSamples - 1]);
+  levels.noise = sample_noise(outermost);
+  levels.ground = ground_levels(lines, outermost, levels.noise);
+  std::vector<float> grounds(levels.ground.begin(), levels.ground.end());
+  const float ground = quantile(grounds, 0.5);
+  BallLight light;
+  light.fit(lines, ground, levels.noise);
+  levels.light = light.coefficients();
+  levels.usual = std::max(levels.light[0] - ground, 1e-6f);
+  return true;
+}
+
+}  // namespace impactdic
