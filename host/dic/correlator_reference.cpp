@@ -46,17 +46,15 @@ class ReferenceCorrelator final : public Correlator {
       search(windows, motions);
       return motions;
     }
-    search_whole_windows(windows, options_.window_px, discs_, motions, search);
+    WholeWindows().search(windows, options_.window_px, discs_, motions, search);
     const RefineWindows again = [&](std::span<const Window> lost,
-                                    std::span<const WindowMotion> seeds) {
-      std::vector<WindowMotion> found;
-      for (std::size_t i = 0; i < lost.size(); ++i) {
-        found.push_back(icgn_->refine(lost[i], seeds[i]));
-      }
-      return found;
+                                    std::span<const WindowMotion> seeds,
+                                    std::span<WindowMotion> found) {
+      for (std::size_t i = 0; i < lost.size(); ++i) found[i] = icgn_->refine(lost[i], seeds[i]);
     };
-    refine_from_neighbours(windows, options_.window_px, again, motions);
-    judge_lost(windows, again, motions);
+    Neighbours neighbours;
+    neighbours.refine_lost(windows, options_.window_px, again, motions);
+    neighbours.judge_lost(windows, again, motions);
     return motions;
   }
 

@@ -13,36 +13,37 @@ bool Discs::cuts(const Window& window, int window_px) const {
   return dx * dx + dy * dy > disc.radius_px * disc.radius_px;
 }
 
-void search_whole_windows(std::span<const Window> windows, int window_px, const Discs& discs,
+void WholeWindows::search(std::span<const Window> windows, int window_px, const Discs& discs,
                           std::span<WindowMotion> motions, const SearchWindows& search) {
-  std::vector<std::size_t> index;
-  std::vector<Window> whole;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr WindowMotion kNotSearched = {kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         kNan,
+                                         static_cast<idic_int>(WindowStatus::low_correlation)};
+  index_.clear();
+  whole_.clear();
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (discs.cuts(windows[i], window_px)) continue;
-    index.push_back(i);
-    whole.push_back(windows[i]);
+    if (discs.cuts(windows[i], window_px)) {
+      motions[i] = kNotSearched;
+    } else {
+      index_.push_back(i);
+      whole_.push_back(windows[i]);
+    }
   }
-  if (whole.size() == windows.size()) {
+  if (whole_.size() == windows.size()) {
     search(windows, motions);
     return;
   }
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  for (WindowMotion& motion : motions) {
-    motion = {kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              kNan,
-              static_cast<idic_int>(WindowStatus::low_correlation)};
-  }
-  std::vector<WindowMotion> found(whole.size());
-  search(whole, found);
-  for (std::size_t k = 0; k < index.size(); ++k) motions[index[k]] = found[k];
+  found_.resize(whole_.size());
+  search(whole_, found_);
+  for (std::size_t k = 0; k < index_.size(); ++k) motions[index_[k]] = found_[k];
 }
 
 }  // namespace impactdic

@@ -29,8 +29,17 @@ class Discs {
 using SearchWindows = std::function<void(std::span<const Window>, std::span<WindowMotion>)>;
 
 // Has those windows searched that no disc cuts; the others become low_correlation. What is beyond
-// the rim stands still or moves otherwise: a correlation would find that.
-void search_whole_windows(std::span<const Window> windows, int window_px, const Discs& discs,
-                          std::span<WindowMotion> motions, const SearchWindows& search);
+// the rim stands still or moves otherwise: a correlation would find that. Keeps its memory from one
+// call to the next.
+class WholeWindows {
+ public:
+  void search(std::span<const Window> windows, int window_px, const Discs& discs,
+              std::span<WindowMotion> motions, const SearchWindows& search);
+
+ private:
+  std::vector<std::size_t> index_;
+  std::vector<Window> whole_;
+  std::vector<WindowMotion> found_;
+};
 
 }  // namespace impactdic

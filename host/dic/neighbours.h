@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,19 +11,39 @@
 namespace impactdic {
 
 // Refines windows from their seeds, one result a window.
-using RefineWindows = std::function<std::vector<WindowMotion>(std::span<const Window>,
-                                                              std::span<const WindowMotion>)>;
+using RefineWindows = std::function<void(
+    std::span<const Window>, std::span<const WindowMotion> seeds, std::span<WindowMotion> results)>;
 
-// Windows that were not found (low_correlation, at_search_edge, not_converged) are refined from
-// what the nearest found windows of the same pair of frames say at their place, displacement and
-// gradient both (the reliability-guided walk of Pan 2009, all of a front at once), until no more
-// are found. A window that stays lost keeps its status. Windows of one pair must follow each other.
-void refine_from_neighbours(std::span<const Window> windows, int window_px,
-                            const RefineWindows& refine, std::span<WindowMotion> motions);
+// Keeps its memory, and what it knows of the windows' grid, from one call to the next.
+class Neighbours {
+ public:
+  Neighbours();
+  ~Neighbours();
 
-// Windows that stayed lost and have too little texture to be found at all get that status. `refine`
-// says so of seeds that are lost.
-void judge_lost(std::span<const Window> windows, const RefineWindows& refine,
-                std::span<WindowMotion> motions);
+  // Windows that were not found (low_correlation, at_search_edge, not_converged) are refined from
+  // what the nearest found windows of the same pair of frames say at their place, displacement and
+  // gradient both (the reliability-guided walk of Pan 2009, all of a front at once), until no more
+  // are found. A window that stays lost keeps its status. Windows of one pair must follow each
+  // other.
+  void refine_lost(std::span<const Window> windows, int window_px, const RefineWindows& refine,
+                   std::span<WindowMotion> motions);
+
+  // Windows that stayed lost and have too little texture to be found at all get that status.
+  // `refine` says so of seeds that are lost.
+  void judge_lost(std::span<const Window> windows, const RefineWindows& refine,
+                  std::span<WindowMotion> motions);
+
+ private:
+  class Bins;
+  class Front;
+  void set_fronts(std::span<const Window> windows, int window_px, std::span<WindowMotion> motions);
+
+  std::shared_ptr<const Bins> bins_;  // of the last grid
+  std::vector<Front> fronts_;         // of the pairs of this call, and what other calls left behind
+  std::size_t pairs_ = 0;
+  // Of a round.
+  std::vector<Window> windows_;
+  std::vector<WindowMotion> seeds_, results_;
+};
 
 }  // namespace impactdic

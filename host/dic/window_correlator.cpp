@@ -1,6 +1,5 @@
 #include "host/dic/window_correlator.h"
 
-#include "host/dic/neighbours.h"
 #include "host/dic/seed_options.h"
 #include "host/dic/tuning.h"
 
@@ -14,36 +13,37 @@ WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, 
   } else {
     const FieldOptions seed = seed_options(options);
     ZnccVariant variant = choose_zncc_variant(engine, seed);
-    // Pictures are cut about a clip's ball: not another program for every width, for a few per cent.
+    // Pictures are cut about a clip's ball: not another program for every width, for a few per
+    // cent.
     variant.width_known = false;
     zncc_.emplace(engine, seed, variant);
   }
   if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
 }
 
-std::vector<WindowMotion> WindowCorrelator::correlate(DeviceFrames& frames,
-                                                      std::span<const Window> windows) {
+const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frames,
+                                                             std::span<const Window> windows) {
   for (const Window& window : windows) {
     if (frames.version(window.first) == 0 || frames.version(window.second) == 0) {
       throw InvalidArgument("a window names a frame slot which holds no frame");
     }
   }
-  std::vector<WindowMotion> motions(windows.size());
+  results_.resize(windows.size());
   if (!icgn_) {
-    search(frames, windows, motions);
-    return motions;
+    search(frames, windows, results_);
+    return results_;
   }
-  search_whole_windows(windows, window_px_, discs_, motions,
-                       [&](std::span<const Window> whole, std::span<WindowMotion> found) {
-                         search(frames, whole, found);
-                       });
-  const RefineWindows again = [&](std::span<const Window> lost,
-                                  std::span<const WindowMotion> seeds) {
-    return refine(frames, lost, seeds);
+  whole_.search(windows, window_px_, discs_, results_,
+                [&](std::span<const Window> whole, std::span<WindowMotion> found) {
+                  search(frames, whole, found);
+                });
+  const RefineWindows again = [&](std::span<const Window> lost, std::span<const WindowMotion> seeds,
+                                  std::span<WindowMotion> found) {
+    refine(frames, lost, seeds, found);
   };
-  refine_from_neighbours(windows, window_px_, again, motions);
-  judge_lost(windows, again, motions);
-  return motions;
+  neighbours_.refine_lost(windows, window_px_, again, results_);
+  neighbours_.judge_lost(windows, again, results_);
+  return results_;
 }
 
 void WindowCorrelator::set_disc(int slot, double cx_px, double cy_px, double radius_px) {
@@ -63,17 +63,15 @@ void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> wind
   motions_.read(engine_, motions);
 }
 
-std::vector<WindowMotion> WindowCorrelator::refine(DeviceFrames& frames,
-                                                   std::span<const Window> windows,
-                                                   std::span<const WindowMotion> seeds) {
-  std::vector<WindowMotion> motions(windows.size());
+void WindowCorrelator::refine(DeviceFrames& frames, std::span<const Window> windows,
+                              std::span<const WindowMotion> seeds,
+                              std::span<WindowMotion> motions) {
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
   windows_.write_later(engine_, windows);
   motions_.write_later(engine_, seeds);
   icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
-  return motions;
 }
 
 }  // namespace impactdic

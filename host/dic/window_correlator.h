@@ -10,6 +10,7 @@
 #include "host/dic/discs.h"
 #include "host/dic/field.h"
 #include "host/dic/icgn_opencl.h"
+#include "host/dic/neighbours.h"
 #include "host/dic/published_opencl.h"
 #include "host/dic/zncc_opencl.h"
 
@@ -29,14 +30,15 @@ class WindowCorrelator {
   // Measures every window; the result stands at the window's index. With IC-GN, what the
   // correlation does not find, or cannot judge because the rim cuts it, is sought from its
   // neighbours (neighbours.h). Throws InvalidArgument where a window names a slot without a frame.
-  std::vector<WindowMotion> correlate(DeviceFrames& frames, std::span<const Window> windows);
+  // The result stays until the next call.
+  const std::vector<WindowMotion>& correlate(DeviceFrames& frames, std::span<const Window> windows);
 
  private:
   // Seeds by correlation, and refines them.
   void search(DeviceFrames& frames, std::span<const Window> windows,
               std::span<WindowMotion> motions);
-  std::vector<WindowMotion> refine(DeviceFrames& frames, std::span<const Window> windows,
-                                   std::span<const WindowMotion> seeds);
+  void refine(DeviceFrames& frames, std::span<const Window> windows,
+              std::span<const WindowMotion> seeds, std::span<WindowMotion> motions);
 
   Engine& engine_;
   int window_px_;
@@ -47,6 +49,9 @@ class WindowCorrelator {
   Buffer<Window> windows_;
   Buffer<WindowMotion> motions_;
   Discs discs_;
+  WholeWindows whole_;
+  Neighbours neighbours_;
+  std::vector<WindowMotion> results_;
 };
 
 }  // namespace impactdic

@@ -55,7 +55,7 @@ class FieldEstimator : public MotionEstimator {
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
-    const std::vector<WindowMotion> measured = correlator_.correlate(frames_, all);
+    const std::vector<WindowMotion>& measured = correlator_.correlate(frames_, all);
     const Stopwatch watch;
     tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
       const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());

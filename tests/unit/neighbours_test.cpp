@@ -33,15 +33,13 @@ WindowMotion lost(WindowStatus status) {
 }
 
 // Finds the truth from a seed within 1 px of it.
-std::vector<WindowMotion> refine(std::span<const Window> windows,
-                                 std::span<const WindowMotion> seeds) {
-  std::vector<WindowMotion> found;
+void refine(std::span<const Window> windows, std::span<const WindowMotion> seeds,
+            std::span<WindowMotion> found) {
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const WindowMotion motion = truth(windows[i], 0.95F);
     const bool near = std::hypot(seeds[i].u - motion.u, seeds[i].v - motion.v) < 1;
-    found.push_back(near ? motion : lost(WindowStatus::not_converged));
+    found[i] = near ? motion : lost(WindowStatus::not_converged);
   }
-  return found;
 }
 
 std::vector<Window> grid_of_pair(int first) {
@@ -57,7 +55,7 @@ TEST(Neighbours, SpreadFromOneWindowOverTheSurface) {
   const auto windows = grid_of_pair(0);
   std::vector<WindowMotion> motions(windows.size(), lost(WindowStatus::at_search_edge));
   motions[100] = truth(windows[100], 0.9F);
-  refine_from_neighbours(windows, kSide, refine, motions);
+  Neighbours().refine_lost(windows, kSide, refine, motions);
   for (std::size_t i = 0; i < windows.size(); ++i) {
     ASSERT_EQ(motions[i].status, static_cast<idic_int>(WindowStatus::ok)) << i;
     EXPECT_FLOAT_EQ(motions[i].u, truth(windows[i], 1).u);
@@ -74,7 +72,7 @@ TEST(Neighbours, WhatHasNoTextureOrNoNeighboursStaysAsItIs) {
   const auto others = grid_of_pair(1);
   windows.insert(windows.end(), others.begin(), others.end());
   motions.resize(windows.size(), lost(WindowStatus::low_correlation));
-  refine_from_neighbours(windows, kSide, refine, motions);
+  Neighbours().refine_lost(windows, kSide, refine, motions);
   EXPECT_EQ(motions[5].status, static_cast<idic_int>(WindowStatus::no_texture));
   EXPECT_EQ(motions[6].status, static_cast<idic_int>(WindowStatus::masked));
   EXPECT_EQ(motions[7].status, static_cast<idic_int>(WindowStatus::ok));
@@ -91,7 +89,7 @@ TEST(Neighbours, WrongWindowIsReplacedUnlessItCorrelatesBetter) {
   motions[80].correlation = 0.7F;
   motions[150].v -= 3;
   motions[150].correlation = 0.99F;
-  refine_from_neighbours(windows, kSide, refine, motions);
+  Neighbours().refine_lost(windows, kSide, refine, motions);
   EXPECT_FLOAT_EQ(motions[80].u, truth(windows[80], 1).u);
   EXPECT_FLOAT_EQ(motions[80].correlation, 0.95F);
   EXPECT_FLOAT_EQ(motions[150].correlation, 0.99F);
