@@ -46,7 +46,8 @@ class ReferenceCorrelator final : public Correlator {
       search(windows, motions);
       return motions;
     }
-    WholeWindows().search(windows, options_.window_px, discs_, motions, search);
+    WholeWindows whole;
+    whole.search(windows, options_.window_px, discs_, motions, search);
     const RefineWindows again = [&](std::span<const Window> lost,
                                     std::span<const WindowMotion> seeds,
                                     std::span<WindowMotion> found) {
@@ -54,7 +55,7 @@ class ReferenceCorrelator final : public Correlator {
     };
     Neighbours neighbours;
     neighbours.refine_lost(windows, options_.window_px, again, motions);
-    neighbours.judge_lost(windows, again, motions);
+    neighbours.judge_lost(windows, whole.cut(), again, motions);
     return motions;
   }
 

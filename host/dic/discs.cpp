@@ -28,10 +28,12 @@ void WholeWindows::search(std::span<const Window> windows, int window_px, const 
                                          kNan,
                                          static_cast<idic_int>(WindowStatus::low_correlation)};
   index_.clear();
+  cut_.clear();
   whole_.clear();
   for (std::size_t i = 0; i < windows.size(); ++i) {
     if (discs.cuts(windows[i], window_px)) {
       motions[i] = kNotSearched;
+      cut_.push_back(i);
     } else {
       index_.push_back(i);
       whole_.push_back(windows[i]);

@@ -35,9 +35,11 @@ class WholeWindows {
  public:
   void search(std::span<const Window> windows, int window_px, const Discs& discs,
               std::span<WindowMotion> motions, const SearchWindows& search);
+  // The others, of the last search.
+  std::span<const std::size_t> cut() const { return cut_; }
 
  private:
-  std::vector<std::size_t> index_;
+  std::vector<std::size_t> index_, cut_;
   std::vector<Window> whole_;
   std::vector<WindowMotion> found_;
 };

@@ -28,6 +28,11 @@ bool has_no_texture(const WindowMotion& motion) {
   return motion.status == static_cast<idic_int>(WindowStatus::no_texture);
 }
 
+// Otherwise nothing was looked at.
+bool is_in_view(const WindowMotion& motion) {
+  return motion.status != static_cast<idic_int>(WindowStatus::out_of_view);
+}
+
 bool is_lost(const WindowMotion& motion) {
   const auto status = static_cast<WindowStatus>(motion.status);
   return status == WindowStatus::low_correlation || status == WindowStatus::at_search_edge ||
@@ -144,9 +149,10 @@ class Neighbours::Front {
  public:
   // What another pair left behind is gone.
   void set(std::span<const Window> windows, std::shared_ptr<const Bins> bins,
-           std::span<WindowMotion> motions) {
+           std::span<WindowMotion> motions, std::span<std::uint8_t> judged) {
     windows_ = windows;
     motions_ = motions;
+    judged_ = judged;
     bins_ = std::move(bins);
     found_.resize(windows.size());
     tried_.assign(windows.size(), 0);
@@ -183,6 +189,8 @@ class Neighbours::Front {
     bool any = false;
     for (std::size_t k = 0; k < proposed_.size(); ++k) {
       WindowMotion& motion = motions_[proposed_[k]];
+      judged_[proposed_[k]] |= is_in_view(results[k]) ? 1 : 0;
+      if (is_lost(motion) && has_no_texture(results[k])) motion.status = results[k].status;
       if (!is_found(results[k])) continue;
       if (is_found(motion) && !(results[k].correlation > motion.correlation)) continue;
       motion = results[k];
@@ -302,6 +310,7 @@ class Neighbours::Front {
 
   std::span<const Window> windows_;
   std::span<WindowMotion> motions_;
+  std::span<std::uint8_t> judged_;
   std::shared_ptr<const Bins> bins_;
   std::vector<std::uint8_t> found_;  // by place
   std::vector<std::size_t> tried_, proposed_;
@@ -316,6 +325,7 @@ Neighbours::~Neighbours() = default;
 void Neighbours::set_fronts(std::span<const Window> windows, int window_px,
                             std::span<WindowMotion> motions) {
   pairs_ = 0;
+  judged_.assign(windows.size(), 0);
   for (std::size_t begin = 0, end; begin < windows.size(); begin = end) {
     for (end = begin; end < windows.size() && windows[end].first == windows[begin].first &&
                       windows[end].second == windows[begin].second;) {
@@ -325,7 +335,8 @@ void Neighbours::set_fronts(std::span<const Window> windows, int window_px,
     const auto own = windows.subspan(begin, end - begin);
     if (!bins_ || !bins_->fit(own, window_px)) bins_ = std::make_shared<const Bins>(own, window_px);
     if (fronts_.size() == pairs_) fronts_.emplace_back();
-    fronts_[pairs_++].set(own, bins_, motions.subspan(begin, end - begin));
+    fronts_[pairs_++].set(own, bins_, motions.subspan(begin, end - begin),
+                          std::span(judged_).subspan(begin, end - begin));
   }
 }
 
@@ -355,13 +366,13 @@ void Neighbours::refine_lost(std::span<const Window> windows, int window_px,
   }
 }
 
-void Neighbours::judge_lost(std::span<const Window> windows, const RefineWindows& refine,
-                            std::span<WindowMotion> motions) {
+void Neighbours::judge_lost(std::span<const Window> windows, std::span<const std::size_t> which,
+                            const RefineWindows& refine, std::span<WindowMotion> motions) {
   std::vector<std::size_t> index;
   windows_.clear();
   seeds_.clear();
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (!is_lost(motions[i])) continue;
+  for (const std::size_t i : which) {
+    if (!is_lost(motions[i]) || judged_[i] != 0) continue;
     index.push_back(i);
     windows_.push_back(windows[i]);
     seeds_.push_back(motions[i]);

@@ -1,6 +1,7 @@
 // Second chance for windows: what the correlation did not find is sought where the neighbours went.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -23,15 +24,16 @@ class Neighbours {
   // Windows that were not found (low_correlation, at_search_edge, not_converged) are refined from
   // what the nearest found windows of the same pair of frames say at their place, displacement and
   // gradient both (the reliability-guided walk of Pan 2009, all of a front at once), until no more
-  // are found. A window that stays lost keeps its status. Windows of one pair must follow each
-  // other.
+  // are found. A window that stays lost keeps its status, unless `refine` says no_texture. Windows
+  // of one pair must follow each other.
   void refine_lost(std::span<const Window> windows, int window_px, const RefineWindows& refine,
                    std::span<WindowMotion> motions);
 
-  // Windows that stayed lost and have too little texture to be found at all get that status.
-  // `refine` says so of seeds that are lost.
-  void judge_lost(std::span<const Window> windows, const RefineWindows& refine,
-                  std::span<WindowMotion> motions);
+  // After refine_lost: those of the windows `which` that stayed lost and have too little texture to
+  // be found at all get that status. `refine` says so of seeds that are lost; those that it has
+  // refined already are not asked for again.
+  void judge_lost(std::span<const Window> windows, std::span<const std::size_t> which,
+                  const RefineWindows& refine, std::span<WindowMotion> motions);
 
  private:
   class Bins;
@@ -41,6 +43,7 @@ class Neighbours {
   std::shared_ptr<const Bins> bins_;  // of the last grid
   std::vector<Front> fronts_;         // of the pairs of this call, and what other calls left behind
   std::size_t pairs_ = 0;
+  std::vector<std::uint8_t> judged_;  // of every window: whether its texture was looked at
   // Of a round.
   std::vector<Window> windows_;
   std::vector<WindowMotion> seeds_, results_;

@@ -42,7 +42,8 @@ const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frame
     refine(frames, lost, seeds, found);
   };
   neighbours_.refine_lost(windows, window_px_, again, results_);
-  neighbours_.judge_lost(windows, again, results_);
+  // The others were judged when they were searched.
+  neighbours_.judge_lost(windows, whole_.cut(), again, results_);
   return results_;
 }
 

@@ -96,5 +96,40 @@ TEST(Neighbours, WrongWindowIsReplacedUnlessItCorrelatesBetter) {
   EXPECT_FLOAT_EQ(motions[79].correlation, 0.9F);  // those that agree are left alone
 }
 
+// Of the windows that are to be judged, one has been refined and was found to have no texture, one
+// was refined in vain, one has no neighbour, and one is found.
+TEST(Neighbours, TextureIsJudgedOnce) {
+  const auto windows = grid_of_pair(0);
+  const std::size_t bare = 100, vain = 300, alone = windows.size() - 1, found = 50;
+  std::vector<WindowMotion> motions;
+  for (const Window& window : windows) motions.push_back(truth(window, 0.9F));
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const bool near = std::abs(windows[i].x0 - windows[alone].x0) < 3 * kSide &&
+                      std::abs(windows[i].y0 - windows[alone].y0) < 3 * kSide;
+    if (near) motions[i] = lost(WindowStatus::masked);
+  }
+  for (const std::size_t i : {bare, vain, alone}) motions[i] = lost(WindowStatus::low_correlation);
+  std::size_t asked = 0;
+  const RefineWindows refuse = [&](std::span<const Window> some,
+                                   std::span<const WindowMotion> seeds,
+                                   std::span<WindowMotion> out) {
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      const bool is_bare = some[k].x0 == windows[bare].x0 && some[k].y0 == windows[bare].y0;
+      const bool is_lost = seeds[k].status != static_cast<idic_int>(WindowStatus::ok);
+      out[k] = lost(is_bare || is_lost ? WindowStatus::no_texture : WindowStatus::not_converged);
+      ++asked;
+    }
+  };
+  Neighbours neighbours;
+  neighbours.refine_lost(windows, kSide, refuse, motions);
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(motions[bare].status, static_cast<idic_int>(WindowStatus::no_texture));
+  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(WindowStatus::low_correlation));
+  neighbours.judge_lost(windows, std::vector{bare, vain, alone, found}, refuse, motions);
+  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(motions[vain].status, static_cast<idic_int>(WindowStatus::low_correlation));
+  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(WindowStatus::no_texture));
+}
+
 }  // namespace
 }  // namespace impactdic
