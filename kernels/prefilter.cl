@@ -11,10 +11,10 @@
 // (batch).
 
 static inline int mirrored(const int i, const int size) {
-  if (size == 1) return 0;
   const int period = 2 * (size - 1);
-  const int folded = abs(i) % period;
-  return folded < size ? folded : period - folded;
+  int folded = abs(i);
+  if (folded > period) folded = size == 1 ? 0 : folded % period;  // far beyond: slow
+  return min(folded, period - folded);
 }
 
 #if VECTOR == 1
@@ -59,33 +59,32 @@ prefilter_rows(__global const float* images, __global float* rows, __constant fl
   *to = (float4)(sums[0], sums[1], sums[2], sums[3]);
 }
 #else
-// The same, one work-item for VECTOR neighbours: (pitch / VECTOR, height, batch).
+#define FILTER_ROW(middle)                                              \
+  sum = taps[0] * LOAD_REAL(middle);                                    \
+  for (int k = 1; k <= RADIUS; ++k) {                                   \
+    sum += taps[k] * (LOAD_REAL((middle)-k) + LOAD_REAL((middle) + k)); \
+  }
+
+// The same, one work-item for a row: (1, height, batch).
 __kernel void prefilter_rows(__global const float* images, __global float* rows,
                              __constant float* taps, __global const int* slots, const int first,
                              const int width, const int height, const int pitch) {
-  const int column = (int)get_global_id(0) * VECTOR;
   const size_t y = get_global_id(1), batch = get_global_id(2);
-  const int x = column - SPLINE_PAD;
   __global const float* line = images + ((size_t)slots[first + batch] * height + y) * width;
-  REAL sum;
-  if (x >= RADIUS && x + VECTOR + RADIUS <= width) {
-    sum = taps[0] * LOAD_REAL(line + x);
-    for (int k = 1; k <= RADIUS; ++k) {
-      sum += taps[k] * (LOAD_REAL(line + x - k) + LOAD_REAL(line + x + k));
+  __global float* to = rows + (batch * height + y) * pitch;
+  for (int column = 0; column < pitch; column += VECTOR) {
+    const int x = column - SPLINE_PAD;
+    REAL sum;
+    if (x >= RADIUS && x + VECTOR + RADIUS <= width) {
+      FILTER_ROW(line + x)
+    } else {
+      // Apart: finding a mirrored pixel takes longer than what is done with it.
+      float near[VECTOR + 2 * RADIUS];
+      for (int i = 0; i < VECTOR + 2 * RADIUS; ++i) near[i] = line[mirrored(x - RADIUS + i, width)];
+      FILTER_ROW(near + RADIUS)
     }
-  } else {
-    float lanes[VECTOR];
-    for (int lane = 0; lane < VECTOR; ++lane) {
-      float one = taps[0] * line[mirrored(x + lane, width)];
-      for (int k = 1; k <= RADIUS; ++k) {
-        one +=
-            taps[k] * (line[mirrored(x + lane - k, width)] + line[mirrored(x + lane + k, width)]);
-      }
-      lanes[lane] = one;
-    }
-    sum = LOAD_REAL(lanes);
+    STORE_REAL(sum, to + column);
   }
-  STORE_REAL(sum, rows + (batch * height + y) * pitch + column);
 }
 #endif
 

@@ -99,7 +99,7 @@ void SplineFrames::launch(const DeviceFrames& frames, std::size_t first, std::si
         cl::NDRange(round_up(columns, PREFILTER_ITEMS), round_up(height, PREFILTER_LINES), count),
         cl::NDRange(PREFILTER_ITEMS, PREFILTER_LINES, 1), filter);
   } else {
-    engine_.launch(engine_.queue(), rows_kernel_, cl::NDRange(pitch / vector, height, count),
+    engine_.launch(engine_.queue(), rows_kernel_, cl::NDRange(1, height, count),
                    cl::NDRange(1, 1, 1), filter);
   }
   const std::size_t across = wide ? 64 : 1;
