@@ -64,6 +64,7 @@ typedef struct Shared {
   float right[COLUMNS + 1];  // regressors times g, and g²
   float solution[COLUMNS];
   float row[2][COLUMNS], spread[2];  // see spreads
+  float noise[NOISE_PLACES * NOISE_PLACES];
 } Shared;
 
 // What noise leaves of a window.
@@ -246,7 +247,7 @@ static inline void step(__local Shared* shared, const Window window, const int w
 }
 
 static inline void store(__global WindowMotion* motion, __local Shared* shared,
-                         const float min_correlation, const float4 noise) {
+                         const float min_correlation, const float second_noise) {
   int status = shared->status;
   if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
   if (status == STATUS_OK && !(shared->correlation >= min_correlation)) {
@@ -257,7 +258,6 @@ static inline void store(__global WindowMotion* motion, __local Shared* shared,
   if (status == STATUS_OK) {
     // Both frames' noise shifts the result alike, but the residual holds the second one's after
     // interpolation. Pixels are rounded to whole grey levels, which a residual need not show.
-    const float second_noise = warp_noise(shared->warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise);
     const float variance = 2.0f * fmax(shared->variance / (1.0f + second_noise), ROUNDING_VARIANCE);
     motion->u = shared->warp[4];
     motion->v = shared->warp[5];
@@ -294,10 +294,11 @@ static inline void start(__local Shared* shared, const Window window, const Wind
 }
 
 // Refines every window whose seed is ok (u, v of `motions`; the rotation of the window's guess) in
-// place; of those that were sought in vain it tells which have no texture. coefficients, planes: of SplineFrames (prefilter.cl), the former from element
-// `offset` on. discs: (slots) centre x, y and squared radius; pixels of the first frame
-// outside carry no weight. noise: see warp_noise; w: variance of a slope in units of a pixel's.
-// pixel_variance: of the pictures' noise. One group of GROUP a window.
+// place; of those that were sought in vain it tells which have no texture. coefficients, planes: of
+// SplineFrames (prefilter.cl), the former from element `offset` on. discs: (slots) centre x, y and
+// squared radius; pixels of the first frame outside carry no weight. noise: see warp_noise; w:
+// variance of a slope in units of a pixel's. pixel_variance: of the pictures' noise. One group of
+// GROUP a window.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     __global const float* coefficients, const int offset, __global const float* planes,
     const int width, const int height, const int pitch, const int plane_pitch,
@@ -351,7 +352,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void refine_windows(
     if (item == 0) step(&shared, window, width, height);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
-  if (item == 0 && shared.status != STATUS_NO_SEED && shared.status != STATUS_LOST) {
-    store(&motions[get_group_id(0)], &shared, min_correlation, noise);
-  }
+  if (shared.status == STATUS_NO_SEED || shared.status == STATUS_LOST) return;
+  const float second_noise =
+      warp_noise(shared.warp, (float2)(HALF_PX, HALF_PX), HALF_PX, noise, shared.noise);
+  if (item == 0) store(&motions[get_group_id(0)], &shared, min_correlation, second_noise);
 }

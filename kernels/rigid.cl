@@ -19,7 +19,9 @@
 #define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)        /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
-#define SUMS (PRODUCTS + 1) /* and the weights' share of Newton's matrix, see biweight */
+#define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
+#define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
+#define SUMS (PRODUCTS + 2)
 #define BINS 256
 #define PART_BINS 16
 #define ROUNDING_VARIANCE (1.0f / 12.0f)
@@ -42,8 +44,9 @@
 #define NEAR_PX 0.5f
 // Residuals of this many scales have no weight: 98 % efficient on normal noise.
 #define TUKEY 6.0f
-// A pass whose weights had this much another scale than its residuals is not the last one.
-#define SAME_SCALE 0.02f
+// A pass whose weights had this much another scale than its residuals (logarithm) is not the last
+// one. Below, what the weights' sums would be with the other scale follows to first order.
+#define SAME_SCALE 0.06f
 // With weights that are held, each step leaves the same share of the way; Newton's, which tells how
 // they change, is longer. At most so much, since it need not be positive where most are outliers.
 #define LONGEST_STRETCH 1.3f
@@ -75,6 +78,7 @@ typedef struct Shared {
   int status, steps;
   float sums[SUMS];
   float solution[REGRESSORS];
+  float noise[NOISE_PLACES * NOISE_PLACES];
   float smoothed[2];
   int histogram[BINS];
   int parts[BINS / PART_BINS];
@@ -218,7 +222,8 @@ BARRIER_INLINE void pass(__global const float* value, __global const float* seco
     if (shared->bin > 0.0f) count_residuals(r, w, shared->bin, shared->histogram);
     REAL newton = 1.0f;
     const REAL robust = shared->scale > 0.0f ? biweight(r, shared->scale, &newton) : one;
-    sums[PRODUCTS] += w * newton;
+    sums[NEWTON] += w * newton;
+    sums[CHANGE] += w * (robust - newton) * r * r;  // dw/d(log scale) = w − d(w r)/dr
     w *= robust;
     REAL column[COLUMNS];
     column[0] = 1.0f;
@@ -337,8 +342,13 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   cholesky_solve(sums, REGRESSORS, shared->solution);
   float residual = right[REGRESSORS];
   for (int k = 0; k < REGRESSORS; ++k) residual -= shared->solution[k] * right[k];
-  shared->variance = fmax(residual, 0.0f) / (count - REGRESSORS);
-  const float stretch = clamp(count / sums[PRODUCTS], 1.0f, LONGEST_STRETCH);
+  const float scale =
+      shared->bin > 0.0f ? fmax(median_scale(shared), SMALLEST_SCALE * limits.grey_level) : 0.0f;
+  const float change = scale > 0.0f && shared->scale > 0.0f ? log(scale / shared->scale) : 0.0f;
+  const float slight = clamp(change, -SAME_SCALE, SAME_SCALE);
+  shared->carried = count + slight * (count - sums[NEWTON]);
+  shared->variance = fmax(residual + slight * sums[CHANGE], 0.0f) / (shared->carried - REGRESSORS);
+  const float stretch = clamp(count / sums[NEWTON], 1.0f, LONGEST_STRETCH);
   for (int k = 0; k < REGRESSORS; ++k) shared->solution[k] *= stretch;
   for (int k = 0; k < LIGHT; ++k) shared->light[k] += shared->solution[k];
   if (!(shared->light[1] > 0.0f)) {
@@ -349,11 +359,8 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   ++shared->steps;
   const float drift =
       fmax(fabs(shared->warp[4] - task.guess_dx), fabs(shared->warp[5] - task.guess_dy));
-  const float scale =
-      shared->bin > 0.0f ? fmax(median_scale(shared), SMALLEST_SCALE * limits.grey_level) : 0.0f;
   const int settled =
-      !limits.robust ||
-      (shared->scale > 0.0f && fabs(scale - shared->scale) <= SAME_SCALE * shared->scale);
+      !limits.robust || (shared->scale > 0.0f && scale > 0.0f && fabs(change) <= SAME_SCALE);
   if (shared->moved > 0.0f) {
     shared->pace = clamp(moved / fmax(shared->moved, SHORTEST_STEP_PX), SMALLEST_PACE, 1.0f);
   }
@@ -506,6 +513,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   }
   const Box box = disc_box(task, 0, limits.width, limits.height);
   const float share = smoothed_share(value, box, task, limits, smooth_taps, scratch, &shared);
+  const float second_noise =
+      warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise, shared.noise);
   if (item != 0) return;
   int status = shared.status;
   if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
@@ -519,8 +528,6 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   out->residual = sqrt(shared.variance);
   out->used = shared.carried / compared_area(task, limits);
   if (status == STATUS_OK) {
-    const float second_noise =
-        warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise);
     // The residual holds both frames' noise, the second one's after interpolation; pixels are
     // rounded to whole grey levels, which is noise that a residual need not show.
     const float pixel_variance =

@@ -29,19 +29,24 @@ KERNEL_INLINE void warp_compose_inverse(__local float* w, const float s0, const 
 // Variance of a spline between pixels in units of the noise's: A + B c + C c² along each axis,
 // c = cos 2πt, t the position's fraction (noise = A, B, C; interpolation_noise of
 // host/dic/spline_taps.h). Mean over the square of half side `reach` about `centre`, whose pixels
-// the warp may all lay differently.
-KERNEL_INLINE float warp_noise(__local const float* w, const float2 centre, const float reach,
-                               const float4 noise) {
-  float sum = 0.0f;
-  for (int j = -2; j <= 2; ++j) {
-    for (int i = -2; i <= 2; ++i) {
-      const float x = 0.5f * reach * (float)i, y = 0.5f * reach * (float)j;
-      const float cx = cospi(2.0f * (centre.x + w[4] + w[0] * x + w[1] * y));
-      const float cy = cospi(2.0f * (centre.y + w[5] + w[2] * x + w[3] * y));
-      sum += (noise.x + cx * (noise.y + cx * noise.z)) * (noise.x + cy * (noise.y + cy * noise.z));
-    }
+// the warp may all lay differently. Every work-item of the group must call it; `parts` holds
+// NOISE_PLACES².
+#define NOISE_PLACES 5
+BARRIER_INLINE float warp_noise(__local const float* w, const float2 centre, const float reach,
+                                const float4 noise, __local float* parts) {
+  for (int k = (int)get_local_id(0); k < NOISE_PLACES * NOISE_PLACES; k += GROUP) {
+    const float step = 2.0f / (NOISE_PLACES - 1) * reach;
+    const float x = step * (float)(k % NOISE_PLACES) - reach;
+    const float y = step * (float)(k / NOISE_PLACES) - reach;
+    const float cx = cospi(2.0f * (centre.x + w[4] + w[0] * x + w[1] * y));
+    const float cy = cospi(2.0f * (centre.y + w[5] + w[2] * x + w[3] * y));
+    parts[k] =
+        (noise.x + cx * (noise.y + cx * noise.z)) * (noise.x + cy * (noise.y + cy * noise.z));
   }
-  return sum / 25.0f;
+  barrier(CLK_LOCAL_MEM_FENCE);
+  float sum = 0.0f;
+  for (int k = 0; k < NOISE_PLACES * NOISE_PLACES; ++k) sum += parts[k];
+  return sum / (NOISE_PLACES * NOISE_PLACES);
 }
 
 #endif  // IMPACTDIC_KERNELS_WARP_H_

@@ -291,13 +291,13 @@ class Neighbours::Front {
   void seed(std::size_t i) {
     float scatter = 0;
     const Shift shift = consensus(i, &scatter);
-    Few turns;
+    Few turns;  // their tangents: one angle is worked out instead of six
     for (const Neighbour& neighbour : near()) {
       const WindowMotion& m = motions_[neighbour.index];
-      turns.add(std::atan2(m.uy - m.vx, 2 + m.ux + m.vy));
+      turns.add((m.uy - m.vx) / (2 + m.ux + m.vy));
     }
     Window window = windows_[i];
-    window.guess_rot_rad = turns.median();
+    window.guess_rot_rad = std::atan(turns.median());
     WindowMotion start{};
     start.u = shift.u;
     start.v = shift.v;
