@@ -22,11 +22,25 @@ constexpr int kRounds = 14, kSteps = 12;         // at most
 constexpr double kLinear = 0.12, kClose = 0.05;  // steps of the trace
 constexpr int kFirstStride = 4;
 constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
+constexpr std::size_t kRough = 70;    // lines that a rough fit needs
 constexpr double kShareWorth = 100;   // lines whose worth the shares inside the ball count
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
+constexpr double kNewton = 0.3;                     // of the curvature
 constexpr double kRelinearise = 0.03;               // steps of the trace
 constexpr double kCommon_px = 0.004;                // errors common to an arc
 constexpr double kArcs = 1.2;  // how a sector is misplaced by itself, over all of them together
+
+// What all lines say at some corrections.
+struct Sums {
+  Matrix5 curvature = Matrix5::Zero();  // Σ −∂² ln p j jᵀ, were the kinds known
+  Matrix5 hessian = Matrix5::Zero();    // Σ −∂² ln p j jᵀ
+  Vector5 score = Vector5::Zero();      // Σ ∂ ln p j
+  double hessian_sum = 0;
+  SectorSums sectors;
+  int points = 0;
+  double scatter = 0;
+  std::array<float, kKinds> kinds{};  // lines of each
+};
 
 // One fit: corrections to the rim, their covariance, and what the lines say.
 struct Estimate {
@@ -38,10 +52,11 @@ struct Estimate {
   int points = 0;
   double arc = 0;
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
-  // What the next estimate can start from: the shares of the kinds over those inside the ball, and
-  // the corrections about which the evidence in the memory is linear.
+  // What the next estimate can start from: the shares of the kinds over those inside the ball, the
+  // corrections about which the evidence in the memory is linear, and the last sums.
   std::array<float, kKinds> log_more{};
-  Vector5 about = Vector5::Zero();
+  Vector5 about = Vector5::Zero(), summed_at = Vector5::Zero();
+  Sums sums;
 };
 
 // Products of the jacobian (cos φ, sin φ, 1, cos 2φ, sin 2φ) from the means of cos kφ and sin kφ.
@@ -70,17 +85,6 @@ struct Waves {
   }
 };
 
-struct Sums {
-  Matrix5 curvature;  // Σ −∂² ln p j jᵀ, were the kinds known
-  Matrix5 hessian;    // Σ −∂² ln p j jᵀ
-  Vector5 score;      // Σ ∂ ln p j
-  double hessian_sum = 0;
-  SectorSums sectors;
-  int points = 0;
-  double scatter = 0;
-  std::array<float, kKinds> kinds{};  // lines of each
-};
-
 double excess_at(const RimLine& p, const Vector5& delta) {
   const double c = p.cos, s = p.sin;
   return c * delta[0] + s * delta[1] + delta[2] + (c * c - s * s) * delta[3] + 2 * c * s * delta[4];
@@ -88,26 +92,29 @@ double excess_at(const RimLine& p, const Vector5& delta) {
 
 using Evidence = RimModel::Evidence;
 
-// e^x for x <= 0, to 2e-7 of it; e^−30 below −30.
+// e^x for x <= 0, to 3e-6 of it; e^−30 below −30.
 [[gnu::always_inline]] inline void exponential(Lanes& x) {
   typedef int Int __attribute__((vector_size(sizeof(Lanes))));
-  x = x < -30.0f ? Lanes{} - 30.0f : x;
-  const Int whole = __builtin_convertvector(x * 1.44269504f - 0.5f, Int);
-  const Lanes r = x - __builtin_convertvector(whole, Lanes) * 0.693147181f;
+  Lanes y = x * 1.44269504f;
+  y = y < -43.0f ? Lanes{} - 43.0f : y;
+  const Int whole = __builtin_convertvector(y - 0.5f, Int);
+  const Lanes r = y - __builtin_convertvector(whole, Lanes);
   const Lanes p =
-      1 + r * (1 + r * (0.5f + r * (1.0f / 6 + r * (1.0f / 24 + r * (1.0f / 120 + r / 720)))));
-  const Int bits = (whole + 127) << 23;
-  Lanes power;
-  std::memcpy(&power, &bits, sizeof(power));
-  x = p * power;
+      1 + r * (0.69314718f +
+               r * (0.24022651f + r * (0.05550411f + r * (0.00961813f + r * 0.00133336f))));
+  Int bits;
+  std::memcpy(&bits, &p, sizeof(bits));
+  bits += whole << 23;
+  std::memcpy(&x, &bits, sizeof(x));
 }
 
 float total_of(const Lanes& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
 
-// Chances of the kinds from their ln p; returns that of none of them.
-[[gnu::always_inline]] inline void to_chances(float stray, Lanes (&value)[kKinds], Lanes& other) {
+// Chances of the kinds from their ln p, and that of none of them; 0 where no line is present.
+[[gnu::always_inline]] inline void to_chances(float stray, const Lanes& present,
+                                              Lanes (&value)[kKinds], Lanes& other) {
   Lanes most = Lanes{} + stray;
   for (const Lanes& v : value) most = v > most ? v : most;
   other = stray - most;
@@ -118,7 +125,7 @@ float total_of(const Lanes& v) {
     exponential(v);
     total += v;
   }
-  total = 1 / total;
+  total = present / total;
   other *= total;
   for (Lanes& v : value) v *= total;
 }
@@ -152,10 +159,9 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
       slope[k] = e.slope[k] - off * e.information[k];
       share[k] = e.value[k] + log_more[k] + (0.5f * off) * (e.slope[k] + slope[k]);
     }
-    to_chances(stray, share, other);
+    to_chances(stray, e.present, share, other);
     Lanes score{}, square{}, information{};
     for (int k = 0; k < kKinds; ++k) {
-      share[k] *= e.present;
       const Lanes weighted = share[k] * slope[k];
       score += weighted;
       square += weighted * slope[k];
@@ -238,14 +244,18 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
     delta << r.cx - rim.cx, r.cy - rim.cy, r.r - rim.r, r.e1 - rim.e1, r.e2 - rim.e2;
   }
   if (circle) {
-    delta = circle->delta;
+    delta = circle->summed_at;
     result.log_more = circle->log_more;
     result.about = circle->about;
+    result.sums = circle->sums;
   }
   auto& log_more = result.log_more;
   double wider = 1;
-  // Evidence of every line, linear about the present rim; of some lines at first.
-  int stride = !start.from && !circle && trace.lines.size() > kPlenty ? kFirstStride : 1;
+  // Evidence of every line, linear about the present rim; of some lines at first or if that will
+  // do.
+  const std::size_t n = trace.lines.size();
+  const int last_stride = roughly ? std::max(1, static_cast<int>(n / kRough)) : 1;
+  int stride = !roughly && !start.from && !circle && n > kPlenty ? kFirstStride : last_stride;
   for (int round = 0; round < kRounds; ++round) {
     if (round > 0 || !circle) {
       excesses(trace, delta, stride, memory.excess);
@@ -253,15 +263,21 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       result.about = delta;
     }
     const Vector5& before = result.about;
+    double last_moved = 1e-9;
     for (int pass = 0; pass < kSteps; ++pass) {
-      Sums s;
-      accumulate(memory.lines, delta, trace.step_px, log_more, model.stray(), s);
+      Sums& s = result.sums;
+      if (round > 0 || pass > 0 || !circle) {
+        s = {};
+        accumulate(memory.lines, delta, trace.step_px, log_more, model.stray(), s);
+        result.summed_at = delta;
+      }
       if (s.points < 3 * parameters) return result;
       wider = inflation(s.sectors, s.hessian_sum, kCommon_px, parameters);
       const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink);
       const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
       // Newton's step where the fit is all but there.
-      const bool there = stride == 1 && !roughly && s.hessian_sum > 0.5 * s.curvature(2, 2);
+      const bool there =
+          !roughly && stride == last_stride && s.hessian_sum > kNewton * s.curvature(2, 2);
       const Matrix5& bend = there ? s.hessian : s.curvature;
       Vector5 step = Eigen::LDLT<Matrix5>(bend / wider + known.precision).solve(gradient);
       // No farther than what is known of the lines holds.
@@ -272,32 +288,34 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       const double moved = step.cwiseAbs().maxCoeff();
       if (!std::isfinite(moved)) return result;
 
-      const double n = static_cast<double>(memory.excess.size());
+      const double lines = static_cast<double>(memory.excess.size());
       for (int k = 0; k < kKinds; ++k) {
         const double share = model.texture().kinds[k].share;
         log_more[k] = static_cast<float>(
-            std::log((s.kinds[k] + kShareWorth * share) / ((n + kShareWorth) * share)));
+            std::log((s.kinds[k] + kShareWorth * share) / ((lines + kShareWorth) * share)));
       }
-      if (!held && moved > (stride > 1 || roughly ? kRoughly : kSettled) * trace.step_px &&
-          pass + 1 < kSteps)
-        continue;
-      if (stride > 1) break;
+      // What is left to go, if steps go on to shrink as they do.
+      const double left = moved * std::min(1.0, moved / last_moved);
+      last_moved = moved;
+      const double settled = roughly || stride > last_stride ? kRoughly : kSettled;
+      if (!held && left > settled * trace.step_px && pass + 1 < kSteps) continue;
+      if (stride > last_stride) break;
       result.covariance =
           Eigen::LDLT<Matrix5>(s.hessian / wider + known.precision).solve(Matrix5::Identity());
       result.misplaced = misplaced(s, wider, result.covariance);
       if (!ellipse) result.oval = score_test(s.hessian, s.score, wider);
       result.scatter = trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
-      result.points = s.points;
+      result.points = std::min(static_cast<int>(n), s.points * stride);
       result.arc = 0;
       for (int count : s.sectors.points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
       break;
     }
     const double moved = (delta - before).cwiseAbs().maxCoeff();
-    if (stride == 1 && moved < (roughly ? kClose : kRelinearise) * trace.step_px) {
+    if (stride == last_stride && moved < (roughly ? kClose : kRelinearise) * trace.step_px) {
       result.ok = true;
       break;
     }
-    if (moved < kClose * trace.step_px) stride = 1;
+    if (moved < kClose * trace.step_px) stride = last_stride;
   }
   result.delta = delta;
   return result;
@@ -315,11 +333,11 @@ double change_of_width(const LineTrace& trace, const RimModel& model, const Vect
   for (std::size_t i = 0; i < memory.lines.size(); ++i) {
     Evidence& e = memory.lines[i];
     Lanes other;
-    to_chances(model.stray(), e.value, other);
+    to_chances(model.stray(), e.present, e.value, other);
     Lanes by_place{}, by_width{};
     for (int k = 0; k < kKinds; ++k) {
-      by_place += e.value[k] * e.slope[k] * e.present;
-      by_width += e.value[k] * memory.width[i].slope[k] * e.present;
+      by_place += e.value[k] * e.slope[k];
+      by_width += e.value[k] * memory.width[i].slope[k];
     }
     for (int lane = 0; lane < RimModel::kLanes; ++lane) {
       const Eigen::Vector4d s{by_place[lane] * e.cos[lane], by_place[lane] * e.sin[lane],

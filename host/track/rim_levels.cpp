@@ -81,6 +81,26 @@ void drop_deep_in_front(CastLines& lines) {
   lines.deep_level.resize(kept);
 }
 
+// The level that one of n values in twenty reaches.
+float upper(const float* values, int n) {
+  const int wanted = n - static_cast<int>(0.95 * n);  // so many reach it
+  constexpr int kMost = 16;
+  if (wanted > kMost) {
+    std::vector<float> copy(values, values + n);
+    return quantile(copy, 0.95);
+  }
+  float top[kMost];  // the highest so far, the lowest of them first
+  std::fill(top, top + wanted, -1e30f);
+  for (int i = 0; i < n; ++i) {
+    const float value = values[i];
+    if (value <= top[0]) continue;
+    int at = 0;
+    for (; at + 1 < wanted && top[at + 1] < value; ++at) top[at] = top[at + 1];
+    top[at] = value;
+  }
+  return top[0];
+}
+
 // How many of the deep samples of lines `begin` to `end` lie within a window about the paint's
 // level, and how far off they lie, added up.
 IMPACTDIC_WIDE void sum_near(const CastLines& lines, int begin, int end,
@@ -106,43 +126,21 @@ class BallLight {
  public:
   // `ground` is the background's level.
   void fit(const CastLines& lines, float ground, float noise) {
-    struct Bright {
-      Vector5 basis;
-      double level;
-    };
-    std::array<Bright, kSectors> bright;
-    int sectors = 0;
     const int n = static_cast<int>(lines.deep_line.size());
-    thread_local std::vector<float> values;  // memory only
-    for (int sector = 0, begin = 0; sector < kSectors; ++sector) {
-      values.clear();
+    sectors_ = 0;
+    for (int begin = 0; begin < n;) {
+      const int sector = lines.sector(lines.deep_line[begin], kSectors);
       int end = begin;
-      for (; end < n && lines.sector(lines.deep_line[end], kSectors) == sector; ++end) {
-        const float* level = reinterpret_cast<const float*>(&lines.deep_level[end]);
-        values.insert(values.end(), level, level + kDeep);
-      }
-      ends_[sector] = end;
-      if (!values.empty()) {
-        const int middle = (begin + end) / 2;
-        bright[sectors++] = {basis(lines.deep_x[middle], lines.deep_y[middle]),
-                             quantile(values, 0.95)};
-      }
+      while (end < n && lines.sector(lines.deep_line[end], kSectors) == sector) ++end;
+      const double x = lines.deep_x[(begin + end) / 2], y = lines.deep_y[(begin + end) / 2];
+      parts_[sectors_++] = {
+          begin,
+          end,
+          {1, x, y, x * x - y * y, 2 * x * y},
+          upper(reinterpret_cast<const float*>(&lines.deep_level[begin]), (end - begin) * kDeep)};
       begin = end;
     }
-    // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
-    w_.setZero();
-    for (int pass = 0; pass < 6; ++pass) {
-      Matrix5 a = Matrix5::Identity() * 1e-6;
-      for (int m = 1; m < 5; ++m) a(m, m) = m < 3 ? 0.1 : 1;  // no shading unless it shows
-      Vector5 b = Vector5::Zero();
-      for (int k = 0; k < sectors; ++k) {
-        const double off = bright[k].level - w_.dot(bright[k].basis);
-        const double weight = pass == 0 || off > -0.02 * (w_[0] - ground) ? 1 : 0.03;
-        a.noalias() += weight * bright[k].basis * bright[k].basis.transpose();
-        b.noalias() += weight * bright[k].level * bright[k].basis;
-      }
-      w_ = a.ldlt().solve(b);
-    }
+    find_envelope(ground);
     const float contrast = static_cast<float>(w_[0]) - ground;
     const float last = std::max(2.5f * noise, 0.015f * contrast);
     for (const float window :
@@ -157,28 +155,64 @@ class BallLight {
   }
 
  private:
-  static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
+  struct Part {
+    int begin, end;  // its deep lines
+    std::array<double, 5> basis;
+    double level;  // that one sample in twenty exceeds
+  };
+  struct Normal {
+    Matrix5 a = Matrix5::Zero();  // its lower triangle
+    Vector5 b = Vector5::Zero();
+    void add(const std::array<double, 5>& j, double weight, double weighted) {
+      for (int m = 0; m < 5; ++m) {
+        for (int n = 0; n <= m; ++n) a(m, n) += weight * j[m] * j[n];
+        b[m] += weighted * j[m];
+      }
+    }
+    Vector5 solution() const { return a.llt().solve(b); }
+  };
+
+  // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
+  void find_envelope(float ground) {
+    w_.setZero();
+    std::array<bool, kSectors> below{};
+    for (int pass = 0; pass < 6; ++pass) {
+      Normal normal;
+      for (int m = 0; m < 5; ++m) {
+        normal.a(m, m) = m == 0 ? 1e-6 : m < 3 ? 0.1 : 1;  // no shading unless it shows
+      }
+      bool same = pass > 0;
+      for (int k = 0; k < sectors_; ++k) {
+        const Part& part = parts_[k];
+        double off = part.level;
+        for (int m = 0; m < 5; ++m) off -= w_[m] * part.basis[m];
+        const bool is_below = pass > 0 && off <= -0.02 * (w_[0] - ground);
+        same = same && is_below == below[k];
+        below[k] = is_below;
+        const double weight = is_below ? 0.03 : 1;
+        normal.add(part.basis, weight, weight * part.level);
+      }
+      if (same) return;
+      w_ = normal.solution();
+    }
+  }
 
   void settle(const CastLines& lines, float window) {
     // A handful of samples at the present level, so that sectors without bare paint keep theirs.
     const std::array<float, 5> w = coefficients();
-    Matrix5 a = Matrix5::Identity() * 5;
-    Vector5 b = Vector5::Zero();
-    for (int sector = 0, i = 0; sector < kSectors; ++sector) {
-      const int begin = i;
+    Normal normal;
+    normal.a.diagonal().setConstant(5);
+    for (int k = 0; k < sectors_; ++k) {
+      const Part& part = parts_[k];
       float n, sum;
-      i = ends_[sector];
-      sum_near(lines, begin, i, w, window, n, sum);
-      if (n == 0) continue;
-      const int middle = (begin + i) / 2;
-      const Vector5 j = basis(lines.deep_x[middle], lines.deep_y[middle]);
-      a.noalias() += n * j * j.transpose();
-      b.noalias() += sum * j;
+      sum_near(lines, part.begin, part.end, w, window, n, sum);
+      if (n > 0) normal.add(part.basis, n, sum);
     }
-    w_ += a.ldlt().solve(b);
+    w_ += normal.solution();
   }
 
-  std::array<int, kSectors> ends_{};
+  std::array<Part, kSectors> parts_;
+  int sectors_ = 0;
   Vector5 w_ = Vector5::Zero();
 };
 

@@ -18,15 +18,23 @@ constexpr int kDeepEvery = 4;  // lines from one that reaches deep to the next, 
 constexpr int kBeside = 3;     // lines beside one with an obstacle that the obstacle's blur reaches
 constexpr float kLeastContrast = 0.2f;  // of the usual contrast
 
-// The background at a line whose outermost sample reads `seen`: linear between the middles of the
-// sectors, or where an obstacle ends between them the nearer of the two.
-float ground_at(const std::array<float, kSectors>& levels, float turn, float seen, float contrast) {
-  const float at = turn * (kSectors / 4) - 0.5f;
-  const int b = static_cast<int>(at + 1) - 1;
-  const float t = at - static_cast<float>(b);
-  const float a = levels[b < 0 ? kSectors - 1 : b], c = levels[b + 1 < kSectors ? b + 1 : 0];
-  if (std::abs(a - c) < kGroundTolerance * contrast) return a + t * (c - a);
-  return std::abs(seen - a) < std::abs(seen - c) ? a : c;
+// The background at lines from their outermost samples: linear between the middles of the sectors,
+// or where an obstacle ends between them the nearer of the two.
+void grounds_at(const CastLines& lines, const std::array<float, kSectors>& levels, float contrast,
+                std::vector<float>& out) {
+  const int n = lines.size();
+  out.resize(static_cast<std::size_t>(n));
+  for (int b = -1, i = 0; i < n; ++b) {
+    const float a = levels[b < 0 ? kSectors - 1 : b], c = levels[b + 1 < kSectors ? b + 1 : 0];
+    const bool alike = std::abs(a - c) < kGroundTolerance * contrast;
+    const float from = static_cast<float>(b) + 0.5f, to = from + 1;
+    for (; i < n && lines.turn[i] * (kSectors / 4) < to; ++i) {
+      const float seen = lines.level[i].v[kSamples - 1];
+      out[i] = alike ? a + (lines.turn[i] * (kSectors / 4) - from) * (c - a)
+               : std::abs(seen - a) < std::abs(seen - c) ? a
+                                                         : c;
+    }
+  }
 }
 
 }  // namespace
@@ -37,48 +45,52 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
   // A texture wants all that it can get, the light a hundred lines or two.
   const int deep_every = wants.texture ? 1 : !wants.levels ? 0 : most_lines > 400 ? kDeepEvery : 1;
   cast_lines(frame, rim, bright, {step_px, most_lines, deep_every}, lines);
-  trace.lines.clear();
   trace.cast = lines.cast;
   trace.in_view = lines.size();
   trace.step_px = step_px;
-  if (lines.size() < 16) return;
-  if (wants.levels && !find_levels(lines, trace.levels)) return;
+  if (lines.size() < 16 || (wants.levels && !find_levels(lines, trace.levels))) {
+    trace.lines.clear();
+    return;
+  }
   const float noise = trace.levels.noise;
   const auto& light = trace.levels.light;
   const float usual = trace.levels.usual;
   trace.noise = std::max(noise / usual, 0.003f);
 
   const int n = lines.size();
+  thread_local std::vector<float> ground;  // memory only
+  thread_local std::vector<int> kept;      // number of each line kept
+  grounds_at(lines, trace.levels.ground, usual, ground);
+  kept.resize(static_cast<std::size_t>(n));
+  trace.lines.resize(static_cast<std::size_t>(n));
+  int count = 0;
   int blocked = -kBeside - 1;  // the last line with something else outside
   std::size_t next_deep = 0;
-  thread_local std::vector<int> kept;
-  kept.clear();
   for (int i = 0; i < n; ++i) {
     const Profile& level = lines.level[i].v;
     const float seen = level[kSamples - 1];
     const float ball = light_at(light, lines.cos[i], lines.sin[i]);
-    const float outside = ground_at(trace.levels.ground, lines.turn[i], seen, usual);
-    const float contrast = ball - outside;
+    const float outside = ground[i], contrast = ball - outside;
     const bool clear = contrast > kLeastContrast * usual && contrast > 6 * noise &&
                        std::abs(seen - outside) < kGroundTolerance * contrast + 4 * noise;
     if (!clear) {
       blocked = i;
-      while (!kept.empty() && kept.back() >= i - kBeside) {
-        kept.pop_back();
-        trace.lines.pop_back();
-      }
+      while (count > 0 && kept[count - 1] >= i - kBeside) --count;
       continue;
     }
     if (i - blocked <= kBeside) continue;
-    const float per_contrast = 1 / contrast;
-    Profile p = (level - outside) * per_contrast;
-    p[kSamples] = 0;
     // Ink, or an obstacle across the rim.
-    if (std::max({p[0], p[1], p[2]}) < std::max(kNothing, 5 * noise * per_contrast)) continue;
+    const float inside = std::max({level[0], level[1], level[2]}) - outside;
+    if (inside < std::max(kNothing * contrast, 5 * noise)) continue;
+    RimLine& line = trace.lines[count];
+    line.profile = (level - outside) * (1 / contrast);
+    line.profile[kSamples] = 0;
     const float relative = contrast / usual;
-    kept.push_back(i);
-    trace.lines.push_back(
-        {p, lines.cos[i], lines.sin[i], relative * relative, lines.sector(i, kRimSectors)});
+    line.cos = lines.cos[i];
+    line.sin = lines.sin[i];
+    line.weight = relative * relative;
+    line.sector = lines.sector(i, kRimSectors);
+    kept[count++] = i;
     if (!wants.texture) continue;
     const std::size_t deeps = lines.deep_line.size();
     while (next_deep < deeps && lines.deep_line[next_deep] < i) ++next_deep;
@@ -94,6 +106,7 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
       }
     }
   }
+  trace.lines.resize(static_cast<std::size_t>(count));
 }
 
 }  // namespace impactdic

@@ -250,6 +250,25 @@ int RimModel::place_of(float excess) {
   return static_cast<int>(at + (kReach + 0.5f));
 }
 
+[[gnu::always_inline]] inline void transpose(Lanes (&v)[RimModel::kLanes]) {
+  // Swaps blocks of 4, 2 and 1 across the diagonal.
+  for (const int i : {0, 1, 2, 3}) {
+    const Lanes a = v[i], b = v[i + 4];
+    v[i] = __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
+    v[i + 4] = __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+  for (const int i : {0, 1, 4, 5}) {
+    const Lanes a = v[i], b = v[i + 2];
+    v[i] = __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
+    v[i + 2] = __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+  for (const int i : {0, 2, 4, 6}) {
+    const Lanes a = v[i], b = v[i + 1];
+    v[i] = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+    v[i + 1] = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+}
+
 // Calls use(table, here) for every place of a block's lines; `here`: which of them.
 template <typename Use>
 [[gnu::always_inline]] inline void RimModel::for_each_place(const Evidence& e,
@@ -288,21 +307,22 @@ IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const std::vector
   out.resize((excess.size() + kLanes - 1) / kLanes);
   for (std::size_t block = 0; block < out.size(); ++block) {
     Evidence& e = out[block];
-    int place[kLanes];
+    Lanes profile[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
       // The last block is filled up with the last line.
       const std::size_t k = block * kLanes + static_cast<std::size_t>(lane);
       const std::size_t from = std::min(k, excess.size() - 1);
       const RimLine& line = trace.lines[from * static_cast<std::size_t>(stride)];
-      place[lane] = place_of(excess[from]);
-      for (int i = 0; i < kSamples; ++i) e.profile[i][lane] = line.profile[i];
-      e.at[lane] = static_cast<float>(place[lane] - kReach) / kPerStep;
+      profile[lane] = line.profile;
+      e.at[lane] = static_cast<float>(place_of(excess[from]) - kReach) / kPerStep;
       e.cos[lane] = line.cos;
       e.sin[lane] = line.sin;
       e.weight[lane] = line.weight;
       e.present[lane] = k == from ? 1 : 0;
       e.sector[lane] = line.sector;
     }
+    transpose(profile);
+    for (int i = 0; i < kSamples; ++i) e.profile[i] = profile[i];
     for_each_place(
         e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
           Lanes value[kKinds], slope[kKinds];
