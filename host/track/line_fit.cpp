@@ -25,7 +25,7 @@ constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
 constexpr std::size_t kRough = 70;    // lines that a rough fit needs
 constexpr double kShareWorth = 100;   // lines whose worth the shares inside the ball count
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
-constexpr double kNewton = 0.3;                     // of the curvature
+constexpr double kThere = 0.5, kConvex = 0.25;      // of the curvature were the kinds known
 constexpr double kRelinearise = 0.03;               // steps of the trace
 constexpr double kCommon_px = 0.004;                // errors common to an arc
 constexpr double kArcs = 1.2;  // how a sector is misplaced by itself, over all of them together
@@ -54,7 +54,7 @@ struct Estimate {
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
   // What the next estimate can start from: the shares of the kinds over those inside the ball, the
   // corrections about which the evidence in the memory is linear, and the last sums.
-  std::array<float, kKinds> log_more{};
+  KindShares shares{};
   Vector5 about = Vector5::Zero(), summed_at = Vector5::Zero();
   Sums sums;
 };
@@ -131,8 +131,7 @@ float total_of(const Lanes& v) {
 }
 
 IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector5& delta,
-                               double step_px, const std::array<float, kKinds>& log_more,
-                               float stray, Sums& s) {
+                               double step_px, const KindShares& shares, float stray, Sums& s) {
   const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
   // By 1, cos φ, sin φ … cos 4φ, sin 4φ.
   constexpr int kWaves = 9;
@@ -157,7 +156,7 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
     Lanes share[kKinds], slope[kKinds], other;
     for (int k = 0; k < kKinds; ++k) {
       slope[k] = e.slope[k] - off * e.information[k];
-      share[k] = e.value[k] + log_more[k] + (0.5f * off) * (e.slope[k] + slope[k]);
+      share[k] = e.value[k] + shares[k] + (0.5f * off) * (e.slope[k] + slope[k]);
     }
     to_chances(stray, e.present, share, other);
     Lanes score{}, square{}, information{};
@@ -245,11 +244,11 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
   }
   if (circle) {
     delta = circle->summed_at;
-    result.log_more = circle->log_more;
+    result.shares = circle->shares;
     result.about = circle->about;
     result.sums = circle->sums;
   }
-  auto& log_more = result.log_more;
+  if (start.shares && !circle) result.shares = *start.shares;
   double wider = 1;
   // Evidence of every line, linear about the present rim; of some lines at first or if that will
   // do.
@@ -268,17 +267,18 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       Sums& s = result.sums;
       if (round > 0 || pass > 0 || !circle) {
         s = {};
-        accumulate(memory.lines, delta, trace.step_px, log_more, model.stray(), s);
+        accumulate(memory.lines, delta, trace.step_px, result.shares, model.stray(), s);
         result.summed_at = delta;
       }
       if (s.points < 3 * parameters) return result;
       wider = inflation(s.sectors, s.hessian_sum, kCommon_px, parameters);
       const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink);
       const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
-      // Newton's step where the fit is all but there.
-      const bool there =
-          !roughly && stride == last_stride && s.hessian_sum > kNewton * s.curvature(2, 2);
-      const Matrix5& bend = there ? s.hessian : s.curvature;
+      // Newton's step where the fit is all but there, half-way to it before.
+      const double convex = s.hessian_sum / s.curvature(2, 2);
+      const bool there = !roughly && stride == last_stride && convex > kThere;
+      const double newton = there ? 1 : convex > kConvex ? 0.5 : 0;
+      const Matrix5 bend = s.curvature + newton * (s.hessian - s.curvature);
       Vector5 step = Eigen::LDLT<Matrix5>(bend / wider + known.precision).solve(gradient);
       // No farther than what is known of the lines holds.
       const double far = (delta + step - before).cwiseAbs().maxCoeff();
@@ -291,7 +291,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       const double lines = static_cast<double>(memory.excess.size());
       for (int k = 0; k < kKinds; ++k) {
         const double share = model.texture().kinds[k].share;
-        log_more[k] = static_cast<float>(
+        result.shares[k] = static_cast<float>(
             std::log((s.kinds[k] + kShareWorth * share) / ((lines + kShareWorth) * share)));
       }
       // What is left to go, if steps go on to shrink as they do.
@@ -386,6 +386,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
     fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
   }
   fit.residual_px = best.scatter;
+  fit.shares = best.shares;
   fit.points = best.points;
   fit.arc = best.arc;
   if (start.how == Thoroughness::with_width) {

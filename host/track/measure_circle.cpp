@@ -113,9 +113,10 @@ ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions&
     trace_lines(frame, from, *prior.bright, m.look->step_px(),
                 roughly ? options.rays / kFew : options.rays, {.levels = roughly}, trace);
     if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
-    m.fit = fit_lines(
-        trace, *m.look, from, prior, options.allow_ellipse,
-        {roughly ? Thoroughness::roughly : Thoroughness::finely, roughly ? nullptr : &from});
+    LineStart start{Thoroughness::roughly};
+    const KindShares shares = m.fit.shares;
+    if (!roughly) start = {Thoroughness::finely, &from, &shares};
+    m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse, start);
     if (!m.fit.ok || m.fit.points < kFollowable * static_cast<double>(trace.lines.size())) break;
     const double moved = distance(m.fit.rim, from) / trace.step_px;
     if (moved > kFollowed) break;

@@ -66,6 +66,9 @@ void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px
 
 // The fit to the traced lines.
 class RimModel;
+inline constexpr int kKinds = 8;  // of lines, see RimModel
+// ln of the shares of the kinds at the rim over those inside the ball.
+typedef std::array<float, kKinds> KindShares;
 struct LineFit {
   bool ok = false;
   Rim rim;
@@ -76,13 +79,15 @@ struct LineFit {
   double residual_px = 0;  // scatter of the clean lines
   int points = 0;          // that have to do with the rim
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
+  KindShares shares{};
   // Where wanted: change of ln σ of the edge that the lines ask for, and RimModel::misfit.
   double width = 0, misfit = 0;
 };
 enum class Thoroughness { roughly, finely, with_width };
 struct LineStart {
   Thoroughness how = Thoroughness::finely;
-  const Rim* from = nullptr;  // an earlier fit to the same trace
+  const Rim* from = nullptr;           // near the fit
+  const KindShares* shares = nullptr;  // of a fit to the same frame
 };
 LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
                   const CirclePrior& prior, bool allow_ellipse, const LineStart& start);

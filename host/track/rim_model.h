@@ -19,7 +19,7 @@ namespace impactdic {
 
 // Moments of the ball's look over kTexture samples from the innermost on, kind by kind.
 inline constexpr int kTexture = kInside + 2;
-inline constexpr int kKinds = 8;  // bare paint throughout; others by the middle and the outer end
+// Kind 0 is bare paint throughout; the others go by the middle and the outer end.
 struct RimTexture {
   struct Kind {
     double share;
