@@ -88,4 +88,11 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return run(argc, argv); }
+int main(int argc, char** argv) {
+#ifdef __AVX2__
+  if (!__builtin_cpu_supports("avx2")) {
+    return report("this processor lacks AVX2: build with -DIMPACTDIC_CPU=x86-64", kFailed);
+  }
+#endif
+  return run(argc, argv);
+}
