@@ -127,6 +127,7 @@ int run(const Request& request) {
   if (!fs::exists(clip)) write_clip(request, path, format);
   const std::string command =
       request.program + " track " + clip + " -o " + out + " --force" + request.options + " 1>&2";
+  fs::remove_all(out);  // to take back the memory of an earlier run's files is not this run's work
   const Stopwatch watch;
   const int status = std::system(command.c_str());
   const double wall_s = watch.seconds();

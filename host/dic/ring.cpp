@@ -14,21 +14,22 @@ constexpr std::size_t kBatch = 16;
 }  // namespace
 
 RingRotation::RingRotation(Engine& engine, const RingOptions& options)
-    : engine_(engine),
-      options_((options.validate(), options)),
-      forward_(engine, static_cast<std::size_t>(options.angles), 1,
-               kBatch * static_cast<std::size_t>(options.rings)),
-      inverse_(engine, static_cast<std::size_t>(options.angles), 1, kBatch) {
-  const Defines defines = {{"SPLINE_DEGREE", std::to_string(options.spline_degree)}};
-  unwrap_ = engine.kernel("ring.cl", "unwrap_rings", defines);
-  sum_ = engine.kernel("ring.cl", "sum_rings", defines);
-  const auto angles = static_cast<std::size_t>(options.angles);
-  tasks_ = Buffer<RingTask>(engine, kBatch);
-  missing_ = Buffer<cl_int>(engine, kBatch);
-  polar_ = Buffer<std::complex<float>>(engine,
-                                       kBatch * static_cast<std::size_t>(options.rings) * angles);
-  cross_ = Buffer<std::complex<float>>(engine, kBatch * angles);
-  energy_ = Buffer<std::complex<float>>(engine, kBatch * angles);
+    : engine_(engine), options_((options.validate(), options)) {}
+
+void RingRotation::prepare() {
+  if (forward_) return;
+  const auto angles = static_cast<std::size_t>(options_.angles);
+  const auto rings = static_cast<std::size_t>(options_.rings);
+  const Defines defines = {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)}};
+  unwrap_ = engine_.kernel("ring.cl", "unwrap_rings", defines);
+  sum_ = engine_.kernel("ring.cl", "sum_rings", defines);
+  tasks_ = Buffer<RingTask>(engine_, kBatch);
+  missing_ = Buffer<cl_int>(engine_, kBatch);
+  polar_ = Buffer<std::complex<float>>(engine_, kBatch * rings * angles);
+  cross_ = Buffer<std::complex<float>>(engine_, kBatch * angles);
+  energy_ = Buffer<std::complex<float>>(engine_, kBatch * angles);
+  inverse_.emplace(engine_, angles, 1, kBatch);
+  forward_.emplace(engine_, angles, 1, kBatch * rings);
 }
 
 std::vector<RingMotion> RingRotation::measure(DeviceFrames& frames,
@@ -42,6 +43,7 @@ std::vector<RingMotion> RingRotation::measure(DeviceFrames& frames,
     }
   }
   if (tasks.empty()) return {};
+  prepare();
   const SplineFrames& splines = frames.splines(options_.spline_degree, options_.presmooth_sigma_px);
   std::vector<RingMotion> motions;
   motions.reserve(tasks.size());
@@ -66,7 +68,7 @@ void RingRotation::measure_batch(const SplineFrames& splines, std::span<const Ri
                 missing_.get());
   engine_.launch(engine_.queue(), unwrap_, cl::NDRange(angles, rings, count),
                  cl::NDRange(local, 1, 1), {16 * samples, 4 * samples * taps * taps});
-  forward_.forward(engine_.queue(), polar_.get());
+  forward_->forward(engine_.queue(), polar_.get());
   set_arguments(sum_, polar_.get(), tasks_.get(), options_.rings, cross_.get(), energy_.get());
   engine_.launch(engine_.queue(), sum_, cl::NDRange(angles, count), cl::NDRange(local, 1),
                  {16 * samples, 20 * samples});
@@ -76,7 +78,7 @@ void RingRotation::measure_batch(const SplineFrames& splines, std::span<const Ri
   cross_.read(engine_, cross);
   energy_.read(engine_, energy);
   missing_.read(engine_, missing);
-  inverse_.inverse(engine_.queue(), cross_.get());
+  inverse_->inverse(engine_.queue(), cross_.get());
   cross_.read(engine_, correlation);
   for (std::size_t k = 0; k < count; ++k) {
     const auto part = [&](const std::vector<std::complex<float>>& all) {

@@ -54,14 +54,16 @@ class RingRotation {
   std::vector<RingMotion> measure(DeviceFrames& frames, std::span<const RingTask> tasks);
 
  private:
+  // Plans and memory, when they are first needed: clFFT takes milliseconds, and few clips lose
+  // their windows.
+  void prepare();
   void measure_batch(const SplineFrames& splines, std::span<const RingTask> tasks,
                      std::vector<RingMotion>& motions);
 
   Engine& engine_;
   RingOptions options_;
   cl::Kernel unwrap_, sum_;
-  FftPlan forward_;
-  FftPlan inverse_;
+  std::optional<FftPlan> forward_, inverse_;
   Buffer<RingTask> tasks_;
   Buffer<std::complex<float>> polar_, cross_, energy_;
   Buffer<cl_int> missing_;
