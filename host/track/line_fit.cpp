@@ -22,7 +22,7 @@ constexpr int kRounds = 14, kSteps = 12;         // at most
 constexpr double kLinear = 0.12, kClose = 0.05;  // steps of the trace
 constexpr int kFirstStride = 4;
 constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
-constexpr std::size_t kRough = 70;    // lines that a rough fit needs
+constexpr std::size_t kRough = 85;    // lines that a rough fit needs
 constexpr double kShareWorth = 100;   // lines whose worth the shares inside the ball count
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
 constexpr double kThere = 0.5, kConvex = 0.25;      // of the curvature were the kinds known
@@ -237,6 +237,8 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
   const int parameters = ellipse ? 5 : 3;
   const double shrink = model.edge_sigma_px() * model.edge_sigma_px() / (2 * rim.r);
   const bool roughly = start.how == Thoroughness::roughly;
+  // What is learnt is shared by many frames: no step of it is saved.
+  const bool follows = start.how != Thoroughness::with_width;
   Vector5 delta = Vector5::Zero();
   if (start.from) {
     const Rim& r = *start.from;
@@ -277,7 +279,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       // Newton's step where the fit is all but there, half-way to it before.
       const double convex = s.hessian_sum / s.curvature(2, 2);
       const bool there = !roughly && stride == last_stride && convex > kThere;
-      const double newton = there ? 1 : convex > kConvex ? 0.5 : 0;
+      const double newton = there ? 1 : follows && convex > kConvex ? 0.5 : 0;
       const Matrix5 bend = s.curvature + newton * (s.hessian - s.curvature);
       Vector5 step = Eigen::LDLT<Matrix5>(bend / wider + known.precision).solve(gradient);
       // No farther than what is known of the lines holds.
@@ -295,7 +297,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
             std::log((s.kinds[k] + kShareWorth * share) / ((lines + kShareWorth) * share)));
       }
       // What is left to go, if steps go on to shrink as they do.
-      const double left = moved * std::min(1.0, moved / last_moved);
+      const double left = follows ? moved * std::min(1.0, moved / last_moved) : moved;
       last_moved = moved;
       const double settled = roughly || stride > last_stride ? kRoughly : kSettled;
       if (!held && left > settled * trace.step_px && pass + 1 < kSteps) continue;

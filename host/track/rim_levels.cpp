@@ -109,7 +109,7 @@ IMPACTDIC_WIDE void sum_near(const CastLines& lines, int begin, int end,
   Lanes off_sum{}, count{};
   for (int i = begin; i < end; ++i) {
     const Lanes off = lines.deep_level[i].v - light_at(light, lines.deep_x[i], lines.deep_y[i]);
-    const auto near = off <= window && off >= -window;
+    const auto near = (off <= window) & (off >= -window);
     off_sum += near ? off : Lanes{};
     count += near ? Lanes{} + 1 : Lanes{};
   }

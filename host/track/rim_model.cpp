@@ -359,7 +359,7 @@ double RimModel::misfit(const std::vector<Evidence>& blocks) const {
           Lanes value[kKinds];
           form(table.value, e.profile, e.weight, value);
           for (int k = 0; k < kKinds; ++k) {
-            const auto likelier = here && value[k] > most;
+            const auto likelier = here & (value[k] > most);
             most = likelier ? value[k] : most;
             left = likelier ? 2 * (table.value.offset[k] - value[k]) : left;
           }
