@@ -62,6 +62,11 @@
 #define PARAMETERS 3
 #endif
 
+// rigid.cl: taps on each side of its middle of the Gaussian that both pictures went through.
+#ifndef SMOOTH_RADIUS
+#define SMOOTH_RADIUS 2
+#endif
+
 // rigid.cl: 1 where a mask says which pixels of the first picture count.
 #ifndef MASKED
 #define MASKED 0

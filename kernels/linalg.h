@@ -7,8 +7,9 @@
 // Where element (row, column), column <= row, of a packed lower triangle stands.
 #define TRIANGLE(row, column) ((row) * ((row) + 1) / 2 + (column))
 
-// The largest n below, a literal wherever these are called, so that a work-item has all in
-// registers.
+// The largest n below, a literal wherever these are called: a work-item then has all in registers,
+// where a chain of local memory's latencies would be most of the time. Always inlined: LLVM 15
+// crashes where it propagates constants into them.
 #define LARGEST_SYSTEM 10
 
 // Replaces the packed lower triangle of A (n × n) by its Cholesky factor L, A = L Lᵀ, on whose

@@ -385,8 +385,8 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
 BARRIER_INLINE float smoothed_share(__global const float* value, const Box box, const BallTask task,
                                     const BallLimits limits, __constant float* taps,
                                     __local float* scratch, __local Shared* shared) {
-  if (limits.smooth_radius == 0) return 1.0f;
-  const int item = (int)get_local_id(0), reach = limits.smooth_radius;
+  if (SMOOTH_RADIUS == 0) return 1.0f;
+  const int item = (int)get_local_id(0), reach = SMOOTH_RADIUS;
   const size_t plane = (size_t)limits.height * limits.plane_pitch;
   const int across = (box.x1 - box.x0 + 3) / 4, down = (box.y1 - box.y0 + 3) / 4;
   float power[2] = {0.0f, 0.0f};
@@ -401,7 +401,7 @@ BARRIER_INLINE float smoothed_share(__global const float* value, const Box box, 
     float smooth_x = 0.0f, smooth_y = 0.0f;
 #pragma unroll 1
     for (int j = -reach; j <= reach; ++j) {
-#pragma unroll 1
+#pragma unroll
       for (int i = -reach; i <= reach; ++i) {
         const float weight = taps[abs(i)] * taps[abs(j)];
         smooth_x += weight * at[j * limits.plane_pitch + i];
@@ -467,7 +467,7 @@ static inline void store_failure(__global BallMotion* out) {
 }
 
 // coefficients, planes: of SplineFrames (prefilter.cl), the former from element `offset` on.
-// smooth_taps: (limits.smooth_radius + 1) weights of the pre-smoothing. noise: see warp_noise, and
+// smooth_taps: (SMOOTH_RADIUS + 1) weights of the pre-smoothing. noise: see warp_noise, and
 // in its last element the noise variance of the first picture. mask: weights of the first picture's
 // pixels, rows as the planes' (MASKED 1; else not read). One group of GROUP a task.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(

@@ -93,7 +93,6 @@ typedef struct BallLimits {
   idic_int width, height, pitch, plane_pitch;  // of SplineFrames
   idic_int max_steps;
   idic_int robust;         // not 0: Tukey's weights
-  idic_int smooth_radius;  // of the Gaussian that both pictures went through
   float grey_level;        // of 255, in grey levels of the file
   float min_contrast;      // rms, grey levels of the file
   float min_correlation;   // ZNCC

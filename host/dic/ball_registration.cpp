@@ -21,14 +21,14 @@ BallRegistration::BallRegistration(Engine& engine, const BallOptions& options,
     : engine_(engine),
       options_((options.validate(), options)),
       tiling_(choose_tiling(engine, tiling, 512)) {
+  const auto taps = gaussian_taps(options.presmooth_sigma_px);
   kernel_ = engine.kernel("rigid.cl", "register_balls",
                           {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
                            {"VECTOR", std::to_string(tiling_.vector)},
                            {"GROUP", std::to_string(tiling_.group)},
                            {"PARAMETERS", options.affine ? "6" : "3"},
+                           {"SMOOTH_RADIUS", std::to_string(taps.size() - 1)},
                            {"MASKED", options.mask.size() > 0 ? "1" : "0"}});
-  const auto taps = gaussian_taps(options.presmooth_sigma_px);
-  smooth_radius_ = static_cast<int>(taps.size()) - 1;
   smooth_taps_ = make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
   const auto noise = interpolation_noise(options.spline_degree, options.presmooth_sigma_px);
   const double at_pixel = noise[0] + noise[1] + noise[2];
@@ -81,7 +81,6 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   limits.plane_pitch = splines.plane_pitch();
   limits.max_steps = options_.max_steps;
   limits.robust = options_.robust ? 1 : 0;
-  limits.smooth_radius = smooth_radius_;
   limits.grey_level = static_cast<float>(frames.full_scale() / 255);
   limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
   limits.min_correlation = static_cast<float>(options_.min_correlation);

@@ -47,7 +47,6 @@ class BallRegistration {
   float mask_area_ = 0;
   Buffer<BallTask> tasks_;
   Buffer<BallMotion> motions_;
-  int smooth_radius_ = 0;
   cl_float4 noise_;
 };
 
