@@ -69,6 +69,12 @@ INLINE int fft_order(const int p, const int points) {
   return fft_reversed[p] >> (points == 16 ? 2 : points == 32 ? 1 : 0);
 }
 
+// Number of the frequency that stands at place p of what is transformed back: frequencies k and −k
+// have changed places, so that the forward transform is the inverse (times `points`).
+INLINE int fft_back_order(const int p, const int points) {
+  return (points - fft_order(p, points)) % points;
+}
+
 // Transforms of radix · step points out of `radix` transforms of `step` points each, the radix (4
 // or 8) points of a group staying in registers meanwhile. least_span: 1, or 2 where neighbours have
 // been combined.
@@ -86,7 +92,8 @@ INLINE void fft_pass(REAL* re, REAL* im, const int points, const int step, const
 }
 
 // Forward transform, unscaled. Element p of the input is sample fft_order(p, points); the output is
-// in order. The inverse (times `points`) is fft_forward(im, re, points).
+// in order. The inverse (times `points`) is the same transform of frequencies in fft_back_order, or
+// fft_forward(im, re, points).
 FFT_FUNCTION void fft_forward(REAL* re, REAL* im, const int points) {
   fft_pass(re, im, points, 1, points == 16 ? 4 : 8, 1);
   if (points == 64) {

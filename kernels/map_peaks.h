@@ -1,6 +1,5 @@
-// The highest and the second peak of correlation maps of which a work-item holds two columns in
-// registers: the same one of two maps, which lie side by side in local memory, LAGS × LAGS pairs
-// row by row, or two of one map (single.cl).
+// The highest and the second peak of two correlation maps of which a work-item holds the same
+// column in registers; they lie side by side in local memory, LAGS × LAGS pairs row by row.
 #ifndef IMPACTDIC_KERNELS_MAP_PEAKS_H_
 #define IMPACTDIC_KERNELS_MAP_PEAKS_H_
 

@@ -92,15 +92,15 @@ INLINE void multiply_packed(__local float* packed, const int lane) {
   f[m] = at_m;
 }
 
-// f* g of rows y …, in fft_order. Frequency 0 of rows 0 is left out, which makes the windows
+// f* g of rows y …, in fft_back_order. Frequency 0 of rows 0 is left out, which makes the windows
 // mean-free.
 INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, const REAL* g_im,
                         __local const float* packed, REAL* re, REAL* im, const int y) {
   UNROLL
-  for (int k = 0; k < FFT_PX; ++k) {
-    const int at = fft_order(k, FFT_PX);
-    re[at] = f_re[k] * g_re[k] + f_im[k] * g_im[k];
-    im[at] = f_re[k] * g_im[k] - f_im[k] * g_re[k];
+  for (int p = 0; p < FFT_PX; ++p) {
+    const int k = fft_back_order(p, FFT_PX);
+    re[p] = f_re[k] * g_re[k] + f_im[k] * g_im[k];
+    im[p] = f_re[k] * g_im[k] - f_im[k] * g_re[k];
   }
   if (y % HALF_PX != 0) return;
   __local const float2* row = (__local const float2*)packed + y / HALF_PX * FFT_PX;
@@ -108,7 +108,7 @@ INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, co
   im[0] = 4.0f * f_im[0] * g_im[0];
   UNROLL
   for (int p = 1; p < FFT_PX; ++p) {
-    const float2 product = row[fft_order(p, FFT_PX)];
+    const float2 product = row[fft_back_order(p, FFT_PX)];
     re[p] = product.x;
     im[p] = product.y;
   }
@@ -126,7 +126,7 @@ INLINE void row_product(const REAL* f_re, const REAL* f_im, const REAL* g_re, co
                  : f_re[HALF_PX] * g_im[HALF_PX] - f_im[HALF_PX] * g_re[HALF_PX];
   UNROLL
   for (int k = 1; k < HALF_PX; ++k) {
-    const int m = FFT_PX - k, at_k = fft_order(k, FFT_PX), at_m = fft_order(m, FFT_PX);
+    const int m = FFT_PX - k, at_k = fft_order(m, FFT_PX), at_m = fft_order(k, FFT_PX);
     REAL k_re, k_im, m_re, m_im;
     packed_product(f_re[k], f_im[k], f_re[m], f_im[m], g_re[k], g_im[k], g_re[m], g_im[m], &k_re,
                    &k_im, &m_re, &m_im);
@@ -144,13 +144,13 @@ INLINE void put_rows(const REAL* re, const REAL* im, __local float* plane, const
   for (int x = 0; x < FFT_PX; ++x) PUT(plane, y, x, re[x], im[x]);
 }
 
-// Transforms rows y …, in fft_order, back and writes them.
+// Transforms rows y …, in fft_back_order, back and writes them.
 INLINE void put_rows_back(REAL* re, REAL* im, __local float* plane, const int y) {
-  fft_forward(im, re, FFT_PX);
+  fft_forward(re, im, FFT_PX);
   put_rows(re, im, plane, y);
 }
 
-// Columns x … of what put_rows wrote, A + i B in fft_order.
+// Columns x … of what put_rows wrote, A + i B in fft_back_order.
 INLINE void get_merged(REAL* re, REAL* im, __local const float* plane, const int x) {
   REAL a_re, a_im, b_re, b_im;
   GET_ACROSS(plane, 0, x, a_re, a_im);
@@ -161,7 +161,7 @@ INLINE void get_merged(REAL* re, REAL* im, __local const float* plane, const int
   im[1] = b_im;
   UNROLL
   for (int k = 1; k < HALF_PX; ++k) {
-    const int p = fft_order(k, FFT_PX), m = fft_order(FFT_PX - k, FFT_PX);
+    const int p = fft_order(FFT_PX - k, FFT_PX), m = fft_order(k, FFT_PX);
     GET_ACROSS(plane, k, x, a_re, a_im);
     GET_ACROSS(plane, HALF_PX + k, x, b_re, b_im);
     re[p] = a_re - b_im;
@@ -174,7 +174,7 @@ INLINE void get_merged(REAL* re, REAL* im, __local const float* plane, const int
 // Columns x … of the correlation, times PAIR_SCALE, in order: re is A's, im B's.
 INLINE void get_correlated_columns(REAL* re, REAL* im, __local const float* plane, const int x) {
   get_merged(re, im, plane, x);
-  fft_forward(im, re, FFT_PX);
+  fft_forward(re, im, FFT_PX);
 }
 
 #endif  // IMPACTDIC_KERNELS_PAIR_H_

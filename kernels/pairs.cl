@@ -140,8 +140,8 @@ __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int widt
   for (int y = 0; y < WINDOW_PX; ++y) sum += (float2)(t_re[y], t_im[y]);
   sums[lane] = is_template ? sum : 0.0f;
   // Before the barrier, so that the pixels travel meanwhile.
-  get_area(&whole_a, width, height, lane, g_a);
-  get_area(&whole_b, width, height, lane, g_b);
+  get_area(&whole_a, width, height, plane + lane, PITCH, lane, g_a);
+  get_area(&whole_b, width, height, plane + lane, PITCH, lane, g_b);
   GROUP_BARRIER;
   const float2 mean = sum_of_columns((__local const float4*)sums) * (1.0f / WINDOW_PIXELS);
   sum = 0.0f;
@@ -177,7 +177,7 @@ __kernel GROUP_SIZE void zncc_pairs(__global const PIXEL* pixels, const int widt
   multiply_packed(scratch, lane);
   GROUP_BARRIER;
   row_product(f_re, f_im, g_re, g_im, scratch, re, im, lane);
-  fft_forward(im, re, FFT_PX);
+  fft_forward(re, im, FFT_PX);
   UNROLL
   for (int x = 0; x < LAGS; ++x) PUT(plane, lane, x, re[x], im[x]);
   GROUP_BARRIER;

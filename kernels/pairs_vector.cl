@@ -10,6 +10,7 @@
 #define PLANE_ROWS (SUM_ROWS > FFT_PX ? SUM_ROWS : FFT_PX)
 #include "kernels/pair.h"
 #include "kernels/task.h"
+#include "kernels/window_sums.h"
 
 #define MAP (LAGS * LAGS)
 
@@ -115,24 +116,7 @@ INLINE void get_area_columns(REAL* re, REAL* im, const Task* a, const Task* b, c
   }
 }
 
-// Sums of pixels and squares down the columns of every displaced window, into rows first_row … of
-// the plane.
-INLINE void put_column_sums(const REAL* pixels, __local float* plane, const int x,
-                            const int first_row) {
-  REAL sum = (REAL)(0.0f), squares = (REAL)(0.0f);
-  UNROLL
-  for (int y = 0; y < AREA_PX; ++y) {
-    sum += pixels[y];
-    squares += pixels[y] * pixels[y];
-    if (y >= WINDOW_PX) {
-      sum -= pixels[y - WINDOW_PX];
-      squares -= pixels[y - WINDOW_PX] * pixels[y - WINDOW_PX];
-    }
-    if (y >= WINDOW_PX - 1) PUT(plane, x, first_row + y - WINDOW_PX + 1, sum, squares);
-  }
-}
-
-// Sums along the rows of those, and the norm of every displaced window, into both maps.
+// Sums along the rows of put_column_sums', and the norm of every displaced window, into both maps.
 INLINE void put_norms(__local const float* plane, __local float* maps, const float min_energy,
                       const int lane) {
   for (int j = lane; j < 2 * LAGS; j += LANES) {

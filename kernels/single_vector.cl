@@ -24,7 +24,7 @@
 #endif
 
 #include "kernels/fft.h"
-#include "kernels/zncc.h"
+#include "kernels/window_sums.h"
 
 #if BLOCKS == 1
 #define PLANES 1
@@ -160,20 +160,7 @@ __kernel GROUP_SIZE void zncc_single(__global const float* images, const int wid
       STORE(im[y], a_im + y * PITCH + x);
 #endif
     }
-    REAL sum = (REAL)(0.0f), squares = (REAL)(0.0f);
-    UNROLL
-    for (int y = 0; y < AREA_PX; ++y) {
-      sum += im[y];
-      squares += im[y] * im[y];
-      if (y >= WINDOW_PX) {
-        sum -= im[y - WINDOW_PX];
-        squares -= im[y - WINDOW_PX] * im[y - WINDOW_PX];
-      }
-      if (y >= WINDOW_PX - 1) {
-        STORE(sum, b_re + (y - WINDOW_PX + 1) * PITCH + x);
-        STORE(squares, b_im + (y - WINDOW_PX + 1) * PITCH + x);
-      }
-    }
+    put_column_sums(im, b_re, x, 0);
   }
   const float template_energy = sum_of_lanes(values, lane, SUM(energy));
   const float min_energy = min_contrast * min_contrast * WINDOW_PIXELS;

@@ -46,22 +46,35 @@ INLINE void get_template(const Task* task, const int width, const int height, __
   for (int y = 0; y < WINDOW_PX; ++y) pixels[y] = x < WINDOW_PX ? own[y * pitch] : 0.0f;
 }
 
-// Column x of a search area; pixels outside the picture are those of the nearest edge.
-INLINE void get_area(const Task* task, const int width, const int height, const int x,
-                     float* pixels) {
-  const SearchPlace place = task->place;
-  if (place.x0 >= 0 && place.y0 >= 0 && place.x0 <= width - FFT_PX &&
-      place.y0 <= height - AREA_PX) {
-    __global const PIXEL* column = task->second + place.y0 * ROW + place.x0 + x;
-    UNROLL
-    for (int y = 0; y < AREA_PX; ++y) pixels[y] = (float)column[y * ROW];
+// Pixel (x, y) of a search area; outside the picture that of the nearest edge.
+INLINE float area_pixel(const Task* task, const int width, const int height, const int x,
+                        const int y) {
+  return clamped_pixel(task->second, width, height, task->place.x0 + x, task->place.y0 + y);
+}
+
+INLINE int is_area_inside(const Task* task, const int width, const int height) {
+  return task->place.x0 >= 0 && task->place.y0 >= 0 && task->place.x0 <= width - FFT_PX &&
+         task->place.y0 <= height - AREA_PX;
+}
+
+// Column x of a search area inside the picture.
+INLINE void get_inner_area(const Task* task, const int width, const int x, float* pixels) {
+  __global const PIXEL* column = task->second + task->place.y0 * ROW + task->place.x0 + x;
+  UNROLL
+  for (int y = 0; y < AREA_PX; ++y) pixels[y] = (float)column[y * ROW];
+}
+
+// Column x of any search area. own: AREA_PX floats of local memory as above.
+INLINE void get_area(const Task* task, const int width, const int height, __local float* own,
+                     const int pitch, const int x, float* pixels) {
+  if (is_area_inside(task, width, height)) {
+    get_inner_area(task, width, x, pixels);
     return;
   }
-  __global const PIXEL* column = task->second + clamp(place.x0 + x, 0, width - 1);
+#pragma unroll 1
+  for (int y = 0; y < AREA_PX; ++y) own[y * pitch] = area_pixel(task, width, height, x, y);
   UNROLL
-  for (int y = 0; y < AREA_PX; ++y) {
-    pixels[y] = (float)column[clamp(place.y0 + y, 0, height - 1) * ROW];
-  }
+  for (int y = 0; y < AREA_PX; ++y) pixels[y] = own[y * pitch];
 }
 #endif
 

@@ -82,7 +82,10 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
            (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
   }
   const std::size_t plane = planes * 2 * size * pitch;
-  if (vector == 1) return sizeof(cl_float) * (plane + side * side + side + 4);
+  if (vector == 1) {
+    const std::size_t later = 2 * side * (size / 2 + 1 + pitch);
+    return sizeof(cl_float) * (std::max(plane, later) + std::max(side * side, 2 * size) + side + 4);
+  }
   return sizeof(cl_float) * (plane + side * side + 2 * lanes + kLines);
 }
 
