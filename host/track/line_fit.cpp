@@ -297,7 +297,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
             std::log((s.kinds[k] + kShareWorth * share) / ((lines + kShareWorth) * share)));
       }
       // What is left to go, if steps go on to shrink as they do.
-      const double left = follows ? moved * std::min(1.0, moved / last_moved) : moved;
+      const double left = follows && there ? moved * std::min(1.0, moved / last_moved) : moved;
       last_moved = moved;
       const double settled = roughly || stride > last_stride ? kRoughly : kSettled;
       if (!held && left > settled * trace.step_px && pass + 1 < kSteps) continue;
@@ -314,7 +314,8 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
     }
     const double moved = (delta - before).cwiseAbs().maxCoeff();
     if (stride == last_stride && moved < (roughly ? kClose : kRelinearise) * trace.step_px) {
-      result.ok = true;
+      // At a maximum of the likelihood all of them are positive.
+      result.ok = roughly || result.covariance.diagonal().minCoeff() > 0;
       break;
     }
     if (moved < kClose * trace.step_px) stride = last_stride;
