@@ -1,8 +1,5 @@
 #include "host/dic/device_frames.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -85,12 +82,9 @@ void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int wid
   const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
   const std::size_t bytes = pixels * pixel_bytes(), total = bytes * parts.size();
   const std::span<unsigned char> staged = staging_.bytes(total);
-  // Alone: a thread that waits here must not take up work that waits for this.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      copy_part(parts[i], width, height, staged.data() + i * bytes);
-    });
-  });
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    copy_part(parts[i], width, height, staged.data() + i * bytes);
+  }
   const std::size_t count = pixels * parts.size();
   unpack_.setArg(0, staging_.upload(total));
   unpack_.setArg(1, images_.get());

@@ -1,7 +1,5 @@
 #include "host/dic/neighbours.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -346,7 +344,7 @@ void Neighbours::refine_lost(std::span<const Window> windows, int window_px,
   const auto fronts = std::span(fronts_).first(pairs_);
   bool any = true;
   for (int round = 0; round < kMostRounds && any; ++round) {
-    tbb::parallel_for(std::size_t{0}, fronts.size(), [&](std::size_t k) { fronts[k].propose(); });
+    for (Front& front : fronts) front.propose();
     windows_.clear();
     seeds_.clear();
     for (const Front& front : fronts) {

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <mutex>
 #include <numeric>
+#include <utility>
 
 #include "host/base/error.h"
 #include "host/report/hdf5.h"
@@ -24,53 +26,47 @@ struct Column {
   const char* name;
   const char* units;
   const char* meaning;
-  void (*gather)(const Rows&, float* values);
+  float WindowMotion::*value = nullptr;
 };
 
-// `place`: where the window stood, which is known whatever came of it; the rest only where it was
-// measured.
-template <bool place, typename Value>
-constexpr Column column(const char* name, const char* units, const char* meaning, Value) {
-  return {name, units, meaning, [](const Rows& rows, float* values) {
-            constexpr Value kValue;
-            for (std::size_t i = 0; i < rows.field.size(); ++i) {
-              const bool known =
-                  place || rows.field[i].status == static_cast<std::int32_t>(WindowStatus::ok);
-              values[i] = known ? kValue(rows, i) : NAN;
-            }
-          }};
+// Where the window stood is known whatever came of it; the rest only where it was measured.
+constexpr std::array kPlaces = {
+    Column{"x_px", "px", "centre of the window in the frame, x right"},
+    Column{"y_px", "px", "centre of the window in the frame, y down"},
+};
+constexpr std::array kMeasured = {
+    Column{"u_px", "px", "displacement of the window's centre, x right", &WindowMotion::u},
+    Column{"v_px", "px", "displacement of the window's centre, y down", &WindowMotion::v},
+    Column{"u_sd_px", "px", "one standard deviation of u_px", &WindowMotion::u_sd},
+    Column{"v_sd_px", "px", "one standard deviation of v_px", &WindowMotion::v_sd},
+    Column{"correlation", "1", "zero-mean normalised cross-correlation (ZNCC)",
+           &WindowMotion::correlation},
+    Column{"peak_ratio", "1", "highest correlation peak over the highest one elsewhere",
+           &WindowMotion::peak_ratio},
+    Column{"ux", "1", "displacement gradient du/dx", &WindowMotion::ux},
+    Column{"uy", "1", "displacement gradient du/dy", &WindowMotion::uy},
+    Column{"vx", "1", "displacement gradient dv/dx", &WindowMotion::vx},
+    Column{"vy", "1", "displacement gradient dv/dy", &WindowMotion::vy},
+};
+constexpr std::size_t kColumnCount = kPlaces.size() + kMeasured.size();
+
+constexpr const Column& column(std::size_t index) {
+  return index < kPlaces.size() ? kPlaces[index] : kMeasured[index - kPlaces.size()];
 }
 
-constexpr std::array kColumns = {
-    column<true>("x_px", "px", "centre of the window in the frame, x right",
-                 [](const Rows& rows, std::size_t i) {
-                   return static_cast<float>(rows.windows[i].x0 + rows.half);
-                 }),
-    column<true>("y_px", "px", "centre of the window in the frame, y down",
-                 [](const Rows& rows, std::size_t i) {
-                   return static_cast<float>(rows.windows[i].y0 + rows.half);
-                 }),
-    column<false>("u_px", "px", "displacement of the window's centre, x right",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].u; }),
-    column<false>("v_px", "px", "displacement of the window's centre, y down",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].v; }),
-    column<false>("u_sd_px", "px", "one standard deviation of u_px",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].u_sd; }),
-    column<false>("v_sd_px", "px", "one standard deviation of v_px",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].v_sd; }),
-    column<false>("correlation", "1", "zero-mean normalised cross-correlation (ZNCC)",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].correlation; }),
-    column<false>("peak_ratio", "1", "highest correlation peak over the highest one elsewhere",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].peak_ratio; }),
-    column<false>("ux", "1", "displacement gradient du/dx",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].ux; }),
-    column<false>("uy", "1", "displacement gradient du/dy",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].uy; }),
-    column<false>("vx", "1", "displacement gradient dv/dx",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].vx; }),
-    column<false>("vy", "1", "displacement gradient dv/dy",
-                  [](const Rows& rows, std::size_t i) { return rows.field[i].vy; }),
-};
+// Puts a frame's values where each column has its place for them, all in one look at every window:
+// what another thread has measured is slow to fetch.
+template <std::size_t... k>
+void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
+            std::index_sequence<k...>) {
+  for (std::size_t i = 0; i < rows.field.size(); ++i) {
+    const WindowMotion& motion = rows.field[i];
+    const bool measured = motion.status == static_cast<std::int32_t>(WindowStatus::ok);
+    columns[0][i] = static_cast<float>(rows.windows[i].x0 + rows.half);
+    columns[1][i] = static_cast<float>(rows.windows[i].y0 + rows.half);
+    ((columns[kPlaces.size() + k][i] = measured ? motion.*kMeasured[k].value : NAN), ...);
+  }
+}
 
 // HDF5 has one state for the whole program: two files are not written at once, even by two threads.
 std::recursive_mutex& hdf5_lock() {
@@ -88,8 +84,10 @@ struct FieldsFile::Impl {
   hdf5::File file;
   double half;
   std::size_t windows = 0;
+  std::size_t rows = 0, gathered = 0;  // frames, and those of them that are only in memory
+  std::future<void> writing;
   hdf5::Table time, frame, window, status, mask;
-  std::array<hdf5::Table, kColumns.size()> columns;
+  std::array<hdf5::Table, kColumnCount> columns;
   std::array<hdf5::Table, kCentreNames.size()> centre;
 
   Impl(hdf5::File opened, int window_px) : file(std::move(opened)), half((window_px - 1) / 2.0) {}
@@ -104,9 +102,19 @@ struct FieldsFile::Impl {
     for (hdf5::Table& table : centre) fn(table);
   }
 
-  // Puts the gathered rows into the file.
-  void write() {
-    each_table([](hdf5::Table& table) { table.write(); });
+  // Puts the gathered rows into the file beside what comes next.
+  void write_behind() {
+    wait();
+    each_table([](hdf5::Table& table) { table.set_aside(); });
+    gathered = 0;
+    writing = std::async(std::launch::async, [this] {
+      const Hdf5Guard guard(hdf5_lock());
+      each_table([](hdf5::Table& table) { table.write(); });
+    });
+  }
+  // Until all that was to be written is. Throws what went wrong there.
+  void wait() {
+    if (writing.valid()) writing.get();
   }
 
   void make_tables(std::size_t count) {
@@ -114,17 +122,17 @@ struct FieldsFile::Impl {
     time = hdf5::Table::create<double>(file, "time", 0, kNotMeasured);
     frame = hdf5::Table::create<std::int64_t>(file, "frame", 0, -1);
     window = hdf5::Table::create<std::int32_t>(file, "window", 0, -1);
-    std::vector<std::int32_t> indices(count);
-    std::iota(indices.begin(), indices.end(), 0);
-    window.append<std::int32_t>(indices);
+    auto* const indices = window.append<std::int32_t>(count);
+    std::iota(indices, indices + count, 0);
+    window.set_aside();
     window.write();
     time.become_scale("time");
     window.become_scale("window");
     status = hdf5::Table::create<std::uint8_t>(file, "status", count, 1);
     mask = hdf5::Table::create<std::uint8_t>(file, "mask", count, 0);
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
-      columns[i] = hdf5::Table::create<float>(file, kColumns[i].name, count, NAN);
-      describe(kColumns[i].name, kColumns[i].units, kColumns[i].meaning);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      columns[i] = hdf5::Table::create<float>(file, column(i).name, count, NAN);
+      describe(column(i).name, column(i).units, column(i).meaning);
     }
     for (std::size_t i = 0; i < kCentreNames.size(); ++i) {
       centre[i] = hdf5::Table::create<double>(file, kCentreNames[i], 0, kNotMeasured);
@@ -158,8 +166,8 @@ struct FieldsFile::Impl {
     window = hdf5::Table::open(file, "window");
     status = hdf5::Table::open(file, "status");
     mask = hdf5::Table::open(file, "mask");
-    for (std::size_t i = 0; i < kColumns.size(); ++i) {
-      columns[i] = hdf5::Table::open(file, kColumns[i].name);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      columns[i] = hdf5::Table::open(file, column(i).name);
     }
     for (std::size_t i = 0; i < kCentreNames.size(); ++i) {
       centre[i] = hdf5::Table::open(file, kCentreNames[i]);
@@ -171,12 +179,13 @@ struct FieldsFile::Impl {
 FieldsFile::FieldsFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 FieldsFile::~FieldsFile() {
   if (!impl_) return;
-  const Hdf5Guard guard(hdf5_lock());
   try {
-    impl_->write();
+    impl_->write_behind();
+    impl_->wait();
   } catch (const Error&) {
     // Who wants to know has called `flush`.
   }
+  const Hdf5Guard guard(hdf5_lock());
   impl_.reset();
 }
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
@@ -205,48 +214,51 @@ FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, 
     }
     table.truncate(rows);
   });
+  impl->rows = rows;
   return FieldsFile(std::move(impl));
 }
 
 void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> windows,
                      std::span<const WindowMotion> field, const TrackRow* row) {
-  const Hdf5Guard guard(hdf5_lock());
   Impl& file = *impl_;
-  const bool measured = !field.empty();
-  if (measured && (field.size() != file.windows || windows.size() != file.windows)) {
+  const std::size_t count = file.windows;
+  if (!field.empty() && (field.size() != count || windows.size() != count)) {
     throw InvalidArgument("the field has another number of windows than its file");
   }
-  file.time.append<double>(std::span(&time_s, 1));
-  file.frame.append<std::int64_t>(std::span(&frame, 1));
-  std::vector<std::uint8_t> status(file.windows, static_cast<std::uint8_t>(WindowStatus::masked));
-  std::vector<std::uint8_t> mask(file.windows, 0);
-  if (measured) {
-    for (std::size_t i = 0; i < file.windows; ++i) {
+  *file.time.append<double>() = time_s;
+  *file.frame.append<std::int64_t>() = frame;
+  auto* const status = file.status.append<std::uint8_t>();
+  auto* const mask = file.mask.append<std::uint8_t>();
+  std::array<float*, kColumnCount> columns{};
+  for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = file.columns[c].append<float>();
+  if (field.empty()) {
+    std::fill_n(status, count, static_cast<std::uint8_t>(WindowStatus::masked));
+    std::fill_n(mask, count, std::uint8_t{0});
+    for (float* column : columns) std::fill_n(column, count, NAN);
+  } else {
+    gather({windows, field, file.half}, columns, std::make_index_sequence<kMeasured.size()>());
+    for (std::size_t i = 0; i < count; ++i) {
       status[i] = static_cast<std::uint8_t>(field[i].status);
       mask[i] = field[i].status != static_cast<std::int32_t>(WindowStatus::masked);
     }
-  }
-  file.status.append<std::uint8_t>(status);
-  file.mask.append<std::uint8_t>(mask);
-  std::vector<float> values(file.windows, NAN);
-  const Rows rows = {windows, field, file.half};
-  for (std::size_t c = 0; c < kColumns.size(); ++c) {
-    kColumns[c].gather(rows, values.data());
-    file.columns[c].append<float>(values);
   }
   const double nothing = kNotMeasured;
   const std::array<double, 4> centre =
       row != nullptr
           ? std::array{row->centre_u_px, row->centre_v_px, row->centre_u_sd_px, row->centre_v_sd_px}
           : std::array{nothing, nothing, nothing, nothing};
-  for (std::size_t i = 0; i < centre.size(); ++i) {
-    file.centre[i].append<double>(std::span(&centre[i], 1));
-  }
+  for (std::size_t i = 0; i < centre.size(); ++i) *file.centre[i].append<double>() = centre[i];
+  // Whole chunks of the columns, also behind a part of one that has been flushed.
+  const std::size_t chunk = file.columns.front().chunk_rows();
+  ++file.gathered;
+  ++file.rows;
+  if (file.gathered >= chunk || file.rows % chunk == 0) file.write_behind();
 }
 
 void FieldsFile::flush() {
+  impl_->write_behind();
+  impl_->wait();
   const Hdf5Guard guard(hdf5_lock());
-  impl_->write();
   impl_->file.flush();
 }
 void FieldsFile::set_source_digest(const ClipDigest& digest) {
@@ -257,9 +269,6 @@ void FieldsFile::set_source_digest(const ClipDigest& digest) {
   }
   impl_->file.flush();
 }
-std::size_t FieldsFile::rows() const {
-  const Hdf5Guard guard(hdf5_lock());
-  return impl_->time.rows();
-}
+std::size_t FieldsFile::rows() const { return impl_->rows; }
 
 }  // namespace impactdic

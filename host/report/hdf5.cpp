@@ -122,37 +122,43 @@ Table Table::open(File& file, const std::string& name) {
   return table;
 }
 
-void Table::append(hid_t type, const void* values, std::size_t count) {
-  const std::size_t width = std::max<std::size_t>(columns_, 1);
-  if (count % width != 0) throw InvalidArgument("only whole rows can be appended", name_);
-  const auto* bytes = static_cast<const unsigned char*>(values);
-  type_ = type;
-  values_.insert(values_.end(), bytes, bytes + count * H5Tget_size(type));
-  gathered_ += count / width;
-  // Whole chunks, also behind a part of one that has been flushed.
-  if (gathered_ >= chunk_rows_ || rows() % chunk_rows_ == 0) write();
+void* Table::append(std::size_t count, std::size_t element_bytes) {
+  const std::size_t begin = gathered_values_.size();
+  gathered_values_.resize(begin + count * std::max<std::size_t>(columns_, 1) * element_bytes);
+  gathered_ += count;
+  return gathered_values_.data() + begin;
+}
+
+void Table::set_aside() {
+  if (aside_ == 0) {
+    aside_values_.swap(gathered_values_);
+  } else {
+    aside_values_.insert(aside_values_.end(), gathered_values_.begin(), gathered_values_.end());
+  }
+  gathered_values_.clear();
+  aside_ += gathered_;
+  gathered_ = 0;
 }
 
 void Table::write() {
-  if (gathered_ == 0) return;
+  if (aside_ == 0) return;
   const hsize_t width = std::max<std::size_t>(columns_, 1);
   const int rank = columns_ == 0 ? 1 : 2;
-  const std::array<hsize_t, 2> size = {rows(), width}, start = {written_, 0},
-                               block = {gathered_, width};
+  const std::array<hsize_t, 2> size = {written_ + aside_, width}, start = {written_, 0},
+                               block = {aside_, width};
   check(H5Dset_extent(get(), size.data()), name_);
   const Handle target(H5Dget_space(get()), H5Sclose, name_);
   check(H5Sselect_hyperslab(target.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
                             nullptr),
         name_);
   const Handle source(H5Screate_simple(rank, block.data(), nullptr), H5Sclose, name_);
-  check(H5Dwrite(get(), type_, source.get(), target.get(), H5P_DEFAULT, values_.data()), name_);
-  written_ += gathered_;
-  gathered_ = 0;
-  values_.clear();
+  check(H5Dwrite(get(), type_(), source.get(), target.get(), H5P_DEFAULT, aside_values_.data()),
+        name_);
+  written_ += aside_;
+  aside_ = 0;
 }
 
 void Table::truncate(std::size_t rows) {
-  write();
   const std::array<hsize_t, 2> size = {rows, std::max<std::size_t>(columns_, 1)};
   check(H5Dset_extent(get(), size.data()), name_);
   written_ = rows;

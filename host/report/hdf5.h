@@ -75,7 +75,8 @@ class File {
 };
 
 // A dataset that grows along its first dimension: (rows, columns), or (rows) where columns is 0.
-// Rows are gathered and go into the file a chunk at a time.
+// Rows are gathered in memory; `set_aside` and `write` bring them into the file, the latter beside
+// further appends, on another thread.
 class Table {
  public:
   Table() = default;
@@ -86,14 +87,19 @@ class Table {
   }
   static Table open(File& file, const std::string& name);
 
-  // Appends whole rows; `values` has rows · max(columns, 1) elements.
+  // Appends `count` rows whose max(columns, 1) elements each are put where this points to, before
+  // the next call.
   template <typename T>
-  void append(std::span<const T> values) {
-    append(native_type<T>(), values.data(), values.size());
+  T* append(std::size_t count = 1) {
+    type_ = &native_type<T>;
+    return static_cast<T*>(append(count, sizeof(T)));
   }
-  // Those gathered included.
-  std::size_t rows() const { return written_ + gathered_; }
-  // Puts the gathered rows into the file.
+  // Those gathered and set aside included.
+  std::size_t rows() const { return written_ + aside_ + gathered_; }
+  std::size_t chunk_rows() const { return chunk_rows_; }
+  // Beside what was set aside before and could not be written.
+  void set_aside();
+  // Puts the rows set aside into the file.
   void write();
   // Forgets the rows from `rows` on.
   void truncate(std::size_t rows);
@@ -106,13 +112,15 @@ class Table {
  private:
   static Table create(File& file, const std::string& name, std::size_t columns, hid_t type,
                       const void* fill);
-  void append(hid_t type, const void* values, std::size_t count);
+  void* append(std::size_t count, std::size_t element_bytes);
   std::string name_;
   Handle dataset_;
   std::size_t columns_ = 0, chunk_rows_ = 1;
-  std::size_t written_ = 0, gathered_ = 0;  // rows
-  hid_t type_ = H5I_INVALID_HID;            // of the gathered values
-  std::vector<unsigned char> values_;
+  std::size_t written_ = 0, aside_ = 0, gathered_ = 0;  // rows
+  // Of the gathered values; asked for when they are written, since HDF5 answers one thread at a
+  // time.
+  hid_t (*type_)() = nullptr;
+  std::vector<unsigned char> gathered_values_, aside_values_;
 };
 
 }  // namespace impactdic::hdf5

@@ -22,8 +22,9 @@ class BallEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
 
-  void measure(std::span<PairMotion> pairs) override {
-    field_->measure(pairs);
+  void seek(std::span<PairMotion> pairs) override { field_->seek(pairs); }
+
+  void refine(std::span<PairMotion> pairs) override {
     for (const std::size_t i : register_all(pairs)) {
       // A field that the whole ball does not bear out is chance.
       pairs[i].motion.ok = false;

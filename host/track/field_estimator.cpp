@@ -1,5 +1,3 @@
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -32,7 +30,7 @@ class FieldEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return grid_; }
   double fit_seconds() const override { return fit_seconds_; }
 
-  void measure(std::span<PairMotion> pairs) override {
+  void seek(std::span<PairMotion> pairs) override {
     std::vector<PairMotion*> all;
     for (PairMotion& pair : pairs) all.push_back(&pair);
     measure_from_guess(all);
@@ -46,22 +44,22 @@ class FieldEstimator : public MotionEstimator {
 
   void measure_from_guess(std::span<PairMotion* const> pairs) {
     std::vector<Window> all(pairs.size() * grid_.size());
-    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-      place(*pairs[i]);
-      std::copy(pairs[i]->windows.begin(), pairs[i]->windows.end(),
-                all.begin() + static_cast<std::ptrdiff_t>(i * grid_.size()));
-    });
-    for (const PairMotion* pair : pairs) {
+    auto next = all.begin();
+    for (PairMotion* pair : pairs) {
+      place(*pair);
+      next = std::copy(pair->windows.begin(), pair->windows.end(), next);
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
     const std::vector<WindowMotion>& measured = correlator_.correlate(frames_, all);
     const Stopwatch watch;
-    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-      const auto begin = measured.begin() + static_cast<std::ptrdiff_t>(i * grid_.size());
-      pairs[i]->field.assign(begin, begin + static_cast<std::ptrdiff_t>(grid_.size()));
-      fit(*pairs[i]);
-    });
+    auto begin = measured.begin();
+    for (PairMotion* pair : pairs) {
+      const auto end = begin + static_cast<std::ptrdiff_t>(grid_.size());
+      pair->field.assign(begin, end);
+      fit(*pair);
+      begin = end;
+    }
     fit_seconds_ += watch.seconds();
   }
 

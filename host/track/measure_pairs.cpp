@@ -1,4 +1,5 @@
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include "host/track/device_lanes.h"
@@ -25,54 +26,56 @@ std::optional<double> nearest_rotation(std::span<const PairMotion> pairs, std::s
   return std::nullopt;
 }
 
+// How some pairs are measured.
+using Measure = std::function<void(std::span<PairMotion>)>;
+
 // Measures those of `pairs` that `which` names.
-void measure_some(MotionEstimator& estimator, std::span<PairMotion> pairs,
+void measure_some(const Measure& measure, std::span<PairMotion> pairs,
                   std::span<const std::size_t> which) {
   if (which.empty()) return;
   std::vector<PairMotion> some;
   some.reserve(which.size());
   for (const std::size_t i : which) some.push_back(std::move(pairs[i]));
-  estimator.measure(some);
+  measure(some);
   for (std::size_t k = 0; k < which.size(); ++k) pairs[which[k]] = std::move(some[k]);
 }
 
-// Aims those that missed at what is known by now. True where there was one to aim otherwise.
-bool aim_again(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs,
+// Aims those that missed at what is known by now, until there is none to aim otherwise.
+void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> pairs,
                std::span<const std::size_t> candidates) {
-  std::vector<std::size_t> again;
-  std::vector<double> guesses;
-  for (const std::size_t i : candidates) {
-    if (well_aimed(pairs[i], radius_px)) continue;
-    const auto guess = nearest_rotation(pairs, i);
-    if (!guess || std::abs(*guess - pairs[i].guess_rot_rad) < 1e-3) continue;
-    again.push_back(i);
-    guesses.push_back(*guess);
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<std::size_t> again;
+    std::vector<double> guesses;
+    for (const std::size_t i : candidates) {
+      if (well_aimed(pairs[i], radius_px)) continue;
+      const auto guess = nearest_rotation(pairs, i);
+      if (!guess || std::abs(*guess - pairs[i].guess_rot_rad) < 1e-3) continue;
+      again.push_back(i);
+      guesses.push_back(*guess);
+    }
+    if (again.empty()) return;
+    for (std::size_t k = 0; k < again.size(); ++k) pairs[again[k]].guess_rot_rad = guesses[k];
+    measure_some(measure, pairs, again);
   }
-  for (std::size_t k = 0; k < again.size(); ++k) pairs[again[k]].guess_rot_rad = guesses[k];
-  measure_some(estimator, pairs, again);
-  return !again.empty();
 }
 
 }  // namespace
 
 void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs) {
   if (pairs.empty()) return;
-  std::vector<std::size_t> ends = {0}, rest;
+  const Measure seek = [&](std::span<PairMotion> some) { estimator.seek(some); };
+  std::vector<std::size_t> ends = {0}, rest, all = {0};
   if (pairs.size() > 1) ends.push_back(pairs.size() - 1);
   for (std::size_t i = 1; i + 1 < pairs.size(); ++i) rest.push_back(i);
-  measure_some(estimator, pairs, ends);
-  for (int round = 0; round < kRounds; ++round) {
-    if (!aim_again(estimator, radius_px, pairs, ends)) break;
-  }
+  for (std::size_t i = 1; i < pairs.size(); ++i) all.push_back(i);
+  measure_some(seek, pairs, ends);
+  aim_again(seek, radius_px, pairs, ends);
   for (const std::size_t i : rest) {
     pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
   }
-  measure_some(estimator, pairs, rest);
-  std::vector<std::size_t> all(pairs.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  for (int round = 0; round < kRounds; ++round) {
-    if (!aim_again(estimator, radius_px, pairs, all)) break;
-  }
+  measure_some(seek, pairs, rest);
+  estimator.refine(pairs);
+  aim_again([&](std::span<PairMotion> some) { estimator.measure(some); }, radius_px, pairs, all);
 }
 
 }  // namespace impactdic

@@ -56,12 +56,19 @@ class MotionEstimator {
   // Measures every pair of the frames that the estimator was made with; a pair that cannot be
   // measured has a status. Pairs may name any slots: consecutive frames, or a frame and a keyframe
   // that was left in its slot.
-  virtual void measure(std::span<PairMotion> pairs) = 0;
+  void measure(std::span<PairMotion> pairs) {
+    seek(pairs);
+    refine(pairs);
+  }
+  // The two steps of `measure`: the motions as other pairs' may be guessed from them, and what makes
+  // them as exact as the estimator can.
+  virtual void seek(std::span<PairMotion> pairs) = 0;
+  virtual void refine(std::span<PairMotion>) {}
   // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
   // whole clip, so that window i of every frame is the same place on the ball. Empty where the
   // estimator has no windows.
   virtual std::span<const Window> grid() const = 0;
-  // How long the host's part of `measure`, the fits, took so far.
+  // How long the host's part, the fits, took so far.
   virtual double fit_seconds() const { return 0; }
 };
 
