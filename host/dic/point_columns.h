@@ -67,6 +67,41 @@ inline Eigen::ArrayXd biweight(const Eigen::ArrayXd& over_cut_sq) {
   return (1 - over_cut_sq).max(0.0).square();
 }
 
+// Weighted sums of points and displacements and of their products.
+template <typename T>
+struct Sums {
+  T w, x, y, u, v, xx, xy, yy, xu, yu, xv, yv;
+
+  explicit Sums(const T& zero)
+      : w(zero),
+        x(zero),
+        y(zero),
+        u(zero),
+        v(zero),
+        xx(zero),
+        xy(zero),
+        yy(zero),
+        xu(zero),
+        yu(zero),
+        xv(zero),
+        yv(zero) {}
+  void add(const T& w_, const T& x_, const T& y_, const T& u_, const T& v_) {
+    const T wx = w_ * x_, wy = w_ * y_;
+    w += w_;
+    x += wx;
+    y += wy;
+    u += w_ * u_;
+    v += w_ * v_;
+    xx += wx * x_;
+    xy += wx * y_;
+    yy += wy * y_;
+    xu += wx * u_;
+    yu += wy * u_;
+    xv += wx * v_;
+    yv += wy * v_;
+  }
+};
+
 // Weighted moments of points and displacements about their common centroid.
 struct Moments {
   double weight = 0;
@@ -75,19 +110,32 @@ struct Moments {
   double xu = 0, yu = 0, xv = 0, yv = 0;
 
   Moments(const PointColumns& p, const Eigen::ArrayXd& weights) {
-    const Eigen::ArrayXd wx = weights * p.x, wy = weights * p.y;
-    weight = weights.sum();
-    x = wx.sum() / weight;
-    y = wy.sum() / weight;
-    u = (weights * p.u).sum() / weight;
-    v = (weights * p.v).sum() / weight;
-    xx = (wx * p.x).sum() - weight * x * x;
-    xy = (wx * p.y).sum() - weight * x * y;
-    yy = (wy * p.y).sum() - weight * y * y;
-    xu = (wx * p.u).sum() - weight * x * u;
-    yu = (wy * p.u).sum() - weight * y * u;
-    xv = (wx * p.v).sum() - weight * x * v;
-    yv = (wy * p.v).sum() - weight * y * v;
+    // In one look at the points, several at once.
+    constexpr Eigen::Index kAtOnce = 4;
+    using Lanes = Eigen::Array<double, kAtOnce, 1>;
+    Sums<Lanes> lanes(Lanes::Zero());
+    Eigen::Index i = 0;
+    for (; i + kAtOnce <= p.size(); i += kAtOnce) {
+      const auto of = [i](const Eigen::ArrayXd& column) -> Lanes {
+        return column.segment<kAtOnce>(i);
+      };
+      lanes.add(of(weights), of(p.x), of(p.y), of(p.u), of(p.v));
+    }
+    Sums<double> sums(0);
+    for (; i < p.size(); ++i) sums.add(weights[i], p.x[i], p.y[i], p.u[i], p.v[i]);
+    const auto total = [](const Lanes& of_lanes, double rest) { return of_lanes.sum() + rest; };
+    weight = total(lanes.w, sums.w);
+    x = total(lanes.x, sums.x) / weight;
+    y = total(lanes.y, sums.y) / weight;
+    u = total(lanes.u, sums.u) / weight;
+    v = total(lanes.v, sums.v) / weight;
+    xx = total(lanes.xx, sums.xx) - weight * x * x;
+    xy = total(lanes.xy, sums.xy) - weight * x * y;
+    yy = total(lanes.yy, sums.yy) - weight * y * y;
+    xu = total(lanes.xu, sums.xu) - weight * x * u;
+    yu = total(lanes.yu, sums.yu) - weight * y * u;
+    xv = total(lanes.xv, sums.xv) - weight * x * v;
+    yv = total(lanes.yv, sums.yv) - weight * y * v;
   }
 
   double inertia() const { return xx + yy; }

@@ -30,7 +30,7 @@ double median_residual(const AffineMotion& motion, const PointColumns& points) {
 // motion that explains them to their deviations ends the search.
 AffineMotion consensus(const PointColumns& points) {
   constexpr Eigen::Index kLookedAt = 100;
-  constexpr int kFewest = 12;
+  constexpr int kFewest = 6;
   constexpr double kAsGoodAsTheNoise = 2;
   const Eigen::Index stride = std::max<Eigen::Index>(1, points.size() / kLookedAt);
   const PointColumns some = points.of(Eigen::seq(0, points.size() - 1, stride));
@@ -56,19 +56,20 @@ AffineMotion consensus(const PointColumns& points) {
 }
 
 void weigh(const AffineMotion& motion, const PointColumns& points, double cut, ArrayXd& weights) {
-  const ArrayXd per_cut_sq = points.per_variance / (cut * cut);
-  weights = biweight(motion.residuals_sq(points) * per_cut_sq) * points.per_variance;
+  const double per_cut_sq = 1 / (cut * cut);
+  weights = biweight(per_cut_sq * motion.residuals_sq(points) * points.per_variance) *
+            points.per_variance;
 }
 
 // Steps far below any point's deviation.
 bool settled(const AffineMotion& motion, const AffineMotion& before) {
-  constexpr double kGradient = 1e-10, kShift_px = 1e-8;
+  constexpr double kGradient = 1e-8, kShift_px = 1e-6;
   return std::hypot(motion.ux - before.ux, motion.vx - before.vx) < kGradient &&
          std::hypot(motion.u - before.u, motion.v - before.v) < kShift_px;
 }
 
-double cut_of(const AffineMotion& motion, const PointColumns& points) {
-  return kTukey * std::max(median_residual(motion, points) / kRayleighMedian, kSmallestScale);
+double cut_of(double median_residual) {
+  return kTukey * std::max(median_residual / kRayleighMedian, kSmallestScale);
 }
 
 // A robust fit: its motion, and the weights that led to it.
@@ -89,7 +90,7 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
   if (points.size() < kFewest) return;
   const double rigid_scatter = median_residual(fit.motion, points);
   RobustFit strained = fit;
-  strained.cut = kTukey * std::max(rigid_scatter / kRayleighMedian, kSmallestScale);
+  strained.cut = cut_of(rigid_scatter);
   for (int round = 0; round < kRounds; ++round) {
     weigh(strained.motion, points, strained.cut, strained.weights);
     const Moments moments(points, strained.weights);
@@ -97,8 +98,11 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
     const AffineMotion before = strained.motion;
     strained.motion = moments.affine();
     // The scatter shrinks as the strain is found; then the cut stays.
-    if (round < 5) strained.cut = std::min(strained.cut, cut_of(strained.motion, points));
-    if (round == 1 && median_residual(strained.motion, points) > kHopeless * rigid_scatter) return;
+    if (round < 5) {
+      const double scatter = median_residual(strained.motion, points);
+      strained.cut = std::min(strained.cut, cut_of(scatter));
+      if (round == 1 && scatter > kHopeless * rigid_scatter) return;
+    }
     if (round >= 5 && settled(strained.motion, before)) break;
   }
   const auto counted = static_cast<double>((strained.weights > 0).count());
@@ -128,14 +132,15 @@ double effective_variance(const RobustFit& fit, const PointColumns& points) {
 bool fit_robustly(const PointColumns& points, RobustFit& fit) {
   fit.motion = consensus(points);
   // The scatter of the consensus sets the cut once; it must not follow the weights down.
-  fit.cut = cut_of(fit.motion, points) * (1 + 5.0 / (2.0 * static_cast<double>(points.size())));
+  fit.cut = cut_of(median_residual(fit.motion, points)) *
+            (1 + 5.0 / (2.0 * static_cast<double>(points.size())));
   for (int round = 0; round < kRounds; ++round) {
     weigh(fit.motion, points, fit.cut, fit.weights);
     if ((fit.weights > 0).count() < 3) return false;
     const AffineMotion before = fit.motion;
     fit.motion = Moments(points, fit.weights).rigid();
     // After the first round the scatter about the fit, not about two points, sets the cut.
-    if (round == 0) fit.cut = cut_of(fit.motion, points);
+    if (round == 0) fit.cut = cut_of(median_residual(fit.motion, points));
     if (round > 0 && settled(fit.motion, before)) break;
   }
   take_strain(points, fit);

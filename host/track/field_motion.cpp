@@ -59,7 +59,7 @@ double scatter_of(const ArrayXd& squares) {
 
 // Tukey's weights, cut off at six times the scatter.
 ArrayXd robust_weights(const ArrayXd& squares, double scatter) {
-  return biweight(squares / (36 * scatter * scatter));
+  return biweight(1 / (36 * scatter * scatter) * squares);
 }
 
 // The `count` points nearest to (cx, cy), nearest first.
