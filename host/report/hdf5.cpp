@@ -19,7 +19,7 @@ void check(herr_t status, const std::string& what) {
 void begin() {
   static const bool once = H5dont_atexit() >= 0;
   (void)once;
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // of this thread
 }
 
 Handle file_access() {
@@ -142,6 +142,7 @@ void Table::set_aside() {
 
 void Table::write() {
   if (aside_ == 0) return;
+  begin();
   const hsize_t width = std::max<std::size_t>(columns_, 1);
   const int rank = columns_ == 0 ? 1 : 2;
   const std::array<hsize_t, 2> size = {written_ + aside_, width}, start = {written_, 0},
