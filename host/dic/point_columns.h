@@ -50,6 +50,10 @@ struct PointColumns {
 struct AffineMotion {
   double u = 0, v = 0, ux = 0, uy = 0, vx = 0, vy = 0;
 
+  double gradient_distance(const AffineMotion& other) const {
+    return std::hypot(std::hypot(ux - other.ux, uy - other.uy),
+                      std::hypot(vx - other.vx, vy - other.vy));
+  }
   // Squared distances of the measured displacements from those of this motion.
   Eigen::ArrayXd residuals_sq(const PointColumns& points) const {
     return (points.u - (u + ux * points.x + uy * points.y)).square() +

@@ -65,7 +65,7 @@ void weigh(const AffineMotion& motion, const PointColumns& points, double cut, A
 // Steps far below any point's deviation.
 bool settled(const AffineMotion& motion, const AffineMotion& before) {
   constexpr double kGradient = 1e-8, kShift_px = 1e-6;
-  return std::hypot(motion.ux - before.ux, motion.vx - before.vx) < kGradient &&
+  return motion.gradient_distance(before) < kGradient &&
          std::hypot(motion.u - before.u, motion.v - before.v) < kShift_px;
 }
 

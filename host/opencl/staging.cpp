@@ -16,6 +16,8 @@ void Staging::release() noexcept {
 }
 
 std::span<unsigned char> Staging::bytes(std::size_t count) {
+  if (under_way_) engine_.wait();
+  under_way_ = false;
   if (count > size_) {
     release();
     try {
@@ -34,7 +36,7 @@ std::span<unsigned char> Staging::bytes(std::size_t count) {
 
 const cl::Buffer& Staging::upload(std::size_t count) {
   device_.write_later(engine_, {mapped_, count});
-  engine_.wait();
+  under_way_ = true;
   return device_.get();
 }
 

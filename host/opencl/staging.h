@@ -16,9 +16,10 @@ class Staging {
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
 
-  // Host memory for `count` bytes; write there, then call `upload`. Throws OpenClError.
+  // Host memory for `count` bytes, when the last upload has left it; write there, then call
+  // `upload`. Throws OpenClError.
   std::span<unsigned char> bytes(std::size_t count);
-  // Copies the first `count` bytes to the device and returns when the host memory is free again.
+  // Has the first `count` bytes copied to the device, before what is enqueued next.
   const cl::Buffer& upload(std::size_t count);
 
  private:
@@ -28,6 +29,7 @@ class Staging {
   std::size_t size_ = 0;
   cl::Buffer host_;
   unsigned char* mapped_ = nullptr;
+  bool under_way_ = false;
   Buffer<unsigned char> device_;
 };
 

@@ -108,6 +108,7 @@ CentreMotion interpolate_at(std::span<const PointMotion> measured, double cx_px,
 FieldStrain fit_strain(std::span<const PointMotion> measured) {
   constexpr std::size_t kFewest = 12;
   constexpr int kRounds = 6;
+  constexpr double kSettled = 1e-7;  // of the gradient: far below any strain that matters
   if (measured.size() < kFewest) return {};
   const PointColumns points(measured, 0, 0);
   ArrayXd weights = ArrayXd::Ones(points.size());
@@ -116,10 +117,11 @@ FieldStrain fit_strain(std::span<const PointMotion> measured) {
   for (int round = 0; round < kRounds; ++round) {
     const Moments moments(points, weights);
     if (moments.on_a_line()) return {};
-    motion = moments.affine();
+    const AffineMotion before = std::exchange(motion, moments.affine());
     of_gradient = std::sqrt(std::max(moments.xx, moments.yy) / moments.determinant());
     const ArrayXd squares = motion.residuals_sq(points);
     scatter = scatter_of(squares);
+    if (round > 0 && motion.gradient_distance(before) < kSettled) break;
     weights = robust_weights(squares, scatter);
   }
   Eigen::Matrix2d stretch;

@@ -45,7 +45,7 @@ struct PairMotion {
   TrackStatus status = TrackStatus::low_correlation;
   RigidMotion motion;   // of the ball's centre in the first frame
   CentreMotion centre;  // the field interpolated there
-  FieldStrain strain;   // of the picture of the ball from the first to the second frame
+  FieldStrain strain;   // of the ball's picture from frame to frame; asked for by `ball` alone
   std::vector<Window> windows;
   std::vector<WindowMotion> field;
 };
