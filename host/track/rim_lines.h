@@ -12,9 +12,11 @@
 
 #include "host/track/rim.h"
 
-// A function of vectors, compiled for wide ones too and chosen when the program starts.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+// A function of vectors, compiled for AVX-512 too and chosen when the program starts; sanitizers
+// are not ready by then.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v4", "default")))
 #else
 #define IMPACTDIC_WIDE
 #endif
@@ -27,7 +29,7 @@ namespace impactdic {
 // bare paint).
 inline constexpr int kInside = 3, kOutside = 3;
 inline constexpr int kSamples = kInside + 1 + kOutside;
-typedef float Lanes __attribute__((vector_size(32), aligned(16)));
+typedef float Lanes __attribute__((vector_size(32)));
 typedef Lanes Profile;  // kSamples and a zero
 struct RimLine {
   Profile profile;
