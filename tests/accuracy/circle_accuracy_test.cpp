@@ -129,6 +129,35 @@ TEST(CircleAccuracy, Shaded) {
   EXPECT_LE(measure_balls("e1", {.shading = 0.5}).rms_px, 0.05);
 }
 
+// A dense ball that has just been touched, followed from the frame before: where a fit stops short
+// of the likelihood's maximum, its curvature there states no deviation at all.
+TEST(CircleAccuracy, NoDeviationIsNothing) {
+  for (int seed = 13; seed <= 15; ++seed) {
+    const BallPose pose{136 + std::fmod(0.3819660113 * seed + 0.13, 1),
+                        136 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed, 0.002, 90};
+    Scene scene;
+    scene.width = scene.height = 272;
+    scene.noise_sigma = 2;
+    scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
+    const BallRenderer renderer(painted("e1", seed), scene);
+    Frame first, second;
+    renderer.render(pose, 0, first);
+    renderer.render(pose, 1, second);
+    const CircleFit before = measure_circle(
+        first, {.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4}}, {});
+    CirclePrior prior;
+    prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
+    prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
+    prior.bright = before.bright;
+    prior.look = before.look;
+    for (const Frame* frame : {&first, &second}) {
+      const CircleFit fit = measure_circle(*frame, prior, {});
+      ASSERT_EQ(fit.status, CircleStatus::ok) << seed;
+      EXPECT_GT(std::min({fit.cx_sd_px, fit.cy_sd_px, fit.r_sd_px}), 1e-3) << seed;
+    }
+  }
+}
+
 // Errors over their stated deviations have unit variance. 60 balls make 120 of them, so that their
 // mean square is known to 13 %; neighbouring pictures of a pattern share no noise.
 TEST(CircleAccuracy, DeviationsAreHonest) {
