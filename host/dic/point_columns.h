@@ -1,5 +1,5 @@
 // Measured displacements as columns, and affine motions fitted to them by weighted least squares:
-// what the robust fits repeat in every round. Internal; every sum is a pass that vectorises.
+// what the robust fits repeat in every round, several points at once. Internal.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,12 +15,12 @@ namespace impactdic {
 // Points about an origin and their displacements, px.
 struct PointColumns {
   using ArrayXd = Eigen::ArrayXd;
-  Eigen::ArrayXd x, y, u, v;
-  Eigen::ArrayXd per_variance;  // 1 / sd²
+  ArrayXd x, y, u, v;
+  ArrayXd per_variance;  // 1 / sd²
 
   PointColumns(std::span<const PointMotion> points, double cx_px, double cy_px) {
     const auto count = static_cast<Eigen::Index>(points.size());
-    for (Eigen::ArrayXd* column : {&x, &y, &u, &v, &per_variance}) column->resize(count);
+    for (ArrayXd* column : {&x, &y, &u, &v, &per_variance}) column->resize(count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const PointMotion& p = points[static_cast<std::size_t>(i)];
       x[i] = p.x_px - cx_px;

@@ -108,10 +108,6 @@ using Evidence = RimModel::Evidence;
   std::memcpy(&x, &bits, sizeof(x));
 }
 
-float total_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
-}
-
 // Chances of the kinds from their ln p, and that of none of them; 0 where no line is present.
 [[gnu::always_inline]] inline void to_chances(float stray, const Lanes& present,
                                               Lanes (&value)[kKinds], Lanes& other) {

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <vector>
 
 #include "host/base/image.h"
+#include "host/base/order_statistic.h"
 #include "host/track/circle.h"
 
 namespace impactdic {
@@ -26,14 +28,10 @@ struct Rim {
   }
 };
 
-// The value below which the share `q` of `values`, one at least, lies; puts them into another
-// order.
-inline float quantile(std::vector<float>& values, double q) {
-  const auto at =
-      values.begin() + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q * values.size()),
-                                                static_cast<std::ptrdiff_t>(values.size()) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+// The value below which the share `q` of `values`, one at least, lies.
+inline float quantile(std::span<const float> values, double q) {
+  const auto rank = static_cast<std::size_t>(q * static_cast<double>(values.size()));
+  return order_statistic(values, std::min(rank, values.size() - 1));
 }
 
 // A bilinear and a bicubic look at a picture. The point must lie inside by one pixel (bilinear) or

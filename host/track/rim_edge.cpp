@@ -280,8 +280,7 @@ void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge
   edges.clear();
   const float noise = sample_noise(rays, n);
   const auto grounds = ground_levels(rays);
-  rays.scratch.assign(grounds.begin(), grounds.end());
-  const float ground = quantile(rays.scratch, 0.5);
+  const float ground = quantile(grounds, 0.5);
   light.fit(ground, noise, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
   relative_noise = noise / std::max(usual, 1e-6f);

@@ -15,10 +15,6 @@ constexpr int kSectors = LineTrace::Levels::kSectors;
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-float total_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
-}
-
 // Noise of one sample: from line to line outside the ball, where nothing else changes.
 float sample_noise(const std::vector<float>& outermost) {
   thread_local std::vector<float> steps;  // memory only
@@ -81,26 +77,6 @@ void drop_deep_in_front(CastLines& lines) {
   lines.deep_level.resize(kept);
 }
 
-// The level that one of n values in twenty reaches.
-float upper(const float* values, int n) {
-  const int wanted = n - static_cast<int>(0.95 * n);  // so many reach it
-  constexpr int kMost = 16;
-  if (wanted > kMost) {
-    std::vector<float> copy(values, values + n);
-    return quantile(copy, 0.95);
-  }
-  float top[kMost];  // the highest so far, the lowest of them first
-  std::fill(top, top + wanted, -1e30f);
-  for (int i = 0; i < n; ++i) {
-    const float value = values[i];
-    if (value <= top[0]) continue;
-    int at = 0;
-    for (; at + 1 < wanted && top[at + 1] < value; ++at) top[at] = top[at + 1];
-    top[at] = value;
-  }
-  return top[0];
-}
-
 // How many of the deep samples of lines `begin` to `end` lie within a window about the paint's
 // level, and how far off they lie, added up.
 IMPACTDIC_WIDE void sum_near(const CastLines& lines, int begin, int end,
@@ -133,11 +109,10 @@ class BallLight {
       int end = begin;
       while (end < n && lines.sector(lines.deep_line[end], kSectors) == sector) ++end;
       const double x = lines.deep_x[(begin + end) / 2], y = lines.deep_y[(begin + end) / 2];
+      const std::span samples(reinterpret_cast<const float*>(&lines.deep_level[begin]),
+                              static_cast<std::size_t>((end - begin) * kDeep));
       parts_[sectors_++] = {
-          begin,
-          end,
-          {1, x, y, x * x - y * y, 2 * x * y},
-          upper(reinterpret_cast<const float*>(&lines.deep_level[begin]), (end - begin) * kDeep)};
+          begin, end, {1, x, y, x * x - y * y, 2 * x * y}, quantile(samples, 0.95)};
       begin = end;
     }
     find_envelope(ground);
@@ -226,8 +201,7 @@ IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {
   for (const Eight& level : lines.level) outermost.push_back(level.v[kSamples - 1]);
   levels.noise = sample_noise(outermost);
   levels.ground = ground_levels(lines, outermost, levels.noise);
-  std::vector<float> grounds(levels.ground.begin(), levels.ground.end());
-  const float ground = quantile(grounds, 0.5);
+  const float ground = quantile(levels.ground, 0.5);
   BallLight light;
   light.fit(lines, ground, levels.noise);
   levels.light = light.coefficients();
