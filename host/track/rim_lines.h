@@ -29,7 +29,8 @@ namespace impactdic {
 // bare paint).
 inline constexpr int kInside = 3, kOutside = 3;
 inline constexpr int kSamples = kInside + 1 + kOutside;
-typedef float Lanes __attribute__((vector_size(32)));
+// Aligned as in functions compiled for wider vectors, whatever the others are compiled for.
+typedef float Lanes __attribute__((vector_size(32), aligned(32)));
 inline float total_of(const Lanes& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
