@@ -47,7 +47,7 @@ class ReferenceCorrelator final : public Correlator {
       return motions;
     }
     WholeWindows whole;
-    whole.search(windows, options_.window_px, discs_, motions, search);
+    whole.search(windows, options_.window_px, discs_, WindowStatus::low_correlation, motions, search);
     const RefineWindows again = [&](std::span<const Window> lost,
                                     std::span<const WindowMotion> seeds,
                                     std::span<WindowMotion> found) {

@@ -14,25 +14,17 @@ bool Discs::cuts(const Window& window, int window_px) const {
 }
 
 void WholeWindows::search(std::span<const Window> windows, int window_px, const Discs& discs,
-                          std::span<WindowMotion> motions, const SearchWindows& search) {
+                          WindowStatus of_cut, std::span<WindowMotion> motions,
+                          const SearchWindows& search) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr WindowMotion kNotSearched = {kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         kNan,
-                                         static_cast<idic_int>(WindowStatus::low_correlation)};
+  const WindowMotion not_searched = {
+      kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, static_cast<idic_int>(of_cut)};
   index_.clear();
   cut_.clear();
   whole_.clear();
   for (std::size_t i = 0; i < windows.size(); ++i) {
     if (discs.cuts(windows[i], window_px)) {
-      motions[i] = kNotSearched;
+      motions[i] = not_searched;
       cut_.push_back(i);
     } else {
       index_.push_back(i);

@@ -28,13 +28,13 @@ class Discs {
 
 using SearchWindows = std::function<void(std::span<const Window>, std::span<WindowMotion>)>;
 
-// Has those windows searched that no disc cuts; the others become low_correlation. What is beyond
-// the rim stands still or moves otherwise: a correlation would find that. Keeps its memory from one
+// Has those windows searched that no disc cuts; the others get a status instead. What is beyond the
+// rim stands still or moves otherwise: a correlation would find that. Keeps its memory from one
 // call to the next.
 class WholeWindows {
  public:
   void search(std::span<const Window> windows, int window_px, const Discs& discs,
-              std::span<WindowMotion> motions, const SearchWindows& search);
+              WindowStatus of_cut, std::span<WindowMotion> motions, const SearchWindows& search);
   // The others, of the last search.
   std::span<const std::size_t> cut() const { return cut_; }
 

@@ -10,8 +10,8 @@
 namespace impactdic {
 namespace {
 
-// Frames filtered at once: bounds the memory of the intermediate result.
-constexpr std::size_t kBatch = 32;
+// Memory of the intermediate result, of as many frames as are filtered at once.
+constexpr std::size_t kScratchBytes = std::size_t{32} << 20;
 
 void zero(Engine& engine, const Buffer<float>& buffer) {
   try {
@@ -52,7 +52,9 @@ void SplineFrames::allocate(const DeviceFrames& frames) {
   const std::size_t count = versions_.size();
   plane_pitch_ = static_cast<int>(plane_pitch);
   pitch_ = static_cast<int>(pitch);
-  rows_ = Buffer<float>(engine_, std::min(count, kBatch) * height * pitch);
+  const std::size_t frame = height * pitch;
+  at_once_ = std::clamp<std::size_t>(kScratchBytes / (frame * sizeof(float)), 1, count);
+  rows_ = Buffer<float>(engine_, at_once_ * frame);
   coefficients_ =
       Buffer<float>(engine_, (count * (height + 2 * SPLINE_PAD) + 2 * kGuardRows) * pitch);
   planes_ = Buffer<float>(engine_, count * 3 * height * plane_pitch + vector);
@@ -77,8 +79,8 @@ void SplineFrames::prepare(const DeviceFrames& frames) {
     versions_[static_cast<std::size_t>(slot)] = frames.version(slot);
   }
   device_changed_.write_later(engine_, changed_);
-  for (std::size_t first = 0; first < changed_.size(); first += kBatch) {
-    launch(frames, first, std::min(changed_.size() - first, kBatch));
+  for (std::size_t first = 0; first < changed_.size(); first += at_once_) {
+    launch(frames, first, std::min(changed_.size() - first, at_once_));
   }
 }
 

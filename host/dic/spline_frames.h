@@ -51,6 +51,7 @@ class SplineFrames {
   int width_ = 0, height_ = 0, pitch_ = 0, plane_pitch_ = 0;
   std::vector<std::uint64_t> versions_;  // of the pictures that the splines are of
   cl::Kernel rows_kernel_, columns_kernel_, gradients_kernel_;
+  std::size_t at_once_ = 1;  // frames that are filtered together
   Buffer<float> taps_, rows_, coefficients_, planes_;
   std::vector<cl_int> changed_;  // slots of the last call
   Buffer<cl_int> device_changed_;

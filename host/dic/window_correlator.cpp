@@ -21,21 +21,38 @@ WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, 
   if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
 }
 
-const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frames,
-                                                             std::span<const Window> windows) {
+void WindowCorrelator::check_frames(const DeviceFrames& frames,
+                                    std::span<const Window> windows) const {
   for (const Window& window : windows) {
     if (frames.version(window.first) == 0 || frames.version(window.second) == 0) {
       throw InvalidArgument("a window names a frame slot which holds no frame");
     }
   }
+}
+
+const std::vector<WindowMotion>& WindowCorrelator::find(DeviceFrames& frames,
+                                                        std::span<const Window> windows) {
+  check_frames(frames, windows);
   results_.resize(windows.size());
   if (!icgn_) {
-    search(frames, windows, results_);
+    search(frames, windows, results_, false);
     return results_;
   }
-  whole_.search(windows, window_px_, discs_, results_,
+  whole_.search(windows, window_px_, discs_, WindowStatus::masked, results_,
                 [&](std::span<const Window> whole, std::span<WindowMotion> found) {
-                  search(frames, whole, found);
+                  search(frames, whole, found, false);
+                });
+  return results_;
+}
+
+const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frames,
+                                                             std::span<const Window> windows) {
+  if (!icgn_) return find(frames, windows);
+  check_frames(frames, windows);
+  results_.resize(windows.size());
+  whole_.search(windows, window_px_, discs_, WindowStatus::low_correlation, results_,
+                [&](std::span<const Window> whole, std::span<WindowMotion> found) {
+                  search(frames, whole, found, true);
                 });
   const RefineWindows again = [&](std::span<const Window> lost, std::span<const WindowMotion> seeds,
                                   std::span<WindowMotion> found) {
@@ -53,14 +70,14 @@ void WindowCorrelator::set_disc(int slot, double cx_px, double cy_px, double rad
 }
 
 void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> windows,
-                              std::span<WindowMotion> motions) {
+                              std::span<WindowMotion> motions, bool refined) {
   if (windows.empty()) return;
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
   windows_.write_later(engine_, windows);
   if (published_) published_->run(frames, windows_, windows.size(), motions_);
   if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
-  if (icgn_) icgn_->refine(frames, windows_, windows.size(), motions_);
+  if (refined) icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
 }
 

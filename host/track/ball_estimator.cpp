@@ -22,9 +22,10 @@ class BallEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
 
-  void seek(std::span<PairMotion> pairs) override { field_->seek(pairs); }
+  void glance(std::span<PairMotion> pairs) override { field_->glance(pairs); }
 
-  void refine(std::span<PairMotion> pairs) override {
+  void measure(std::span<PairMotion> pairs) override {
+    field_->measure(pairs);
     for (const std::size_t i : register_all(pairs)) {
       // A field that the whole ball does not bear out is chance.
       pairs[i].motion.ok = false;

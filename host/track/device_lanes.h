@@ -78,7 +78,7 @@ class DeviceLanes {
 };
 
 // Measures `pairs`, whose frames are in their slots, from a guess of the rotation that the pairs
-// themselves give: the first and the last pair show how the ball turns, the others start from
+// themselves give: a glance at the first and the last pair shows how the ball turns, all start from
 // there, and a pair that turned out to turn otherwise than its windows were aimed is measured
 // again. Nothing but the pairs says what comes out, so a clip may be cut into batches anywhere.
 void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs);

@@ -30,19 +30,25 @@ class FieldEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return grid_; }
   double fit_seconds() const override { return fit_seconds_; }
 
-  void seek(std::span<PairMotion> pairs) override {
-    std::vector<PairMotion*> all;
-    for (PairMotion& pair : pairs) all.push_back(&pair);
-    measure_from_guess(all);
-    measure_lost(pairs);
-  }
+  void measure(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::all); }
+  void glance(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::glance); }
 
  private:
   // Of the windows that could be found, the share that must agree. Below the first the spin may be
   // another than expected; below the second the few that agree do so by chance.
   static constexpr double kWellFound = 0.3, kFound = 0.2;
 
-  void measure_from_guess(std::span<PairMotion* const> pairs) {
+  // Of all windows what there is to know, or of those wholly on the ball where they went.
+  enum class Effort : std::uint8_t { all, glance };
+
+  void measure_all(std::span<PairMotion> pairs, Effort effort) {
+    std::vector<PairMotion*> all;
+    for (PairMotion& pair : pairs) all.push_back(&pair);
+    measure_from_guess(all, effort);
+    measure_lost(pairs, effort);
+  }
+
+  void measure_from_guess(std::span<PairMotion* const> pairs, Effort effort) {
     std::vector<Window> all(pairs.size() * grid_.size());
     auto next = all.begin();
     for (PairMotion* pair : pairs) {
@@ -51,7 +57,9 @@ class FieldEstimator : public MotionEstimator {
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
-    const std::vector<WindowMotion>& measured = correlator_.correlate(frames_, all);
+    const std::vector<WindowMotion>& measured = effort == Effort::all
+                                                    ? correlator_.correlate(frames_, all)
+                                                    : correlator_.find(frames_, all);
     const Stopwatch watch;
     auto begin = measured.begin();
     for (PairMotion* pair : pairs) {
@@ -65,7 +73,7 @@ class FieldEstimator : public MotionEstimator {
 
   // Where the windows found little, rings about the centres say how far the ball turned, whatever
   // the angle, and the windows look there.
-  void measure_lost(std::span<PairMotion> pairs) {
+  void measure_lost(std::span<PairMotion> pairs, Effort effort) {
     constexpr double kSameGuess_rad = 0.02;
     std::vector<PairMotion*> lost;
     std::vector<RingTask> tasks;
@@ -89,7 +97,7 @@ class FieldEstimator : public MotionEstimator {
     if (again.empty()) return;
     std::vector<PairMotion*> anew;
     for (PairMotion& pair : again) anew.push_back(&pair);
-    measure_from_guess(anew);
+    measure_from_guess(anew, effort);
     for (std::size_t i = 0; i < again.size(); ++i) {
       const bool better = agreeing_share(again[i].motion, again[i].field) >
                           agreeing_share(of[i]->motion, of[i]->field);

@@ -134,7 +134,8 @@ FieldStrain fit_strain(std::span<const PointMotion> measured) {
 double agreeing_share(const RigidMotion& motion, std::span<const WindowMotion> motions) {
   const auto could = std::count_if(motions.begin(), motions.end(), [](const WindowMotion& m) {
     const auto status = static_cast<WindowStatus>(m.status);
-    return status != WindowStatus::no_texture && status != WindowStatus::out_of_view;
+    return status != WindowStatus::no_texture && status != WindowStatus::out_of_view &&
+           status != WindowStatus::masked;
   });
   return could > 0 ? static_cast<double>(motion.used) / static_cast<double>(could) : 0;
 }

@@ -1,5 +1,7 @@
+#include <array>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 
 #include "host/track/device_lanes.h"
@@ -63,18 +65,18 @@ void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> p
 
 void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs) {
   if (pairs.empty()) return;
-  const Measure seek = [&](std::span<PairMotion> some) { estimator.seek(some); };
-  std::vector<std::size_t> ends = {0}, rest, all = {0};
-  if (pairs.size() > 1) ends.push_back(pairs.size() - 1);
-  for (std::size_t i = 1; i + 1 < pairs.size(); ++i) rest.push_back(i);
-  for (std::size_t i = 1; i < pairs.size(); ++i) all.push_back(i);
-  measure_some(seek, pairs, ends);
-  aim_again(seek, radius_px, pairs, ends);
-  for (const std::size_t i : rest) {
-    pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
+  if (pairs.size() > 2) {
+    const std::array<std::size_t, 2> ends = {0, pairs.size() - 1};
+    const Measure glance = [&](std::span<PairMotion> some) { estimator.glance(some); };
+    measure_some(glance, pairs, ends);
+    aim_again(glance, radius_px, pairs, ends);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
+    }
   }
-  measure_some(seek, pairs, rest);
-  estimator.refine(pairs);
+  estimator.measure(pairs);
+  std::vector<std::size_t> all(pairs.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
   aim_again([&](std::span<PairMotion> some) { estimator.measure(some); }, radius_px, pairs, all);
 }
 

@@ -56,14 +56,9 @@ class MotionEstimator {
   // Measures every pair of the frames that the estimator was made with; a pair that cannot be
   // measured has a status. Pairs may name any slots: consecutive frames, or a frame and a keyframe
   // that was left in its slot.
-  void measure(std::span<PairMotion> pairs) {
-    seek(pairs);
-    refine(pairs);
-  }
-  // The two steps of `measure`: the motions as other pairs' may be guessed from them, and what makes
-  // them as exact as the estimator can.
-  virtual void seek(std::span<PairMotion> pairs) = 0;
-  virtual void refine(std::span<PairMotion>) {}
+  virtual void measure(std::span<PairMotion> pairs) = 0;
+  // The motions well enough to aim other pairs' windows by them, at the least cost.
+  virtual void glance(std::span<PairMotion> pairs) { measure(pairs); }
   // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
   // whole clip, so that window i of every frame is the same place on the ball. Empty where the
   // estimator has no windows.

@@ -22,7 +22,7 @@ class RingEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
 
-  void seek(std::span<PairMotion> pairs) override {
+  void measure(std::span<PairMotion> pairs) override {
     // The rings first: what they find is where the windows look.
     std::vector<RingTask> tasks;
     for (const PairMotion& pair : pairs) tasks.push_back(ring_task(pair, radius_px_));
@@ -30,7 +30,7 @@ class RingEstimator : public MotionEstimator {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (turns[i].status == WindowStatus::ok) pairs[i].guess_rot_rad = turns[i].rot_rad;
     }
-    field_->seek(pairs);
+    field_->measure(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) take_over(turns[i], pairs[i]);
   }
 
