@@ -70,7 +70,7 @@ void strain(benchmark::State& state) {
   std::size_t n = 0;
   double squares = 0;
   for (auto _ : state) {
-    const FieldStrain found = fit_strain(fields[n++ % fields.size()]);
+    const FieldStrain found = fit_strain(fields[n++ % fields.size()], {}, 0, 0);
     benchmark::DoNotOptimize(found);
     squares += std::pow(found.largest - 0.01, 2);
   }

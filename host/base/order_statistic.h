@@ -22,20 +22,33 @@ inline float order_statistic(std::span<const float> values, std::size_t rank) {
   const auto to_float = [](std::int32_t key) {
     return std::bit_cast<float>(key ^ ((key >> 31) & 0x7fffffff));
   };
+  const std::int32_t size = static_cast<std::int32_t>(values.size());
+  const std::int32_t wanted = static_cast<std::int32_t>(rank);
   constexpr float kMost = std::numeric_limits<float>::infinity();
   std::int64_t low = to_key(-kMost), high = to_key(kMost);  // the answer lies in low … high
-  while (low < high) {
+  std::int32_t below = 0, up_to_high = size;                // values below low, and up to high
+  while (low < high && up_to_high - below > 1) {
     const std::int64_t middle = (low + high) >> 1;
     const float pivot = to_float(static_cast<std::int32_t>(middle));
     std::int32_t up_to = 0;
     for (const float value : values) up_to += value <= pivot ? 1 : 0;
-    if (static_cast<std::size_t>(up_to) > rank) {
+    if (up_to > wanted) {
       high = middle;
+      up_to_high = up_to;
     } else {
       low = middle + 1;
+      below = up_to;
     }
   }
-  return to_float(static_cast<std::int32_t>(low));
+  if (low == high) return to_float(static_cast<std::int32_t>(low));
+  // The only one between the bounds is the largest up to the higher.
+  const float bound = to_float(static_cast<std::int32_t>(high));
+  std::int32_t answer = to_key(-kMost);  // as whole numbers, several are compared at once
+  for (const float value : values) {
+    const std::int32_t key = value <= bound ? to_key(value) : to_key(-kMost);
+    answer = key > answer ? key : answer;
+  }
+  return to_float(answer);
 }
 
 inline float median(std::span<const float> values) {

@@ -5,70 +5,64 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <span>
-#include <utility>
 
 #include "host/base/order_statistic.h"
 #include "host/dic/rigid_fit.h"
 
 namespace impactdic {
 
-// Points about an origin and their displacements, px.
-struct PointColumns {
-  using ArrayXd = Eigen::ArrayXd;
-  ArrayXd x, y, u, v;
-  ArrayXd per_variance;  // 1 / sd²
-
-  PointColumns(std::span<const PointMotion> points, double cx_px, double cy_px) {
-    const auto count = static_cast<Eigen::Index>(points.size());
-    for (ArrayXd* column : {&x, &y, &u, &v, &per_variance}) column->resize(count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const PointMotion& p = points[static_cast<std::size_t>(i)];
-      x[i] = p.x_px - cx_px;
-      y[i] = p.y_px - cy_px;
-      u[i] = p.u_px;
-      v[i] = p.v_px;
-      per_variance[i] = 1 / (p.sd_px * p.sd_px);
-    }
-  }
-  // Those that `indices` name.
-  template <typename Indices>
-  PointColumns of(const Indices& indices) const {
-    return {x(indices), y(indices), u(indices), v(indices), per_variance(indices)};
-  }
-  Eigen::Index size() const { return x.size(); }
-
- private:
-  PointColumns(ArrayXd x_, ArrayXd y_, ArrayXd u_, ArrayXd v_, ArrayXd per_variance_)
-      : x(std::move(x_)),
-        y(std::move(y_)),
-        u(std::move(u_)),
-        v(std::move(v_)),
-        per_variance(std::move(per_variance_)) {}
-};
-
 // The displacement of (x, y) is (u + ux x + uy y, v + vx x + vy y).
 struct AffineMotion {
   double u = 0, v = 0, ux = 0, uy = 0, vx = 0, vy = 0;
 
-  double gradient_distance(const AffineMotion& other) const {
-    return std::hypot(std::hypot(ux - other.ux, uy - other.uy),
-                      std::hypot(vx - other.vx, vy - other.vy));
+  AffineMotion operator-(const AffineMotion& other) const {
+    return {u - other.u, v - other.v, ux - other.ux, uy - other.uy, vx - other.vx, vy - other.vy};
   }
-  // Squared distances of the measured displacements from those of this motion.
-  Eigen::ArrayXd residuals_sq(const PointColumns& points) const {
-    return (points.u - (u + ux * points.x + uy * points.y)).square() +
-           (points.v - (v + vx * points.x + vy * points.y)).square();
+  double gradient_length() const { return std::hypot(std::hypot(ux, uy), std::hypot(vx, vy)); }
+};
+
+// Points and what `base` leaves of their displacements, px. Single precision: what is left is
+// small, so that nothing that was measured is lost.
+struct PointColumns {
+  using ArrayXf = Eigen::ArrayXf;
+  AffineMotion base;
+  ArrayXf x, y, u, v;
+  ArrayXf per_variance;  // 1 / sd²
+
+  // Of `points`, or of every `stride`-th of them, about (cx, cy).
+  PointColumns(std::span<const PointMotion> points, double cx_px, double cy_px,
+               const AffineMotion& of_base = {}, std::size_t stride = 1)
+      : base(of_base) {
+    const auto count = static_cast<Eigen::Index>((points.size() + stride - 1) / stride);
+    for (ArrayXf* column : {&x, &y, &u, &v, &per_variance}) column->resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const PointMotion& p = points[static_cast<std::size_t>(i) * stride];
+      const double x_px = p.x_px - cx_px, y_px = p.y_px - cy_px;
+      x[i] = static_cast<float>(x_px);
+      y[i] = static_cast<float>(y_px);
+      u[i] = static_cast<float>(p.u_px - (base.u + base.ux * x_px + base.uy * y_px));
+      v[i] = static_cast<float>(p.v_px - (base.v + base.vx * x_px + base.vy * y_px));
+      per_variance[i] = static_cast<float>(1 / (p.sd_px * p.sd_px));
+    }
+  }
+  Eigen::Index size() const { return x.size(); }
+  // Squared distances of the measured displacements from those of `motion`.
+  ArrayXf residuals_sq(const AffineMotion& motion) const {
+    const AffineMotion m = motion - base;
+    const auto f = [](double value) { return static_cast<float>(value); };
+    return (u - (f(m.u) + f(m.ux) * x + f(m.uy) * y)).square() +
+           (v - (f(m.v) + f(m.vx) * x + f(m.vy) * y)).square();
   }
 };
 
-inline double median(const Eigen::ArrayXd& values) {
-  const Eigen::ArrayXf brief = values.cast<float>();
-  return median(std::span(brief.data(), static_cast<std::size_t>(brief.size())));
+inline float median(const Eigen::ArrayXf& values) {
+  return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
 // Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut.
-inline Eigen::ArrayXd biweight(const Eigen::ArrayXd& over_cut_sq) {
-  return (1 - over_cut_sq).max(0.0).square();
+template <typename Squares>
+auto biweight(const Squares& over_cut_sq) {
+  return (1 - over_cut_sq).max(0.0F).square();
 }
 
 // Weighted sums of points and displacements and of their products.
@@ -104,6 +98,22 @@ struct Sums {
     xv += wx * v_;
     yv += wy * v_;
   }
+  // Other sums, each as a number of this kind.
+  template <typename Other, typename Total>
+  void add(const Sums<Other>& other, const Total& total) {
+    w += total(other.w);
+    x += total(other.x);
+    y += total(other.y);
+    u += total(other.u);
+    v += total(other.v);
+    xx += total(other.xx);
+    xy += total(other.xy);
+    yy += total(other.yy);
+    xu += total(other.xu);
+    yu += total(other.yu);
+    xv += total(other.xv);
+    yv += total(other.yv);
+  }
 };
 
 // Weighted moments of points and displacements about their common centroid.
@@ -113,39 +123,30 @@ struct Moments {
   double xx = 0, xy = 0, yy = 0;      // Σ w of the products
   double xu = 0, yu = 0, xv = 0, yv = 0;
 
-  Moments(const PointColumns& p, const Eigen::ArrayXd& weights) {
-    // In one look at the points, several at once.
-    constexpr Eigen::Index kAtOnce = 4;
-    using Lanes = Eigen::Array<double, kAtOnce, 1>;
-    Sums<Lanes> lanes(Lanes::Zero());
-    Eigen::Index i = 0;
-    for (; i + kAtOnce <= p.size(); i += kAtOnce) {
-      const auto of = [i](const Eigen::ArrayXd& column) -> Lanes {
-        return column.segment<kAtOnce>(i);
-      };
-      lanes.add(of(weights), of(p.x), of(p.y), of(p.u), of(p.v));
-    }
-    Sums<double> sums(0);
-    for (; i < p.size(); ++i) sums.add(weights[i], p.x[i], p.y[i], p.u[i], p.v[i]);
-    const auto total = [](const Lanes& of_lanes, double rest) { return of_lanes.sum() + rest; };
-    weight = total(lanes.w, sums.w);
-    x = total(lanes.x, sums.x) / weight;
-    y = total(lanes.y, sums.y) / weight;
-    u = total(lanes.u, sums.u) / weight;
-    v = total(lanes.v, sums.v) / weight;
-    xx = total(lanes.xx, sums.xx) - weight * x * x;
-    xy = total(lanes.xy, sums.xy) - weight * x * y;
-    yy = total(lanes.yy, sums.yy) - weight * y * y;
-    xu = total(lanes.xu, sums.xu) - weight * x * u;
-    yu = total(lanes.yu, sums.yu) - weight * y * u;
-    xv = total(lanes.xv, sums.xv) - weight * x * v;
-    yv = total(lanes.yv, sums.yv) - weight * y * v;
+  // `base`: what the displacements in `sums` come on top of.
+  Moments(const Sums<double>& sums, const AffineMotion& base)
+      : weight(sums.w), x(sums.x / sums.w), y(sums.y / sums.w) {
+    xx = sums.xx - weight * x * x;
+    xy = sums.xy - weight * x * y;
+    yy = sums.yy - weight * y * y;
+    const double left_u = sums.u / weight, left_v = sums.v / weight;
+    u = left_u + base.u + base.ux * x + base.uy * y;
+    v = left_v + base.v + base.vx * x + base.vy * y;
+    xu = sums.xu - weight * x * left_u + base.ux * xx + base.uy * xy;
+    yu = sums.yu - weight * y * left_u + base.ux * xy + base.uy * yy;
+    xv = sums.xv - weight * x * left_v + base.vx * xx + base.vy * xy;
+    yv = sums.yv - weight * y * left_v + base.vx * xy + base.vy * yy;
   }
+  Moments(const PointColumns& points, const Eigen::ArrayXf& weights)
+      : Moments(sums_of(points, weights), points.base) {}
 
   double inertia() const { return xx + yy; }
   double determinant() const { return xx * yy - xy * xy; }
-  // Whether the points lie on a line, as far as an affine motion is concerned.
-  bool on_a_line() const { return !(4 * determinant() > 1e-6 * inertia() * inertia()); }
+  // Whether all points are one, and whether they lie on a line, as far as single precision tells.
+  bool at_a_point() const { return !(inertia() > 1e-6 * weight * (x * x + y * y)); }
+  bool on_a_line() const {
+    return at_a_point() || !(4 * determinant() > 1e-5 * inertia() * inertia());
+  }
 
   // With the given gradient, through the centroid.
   AffineMotion motion(double ux, double uy, double vx, double vy) const {
@@ -167,10 +168,30 @@ struct Moments {
   }
   // How much the displacement that `affine` finds at the origin changes with that of every point,
   // over its weight.
-  Eigen::ArrayXd influence_at_origin(const PointColumns& p) const {
+  Eigen::ArrayXf influence_at_origin(const PointColumns& p) const {
     const double per = 1 / determinant();
     const double of_x = per * (xy * y - yy * x), of_y = per * (xy * x - xx * y);
-    return 1 / weight + of_x * (p.x - x) + of_y * (p.y - y);
+    const auto f = [](double value) { return static_cast<float>(value); };
+    return f(1 / weight - of_x * x - of_y * y) + f(of_x) * p.x + f(of_y) * p.y;
+  }
+
+ private:
+  // In one look at the points, several at once.
+  static Sums<double> sums_of(const PointColumns& p, const Eigen::ArrayXf& weights) {
+    constexpr Eigen::Index kAtOnce = 8;
+    using Lanes = Eigen::Array<float, kAtOnce, 1>;
+    Sums<Lanes> lanes(Lanes::Zero());
+    Eigen::Index i = 0;
+    for (; i + kAtOnce <= p.size(); i += kAtOnce) {
+      const auto of = [i](const Eigen::ArrayXf& column) -> Lanes {
+        return column.segment<kAtOnce>(i);
+      };
+      lanes.add(of(weights), of(p.x), of(p.y), of(p.u), of(p.v));
+    }
+    Sums<double> sums(0);
+    for (; i < p.size(); ++i) sums.add(weights[i], p.x[i], p.y[i], p.u[i], p.v[i]);
+    sums.add(lanes, [](const Lanes& of_lanes) -> double { return of_lanes.sum(); });
+    return sums;
   }
 };
 

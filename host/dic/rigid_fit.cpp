@@ -1,7 +1,6 @@
 #include "host/dic/rigid_fit.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -10,7 +9,7 @@
 namespace impactdic {
 namespace {
 
-using Eigen::ArrayXd;
+using Eigen::ArrayXf;
 
 constexpr int kHypotheses = 60;
 constexpr int kRounds = 30;
@@ -21,33 +20,37 @@ constexpr double kTukey = 4.685, kRayleighMedian = 1.17741;
 constexpr double kSmallestScale = 1e-3;
 
 // Median of the residuals' lengths in units of the points' deviations.
-double median_residual(const AffineMotion& motion, const PointColumns& points) {
-  return std::sqrt(median(motion.residuals_sq(points) * points.per_variance));
+float median_residual(const AffineMotion& motion, const PointColumns& points) {
+  const ArrayXf squares = points.residuals_sq(motion) * points.per_variance;
+  return std::sqrt(median(squares));
 }
 
 // Least median of residuals over rigid motions through two points each (Rousseeuw 1984): right
 // while fewer than half of the points are wrong. The median is that of a part of the points, and a
 // motion that explains them to their deviations ends the search, but for the first dozen: where
 // displacements cluster, as those of a biased method do, the best of few is but one cluster's.
-AffineMotion consensus(const PointColumns& points) {
-  constexpr Eigen::Index kLookedAt = 100;
+AffineMotion consensus(std::span<const PointMotion> points, double cx_px, double cy_px) {
+  constexpr std::size_t kLookedAt = 100;
   constexpr int kFewest = 12;
-  constexpr double kAsGoodAsTheNoise = 2;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, points.size() / kLookedAt);
-  const PointColumns some = points.of(Eigen::seq(0, points.size() - 1, stride));
-  const ArrayXd equal = ArrayXd::Ones(2);
+  constexpr float kAsGoodAsTheNoise = 2;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kLookedAt);
+  const PointColumns some(points, cx_px, cy_px, {}, stride);
   AffineMotion best;
-  double least = INFINITY;
+  float least = INFINITY;
   std::uint32_t state = 12345;  // a fixed sequence: the same points give the same motion
   const auto next = [&] {
     state = state * 1664525u + 1013904223u;
-    return static_cast<Eigen::Index>((state >> 8) % static_cast<std::uint32_t>(points.size()));
+    return points[(state >> 8) % static_cast<std::uint32_t>(points.size())];
   };
   for (int k = 0; k < kHypotheses; ++k) {
     if (k >= kFewest && least < kAsGoodAsTheNoise) break;
-    const Eigen::Index a = next(), b = next();
-    const AffineMotion motion = Moments(points.of(std::array{a, b}), equal).rigid();
-    const double typical = median_residual(motion, some);
+    Sums<double> two(0);
+    for (int i = 0; i < 2; ++i) {
+      const PointMotion p = next();
+      two.add(1, p.x_px - cx_px, p.y_px - cy_px, p.u_px, p.v_px);
+    }
+    const AffineMotion motion = Moments(two, {}).rigid();
+    const float typical = median_residual(motion, some);
     if (typical < least) {
       least = typical;
       best = motion;
@@ -56,16 +59,16 @@ AffineMotion consensus(const PointColumns& points) {
   return best;
 }
 
-void weigh(const AffineMotion& motion, const PointColumns& points, double cut, ArrayXd& weights) {
-  const double per_cut_sq = 1 / (cut * cut);
-  weights = biweight(per_cut_sq * motion.residuals_sq(points) * points.per_variance) *
+void weigh(const AffineMotion& motion, const PointColumns& points, double cut, ArrayXf& weights) {
+  const auto per_cut_sq = static_cast<float>(1 / (cut * cut));
+  weights = biweight(per_cut_sq * points.residuals_sq(motion) * points.per_variance) *
             points.per_variance;
 }
 
 // Steps far below any point's deviation.
 bool settled(const AffineMotion& motion, const AffineMotion& before) {
   constexpr double kGradient = 1e-8, kShift_px = 1e-6;
-  return motion.gradient_distance(before) < kGradient &&
+  return (motion - before).gradient_length() < kGradient &&
          std::hypot(motion.u - before.u, motion.v - before.v) < kShift_px;
 }
 
@@ -76,7 +79,7 @@ double cut_of(double median_residual) {
 // A robust fit: its motion, and the weights that led to it.
 struct RobustFit {
   AffineMotion motion;
-  ArrayXd weights;
+  ArrayXf weights;
   double cut = 0;
 };
 
@@ -109,7 +112,7 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
   const auto counted = static_cast<double>((strained.weights > 0).count());
   if (counted < static_cast<double>(points.size()) / 2 || counted < kFewest) return;
   const auto sum_of_squares = [&](const AffineMotion& motion) {
-    return (strained.weights * motion.residuals_sq(points)).sum();
+    return static_cast<double>((strained.weights * points.residuals_sq(motion)).sum());
   };
   const double rest = sum_of_squares(strained.motion);
   const double rigid = sum_of_squares(Moments(points, strained.weights).rigid());
@@ -121,17 +124,18 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
 // Variance of one residual component as the M-estimator sees it (Huber 1981, eq. 6.6):
 // mean ψ² over the square of mean ψ', in units of the points' variance.
 double effective_variance(const RobustFit& fit, const PointColumns& points) {
-  const ArrayXd squared = fit.motion.residuals_sq(points) * points.per_variance;
-  const ArrayXd q_sq = squared / (fit.cut * fit.cut), weight = biweight(q_sq);
+  const ArrayXf squared = points.residuals_sq(fit.motion) * points.per_variance;
+  const ArrayXf q_sq = static_cast<float>(1 / (fit.cut * fit.cut)) * squared;
+  const ArrayXf weight = biweight(q_sq);
   const double psi2 = (weight.square() * squared).sum();
-  const double slope = (2 * weight - 4 * (1 - q_sq).max(0.0) * q_sq).sum();
+  const double slope = (2 * weight - 4 * (1 - q_sq).max(0.0F) * q_sq).sum();
   const double n = 2.0 * static_cast<double>(points.size());
   return slope > 0 ? psi2 * n * n / ((n - 3) * slope * slope) : INFINITY;
 }
 
-// False where fewer than three points carry weight.
+// From the consensus, which `points` start from. False where fewer than three points carry weight.
 bool fit_robustly(const PointColumns& points, RobustFit& fit) {
-  fit.motion = consensus(points);
+  fit.motion = points.base;
   // The scatter of the consensus sets the cut once; it must not follow the weights down.
   fit.cut = cut_of(median_residual(fit.motion, points)) *
             (1 + 5.0 / (2.0 * static_cast<double>(points.size())));
@@ -153,16 +157,17 @@ bool fit_robustly(const PointColumns& points, RobustFit& fit) {
 RigidMotion fit_rigid_motion(std::span<const PointMotion> measured, double cx_px, double cy_px) {
   RigidMotion result;
   if (measured.size() < 3) return result;
-  const PointColumns points(measured, cx_px, cy_px);
+  const PointColumns points(measured, cx_px, cy_px, consensus(measured, cx_px, cy_px));
   RobustFit fit;
   if (!fit_robustly(points, fit)) return result;
   const Moments moments(points, fit.weights);
-  if (moments.inertia() <= 0) return result;
+  if (moments.at_a_point()) return result;
 
-  const ArrayXd share = fit.weights / points.per_variance;
-  const double squares = (share * fit.motion.residuals_sq(points)).sum();
+  const ArrayXf share = fit.weights / points.per_variance;
+  const double squares = (share * points.residuals_sq(fit.motion)).sum();
   const double full_inertia =
-      (points.per_variance * ((points.x - moments.x).square() + (points.y - moments.y).square()))
+      (points.per_variance * ((points.x - static_cast<float>(moments.x)).square() +
+                              (points.y - static_cast<float>(moments.y)).square()))
           .sum();
   const double variance = effective_variance(fit, points);
   const double shift_variance = variance / points.per_variance.sum();
@@ -178,7 +183,7 @@ RigidMotion fit_rigid_motion(std::span<const PointMotion> measured, double cx_px
   // The centre lies away from where the translation is known best.
   result.dx_sd_px = std::sqrt(shift_variance + turn_variance * moments.y * moments.y);
   result.dy_sd_px = std::sqrt(shift_variance + turn_variance * moments.x * moments.x);
-  result.residual_px = std::sqrt(squares / (2 * share.sum()));
+  result.residual_px = std::sqrt(squares / (2.0 * share.sum()));
   return result;
 }
 

@@ -127,7 +127,9 @@ class FieldEstimator : public MotionEstimator {
       pair.motion.ok = false;
     }
     pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
-    if (options_.estimator == Estimator::ball) pair.strain = fit_strain(points);
+    if (options_.estimator == Estimator::ball) {
+      pair.strain = fit_strain(points, pair.motion, pair.first.cx_px, pair.first.cy_px);
+    }
     pair.status = pair.motion.ok ? TrackStatus::ok : explain_failure(pair.field);
   }
 

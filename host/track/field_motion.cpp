@@ -49,32 +49,39 @@ void account_for_overlap(RigidMotion& motion, int window_px, int spacing_px) {
 
 namespace {
 
-using Eigen::ArrayXd;
+using Eigen::ArrayXf;
 
 // One component's scatter from the squared lengths of two-dimensional residuals.
-double scatter_of(const ArrayXd& squares) {
-  constexpr double kRayleighMedian = 1.1774;
-  return std::max(std::sqrt(median(squares)) / kRayleighMedian, 1e-6);
+float scatter_of(const ArrayXf& squares) {
+  constexpr float kRayleighMedian = 1.1774F;
+  return std::max(std::sqrt(median(squares)) / kRayleighMedian, 1e-6F);
 }
 
 // Tukey's weights, cut off at six times the scatter.
-ArrayXd robust_weights(const ArrayXd& squares, double scatter) {
+ArrayXf robust_weights(const ArrayXf& squares, float scatter) {
   return biweight(1 / (36 * scatter * scatter) * squares);
 }
 
-// The `count` points nearest to (cx, cy), nearest first.
+// The `count` points nearest to (cx, cy); of equally near ones those that come first.
 std::vector<PointMotion> nearest(std::span<const PointMotion> points, std::size_t count, double cx,
                                  double cy) {
-  std::vector<std::pair<double, std::size_t>> order;
-  order.reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double x = points[i].x_px - cx, y = points[i].y_px - cy;
-    order.emplace_back(x * x + y * y, i);
+  if (points.size() <= count) return {points.begin(), points.end()};
+  std::vector<float> squares;
+  squares.reserve(points.size());
+  for (const PointMotion& point : points) {
+    const double x = point.x_px - cx, y = point.y_px - cy;
+    squares.push_back(static_cast<float>(x * x + y * y));
   }
-  count = std::min(count, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
+  const float farthest = order_statistic(squares, count - 1);
+  auto as_far = static_cast<std::ptrdiff_t>(count) -
+                std::count_if(squares.begin(), squares.end(),
+                              [farthest](float square) { return square < farthest; });
   std::vector<PointMotion> near;
-  for (std::size_t k = 0; k < count; ++k) near.push_back(points[order[k].second]);
+  near.reserve(count);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (squares[i] > farthest || (squares[i] == farthest && as_far-- <= 0)) continue;
+    near.push_back(points[i]);
+  }
   return near;
 }
 
@@ -85,18 +92,18 @@ CentreMotion interpolate_at(std::span<const PointMotion> measured, double cx_px,
   constexpr int kRobustRounds = 4;
   if (measured.size() < kFewest) return {};
   const PointColumns points(nearest(measured, kNeighbours, cx_px, cy_px), cx_px, cy_px);
-  const ArrayXd distance = (points.x.square() + points.y.square()).sqrt();
-  const double reach = 1.001 * distance.maxCoeff() + 1e-9;
-  const ArrayXd tricube = (1 - (distance / reach).cube()).cube();
-  ArrayXd weights = tricube * points.per_variance, influence;
+  const ArrayXf distance = (points.x.square() + points.y.square()).sqrt();
+  const float reach = 1.001F * distance.maxCoeff() + 1e-9F;
+  const ArrayXf tricube = (1 - (distance / reach).cube()).cube();
+  ArrayXf weights = tricube * points.per_variance, influence;
   AffineMotion motion;
-  double scatter = 0;
+  float scatter = 0;
   for (int round = 0; round < kRobustRounds; ++round) {
     const Moments moments(points, weights);
     if (moments.on_a_line()) return {};
     motion = moments.affine();
     influence = moments.influence_at_origin(points);
-    const ArrayXd squares = motion.residuals_sq(points);
+    const ArrayXf squares = points.residuals_sq(motion);
     scatter = scatter_of(squares);
     weights = tricube * points.per_variance * robust_weights(squares, scatter);
   }
@@ -105,23 +112,26 @@ CentreMotion interpolate_at(std::span<const PointMotion> measured, double cx_px,
   return {true, motion.u, motion.v, sd, sd};
 }
 
-FieldStrain fit_strain(std::span<const PointMotion> measured) {
+FieldStrain fit_strain(std::span<const PointMotion> measured, const RigidMotion& rigid,
+                       double cx_px, double cy_px) {
   constexpr std::size_t kFewest = 12;
   constexpr int kRounds = 6;
   constexpr double kSettled = 1e-7;  // of the gradient: far below any strain that matters
   if (measured.size() < kFewest) return {};
-  const PointColumns points(measured, 0, 0);
-  ArrayXd weights = ArrayXd::Ones(points.size());
+  const double c = std::cos(rigid.rot_rad) - 1, s = std::sin(rigid.rot_rad);
+  const PointColumns points(measured, cx_px, cy_px, {rigid.dx_px, rigid.dy_px, c, s, -s, c});
+  ArrayXf weights = ArrayXf::Ones(points.size());
   AffineMotion motion;
-  double scatter = 0, of_gradient = 0;  // of_gradient: its deviation for a scatter of one
+  float scatter = 0;
+  double of_gradient = 0;  // of_gradient: its deviation for a scatter of one
   for (int round = 0; round < kRounds; ++round) {
     const Moments moments(points, weights);
     if (moments.on_a_line()) return {};
     const AffineMotion before = std::exchange(motion, moments.affine());
     of_gradient = std::sqrt(std::max(moments.xx, moments.yy) / moments.determinant());
-    const ArrayXd squares = motion.residuals_sq(points);
+    const ArrayXf squares = points.residuals_sq(motion);
     scatter = scatter_of(squares);
-    if (round > 0 && motion.gradient_distance(before) < kSettled) break;
+    if (round > 0 && (motion - before).gradient_length() < kSettled) break;
     weights = robust_weights(squares, scatter);
   }
   Eigen::Matrix2d stretch;

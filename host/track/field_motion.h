@@ -42,12 +42,14 @@ struct CentreMotion {
 CentreMotion interpolate_at(std::span<const PointMotion> points, double cx_px, double cy_px);
 
 // How the field stretches: the strain of a robust affine fit to all of it, free of rotation
-// (Green-Lagrange, largest principal value by magnitude), and its standard deviation.
+// (Green-Lagrange, largest principal value by magnitude), and its standard deviation. `rigid`:
+// their motion about (cx, cy) without strain, which spares digits; any will do.
 struct FieldStrain {
   bool ok = false;
   double largest = 0, sd = 0;
 };
-FieldStrain fit_strain(std::span<const PointMotion> points);
+FieldStrain fit_strain(std::span<const PointMotion> points, const RigidMotion& rigid, double cx_px,
+                       double cy_px);
 
 // Of the windows that have texture and lie in view, the share that agrees on `motion`, 0 … 1. Where
 // the windows looked in the wrong place some of them agree by chance: up to a sixth.
