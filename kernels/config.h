@@ -18,7 +18,7 @@
 #endif
 
 // Side of the transform: 16, 32 or 64 in single.cl, 16 or 32 in pairs.cl and equal.cl, any length
-// clFFT knows elsewhere.
+// clFFT knows elsewhere. bytes.cl and equal_bytes.cl do without: 32 is the windows' side there.
 #ifndef FFT_PX
 #define FFT_PX 32
 #endif
@@ -34,8 +34,9 @@
 #define LANES (FFT_PX / VECTOR)
 #endif
 
-// Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Of kernels that
-// read stored pictures: WIDTH, their width, defined or not.
+// Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Where such a device
+// multiplies matrices of bytes (compute capability 8 and above): MATRIX_UNITS, likewise. Of kernels
+// that read stored pictures: WIDTH, their width, defined or not.
 
 // equal.cl: pictures after each other that a work-group follows its windows through.
 #ifndef CHAIN

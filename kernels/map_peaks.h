@@ -1,5 +1,6 @@
 // The highest and the second peak of two correlation maps of which a work-item holds the same
-// column in registers; they lie side by side in local memory, LAGS × LAGS pairs row by row.
+// column in registers, while they lie side by side in local memory, LAGS × LAGS pairs row by row;
+// and the second peak of one map that lies there.
 #ifndef IMPACTDIC_KERNELS_MAP_PEAKS_H_
 #define IMPACTDIC_KERNELS_MAP_PEAKS_H_
 
@@ -90,6 +91,38 @@ INLINE void put_second_peaks(const float* a, const float* b, __local const float
   }
   atomic_max(&found[0].second, in_order(second_of_column(a, beside_a, x, found[0].x, found[0].y)));
   atomic_max(&found[1].second, in_order(second_of_column(b, beside_b, x, found[1].x, found[1].y)));
+}
+
+// The highest entry of the map that is no lower than its neighbours and more than 2 px away from
+// (far_x, far_y) along an axis, among those that are this work-item's: parts of columns. −2 where
+// there is none.
+#define PARTS 3
+#define PART_PX ((LAGS + PARTS - 1) / PARTS)
+INLINE float second_of_parts(__local const float* map, const int far_x, const int far_y,
+                             const int lane) {
+  float second = -2.0f;
+#pragma unroll 1
+  for (int k = lane; k < PARTS * LAGS; k += LANES) {
+    const int x = k % LAGS, begin = k / LAGS * PART_PX;
+    const int left = max(x - 1, 0), right = min(x + 1, LAGS - 1);
+    const int first_near = abs(x - far_x) <= 2 ? far_y - 2 : LAGS;
+    __local const float* row = map + max(begin - 1, 0) * LAGS;
+    float above = fmax(fmax(row[left], row[right]), row[x]);
+    row = map + begin * LAGS;
+    float beside = fmax(row[left], row[right]), value = row[x];
+    UNROLL
+    for (int y = begin; y < min(begin + PART_PX, LAGS); ++y) {
+      row = map + min(y + 1, LAGS - 1) * LAGS;
+      const float next_beside = fmax(row[left], row[right]), next = row[x];
+      const int is_far = (uint)(y - first_near) > 4;
+      const float around = fmax(fmax(above, beside), fmax(next_beside, next));
+      if (is_far && value >= around) second = fmax(second, value);
+      above = fmax(beside, value);
+      beside = next_beside;
+      value = next;
+    }
+  }
+  return second;
 }
 
 #endif  // IMPACTDIC_KERNELS_MAP_PEAKS_H_

@@ -244,38 +244,6 @@ INLINE void put_correlation(const float* a, const float* b, __local float* map,
   atomic_max(&found[0].most, in_order(fmax(highest_a, highest_b)));
 }
 
-// The highest entry of the map that is no lower than its neighbours and more than 2 px away from
-// (far_x, far_y) along an axis, among those that are this work-item's: parts of columns. −2 where
-// there is none.
-#define PARTS 3
-#define PART_PX ((LAGS + PARTS - 1) / PARTS)
-INLINE float second_of_parts(__local const float* map, const int far_x, const int far_y,
-                             const int lane) {
-  float second = -2.0f;
-#pragma unroll 1
-  for (int k = lane; k < PARTS * LAGS; k += LANES) {
-    const int x = k % LAGS, begin = k / LAGS * PART_PX;
-    const int left = max(x - 1, 0), right = min(x + 1, LAGS - 1);
-    const int first_near = abs(x - far_x) <= 2 ? far_y - 2 : LAGS;
-    __local const float* row = map + max(begin - 1, 0) * LAGS;
-    float above = fmax(fmax(row[left], row[right]), row[x]);
-    row = map + begin * LAGS;
-    float beside = fmax(row[left], row[right]), value = row[x];
-    UNROLL
-    for (int y = begin; y < min(begin + PART_PX, LAGS); ++y) {
-      row = map + min(y + 1, LAGS - 1) * LAGS;
-      const float next_beside = fmax(row[left], row[right]), next = row[x];
-      const int is_far = (uint)(y - first_near) > 4;
-      const float around = fmax(fmax(above, beside), fmax(next_beside, next));
-      if (is_far && value >= around) second = fmax(second, value);
-      above = fmax(beside, value);
-      beside = next_beside;
-      value = next;
-    }
-  }
-  return second;
-}
-
 // pixels: (slots, height, width); windows: from `start` on; weights: of the
 // peaks (types.h); peaks: (count) written. min_contrast: grey levels rms. One group of LANES =
 // FFT_PX a window.

@@ -56,7 +56,7 @@ void DeviceFrames::check(const FramePart& part, int width, int height) {
     pixel_type_ = frame.type;
     const std::size_t count = static_cast<std::size_t>(width_) * height_ * versions_.size();
     images_ = Buffer<float>(engine_, count);
-    pixels_ = Buffer<unsigned char>(engine_, count * pixel_bytes());
+    pixels_ = Buffer<unsigned char>(engine_, count * pixel_bytes() + kBytesBehind);
     unpack_ = engine_.kernel("unpack.cl", "unpack",
                              {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
   }

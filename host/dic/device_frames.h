@@ -17,6 +17,9 @@ namespace impactdic {
 
 class SplineFrames;
 
+// Bytes behind stored pictures on the device: kernels may read more of a row than they use.
+inline constexpr std::size_t kBytesBehind = 64;
+
 // A rectangle of a frame: its corner at the top left.
 struct FramePart {
   const Frame* frame = nullptr;

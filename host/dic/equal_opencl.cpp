@@ -1,5 +1,6 @@
 #include "host/dic/equal_opencl.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/dic/zncc_reference.h"
@@ -9,15 +10,17 @@ namespace impactdic {
 
 std::size_t EqualVariant::local_bytes(int window_px) const {
   const auto side = static_cast<std::size_t>(window_px);
+  if (as_bytes) return sizeof(cl_int) * (side * (side + 8) + 8);
   const std::size_t plane = 2 * side * (side + static_cast<std::size_t>(vector));
   const std::size_t scratch = window_px == lanes * vector && vector == 1 ? 8 * side : plane;
   return sizeof(cl_float) * (plane + scratch + 4 * side + 6);
 }
 
 std::string EqualVariant::name() const {
-  return "vector " + std::to_string(vector) + " lanes " + std::to_string(lanes) +
-         (chain > 1 ? " chain " + std::to_string(chain) : "") + (width_known ? " width" : "") +
-         (warp_barrier ? " warp" : "") +
+  return (as_bytes ? "bytes vector " : "vector ") + std::to_string(vector) + " lanes " +
+         std::to_string(lanes) + (chain > 1 ? " chain " + std::to_string(chain) : "") +
+         (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
+         (matrix_units ? " matrix" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
@@ -43,6 +46,11 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
   }
   if (is_warp) offer({1, window_px, 8, true, false, 0});
   offer({1, window_px, 8, false, is_warp, 0});
+  if (device.multiplies_bytes && window_px == 32) {
+    for (const int registers : {0, 64, 80}) {
+      offer({1, 32, 1, true, true, registers, true, true});
+    }
+  }
   offer({4, 1, 1, false, false, 0});
   return variants;
 }
@@ -54,21 +62,32 @@ EqualOpencl::EqualOpencl(Engine& engine, const FieldOptions& options, const Equa
   }
 }
 
+EqualVariant EqualOpencl::variant_for(PixelType type) const {
+  if (!variant_.as_bytes || type == PixelType::u8) return variant_;
+  const auto variants = equal_variants(engine_.device(), options_.window_px);
+  return *std::find_if(variants.begin(), variants.end(),
+                       [](const EqualVariant& variant) { return !variant.as_bytes; });
+}
+
 void EqualOpencl::compile(const StoredPictures& pictures) {
+  const EqualVariant variant = variant_for(pictures.type);
   Defines defines = {{"FFT_PX", std::to_string(options_.window_px)},
-                     {"VECTOR", std::to_string(variant_.vector)},
-                     {"LANES", std::to_string(variant_.lanes)},
+                     {"VECTOR", std::to_string(variant.vector)},
+                     {"LANES", std::to_string(variant.lanes)},
                      {"PIXEL", pictures.type == PixelType::u8 ? "uchar" : "ushort"}};
-  if (variant_.chain > 1) defines.emplace_back("CHAIN", std::to_string(variant_.chain));
-  if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
-  if (variant_.most_registers > 0) defines.emplace_back("FREE_GROUP_SIZE", "1");
-  if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(pictures.width));
+  if (variant.chain > 1) defines.emplace_back("CHAIN", std::to_string(variant.chain));
+  if (variant.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
+  if (variant.matrix_units) defines.emplace_back("MATRIX_UNITS", "1");
+  if (variant.most_registers > 0) defines.emplace_back("FREE_GROUP_SIZE", "1");
+  if (variant.width_known) defines.emplace_back("WIDTH", std::to_string(pictures.width));
   if (correlate_() != nullptr && defines == defines_) return;
-  const std::string options = variant_.most_registers > 0
-                                  ? "-cl-nv-maxrregcount=" + std::to_string(variant_.most_registers)
+  const std::string options = variant.most_registers > 0
+                                  ? "-cl-nv-maxrregcount=" + std::to_string(variant.most_registers)
                                   : "";
-  correlate_ = engine_.kernel("equal.cl", "equal_windows", defines, options);
-  finish_ = engine_.kernel("equal.cl", "equal_motions", defines, options);
+  correlate_ = engine_.kernel(variant.as_bytes ? "equal_bytes.cl" : "equal.cl",
+                              variant.as_bytes ? "equal_bytes" : "equal_windows", defines, options);
+  finish_ = engine_.kernel("equal_motions.cl", "equal_motions",
+                           {{"FFT_PX", std::to_string(options_.window_px)}});
   defines_ = defines;
 }
 
@@ -94,11 +113,18 @@ void EqualOpencl::run(const StoredPictures& pictures, const Buffer<Window>& wind
   const double side = options_.window_px, points = side * side;
   const auto done = static_cast<double>(count);
   const double pixel_bytes = pictures.type == PixelType::u8 ? 1 : 2;
-  set_arguments(correlate_, pictures.pixels, pictures.width, pictures.height, windows.get(),
-                static_cast<cl_uint>(count), static_cast<cl_uint>(period), peaks_.get());
-  const auto lanes = static_cast<std::size_t>(variant_.lanes);
-  const auto followed = static_cast<std::size_t>(variant_.chain) * period;
-  const std::size_t groups = (count + followed - 1) / followed * ((period + 1) / 2);
+  const EqualVariant variant = variant_for(pictures.type);
+  std::size_t groups = count;
+  if (variant.as_bytes) {
+    set_arguments(correlate_, pictures.pixels, pictures.width, pictures.height, windows.get(),
+                  peaks_.get());
+  } else {
+    set_arguments(correlate_, pictures.pixels, pictures.width, pictures.height, windows.get(),
+                  static_cast<cl_uint>(count), static_cast<cl_uint>(period), peaks_.get());
+    const auto followed = static_cast<std::size_t>(variant.chain) * period;
+    groups = (count + followed - 1) / followed * ((period + 1) / 2);
+  }
+  const auto lanes = static_cast<std::size_t>(variant.lanes);
   engine_.launch(engine_.queue(), correlate_, cl::NDRange(groups * lanes), cl::NDRange(lanes),
                  {done * (2 * points * pixel_bytes + sizeof(Window) + sizeof(EqualPeak)),
                   done * equal_flops(options_.window_px)});

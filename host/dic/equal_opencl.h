@@ -1,4 +1,4 @@
-// Equal windows by circular cross-correlation on an OpenCL device (kernels/equal.cl): the quickest
+// Equal windows by circular cross-correlation on an OpenCL device (kernels/equal*.cl): the quickest
 // way to a displacement, for small ones; see zncc_opencl.h for the unbiased method of `correlate`.
 #pragma once
 
@@ -18,6 +18,9 @@ struct EqualVariant {
   bool width_known = false;   // the pictures' width compiled in
   bool warp_barrier = false;  // a group is one warp of an NVIDIA device
   int most_registers = 0;     // of a work-item, for NVIDIA's compiler; 0: its choice
+  bool as_bytes = false;      // without transforms (kernels/equal_bytes.cl): windows of 32 in 8-bit
+                              // pictures (others go another way); 32 lanes, no chain
+  bool matrix_units = false;  // of an NVIDIA device, which multiply matrices of bytes
 
   std::size_t local_bytes(int window_px) const;
   std::string name() const;
@@ -29,7 +32,7 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
 // Real operations of a window, transforms counted as 5 N log2 N.
 double equal_flops(int window_px);
 
-// Pictures on the device as stored: (slots, height, width).
+// Pictures on the device as stored: (slots, height, width), and kBytesBehind bytes.
 struct StoredPictures {
   const cl::Buffer& pixels;
   int width = 0, height = 0;
@@ -54,6 +57,8 @@ class EqualOpencl {
 
  private:
   void compile(const StoredPictures& pictures);
+  // What pictures of this depth are measured with.
+  EqualVariant variant_for(PixelType type) const;
 
   Engine& engine_;
   FieldOptions options_;

@@ -22,7 +22,7 @@ struct EqualStream::Lane {
         shape(of),
         pictures(*engine, bytes_of(of)),
         motions(*engine, list.size_bytes() / sizeof(Window) * sizeof(WindowMotion)),
-        pixels(*engine, bytes_of(of), CL_MEM_READ_ONLY),
+        pixels(*engine, bytes_of(of) + kBytesBehind, CL_MEM_READ_ONLY),
         windows(make_buffer<Window>(*engine, list)),
         results(*engine, list.size()),
         equal(*engine, options, choose_equal_variant(*engine, options.window_px)) {}

@@ -19,8 +19,11 @@ int area_px(const FieldOptions& options) { return options.window_px + 2 * option
 int lags(const FieldOptions& options) { return 2 * options.search_px + 1; }
 
 bool fits(const ZnccVariant& variant, const FieldOptions& options, const DeviceInfo& device) {
+  if (variant.path == ZnccPath::bytes && (options.window_px > 31 || lags(options) > 33))
+    return false;
   return area_px(options) <= variant.fft_px &&
-         variant.fft_px % (variant.vector * variant.lanes) == 0 &&
+         (variant.path == ZnccPath::bytes ||
+          variant.fft_px % (variant.vector * variant.lanes) == 0) &&
          (variant.path != ZnccPath::pairs || variant.vector <= variant.fft_px / 2) &&
          static_cast<std::size_t>(variant.lanes) <= device.max_work_group &&
          variant.local_bytes(options) <= device.local_memory_bytes;
@@ -53,6 +56,14 @@ std::vector<cl_float> peak_weights() {
   return all;
 }
 
+std::unique_ptr<ZnccOpencl> make_for_deep_pixels(Engine& engine, const FieldOptions& options) {
+  const auto variants = zncc_variants(engine.device(), options);
+  const auto found = std::find_if(variants.begin(), variants.end(), [](const ZnccVariant& variant) {
+    return variant.path != ZnccPath::bytes;
+  });
+  return std::make_unique<ZnccOpencl>(engine, options, *found);
+}
+
 // Nothing here is as small as a denormal number, but square roots and quotients provide for it.
 std::string device_options(const Engine& engine) {
   return engine.device().is_gpu ? "-cl-denorms-are-zero" : "";
@@ -69,6 +80,15 @@ double zncc_flops(const ZnccVariant& variant) {
 std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   const auto side = static_cast<std::size_t>(lags(options));
   const auto size = static_cast<std::size_t>(fft_px), pitch = size + vector;
+  if (path == ZnccPath::bytes) {
+    const auto window = static_cast<std::size_t>(options.window_px), area = window + side - 1;
+    const std::size_t area_pitch = 8 * ((area + 31) / 32) + 4, window_rows = (window + 7) / 8 * 8;
+    const std::size_t window_pitch = 4 * ((window + 15) / 16) + 8;
+    const std::size_t pixels =
+        (window_rows + (side + 7) / 8 * 8) * area_pitch + window_rows * window_pitch;
+    return sizeof(cl_float) *
+           (std::max(pixels, side * (area | 1)) + std::max(side * side, window * window) + 16);
+  }
   const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
   constexpr std::size_t kLines = PEAK_PATCH_PX * PEAK_WEIGHTS;
   if (path == ZnccPath::pairs && vector == 1) {
@@ -94,8 +114,11 @@ std::string ZnccVariant::name() const {
   if (path == ZnccPath::clfft) return "clfft" + size;
   const std::string shape =
       size + " vector " + std::to_string(vector) + " lanes " + std::to_string(lanes);
-  return (path == ZnccPath::single ? "single" : "pairs") + shape + (width_known ? " width" : "") +
-         (warp_barrier ? " warp" : "") +
+  const char* const kind = path == ZnccPath::bytes    ? "bytes"
+                           : path == ZnccPath::single ? "single"
+                                                      : "pairs";
+  return kind + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
+         (matrix_units ? " matrix" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
@@ -123,6 +146,11 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
     if (is_warp) offer({path, size, 1, size, true, false, 0});
     offer({path, size, 1, size, false, is_warp, 0});
     if (size <= 32) offer({ZnccPath::single, size, 1, size, true, is_warp, 0});
+    for (const int registers : {128, 0, 168, 96}) {
+      if (device.multiplies_bytes) {
+        offer({ZnccPath::bytes, size, 1, 32, true, true, registers, true});
+      }
+    }
   }
   const auto length = FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
   variants.push_back({ZnccPath::clfft, static_cast<int>(length), 1, 1});
@@ -165,21 +193,23 @@ float ZnccOpencl::contrast(const DeviceFrames& frames) const {
 
 void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
   const bool pairs = variant_.path == ZnccPath::pairs, vectors = variant_.vector > 1;
+  const bool bytes = variant_.path == ZnccPath::bytes;
   Defines defines = defines_of(options_, variant_);
   defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::u8 ? "uchar" : "ushort");
   defines.emplace_back("VECTOR", std::to_string(variant_.vector));
   defines.emplace_back("LANES", std::to_string(variant_.lanes));
   if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
   if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
+  if (variant_.matrix_units) defines.emplace_back("MATRIX_UNITS", "1");
   std::string options = device_options(engine_);
   if (variant_.most_registers > 0) {
     defines.emplace_back("FREE_GROUP_SIZE", "1");
     options += " -cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
   }
   if (fused_() != nullptr && defines == fused_defines_) return;
-  const std::string file =
-      std::string(pairs ? "pairs" : "single") + (vectors ? "_vector.cl" : ".cl");
-  fused_ = engine_.kernel(file, pairs ? "zncc_pairs" : "zncc_single", defines, options);
+  const std::string name = bytes ? "bytes" : pairs ? "pairs" : "single";
+  fused_ =
+      engine_.kernel(name + (vectors ? "_vector.cl" : ".cl"), "zncc_" + name, defines, options);
   fused_defines_ = defines;
 }
 
@@ -246,6 +276,11 @@ void ZnccOpencl::run(const DeviceFrames& frames, const Buffer<Window>& windows, 
                      Buffer<WindowMotion>& motions) {
   if (count > windows.size() || count > motions.size()) {
     throw InvalidArgument("more windows than their buffers hold");
+  }
+  if (variant_.path == ZnccPath::bytes && frames.pixel_type() != PixelType::u8) {
+    if (!for_deep_pixels_) for_deep_pixels_ = make_for_deep_pixels(engine_, options_);
+    for_deep_pixels_->run(frames, windows, count, motions);
+    return;
   }
   peaks_.reserve(engine_, std::min(count, kMostPeaks));
   for (std::size_t start = 0; start < count; start += kMostPeaks) {

@@ -1,6 +1,7 @@
 // ZNCC of windows on an OpenCL device: the variants of the kernels and their launches.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@ namespace impactdic {
 
 // How a correlation is computed.
 enum class ZnccPath {
+  bytes,   // a window a group of 32 in one kernel without transforms (kernels/bytes.cl): 8-bit
+           // pictures (others go another path), windows up to 31, 33 lags
   pairs,   // two windows a group in one kernel (kernels/pairs*.cl): transforms of 16 and 32
   single,  // a window a group in one kernel (kernels/single*.cl): transforms of 16, 32 and 64
   clfft,   // several kernels about clFFT's batches: any size
@@ -28,6 +31,7 @@ struct ZnccVariant {
   bool width_known = false;   // the pictures' width compiled in
   bool warp_barrier = false;  // a group is one warp of an NVIDIA device
   int most_registers = 0;     // of a work-item, for NVIDIA's compiler; 0: its choice
+  bool matrix_units = false;  // of an NVIDIA device, which multiply matrices of bytes
 
   std::size_t local_bytes(const FieldOptions& options) const;
   std::string name() const;  // "pairs 32 vector 8 lanes 1", "clfft 36"
@@ -73,6 +77,7 @@ class ZnccOpencl {
   Buffer<cl_float> weights_, maps_;
   Buffer<cl_float2> planes_, levels_, sums_;
   Buffer<CorrelationPeak> peaks_;
+  std::unique_ptr<ZnccOpencl> for_deep_pixels_;  // where the path is bytes
 };
 
 }  // namespace impactdic

@@ -18,6 +18,14 @@ std::string lower(std::string text) {
 // Names arrive padded, some with a terminating zero inside.
 std::string clean(const std::string& text) { return trim(text.c_str()); }
 
+// The first number of an NVIDIA device's compute capability; 0 where there is none.
+cl_uint compute_capability(const cl::Device& device) {
+  constexpr cl_device_info kMajorNv = 0x4000;  // cl_nv_device_attribute_query
+  cl_uint major = 0;
+  return clGetDeviceInfo(device(), kMajorNv, sizeof(major), &major, nullptr) == CL_SUCCESS ? major
+                                                                                           : 0;
+}
+
 DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int index) {
   DeviceInfo info;
   info.index = index;
@@ -28,6 +36,8 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   info.version = clean(device.getInfo<CL_DEVICE_VERSION>());
   info.c_version = clean(device.getInfo<CL_DEVICE_OPENCL_C_VERSION>());
   info.is_gpu = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
+  const bool is_nvidia = info.vendor.find("NVIDIA") != std::string::npos;
+  info.multiplies_bytes = info.is_gpu && is_nvidia && compute_capability(device) >= 8;
   info.global_memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   info.local_memory_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
   info.max_allocation_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();

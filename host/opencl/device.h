@@ -13,6 +13,7 @@ struct DeviceInfo {
   int index = 0;  // what --device INDEX means
   std::string platform, name, vendor, driver, version, c_version;
   bool is_gpu = false;
+  bool multiplies_bytes = false;  // an NVIDIA device with units for matrices of bytes (PTX's mma)
   std::size_t global_memory_bytes = 0, local_memory_bytes = 0, max_allocation_bytes = 0;
   std::size_t max_work_group = 0;
   unsigned compute_units = 0;

@@ -74,10 +74,10 @@ void run_zncc(const ZnccVariant& variant, int bits) {
   setting.finish();
 }
 
-void run_equal(const EqualVariant& variant) {
+void run_equal(const EqualVariant& variant, int window_px = 16) {
   Setting setting(8);
   FieldOptions options = small_options(FieldMethod::zncc);
-  options.window_px = 16;
+  options.window_px = window_px;
   EqualOpencl(setting.engine, options, variant)
       .run(setting.frames, setting.windows, setting.count, setting.motions, 3);
   setting.finish();
@@ -137,9 +137,17 @@ const std::map<std::string, std::function<void()>> kCases = {
      [] {
        run_equal({1, 16, 2, true, false, 0});
      }},
+    {"equal_bytes",
+     [] {
+       run_equal({1, 32, 1, true, false, 0, true}, 32);
+     }},
     {"equal_vector",
      [] {
        run_equal({4, 1, 1, false, false, 0});
+     }},
+    {"zncc_bytes",
+     [] {
+       run_zncc({ZnccPath::bytes, 16, 1, 32, true}, 8);
      }},
     {"zncc_scalar",
      [] {

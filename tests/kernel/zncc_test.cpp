@@ -104,12 +104,17 @@ struct Case {
 std::vector<ZnccVariant> variants_of(const FieldOptions& options, bool every) {
   auto variants = zncc_variants(shared_engine().device(), options);
   if (!every && variants.size() > 2) variants.erase(variants.begin() + 1, variants.end() - 1);
+  // Without matrix units: the same kernel but for how it multiplies.
+  const int side = options.window_px + 2 * options.search_px;
+  if (options.window_px <= 31 && options.search_px <= 16) {
+    variants.push_back({ZnccPath::bytes, side <= 32 ? 32 : 64, 1, 32, true});
+  }
   // On a CPU one width of vectors, and the variants as a GPU runs them: each takes seconds to
   // compile.
   if (every && !shared_engine().device().is_gpu) {
     std::erase_if(variants,
                   [](const auto& variant) { return variant.vector == 4 || variant.vector == 16; });
-    const int size = options.window_px + 2 * options.search_px <= 16 ? 16 : 64;
+    const int size = side <= 16 ? 16 : 64;
     variants.push_back({ZnccPath::single, size, 1, size, true, false, 0});
     if (size == 16) variants.push_back({ZnccPath::pairs, size, 1, size, true, false, 0});
   }
