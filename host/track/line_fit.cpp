@@ -20,6 +20,7 @@ namespace {
 
 constexpr int kRounds = 14, kSteps = 12;         // at most
 constexpr double kLinear = 0.12, kClose = 0.05;  // steps of the trace
+constexpr double kLinearBlurred = 0.3;           // the same under the blurred look
 constexpr int kFirstStride = 4;
 constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
 constexpr std::size_t kRough = 85;    // lines that a rough fit needs
@@ -27,7 +28,9 @@ constexpr double kShareWorth = 100;   // lines whose worth the shares inside the
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
 constexpr double kThere = 0.5, kConvex = 0.25;      // of the curvature were the kinds known
 constexpr double kRelinearise = 0.03;               // steps of the trace
-constexpr double kCommon_px = 0.004;                // errors common to an arc
+constexpr double kNewton =
+    0.1;  // steps of the trace: one of so much is followed by another like it
+constexpr double kCommon_px = 0.004;  // errors common to an arc
 constexpr double kArcs = 1.2;  // how a sector is misplaced by itself, over all of them together
 
 // What all lines say at some corrections.
@@ -40,6 +43,8 @@ struct Sums {
   int points = 0;
   double scatter = 0;
   std::array<float, kKinds> kinds{};  // lines of each
+  float lines = 0;
+  float far = 0;  // of a line from where its evidence is exact, at most; steps of the trace
 };
 
 // One fit: corrections to the rim, their covariance, and what the lines say.
@@ -85,9 +90,10 @@ struct Waves {
   }
 };
 
-double excess_at(const RimLine& p, const Vector5& delta) {
-  const double c = p.cos, s = p.sin;
-  return c * delta[0] + s * delta[1] + delta[2] + (c * c - s * s) * delta[3] + 2 * c * s * delta[4];
+RimModel::Shift shift_of(const Vector5& delta, double step_px) {
+  RimModel::Shift shift;
+  for (int m = 0; m < 5; ++m) shift[m] = static_cast<float>(delta[m] / step_px);
+  return shift;
 }
 
 using Evidence = RimModel::Evidence;
@@ -132,9 +138,8 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
   // By 1, cos φ, sin φ … cos 4φ, sin 4φ.
   constexpr int kWaves = 9;
   Lanes score_waves[kWaves] = {}, curvature_waves[kWaves] = {}, hessian_waves[kWaves] = {};
-  Lanes kinds[kKinds] = {}, scatter{};
-  float d[5];
-  for (int m = 0; m < 5; ++m) d[m] = static_cast<float>(delta[m]) * per_step;
+  Lanes kinds[kKinds] = {}, scatter{}, lines{}, far{};
+  const RimModel::Shift d = shift_of(delta, step_px);
   // Of the sector that the lines have come to.
   int sector = 0, sector_points = 0;
   float sector_score = 0, sector_information = 0;
@@ -149,6 +154,8 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
   for (const Evidence& e : blocks) {
     const Lanes c = e.cos, sn = e.sin, c2 = c * c - sn * sn, s2 = 2 * c * sn;
     const Lanes off = c * d[0] + sn * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
+    far = off > far ? off : -off > far ? -off : far;
+    lines += e.present;
     Lanes share[kKinds], slope[kKinds], other;
     for (int k = 0; k < kKinds; ++k) {
       slope[k] = e.slope[k] - off * e.information[k];
@@ -198,6 +205,8 @@ IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector
   for (int m = 0; m < 5; ++m) s.score[m] = per_step * total_of(score_waves[order[m]]);
   for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(kinds[k]);
   s.scatter = total_of(scatter);
+  s.lines = total_of(lines);
+  for (int lane = 0; lane < RimModel::kLanes; ++lane) s.far = std::max(s.far, far[lane]);
 }
 
 // What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
@@ -212,27 +221,19 @@ Matrix5 misplaced(const Sums& s, double wider, const Matrix5& covariance) {
 }
 
 struct Memory {
-  std::vector<float> excess;
   std::vector<Evidence> lines;
   std::vector<Evidence> width;
 };
 
-void excesses(const LineTrace& trace, const Vector5& delta, int stride, std::vector<float>& out) {
-  out.clear();
-  const double per_step = 1 / trace.step_px;
-  for (std::size_t i = 0; i < trace.lines.size(); i += static_cast<std::size_t>(stride)) {
-    out.push_back(static_cast<float>(excess_at(trace.lines[i], delta) * per_step));
-  }
-}
-
-// `circle`: an estimate of the same lines, the last one made.
+// `other`: an estimate of the same lines by the other shape, the last one made.
 Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
                   const CirclePrior& prior, bool ellipse, const LineStart& start,
-                  const Estimate* circle, Memory& memory) {
+                  const Estimate* other, Memory& memory) {
   Estimate result;
   const int parameters = ellipse ? 5 : 3;
   const double shrink = model.edge_sigma_px() * model.edge_sigma_px() / (2 * rim.r);
   const bool roughly = start.how == Thoroughness::roughly;
+  const bool finely = start.how == Thoroughness::finely;
   // What is learnt is shared by many frames: no step of it is saved.
   const bool follows = start.how != Thoroughness::with_width;
   Vector5 delta = Vector5::Zero();
@@ -240,63 +241,80 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
     const Rim& r = *start.from;
     delta << r.cx - rim.cx, r.cy - rim.cy, r.r - rim.r, r.e1 - rim.e1, r.e2 - rim.e2;
   }
-  if (circle) {
-    delta = circle->summed_at;
-    result.shares = circle->shares;
-    result.about = circle->about;
-    result.sums = circle->sums;
+  if (other) {
+    delta = other->summed_at;
+    result.shares = other->shares;
+    result.about = other->about;
+    result.sums = other->sums;
   }
-  if (start.shares && !circle) result.shares = *start.shares;
+  if (start.shares && !other) result.shares = *start.shares;
   double wider = 1;
   // Evidence of every line, linear about the present rim; of some lines at first or if that will
   // do.
   const std::size_t n = trace.lines.size();
   const int last_stride = roughly ? std::max(1, static_cast<int>(n / kRough)) : 1;
-  int stride = !roughly && !start.from && !circle && n > kPlenty ? kFirstStride : last_stride;
+  int stride = !roughly && !start.from && !other && n > kPlenty ? kFirstStride : last_stride;
+  // Far from the rim the likelihood of what the lines show without noise has maxima of its own.
+  bool blurred = roughly;
+  bool careful = false;  // a round went too far
+  Vector5 last_way = Vector5::Zero();
   for (int round = 0; round < kRounds; ++round) {
-    if (round > 0 || !circle) {
-      excesses(trace, delta, stride, memory.excess);
-      model.evidence(trace, memory.excess, stride, memory.lines);
+    const RimModel& seen = blurred ? model.blurred() : model;
+    const double reach = (blurred ? kLinearBlurred : kLinear) * trace.step_px;
+    if (round > 0 || !other) {
+      seen.evidence(trace, shift_of(delta, trace.step_px), stride, memory.lines);
       result.about = delta;
     }
     const Vector5& before = result.about;
-    double last_moved = 1e-9;
+    double last_moved = round > 0 || !other ? 1e-9 : kNewton * trace.step_px;
+    bool held = false;
     for (int pass = 0; pass < kSteps; ++pass) {
       Sums& s = result.sums;
-      if (round > 0 || pass > 0 || !circle) {
+      if (round > 0 || pass > 0 || !other) {
         s = {};
-        accumulate(memory.lines, delta, trace.step_px, result.shares, model.stray(), s);
+        accumulate(memory.lines, delta, trace.step_px, result.shares, seen.stray(), s);
         result.summed_at = delta;
       }
       if (s.points < 3 * parameters) return result;
       wider = inflation(s.sectors, s.hessian_sum, kCommon_px, parameters);
-      const Knowledge known = knowledge(rim, delta, prior, ellipse, shrink);
-      const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
       // Newton's step where the fit is all but there, half-way to it before.
       const double convex = s.hessian_sum / s.curvature(2, 2);
       const bool there = !roughly && stride == last_stride && convex > kThere;
-      const double newton = there ? 1 : follows && convex > kConvex ? 0.5 : 0;
-      const Matrix5 bend = s.curvature + newton * (s.hessian - s.curvature);
-      Vector5 step = Eigen::LDLT<Matrix5>(bend / wider + known.precision).solve(gradient);
-      // No farther than what is known of the lines holds.
-      const double far = (delta + step - before).cwiseAbs().maxCoeff();
-      const bool held = far > kLinear * trace.step_px;
-      if (held) step = (delta + step - before) * (kLinear * trace.step_px / far) + before - delta;
+      const double newton = careful ? 0 : there ? 1 : follows && convex > kConvex ? 0.5 : 0;
+      const Matrix5 bend = (s.curvature + newton * (s.hessian - s.curvature)) / wider;
+      Knowledge known;
+      const auto step_by = [&](bool oval) -> Vector5 {
+        known = knowledge(rim, delta, prior, oval, shrink);
+        const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
+        return Eigen::LDLT<Matrix5>(bend + known.precision).solve(gradient);
+      };
+      // No farther than what is known of the lines holds. A first step that would go so far is a
+      // circle's: that finds its way from where an ellipse loses it.
+      Vector5 step = step_by(ellipse);
+      const auto farthest = [&] { return (delta + step - before).cwiseAbs().maxCoeff(); };
+      const bool lost = ellipse && round == 0 && !other && !(farthest() <= reach);
+      if (lost) step = step_by(false);
+      const double far = farthest();
+      held = far > reach;
+      if (held) step = (delta + step - before) * (reach / far) + before - delta;
       delta += step;
       const double moved = step.cwiseAbs().maxCoeff();
       if (!std::isfinite(moved)) return result;
 
-      const double lines = static_cast<double>(memory.excess.size());
-      for (int k = 0; k < kKinds; ++k) {
-        const double share = model.texture().kinds[k].share;
-        result.shares[k] = static_cast<float>(
-            std::log((s.kinds[k] + kShareWorth * share) / ((lines + kShareWorth) * share)));
+      // Of a fine fit after the first step only: shares and radius would settle slowly together.
+      if (!finely || (round == 0 && pass == 0 && !other)) {
+        for (int k = 0; k < kKinds; ++k) {
+          const double share = model.texture().kinds[k].share;
+          result.shares[k] = static_cast<float>(
+              std::log((s.kinds[k] + kShareWorth * share) / ((s.lines + kShareWorth) * share)));
+        }
       }
       // What is left to go, if steps go on to shrink as they do.
       const double left = follows && there ? moved * std::min(1.0, moved / last_moved) : moved;
       last_moved = moved;
       const double settled = roughly || stride > last_stride ? kRoughly : kSettled;
-      if (!held && left > settled * trace.step_px && pass + 1 < kSteps) continue;
+      const bool goes_on = left > settled * trace.step_px || lost;
+      if (!held && goes_on && pass + 1 < kSteps) continue;
       if (stride > last_stride) break;
       result.covariance =
           Eigen::LDLT<Matrix5>(s.hessian / wider + known.precision).solve(Matrix5::Identity());
@@ -308,12 +326,19 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       for (int count : s.sectors.points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
       break;
     }
-    const double moved = (delta - before).cwiseAbs().maxCoeff();
-    if (stride == last_stride && moved < (roughly ? kClose : kRelinearise) * trace.step_px) {
+    const Vector5 way = delta - before;
+    const double moved = way.cwiseAbs().maxCoeff();
+    const bool settled = roughly  ? !blurred && moved < kClose * trace.step_px
+                         : finely ? !held && result.sums.far < RimModel::kNear + kRelinearise
+                                  : moved < kRelinearise * trace.step_px;
+    if (stride == last_stride && settled) {
       // At a maximum of the likelihood all of them are positive.
       result.ok = roughly || result.covariance.diagonal().minCoeff() > 0;
       break;
     }
+    blurred = blurred && held;
+    careful = careful || way.dot(last_way) < 0;
+    last_way = way;
     if (moved < kClose * trace.step_px) stride = last_stride;
   }
   result.delta = delta;
@@ -323,8 +348,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
 // Change of ln σ of the edge that the lines ask for, with x, y and R free beside it.
 double change_of_width(const LineTrace& trace, const RimModel& model, const Vector5& delta,
                        Memory& memory) {
-  excesses(trace, delta, 1, memory.excess);
-  model.evidence(trace, memory.excess, 1, memory.lines);
+  model.evidence(trace, shift_of(delta, trace.step_px), 1, memory.lines);
   memory.width = memory.lines;
   model.width_slopes(memory.width);
   Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * 1e-3;
@@ -356,24 +380,24 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.rim = rim;
   if (trace.lines.size() < 24) return fit;
   thread_local Memory memory;
+  const auto by = [&](bool ellipse, const Estimate* other) {
+    return estimate(trace, model, rim, prior, ellipse, start, other, memory);
+  };
+  // Rough and thorough fits take a circle where the rim is all but one, unless its lines object. A
+  // fine one always tries an ellipse: lines that no circle explains count as strays, and hold
+  // nothing against it; and one beside which no ellipse can be found may lie across one.
+  const bool finely = start.how == Thoroughness::finely;
+  const bool circle_first = !finely && std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r;
   Estimate best;
-  // A circle where the search saw none but small deviations, unless its lines object.
-  if (!allow_ellipse || std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r) {
-    best = estimate(trace, model, rim, prior, false, start, nullptr, memory);
-  }
-  // A fine fit tries one even so: lines that no circle explains count as strays, and hold nothing
-  // against it.
-  const bool unsure = start.how == Thoroughness::finely || !best.ok || best.oval >= kSignificant;
-  if (allow_ellipse && unsure) {
-    const Estimate oval =
-        estimate(trace, model, rim, prior, true, start, best.ok ? &best : nullptr, memory);
-    // A circle beside which no ellipse can be found may lie across one.
-    if (start.how == Thoroughness::finely && !oval.ok) return fit;
+  if (!allow_ellipse || circle_first) best = by(false, nullptr);
+  if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
+    const Estimate oval = by(true, best.ok ? &best : nullptr);
+    if (finely && !oval.ok) return fit;
     fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
     if (fit.ellipse) {
       best = oval;
     } else if (!best.ok) {
-      best = estimate(trace, model, rim, prior, false, start, nullptr, memory);
+      best = by(false, finely ? &oval : nullptr);
     }
   }
   if (!best.ok) return fit;

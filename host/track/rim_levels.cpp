@@ -5,15 +5,59 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <vector>
 
 namespace impactdic {
 namespace {
 
 constexpr int kSectors = LineTrace::Levels::kSectors;
+constexpr int kLanes = 8;
+constexpr Lanes kCount = {0, 1, 2, 3, 4, 5, 6, 7};
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+// Room for values in whole blocks of lanes, and a few more.
+void make_room(std::vector<float>& values, std::size_t n) { values.resize(n + kLanes); }
+
+[[gnu::always_inline]] inline Lanes eight_at(const float* values) {
+  Lanes v;
+  std::memcpy(&v, values, sizeof(v));
+  return v;
+}
+
+// The value below which the share `q` of `n` values lies, one at least, to half of `tolerance`.
+// There is room for kLanes more values behind them.
+IMPACTDIC_WIDE float near_quantile(float* values, std::size_t n, float q, float tolerance) {
+  // Whole blocks, filled up with the first value.
+  const std::size_t blocks = (n + kLanes - 1) / kLanes;
+  const float filled = static_cast<float>(blocks * kLanes - n);
+  std::fill(values + n, values + blocks * kLanes, values[0]);
+  Lanes least = eight_at(values), most = least;
+  for (std::size_t i = 1; i < blocks; ++i) {
+    const Lanes v = eight_at(values + i * kLanes);
+    least = v < least ? v : least;
+    most = v > most ? v : most;
+  }
+  float low = least[0], high = most[0];
+  for (std::size_t lane = 1; lane < kLanes; ++lane) {
+    low = std::min(low, least[lane]);
+    high = std::max(high, most[lane]);
+  }
+  const float rank = q * static_cast<float>(n);
+  while (high - low > tolerance) {
+    const float pivot = 0.5f * (low + high);
+    if (!(pivot > low && pivot < high)) break;
+    Lanes up_to{};
+    for (std::size_t i = 0; i < blocks; ++i) {
+      up_to += eight_at(values + i * kLanes) <= pivot ? Lanes{} + 1 : Lanes{};
+    }
+    const float n_up_to = total_of(up_to) - (values[0] <= pivot ? filled : 0);
+    (n_up_to > rank ? high : low) = pivot;
+  }
+  return 0.5f * (low + high);
+}
 
 // Noise of one sample: from line to line outside the ball, where nothing else changes.
 float sample_noise(const std::vector<float>& outermost) {
@@ -25,32 +69,58 @@ float sample_noise(const std::vector<float>& outermost) {
   return 1.4826f / std::sqrt(2.0f) * quantile(steps, 0.5);
 }
 
-// The background's level by sector: the mean of what lies near the median of three sectors.
+// Sum and number of the values near a middle.
+IMPACTDIC_WIDE void sum_near(const float* values, int n, float middle, float window, float& sum,
+                             float& count) {
+  Lanes off_sum{}, near_count{};
+  for (int i = 0; i < n; i += kLanes) {
+    const Lanes off = eight_at(values + i) - middle;
+    const auto near = (off < window) & (off > -window) & (kCount < static_cast<float>(n - i));
+    off_sum += near ? off : Lanes{};
+    near_count += near ? Lanes{} + 1 : Lanes{};
+  }
+  count = total_of(near_count);
+  sum = total_of(off_sum);
+}
+
+// The background's level by sector: the mean of what lies near the middle of its own median and
+// the neighbours'.
 std::array<float, kSectors> ground_levels(const CastLines& lines,
                                           const std::vector<float>& outermost, float noise) {
-  std::array<int, kSectors + 1> first{};  // line of each sector
-  for (int i = 0; i < lines.size(); ++i) ++first[lines.sector(i, kSectors) + 1];
-  for (int b = 0; b < kSectors; ++b) first[b + 1] += first[b];
-  std::array<float, kSectors> levels{};
+  // Lines of each sector, with the last one in front of the first, and the first behind the last.
+  std::array<int, kSectors> count{};
+  for (int i = 0; i < lines.size(); ++i) ++count[lines.sector(i, kSectors)];
+  const int n = lines.size(), in_front = count[kSectors - 1], behind = count[0];
+  thread_local std::vector<float> around, own;  // memory only
+  make_room(around, static_cast<std::size_t>(in_front + n + behind));
+  std::copy(outermost.end() - in_front, outermost.end(), around.begin());
+  std::copy(outermost.begin(), outermost.end(), around.begin() + in_front);
+  std::copy(outermost.begin(), outermost.begin() + behind, around.begin() + in_front + n);
+
   const float window = 3 * noise + 0.5f;
-  thread_local std::vector<float> values;  // memory only
-  for (int b = 0; b < kSectors; ++b) {
-    values.clear();
-    for (int d = -1; d <= 1; ++d) {
-      const int sector = (b + d + kSectors) % kSectors;
-      values.insert(values.end(), outermost.begin() + first[sector],
-                    outermost.begin() + first[sector + 1]);
+  std::array<float, kSectors> medians{};
+  for (int b = 0, from = in_front; b < kSectors; from += count[b++]) {
+    if (count[b] == 0) continue;
+    make_room(own, static_cast<std::size_t>(count[b]));
+    std::copy_n(around.begin() + from, count[b], own.begin());
+    medians[b] = near_quantile(own.data(), static_cast<std::size_t>(count[b]), 0.5f, window / 8);
+  }
+  std::array<float, kSectors> levels{};
+  for (int b = 0, from = 0; b < kSectors; ++b) {
+    float values[3];
+    int known = 0, among = 0;
+    for (const int sector : {(b + kSectors - 1) % kSectors, b, (b + 1) % kSectors}) {
+      if (count[sector] > 0) values[known++] = medians[sector];
+      among += count[sector];
     }
-    if (values.empty()) continue;
-    const float middle = quantile(values, 0.5);
-    float sum = 0;
-    int n = 0;
-    for (const float value : values) {
-      const bool near = std::abs(value - middle) < window;
-      sum += near ? value : 0;
-      n += near;
+    if (known > 0) {
+      std::sort(values, values + known);
+      const float middle = values[known / 2];
+      float sum, near;
+      sum_near(around.data() + from, among, middle, window, sum, near);
+      levels[b] = middle + sum / std::max(near, 1.0f);
     }
-    levels[b] = sum / static_cast<float>(n);
+    from += b == 0 ? in_front : count[b - 1];
   }
   return levels;
 }
@@ -59,9 +129,14 @@ std::array<float, kSectors> ground_levels(const CastLines& lines,
 void drop_deep_in_front(CastLines& lines) {
   const auto rise = [](const Profile& p) { return std::max({p[0], p[1], p[2]}) - p[kSamples - 1]; };
   thread_local std::vector<float> rises;  // memory only
-  rises.clear();
-  for (int i = 0; i < lines.size(); i += 2) rises.push_back(rise(lines.level[i].v));
-  const float least = kNothing * quantile(rises, 0.9);
+  const auto n = static_cast<std::size_t>(lines.size() + 1) / 2;
+  make_room(rises, n);
+  float most = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    rises[i] = rise(lines.level[2 * i].v);
+    most = std::max(most, rises[i]);
+  }
+  const float least = kNothing * near_quantile(rises.data(), n, 0.9f, 0.01f * most);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < lines.deep_line.size(); ++i) {
     if (!(rise(lines.level[lines.deep_line[i]].v) > least)) continue;
@@ -79,9 +154,9 @@ void drop_deep_in_front(CastLines& lines) {
 
 // How many of the deep samples of lines `begin` to `end` lie within a window about the paint's
 // level, and how far off they lie, added up.
-IMPACTDIC_WIDE void sum_near(const CastLines& lines, int begin, int end,
-                             const std::array<float, 5>& light, float window, float& n,
-                             float& sum) {
+IMPACTDIC_WIDE void sum_near_light(const CastLines& lines, int begin, int end,
+                                   const std::array<float, 5>& light, float window, float& n,
+                                   float& sum) {
   Lanes off_sum{}, count{};
   for (int i = begin; i < end; ++i) {
     const Lanes off = lines.deep_level[i].v - light_at(light, lines.deep_x[i], lines.deep_y[i]);
@@ -109,10 +184,11 @@ class BallLight {
       int end = begin;
       while (end < n && lines.sector(lines.deep_line[end], kSectors) == sector) ++end;
       const double x = lines.deep_x[(begin + end) / 2], y = lines.deep_y[(begin + end) / 2];
-      const std::span samples(reinterpret_cast<const float*>(&lines.deep_level[begin]),
-                              static_cast<std::size_t>((end - begin) * kDeep));
-      parts_[sectors_++] = {
-          begin, end, {1, x, y, x * x - y * y, 2 * x * y}, quantile(samples, 0.95)};
+      const auto samples = static_cast<std::size_t>((end - begin) * kDeep);
+      make_room(samples_, samples);
+      std::memcpy(samples_.data(), &lines.deep_level[begin], samples * sizeof(float));
+      const float bright = near_quantile(samples_.data(), samples, 0.95f, 0.25f * noise + 0.02f);
+      parts_[sectors_++] = {begin, end, {1, x, y, x * x - y * y, 2 * x * y}, bright};
       begin = end;
     }
     find_envelope(ground);
@@ -180,7 +256,7 @@ class BallLight {
     for (int k = 0; k < sectors_; ++k) {
       const Part& part = parts_[k];
       float n, sum;
-      sum_near(lines, part.begin, part.end, w, window, n, sum);
+      sum_near_light(lines, part.begin, part.end, w, window, n, sum);
       if (n > 0) normal.add(part.basis, n, sum);
     }
     w_ += normal.solution();
@@ -188,6 +264,7 @@ class BallLight {
 
   std::array<Part, kSectors> parts_;
   int sectors_ = 0;
+  std::vector<float> samples_;  // memory only
   Vector5 w_ = Vector5::Zero();
 };
 
@@ -202,7 +279,7 @@ IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {
   levels.noise = sample_noise(outermost);
   levels.ground = ground_levels(lines, outermost, levels.noise);
   const float ground = quantile(levels.ground, 0.5);
-  BallLight light;
+  thread_local BallLight light;  // memory only
   light.fit(lines, ground, levels.noise);
   levels.light = light.coefficients();
   levels.usual = std::max(levels.light[0] - ground, 1e-6f);

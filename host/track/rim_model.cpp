@@ -32,6 +32,7 @@ constexpr double kPaintSd = 0.01;    // of the level of bare paint, share of the
 constexpr double kGroundSd = 0.004;  // of the background's
 constexpr double kWidthSd = 0.08;    // of ln σ from line to line
 constexpr double kStray = 0.01;      // share
+constexpr double kBlurred = 0.06;    // of the contrast: noise through which a rim is found
 constexpr double kKernel = 0.9;  // px along the normal for one along a row or column, on average
 
 int level_of(float b) { return b < kDark ? 0 : b < kBright ? 1 : 2; }
@@ -89,7 +90,8 @@ RimTexture TextureSums::result() const {
   return texture;
 }
 
-RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px)
+RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px,
+                   Blurred)
     : texture_(texture),
       edge_sigma_px_(edge_sigma_px),
       noise_(noise),
@@ -104,6 +106,12 @@ RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px
   // A stray's samples are anything between background and paint, with equal chance; in units in
   // which a normal density has no factor (2π)^(−n/2).
   log_stray_ = static_cast<float>(std::log(kStray / total) + 0.5 * kSamples * std::log(2 * kPi));
+}
+
+RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px)
+    : RimModel(texture, noise, edge_sigma_px, step_px, Blurred::no) {
+  blurred_.reset(
+      new RimModel(texture, std::hypot(noise, kBlurred), edge_sigma_px, step_px, Blurred::yes));
 }
 
 // The samples are interpolated along rows and columns with Catmull and Rom's cubic, whose kernel
@@ -179,9 +187,8 @@ void RimModel::fill(int place) const {
   for (int k = 0; k < kKinds; ++k) fill(edge, k, tables_[place]);
 }
 
-void RimModel::reach(const std::vector<float>& excess) const {
-  int far = 0;
-  for (const float e : excess) far = std::max(far, std::abs(place_of(e) - kReach));
+void RimModel::reach(float excess) const {
+  const int far = place_of(excess) - kReach;
   if (far <= ready_.load(std::memory_order_acquire)) return;
   const std::lock_guard lock(filling_);
   for (int d = ready_.load(std::memory_order_relaxed) + 1; d <= far; ++d) {
@@ -301,25 +308,33 @@ template <typename Use>
   for (int k = 0; k < kKinds; ++k) out[k] = sum[k] + q.offset[k];
 }
 
-IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const std::vector<float>& excess,
-                                       int stride, std::vector<Evidence>& out) const {
-  reach(excess);
-  out.resize((excess.size() + kLanes - 1) / kLanes);
+IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const Shift& shift, int stride,
+                                       std::vector<Evidence>& out) const {
+  reach(std::hypot(shift[0], shift[1]) + std::abs(shift[2]) + std::hypot(shift[3], shift[4]));
+  const std::size_t every = static_cast<std::size_t>(stride);
+  const std::size_t n = (trace.lines.size() + every - 1) / every;
+  out.resize((n + kLanes - 1) / kLanes);
   for (std::size_t block = 0; block < out.size(); ++block) {
     Evidence& e = out[block];
     Lanes profile[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
       // The last block is filled up with the last line.
       const std::size_t k = block * kLanes + static_cast<std::size_t>(lane);
-      const std::size_t from = std::min(k, excess.size() - 1);
-      const RimLine& line = trace.lines[from * static_cast<std::size_t>(stride)];
+      const std::size_t from = std::min(k, n - 1);
+      const RimLine& line = trace.lines[from * every];
       profile[lane] = line.profile;
-      e.at[lane] = static_cast<float>(place_of(excess[from]) - kReach) / kPerStep;
       e.cos[lane] = line.cos;
       e.sin[lane] = line.sin;
       e.weight[lane] = line.weight;
       e.present[lane] = k == from ? 1 : 0;
       e.sector[lane] = line.sector;
+    }
+    const Lanes& c = e.cos;
+    const Lanes& s = e.sin;
+    const Lanes excess =
+        c * shift[0] + s * shift[1] + shift[2] + (c * c - s * s) * shift[3] + 2 * c * s * shift[4];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      e.at[lane] = static_cast<float>(place_of(excess[lane]) - kReach) / kPerStep;
     }
     transpose(profile);
     for (int i = 0; i < kSamples; ++i) e.profile[i] = profile[i];

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -61,6 +62,9 @@ class RimModel {
   double place_sd_px() const { return place_sd_px_; }
   void set_place_sd_px(double sd) { place_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
+  // The same look through more noise: its likelihood has no maxima beside the rim's, so that it
+  // finds the rim from farther away, and less exactly.
+  const RimModel& blurred() const { return *blurred_; }
 
   // What kLanes lines say, linear about an excess `at` of each: ln p by kind, ∂/∂δ and −∂²/∂δ².
   static constexpr int kLanes = 8;
@@ -70,8 +74,11 @@ class RimModel {
     Lanes profile[kSamples], weight;
     int sector[kLanes];
   };
-  // Of every `stride`th line, about `excess` of each.
-  void evidence(const LineTrace& trace, const std::vector<float>& excess, int stride,
+  // Excess of a line: `shift`'s products with (cos φ, sin φ, 1, cos 2φ, sin 2φ).
+  typedef std::array<float, 5> Shift;
+  // Of every `stride`th line, about its excess, or one that lies kNear off at most.
+  static constexpr float kNear = 0.0625f;
+  void evidence(const LineTrace& trace, const Shift& shift, int stride,
                 std::vector<Evidence>& out) const;
   // ∂ ln p / ∂ ln σ by kind, at the same excesses, in place of the slopes.
   void width_slopes(std::vector<Evidence>& blocks) const;
@@ -82,8 +89,8 @@ class RimModel {
   float stray() const { return log_stray_; }
 
  private:
-  static constexpr float kPerStep = 8;  // excesses with a table, per step of the trace
-  static constexpr int kReach = 8;      // tables on either side of 0
+  static constexpr float kPerStep = 0.5f / kNear;  // excesses with a table, per step of the trace
+  static constexpr int kReach = 8;                 // tables on either side of 0
   // By kind: (constant + linear·p + pᵀ matrix p) times the line's weight, + offset. The numbers in
   // the order constant, then for each i linear[i] and matrix[i][0 … i].
   static constexpr int kNumbers = 1 + kSamples + kSamples * (kSamples + 1) / 2;
@@ -95,11 +102,13 @@ class RimModel {
     float information[kKinds];
   };
   struct Edge;
+  enum class Blurred { no, yes };
+  RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px, Blurred);
   static Edge edge_at(double excess, double sigma, double kernel);
   void fill(int place) const;
   void fill(const Edge& edge, int kind, Table& table) const;
-  // Makes the tables that `excess` needs; safe on several threads.
-  void reach(const std::vector<float>& excess) const;
+  // Makes the tables of all excesses up to this one; safe on several threads.
+  void reach(float excess) const;
   static int place_of(float excess);
   template <typename Use>
   void for_each_place(const Evidence& e, const Use& use) const;
@@ -109,6 +118,7 @@ class RimModel {
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
   double place_sd_px_ = 0;
+  std::unique_ptr<const RimModel> blurred_;
   std::array<float, kKinds> log_share_{};
   float log_stray_ = 0;
   mutable std::vector<Table> tables_;    // by excess

@@ -161,6 +161,33 @@ TEST(MeasureCircle, FollowsByTheLookOfTheFrameBefore) {
   EXPECT_NE(far.look, before.look);
 }
 
+// Little ink and little noise: a third of a pixel off, bare paint looks like anything but that.
+TEST(MeasureCircle, FollowsSparseInkFromAThirdOfAPixel) {
+  for (const char* pattern : {"c1", "d1"}) {
+    const BallRenderer renderer(paint_ball(pattern, 5, kRadius), small_scene());
+    Frame frame;
+    CirclePrior prior;
+    for (int k = 0; k < 24; ++k) {
+      const BallPose pose{118.1 + 0.23 * k, 101.9 - 0.31 * k, 15.0 * k};
+      renderer.render(pose, k, frame);
+      const double way = 2.4 * k;
+      prior.predicted = {pose.cx_px + 0.35 * std::cos(way), pose.cy_px + 0.35 * std::sin(way),
+                         kRadius + 0.1};
+      const CircleFit fit = measure_circle(frame, prior, {});
+      ASSERT_EQ(fit.status, CircleStatus::ok);
+      ASSERT_TRUE(fit.look);
+      EXPECT_LT(miss(fit.circle, pose), 0.02) << pattern << k;
+      if (k == 0) {
+        prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
+        prior.bright = fit.bright;
+        prior.look = fit.look;
+      } else {
+        EXPECT_EQ(fit.look, prior.look) << pattern << k;
+      }
+    }
+  }
+}
+
 TEST(MeasureCircle, RefusesNonsense) {
   const Frame frame = picture({kRadius, {}, {}}, small_scene(), {118, 102});
   EXPECT_THROW(measure_circle(frame, {}, {}), InvalidArgument);
