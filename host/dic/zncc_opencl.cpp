@@ -128,6 +128,13 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
     if (fits(variant, options, device)) variants.push_back(variant);
   };
   const bool is_nvidia = device.vendor.find("NVIDIA") != std::string::npos;
+  const auto offer_bytes = [&](int size) {
+    for (const int registers : {128, 0}) {
+      if (device.multiplies_bytes) {
+        offer({ZnccPath::bytes, size, 1, 32, true, true, registers, true});
+      }
+    }
+  };
   for (const int size : {16, 32, 64}) {
     if (size < area_px(options) || !variants.empty()) continue;
     if (!device.is_gpu) {
@@ -137,6 +144,8 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
       for (const int vector : {8, 16}) offer({ZnccPath::single, size, vector, 1});
       continue;
     }
+    // Small windows are as much work behind the products as behind transforms.
+    if (size == 64) offer_bytes(size);
     const ZnccPath path = size <= 32 ? ZnccPath::pairs : ZnccPath::single;
     const bool is_warp = is_nvidia && size == 32;
     for (const int registers : {168, 144, 128}) {
@@ -146,11 +155,7 @@ std::vector<ZnccVariant> zncc_variants(const DeviceInfo& device, const FieldOpti
     if (is_warp) offer({path, size, 1, size, true, false, 0});
     offer({path, size, 1, size, false, is_warp, 0});
     if (size <= 32) offer({ZnccPath::single, size, 1, size, true, is_warp, 0});
-    for (const int registers : {128, 0, 168, 96}) {
-      if (device.multiplies_bytes) {
-        offer({ZnccPath::bytes, size, 1, 32, true, true, registers, true});
-      }
-    }
+    if (size <= 32) offer_bytes(size);
   }
   const auto length = FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
   variants.push_back({ZnccPath::clfft, static_cast<int>(length), 1, 1});
