@@ -1,5 +1,6 @@
 #include "host/dic/spline_taps.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -67,13 +68,17 @@ std::vector<double> prefilter_taps(int degree, double presmooth_sigma_px, double
   const std::vector<double> spline(weights.begin() + reach, weights.begin() + degree);
   // The inverse of the spline's response, on a circle so long that its ends do not meet: the
   // slowest pole of degree 7 falls by 0.535 a pixel.
-  constexpr int kLength = 256;
+  constexpr std::size_t kLength = 256;
+  std::array<double, kLength> cosines;
+  for (std::size_t k = 0; k < kLength; ++k) {
+    cosines[k] = std::cos(2 * std::numbers::pi * static_cast<double>(k) / kLength);
+  }
   std::vector<double> taps(kLength / 2, 0.0);
-  for (int bin = 0; bin < kLength; ++bin) {
-    const double omega = 2 * std::numbers::pi * bin / kLength;
+  for (std::size_t bin = 0; bin < kLength; ++bin) {
+    const double omega = 2 * std::numbers::pi * static_cast<double>(bin) / kLength;
     const double ratio = response(smooth, omega) / response(spline, omega);
     for (std::size_t k = 0; k < taps.size(); ++k) {
-      taps[k] += ratio * std::cos(omega * static_cast<double>(k)) / kLength;
+      taps[k] += ratio * cosines[bin * k % kLength] / kLength;
     }
   }
   double beyond = 0;

@@ -8,13 +8,14 @@ namespace {
 
 // A ball under compression is wider than the free one.
 constexpr double kWidest = 1.1;
-// Beyond what windows reach: B-splines forget the border of their picture within this to 1e-6.
+// Windows are measured where they lie on the ball, and sought no farther than their search from it;
+// beyond, B-splines forget the border of their picture within this to 1e-6.
 constexpr int kBeyond_px = 24;
 // Rows of whole vectors and cache lines.
 constexpr int kStep_px = 16;
 
 int side_px(const EstimatorOptions& options, double radius_px) {
-  const int reach = options.field.window_px + options.field.search_px + kBeyond_px;
+  const int reach = std::max({options.field.window_px, options.field.search_px, kBeyond_px});
   const int side = 2 * (static_cast<int>(std::ceil(kWidest * radius_px)) + reach);
   return (side + kStep_px - 1) / kStep_px * kStep_px;
 }
