@@ -1,43 +1,39 @@
 #include "host/dic/discs.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace impactdic {
-
-bool Discs::cuts(const Window& window, int window_px) const {
-  const Disc& disc = discs_[static_cast<std::size_t>(window.first)];
-  if (!std::isfinite(disc.radius_px)) return false;
-  const double half = (window_px - 1) / 2.0;
-  const double dx = std::abs(window.x0 + half - disc.cx_px) + half;
-  const double dy = std::abs(window.y0 + half - disc.cy_px) + half;
-  return dx * dx + dy * dy > disc.radius_px * disc.radius_px;
-}
 
 void WholeWindows::search(std::span<const Window> windows, int window_px, const Discs& discs,
                           WindowStatus of_cut, std::span<WindowMotion> motions,
                           const SearchWindows& search) {
+  runs_.clear();
+  cut_.clear();
+  whole_.clear();
+  for (std::size_t begin = 0; begin < windows.size();) {
+    for (; begin < windows.size() && discs.cuts(windows[begin], window_px); ++begin) {
+      cut_.push_back(begin);
+    }
+    std::size_t end = begin;
+    while (end < windows.size() && !discs.cuts(windows[end], window_px)) ++end;
+    runs_.push_back({begin, end});
+    whole_.insert(whole_.end(), windows.begin() + static_cast<std::ptrdiff_t>(begin),
+                  windows.begin() + static_cast<std::ptrdiff_t>(end));
+    begin = end;
+  }
+  // What was found goes to the end of the results, and from there forward to its place.
+  const auto found = motions.last(whole_.size());
+  search(whole_, found);
+  auto from = found.begin();
+  for (const Run& run : runs_) {
+    const auto length = static_cast<std::ptrdiff_t>(run.end - run.begin);
+    std::copy(from, from + length, motions.begin() + static_cast<std::ptrdiff_t>(run.begin));
+    from += length;
+  }
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const WindowMotion not_searched = {
       kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, static_cast<idic_int>(of_cut)};
-  index_.clear();
-  cut_.clear();
-  whole_.clear();
-  for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (discs.cuts(windows[i], window_px)) {
-      motions[i] = not_searched;
-      cut_.push_back(i);
-    } else {
-      index_.push_back(i);
-      whole_.push_back(windows[i]);
-    }
-  }
-  if (whole_.size() == windows.size()) {
-    search(windows, motions);
-    return;
-  }
-  found_.resize(whole_.size());
-  search(whole_, found_);
-  for (std::size_t k = 0; k < index_.size(); ++k) motions[index_[k]] = found_[k];
+  for (const std::size_t i : cut_) motions[i] = not_searched;
 }
 
 }  // namespace impactdic

@@ -3,20 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <memory>
 #include <utility>
 
 namespace impactdic {
 namespace {
 
-constexpr std::size_t kNearest = 6;
-constexpr int kMostRounds = 200;  // each carries the front on by about a window
+constexpr std::uint8_t kMostRounds = 200;  // each carries the front on by about a window
 // A found window that is this far from what its neighbours say, beyond three times their own
 // scatter, is suspect: a dense pattern's windows find each other's speckles.
 constexpr float kSuspectPx = 0.5F;
 constexpr std::size_t kFewestWitnesses = 3;
+
+using Index = WindowPlaces::Index;
+constexpr std::size_t kNearest = WindowPlaces::kNearest;
+
+// What is known of a window.
+constexpr std::uint8_t kFound = 1, kLost = 2;
+constexpr std::uint8_t kAgrees = 4;      // found, and the window before says nothing else
+constexpr std::uint8_t kChallenged = 8;  // a suspect was sought again
+constexpr std::uint8_t kJudged = 16;     // its texture was looked at
+constexpr std::uint8_t kUnsettled = 32;  // stands in the list of those to be looked at
 
 bool is_found(const WindowMotion& motion) {
   return motion.status == static_cast<idic_int>(WindowStatus::ok);
@@ -37,18 +44,20 @@ bool is_lost(const WindowMotion& motion) {
          status == WindowStatus::not_converged;
 }
 
-// Up to kNearest numbers.
+// Upper medians of up to kNearest values, by exchanges that need no branches: which of them are
+// needed is chance.
+template <typename T>
 class Few {
  public:
-  Few() { values_.fill(std::numeric_limits<float>::infinity()); }
-  void add(float value) { values_[count_++] = value; }
-  // By exchanges that need no branches: which of them are needed is chance.
-  float median() {
+  // `endless`: infinity.
+  explicit Few(const T& endless) { values_.fill(endless); }
+  void add(const T& value) { values_[count_++] = value; }
+  T median() {
     static_assert(kNearest == 6);
     for (const auto& [low, high] : kNetwork) {
-      const float a = values_[low], b = values_[high];
-      values_[low] = std::min(a, b);
-      values_[high] = std::max(a, b);
+      const T a = values_[low], b = values_[high];
+      values_[low] = b < a ? b : a;
+      values_[high] = a < b ? b : a;
     }
     return values_[count_ / 2];
   }
@@ -58,328 +67,257 @@ class Few {
   static constexpr std::pair<int, int> kNetwork[] = {{0, 5}, {1, 3}, {2, 4}, {1, 2},
                                                      {3, 4}, {0, 3}, {2, 5}, {0, 1},
                                                      {2, 3}, {4, 5}, {1, 2}, {3, 4}};
-  std::array<float, kNearest> values_;
+  std::array<T, kNearest> values_;
   std::size_t count_ = 0;
 };
 
-// What window `from` says of the displacement at window `at`.
+constexpr float kEndless = std::numeric_limits<float>::infinity();
+
+// What a window's neighbours say of it: displacement and, of the turn, the tangent; one more for
+// registers' sake.
+typedef float Saying __attribute__((vector_size(16)));
+
 struct Shift {
   float u, v;
 };
-Shift carried(const Window& from, const WindowMotion& motion, const Window& at) {
-  const auto dx = static_cast<float>(at.x0 - from.x0), dy = static_cast<float>(at.y0 - from.y0);
-  return {motion.u + motion.ux * dx + motion.uy * dy, motion.v + motion.vx * dx + motion.vy * dy};
+bool differ(const Shift& shift, const WindowMotion& motion, float by) {
+  return !(std::abs(shift.u - motion.u) <= by && std::abs(shift.v - motion.v) <= by);
 }
 
 }  // namespace
 
-// The windows of a grid by place: square bins, as wide as a window. Bins that lie side by side
-// follow each other.
-class Neighbours::Bins {
- public:
-  Bins(std::span<const Window> windows, int side) : side_(side) {
-    int x1 = x0_ = windows[0].x0, y1 = y0_ = windows[0].y0;
-    for (const Window& window : windows) {
-      x0_ = std::min(x0_, window.x0);
-      y0_ = std::min(y0_, window.y0);
-      x1 = std::max(x1, window.x0);
-      y1 = std::max(y1, window.y0);
-    }
-    across_ = (x1 - x0_) / side + 1;
-    down_ = (y1 - y0_) / side + 1;
-    begin_.assign(static_cast<std::size_t>(across_ * down_) + 1, 0);
-    for (const Window& window : windows) ++begin_[bin(window) + 1];
-    for (std::size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    entries_.resize(windows.size());
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      const int x = windows[i].x0 - x0_, y = windows[i].y0 - y0_;
-      places_.push_back(next[bin(windows[i])]++);
-      entries_[places_[i]] = {x, y, i};
-    }
+struct Neighbours::Proposals {
+  std::vector<Window> windows;
+  std::vector<WindowMotion> seeds, results;
+  std::vector<Index> index;  // in its pair
+  void clear() {
+    windows.clear();
+    seeds.clear();
+    index.clear();
   }
-
-  // Whether these windows stand to each other as those that the bins were made of.
-  bool fit(std::span<const Window> windows, int side) const {
-    if (windows.size() != places_.size() || side != side_) return false;
-    const int x0 = windows[0].x0 - entries_[places_[0]].x;
-    const int y0 = windows[0].y0 - entries_[places_[0]].y;
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      const Entry& entry = entries_[places_[i]];
-      if (windows[i].x0 - x0 != entry.x || windows[i].y0 - y0 != entry.y) return false;
-    }
-    return true;
-  }
-
-  struct Entry {
-    int x, y;           // from the grid's first column and row
-    std::size_t index;  // of the window
-  };
-  // By place.
-  const Entry& entry(std::size_t place) const { return entries_[place]; }
-  // Of window `index`.
-  std::size_t place(std::size_t index) const { return places_[index]; }
-
-  // Calls visit(first, last) for the rows of places in the 3 × 3 bins about window `index`.
-  template <typename Visit>
-  void each_row_near(std::size_t index, const Visit& visit) const {
-    const Entry& entry = entries_[places_[index]];
-    const int column = entry.x / side_, row = entry.y / side_;
-    const int left = std::max(0, column - 1), right = std::min(across_ - 1, column + 1);
-    for (int j = std::max(0, row - 1); j <= std::min(down_ - 1, row + 1); ++j) {
-      visit(begin_[static_cast<std::size_t>(j * across_ + left)],
-            begin_[static_cast<std::size_t>(j * across_ + right) + 1]);
-    }
-  }
-
- private:
-  std::size_t bin(const Window& window) const {
-    return static_cast<std::size_t>((window.y0 - y0_) / side_ * across_ +
-                                    (window.x0 - x0_) / side_);
-  }
-  int side_, x0_, y0_, across_, down_;
-  std::vector<std::size_t> begin_, places_;
-  std::vector<Entry> entries_;
 };
 
-// One pair's windows, and which of them have other neighbours since they were last looked at.
+// One pair's windows, and which of them are not settled.
 class Neighbours::Front {
  public:
   // What another pair left behind is gone.
-  void set(std::span<const Window> windows, std::shared_ptr<const Bins> bins,
-           std::span<WindowMotion> motions, std::span<std::uint8_t> judged) {
+  void set(std::span<const Window> windows, std::shared_ptr<WindowPlaces> places,
+           std::span<WindowMotion> motions, std::span<std::uint8_t> state) {
     windows_ = windows;
     motions_ = motions;
-    judged_ = judged;
-    bins_ = std::move(bins);
-    found_.resize(windows.size());
-    tried_.assign(windows.size(), 0);
-    challenged_.assign(windows.size(), 0);
-    stale_.assign(windows.size(), 1);
-    for (std::size_t i = 0; i < windows.size(); ++i) {
-      found_[bins_->place(i)] = is_found(motions[i]) ? 1 : 0;
+    state_ = state;
+    places_ = std::move(places);
+    changed_.assign(places_->bins(), 0);
+    grown_.assign(places_->bins(), 0);
+    unsettled_.resize(windows.size());
+    std::size_t count = 0;
+    for (Index i = 0; i < windows.size(); ++i) {
+      const WindowMotion& motion = motions[i];
+      std::uint8_t own = is_lost(motion) ? kLost | kUnsettled : 0;
+      if (is_found(motion)) own = agrees(i) ? kFound | kAgrees : kFound | kUnsettled;
+      state[i] = own;
+      unsettled_[count] = i;
+      count += (own & kUnsettled) != 0 ? 1 : 0;
     }
+    unsettled_.resize(count);
   }
 
   // A window and its seed for every lost one that has found neighbours not seen before, and for
-  // every suspect, once.
-  void propose() {
-    proposed_.clear();
-    proposed_windows.clear();
-    seeds.clear();
-    for (std::size_t i = 0; i < windows_.size(); ++i) {
-      if (stale_[i] == 0) continue;
-      stale_[i] = 0;
-      if (is_found(motions_[i])) {
-        if (challenged_[i] != 0 || !is_suspect(i)) continue;
-        challenged_[i] = 1;
-      } else {
-        if (!is_lost(motions_[i])) continue;
-        const std::size_t found = gather(i);
-        if (found <= tried_[i]) continue;
-        tried_[i] = found;
+  // every suspect, once. Rounds count from 0.
+  void propose(std::uint8_t round, Proposals& proposals) {
+    begin_ = proposals.index.size();
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < unsettled_.size(); ++k) {
+      const Index i = unsettled_[k];
+      std::uint8_t& own = state_[i];
+      const bool is_lost = (own & (kFound | kLost)) == kLost;
+      if (!is_lost && (own & (kFound | kAgrees | kChallenged)) != kFound) {
+        own &= static_cast<std::uint8_t>(~kUnsettled);
+        continue;
       }
-      seed(i);
+      unsettled_[kept++] = i;
+      const std::vector<std::uint8_t>& marks = is_lost ? grown_ : changed_;
+      if (marks[places_->bin(i)] != round) continue;
+      WindowPlaces::Nearest near = places_->nearest(i, state_, kFound);
+      if (is_lost) {
+        if (near.count > 0) seed(i, consensus(i, near), proposals);
+        continue;
+      }
+      challenge(i, near, proposals);
     }
+    unsettled_.resize(kept);
+    end_ = proposals.index.size();
   }
   // Takes over what was found, and of a suspect what correlates better. Whether there was any.
-  bool accept(std::span<const WindowMotion> results) {
+  bool accept(std::uint8_t round, const Proposals& proposals) {
     bool any = false;
-    for (std::size_t k = 0; k < proposed_.size(); ++k) {
-      WindowMotion& motion = motions_[proposed_[k]];
-      judged_[proposed_[k]] |= is_in_view(results[k]) ? 1 : 0;
-      if (is_lost(motion) && has_no_texture(results[k])) motion.status = results[k].status;
-      if (!is_found(results[k])) continue;
-      if (is_found(motion) && !(results[k].correlation > motion.correlation)) continue;
-      motion = results[k];
-      found_[bins_->place(proposed_[k])] = 1;
-      put_in_doubt(proposed_[k]);
+    for (std::size_t k = begin_; k < end_; ++k) {
+      const Index i = proposals.index[k];
+      const WindowMotion& result = proposals.results[k];
+      WindowMotion& motion = motions_[i];
+      std::uint8_t& own = state_[i];
+      if (is_in_view(result)) own |= kJudged;
+      const bool was_found = (own & kFound) != 0;
+      if (!was_found && has_no_texture(result)) {
+        motion.status = result.status;
+        own &= static_cast<std::uint8_t>(~kLost);
+      }
+      if (!is_found(result)) continue;
+      if (was_found && !(result.correlation > motion.correlation)) continue;
+      motion = result;
+      own = static_cast<std::uint8_t>((own & ~kLost) | kFound);
+      places_->mark_near(i, round + 1, changed_);
+      if (!was_found) places_->mark_near(i, round + 1, grown_);
+      ask_window_before(i, round);
+      if (i + 1 < windows_.size()) ask_window_before(i + 1, round);
       any = true;
     }
     return any;
   }
 
-  // What `propose` proposes.
-  std::vector<Window> proposed_windows;
-  std::vector<WindowMotion> seeds;
-
  private:
-  struct Neighbour {
-    int distance2;
-    std::size_t index;
-    bool operator<(const Neighbour& other) const {
-      return distance2 != other.distance2 ? distance2 < other.distance2 : index < other.index;
-    }
-  };
-
-  // Whose neighbour this one is, and the window behind it, which asks it first (is_suspect).
-  void put_in_doubt(std::size_t i) {
-    bins_->each_row_near(i, [&](std::size_t first, std::size_t last) {
-      for (std::size_t place = first; place < last; ++place) stale_[bins_->entry(place).index] = 1;
-    });
-    if (i + 1 < stale_.size()) stale_[i + 1] = 1;
+  // What window `from` says of the displacement at window `to`.
+  Shift carried(Index from, Index to) const {
+    const WindowMotion& m = motions_[from];
+    const auto dx = static_cast<float>(places_->dx(from, to));
+    const auto dy = static_cast<float>(places_->dy(from, to));
+    return {m.u + m.ux * dx + m.uy * dy, m.v + m.vx * dx + m.vy * dy};
   }
 
-  // The nearest found windows into `near_`, the nearest first; returns how many there are at all.
-  std::size_t gather(std::size_t i) {
-    near_count_ = 0;
-    std::size_t found = 0;
-    const Bins::Entry& own = bins_->entry(bins_->place(i));
-    bins_->each_row_near(i, [&](std::size_t first, std::size_t last) {
-      for (std::size_t place = first; place < last; ++place) {
-        if (found_[place] == 0) continue;
-        ++found;
-        const Bins::Entry& entry = bins_->entry(place);
-        const int dx = entry.x - own.x, dy = entry.y - own.y;
-        put_near({dx * dx + dy * dy, entry.index});
-      }
-    });
-    return found;
+  // Whether the window before window i says much the same of it.
+  bool agrees(Index i) const {
+    return i > 0 && is_found(motions_[i - 1]) &&
+           !differ(carried(i - 1, i), motions_[i], kSuspectPx);
   }
 
-  void put_near(const Neighbour& neighbour) {
-    if (near_count_ == kNearest && !(neighbour < near_[kNearest - 1])) return;
-    std::size_t at = near_count_ < kNearest ? near_count_++ : kNearest - 1;
-    for (; at > 0 && neighbour < near_[at - 1]; --at) near_[at] = near_[at - 1];
-    near_[at] = neighbour;
+  // When one of the two has changed. Where the window before agrees, as nearly all do, no one else
+  // is asked.
+  void ask_window_before(Index i, std::uint8_t round) {
+    std::uint8_t& own = state_[i];
+    if ((own & kFound) == 0) return;
+    own = static_cast<std::uint8_t>((own & ~kAgrees) | (agrees(i) ? kAgrees : 0));
+    if ((own & kAgrees) != 0) return;
+    changed_[places_->bin(i)] = round + 1;
+    if ((own & kUnsettled) == 0) unsettled_.push_back(i);
+    own |= kUnsettled;
   }
 
-  std::span<const Neighbour> near() const { return {near_.data(), near_count_}; }
-
-  // Where the windows in `near_` say that window i went, each component's median; and the median
-  // distance of what they say from that.
-  Shift consensus(std::size_t i, float* scatter) const {
-    std::array<Shift, kNearest> shifts;
-    Few u, v, apart;
-    for (std::size_t k = 0; k < near_count_; ++k) {
-      const std::size_t index = near_[k].index;
-      shifts[k] = carried(windows_[index], motions_[index], windows_[i]);
-      u.add(shifts[k].u);
-      v.add(shifts[k].v);
+  // The median of what those near say of window i.
+  Saying consensus(Index i, const WindowPlaces::Nearest& near) const {
+    Few<Saying> all(Saying{} + kEndless);
+    for (std::size_t k = 0; k < near.count; ++k) {
+      const WindowMotion& m = motions_[near.index[k]];
+      const Shift shift = carried(near.index[k], i);
+      all.add(Saying{shift.u, shift.v, (m.uy - m.vx) / (2 + m.ux + m.vy), 0});
     }
-    const Shift middle = {u.median(), v.median()};
-    for (std::size_t k = 0; k < near_count_; ++k) {
-      apart.add(std::max(std::abs(shifts[k].u - middle.u), std::abs(shifts[k].v - middle.v)));
-    }
-    *scatter = apart.median();
-    return middle;
+    return all.median();
   }
 
-  // Leaves the window's neighbours in `near_` if it is.
-  bool is_suspect(std::size_t i) {
-    // Where the window before agrees, as nearly all do, no one else is asked.
-    const auto differs = [&](const Shift& shift, float by) {
-      return !(std::abs(shift.u - motions_[i].u) <= by && std::abs(shift.v - motions_[i].v) <= by);
-    };
-    if (i > 0 && is_found(motions_[i - 1]) &&
-        !differs(carried(windows_[i - 1], motions_[i - 1], windows_[i]), kSuspectPx)) {
-      return false;
+  // Proposes a found window that is suspect.
+  void challenge(Index i, WindowPlaces::Nearest& near, Proposals& proposals) {
+    const auto begin = near.index.begin(), end = begin + static_cast<std::ptrdiff_t>(near.count);
+    near.count = static_cast<std::size_t>(std::remove(begin, end, i) - begin);
+    if (near.count < kFewestWitnesses) return;
+    // Most of them agree: so does the median.
+    std::size_t agree = 0;
+    for (std::size_t k = 0; k < near.count; ++k) {
+      agree += differ(carried(near.index[k], i), motions_[i], kSuspectPx) ? 0 : 1;
     }
-    gather(i);
-    const auto end =
-        std::remove_if(near_.begin(), near_.begin() + static_cast<std::ptrdiff_t>(near_count_),
-                       [&](const Neighbour& neighbour) { return neighbour.index == i; });
-    near_count_ = static_cast<std::size_t>(end - near_.begin());
-    if (near_count_ < kFewestWitnesses) return false;
-    float scatter = 0;
-    const Shift shift = consensus(i, &scatter);
-    return differs(shift, kSuspectPx + 3 * scatter);
+    if (2 * agree > near.count) return;
+    const Saying middle = consensus(i, near);
+    Few<float> apart(kEndless);
+    for (std::size_t k = 0; k < near.count; ++k) {
+      const Shift shift = carried(near.index[k], i);
+      apart.add(std::max(std::abs(shift.u - middle[0]), std::abs(shift.v - middle[1])));
+    }
+    if (!differ({middle[0], middle[1]}, motions_[i], kSuspectPx + 3 * apart.median())) return;
+    state_[i] |= kChallenged;
+    seed(i, middle, proposals);
   }
 
-  void seed(std::size_t i) {
-    float scatter = 0;
-    const Shift shift = consensus(i, &scatter);
-    Few turns;  // their tangents: one angle is worked out instead of six
-    for (const Neighbour& neighbour : near()) {
-      const WindowMotion& m = motions_[neighbour.index];
-      turns.add((m.uy - m.vx) / (2 + m.ux + m.vy));
-    }
-    Window window = windows_[i];
-    window.guess_rot_rad = std::atan(turns.median());
+  void seed(Index i, const Saying& said, Proposals& proposals) const {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
     WindowMotion start{};
-    start.u = shift.u;
-    start.v = shift.v;
-    start.correlation = start.peak_ratio = std::numeric_limits<float>::quiet_NaN();
+    start.u = said[0];
+    start.v = said[1];
+    start.correlation = start.peak_ratio = kNan;
     start.status = static_cast<idic_int>(WindowStatus::ok);
-    proposed_.push_back(i);
-    proposed_windows.push_back(window);
-    seeds.push_back(start);
+    proposals.index.push_back(i);
+    proposals.windows.push_back(windows_[i]);
+    proposals.windows.back().guess_rot_rad = std::atan(said[2]);
+    proposals.seeds.push_back(start);
   }
 
   std::span<const Window> windows_;
   std::span<WindowMotion> motions_;
-  std::span<std::uint8_t> judged_;
-  std::shared_ptr<const Bins> bins_;
-  std::vector<std::uint8_t> found_;  // by place
-  std::vector<std::size_t> tried_, proposed_;
-  std::vector<std::uint8_t> challenged_, stale_;
-  std::array<Neighbour, kNearest> near_;
-  std::size_t near_count_ = 0;
+  std::span<std::uint8_t> state_;
+  std::shared_ptr<WindowPlaces> places_;
+  std::vector<Index> unsettled_;  // lost, or found and not as the window before says
+  // Of every bin, the last round before which a window near it changed, or was found.
+  std::vector<std::uint8_t> changed_, grown_;
+  std::size_t begin_ = 0, end_ = 0;  // of the last proposals
 };
 
-Neighbours::Neighbours() = default;
+Neighbours::Neighbours() : proposals_(std::make_unique<Proposals>()) {}
 Neighbours::~Neighbours() = default;
 
-void Neighbours::set_fronts(std::span<const Window> windows, int window_px,
-                            std::span<WindowMotion> motions) {
+void Neighbours::start_fronts(std::span<const Window> windows, int window_px,
+                              std::span<WindowMotion> motions) {
   pairs_ = 0;
-  judged_.assign(windows.size(), 0);
+  proposals_->clear();
+  state_.resize(windows.size());
   for (std::size_t begin = 0, end; begin < windows.size(); begin = end) {
-    for (end = begin; end < windows.size() && windows[end].first == windows[begin].first &&
-                      windows[end].second == windows[begin].second;) {
-      ++end;
-    }
     // Mostly, all pairs have the same grid.
-    const auto own = windows.subspan(begin, end - begin);
-    if (!bins_ || !bins_->fit(own, window_px)) bins_ = std::make_shared<const Bins>(own, window_px);
+    if (!places_ || !places_->lead(windows.subspan(begin), window_px)) {
+      for (end = begin; end < windows.size() && windows[end].first == windows[begin].first &&
+                        windows[end].second == windows[begin].second;) {
+        ++end;
+      }
+      places_ = std::make_shared<WindowPlaces>(windows.subspan(begin, end - begin), window_px);
+    }
+    const std::size_t count = places_->size();
+    end = begin + count;
     if (fronts_.size() == pairs_) fronts_.emplace_back();
-    fronts_[pairs_++].set(own, bins_, motions.subspan(begin, end - begin),
-                          std::span(judged_).subspan(begin, end - begin));
+    Front& front = fronts_[pairs_++];
+    front.set(windows.subspan(begin, count), places_, motions.subspan(begin, count),
+              std::span(state_).subspan(begin, count));
+    // While what it looks at is in the cache.
+    front.propose(0, *proposals_);
   }
 }
 
 void Neighbours::refine_lost(std::span<const Window> windows, int window_px,
                              const RefineWindows& refine, std::span<WindowMotion> motions) {
-  set_fronts(windows, window_px, motions);
+  start_fronts(windows, window_px, motions);
   const auto fronts = std::span(fronts_).first(pairs_);
-  bool any = true;
-  for (int round = 0; round < kMostRounds && any; ++round) {
-    for (Front& front : fronts) front.propose();
-    windows_.clear();
-    seeds_.clear();
-    for (const Front& front : fronts) {
-      windows_.insert(windows_.end(), front.proposed_windows.begin(), front.proposed_windows.end());
-      seeds_.insert(seeds_.end(), front.seeds.begin(), front.seeds.end());
-    }
-    if (windows_.empty()) return;
-    results_.resize(windows_.size());
-    refine(windows_, seeds_, results_);
-    any = false;
-    std::size_t at = 0;
-    for (Front& front : fronts) {
-      const std::size_t count = front.seeds.size();
-      any = front.accept(std::span(results_).subspan(at, count)) || any;
-      at += count;
-    }
+  for (std::uint8_t round = 0; !proposals_->index.empty(); ++round) {
+    proposals_->results.resize(proposals_->index.size());
+    refine(proposals_->windows, proposals_->seeds, proposals_->results);
+    bool any = false;
+    for (Front& front : fronts) any = front.accept(round, *proposals_) || any;
+    if (!any || round + 1 == kMostRounds) return;
+    proposals_->clear();
+    for (Front& front : fronts) front.propose(round + 1, *proposals_);
   }
 }
 
 void Neighbours::judge_lost(std::span<const Window> windows, std::span<const std::size_t> which,
                             const RefineWindows& refine, std::span<WindowMotion> motions) {
   std::vector<std::size_t> index;
-  windows_.clear();
-  seeds_.clear();
+  Proposals& proposals = *proposals_;
+  proposals.clear();
   for (const std::size_t i : which) {
-    if (!is_lost(motions[i]) || judged_[i] != 0) continue;
+    if ((state_[i] & (kLost | kJudged)) != kLost) continue;
     index.push_back(i);
-    windows_.push_back(windows[i]);
-    seeds_.push_back(motions[i]);
+    proposals.windows.push_back(windows[i]);
+    proposals.seeds.push_back(motions[i]);
   }
   if (index.empty()) return;
-  results_.resize(index.size());
-  refine(windows_, seeds_, results_);
+  proposals.results.resize(index.size());
+  refine(proposals.windows, proposals.seeds, proposals.results);
   for (std::size_t k = 0; k < index.size(); ++k) {
-    if (has_no_texture(results_[k])) motions[index[k]].status = results_[k].status;
+    if (has_no_texture(proposals.results[k]))
+      motions[index[k]].status = proposals.results[k].status;
   }
 }
 

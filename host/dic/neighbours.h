@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/dic/field.h"
+#include "host/dic/window_places.h"
 
 namespace impactdic {
 
@@ -36,17 +37,16 @@ class Neighbours {
                   const RefineWindows& refine, std::span<WindowMotion> motions);
 
  private:
-  class Bins;
   class Front;
-  void set_fronts(std::span<const Window> windows, int window_px, std::span<WindowMotion> motions);
+  struct Proposals;
+  void start_fronts(std::span<const Window> windows, int window_px,
+                    std::span<WindowMotion> motions);
 
-  std::shared_ptr<const Bins> bins_;  // of the last grid
-  std::vector<Front> fronts_;         // of the pairs of this call, and what other calls left behind
+  std::shared_ptr<WindowPlaces> places_;  // of the last grid
+  std::vector<Front> fronts_;             // of the pairs of this call, and what others left behind
   std::size_t pairs_ = 0;
-  std::vector<std::uint8_t> judged_;  // of every window: whether its texture was looked at
-  // Of a round.
-  std::vector<Window> windows_;
-  std::vector<WindowMotion> seeds_, results_;
+  std::vector<std::uint8_t> state_;  // of every window: flags
+  std::unique_ptr<Proposals> proposals_;
 };
 
 }  // namespace impactdic
