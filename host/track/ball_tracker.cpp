@@ -23,8 +23,10 @@ constexpr double kRadiusTolerance = 0.2;  // of the radius: another circle, not 
 
 // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
 constexpr std::size_t kRun = 16, kShortestRun = 4;
-// From the prediction; the frames between then lie within an eighth of it from the line.
+// From the prediction; the frames between then lie within an eighth of it from the line, if what
+// bends it is steady.
 constexpr double kStraight_px = 2.5;
+constexpr double kBetween_px = 0.05;       // scatter of the line between two measured frames
 constexpr std::int64_t kLearnEvery = 256;  // frames
 
 // The circle is the ball's as far as its radius tells.
@@ -33,9 +35,9 @@ bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
          (!radius_px || std::abs(fit.circle.r_px - *radius_px) < kRadiusTolerance * *radius_px);
 }
 
-// On the line between two measured frames.
+// On the line between two measured frames, the second `off_px` from where it was predicted.
 CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const CircleFit& b,
-                          std::int64_t index_b, std::int64_t index) {
+                          std::int64_t index_b, double off_px, std::int64_t index) {
   const double steps = static_cast<double>(index_b - index_a);
   const double t = static_cast<double>(index - index_a) / steps;
   CirclePrior prior;
@@ -48,8 +50,7 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.inked = b.inked;
   prior.look = b.look;
   prior.learn = false;
-  const double way = std::hypot(b.circle.cx_px - a.circle.cx_px, b.circle.cy_px - a.circle.cy_px);
-  prior.centre_sd_px = kSteady_px + kSteadyOfStep * way / steps;
+  prior.centre_sd_px = std::hypot(kBetween_px, off_px / 8);
   prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
   return prior;
 }
@@ -235,13 +236,12 @@ bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, s
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
   if (!plausible(fit, prior.radius_px)) return false;
-  if (std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
-                 fit.circle.cy_px - prior.predicted.cy_px) > kStraight_px) {
-    return false;
-  }
+  const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
+                                   fit.circle.cy_px - prior.predicted.cy_px);
+  if (off_px > kStraight_px) return false;
   fits[end - 1] = fit;
   for (std::size_t i = begin; i + 1 < end; ++i) {
-    plan.left.push_back({i, memory_.seen.back(), {index, fit}});
+    plan.left.push_back({i, memory_.seen.back(), {index, fit}, off_px});
   }
   remember(fit, index);
   return true;
@@ -254,8 +254,8 @@ void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
     tbb::parallel_for(std::size_t{0}, plan.left.size(), [&](std::size_t k) {
       const Plan::Left& left = plan.left[k];
       const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
-      CirclePrior prior =
-          prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index, index);
+      CirclePrior prior = prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index,
+                                        left.off_px, index);
       prior.radius_px = plan.radius.px;
       prior.radius_sd_px = plan.radius.sd_px;
       prior.compression_axis_rad = options_.compression_axis_rad;

@@ -101,6 +101,7 @@ struct BallTracker::Plan {
   struct Left {
     std::size_t frame;  // of the batch
     Seen from, to;      // the measured frames before and behind
+    double off_px;      // of the latter from where it was predicted
   };
   std::int64_t first_index = 0;
   Radius radius;

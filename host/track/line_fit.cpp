@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <span>
 #include <vector>
 
 #include "host/base/units.h"
+#include "host/track/line_sums.h"
 #include "host/track/rim_lines.h"
 #include "host/track/rim_model.h"
 #include "host/track/rim_prior.h"
@@ -23,6 +24,7 @@ constexpr double kLinear = 0.12, kClose = 0.05;  // steps of the trace
 constexpr double kLinearBlurred = 0.3;           // the same under the blurred look
 constexpr int kFirstStride = 4;
 constexpr std::size_t kPlenty = 400;  // lines; some of them do at first
+constexpr int kGlance = 4;            // blocks of lines for one that a first step looks at
 constexpr std::size_t kRough = 85;    // lines that a rough fit needs
 constexpr double kShareWorth = 100;   // lines whose worth the shares inside the ball count
 constexpr double kRoughly = 0.03, kSettled = 5e-4;  // steps of the trace
@@ -32,20 +34,6 @@ constexpr double kNewton =
     0.1;  // steps of the trace: one of so much is followed by another like it
 constexpr double kCommon_px = 0.004;  // errors common to an arc
 constexpr double kArcs = 1.2;  // how a sector is misplaced by itself, over all of them together
-
-// What all lines say at some corrections.
-struct Sums {
-  Matrix5 curvature = Matrix5::Zero();  // Σ −∂² ln p j jᵀ, were the kinds known
-  Matrix5 hessian = Matrix5::Zero();    // Σ −∂² ln p j jᵀ
-  Vector5 score = Vector5::Zero();      // Σ ∂ ln p j
-  double hessian_sum = 0;
-  SectorSums sectors;
-  int points = 0;
-  double scatter = 0;
-  std::array<float, kKinds> kinds{};  // lines of each
-  float lines = 0;
-  float far = 0;  // of a line from where its evidence is exact, at most; steps of the trace
-};
 
 // One fit: corrections to the rim, their covariance, and what the lines say.
 struct Estimate {
@@ -61,157 +49,14 @@ struct Estimate {
   // corrections about which the evidence in the memory is linear, and the last sums.
   KindShares shares{};
   Vector5 about = Vector5::Zero(), summed_at = Vector5::Zero();
-  Sums sums;
+  LineSums sums;
 };
-
-// Products of the jacobian (cos φ, sin φ, 1, cos 2φ, sin 2φ) from the means of cos kφ and sin kφ.
-struct Waves {
-  double cos[5], sin[5];  // Σ w cos kφ, Σ w sin kφ
-  Matrix5 products() const {
-    const int order[5] = {1, 1, 0, 2, 2};
-    const bool sine[5] = {false, true, false, false, true};
-    Matrix5 m;
-    for (int i = 0; i < 5; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        const int sum = order[i] + order[j], gap = order[i] - order[j], far = std::abs(gap);
-        const double sign = gap < 0 ? -1 : 1;
-        if (sine[i] && sine[j]) {
-          m(i, j) = 0.5 * (cos[far] - cos[sum]);
-        } else if (!sine[i] && !sine[j]) {
-          m(i, j) = 0.5 * (cos[far] + cos[sum]);
-        } else {
-          const double odd = sine[i] ? sign * sin[far] : -sign * sin[far];
-          m(i, j) = 0.5 * (sin[sum] + odd);
-        }
-        m(j, i) = m(i, j);
-      }
-    }
-    return m;
-  }
-};
-
-RimModel::Shift shift_of(const Vector5& delta, double step_px) {
-  RimModel::Shift shift;
-  for (int m = 0; m < 5; ++m) shift[m] = static_cast<float>(delta[m] / step_px);
-  return shift;
-}
 
 using Evidence = RimModel::Evidence;
 
-// e^x for x <= 0, to 3e-6 of it; e^−30 below −30.
-[[gnu::always_inline]] inline void exponential(Lanes& x) {
-  typedef int Int __attribute__((vector_size(sizeof(Lanes))));
-  Lanes y = x * 1.44269504f;
-  y = y < -43.0f ? Lanes{} - 43.0f : y;
-  const Int whole = __builtin_convertvector(y - 0.5f, Int);
-  const Lanes r = y - __builtin_convertvector(whole, Lanes);
-  const Lanes p =
-      1 + r * (0.69314718f +
-               r * (0.24022651f + r * (0.05550411f + r * (0.00961813f + r * 0.00133336f))));
-  Int bits;
-  std::memcpy(&bits, &p, sizeof(bits));
-  bits += whole << 23;
-  std::memcpy(&x, &bits, sizeof(x));
-}
-
-// Chances of the kinds from their ln p, and that of none of them; 0 where no line is present.
-[[gnu::always_inline]] inline void to_chances(float stray, const Lanes& present,
-                                              Lanes (&value)[kKinds], Lanes& other) {
-  Lanes most = Lanes{} + stray;
-  for (const Lanes& v : value) most = v > most ? v : most;
-  other = stray - most;
-  exponential(other);
-  Lanes total = other;
-  for (Lanes& v : value) {
-    v -= most;
-    exponential(v);
-    total += v;
-  }
-  total = present / total;
-  other *= total;
-  for (Lanes& v : value) v *= total;
-}
-
-IMPACTDIC_WIDE void accumulate(const std::vector<Evidence>& blocks, const Vector5& delta,
-                               double step_px, const KindShares& shares, float stray, Sums& s) {
-  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
-  // By 1, cos φ, sin φ … cos 4φ, sin 4φ.
-  constexpr int kWaves = 9;
-  Lanes score_waves[kWaves] = {}, curvature_waves[kWaves] = {}, hessian_waves[kWaves] = {};
-  Lanes kinds[kKinds] = {}, scatter{}, lines{}, far{};
-  const RimModel::Shift d = shift_of(delta, step_px);
-  // Of the sector that the lines have come to.
-  int sector = 0, sector_points = 0;
-  float sector_score = 0, sector_information = 0;
-  const auto flush = [&] {
-    s.sectors.score[sector] += sector_score * per_step;
-    s.sectors.information[sector] += sector_information * per_step_sq;
-    s.sectors.points[sector] += sector_points;
-    s.points += sector_points;
-    sector_points = 0;
-    sector_score = sector_information = 0;
-  };
-  for (const Evidence& e : blocks) {
-    const Lanes c = e.cos, sn = e.sin, c2 = c * c - sn * sn, s2 = 2 * c * sn;
-    const Lanes off = c * d[0] + sn * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
-    far = off > far ? off : -off > far ? -off : far;
-    lines += e.present;
-    Lanes share[kKinds], slope[kKinds], other;
-    for (int k = 0; k < kKinds; ++k) {
-      slope[k] = e.slope[k] - off * e.information[k];
-      share[k] = e.value[k] + shares[k] + (0.5f * off) * (e.slope[k] + slope[k]);
-    }
-    to_chances(stray, e.present, share, other);
-    Lanes score{}, square{}, information{};
-    for (int k = 0; k < kKinds; ++k) {
-      const Lanes weighted = share[k] * slope[k];
-      score += weighted;
-      square += weighted * slope[k];
-      information += share[k] * e.information[k];
-      kinds[k] += share[k];
-    }
-    const Lanes hessian = information - square + score * score;
-    const Lanes error = slope[0] / e.information[0];
-    scatter += share[0] * error * error;
-    const Lanes waves[kWaves] = {
-        Lanes{} + 1,       c,          sn, c2, s2, c * c2 - sn * s2, sn * c2 + c * s2,
-        c2 * c2 - s2 * s2, 2 * c2 * s2};
-    for (int m = 0; m < kWaves; ++m) {
-      score_waves[m] += score * waves[m];
-      curvature_waves[m] += information * waves[m];
-      hessian_waves[m] += hessian * waves[m];
-    }
-    for (int lane = 0; lane < RimModel::kLanes; ++lane) {
-      if (e.sector[lane] != sector) {
-        flush();
-        sector = e.sector[lane];
-      }
-      sector_score += score[lane];
-      sector_information += hessian[lane];
-      sector_points += e.present[lane] > 0 && other[lane] < 0.5f;
-    }
-  }
-  flush();
-  const auto products = [&](const Lanes* w, Matrix5& out) {
-    float sum[kWaves];
-    for (int m = 0; m < kWaves; ++m) sum[m] = per_step_sq * total_of(w[m]);
-    out = Waves{{sum[0], sum[1], sum[3], sum[5], sum[7]}, {0, sum[2], sum[4], sum[6], sum[8]}}
-              .products();
-  };
-  products(curvature_waves, s.curvature);
-  products(hessian_waves, s.hessian);
-  s.hessian_sum = s.hessian(2, 2);
-  const int order[5] = {1, 2, 0, 3, 4};
-  for (int m = 0; m < 5; ++m) s.score[m] = per_step * total_of(score_waves[order[m]]);
-  for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(kinds[k]);
-  s.scatter = total_of(scatter);
-  s.lines = total_of(lines);
-  for (int lane = 0; lane < RimModel::kLanes; ++lane) s.far = std::max(s.far, far[lane]);
-}
-
 // What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
 // all around the rim and of kArcs px sector by sector. A known radius turns some of it aside.
-Matrix5 misplaced(const Sums& s, double wider, const Matrix5& covariance) {
+Matrix5 misplaced(const LineSums& s, double wider, const Matrix5& covariance) {
   const Matrix5 response = covariance * s.hessian / wider;
   double squares = 0;
   for (const double information : s.sectors.information) squares += information * information;
@@ -221,8 +66,9 @@ Matrix5 misplaced(const Sums& s, double wider, const Matrix5& covariance) {
 }
 
 struct Memory {
-  std::vector<Evidence> lines;
-  std::vector<Evidence> width;
+  std::vector<Evidence> room;
+  std::span<Evidence> lines;    // in the room
+  std::vector<Evidence> width;  // slopes by the width
 };
 
 // `other`: an estimate of the same lines by the other shape, the last one made.
@@ -262,25 +108,30 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
     const RimModel& seen = blurred ? model.blurred() : model;
     const double reach = (blurred ? kLinearBlurred : kLinear) * trace.step_px;
     if (round > 0 || !other) {
-      seen.evidence(trace, shift_of(delta, trace.step_px), stride, memory.lines);
+      memory.lines = seen.evidence(trace, shift_of(delta, trace.step_px), stride, memory.room);
       result.about = delta;
     }
     const Vector5& before = result.about;
     double last_moved = round > 0 || !other ? 1e-9 : kNewton * trace.step_px;
     bool held = false;
     for (int pass = 0; pass < kSteps; ++pass) {
-      Sums& s = result.sums;
+      LineSums& s = result.sums;
+      // A first step from where nothing was fitted before.
+      const bool glance = finely && !start.shares && !other && round == 0 && pass == 0;
       if (round > 0 || pass > 0 || !other) {
-        s = {};
-        accumulate(memory.lines, delta, trace.step_px, result.shares, seen.stray(), s);
+        s = sum_lines(memory.lines, delta, trace.step_px, result.shares, seen.stray(),
+                      glance ? kGlance : 1);
         result.summed_at = delta;
       }
       if (s.points < 3 * parameters) return result;
       wider = inflation(s.sectors, s.hessian_sum, kCommon_px, parameters);
-      // Newton's step where the fit is all but there, half-way to it before.
+      // Newton's step where the fit is all but there, and as much of it as there is curvature
+      // before: with less than the curvature of known kinds it would go too far.
       const double convex = s.hessian_sum / s.curvature(2, 2);
       const bool there = !roughly && stride == last_stride && convex > kThere;
-      const double newton = careful ? 0 : there ? 1 : follows && convex > kConvex ? 0.5 : 0;
+      double newton = there ? 1 : follows && convex > kConvex ? 0.5 : 0;
+      if (finely && stride == last_stride) newton = std::clamp((convex - 0.35) / 0.4, 0.0, 1.0);
+      if (careful) newton = 0;
       const Matrix5 bend = (s.curvature + newton * (s.hessian - s.curvature)) / wider;
       Knowledge known;
       const auto step_by = [&](bool oval) -> Vector5 {
@@ -290,7 +141,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       };
       // No farther than what is known of the lines holds. A first step that would go so far is a
       // circle's: that finds its way from where an ellipse loses it.
-      Vector5 step = step_by(ellipse);
+      Vector5 step = step_by(ellipse && !glance);
       const auto farthest = [&] { return (delta + step - before).cwiseAbs().maxCoeff(); };
       const bool lost = ellipse && round == 0 && !other && !(farthest() <= reach);
       if (lost) step = step_by(false);
@@ -313,7 +164,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       const double left = follows && there ? moved * std::min(1.0, moved / last_moved) : moved;
       last_moved = moved;
       const double settled = roughly || stride > last_stride ? kRoughly : kSettled;
-      const bool goes_on = left > settled * trace.step_px || lost;
+      const bool goes_on = left > settled * trace.step_px || lost || glance;
       if (!held && goes_on && pass + 1 < kSteps) continue;
       if (stride > last_stride) break;
       result.covariance =
@@ -348,8 +199,8 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
 // Change of ln σ of the edge that the lines ask for, with x, y and R free beside it.
 double change_of_width(const LineTrace& trace, const RimModel& model, const Vector5& delta,
                        Memory& memory) {
-  model.evidence(trace, shift_of(delta, trace.step_px), 1, memory.lines);
-  memory.width = memory.lines;
+  memory.lines = model.evidence(trace, shift_of(delta, trace.step_px), 1, memory.room);
+  memory.width.assign(memory.lines.begin(), memory.lines.end());
   model.width_slopes(memory.width);
   Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * 1e-3;
   double slope = 0;
@@ -362,7 +213,7 @@ double change_of_width(const LineTrace& trace, const RimModel& model, const Vect
       by_place += e.value[k] * e.slope[k];
       by_width += e.value[k] * memory.width[i].slope[k];
     }
-    for (int lane = 0; lane < RimModel::kLanes; ++lane) {
+    for (int lane = 0; lane < kLanes; ++lane) {
       const Eigen::Vector4d s{by_place[lane] * e.cos[lane], by_place[lane] * e.sin[lane],
                               by_place[lane], by_width[lane]};
       square.noalias() += s * s.transpose();
@@ -422,15 +273,17 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
 // The sum over a line is what the ball's mean level makes of its length inside the rim, wherever
 // the ink is.
 Rim rim_by_area(const LineTrace& trace, const Rim& rim) {
+  const RimLines& lines = trace.lines;
   double inside = 0;
-  for (const RimLine& p : trace.lines) inside += p.profile[0] + p.profile[1];
-  const double per_level = 2.0 * static_cast<double>(trace.lines.size()) / std::max(inside, 1e-3);
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    inside += lines.profile[i][0] + lines.profile[i][1];
+  const double per_level = 2.0 * static_cast<double>(lines.size()) / std::max(inside, 1e-3);
   Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  for (const RimLine& p : trace.lines) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
     double sum = 0;
-    for (int k = 0; k < kSamples; ++k) sum += p.profile[k];
-    const Eigen::Vector3d j{p.cos, p.sin, 1};
+    for (int k = 0; k < kSamples; ++k) sum += lines.profile[i][k];
+    const Eigen::Vector3d j{lines.cos[i], lines.sin[i], 1};
     a.noalias() += j * j.transpose();
     b.noalias() += (sum * per_level - kInside - 0.5) * trace.step_px * j;
   }

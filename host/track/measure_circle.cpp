@@ -29,6 +29,8 @@ constexpr int kFew = 3;                  // of so many lines one is enough for a
 constexpr double kWidthSettled = 0.01;   // of ln σ
 constexpr int kTraces = 6, kWidths = 5;  // at most
 constexpr double kClose = 0.8;           // steps that a prediction may scatter to be followed
+constexpr double kNear = 0.15;           // and to be taken as it is
+constexpr double kLeastSearch_px = 0.3;  // scatter of a prediction that has to be searched about
 constexpr double kNoisier = 2;           // than when the look was learnt: learn again
 constexpr double kExplained = 0.7;       // share of the lines that must have to do with the rim
 constexpr double kFollowable = 0.9;      // and must where no search confirms the rim
@@ -46,21 +48,20 @@ double distance(const Rim& a, const Rim& b) {
          std::hypot(a.e1 - b.e1, a.e2 - b.e2);
 }
 
-// See Circle::free_px. Ink on the rim makes gaps too: those are narrow. `points` in the order of
-// the angle, with members cos and sin.
-template <typename Point>
-double free_distance(const std::vector<Point>& points, const Rim& rim) {
-  const double narrow = std::cos(20 * kRadPerDeg);
+// See Circle::free_px. Ink on the rim makes gaps too: those are narrow. Points in the order of the
+// angle.
+double free_distance(const std::vector<float>& cos, const std::vector<float>& sin,
+                     std::size_t points, const Rim& rim) {
+  const float narrow = static_cast<float>(std::cos(20 * kRadPerDeg));
   double widest = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Point& a = points[i];
-    const Point& b = points[i + 1 < points.size() ? i + 1 : 0];
-    const double along = a.cos * b.cos + a.sin * b.sin, across = a.cos * b.sin - a.sin * b.cos;
+  for (std::size_t a = 0; a < points; ++a) {
+    const std::size_t b = a + 1 < points ? a + 1 : 0;
+    const float along = cos[a] * cos[b] + sin[a] * sin[b];
     if (along > narrow) continue;
-    const double gap = std::atan2(across, along);
+    const double gap = std::atan2(cos[a] * sin[b] - sin[a] * cos[b], along);
     widest = std::max(widest, gap < 0 ? gap + 2 * kPi : gap);
   }
-  return points.empty() ? 0 : rim.r * std::max(0.0, std::cos(widest / 2));
+  return points == 0 ? 0 : rim.r * std::max(0.0, std::cos(widest / 2));
 }
 
 void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
@@ -101,25 +102,26 @@ struct ByLook {
   std::shared_ptr<const RimModel> look;
 };
 
-// With the prior's look, from a rim known to a pixel. Not ok where that does not hold.
+// With the prior's look, from a rim known to a pixel, or where no rough fit is made first to a
+// small part of one. Not ok where that does not hold.
 ByLook follow(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
-              LineTrace& trace) {
+              bool rough_first, LineTrace& trace) {
   ByLook m{{}, prior.look};
   const Circle& c = prior.predicted;
   m.fit.rim = {c.cx_px, c.cy_px, c.r_px, prior.e1_px, prior.e2_px};
   for (int pass = 0; pass < 3; ++pass) {
-    const bool roughly = pass == 0;
+    const bool roughly = rough_first && pass == 0;
     const Rim from = m.fit.rim;
     trace_lines(frame, from, *prior.bright, m.look->step_px(),
-                roughly ? options.rays / kFew : options.rays, {.levels = roughly}, trace);
+                roughly ? options.rays / kFew : options.rays, {.levels = pass == 0}, trace);
     if (trace.noise > kNoisier * m.look->noise() || trace.in_view < kRimInView * trace.cast) break;
     LineStart start{Thoroughness::roughly};
     const KindShares shares = m.fit.shares;
-    if (!roughly) start = {Thoroughness::finely, &from, &shares};
+    if (!roughly) start = {Thoroughness::finely, &from, pass > 0 ? &shares : nullptr};
     m.fit = fit_lines(trace, *m.look, from, prior, options.allow_ellipse, start);
     if (!m.fit.ok || m.fit.points < kFollowable * static_cast<double>(trace.lines.size())) break;
     const double moved = distance(m.fit.rim, from) / trace.step_px;
-    if (moved > kFollowed) break;
+    if (moved > (rough_first ? kFollowed : kRetraceLines)) break;
     if (!roughly && moved < kRetraceLines) return m;
   }
   return {};
@@ -202,7 +204,8 @@ CircleFit describe(const ByLook& m, const LineTrace& trace, bool bright) {
     fit.sd[i] = std::hypot(fit.sd[i], m.look->place_sd_px() * std::sqrt(fit.misplaced[i]));
   }
   fill(fit, sigma, result);
-  result.circle.free_px = free_distance(trace.lines, m.fit.rim);
+  result.circle.free_px =
+      free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;
   result.look = m.look;
   result.rim_fraction = static_cast<double>(m.fit.points) / trace.cast;
@@ -256,12 +259,17 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   const bool round = prior.e1_px == 0 && prior.e2_px == 0;
   if (round && prior.look && prior.bright && prior.rim_sd_px &&
       std::hypot(prior.centre_sd_px, *prior.rim_sd_px) < kClose * prior.look->step_px()) {
-    const ByLook m = follow(frame, prior, options, lines);
+    const bool near = prior.centre_sd_px < kNear * prior.look->step_px();
+    ByLook m;
+    if (near) m = follow(frame, prior, options, false, lines);
+    if (!enough(m.fit)) m = follow(frame, prior, options, true, lines);
     if (enough(m.fit)) return accepted(describe(m, lines, *prior.bright));
   }
 
   CircleFit result;
-  const RimSearch search = search_rim(frame, prior, options);
+  CirclePrior around = prior;
+  around.centre_sd_px = std::max(prior.centre_sd_px, kLeastSearch_px);
+  const RimSearch search = search_rim(frame, around, options);
   result.bright = search.bright;
   if (search.in_view < kRimInView) {
     result.status = CircleStatus::out_of_view;
@@ -291,8 +299,13 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     return result;
   }
   if (!enough(fit)) return result;
-  std::erase_if(trace.points, [](const RimPoint& p) { return std::abs(p.excess) > kOnRim_px; });
-  const double free_px = free_distance(trace.points, fit.rim);
+  std::vector<float> cos, sin;
+  for (const RimPoint& p : trace.points) {
+    if (std::abs(p.excess) > kOnRim_px) continue;
+    cos.push_back(p.cos);
+    sin.push_back(p.sin);
+  }
+  const double free_px = free_distance(cos, sin, cos.size(), fit.rim);
   if (prior.learn) {
     const ByLook m = learn(frame, fit, search.bright, search.blur_px, prior, options, lines);
     if (enough(m.fit)) {

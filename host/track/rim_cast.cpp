@@ -11,10 +11,7 @@
 namespace impactdic {
 namespace {
 
-typedef int IntLanes __attribute__((vector_size(32), aligned(32)));
-constexpr int kLanes = 8;
 static_assert(kSamples < kLanes && kDeep == kLanes);
-constexpr Lanes kCount = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr float kLastTurn = 0.99999f;  // of a quarter
 
 [[gnu::always_inline]] inline void to_root(Lanes& v) {

@@ -12,8 +12,6 @@ namespace impactdic {
 namespace {
 
 constexpr int kSectors = LineTrace::Levels::kSectors;
-constexpr int kLanes = 8;
-constexpr Lanes kCount = {0, 1, 2, 3, 4, 5, 6, 7};
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
@@ -23,7 +21,7 @@ void make_room(std::vector<float>& values, std::size_t n) { values.resize(n + kL
 
 [[gnu::always_inline]] inline Lanes eight_at(const float* values) {
   Lanes v;
-  std::memcpy(&v, values, sizeof(v));
+  load(values, v);
   return v;
 }
 

@@ -39,6 +39,26 @@ void grounds_at(const CastLines& lines, const std::array<float, kSectors>& level
 
 }  // namespace
 
+void RimLines::make_room(std::size_t lines) {
+  const std::size_t room = lines + kLanes;
+  profile.resize(room);
+  cos.resize(room);
+  sin.resize(room);
+  weight.resize(room);
+  sector.resize(room);
+}
+
+void RimLines::keep(std::size_t lines) {
+  size_ = lines;
+  for (std::size_t i = lines; lines > 0 && i % kLanes != 0; ++i) {
+    profile[i] = profile[lines - 1];
+    cos[i] = cos[lines - 1];
+    sin[i] = sin[lines - 1];
+    weight[i] = weight[lines - 1];
+    sector[i] = sector[lines - 1];
+  }
+}
+
 IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px,
                                 int most_lines, const LineWants& wants, LineTrace& trace) {
   thread_local CastLines lines;  // memory only
@@ -49,7 +69,7 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
   trace.in_view = lines.size();
   trace.step_px = step_px;
   if (lines.size() < 16 || (wants.levels && !find_levels(lines, trace.levels))) {
-    trace.lines.clear();
+    trace.lines.keep(0);
     return;
   }
   const float noise = trace.levels.noise;
@@ -62,7 +82,8 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
   thread_local std::vector<int> kept;      // number of each line kept
   grounds_at(lines, trace.levels.ground, usual, ground);
   kept.resize(static_cast<std::size_t>(n));
-  trace.lines.resize(static_cast<std::size_t>(n));
+  RimLines& out = trace.lines;
+  out.make_room(static_cast<std::size_t>(n));
   int count = 0;
   int blocked = -kBeside - 1;  // the last line with something else outside
   std::size_t next_deep = 0;
@@ -82,14 +103,13 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
     // Ink, or an obstacle across the rim.
     const float inside = std::max({level[0], level[1], level[2]}) - outside;
     if (inside < std::max(kNothing * contrast, 5 * noise)) continue;
-    RimLine& line = trace.lines[count];
-    line.profile = (level - outside) * (1 / contrast);
-    line.profile[kSamples] = 0;
+    out.profile[count] = (level - outside) * (1 / contrast);
+    out.profile[count][kSamples] = 0;
     const float relative = contrast / usual;
-    line.cos = lines.cos[i];
-    line.sin = lines.sin[i];
-    line.weight = relative * relative;
-    line.sector = lines.sector(i, kRimSectors);
+    out.cos[count] = lines.cos[i];
+    out.sin[count] = lines.sin[i];
+    out.weight[count] = relative * relative;
+    out.sector[count] = lines.sector(i, kRimSectors);
     kept[count++] = i;
     if (!wants.texture) continue;
     const std::size_t deeps = lines.deep_line.size();
@@ -106,7 +126,7 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
       }
     }
   }
-  trace.lines.resize(static_cast<std::size_t>(count));
+  out.keep(static_cast<std::size_t>(count));
 }
 
 }  // namespace impactdic

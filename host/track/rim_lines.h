@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cstring>
 #include <vector>
 
 #include "host/track/rim.h"
@@ -31,15 +32,36 @@ inline constexpr int kInside = 3, kOutside = 3;
 inline constexpr int kSamples = kInside + 1 + kOutside;
 // Aligned as in functions compiled for wider vectors, whatever the others are compiled for.
 typedef float Lanes __attribute__((vector_size(32), aligned(32)));
+typedef int IntLanes __attribute__((vector_size(32), aligned(32)));
+inline constexpr int kLanes = 8;
+inline constexpr Lanes kCount = {0, 1, 2, 3, 4, 5, 6, 7};
 inline float total_of(const Lanes& v) {
   return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
 }
+// kLanes of them from memory.
+template <typename Vector, typename T>
+[[gnu::always_inline]] inline void load(const T* from, Vector& v) {
+  static_assert(sizeof(Vector) == kLanes * sizeof(T));
+  std::memcpy(&v, from, sizeof(v));
+}
+
 typedef Lanes Profile;  // kSamples and a zero
-struct RimLine {
-  Profile profile;
-  float cos, sin;  // direction from the rim's centre
-  float weight;    // usual noise over this point's, squared
-  int sector;      // 0 … kRimSectors − 1, by the angle
+// In the order of the angle.
+struct RimLines {
+  std::vector<Profile> profile;
+  std::vector<float> cos, sin;  // direction from the rim's centre
+  std::vector<float> weight;    // usual noise over this line's, squared
+  std::vector<int> sector;      // 0 … kRimSectors − 1, by the angle
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  // Room for so many, of which fewer may be kept. The last of these stands for the rest of its
+  // kLanes.
+  void make_room(std::size_t lines);
+  void keep(std::size_t lines);
+
+ private:
+  std::size_t size_ = 0;
 };
 
 struct LineTrace {
@@ -52,7 +74,7 @@ struct LineTrace {
     std::array<float, kSectors> ground{};
     std::array<float, 5> light{};
   } levels;
-  std::vector<RimLine> lines;  // that show the background outside, in the order of the angle
+  RimLines lines;  // that show the background outside
   int cast = 0;
   int in_view = 0;
   double step_px = 1;

@@ -257,7 +257,7 @@ int RimModel::place_of(float excess) {
   return static_cast<int>(at + (kReach + 0.5f));
 }
 
-[[gnu::always_inline]] inline void transpose(Lanes (&v)[RimModel::kLanes]) {
+[[gnu::always_inline]] inline void transpose(Lanes (&v)[kLanes]) {
   // Swaps blocks of 4, 2 and 1 across the diagonal.
   for (const int i : {0, 1, 2, 3}) {
     const Lanes a = v[i], b = v[i + 4];
@@ -280,69 +280,96 @@ int RimModel::place_of(float excess) {
 template <typename Use>
 [[gnu::always_inline]] inline void RimModel::for_each_place(const Evidence& e,
                                                             const Use& use) const {
-  float lowest = e.at[0], highest = e.at[0];
-  for (int lane = 1; lane < kLanes; ++lane) {
-    lowest = std::min(lowest, e.at[lane]);
-    highest = std::max(highest, e.at[lane]);
-  }
+  // The least and the greatest of all lanes, in all lanes.
+  Lanes low = e.at, high = e.at;
+  const auto spread = [&](const Lanes& other_low, const Lanes& other_high)
+      __attribute__((always_inline)) {
+    low = other_low < low ? other_low : low;
+    high = other_high > high ? other_high : high;
+  };
+  spread(__builtin_shufflevector(low, low, 4, 5, 6, 7, 0, 1, 2, 3),
+         __builtin_shufflevector(high, high, 4, 5, 6, 7, 0, 1, 2, 3));
+  spread(__builtin_shufflevector(low, low, 2, 3, 0, 1, 6, 7, 4, 5),
+         __builtin_shufflevector(high, high, 2, 3, 0, 1, 6, 7, 4, 5));
+  spread(__builtin_shufflevector(low, low, 1, 0, 3, 2, 5, 4, 7, 6),
+         __builtin_shufflevector(high, high, 1, 0, 3, 2, 5, 4, 7, 6));
+  const float lowest = low[0], highest = high[0];
   for (float at = lowest; at <= highest; at += 1 / kPerStep) {
     use(tables_[place_of(at)], e.at == at);
   }
 }
 
-[[gnu::always_inline]] inline void RimModel::form(const Quadratic& q, const Lanes (&p)[kSamples],
+// The samples and their products, in the order of Quadratic's numbers after the constant.
+struct RimModel::Monomials {
+  Lanes of[kNumbers - 1];
+  explicit Monomials(const Lanes (&p)[kSamples]) {
+    int at = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      of[at++] = p[i];
+      for (int j = 0; j <= i; ++j) of[at++] = p[i] * p[j];
+    }
+  }
+};
+
+[[gnu::always_inline]] inline void RimModel::form(const Quadratic& q, const Monomials& p,
                                                   const Lanes& weight, Lanes (&out)[kKinds]) {
-  const auto* number = q.number;
   Lanes sum[kKinds];
-  for (int k = 0; k < kKinds; ++k) sum[k] = Lanes{} + (*number)[k];
-  ++number;
-  const auto add = [&](const Lanes& product) __attribute__((always_inline)) {
-    for (int k = 0; k < kKinds; ++k) sum[k] += product * (*number)[k];
-    ++number;
-  };
-  for (int i = 0; i < kSamples; ++i) {
-    add(p[i]);
-    for (int j = 0; j <= i; ++j) add(p[i] * p[j]);
+  for (int k = 0; k < kKinds; ++k) sum[k] = Lanes{} + q.number[0][k];
+  for (int m = 0; m < kNumbers - 1; ++m) {
+    for (int k = 0; k < kKinds; ++k) sum[k] += p.of[m] * q.number[m + 1][k];
   }
   sum[0] *= weight;  // how much bare paint tells goes with the contrast
   for (int k = 0; k < kKinds; ++k) out[k] = sum[k] + q.offset[k];
 }
 
-IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const Shift& shift, int stride,
-                                       std::vector<Evidence>& out) const {
+IMPACTDIC_WIDE std::span<RimModel::Evidence> RimModel::evidence(const LineTrace& trace,
+                                                                const Shift& shift, int stride,
+                                                                std::vector<Evidence>& room) const {
   reach(std::hypot(shift[0], shift[1]) + std::abs(shift[2]) + std::hypot(shift[3], shift[4]));
+  const RimLines& lines = trace.lines;
   const std::size_t every = static_cast<std::size_t>(stride);
-  const std::size_t n = (trace.lines.size() + every - 1) / every;
-  out.resize((n + kLanes - 1) / kLanes);
+  const std::size_t n = (lines.size() + every - 1) / every;
+  const std::size_t blocks = (n + kLanes - 1) / kLanes;
+  if (room.size() < blocks) room.resize(blocks);
+  const std::span out(room.data(), blocks);
   for (std::size_t block = 0; block < out.size(); ++block) {
     Evidence& e = out[block];
+    const std::size_t first = block * kLanes;
     Lanes profile[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) {
-      // The last block is filled up with the last line.
-      const std::size_t k = block * kLanes + static_cast<std::size_t>(lane);
-      const std::size_t from = std::min(k, n - 1);
-      const RimLine& line = trace.lines[from * every];
-      profile[lane] = line.profile;
-      e.cos[lane] = line.cos;
-      e.sin[lane] = line.sin;
-      e.weight[lane] = line.weight;
-      e.present[lane] = k == from ? 1 : 0;
-      e.sector[lane] = line.sector;
+    if (every == 1) {
+      load(&lines.cos[first], e.cos);
+      load(&lines.sin[first], e.sin);
+      load(&lines.weight[first], e.weight);
+      load(&lines.sector[first], e.sector);
+      for (int lane = 0; lane < kLanes; ++lane) profile[lane] = lines.profile[first + lane];
+    } else {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        // The last block is filled up with the last line.
+        const std::size_t from = std::min(first + lane, n - 1) * every;
+        e.cos[lane] = lines.cos[from];
+        e.sin[lane] = lines.sin[from];
+        e.weight[lane] = lines.weight[from];
+        e.sector[lane] = lines.sector[from];
+        profile[lane] = lines.profile[from];
+      }
     }
-    const Lanes& c = e.cos;
-    const Lanes& s = e.sin;
-    const Lanes excess =
-        c * shift[0] + s * shift[1] + shift[2] + (c * c - s * s) * shift[3] + 2 * c * s * shift[4];
-    for (int lane = 0; lane < kLanes; ++lane) {
-      e.at[lane] = static_cast<float>(place_of(excess[lane]) - kReach) / kPerStep;
-    }
+    e.present = kCount < static_cast<float>(n - first) ? Lanes{} + 1 : Lanes{};
+    const Lanes c = e.cos, s = e.sin;
+    // As place_of().
+    Lanes at = kPerStep * (c * shift[0] + s * shift[1] + shift[2] + (c * c - s * s) * shift[3] +
+                           2 * c * s * shift[4]);
+    constexpr float kMost = kReach;
+    at = at < -kMost ? Lanes{} - kMost : at > kMost ? Lanes{} + kMost : at;
+    const IntLanes place = __builtin_convertvector(at + (kMost + 0.5f), IntLanes);
+    e.at = (__builtin_convertvector(place, Lanes) - kMost) * (1 / kPerStep);
     transpose(profile);
     for (int i = 0; i < kSamples; ++i) e.profile[i] = profile[i];
+    const Monomials p(e.profile);
     for_each_place(
         e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
           Lanes value[kKinds], slope[kKinds];
-          form(table.value, e.profile, e.weight, value);
-          form(table.slope, e.profile, e.weight, slope);
+          form(table.value, p, e.weight, value);
+          form(table.slope, p, e.weight, slope);
           for (int k = 0; k < kKinds; ++k) {
             const Lanes information =
                 k == 0 ? table.information[k] * e.weight : Lanes{} + table.information[k];
@@ -352,27 +379,28 @@ IMPACTDIC_WIDE void RimModel::evidence(const LineTrace& trace, const Shift& shif
           }
         });
   }
+  return out;
 }
 
-void RimModel::width_slopes(std::vector<Evidence>& blocks) const {
+void RimModel::width_slopes(std::span<Evidence> blocks) const {
   for (Evidence& e : blocks) {
     for_each_place(
         e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
           Lanes slope[kKinds];
-          form(table.width, e.profile, e.weight, slope);
+          form(table.width, Monomials(e.profile), e.weight, slope);
           for (int k = 0; k < kKinds; ++k) e.slope[k] = here ? slope[k] : e.slope[k];
         });
   }
 }
 
-double RimModel::misfit(const std::vector<Evidence>& blocks) const {
+double RimModel::misfit(std::span<const Evidence> blocks) const {
   double sum = 0, lines = 0;
   for (const Evidence& e : blocks) {
     Lanes most = Lanes{} - 1e30f, left{};
     for_each_place(
         e, [&](const Table& table, const auto& here) __attribute__((always_inline)) {
           Lanes value[kKinds];
-          form(table.value, e.profile, e.weight, value);
+          form(table.value, Monomials(e.profile), e.weight, value);
           for (int k = 0; k < kKinds; ++k) {
             const auto likelier = here & (value[k] > most);
             most = likelier ? value[k] : most;

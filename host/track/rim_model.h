@@ -12,6 +12,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "host/track/rim_lines.h"
@@ -67,24 +68,24 @@ class RimModel {
   const RimModel& blurred() const { return *blurred_; }
 
   // What kLanes lines say, linear about an excess `at` of each: ln p by kind, ∂/∂δ and −∂²/∂δ².
-  static constexpr int kLanes = 8;
   struct Evidence {
     Lanes value[kKinds], slope[kKinds], information[kKinds];
     Lanes at, cos, sin, present;  // present: 1, or 0 where there are no more lines
     Lanes profile[kSamples], weight;
-    int sector[kLanes];
+    IntLanes sector;
   };
   // Excess of a line: `shift`'s products with (cos φ, sin φ, 1, cos 2φ, sin 2φ).
   typedef std::array<float, 5> Shift;
-  // Of every `stride`th line, about its excess, or one that lies kNear off at most.
   static constexpr float kNear = 0.0625f;
-  void evidence(const LineTrace& trace, const Shift& shift, int stride,
-                std::vector<Evidence>& out) const;
+  // Of every `stride`th line, about its excess, or one that lies kNear off at most; in `room`,
+  // which grows where it must.
+  std::span<Evidence> evidence(const LineTrace& trace, const Shift& shift, int stride,
+                               std::vector<Evidence>& room) const;
   // ∂ ln p / ∂ ln σ by kind, at the same excesses, in place of the slopes.
-  void width_slopes(std::vector<Evidence>& blocks) const;
+  void width_slopes(std::span<Evidence> blocks) const;
   // Mean square of what the lines leave, in standard deviations of their likeliest kinds; kSamples
   // where the model holds.
-  double misfit(const std::vector<Evidence>& blocks) const;
+  double misfit(std::span<const Evidence> blocks) const;
   // ln p of a line that has nothing to do with the rim.
   float stray() const { return log_stray_; }
 
@@ -102,6 +103,7 @@ class RimModel {
     float information[kKinds];
   };
   struct Edge;
+  struct Monomials;
   enum class Blurred { no, yes };
   RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px, Blurred);
   static Edge edge_at(double excess, double sigma, double kernel);
@@ -112,7 +114,7 @@ class RimModel {
   static int place_of(float excess);
   template <typename Use>
   void for_each_place(const Evidence& e, const Use& use) const;
-  static void form(const Quadratic& q, const Lanes (&p)[kSamples], const Lanes& weight,
+  static void form(const Quadratic& q, const Monomials& p, const Lanes& weight,
                    Lanes (&out)[kKinds]);
 
   RimTexture texture_;
