@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/dic/spline_frames.h"
+#include "kernels/unpack.h"
 
 namespace impactdic {
 namespace {
@@ -91,8 +92,9 @@ void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int wid
   unpack_.setArg(2, pixels_.get());
   unpack_.setArg(3, static_cast<cl_ulong>(count));
   unpack_.setArg(4, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
-  engine_.launch(engine_.queue(), unpack_, cl::NDRange(round_up(count, 64)), cl::NDRange(64),
-                 {static_cast<double>(2 * total + 4 * count), 0});
+  engine_.launch(engine_.queue(), unpack_,
+                 cl::NDRange(round_up((count + UNPACK_AT_ONCE - 1) / UNPACK_AT_ONCE, 64)),
+                 cl::NDRange(64), {static_cast<double>(2 * total + 4 * count), 0});
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ++versions_[static_cast<std::size_t>(first_slot) + i];
   }

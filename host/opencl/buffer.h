@@ -40,10 +40,10 @@ class Buffer {
   void write(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
     enqueue_write(engine, CL_TRUE, host, offset);
   }
-  // The same without waiting: `host` must stay until the queue has been waited for, which `read`
-  // does.
-  void write_later(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
-    enqueue_write(engine, CL_FALSE, host, offset);
+  // The same without waiting: `host` must stay until the event that it returns (null where there is
+  // nothing to copy) or the queue has been waited for, which `read` does.
+  cl::Event write_later(Engine& engine, std::span<const T> host, std::size_t offset = 0) {
+    return enqueue_write(engine, CL_FALSE, host, offset);
   }
   void read(Engine& engine, std::span<T> host, std::size_t offset = 0) const {
     if (!fits(host.size(), offset)) return;
@@ -68,17 +68,18 @@ class Buffer {
   }
 
  private:
-  void enqueue_write(Engine& engine, cl_bool blocking, std::span<const T> host,
-                     std::size_t offset) {
-    if (!fits(host.size(), offset)) return;
+  cl::Event enqueue_write(Engine& engine, cl_bool blocking, std::span<const T> host,
+                          std::size_t offset) {
+    cl::Event event;
+    if (!fits(host.size(), offset)) return event;
     try {
-      cl::Event event;
       engine.queue().enqueueWriteBuffer(buffer_, blocking, offset * sizeof(T), host.size_bytes(),
                                         host.data(), nullptr, &event);
       engine.profiler().add("copy to device", event, static_cast<double>(host.size_bytes()));
     } catch (const cl::Error& error) {
       throw OpenClError(error.what(), error.err());
     }
+    return event;
   }
   // False where there is nothing to copy.
   bool fits(std::size_t count, std::size_t offset) const {

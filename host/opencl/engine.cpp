@@ -61,7 +61,6 @@ cl::CommandQueue Engine::make_queue() const {
 }
 
 void Engine::wait() const {
-  constexpr auto kNap = std::chrono::microseconds(20);
   try {
     if (!device().is_gpu) {
       queue_.finish();
@@ -69,20 +68,34 @@ void Engine::wait() const {
     }
     cl::Event reached;
     queue_.enqueueMarkerWithWaitList(nullptr, &reached);
-    queue_.flush();
-    for (;;) {
-      const cl_int status = reached.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
-      if (status < 0) throw OpenClError("a kernel or copy failed", status);
-      if (status == CL_COMPLETE) return;
-      std::this_thread::sleep_for(kNap);
-    }
+    wait(reached);
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
 }
 
-cl::Kernel Engine::kernel(const std::string& file, const std::string& name,
-                          const Defines& defines, const std::string& options) {
+void Engine::wait(const cl::Event& event) const {
+  constexpr auto kNap = std::chrono::microseconds(20);
+  const auto done = [&event] {
+    const cl_int status = event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>();
+    if (status < 0) throw OpenClError("a kernel or copy failed", status);
+    return status == CL_COMPLETE;
+  };
+  try {
+    if (done()) return;
+    if (!device().is_gpu) {
+      event.wait();
+      return;
+    }
+    queue_.flush();
+    while (!done()) std::this_thread::sleep_for(kNap);
+  } catch (const cl::Error& error) {
+    throw OpenClError(error.what(), error.err());
+  }
+}
+
+cl::Kernel Engine::kernel(const std::string& file, const std::string& name, const Defines& defines,
+                          const std::string& options) {
   try {
     const std::string separator = options.empty() ? "" : " ";
     return cl::Kernel(program(file, build_options(defines) + separator + options), name.c_str());

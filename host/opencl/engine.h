@@ -47,9 +47,10 @@ class Engine {
   // The in-order queue on which everything runs unless a caller has made its own.
   const cl::CommandQueue& queue() const { return queue_; }
   cl::CommandQueue make_queue() const;
-  // Returns when everything enqueued on `queue` is done. The thread sleeps meanwhile: left to
-  // themselves, drivers of GPUs keep its core busy. Throws OpenClError.
+  // Returns when everything enqueued on `queue` is done, or what `event` stands for. The thread
+  // sleeps meanwhile: left to themselves, drivers of GPUs keep its core busy. Throws OpenClError.
   void wait() const;
+  void wait(const cl::Event& event) const;
   Profiler& profiler() { return shared_->profiler; }
   // Where compiled programs and the result of `impactdic tune` are kept; empty: nowhere.
   const std::filesystem::path& cache_dir() const { return shared_->options.cache_dir; }

@@ -16,8 +16,8 @@ void Staging::release() noexcept {
 }
 
 std::span<unsigned char> Staging::bytes(std::size_t count) {
-  if (under_way_) engine_.wait();
-  under_way_ = false;
+  if (last_() != nullptr) engine_.wait(last_);
+  last_ = {};
   if (count > size_) {
     release();
     try {
@@ -35,8 +35,7 @@ std::span<unsigned char> Staging::bytes(std::size_t count) {
 }
 
 const cl::Buffer& Staging::upload(std::size_t count) {
-  device_.write_later(engine_, {mapped_, count});
-  under_way_ = true;
+  last_ = device_.write_later(engine_, {mapped_, count});
   return device_.get();
 }
 

@@ -29,7 +29,7 @@ class Staging {
   std::size_t size_ = 0;
   cl::Buffer host_;
   unsigned char* mapped_ = nullptr;
-  bool under_way_ = false;
+  cl::Event last_;  // upload
   Buffer<unsigned char> device_;
 };
 

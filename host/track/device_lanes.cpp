@@ -116,16 +116,19 @@ DeviceLanes::DeviceLanes(std::span<Engine* const> engines, const EstimatorOption
   int most = 0;
   for (const Engine* engine : engines) most = std::max(most, lanes_of(*engine));
   // Neighbouring lanes are on different devices, so that a short clip reaches all of them.
+  std::vector<std::future<std::unique_ptr<Lane>>> opening;
   for (int k = 0; k < most; ++k) {
     for (const Engine* engine : engines) {
       const int lanes = lanes_of(*engine);
       if (k >= lanes) continue;
-      lanes_.push_back(std::make_unique<Lane>(
-          engine->beside(), options, radius_px,
-          slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch)));
+      opening.push_back(std::async(std::launch::async, [&, engine, lanes] {
+        return std::make_unique<Lane>(
+            engine->beside(), options, radius_px,
+            slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch));
+      }));
     }
   }
-  for (const auto& lane : lanes_) free_.push_back(lane.get());
+  for (auto& lane : opening) free_.push_back(lanes_.emplace_back(lane.get()).get());
 }
 
 DeviceLanes::~DeviceLanes() {
