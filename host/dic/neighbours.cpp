@@ -18,7 +18,7 @@ constexpr std::size_t kFewestWitnesses = 3;
 using Index = WindowPlaces::Index;
 constexpr std::size_t kNearest = WindowPlaces::kNearest;
 
-// What is known of a window.
+// What is known of a window; WindowPlaces knows that found ones are odd.
 constexpr std::uint8_t kFound = 1, kLost = 2;
 constexpr std::uint8_t kAgrees = 4;      // found, and the window before says nothing else
 constexpr std::uint8_t kChallenged = 8;  // a suspect was sought again
@@ -126,6 +126,7 @@ class Neighbours::Front {
   // every suspect, once. Rounds count from 0.
   void propose(std::uint8_t round, Proposals& proposals) {
     begin_ = proposals.index.size();
+    WindowPlaces::Nearest near;
     std::size_t kept = 0;
     for (std::size_t k = 0; k < unsettled_.size(); ++k) {
       const Index i = unsettled_[k];
@@ -138,7 +139,7 @@ class Neighbours::Front {
       unsettled_[kept++] = i;
       const std::vector<std::uint8_t>& marks = is_lost ? grown_ : changed_;
       if (marks[places_->bin(i)] != round) continue;
-      WindowPlaces::Nearest near = places_->nearest(i, state_, kFound);
+      places_->find_nearest(i, state_, near);
       if (is_lost) {
         if (near.count > 0) seed(i, consensus(i, near), proposals);
         continue;

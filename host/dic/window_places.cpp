@@ -87,40 +87,34 @@ const WindowPlaces::List& WindowPlaces::list(Index i) {
   return list;
 }
 
-WindowPlaces::Nearest WindowPlaces::nearest(Index i, std::span<const std::uint8_t> state,
-                                            std::uint8_t flag) {
+void WindowPlaces::find_nearest(Index i, std::span<const std::uint8_t> state, Nearest& found) {
   const List& near = list(i);
-  Nearest found;
-  found.count = 0;
+  std::size_t count = 0;
   // By eights, since which of them are found is chance.
-  for (std::size_t begin = 0; begin < near.count; begin += 8) {
-    for (std::size_t k = begin; k < begin + 8; ++k) {
-      found.index[found.count] = near.index[k];
-      found.count += (state[near.index[k]] & flag) != 0 && k < near.count ? 1 : 0;
-    }
-    if (found.count >= kNearest) {
-      found.count = kNearest;
-      return found;
+  for (std::uint32_t begin = 0; begin < near.count && count < kNearest; begin += 8) {
+    for (std::uint32_t k = begin; k < begin + 8; ++k) {
+      found.index[count] = near.index[k];
+      count += (state[near.index[k]] & 1U) & (k < near.count ? 1U : 0U);
     }
   }
-  return near.count < kListed ? found : nearest_of_all(i, state, flag);
+  found.count = std::min(count, kNearest);
+  if (count < kNearest && near.count == kListed) find_among_all(i, state, found);
 }
 
-WindowPlaces::Nearest WindowPlaces::nearest_of_all(Index i, std::span<const std::uint8_t> state,
-                                                   std::uint8_t flag) const {
+void WindowPlaces::find_among_all(Index i, std::span<const std::uint8_t> state,
+                                  Nearest& found) const {
   std::array<Neighbour, kNearest> near;
-  Nearest found;
-  found.count = 0;
+  std::size_t count = 0;
   each_near(i, [&](const Neighbour& neighbour) {
-    if ((state[neighbour.index] & flag) == 0) return;
-    if (found.count == kNearest && !(neighbour < near[kNearest - 1])) return;
-    std::size_t at = found.count < kNearest ? found.count++ : kNearest - 1;
+    if ((state[neighbour.index] & 1U) == 0) return;
+    if (count == kNearest && !(neighbour < near[kNearest - 1])) return;
+    std::size_t at = count < kNearest ? count++ : kNearest - 1;
     for (; at > 0 && neighbour < near[at - 1]; --at) near[at] = near[at - 1];
     near[at] = neighbour;
   });
-  std::transform(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(found.count),
+  found.count = count;
+  std::transform(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count),
                  found.index.begin(), [](const Neighbour& n) { return n.index; });
-  return found;
 }
 
 }  // namespace impactdic

@@ -42,9 +42,9 @@ class WindowPlaces {
     std::array<Index, kNearest + 8> index;  // the last are for writing beyond the end
     std::size_t count;
   };
-  // Those near window i, itself among them, for which `state` has `flag`: the kNearest nearest, or
-  // as many as there are, nearest first.
-  Nearest nearest(Index i, std::span<const std::uint8_t> state, std::uint8_t flag);
+  // Those near window i, itself among them, whose `state` is odd: the kNearest nearest, or as many
+  // as there are, nearest first.
+  void find_nearest(Index i, std::span<const std::uint8_t> state, Nearest& found);
 
  private:
   // Beginning of a window's neighbours by distance; a list that is not full holds them all.
@@ -55,7 +55,7 @@ class WindowPlaces {
     std::uint32_t count = 0;  // 0: not made yet
   };
   const List& list(Index i);
-  Nearest nearest_of_all(Index i, std::span<const std::uint8_t> state, std::uint8_t flag) const;
+  void find_among_all(Index i, std::span<const std::uint8_t> state, Nearest& found) const;
   template <typename Visit>
   void each_near(Index i, const Visit& visit) const;
 
