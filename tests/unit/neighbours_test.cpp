@@ -96,6 +96,29 @@ TEST(Neighbours, WrongWindowIsReplacedUnlessItCorrelatesBetter) {
   EXPECT_FLOAT_EQ(motions[79].correlation, 0.9F);  // those that agree are left alone
 }
 
+// A lost window is found wrongly: a later round asks for it again, and for no other.
+TEST(Neighbours, WhatWasFoundIsSuspectedToo) {
+  const auto windows = grid_of_pair(0);
+  const std::size_t wrong = 120;
+  std::vector<WindowMotion> motions;
+  for (const Window& window : windows) motions.push_back(truth(window, 0.9F));
+  motions[wrong] = lost(WindowStatus::low_correlation);
+  std::size_t asked = 0;
+  const RefineWindows refine_wrongly_first = [&](std::span<const Window> some,
+                                                 std::span<const WindowMotion> seeds,
+                                                 std::span<WindowMotion> out) {
+    refine(some, seeds, out);
+    if (asked == 0) {
+      out[0].u += 4;
+      out[0].correlation = 0.7F;
+    }
+    asked += some.size();
+  };
+  Neighbours().refine_lost(windows, kSide, refine_wrongly_first, motions);
+  EXPECT_EQ(asked, 2);
+  EXPECT_FLOAT_EQ(motions[wrong].u, truth(windows[wrong], 1).u);
+}
+
 // Of the windows that are to be judged, one has been refined and was found to have no texture, one
 // was refined in vain, one has no neighbour, and one is found.
 TEST(Neighbours, TextureIsJudgedOnce) {
