@@ -9,6 +9,16 @@
 
 namespace impactdic {
 
+namespace {
+
+// What std::lround says, without a call for every window.
+int rounded(double x) {
+  constexpr double kBelowHalf = 0.49999999999999994;  // a half would round what is below it up
+  return static_cast<int>(x + std::copysign(kBelowHalf, x));
+}
+
+}  // namespace
+
 void aim_windows(std::span<Window> windows, int window_px, int first_slot, int second_slot,
                  const MotionGuess& guess) {
   const double half = (window_px - 1) / 2.0;
@@ -18,8 +28,8 @@ void aim_windows(std::span<Window> windows, int window_px, int first_slot, int s
     const double x = window.x0 + half - guess.cx_px, y = window.y0 + half - guess.cy_px;
     window.first = first_slot;
     window.second = second_slot;
-    window.guess_u = static_cast<idic_int>(std::lround(guess.dx_px + c * x + s * y));
-    window.guess_v = static_cast<idic_int>(std::lround(guess.dy_px - s * x + c * y));
+    window.guess_u = rounded(guess.dx_px + c * x + s * y);
+    window.guess_v = rounded(guess.dy_px - s * x + c * y);
     window.guess_rot_rad = static_cast<float>(guess.rot_rad);
   }
 }
