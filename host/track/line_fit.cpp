@@ -101,7 +101,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
   const int last_stride = roughly ? std::max(1, static_cast<int>(n / kRough)) : 1;
   int stride = !roughly && !start.from && !other && n > kPlenty ? kFirstStride : last_stride;
   // Far from the rim the likelihood of what the lines show without noise has maxima of its own.
-  bool blurred = roughly;
+  bool blurred = roughly && !other;
   bool careful = false;  // a round went too far
   Vector5 last_way = Vector5::Zero();
   for (int round = 0; round < kRounds; ++round) {
@@ -143,7 +143,7 @@ Estimate estimate(const LineTrace& trace, const RimModel& model, const Rim& rim,
       // circle's: that finds its way from where an ellipse loses it.
       Vector5 step = step_by(ellipse && !glance);
       const auto farthest = [&] { return (delta + step - before).cwiseAbs().maxCoeff(); };
-      const bool lost = ellipse && round == 0 && !other && !(farthest() <= reach);
+      const bool lost = ellipse && round == 0 && pass == 0 && !other && !(farthest() <= reach);
       if (lost) step = step_by(false);
       const double far = farthest();
       held = far > reach;
@@ -234,11 +234,12 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   const auto by = [&](bool ellipse, const Estimate* other) {
     return estimate(trace, model, rim, prior, ellipse, start, other, memory);
   };
-  // Rough and thorough fits take a circle where the rim is all but one, unless its lines object. A
-  // fine one always tries an ellipse: lines that no circle explains count as strays, and hold
+  // A thorough fit takes a circle where the rim is all but one, unless its lines object. The others
+  // always try an ellipse first: lines that no circle explains count as ink or strays, and hold
   // nothing against it; and one beside which no ellipse can be found may lie across one.
   const bool finely = start.how == Thoroughness::finely;
-  const bool circle_first = !finely && std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r;
+  const bool thoroughly = start.how == Thoroughness::with_width;
+  const bool circle_first = thoroughly && std::hypot(rim.e1, rim.e2) < kPlainlyOval * rim.r;
   Estimate best;
   if (!allow_ellipse || circle_first) best = by(false, nullptr);
   if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
@@ -248,7 +249,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
     if (fit.ellipse) {
       best = oval;
     } else if (!best.ok) {
-      best = by(false, finely ? &oval : nullptr);
+      best = by(false, oval.ok && !thoroughly ? &oval : nullptr);
     }
   }
   if (!best.ok) return fit;

@@ -30,6 +30,7 @@ constexpr double kWidthSettled = 0.01;   // of ln σ
 constexpr int kTraces = 6, kWidths = 5;  // at most
 constexpr double kClose = 0.8;           // steps that a prediction may scatter to be followed
 constexpr double kNear = 0.15;           // and to be taken as it is
+constexpr double kFollowedOval = 0.01;   // e/R of a prediction, no more
 constexpr double kLeastSearch_px = 0.3;  // scatter of a prediction that has to be searched about
 constexpr double kNoisier = 2;           // than when the look was learnt: learn again
 constexpr double kExplained = 0.7;       // share of the lines that must have to do with the rim
@@ -255,9 +256,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   };
 
   thread_local LineTrace lines;  // memory only
-  // A ball under compression changes its shape from frame to frame: it is searched.
-  const bool round = prior.e1_px == 0 && prior.e2_px == 0;
-  if (round && prior.look && prior.bright && prior.rim_sd_px &&
+  // A ball under strong compression changes its shape from frame to frame: it is searched.
+  const bool steady = std::hypot(prior.e1_px, prior.e2_px) < kFollowedOval * prior.predicted.r_px;
+  if (steady && prior.look && prior.bright && prior.rim_sd_px &&
       std::hypot(prior.centre_sd_px, *prior.rim_sd_px) < kClose * prior.look->step_px()) {
     const bool near = prior.centre_sd_px < kNear * prior.look->step_px();
     ByLook m;

@@ -188,6 +188,78 @@ TEST(MeasureCircle, FollowsSparseInkFromAThirdOfAPixel) {
   }
 }
 
+// A little compressed, whether that was expected or not: a circle across an ellipse explains its
+// ends as ink.
+TEST(MeasureCircle, FollowsABallThatIsPressed) {
+  for (const char* pattern : {"a1", "d3", "e1"}) {
+    const BallRenderer renderer(paint_ball(pattern, 11, kRadius), small_scene());
+    Frame frame;
+    renderer.render(BallPose{118.3, 101.8}, 0, frame);
+    const CircleFit before = measure_circle(frame, {.predicted = {119, 101, kRadius}}, {});
+    ASSERT_TRUE(before.look);
+    CirclePrior prior;
+    prior.rim_sd_px = 0.3;
+    prior.bright = before.bright;
+    prior.look = before.look;
+    for (int k = 1; k < 9; ++k) {
+      const double compression = 0.002 * k, e = kRadius * compression / 2;
+      const BallPose pose{118.3 + 0.37 * k, 101.8 - 0.21 * k, 15.0 * k, compression, 90};
+      renderer.render(pose, k, frame);
+      for (const bool expected : {true, false}) {
+        prior.centre_sd_px = expected ? 0.05 : 0.3;
+        prior.predicted = {pose.cx_px + 0.02, pose.cy_px - 0.03, kRadius - e};
+        prior.e1_px = expected ? e : 0;
+        const CircleFit fit = measure_circle(frame, prior, {});
+        ASSERT_EQ(fit.status, CircleStatus::ok);
+        EXPECT_LT(miss(fit.circle, pose), 0.06) << pattern << k << expected;
+        EXPECT_NEAR(fit.circle.r_px, kRadius - e, 0.1) << pattern << k << expected;
+        EXPECT_LT(std::hypot(fit.e1_px - e, fit.e2_px), 0.1) << pattern << k << expected;
+        if (expected) EXPECT_EQ(fit.look, before.look) << pattern << k;
+      }
+    }
+  }
+}
+
+// Half a pixel of ellipse that nothing foretold, on dense ink.
+TEST(MeasureCircle, TakesNoEllipseForAnInkedCircle) {
+  constexpr double kLarge = 115, kCompression = 0.008, kE = kLarge * kCompression / 2;
+  Scene scene;
+  scene.width = scene.height = 272;
+  scene.noise_sigma = 2;
+  for (const int seed : {11, 14}) {
+    scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
+    const BallRenderer renderer(paint_ball("e1", static_cast<std::uint64_t>(seed), kLarge), scene);
+    const auto pose_at = [&](int k) {
+      return BallPose{136 + std::fmod(0.3819660113 * seed + 0.13 + 0.618 * k, 1),
+                      136 + std::fmod(0.6180339887 * seed + 0.41 + 0.382 * k, 1),
+                      17.0 * seed + 11 * k, k == 0 ? 0 : kCompression, 90};
+    };
+    Frame frame;
+    renderer.render(pose_at(0), 0, frame);
+    CirclePrior prior;
+    prior.predicted = {pose_at(0).cx_px + 1.3, pose_at(0).cy_px - 0.9, kLarge};
+    const CircleFit before = measure_circle(frame, prior, {});
+    prior.bright = before.bright;
+    prior.look = before.look;
+    prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
+    prior.learn = false;
+    prior.radius_px = before.circle.r_px;
+    prior.radius_sd_px = 0.03;
+    prior.compression_axis_rad = kPi / 2;
+    for (int k = 1; k < 8; ++k) {
+      const BallPose pose = pose_at(k);
+      renderer.render(pose, k, frame);
+      const double way = 2.4 * (k + 8 * seed);
+      prior.predicted = {pose.cx_px + 0.1 * std::cos(way), pose.cy_px + 0.1 * std::sin(way),
+                         before.circle.r_px - kE + 0.03 * std::cos(1.7 * way)};
+      const CircleFit fit = measure_circle(frame, prior, {});
+      ASSERT_EQ(fit.status, CircleStatus::ok);
+      EXPECT_LT(std::hypot(fit.e1_px - kE, fit.e2_px), 0.1) << seed << ' ' << k;
+      EXPECT_NEAR(fit.circle.r_px, kLarge - kE, 0.15) << seed << ' ' << k;
+    }
+  }
+}
+
 TEST(MeasureCircle, RefusesNonsense) {
   const Frame frame = picture({kRadius, {}, {}}, small_scene(), {118, 102});
   EXPECT_THROW(measure_circle(frame, {}, {}), InvalidArgument);
