@@ -76,7 +76,7 @@ void bench_equal_windows(Engine& engine, const BenchOptions& options, const RowS
     if (!is_wanted(options, work)) continue;
     Setting setting(engine, grid, pairs_of(engine, options));
     auto variants = equal_variants(engine.device(), field.window_px);
-    if (!options.every_variant) variants = {choose_equal_variant(engine, field.window_px)};
+    if (!options.every_variant) variants = {choose_equal_variant(engine, field.window_px, of_clip)};
     for (const EqualVariant& variant : variants) {
       BenchRow row;
       row.work = work;

@@ -20,7 +20,9 @@
 
 // Four words more: the work-items of a warp then find their words in different banks.
 #define AREA_PITCH (4 * AREA_CHUNKS + 4)
-#define AREA_ROWS (8 * (TAP_BLOCKS + LAG_BLOCKS))
+// Blocks of the area that meet one row of the window of every block, an even number.
+#define AREA_BLOCKS ((TAP_BLOCKS + LAG_BLOCKS) / 2 * 2)
+#define AREA_ROWS (8 * (AREA_BLOCKS + 1))
 #define AREA_WORDS (AREA_ROWS * AREA_PITCH)
 #define TAP_CHUNKS ((WINDOW_PX + 15) / 16)
 #define TAP_MARGIN 4
@@ -29,53 +31,61 @@
 #define TAP_WORDS (TAP_ROWS * TAP_PITCH)
 
 #ifdef MATRIX_UNITS
-// A work-item holds the four values of its fragment of every 16 rows and 8 columns of lags.
+// A work-item holds the four values of its fragment of every 16 columns and 8 rows of lags.
 #define LAG_TILES ((LAGS + 15) / 16)
 #define HELD (4 * LAG_TILES * LAG_BLOCKS)
-// Bytes of the area's row by which the window's row is shifted in a fragment; beyond these the
-// fragment is zero.
+// Fragments of 8 lags that differ: by so many bytes of the area's row is the window's row shifted
+// in the first one, by 8 more in every other; beyond them all is zero.
 #define LEAST_SHIFT (-8)
-#define MOST_SHIFT ((WINDOW_PX + 6) / 8 * 8)
-#define SHIFTS ((MOST_SHIFT - LEAST_SHIFT) / 8 + 1)
+#define SHIFTS ((WINDOW_PX + 6) / 8 + 2)
+#define PAIRS ((SHIFTS + 1) / 2)
 
 // Adds the products to what the work-items hold. The group is one warp.
 INLINE void add_products(__local const uint* area, __local const uint* window, int* held,
                          const int lane) {
-  const int row = lane / 4, word = lane % 4;
-  __local const uint* own_area = area + row * AREA_PITCH + word;
-  __local const uint* own_taps = window + TAP_MARGIN + word - row / 4;
+  const int row = lane / 4;
+  __local const uint* own_area = area + block_row(lane, AREA_PITCH);
+  __local const uint* own_taps = window + TAP_MARGIN + lane % 4 - row / 4;
   const uint bits = 32 - 8 * (row % 4);
 #pragma unroll 1
   for (int y = 0; y < 8; ++y) {
-    uint a[TAP_BLOCKS + LAG_BLOCKS - 1][AREA_CHUNKS];
+    uint2 rows[AREA_BLOCKS][AREA_CHUNKS / 2];
     UNROLL
-    for (int j = 0; j < TAP_BLOCKS + LAG_BLOCKS - 1; ++j) {
+    for (int j = 0; j < AREA_BLOCKS; j += 2) {
       UNROLL
-      for (int c = 0; c < AREA_CHUNKS; ++c) a[j][c] = own_area[(y + 8 * j) * AREA_PITCH + 4 * c];
+      for (int c = 0; c < AREA_CHUNKS / 2; ++c) {
+        const uint4 blocks = four_blocks(own_area + (y + 8 * j) * AREA_PITCH + 8 * c);
+        rows[j][c] = blocks.lo;
+        rows[j + 1][c] = blocks.hi;
+      }
     }
     UNROLL
     for (int s = 0; s < TAP_BLOCKS; ++s) {
       __local const uint* taps = own_taps + (y + 8 * s) * TAP_PITCH;
-      uint b[SHIFTS];
+      uint shifted[2 * PAIRS];
       UNROLL
-      for (int i = 0; i < SHIFTS; ++i) {
+      for (int i = 0; i < 2 * PAIRS; ++i) {
         const int at = (LEAST_SHIFT + 8 * i) / 4;
-        b[i] = (uint)(upsample(taps[at], taps[at - 1]) >> bits);
+        shifted[i] = i < SHIFTS ? (uint)(upsample(taps[at], taps[at - 1]) >> bits) : 0;
       }
       UNROLL
       for (int tile = 0; tile < LAG_TILES; ++tile) {
-        const int j = s + 2 * tile, below = 2 * tile + 1 < LAG_BLOCKS ? j + 1 : j;
         UNROLL
         for (int n = 0; n < LAG_BLOCKS; ++n) {
           int* sums = held + 4 * (tile * LAG_BLOCKS + n);
-          const int last = min(AREA_CHUNKS - 1, (MOST_SHIFT + 8 * n) / 16);
+          const int end = min(AREA_CHUNKS, tile + PAIRS);
+          // Chunks by twos: both, one or none of them meets the window's row.
           UNROLL
-          for (int c = n / 2; c <= last; c += 2) {
-            const int i = (16 * c - 8 * n - LEAST_SHIFT) / 8;
-            if (c < last) {
-              multiply_32(sums, a[j][c], a[below][c], a[j][c + 1], a[below][c + 1], b[i], b[i + 2]);
-            } else {
-              multiply_16(sums, a[j][c], a[below][c], b[i]);
+          for (int c = 0; c < AREA_CHUNKS; c += 2) {
+            const uint2 pixels = rows[s + n][c / 2];
+            const int i = 2 * (c - tile);
+            if (c >= tile && c + 1 < end) {
+              multiply_32(sums, (uint4)(shifted[i + 1], shifted[i], shifted[i + 3], shifted[i + 2]),
+                          pixels);
+            } else if (c >= tile && c < end) {
+              multiply_16(sums, (uint2)(shifted[i + 1], shifted[i]), pixels.x);
+            } else if (c + 1 == tile) {
+              multiply_16(sums, (uint2)(shifted[i + 3], shifted[i + 2]), pixels.y);
             }
           }
         }
@@ -86,11 +96,11 @@ INLINE void add_products(__local const uint* area, __local const uint* window, i
 
 // Row and column of the map of value k that a work-item holds.
 INLINE int held_row(const int k, const int lane) {
-  return 16 * (k / 4 / LAG_BLOCKS) + 8 * (k / 2 % 2) + lane / 4;
+  return 8 * (k / 4 % LAG_BLOCKS) + 2 * (lane % 4) + k % 2;
 }
 
 INLINE int held_column(const int k, const int lane) {
-  return 8 * (k / 4 % LAG_BLOCKS) + 2 * (lane % 4) + k % 2;
+  return 16 * (k / 4 / LAG_BLOCKS) + 8 * (k / 2 % 2) + lane / 4;
 }
 #else
 #define HELD ((LAGS * LAGS + LANES - 1) / LANES)

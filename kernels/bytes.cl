@@ -1,9 +1,10 @@
-// Zero-mean normalised cross-correlation (Lewis 1995) of a window of 8-bit pixels with a search area
-// in one kernel, without transforms: Σ t g at every lag as products of matrices of bytes
+// Zero-mean normalised cross-correlation (Lewis 1995) of a window of 8-bit pixels with a search
+// area in one kernel, without transforms: Σ t g at every lag as products of matrices of bytes
 // (byte_products.h), and the sums over each displaced window g in whole numbers, so that nothing is
 // rounded before the map. One group of 32 work-items a window; WINDOW_PX ≤ 31, LAGS ≤ 33.
 //
-// Pixels are taken about their middle, 128, to be signed bytes. With q, the template's mean rounded:
+// Pixels are taken about their middle, 128, to be signed bytes. With q, the template's mean
+// rounded:
 //   Σ (t − t̄)(g − ḡ) = Σ t g − q Σ g − (t̄ − q) Σ g,  Σ (g − ḡ)² = Σ (g − q)² − (Σ (g − q))²/N,
 // where every sum but the last terms is a whole number.
 //
@@ -27,8 +28,8 @@
 #define STORE_WORDS (AREA_WORDS + TAP_WORDS > SUM_WORDS ? AREA_WORDS + TAP_WORDS : SUM_WORDS)
 #define MAP_FLOATS (LAGS > WINDOW_PX ? LAGS * LAGS : WINDOW_PIXELS)
 
-// Sums of a template's pixels, and of the squares of their low bytes, of their high bytes and of the
-// products of both: a pixel is 256 high + low.
+// Sums of a template's pixels, and of the squares of their low bytes, of their high bytes and of
+// the products of both: a pixel is 256 high + low.
 enum { SUM, LOW_LOW, HIGH_HIGH, HIGH_LOW, TOTALS };
 
 INLINE void put_area(const Task* task, const int width, const int height, __local uint* area,
@@ -36,13 +37,13 @@ INLINE void put_area(const Task* task, const int width, const int height, __loca
   const SearchPlace place = task->place;
   if (place.x0 >= 0 && place.y0 >= 0 && place.x0 <= width - AREA_PX &&
       place.y0 <= height - AREA_PX) {
-    __global const uchar* first = task->second + place.y0 * ROW + place.x0;
+    const int words = 4 * AREA_CHUNKS, word = lane % words;
+    const Pixels pixels =
+        pixels_from(task->second + (place.y0 + lane / words) * ROW + place.x0 + 4 * word);
     UNROLL
-    for (int i = 0; i < AREA_PX * AREA_CHUNKS; i += LANES) {
-      const int k = i + lane, y = k / AREA_CHUNKS, chunk = k % AREA_CHUNKS;
-      if (y >= AREA_PX) continue;
-      ((__local uint4*)(area + y * AREA_PITCH))[chunk] =
-          sixteen_pixels(first + y * ROW + 16 * chunk);
+    for (int i = 0; i < AREA_PX * words; i += LANES) {
+      const int y = i / words + lane / words;
+      if (y < AREA_PX) area[y * AREA_PITCH + word] = four_pixels(pixels, width, i / words);
     }
     return;
   }
@@ -55,25 +56,24 @@ INLINE void put_area(const Task* task, const int width, const int height, __loca
 }
 
 // The template as it stands in the picture, zero about it; adds to its totals.
-INLINE void put_window(const Task* task, const int width, __local uint* window,
-                       __local int* totals, const int lane) {
-  __global const uchar* first = task->first + task->window.y0 * ROW + task->window.x0;
+INLINE void put_window(const Task* task, const int width, __local uint* window, __local int* totals,
+                       const int lane) {
+  const int words = 4 * TAP_CHUNKS, word = lane % words;
+  const Pixels pixels = pixels_from(task->first + (task->window.y0 + lane / words) * ROW +
+                                    task->window.x0 + 4 * word);
+  // Bits behind the window's last column.
+  const uint behind = 8 * (uint)clamp(4 * word + 4 - WINDOW_PX, 0, 3);
   int sum = 0, squares = 0;
   UNROLL
-  for (int i = 0; i < TAP_ROWS * TAP_CHUNKS; i += LANES) {
-    const int k = i + lane, y = k / TAP_CHUNKS, chunk = k % TAP_CHUNKS;
-    if (y >= TAP_ROWS) continue;
-    uint4 words = 0;
-    if (y < WINDOW_PX) {
-      words = sixteen_pixels(first + y * ROW + 16 * chunk);
-      const int4 behind = 16 * chunk + (int4)(4, 8, 12, 16) - WINDOW_PX;
-      words = select(words, words << convert_uint4(8 * behind) >> convert_uint4(8 * behind),
-                     behind > 0);
-      words = select(words, (uint4)(0), behind >= 4);
+  for (int i = 0; i < TAP_ROWS * words; i += LANES) {
+    const int y = i / words + lane / words;
+    uint four = 0;
+    if (y < WINDOW_PX && 4 * word < WINDOW_PX) {
+      four = four_pixels(pixels, width, i / words) << behind >> behind;
     }
-    ((__local uint4*)(window + y * TAP_PITCH + TAP_MARGIN))[chunk] = words;
-    sum += sum_of(words);
-    squares += dot_of(words, words);
+    if (y < TAP_ROWS) window[y * TAP_PITCH + TAP_MARGIN + word] = four;
+    sum = add_dot(four, 0x01010101u, sum);
+    squares = add_dot(four, four, squares);
   }
   atomic_add(&totals[SUM], sum);
   atomic_add(&totals[LOW_LOW], squares);
@@ -144,8 +144,7 @@ INLINE void put_column_sums(__local const uint* area, __local int* sums, const i
   int own[COLUMN_SETS][LAGS];
   UNROLL
   for (int set = 0; set < COLUMN_SETS; ++set) {
-    __local const char* column =
-        (__local const char*)area + min(set * LANES + lane, AREA_PX - 1);
+    __local const char* column = (__local const char*)area + min(set * LANES + lane, AREA_PX - 1);
     int sum = 0;
     UNROLL
     for (int y = 0; y < WINDOW_PX; ++y) {
@@ -210,7 +209,8 @@ INLINE float correlation_of(const int products, const WindowSums sums, const Nor
   const float energy = (float)(int)(sums.packed - (uint)sums.sum * (uint)weight) -
                        sum * sum * (1.0f / WINDOW_PIXELS);
   const float product = (float)(products - norming.level * sums.sum) - norming.rest * sum;
-  return energy > norming.min_energy ? product * rsqrt(energy * norming.energy) : 0.0f;
+  const float correlation = product * rsqrt(energy * norming.energy);
+  return energy > norming.min_energy ? correlation : 0.0f;
 }
 
 // Row y of the map, which holds the products, out of the sums along it; returns its highest value.
@@ -288,10 +288,9 @@ INLINE void find_highest(__local const float* map, __local Found* found, const S
 }
 
 // As zncc_single (single.cl).
-__kernel GROUP_SIZE void zncc_bytes(__global const uchar* pixels, const int width,
-                                    const int height, __global const Window* windows,
-                                    const uint start, const float min_contrast,
-                                    __global const float* weights,
+__kernel GROUP_SIZE void zncc_bytes(__global const uchar* pixels, const int width, const int height,
+                                    __global const Window* windows, const uint start,
+                                    const float min_contrast, __global const float* weights,
                                     __global CorrelationPeak* peaks) {
   __local uint store[STORE_WORDS] __attribute__((aligned(32)));
   __local uint* area = store;

@@ -7,13 +7,33 @@
 
 #define MIDDLE 128
 
-// 16 bytes from `first` on, about their middle. Behind the pictures there is room (DeviceFrames).
-INLINE uint4 sixteen_pixels(__global const uchar* first) {
-  const uint bits = 8 * (uint)((uintptr_t)first & 3);
-  __global const uint* words = (__global const uint*)(first - bits / 8);
-  const uint4 low = (uint4)(words[0], words[1], words[2], words[3]);
-  const uint4 high = (uint4)(low.yzw, words[4]);
-  return convert_uint4(upsample(high, low) >> (ulong4)(bits)) ^ 0x80808080u;
+// Pixels where every row begins as far from a whole word as the first one: that of `first`.
+typedef struct Pixels {
+  __global const uchar* first;
+  __global const uint* words;  // about it
+  uint bits;                   // from there
+} Pixels;
+
+INLINE Pixels pixels_from(__global const uchar* first) {
+  const uint bytes = (uint)((uintptr_t)first & 3);
+  const Pixels pixels = {first, (__global const uint*)(first - bytes), 8 * bytes};
+  return pixels;
+}
+
+// Four of them of row y, about their middle. Behind the pictures there is room (DeviceFrames).
+#if defined(WIDTH) && WIDTH % 4 == 0
+#define IN_ROW(pixels, y) (pixels)
+#define AT_ROW(y) ((y) * (WIDTH / 4))
+#else
+#define IN_ROW(pixels, y) pixels_from((pixels).first + (y)*ROW)
+#define AT_ROW(y) 0
+#endif
+
+INLINE uint four_pixels(const Pixels pixels, const int width, const int y) {
+  (void)width;
+  const Pixels row = IN_ROW(pixels, y);
+  __global const uint* words = row.words + AT_ROW(y);
+  return (uint)(upsample(words[1], words[0]) >> row.bits) ^ 0x80808080u;
 }
 
 #ifdef MATRIX_UNITS
@@ -24,21 +44,37 @@ INLINE int add_dot(const uint a, const uint b, const int sum) {
   return out;
 }
 
-// Adds a product of matrices of 16 × 16 (below: 16 × 32) and 16 × 8 (32 × 8) bytes to one of 16 × 8
-// sums, of which a work-item of the warp holds four values; what it holds of the factors is called
-// after where it stands in them.
-INLINE void multiply_16(int* sums, const uint a, const uint below, const uint b) {
-  asm("mma.sync.aligned.m16n8k16.row.col.s32.s8.s8.s32 {%0,%1,%2,%3},{%4,%5},{%6},{%0,%1,%2,%3};"
-      : "+r"(sums[0]), "+r"(sums[1]), "+r"(sums[2]), "+r"(sums[3])
-      : "r"(a), "r"(below), "r"(b));
+// Four blocks of 8 rows of 16 bytes in local memory; work-item 8 k + i of the warp names row i of
+// block k. Of every block it gets word lane % 4 of row lane / 4.
+INLINE uint4 four_blocks(__local const uint* row) {
+  uint4 out;
+  asm volatile("ldmatrix.sync.aligned.m8n8.x4.shared.b16 {%0,%1,%2,%3},[%4];"
+               : "=r"(out.x), "=r"(out.y), "=r"(out.z), "=r"(out.w)
+               : "r"((uint)(uintptr_t)row));
+  return out;
 }
 
-INLINE void multiply_32(int* sums, const uint a, const uint below, const uint right,
-                        const uint right_below, const uint b, const uint b_below) {
+// Where a work-item's row for that is in 16 rows of 32 bytes, `pitch` words apart: blocks left and
+// right above, left and right below.
+INLINE int block_row(const int lane, const int pitch) {
+  return (lane % 8 + 8 * (lane / 16)) * pitch + 4 * (lane / 8 % 2);
+}
+
+// Adds the product of 16 × 16 (below: 16 × 32) and 16 × 8 (32 × 8) bytes to 16 × 8 sums, of which a
+// work-item of the warp holds four values: rows lane / 4 and 8 more, columns 2 (lane % 4) and 1
+// more. a: word lane % 4 of rows lane / 4 and 8 more, then the same 16 bytes to the right; b: the
+// same word of column lane / 4, then 16 bytes below.
+INLINE void multiply_16(int* sums, const uint2 a, const uint b) {
+  asm("mma.sync.aligned.m16n8k16.row.col.s32.s8.s8.s32 {%0,%1,%2,%3},{%4,%5},{%6},{%0,%1,%2,%3};"
+      : "+r"(sums[0]), "+r"(sums[1]), "+r"(sums[2]), "+r"(sums[3])
+      : "r"(a.x), "r"(a.y), "r"(b));
+}
+
+INLINE void multiply_32(int* sums, const uint4 a, const uint2 b) {
   asm("mma.sync.aligned.m16n8k32.row.col.s32.s8.s8.s32 "
       "{%0,%1,%2,%3},{%4,%5,%6,%7},{%8,%9},{%0,%1,%2,%3};"
       : "+r"(sums[0]), "+r"(sums[1]), "+r"(sums[2]), "+r"(sums[3])
-      : "r"(a), "r"(below), "r"(right), "r"(right_below), "r"(b), "r"(b_below));
+      : "r"(a.x), "r"(a.y), "r"(a.z), "r"(a.w), "r"(b.x), "r"(b.y));
 }
 #else
 INLINE int add_dot(const uint a, const uint b, const int sum) {
@@ -46,15 +82,5 @@ INLINE int add_dot(const uint a, const uint b, const int sum) {
   return sum + ((products.x + products.y) + (products.z + products.w));
 }
 #endif
-
-// Sum of 16 bytes, and of the products of 16 and 16.
-INLINE int sum_of(const uint4 a) {
-  const uint ones = 0x01010101u;
-  return add_dot(a.x, ones, add_dot(a.y, ones, add_dot(a.z, ones, add_dot(a.w, ones, 0))));
-}
-
-INLINE int dot_of(const uint4 a, const uint4 b) {
-  return add_dot(a.x, b.x, add_dot(a.y, b.y, add_dot(a.z, b.z, add_dot(a.w, b.w, 0))));
-}
 
 #endif  // IMPACTDIC_KERNELS_BYTES_H_

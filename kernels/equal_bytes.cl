@@ -3,8 +3,8 @@
 // multiplied: products of matrices of bytes, for which NVIDIA's devices have units (MATRIX_UNITS).
 // Elsewhere the same sums are made one by one. Everything is in whole numbers but for the share of
 // the means, which is the same at every lag. A group of 32 work-items a window; FFT_PX = 32.
-#include "kernels/config.h"
 #include "kernels/bytes.h"
+#include "kernels/config.h"
 #include "kernels/equal.h"
 
 #define SIDE FFT_PX
@@ -14,10 +14,13 @@
 #define PITCH_G (WORDS + 4)
 #define ROWS_G (SIDE + 8)
 // The first window's rows, with words of the other end on both sides.
-#define MARGIN 2
-#define PITCH_F (WORDS + 2 * MARGIN)
+// The first window's rows shifted by no, one, two and three bytes, each with the words of the other
+// end on both sides; before that, an odd number of words apart, as they are.
+#define COPY_WORDS 13
+#define PITCH_COPIES (4 * COPY_WORDS + 1)
+#define PITCH_F (WORDS + 1)
 #define PITCH_MAP (SIDE + 8)
-#define STORE_WORDS (ROWS_G * PITCH_G + SIDE * PITCH_F)
+#define STORE_WORDS (ROWS_G * PITCH_G + SIDE * PITCH_COPIES)
 #define MAP_WORDS (SIDE * PITCH_MAP)
 #define HELD (SIDE * SIDE / LANES)
 
@@ -26,67 +29,82 @@ enum { SUM_F, SUM_G, SQUARES_F, SQUARES_G, TOTALS };
 // Both windows into local memory; adds to their totals.
 INLINE void put_windows(__global const uchar* first, __global const uchar* second, const int width,
                         __local uint* f, __local uint* g, __local int* totals, const int lane) {
+  const uint ones = 0x01010101u;
+  const int begin = lane / WORDS * ROW + 4 * (lane % WORDS);
+  const Pixels of_f = pixels_from(first + begin), of_g = pixels_from(second + begin);
   int own[TOTALS] = {0, 0, 0, 0};
   UNROLL
-  for (int i = 0; i < 2 * SIDE; i += LANES) {
-    const int y = (i + lane) / 2, chunk = (i + lane) % 2;
-    const uint4 a = sixteen_pixels(first + y * ROW + 16 * chunk);
-    const uint4 b = sixteen_pixels(second + y * ROW + 16 * chunk);
-    __local uint* row_f = f + y * PITCH_F;
-    *(__local uint2*)(row_f + MARGIN + 4 * chunk) = a.lo;
-    *(__local uint2*)(row_f + MARGIN + 4 * chunk + 2) = a.hi;
-    *(__local uint2*)(row_f + (chunk ? 0 : MARGIN + WORDS)) = chunk ? a.hi : a.lo;
-    *(__local uint4*)(g + y * PITCH_G + 4 * chunk) = b;
-    if (y < ROWS_G - SIDE) *(__local uint4*)(g + (y + SIDE) * PITCH_G + 4 * chunk) = b;
-    own[SUM_F] += sum_of(a);
-    own[SUM_G] += sum_of(b);
-    own[SQUARES_F] += dot_of(a, a);
-    own[SQUARES_G] += dot_of(b, b);
+  for (int i = 0; i < SIDE * WORDS; i += LANES) {
+    const int y = i / WORDS + lane / WORDS, x = lane % WORDS;
+    const uint a = four_pixels(of_f, width, i / WORDS);
+    const uint b = four_pixels(of_g, width, i / WORDS);
+    f[y * PITCH_F + x] = a;
+    g[y * PITCH_G + x] = b;
+    if (i < (ROWS_G - SIDE) * WORDS) g[(y + SIDE) * PITCH_G + x] = b;
+    own[SUM_F] = add_dot(a, ones, own[SUM_F]);
+    own[SUM_G] = add_dot(b, ones, own[SUM_G]);
+    own[SQUARES_F] = add_dot(a, a, own[SQUARES_F]);
+    own[SQUARES_G] = add_dot(b, b, own[SQUARES_G]);
   }
   UNROLL
   for (int i = 0; i < TOTALS; ++i) atomic_add(&totals[i], own[i]);
 }
 
 #ifdef MATRIX_UNITS
-// A work-item holds the four values of its fragment of every 16 rows and 8 columns of lags.
+// A work-item holds the four values of its fragment of every 16 columns and 8 rows of lags.
 INLINE int held_row(const int k, const int lane) {
-  return 16 * (k / 16) + 8 * (k / 2 % 2) + lane / 4;
-}
-
-INLINE int held_column(const int k, const int lane) {
   return 8 * (k / 4 % 4) + 2 * (lane % 4) + k % 2;
 }
 
-// Σ f g at the lags that the work-items hold. The group is one warp.
-INLINE void correlate(__local const uint* f, __local const uint* g, int* held, const int lane) {
-  const int row = lane / 4, word = lane % 4;
-  __local const uint* own_g = g + row * PITCH_G + word;
-  __local const uint* own_f = f + MARGIN + word - row / 4;
-  const uint bits = 32 - 8 * (row % 4);
+INLINE int held_column(const int k, const int lane) {
+  return 16 * (k / 16) + 8 * (k / 2 % 2) + lane / 4;
+}
+
+// Number of the i-th value from left to right, and down in a column.
+INLINE int held_number(const int i) {
+  return 16 * (i / 16) + 4 * (i / 2 % 4) + 2 * (i / 8 % 2) + i % 2;
+}
+
+// The first window's rows, shifted, in their place; passes a barrier.
+INLINE void put_copies(__local uint* f, const int lane) {
+  uint words[WORDS];
+  UNROLL
+  for (int k = 0; k < WORDS; ++k) words[k] = f[lane * PITCH_F + k];
+  GROUP_BARRIER;
+  UNROLL
+  for (int shift = 0; shift < 4; ++shift) {
+    __local uint* copy = f + lane * PITCH_COPIES + shift * COPY_WORDS;
+    UNROLL
+    for (int k = -1; k < WORDS + 2; ++k) {
+      const uint here = words[(k + WORDS) % WORDS], before = words[(k + WORDS - 1) % WORDS];
+      copy[k + 1] = (uint)(upsample(here, before) >> (32 - 8 * shift));
+    }
+  }
+}
+
+// Σ f g at the lags that the work-items hold. The group is one warp; passes barriers.
+INLINE void correlate(__local uint* f, __local const uint* g, int* held, const int lane) {
+  put_copies(f, lane);
+  GROUP_BARRIER;
+  const int row = lane / 4;
+  __local const uint* own_f = f + row % 4 * COPY_WORDS + 1 + lane % 4 - row / 4;
+  __local const uint* own_g = g + block_row(lane, PITCH_G);
   UNROLL
   for (int k = 0; k < HELD; ++k) held[k] = 0;
 #pragma unroll 1
   for (int y = 0; y < 8; ++y) {
-    uint a[4][2];
-    UNROLL
-    for (int j = 0; j < 4; ++j) {
-      a[j][0] = own_g[(y + 8 * j) * PITCH_G];
-      a[j][1] = own_g[(y + 8 * j) * PITCH_G + 4];
-    }
+    const uint4 above = four_blocks(own_g + y * PITCH_G);
+    const uint4 below = four_blocks(own_g + (y + 16) * PITCH_G);
+    const uint2 rows[4] = {above.lo, above.hi, below.lo, below.hi};
     UNROLL
     for (int s = 0; s < 4; ++s) {
-      __local const uint* taps = own_f + (y + 8 * s) * PITCH_F;
-      uint b[4];
+      __local const uint* taps = own_f + (y + 8 * s) * PITCH_COPIES;
+      // 16 lags of the row; 16 more are the same with the halves of the other rows changed.
+      const uint4 lags = (uint4)(taps[0], taps[6], taps[4], taps[2]);
       UNROLL
-      for (int i = 0; i < 4; ++i) b[i] = (uint)(upsample(taps[2 * i], taps[2 * i - 1]) >> bits);
-      UNROLL
-      for (int tile = 0; tile < 2; ++tile) {
-        const int j = (s + 2 * tile) % 4, below = (j + 1) % 4;
-        UNROLL
-        for (int n = 0; n < 4; ++n) {
-          multiply_32(held + 16 * tile + 4 * n, a[j][0], a[below][0], a[j][1], a[below][1],
-                      b[(4 - n) % 4], b[(6 - n) % 4]);
-        }
+      for (int n = 0; n < 4; ++n) {
+        multiply_32(held + 4 * n, lags, rows[(s + n) % 4]);
+        multiply_32(held + 16 + 4 * n, lags, rows[(s + n) % 4].yx);
       }
     }
   }
@@ -96,8 +114,10 @@ INLINE int held_row(const int k, const int lane) { return (k * LANES + lane) / S
 
 INLINE int held_column(const int k, const int lane) { return (k * LANES + lane) % SIDE; }
 
-INLINE void correlate(__local const uint* f, __local const uint* g, int* held, const int lane) {
-  __local const char* first = (__local const char*)(f + MARGIN);
+INLINE int held_number(const int i) { return i; }
+
+INLINE void correlate(__local uint* f, __local const uint* g, int* held, const int lane) {
+  __local const char* first = (__local const char*)f;
   for (int k = 0; k < HELD; ++k) {
     const int column = held_column(k, lane);
     held[k] = 0;
@@ -117,7 +137,7 @@ typedef struct Found {
   int most, at;
 } Found;
 
-// The map into local memory, over what it was made of; passes barriers.
+// The map into local memory, column by column, over what it was made of; passes barriers.
 INLINE void put_map(const int* held, __local int* map, __local Found* found, const int lane) {
   int most = held[0];
   UNROLL
@@ -125,16 +145,16 @@ INLINE void put_map(const int* held, __local int* map, __local Found* found, con
   atomic_max(&found->most, most);
   UNROLL
   for (int k = 0; k < HELD; ++k) {
-    map[held_row(k, lane) * PITCH_MAP + held_column(k, lane)] = held[k];
+    map[held_column(k, lane) * PITCH_MAP + held_row(k, lane)] = held[k];
   }
   GROUP_BARRIER;
   if (most == found->most) {
-    int at = SIDE * SIDE;
+    int at = 0;
     UNROLL
-    for (int k = 0; k < HELD; ++k) {
-      if (held[k] == most) at = min(at, held_column(k, lane) * SIDE + held_row(k, lane));
+    for (int i = HELD - 1; i >= 0; --i) {
+      if (held[held_number(i)] == most) at = held_number(i);
     }
-    atomic_min(&found->at, at);
+    atomic_min(&found->at, held_column(at, lane) * SIDE + held_row(at, lane));
   }
   GROUP_BARRIER;
 }
@@ -166,22 +186,17 @@ __kernel GROUP_SIZE void equal_bytes(__global const uchar* pixels, const int wid
   put_map(held, map, found, lane);
   // Of all values the share of the means, a whole number and parts of SIDE².
   const long share = (long)totals[SUM_F] * totals[SUM_G];
-  const int whole = (int)(share / (SIDE * SIDE));
-  const float rest = (float)(int)(share % (SIDE * SIDE));
+  const int whole = (int)(share >> 10);
+  const float rest = (float)((int)share & 1023);
   const int peak_x = found[0].at / SIDE, peak_y = found[0].at % SIDE;
-  for (int arm = lane; arm < CROSS; arm += LANES) {
-    const int x = (peak_x + SIDE + (arm == 2) - (arm == 1)) % SIDE;
-    const int y = (peak_y + SIDE + (arm == 4) - (arm == 3)) % SIDE;
-    peaks[at].cross[arm] = (float)(map[y * PITCH_MAP + x] - whole) * PIXELS - rest;
+  if (lane < CROSS) {
+    const int x = (peak_x + SIDE + (lane == 2) - (lane == 1)) % SIDE;
+    const int y = (peak_y + SIDE + (lane == 4) - (lane == 3)) % SIDE;
+    peaks[at].cross[lane] = (float)(map[x * PITCH_MAP + y] - whole) * PIXELS - rest;
   }
-  for (int picture = lane; picture < 2; picture += LANES) {
-    const float energy =
-        (float)((long)totals[SQUARES_F + picture] * (SIDE * SIDE) -
-                (long)totals[SUM_F + picture] * totals[SUM_F + picture]);
-    peaks[at].energy[picture] = energy * (1.0f / PIXELS);
-  }
-  for (int k = lane; k == 0; k += LANES) {
-    peaks[at].x = peak_x;
-    peaks[at].y = peak_y;
+  if (lane < 2) {
+    const long sum = totals[SUM_F + lane], squares = totals[SQUARES_F + lane];
+    peaks[at].energy[lane] = (float)(squares * (SIDE * SIDE) - sum * sum) * (1.0f / PIXELS);
+    (&peaks[at].x)[lane] = lane ? peak_y : peak_x;
   }
 }

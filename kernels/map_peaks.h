@@ -103,20 +103,19 @@ INLINE float second_of_parts(__local const float* map, const int far_x, const in
   float second = -2.0f;
 #pragma unroll 1
   for (int k = lane; k < PARTS * LAGS; k += LANES) {
-    const int x = k % LAGS, begin = k / LAGS * PART_PX;
+    const int x = k % LAGS, begin = min(k / LAGS * PART_PX, LAGS - PART_PX);
     const int left = max(x - 1, 0), right = min(x + 1, LAGS - 1);
-    const int first_near = abs(x - far_x) <= 2 ? far_y - 2 : LAGS;
+    const int from_near = abs(x - far_x) <= 2 ? begin - far_y + 2 : LAGS;
     __local const float* row = map + max(begin - 1, 0) * LAGS;
     float above = fmax(fmax(row[left], row[right]), row[x]);
     row = map + begin * LAGS;
     float beside = fmax(row[left], row[right]), value = row[x];
     UNROLL
-    for (int y = begin; y < min(begin + PART_PX, LAGS); ++y) {
-      row = map + min(y + 1, LAGS - 1) * LAGS;
+    for (int i = 0; i < PART_PX; ++i) {
+      if (i + 1 < PART_PX || begin + PART_PX < LAGS) row += LAGS;
       const float next_beside = fmax(row[left], row[right]), next = row[x];
-      const int is_far = (uint)(y - first_near) > 4;
       const float around = fmax(fmax(above, beside), fmax(next_beside, next));
-      if (is_far && value >= around) second = fmax(second, value);
+      if ((uint)(from_near + i) > 4 && value >= around) second = fmax(second, value);
       above = fmax(beside, value);
       beside = next_beside;
       value = next;

@@ -10,7 +10,7 @@ namespace impactdic {
 
 std::size_t EqualVariant::local_bytes(int window_px) const {
   const auto side = static_cast<std::size_t>(window_px);
-  if (as_bytes) return sizeof(cl_int) * (side * (side + 8) + 8);
+  if (as_bytes) return sizeof(cl_int) * ((side + 8) * 12 + 53 * side + 8);
   const std::size_t plane = 2 * side * (side + static_cast<std::size_t>(vector));
   const std::size_t scratch = window_px == lanes * vector && vector == 1 ? 8 * side : plane;
   return sizeof(cl_float) * (plane + scratch + 4 * side + 6);
@@ -47,7 +47,7 @@ std::vector<EqualVariant> equal_variants(const DeviceInfo& device, int window_px
   if (is_warp) offer({1, window_px, 8, true, false, 0});
   offer({1, window_px, 8, false, is_warp, 0});
   if (device.multiplies_bytes && window_px == 32) {
-    for (const int registers : {0, 64, 80}) {
+    for (const int registers : {0, 80}) {
       offer({1, 32, 1, true, true, registers, true, true});
     }
   }

@@ -25,7 +25,7 @@ struct EqualStream::Lane {
         pixels(*engine, bytes_of(of) + kBytesBehind, CL_MEM_READ_ONLY),
         windows(make_buffer<Window>(*engine, list)),
         results(*engine, list.size()),
-        equal(*engine, options, choose_equal_variant(*engine, options.window_px)) {}
+        equal(*engine, options, choose_equal_variant(*engine, options.window_px, of.period > 0)) {}
 
   static std::size_t bytes_of(const Shape& shape) {
     return static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height) *

@@ -103,8 +103,12 @@ ZnccVariant choose_zncc_variant(const Engine& engine, const FieldOptions& option
   return choose(engine, zncc_work(options), zncc_variants(engine.device(), options));
 }
 
-EqualVariant choose_equal_variant(const Engine& engine, int window_px) {
-  return choose(engine, equal_work(window_px), equal_variants(engine.device(), window_px));
+EqualVariant choose_equal_variant(const Engine& engine, int window_px, bool of_clip) {
+  const auto variants = equal_variants(engine.device(), window_px);
+  const auto on_units = std::find_if(variants.begin(), variants.end(),
+                                     [](const auto& variant) { return variant.matrix_units; });
+  if (!of_clip && on_units != variants.end()) return *on_units;
+  return choose(engine, equal_work(window_px), variants);
 }
 
 }  // namespace impactdic

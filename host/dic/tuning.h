@@ -35,8 +35,9 @@ void store_tuning(const Engine& engine, const std::vector<TunedKernel>& kernels)
 std::optional<std::string> tuned_variant(const Engine& engine, const std::string& work);
 
 // The variant to take: the stored one, if the device still offers it, else the first that it
-// offers.
+// offers. Tuned are the windows of a clip; where pairs have no picture in common (!of_clip) there
+// is nothing to follow, and matrix units are quicker.
 ZnccVariant choose_zncc_variant(const Engine& engine, const FieldOptions& options);
-EqualVariant choose_equal_variant(const Engine& engine, int window_px);
+EqualVariant choose_equal_variant(const Engine& engine, int window_px, bool of_clip = true);
 
 }  // namespace impactdic

@@ -82,10 +82,9 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   const auto size = static_cast<std::size_t>(fft_px), pitch = size + vector;
   if (path == ZnccPath::bytes) {
     const auto window = static_cast<std::size_t>(options.window_px), area = window + side - 1;
-    const std::size_t area_pitch = 8 * ((area + 31) / 32) + 4, window_rows = (window + 7) / 8 * 8;
-    const std::size_t window_pitch = 4 * ((window + 15) / 16) + 8;
-    const std::size_t pixels =
-        (window_rows + (side + 7) / 8 * 8) * area_pitch + window_rows * window_pitch;
+    const std::size_t area_pitch = 8 * ((area + 31) / 32) + 4, blocks = (window + 7) / 8;
+    const std::size_t area_rows = 8 * ((blocks + (side + 7) / 8) / 2 * 2 + 1);
+    const std::size_t pixels = area_rows * area_pitch + 8 * blocks * (4 * ((window + 15) / 16) + 8);
     return sizeof(cl_float) *
            (std::max(pixels, side * (area | 1)) + std::max(side * side, window * window) + 16);
   }

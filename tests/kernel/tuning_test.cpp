@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/support/scratch.h"
@@ -65,6 +66,28 @@ TEST_F(Tuning, AnotherDriverOrADamagedFileLeavesTheDefault) {
   EXPECT_EQ(with(text.substr(0, text.size() / 2)), variants.front().name());
   EXPECT_EQ(with("{\"kernels\": [3, {\"device\": 4}]}"), variants.front().name());
   EXPECT_EQ(with(""), variants.front().name());
+}
+
+TEST_F(Tuning, MatrixUnitsAreOfferedWhereThereAreSome) {
+  DeviceInfo device = engine_.device();
+  device.is_gpu = true;
+  device.vendor = "NVIDIA Corporation";
+  device.local_memory_bytes = 48 << 10;
+  device.max_work_group = 1024;
+  FieldOptions options = small_windows();
+  options.window_px = 31;
+  options.search_px = 16;
+  for (const bool has_some : {false, true}) {
+    device.multiplies_bytes = has_some;
+    EXPECT_EQ(zncc_variants(device, options).front().matrix_units, has_some);
+    const auto equal = equal_variants(device, 32);
+    EXPECT_FALSE(equal.front().matrix_units);
+    EXPECT_EQ(std::ranges::count_if(equal, &EqualVariant::matrix_units) > 0, has_some);
+  }
+  options.search_px = 17;  // more lags than the kernel has
+  for (const ZnccVariant& variant : zncc_variants(device, options)) {
+    EXPECT_FALSE(variant.matrix_units) << variant.name();
+  }
 }
 
 // 32 KB of local memory, 128 work-items a group.
