@@ -277,13 +277,13 @@ Rim rim_by_area(const LineTrace& trace, const Rim& rim) {
   const RimLines& lines = trace.lines;
   double inside = 0;
   for (std::size_t i = 0; i < lines.size(); ++i)
-    inside += lines.profile[i][0] + lines.profile[i][1];
+    inside += lines.profile[i].v[0] + lines.profile[i].v[1];
   const double per_level = 2.0 * static_cast<double>(lines.size()) / std::max(inside, 1e-3);
   Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < lines.size(); ++i) {
     double sum = 0;
-    for (int k = 0; k < kSamples; ++k) sum += lines.profile[i][k];
+    for (int k = 0; k < kSamples; ++k) sum += lines.profile[i].v[k];
     const Eigen::Vector3d j{lines.cos[i], lines.sin[i], 1};
     a.noalias() += j * j.transpose();
     b.noalias() += (sum * per_level - kInside - 0.5) * trace.step_px * j;

@@ -10,10 +10,6 @@ namespace impactdic {
 
 inline constexpr int kDeep = 8;  // further samples of a deep line, 4, 5 … 11 steps inside
 
-struct Eight {
-  Lanes v;
-};
-
 // The lines that lie in the picture, in the order of the angle from −45° on. Grey levels have the
 // sign that makes every ball bright.
 struct CastLines {

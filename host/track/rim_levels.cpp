@@ -105,15 +105,17 @@ std::array<float, kSectors> ground_levels(const CastLines& lines,
   }
   std::array<float, kSectors> levels{};
   for (int b = 0, from = 0; b < kSectors; ++b) {
-    float values[3];
+    float values[3] = {};
     int known = 0, among = 0;
     for (const int sector : {(b + kSectors - 1) % kSectors, b, (b + 1) % kSectors}) {
       if (count[sector] > 0) values[known++] = medians[sector];
       among += count[sector];
     }
     if (known > 0) {
-      std::sort(values, values + known);
-      const float middle = values[known / 2];
+      const float low = std::min(values[0], values[1]), high = std::max(values[0], values[1]);
+      const float middle = known == 3   ? std::max(low, std::min(high, values[2]))
+                           : known == 2 ? high
+                                        : values[0];
       float sum, near;
       sum_near(around.data() + from, among, middle, window, sum, near);
       levels[b] = middle + sum / std::max(near, 1.0f);

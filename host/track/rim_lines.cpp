@@ -103,8 +103,8 @@ IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright,
     // Ink, or an obstacle across the rim.
     const float inside = std::max({level[0], level[1], level[2]}) - outside;
     if (inside < std::max(kNothing * contrast, 5 * noise)) continue;
-    out.profile[count] = (level - outside) * (1 / contrast);
-    out.profile[count][kSamples] = 0;
+    out.profile[count].v = (level - outside) * (1 / contrast);
+    out.profile[count].v[kSamples] = 0;
     const float relative = contrast / usual;
     out.cos[count] = lines.cos[i];
     out.sin[count] = lines.sin[i];

@@ -46,9 +46,13 @@ template <typename Vector, typename T>
 }
 
 typedef Lanes Profile;  // kSamples and a zero
+// For containers, which would lose the alignment of bare ones.
+struct Eight {
+  Lanes v;
+};
 // In the order of the angle.
 struct RimLines {
-  std::vector<Profile> profile;
+  std::vector<Eight> profile;   // see Profile
   std::vector<float> cos, sin;  // direction from the rim's centre
   std::vector<float> weight;    // usual noise over this line's, squared
   std::vector<int> sector;      // 0 … kRimSectors − 1, by the angle

@@ -341,7 +341,7 @@ IMPACTDIC_WIDE std::span<RimModel::Evidence> RimModel::evidence(const LineTrace&
       load(&lines.sin[first], e.sin);
       load(&lines.weight[first], e.weight);
       load(&lines.sector[first], e.sector);
-      for (int lane = 0; lane < kLanes; ++lane) profile[lane] = lines.profile[first + lane];
+      for (int lane = 0; lane < kLanes; ++lane) profile[lane] = lines.profile[first + lane].v;
     } else {
       for (int lane = 0; lane < kLanes; ++lane) {
         // The last block is filled up with the last line.
@@ -350,7 +350,7 @@ IMPACTDIC_WIDE std::span<RimModel::Evidence> RimModel::evidence(const LineTrace&
         e.sin[lane] = lines.sin[from];
         e.weight[lane] = lines.weight[from];
         e.sector[lane] = lines.sector[from];
-        profile[lane] = lines.profile[from];
+        profile[lane] = lines.profile[from].v;
       }
     }
     e.present = kCount < static_cast<float>(n - first) ? Lanes{} + 1 : Lanes{};

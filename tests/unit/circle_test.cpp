@@ -214,7 +214,9 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
         EXPECT_LT(miss(fit.circle, pose), 0.06) << pattern << k << expected;
         EXPECT_NEAR(fit.circle.r_px, kRadius - e, 0.1) << pattern << k << expected;
         EXPECT_LT(std::hypot(fit.e1_px - e, fit.e2_px), 0.1) << pattern << k << expected;
-        if (expected) EXPECT_EQ(fit.look, before.look) << pattern << k;
+        if (expected) {
+          EXPECT_EQ(fit.look, before.look) << pattern << k;
+        }
       }
     }
   }
