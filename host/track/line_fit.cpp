@@ -245,7 +245,10 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   if (allow_ellipse && !(best.ok && best.oval < kSignificant)) {
     const Estimate oval = by(true, best.ok ? &best : nullptr);
     if (finely && !oval.ok) return fit;
-    fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kSignificant;
+    // What the look may misplace makes ellipses of circles too.
+    const double place = model.place_sd_px();
+    const Matrix5 covariance = oval.covariance + place * place * oval.misplaced;
+    fit.ellipse = oval.ok && wald(rim, oval.delta, covariance) > kSignificant;
     if (fit.ellipse) {
       best = oval;
     } else if (!best.ok) {
