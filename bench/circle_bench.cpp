@@ -34,27 +34,34 @@ Clip make_clip(const std::string& pattern, double radius_px) {
   return clip;
 }
 
-CirclePrior near(const BallPose& pose, double radius_px, CirclePrior prior) {
-  prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, radius_px + 0.1};
+// What is known of the ball beforehand: its place to a fraction of a pixel; and the look of its
+// rim, as in the middle of a clip; and its place to a few hundredths, from frames before and
+// behind.
+enum class Known { place, look, between };
+
+CirclePrior near(const BallPose& pose, double radius_px, Known known, CirclePrior prior) {
+  const double off = known == Known::between ? 0.1 : 1;
+  prior.centre_sd_px = known == Known::between ? 0.05 : 0.3;
+  prior.predicted = {pose.cx_px + 0.21 * off, pose.cy_px - 0.17 * off, radius_px + 0.1 * off};
   return prior;
 }
 
-// Predicted to a fraction of a pixel. `followed`: as in the middle of a clip, the look of the rim
-// known from a frame before. `small`: a ball of radius 63 px.
-void measure(benchmark::State& state, const std::string& pattern, double radius_px, bool followed) {
+// `small`: a ball of radius 63 px.
+void measure(benchmark::State& state, const std::string& pattern, double radius_px, Known known) {
   const Clip clip = make_clip(pattern, radius_px);
   double squares = 0;
   std::int64_t n = 0;
   CirclePrior prior;
-  prior.centre_sd_px = 0.3;
   prior.rim_sd_px = 0.3;
   prior.bright = true;
-  if (followed)
-    prior.look = measure_circle(clip.frames[0], near(clip.poses[0], radius_px, prior), {}).look;
+  if (known != Known::place) {
+    const CirclePrior first = near(clip.poses[0], radius_px, Known::place, prior);
+    prior.look = measure_circle(clip.frames[0], first, {}).look;
+  }
   for (auto _ : state) {
     const int k = static_cast<int>(n % kFrames);
     const BallPose& truth = clip.poses[k];
-    prior = near(truth, radius_px, prior);
+    prior = near(truth, radius_px, known, prior);
     const CircleFit fit = measure_circle(clip.frames[k], prior, {});
     benchmark::DoNotOptimize(fit);
     squares +=
@@ -78,18 +85,22 @@ void find(benchmark::State& state, const std::string& pattern) {
   state.counters["worst_error_px"] = worst;
 }
 
-BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, true)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_a1, "a1", kUsual, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_b1, "b1", kUsual, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_d3, "d3", kUsual, false)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_e1, "e1", kUsual, false)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_a1, "a1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_b1, "b1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_d3, "d3", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_e1, "e1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_a1, "a1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_b1, "b1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_d3, "d3", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_e1, "e1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(find, b1, "b1")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(find, e1, "e1")->Unit(benchmark::kMillisecond);
 
