@@ -1,6 +1,9 @@
 // The command line: reads the request, runs the command, turns errors into one line and a status.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -86,9 +89,19 @@ int run(int argc, char** argv) {
   }
 }
 
+// A file became shorter, or its disk failed, while its bytes were lent (ByteFile::lend).
+void report_lost_file(int) {
+  constexpr char kLine[] =
+      "impactdic: error: a file could no longer be read (it became shorter, or its disk failed): "
+      "what was written stays\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kLine, sizeof(kLine) - 1);
+  ::_exit(kFailed);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGBUS, report_lost_file);
 #ifdef __AVX2__
   if (!__builtin_cpu_supports("avx2")) {
     return report("this processor lacks AVX2: build with -DIMPACTDIC_CPU=x86-64", kFailed);

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace impactdic {
@@ -29,26 +31,47 @@ class Image {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  T* data() { return pixels_.data(); }
-  const T* data() const { return pixels_.data(); }
+  T* data() {
+    take_over();
+    return pixels_.data();
+  }
+  const T* data() const { return borrowed_ ? borrowed_.get() : pixels_.data(); }
   T* row(int y) { return data() + static_cast<std::size_t>(y) * width_; }
   const T* row(int y) const { return data() + static_cast<std::size_t>(y) * width_; }
   T& operator()(int x, int y) { return row(y)[x]; }
   const T& operator()(int x, int y) const { return row(y)[x]; }
-  std::size_t size() const { return pixels_.size(); }
+  std::size_t size() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  }
   ImageView<T> view() { return {data(), width_, height_, width_}; }
   ImageView<const T> view() const { return {data(), width_, height_, width_}; }
 
   // Changes the size; the pixels are then undefined. Keeps its memory where it suffices.
   void resize(int width, int height) {
+    borrowed_.reset();
     width_ = width;
     height_ = height;
     pixels_.resize(static_cast<std::size_t>(width) * height);
   }
 
+  // Shows pixels that lie elsewhere, row after row, and keeps them alive; they are copied when
+  // someone wants to change them.
+  void borrow(std::shared_ptr<const T[]> pixels, int width, int height) {
+    borrowed_ = std::move(pixels);
+    width_ = width;
+    height_ = height;
+  }
+
  private:
+  void take_over() {
+    if (!borrowed_) return;
+    pixels_.assign(borrowed_.get(), borrowed_.get() + size());
+    borrowed_.reset();
+  }
+
   int width_ = 0, height_ = 0;
   std::vector<T> pixels_;
+  std::shared_ptr<const T[]> borrowed_;
 };
 
 enum class PixelType : std::uint8_t { u8, u16 };

@@ -12,7 +12,7 @@ namespace {
 
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
-constexpr int kLanesOfGpu = 8, kLanesOfCpu = 1;
+constexpr int kLanesOfGpu = 12, kLanesOfCpu = 1;
 // Batches that wait for a lane, so that none of those is idle while the oldest batch is finished.
 constexpr std::size_t kWaiting = 2;
 // Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.

@@ -1,17 +1,70 @@
 #include "host/video/byte_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <utility>
 
 #include "host/base/error.h"
 
 namespace impactdic {
+
+// All of a file in the address space. Pages that were lent and given back leave it again, many at a
+// time, so that the program's resident memory does not grow with the clip.
+class ByteFile::Mapping {
+ public:
+  // nullptr where that cannot be done.
+  static std::shared_ptr<Mapping> of(int descriptor, std::int64_t size) {
+    if (size == 0) return nullptr;
+    void* begin =
+        ::mmap(nullptr, static_cast<std::size_t>(size), PROT_READ, MAP_SHARED, descriptor, 0);
+    if (begin == MAP_FAILED) return nullptr;
+    return std::make_shared<Mapping>(static_cast<std::uint8_t*>(begin),
+                                     static_cast<std::size_t>(size));
+  }
+  Mapping(std::uint8_t* begin, std::size_t size) : begin_(begin), size_(size) {}
+  ~Mapping() { ::munmap(begin_, size_); }
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+
+  // Has the bytes read, so that an error of the disk shows here. nullptr where they cannot be.
+  const std::uint8_t* fetch(std::size_t offset, std::size_t count) const {
+#ifdef MADV_POPULATE_READ
+    const std::size_t first = offset / kPage * kPage;
+    const bool there = ::madvise(begin_ + first, offset + count - first, MADV_POPULATE_READ) == 0;
+    return there ? begin_ + offset : nullptr;
+#else
+    (void)offset, (void)count;
+    return nullptr;
+#endif
+  }
+  // The bytes are no longer looked at. What of their surroundings still is comes back by itself.
+  void give_back(std::size_t offset, std::size_t count) {
+    constexpr std::size_t kAtOnce = std::size_t{16} << 20;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    low_ = std::min(low_, offset);
+    high_ = std::max(high_, offset + count);
+    given_back_ += count;
+    if (given_back_ < kAtOnce) return;
+    const std::size_t first = low_ / kPage * kPage;
+    ::madvise(begin_ + first, high_ - first, MADV_DONTNEED);
+    low_ = size_;
+    high_ = given_back_ = 0;
+  }
+
+ private:
+  static inline const std::size_t kPage = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  std::uint8_t* begin_;
+  std::size_t size_;
+  std::mutex mutex_;
+  std::size_t low_ = size_, high_ = 0, given_back_ = 0;
+};
 
 ByteFile::ByteFile(const std::string& path) : path_(path) {
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -22,6 +75,7 @@ ByteFile::ByteFile(const std::string& path) : path_(path) {
     throw FileError("not a regular file", path);
   }
   size_ = facts.st_size;
+  mapping_ = Mapping::of(descriptor_, size_);
 }
 
 ByteFile::~ByteFile() {
@@ -31,7 +85,8 @@ ByteFile::~ByteFile() {
 ByteFile::ByteFile(ByteFile&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(std::exchange(other.size_, 0)) {}
+      size_(std::exchange(other.size_, 0)),
+      mapping_(std::move(other.mapping_)) {}
 
 bool ByteFile::holds(std::int64_t offset, std::int64_t count) const {
   return offset >= 0 && count >= 0 && offset <= size_ && count <= size_ - offset;
@@ -59,6 +114,15 @@ std::vector<std::uint8_t> ByteFile::bytes_at(std::int64_t offset, std::size_t co
   std::vector<std::uint8_t> bytes(count);
   read_at(offset, bytes.data(), count);
   return bytes;
+}
+
+std::shared_ptr<const std::uint8_t[]> ByteFile::lend(std::int64_t offset, std::size_t count) const {
+  if (!mapping_ || !holds(offset, static_cast<std::int64_t>(count))) return nullptr;
+  const auto at = static_cast<std::size_t>(offset);
+  const std::uint8_t* bytes = mapping_->fetch(at, count);
+  if (bytes == nullptr) return nullptr;
+  return {bytes,
+          [mapping = mapping_, at, count](const std::uint8_t*) { mapping->give_back(at, count); }};
 }
 
 std::vector<std::uint8_t> ByteFile::head(std::size_t count, std::int64_t offset) const {

@@ -42,19 +42,11 @@ class CineSource : public FrameSource {
     check_frame_index(info_.path, index, info_.frame_count);
     const std::int64_t at = pixels_at(index);
     const auto bytes = static_cast<std::size_t>(header_.frame_bytes);
-    if (header_.packing == Packing::u8) {
-      frame.reset(info_.width, info_.height, 8);
-      file_.read_at(at, frame.u8.data(), bytes);
-    } else {
-      thread_local std::vector<std::uint8_t> stored;
-      stored.resize(bytes);
-      file_.read_at(at, stored.data(), bytes);
-      if (!unpack_frame(header_.packing, stored.data(), info_.width, info_.height, header_.bits, 0,
-                        frame)) {
-        throw FormatError(info_.path, at,
-                          "a pixel is brighter than the " + std::to_string(header_.bits) +
-                              " bits that the header states");
-      }
+    if (!read_frame(file_, at, bytes, header_.packing, info_.width, info_.height, header_.bits, 0,
+                    frame)) {
+      throw FormatError(info_.path, at,
+                        "a pixel is brighter than the " + std::to_string(header_.bits) +
+                            " bits that the header states");
     }
     if (linearise_) {
       linearise_10(frame.u16.data(), frame.u16.size());

@@ -87,15 +87,8 @@ class MrawSource : public FrameSource {
     check_frame_index(info_.path, index, info_.frame_count);
     const std::int64_t at = index * frame_bytes_;
     const auto bytes = static_cast<std::size_t>(frame_bytes_);
-    if (packing_ == Packing::u8) {
-      frame.reset(info_.width, info_.height, 8);
-      pixels_.read_at(at, frame.u8.data(), bytes);
-      return;
-    }
-    thread_local std::vector<std::uint8_t> stored;
-    stored.resize(bytes);
-    pixels_.read_at(at, stored.data(), bytes);
-    if (!unpack_frame(packing_, stored.data(), info_.width, info_.height, bits_, shift_, frame)) {
+    if (!read_frame(pixels_, at, bytes, packing_, info_.width, info_.height, bits_, shift_,
+                    frame)) {
       throw FormatError(
           info_.path, at,
           "a pixel is brighter than the " + std::to_string(bits_) + " bits that the header states");

@@ -51,10 +51,8 @@ class RawSource : public FrameSource {
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
-    thread_local std::vector<std::uint8_t> stored;
-    stored.resize(static_cast<std::size_t>(frame_bytes_));
-    file_.read_at(index * frame_bytes_, stored.data(), stored.size());
-    unpack_frame(packing_, stored.data(), info_.width, info_.height, info_.bits, 0, frame);
+    read_frame(file_, index * frame_bytes_, static_cast<std::size_t>(frame_bytes_), packing_,
+               info_.width, info_.height, info_.bits, 0, frame);
   }
 
  private:

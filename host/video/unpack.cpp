@@ -3,6 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "host/video/byte_file.h"
 
 namespace impactdic {
 namespace {
@@ -176,6 +181,28 @@ bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height
                    [](std::uint16_t v) { return static_cast<std::uint8_t>(v); });
   }
   return fits;
+}
+
+bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
+                int width, int height, int bits, int shift, Frame& frame) {
+  auto lent = file.lend(offset, bytes);
+  if (packing == Packing::u8) {
+    frame.reset(0, 0, 8);
+    if (lent) {
+      frame.u8.borrow(std::move(lent), width, height);
+    } else {
+      frame.u8.resize(width, height);
+      file.read_at(offset, frame.u8.data(), bytes);
+    }
+    return true;
+  }
+  thread_local std::vector<std::uint8_t> stored;
+  if (!lent) {
+    stored.resize(bytes);
+    file.read_at(offset, stored.data(), bytes);
+  }
+  return unpack_frame(packing, lent ? lent.get() : stored.data(), width, height, bits, shift,
+                      frame);
 }
 
 }  // namespace impactdic

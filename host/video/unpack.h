@@ -9,6 +9,8 @@
 
 namespace impactdic {
 
+class ByteFile;
+
 // How pixels lie in a file.
 enum class Packing : std::uint8_t {
   u8,        // one byte each
@@ -51,5 +53,9 @@ std::uint16_t phantom_code_10(std::uint16_t value);
 // False where a pixel is brighter than `bits` allow: the header is wrong about its depth.
 bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height, int bits,
                   int shift, Frame& frame);
+// The same for a frame of `bytes` bytes at `offset` of a file; one of 8-bit pixels is lent by the
+// file where it can be. Throws what ByteFile::read_at does.
+bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
+                int width, int height, int bits, int shift, Frame& frame);
 
 }  // namespace impactdic
