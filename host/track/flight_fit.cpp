@@ -66,6 +66,7 @@ class FlightSolver {
     fit.ok = true;
     fit.state = solution_.head<kFlightStates>();
     fit.covariance = covariance_.topLeftCorner<kFlightStates, kFlightStates>();
+    take_common_part(fit);
     take_disagreement(fit);
     fit.gravity = gravity();
     fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(kGravityColumn, kGravityColumn));
@@ -150,6 +151,23 @@ class FlightSolver {
       if (count > 0) scale_[static_cast<std::size_t>(kind)] = std::sqrt(sum / (count * part));
       scale_[static_cast<std::size_t>(kind)] =
           std::max(scale_[static_cast<std::size_t>(kind)], 1e-6);
+    }
+  }
+
+  // Steps that scatter less than their deviations say, beyond chance (three deviations), are wrong
+  // by the rest of it all alike: a steady ball meets the same fraction of a pixel, with the same
+  // bias of the interpolation, in every frame. A mean over many steps is no better than that.
+  void take_common_part(FlightFit& fit) const {
+    std::vector<double> stated;
+    for (const Datum& d : data_) {
+      if (d.used && d.is_step) stated.push_back(d.sd);
+    }
+    if (series_.from_circle || stated.empty()) return;
+    const double chance = 3 * std::sqrt(2 / static_cast<double>(stated.size()));
+    const double share = std::max(0.0, 1 - scale_[1] * scale_[1] - chance);
+    const double usual = median_of(stated);
+    for (const int velocity : kVelocities) {
+      fit.covariance(velocity, velocity) += share * usual * usual;
     }
   }
 

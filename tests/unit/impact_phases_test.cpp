@@ -200,6 +200,25 @@ TEST(ImpactPhases, BiasOfTheMotionIsInTheDeviations) {
   expect_within(found.friction, truth.friction, 3);
 }
 
+// A smaller one shows not even there, but the deviations of the steps speak of it: they say more
+// than the steps scatter.
+TEST(ImpactPhases, StepsThatScatterLessThanStatedAreWrongAlike) {
+  FilmedImpact filmed = tennis_on_racket();
+  filmed.step_noise_m_s = 0.0002;
+  filmed.position_noise_px = 0.1;
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  for (TrackRow& row : rows) {
+    row.dx_px += 2 * row.dx_sd_px;
+    row.dx_sd_px *= 3;
+    row.dy_sd_px *= 3;
+  }
+  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  EXPECT_EQ(found.disagreement, 0);
+  expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
+  expect_within(found.before.vt, filmed.speed(truth.before.vt_m_s), 3);
+}
+
 TEST(ImpactPhases, NoImpactIsSaid) {
   // A ball that crosses the picture, one that is thrown up, one whose normal velocity is noise.
   for (const double vn : {-1.5, 0.9, 0.0}) {
