@@ -154,17 +154,14 @@ class FlightSolver {
     }
   }
 
-  // Steps that scatter less than their deviations say, beyond chance (three deviations), are wrong
-  // by the rest of it all alike: a steady ball meets the same fraction of a pixel, with the same
-  // bias of the interpolation, in every frame. A mean over many steps is no better than that.
+  // Steps that scatter less than their deviations say are wrong by the rest of it all alike.
   void take_common_part(FlightFit& fit) const {
     std::vector<double> stated;
     for (const Datum& d : data_) {
       if (d.used && d.is_step) stated.push_back(d.sd);
     }
     if (series_.from_circle || stated.empty()) return;
-    const double chance = 3 * std::sqrt(2 / static_cast<double>(stated.size()));
-    const double share = std::max(0.0, 1 - scale_[1] * scale_[1] - chance);
+    const double share = common_share(scale_[1], stated.size());
     const double usual = median_of(stated);
     for (const int velocity : kVelocities) {
       fit.covariance(velocity, velocity) += share * usual * usual;

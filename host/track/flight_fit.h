@@ -38,7 +38,8 @@ struct GravityDirection {
 
 // Weighted least squares on centres and measured steps; every centre and step that is further off
 // than five times the scatter is left out. The deviations that the track states are scaled by the
-// scatter found here; what the steps' say beyond their scatter is common to all of a flight's. `gravity` nullopt: fitted, one for both flights.
+// scatter found here; what the steps' say beyond their scatter is common to all of a flight's.
+// `gravity` nullopt: fitted, one for both flights.
 FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
                       const FlightRange& after, const GravityDirection& direction,
                       std::optional<double> gravity);

@@ -184,7 +184,8 @@ void Analysis::find_contact() {
   if (!flights_.ok || !start_.ok || !end_.ok) result_.status = ImpactStatus::not_resolved;
 }
 
-// Weighted mean of the turns, its deviation from their scatter.
+// Weighted mean of the turns, its deviation from their scatter and from what they may have in
+// common.
 Measured Analysis::spin(const FlightRange& range) const {
   std::vector<double> turns, sds;
   for (std::size_t i = range.first; i < range.last; ++i) {
@@ -198,7 +199,8 @@ Measured Analysis::spin(const FlightRange& range) const {
   std::vector<double> off;
   for (double turn : turns) off.push_back(std::abs(turn - centre));
   const double limit = 5 * 1.4826 * median_of(off) + 1e-12;
-  double weights = 0, sum = 0, squares = 0, count = 0;
+  double weights = 0, sum = 0, squares = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < turns.size(); ++i) {
     if (std::abs(turns[i] - centre) > limit) continue;
     const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
@@ -211,7 +213,9 @@ Measured Analysis::spin(const FlightRange& range) const {
     const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
     squares += (turns[i] - mean) * (turns[i] - mean) / (sd * sd);
   }
-  return {mean, std::sqrt(squares / (count - 1) / weights)};
+  const double scatter_sq = squares / static_cast<double>(count - 1);
+  const double common = common_share(std::sqrt(scatter_sq), count) * usual * usual;
+  return {mean, std::sqrt(scatter_sq / weights + common)};
 }
 
 // From the flight's height at the touch down to the turn: the flight carried to the touch, less

@@ -50,6 +50,11 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
+double common_share(double scatter, std::size_t count) {
+  const double chance = 3 * std::sqrt(2 / static_cast<double>(count));
+  return std::max(0.0, 1 - scatter * scatter - chance);
+}
+
 ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad) {
   const double c = std::cos(surface_angle_rad), s = std::sin(surface_angle_rad);
   ImpactSeries series;

@@ -37,4 +37,10 @@ ContactGuess guess_contact(const ImpactSeries& series, double gravity_n);
 // Median of the finite values; NaN where there is none.
 double median_of(std::vector<double> values);
 
+// `count` values that scatter by `scatter` of the deviation which each of them states: the share of
+// its square that they must have in common, beyond chance (three deviations). A steady ball meets
+// the same fraction of a pixel in every frame, with the same bias of the interpolation: a mean over
+// many frames is no better than that.
+double common_share(double scatter, std::size_t count);
+
 }  // namespace impactdic

@@ -212,11 +212,14 @@ TEST(ImpactPhases, StepsThatScatterLessThanStatedAreWrongAlike) {
     row.dx_px += 2 * row.dx_sd_px;
     row.dx_sd_px *= 3;
     row.dy_sd_px *= 3;
+    row.rot_deg += 2 * row.rot_sd_deg;
+    row.rot_sd_deg *= 3;
   }
   const ImpactAnalysis found = analyse_impact(rows, filmed.options());
   EXPECT_EQ(found.disagreement, 0);
   expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
   expect_within(found.before.vt, filmed.speed(truth.before.vt_m_s), 3);
+  expect_within(found.after.spin, truth.after.omega_rad_s / filmed.fps, 3);
 }
 
 TEST(ImpactPhases, NoImpactIsSaid) {
