@@ -43,7 +43,7 @@ class CineSource : public FrameSource {
     const std::int64_t at = pixels_at(index);
     const auto bytes = static_cast<std::size_t>(header_.frame_bytes);
     if (!read_frame(file_, at, bytes, header_.packing, info_.width, info_.height, header_.bits, 0,
-                    frame)) {
+                    header_.bottom_up, frame)) {
       throw FormatError(info_.path, at,
                         "a pixel is brighter than the " + std::to_string(header_.bits) +
                             " bits that the header states");
@@ -51,12 +51,6 @@ class CineSource : public FrameSource {
     if (linearise_) {
       linearise_10(frame.u16.data(), frame.u16.size());
       frame.bits = 12;
-    }
-    if (!header_.bottom_up) return;
-    if (frame.type == PixelType::u8) {
-      flip_rows(frame.u8);
-    } else {
-      flip_rows(frame.u16);
     }
   }
 

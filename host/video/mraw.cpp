@@ -87,7 +87,7 @@ class MrawSource : public FrameSource {
     check_frame_index(info_.path, index, info_.frame_count);
     const std::int64_t at = index * frame_bytes_;
     const auto bytes = static_cast<std::size_t>(frame_bytes_);
-    if (!read_frame(pixels_, at, bytes, packing_, info_.width, info_.height, bits_, shift_,
+    if (!read_frame(pixels_, at, bytes, packing_, info_.width, info_.height, bits_, shift_, false,
                     frame)) {
       throw FormatError(
           info_.path, at,

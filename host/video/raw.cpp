@@ -52,7 +52,7 @@ class RawSource : public FrameSource {
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
     read_frame(file_, index * frame_bytes_, static_cast<std::size_t>(frame_bytes_), packing_,
-               info_.width, info_.height, info_.bits, 0, frame);
+               info_.width, info_.height, info_.bits, 0, false, frame);
   }
 
  private:

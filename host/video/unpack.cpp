@@ -184,25 +184,31 @@ bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height
 }
 
 bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
-                int width, int height, int bits, int shift, Frame& frame) {
-  auto lent = file.lend(offset, bytes);
+                int width, int height, int bits, int shift, bool bottom_up, Frame& frame) {
+  bool fits = true;
   if (packing == Packing::u8) {
+    // Rows that have to change places are copied anyway.
+    auto lent = bottom_up ? nullptr : file.lend(offset, bytes);
     frame.reset(0, 0, 8);
     if (lent) {
       frame.u8.borrow(std::move(lent), width, height);
-    } else {
-      frame.u8.resize(width, height);
-      file.read_at(offset, frame.u8.data(), bytes);
+      return true;
     }
-    return true;
-  }
-  thread_local std::vector<std::uint8_t> stored;
-  if (!lent) {
+    frame.u8.resize(width, height);
+    file.read_at(offset, frame.u8.data(), bytes);
+  } else {
+    thread_local std::vector<std::uint8_t> stored;
     stored.resize(bytes);
     file.read_at(offset, stored.data(), bytes);
+    fits = unpack_frame(packing, stored.data(), width, height, bits, shift, frame);
   }
-  return unpack_frame(packing, lent ? lent.get() : stored.data(), width, height, bits, shift,
-                      frame);
+  if (!bottom_up) return fits;
+  if (frame.type == PixelType::u8) {
+    flip_rows(frame.u8);
+  } else {
+    flip_rows(frame.u16);
+  }
+  return fits;
 }
 
 }  // namespace impactdic

@@ -53,9 +53,10 @@ std::uint16_t phantom_code_10(std::uint16_t value);
 // False where a pixel is brighter than `bits` allow: the header is wrong about its depth.
 bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height, int bits,
                   int shift, Frame& frame);
-// The same for a frame of `bytes` bytes at `offset` of a file; one of 8-bit pixels is lent by the
-// file where it can be. Throws what ByteFile::read_at does.
+// The same for a frame of `bytes` bytes at `offset` of a file, whose last row comes first where it
+// is `bottom_up`; one of 8-bit pixels is lent by the file where it can be. Throws what
+// ByteFile::read_at does.
 bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
-                int width, int height, int bits, int shift, Frame& frame);
+                int width, int height, int bits, int shift, bool bottom_up, Frame& frame);
 
 }  // namespace impactdic
