@@ -1,23 +1,23 @@
 // Files of a test: a folder that goes with it, and small helpers.
 #pragma once
 
-#include <unistd.h>
-
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 #include <string>
 
 namespace impactdic::testing {
 
-// A folder that is gone with the object.
+// A new folder that is gone with the object. Numbers of processes come back, and what a killed one
+// left behind with them: the name is one that does not exist.
 class ScratchFolder {
  public:
   ScratchFolder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("impactdic_test_" + std::to_string(getpid()) + "_" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
+    std::string name = (std::filesystem::temp_directory_path() / "impactdic_test_XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
+    path_ = name;
   }
   ~ScratchFolder() {
     std::error_code ignored;
