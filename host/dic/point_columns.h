@@ -59,7 +59,8 @@ inline float median(const Eigen::ArrayXf& values) {
   return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-// Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut.
+// Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut: an expression,
+// to be evaluated where it stands.
 template <typename Squares>
 auto biweight(const Squares& over_cut_sq) {
   return (1 - over_cut_sq).max(0.0F).square();

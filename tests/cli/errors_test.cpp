@@ -104,6 +104,23 @@ TEST(Errors, AFullDiskExitsOne) {
   }
 }
 
+// What the system sends a program that looks at lent bytes of a file which became shorter.
+TEST(Errors, AFileLostWhileItIsReadExitsOne) {
+  const ScratchFolder folder;
+  const std::string clip = quoted(folder / "clip/video.mraw"), err = quoted(folder / "err");
+  const std::string synth =
+      std::string(IMPACTDIC_PROGRAM) +
+      " synth --size 64x64 --radius-px 20 --frames 1000000 --format mraw -q -o " +
+      quoted(folder / "clip") + " 2> " + err;
+  const int raw = std::system((synth + " & program=$!; while kill -0 $program && [ ! -s " + clip +
+                               " ]; do sleep 0.05; done; kill -BUS $program; wait $program")
+                                  .c_str());
+  EXPECT_EQ(WIFEXITED(raw) ? WEXITSTATUS(raw) : -1, 1);
+  const std::string says = read_text(folder / "err");
+  EXPECT_EQ(says.rfind("impactdic: error: a file could no longer be read", 0), 0u) << says;
+  EXPECT_EQ(std::count(says.begin(), says.end(), '\n'), 1) << says;
+}
+
 TEST(Errors, OutputFolderWithFilesIsRefusedUnlessForced) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder / "out");

@@ -1,8 +1,6 @@
 // Small clips for the tests of readers and writers, and a folder of their own for each test.
 #pragma once
 
-#include <unistd.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -13,27 +11,9 @@
 
 #include "host/video/frame_sink.h"
 #include "host/video/frame_source.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic::testing {
-
-// A folder that vanishes with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "impactdic_XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Random pixels over the whole range of `bits`, the same for the same seed.
 inline Frame random_frame(int width, int height, int bits, std::uint32_t seed) {

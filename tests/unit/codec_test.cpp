@@ -15,7 +15,7 @@ namespace {
 using testing::data_path;
 using testing::random_frame;
 using testing::same_pixels;
-using testing::TemporaryFolder;
+using testing::ScratchFolder;
 
 VideoOptions with_codec() {
   VideoOptions options;
@@ -98,7 +98,7 @@ TEST(AviClips, AnyOrderGivesTheSameFrames) {
   }
 }
 
-std::string write_clip(const TemporaryFolder& folder, SinkFormat format, int bits, int frames,
+std::string write_clip(const ScratchFolder& folder, SinkFormat format, int bits, int frames,
                        double fps = 10000) {
   VideoInfo info;
   info.width = 62;
@@ -115,7 +115,7 @@ std::string write_clip(const TemporaryFolder& folder, SinkFormat format, int bit
 }
 
 TEST(CodecSinks, AviIsLosslessAndKeepsItsRate) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   for (const double fps : {10000.0, 30.0, 9876.5}) {
     const std::string path = write_clip(folder, SinkFormat::avi, 8, 70, fps);
     const auto clip = open_clip(path);
@@ -132,7 +132,7 @@ TEST(CodecSinks, AviIsLosslessAndKeepsItsRate) {
 }
 
 TEST(CodecSinks, Mp4IsReadFrameByFrame) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   // Inter-frame compression: going back decodes again.
   const std::string path = write_clip(folder, SinkFormat::mp4, 8, 70);
   const auto clip = open_clip(path);
@@ -143,7 +143,7 @@ TEST(CodecSinks, Mp4IsReadFrameByFrame) {
 
 TEST(CodecSinks, PngFolderKeepsEveryLevel) {
   for (const int bits : {8, 16}) {
-    const TemporaryFolder folder;
+    const ScratchFolder folder;
     const std::string path = write_clip(folder, SinkFormat::png, bits, 12);
     const auto clip = open_clip(path);
     ASSERT_EQ(clip->info().frame_count, 12);
@@ -157,7 +157,7 @@ TEST(CodecSinks, PngFolderKeepsEveryLevel) {
 }
 
 TEST(CodecSinks, RefuseWhatTheyCannotStore) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   VideoInfo info;
   info.width = 63;
   info.height = 38;
@@ -172,7 +172,7 @@ TEST(CodecSinks, RefuseWhatTheyCannotStore) {
 }
 
 TEST(CodecSinks, ColourMp4) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   Mp4Writer writer(folder.file("a.mp4"), 64, 48, 30);
   std::vector<std::uint8_t> red(64 * 48 * 3, 0);
   for (std::size_t i = 2; i < red.size(); i += 3) red[i] = 255;
@@ -208,11 +208,11 @@ TEST(Pictures, BmpKeepsItsLevels) {
 }
 
 TEST(CodecDamage, CutAndChangedFilesEndInErrorsOrFrames) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   std::vector<std::string> paths = {write_clip(folder, SinkFormat::avi, 8, 6),
                                     write_clip(folder, SinkFormat::mp4, 8, 6)};
   std::filesystem::create_directory(folder.file("png"));
-  const TemporaryFolder pictures;
+  const ScratchFolder pictures;
   write_clip(pictures, SinkFormat::png, 8, 1);
   paths.push_back(pictures.file("clip/frame_000000.png"));
   std::mt19937 random(5);
@@ -248,7 +248,7 @@ TEST(CodecDamage, CutAndChangedFilesEndInErrorsOrFrames) {
 }
 
 TEST(CodecThreads, ShareOneClip) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const auto clip = open_clip(write_clip(folder, SinkFormat::avi, 8, 40));
   std::vector<int> wrong(3, 0);
   std::vector<std::thread> threads;

@@ -10,7 +10,7 @@
 namespace impactdic {
 namespace {
 
-using testing::TemporaryFolder;
+using testing::ScratchFolder;
 
 constexpr int kWidth = 37, kHeight = 21;
 
@@ -118,7 +118,7 @@ double expected(const Kind& kind, int x, int y) {
 
 // Grey must be exact; luminance is rounded, its weights in 16 bits.
 void expect_reads_back(const Kind& kind, double tolerance) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string path = folder.file("a.tif");
   write_tiff(path, kind);
   const auto clip = open_video({path});
@@ -194,7 +194,7 @@ TEST(Tiff, StripsTilesAndOrientations) {
 }
 
 TEST(Tiff, RefusedKindsSayWhy) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const auto refusal = [&](const Kind& kind) -> std::string {
     const std::string path = folder.file("a.tif");
     write_tiff(path, kind);
@@ -211,7 +211,7 @@ TEST(Tiff, RefusedKindsSayWhy) {
 }
 
 TEST(Tiff, PagesMustBeAlike) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string path = folder.file("a.tif");
   write_tiff(path, {}, 2);
   write_tiff(path, {.mode = "a", .bits = 16}, 1);

@@ -125,7 +125,7 @@ TEST_P(CineOracle, EqualsFfmpegBitForBit) {
 
 // Of the files that impactdic writes; ffmpeg does not know packed 12 bits.
 TEST(WrittenCine, IsReadByFfmpegBitForBit) {
-  const testing::TemporaryFolder folder;
+  const testing::ScratchFolder folder;
   for (const auto& [format, bits] :
        {std::pair{SinkFormat::cine, 8}, {SinkFormat::cine, 12}, {SinkFormat::cine_packed10, 10}}) {
     VideoInfo info;
@@ -286,7 +286,7 @@ TEST(MrawClips, AMissingHalfIsNamed) {
   } catch (const FileError& error) {
     EXPECT_NE(error.line().find("sample_60k_16bit.mraw"), std::string::npos) << error.line();
   }
-  const testing::TemporaryFolder folder;
+  const testing::ScratchFolder folder;
   testing::write_bytes(folder.file("lonely.mraw"), std::vector<char>(100));
   try {
     open_video({folder.file("lonely.mraw")});

@@ -29,7 +29,7 @@ namespace impactdic {
 namespace {
 
 using testing::data_path;
-using testing::TemporaryFolder;
+using testing::ScratchFolder;
 using testing::write_bytes;
 
 enum class Outcome { read, refused };
@@ -83,7 +83,7 @@ void write_clip(const std::string& path, SinkFormat format, int bits) {
   sink->finish();
 }
 
-std::vector<Victim> victims(const TemporaryFolder& folder) {
+std::vector<Victim> victims(const ScratchFolder& folder) {
   std::vector<Victim> list;
   const auto make = [&](SinkFormat format, int bits, const char* tag, bool fatal) {
     const std::string name = std::string("made_") + tag + sink_extension(format);
@@ -139,7 +139,7 @@ class Damage : public ::testing::Test {
     EXPECT_LT(std::chrono::duration<double>(spent).count(), 120);  // nothing hangs
     EXPECT_LT(largest_allocation, std::size_t{2} << 30);
   }
-  TemporaryFolder folder_;
+  ScratchFolder folder_;
   std::chrono::steady_clock::time_point started_;
 };
 
@@ -223,7 +223,7 @@ TEST_F(Damage, TheContentsTellTheFormat) {
 }
 
 // A written cine of 8 bits and four frames with one field of the header replaced.
-Outcome cine_with(const TemporaryFolder& folder, std::size_t at, std::uint32_t value) {
+Outcome cine_with(const ScratchFolder& folder, std::size_t at, std::uint32_t value) {
   const std::string path = folder.file("changed.cine");
   write_clip(path, SinkFormat::cine, 8);
   auto bytes = testing::file_bytes(path);

@@ -15,7 +15,7 @@ namespace {
 
 using testing::random_frame;
 using testing::same_pixels;
-using testing::TemporaryFolder;
+using testing::ScratchFolder;
 
 struct Case {
   SinkFormat format;
@@ -34,7 +34,7 @@ class RoundTrip : public ::testing::TestWithParam<Case> {};
 
 TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   const Case& it = GetParam();
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   VideoInfo info;
   info.width = it.width;
   info.height = it.height;
@@ -140,7 +140,7 @@ TEST(Unpack, TransferCurveGrowsAndInverts) {
 }
 
 TEST(CineSink, Linear12BitsThroughTheTransferCurveErrByHalfAStep) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   VideoInfo info;
   info.width = 64;
   info.height = 48;
@@ -163,7 +163,7 @@ TEST(CineSink, Linear12BitsThroughTheTransferCurveErrByHalfAStep) {
 }
 
 TEST(FrameSink, AnUnfinishedClipLeavesNoFile) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   VideoInfo info;
   info.width = info.height = 16;
   info.frame_count = 2;
@@ -181,7 +181,7 @@ TEST(FrameSink, AnUnfinishedClipLeavesNoFile) {
 }
 
 TEST(FrameSink, RefusesWhatItCannotStore) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   VideoInfo info;
   info.width = info.height = 16;
   info.frame_count = 2;
@@ -205,7 +205,7 @@ TEST(FrameSink, RefusesWhatItCannotStore) {
 class ManyThreads : public ::testing::TestWithParam<SinkFormat> {};
 
 TEST_P(ManyThreads, ReadTheSamePixels) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   constexpr int kFrames = 24, kThreads = 4;
   VideoInfo info;
   info.width = 61;
@@ -251,7 +251,7 @@ std::string write_clip(const std::string& path, SinkFormat format, std::uint32_t
 
 // Whichever of the two files is named.
 TEST(ClipDigest, CoversPixelsAndHeaderOfAPhotronPair) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string pixels = write_clip(folder.file("clip.mraw"), SinkFormat::mraw, 1);
   for (const std::string& named : {pixels, folder.file("clip.cihx")}) {
     const ClipDigest digest = digest_of(open_video({named})->info());
@@ -263,7 +263,7 @@ TEST(ClipDigest, CoversPixelsAndHeaderOfAPhotronPair) {
 }
 
 TEST(ClipDigest, OfALargeFileIsThatOfItsPieces) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string path = write_clip(folder.file("clip.mraw"), SinkFormat::mraw, 1);  // 128 bytes
   const auto clip = open_video({path});
   const std::string pieces = sha256_of_part(path, 0, 50) + "  -\n" + sha256_of_part(path, 50, 50) +
@@ -275,7 +275,7 @@ TEST(ClipDigest, OfALargeFileIsThatOfItsPieces) {
 }
 
 TEST(ClipDigest, CoversEveryPictureOfASequence) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const auto a = write_clip(folder.file("f2.tif"), SinkFormat::tiff, 1);
   const auto b = write_clip(folder.file("f10.tif"), SinkFormat::tiff, 5);
   const ClipDigest digest = digest_of(open_video({folder.file("f*.tif")})->info());
