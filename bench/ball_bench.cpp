@@ -4,21 +4,21 @@
 #include <random>
 
 #include "bench/measure.h"
-#include "host/dic/ball_registration.h"
-#include "host/dic/spline_frames.h"
+#include "host/dic/device/ball.h"
+#include "host/dic/frames/spline_frames.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr double kRadius = 115, kDegree = std::numbers::pi / 180;
 constexpr int kPictures = 9;
 
 // Discs of radius 1.6 … 4 px thrown at random, about half of the ball ink.
-SpeckleBall thrown_discs() {
+sim::speckle::SpeckleBall thrown_discs() {
   std::mt19937_64 random(12);
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  SpeckleBall ball;
+  sim::speckle::SpeckleBall ball;
   ball.radius_px = kRadius;
   for (double area = 0; area < 0.7 * kRadius * kRadius;) {
     const double x = kRadius * (2 * uniform() - 1), y = kRadius * (2 * uniform() - 1);
@@ -32,36 +32,36 @@ SpeckleBall thrown_discs() {
 
 }  // namespace
 
-void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink) {
+void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink) {
   const std::string work = "ball r 115 degree 7";
   if (work.find(options.only) == std::string::npos) return;
   const int batch = options.batch > 0 ? options.batch : engine.device().is_gpu ? 256 : 4;
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.noise_sigma = 2;
-  const BallRenderer renderer(thrown_discs(), scene);
+  const sim::speckle::BallRenderer renderer(thrown_discs(), scene);
   std::vector<Frame> pictures(kPictures);
-  std::vector<BallPose> poses(kPictures);
+  std::vector<sim::speckle::BallPose> poses(kPictures);
   for (int k = 0; k < kPictures; ++k) {
-    BallPose& pose = poses[static_cast<std::size_t>(k)];
+    sim::speckle::BallPose& pose = poses[static_cast<std::size_t>(k)];
     pose.cx_px = 251.3 + 0.618 * k;
     pose.cy_px = 259.2 - 0.382 * k;
     pose.angle_deg = 0.5 * k;
     renderer.render(pose, k, pictures[static_cast<std::size_t>(k)]);
   }
-  DeviceFrames frames(engine, batch + 1);
-  const BallOptions defaults;
-  BallRegistration registration(engine, defaults);
-  SplineFrames splines(engine, defaults.spline_degree, defaults.presmooth_sigma_px, batch + 1);
+  dic::DeviceFrames frames(engine, batch + 1);
+  const dic::BallOptions defaults;
+  dic::BallRegistration registration(engine, defaults);
+  dic::SplineFrames splines(engine, defaults.spline_degree, defaults.presmooth_sigma_px, batch + 1);
   std::vector<BallTask> tasks;
   for (int k = 0; k <= batch; ++k) {
     // To and fro through the pictures that there are.
     const auto place = [](int frame) { return frame % 16 < 8 ? frame % 16 : 16 - frame % 16; };
     frames.set(k, pictures[static_cast<std::size_t>(place(k))]);
     if (k == batch) continue;
-    const BallPose& at = poses[static_cast<std::size_t>(place(k))];
+    const sim::speckle::BallPose& at = poses[static_cast<std::size_t>(place(k))];
     const auto way = static_cast<float>(place(k + 1) - place(k));
     tasks.push_back({k, k + 1, static_cast<float>(at.cx_px), static_cast<float>(at.cy_px),
-                     static_cast<float>(kRadius - kRimMarginPx), 0.6F * way, -0.4F * way,
+                     static_cast<float>(kRadius - dic::kRimMarginPx), 0.6F * way, -0.4F * way,
                      static_cast<float>(0.52 * kDegree) * way});
   }
   BenchRow row;
@@ -78,7 +78,7 @@ void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink
   double squares = 0, along = 0;
   int ok = 0;
   for (std::size_t k = 0; k < tasks.size(); ++k) {
-    if (motions[k].status != static_cast<idic_int>(WindowStatus::ok)) continue;
+    if (motions[k].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
     const double way = tasks[k].guess_dx > 0 ? 1 : -1;
     const double du = motions[k].dx - 0.618 * way, dv = motions[k].dy + 0.382 * way;
     squares += du * du + dv * dv;
@@ -94,4 +94,4 @@ void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink
   sink(row);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

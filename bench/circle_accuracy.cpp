@@ -4,6 +4,7 @@
 // PATTERNS and CONDITIONS are lists with commas, or "all"; FIRST and LAST are seeds; pictures are
 // kept in the folder KEEP and read from there the next time (painting takes longer than all the
 // rest).
+#include <impactdic/units.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -16,11 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "host/base/units.h"
-#include "host/track/circle.h"
+#include "host/circle/circle.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr double kRadius = 115;
@@ -58,7 +58,7 @@ std::vector<std::string> list(const std::string& text) {
   return items;
 }
 
-BallPose pose_of(int seed, const Condition& condition) {
+sim::speckle::BallPose pose_of(int seed, const Condition& condition) {
   return {kSide / 2 + std::fmod(0.3819660113 * seed + 0.13, 1),
           kSide / 2 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed, condition.compression,
           90};
@@ -76,8 +76,8 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
         .read(reinterpret_cast<char*>(frame.u8.data()), kSide * kSide);
     return frame;
   }
-  const BallPose pose = pose_of(seed, condition);
-  Scene scene;
+  const sim::speckle::BallPose pose = pose_of(seed, condition);
+  sim::speckle::Scene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = 2;
   scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
@@ -89,7 +89,8 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
     scene.bar->x_px = pose.cx_px;
     scene.bar->y_px = pose.cy_px + kRadius * std::cos(0.3 * kPi) + scene.bar->width_px / 2;
   }
-  BallRenderer(paint_ball(pattern, static_cast<std::uint64_t>(seed), kRadius), scene)
+  sim::speckle::BallRenderer(
+      sim::speckle::paint_ball(pattern, static_cast<std::uint64_t>(seed), kRadius), scene)
       .render(pose, 0, frame);
   if (!keep.empty()) {
     std::ofstream(name.str(), std::ios::binary)
@@ -99,27 +100,27 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
 }
 
 Measured measure(const Frame& frame, int seed, const Condition& condition) {
-  const BallPose pose = pose_of(seed, condition);
+  const sim::speckle::BallPose pose = pose_of(seed, condition);
   // As after a Hough transform: a pixel or two away, the shape unknown.
-  CirclePrior prior;
+  circle::CirclePrior prior;
   prior.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4};
   if (condition.radius_known) {
     prior.radius_px = kRadius;
     prior.radius_sd_px = 0.01;
     prior.compression_axis_rad = kPi / 2;
   }
-  CircleFit fit = measure_circle(frame, prior, {});
+  circle::CircleFit fit = circle::measure_circle(frame, prior, {});
   if (condition.tracked) {
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
     prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
     prior.bright = fit.bright;
     prior.look = fit.look;
-    fit = measure_circle(frame, prior, {});
+    fit = circle::measure_circle(frame, prior, {});
   }
   return {{fit.circle.cx_px - pose.cx_px, fit.circle.cy_px - pose.cy_px,
            fit.circle.r_px - kRadius * (1 - condition.compression / 2)},
           {fit.cx_sd_px, fit.cy_sd_px, fit.r_sd_px},
-          fit.status == CircleStatus::ok};
+          fit.status == circle::CircleStatus::ok};
 }
 
 // Sums over balls.
@@ -171,7 +172,7 @@ void run(const std::vector<std::string>& patterns, int first, int last, const Co
 }
 
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::bench
 
 int main(int argc, char** argv) {
   using namespace impactdic;
@@ -181,7 +182,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> patterns = list(argument(1, "a1,a3,b1,c2,e1,e2,f2"));
   if (patterns[0] == "all") {
     patterns.clear();
-    for (const PatternSpec& spec : pattern_specs()) patterns.push_back(spec.name);
+    for (const sim::speckle::PatternSpec& spec : sim::speckle::pattern_specs())
+      patterns.push_back(spec.name);
   }
   const int first = std::atoi(argument(2, "1").c_str()),
             last = std::atoi(argument(3, "20").c_str());

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "host/track/circle.h"
+#include "host/circle/circle.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr double kUsual = 115, kSmall = 63;  // radius, px
@@ -17,17 +17,17 @@ constexpr int kFrames = 8;
 
 struct Clip {
   std::vector<Frame> frames;
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
 };
 
 // A ball in 512×512, noise 2, at incommensurate places.
 Clip make_clip(const std::string& pattern, double radius_px) {
   Clip clip;
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.noise_sigma = 2;
-  const BallRenderer renderer(paint_ball(pattern, 7, radius_px), scene);
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball(pattern, 7, radius_px), scene);
   for (int k = 0; k < kFrames; ++k) {
-    const BallPose pose{250.13 + 0.618 * k, 261.41 - 0.382 * k, 17.0 * k};
+    const sim::speckle::BallPose pose{250.13 + 0.618 * k, 261.41 - 0.382 * k, 17.0 * k};
     clip.poses.push_back(pose);
     renderer.render(pose, k, clip.frames.emplace_back());
   }
@@ -39,7 +39,8 @@ Clip make_clip(const std::string& pattern, double radius_px) {
 // behind.
 enum class Known { place, look, between };
 
-CirclePrior near(const BallPose& pose, double radius_px, Known known, CirclePrior prior) {
+circle::CirclePrior near(const sim::speckle::BallPose& pose, double radius_px, Known known,
+                         circle::CirclePrior prior) {
   const double off = known == Known::between ? 0.1 : 1;
   prior.centre_sd_px = known == Known::between ? 0.05 : 0.3;
   prior.predicted = {pose.cx_px + 0.21 * off, pose.cy_px - 0.17 * off, radius_px + 0.1 * off};
@@ -51,18 +52,18 @@ void measure(benchmark::State& state, const std::string& pattern, double radius_
   const Clip clip = make_clip(pattern, radius_px);
   double squares = 0;
   std::int64_t n = 0;
-  CirclePrior prior;
+  circle::CirclePrior prior;
   prior.rim_sd_px = 0.3;
   prior.bright = true;
   if (known != Known::place) {
-    const CirclePrior first = near(clip.poses[0], radius_px, Known::place, prior);
-    prior.look = measure_circle(clip.frames[0], first, {}).look;
+    const circle::CirclePrior first = near(clip.poses[0], radius_px, Known::place, prior);
+    prior.look = circle::measure_circle(clip.frames[0], first, {}).look;
   }
   for (auto _ : state) {
     const int k = static_cast<int>(n % kFrames);
-    const BallPose& truth = clip.poses[k];
+    const sim::speckle::BallPose& truth = clip.poses[k];
     prior = near(truth, radius_px, known, prior);
-    const CircleFit fit = measure_circle(clip.frames[k], prior, {});
+    const circle::CircleFit fit = circle::measure_circle(clip.frames[k], prior, {});
     benchmark::DoNotOptimize(fit);
     squares +=
         std::pow(fit.circle.cx_px - truth.cx_px, 2) + std::pow(fit.circle.cy_px - truth.cy_px, 2);
@@ -77,7 +78,7 @@ void find(benchmark::State& state, const std::string& pattern) {
   std::int64_t n = 0;
   for (auto _ : state) {
     const int k = static_cast<int>(n++ % kFrames);
-    const auto found = find_ball(clip.frames[k], {});
+    const auto found = circle::find_ball(clip.frames[k], {});
     worst = std::max(worst, found ? std::hypot(found->cx_px - clip.poses[k].cx_px,
                                                found->cy_px - clip.poses[k].cy_px)
                                   : INFINITY);
@@ -105,6 +106,6 @@ BENCHMARK_CAPTURE(find, b1, "b1")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(find, e1, "e1")->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::bench
 
 BENCHMARK_MAIN();

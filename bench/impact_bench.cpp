@@ -8,26 +8,26 @@
 #include <ctime>
 #include <vector>
 
+#include "sim/contact/impact.h"
 #include "sim/fit/parallel.h"
-#include "sim/impact/impact.h"
-#include "sim/impact/source_jobs.h"
+#include "sim/job/source_jobs.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
-void run_grid(const char* name, const ImpactJob& job, int threads) {
+void run_grid(const char* name, const sim::contact::ImpactJob& job, int threads) {
   constexpr int kStiffness = 30, kDamping = 20, kFriction = 15;
   std::vector<long> evaluations(kStiffness * kDamping * kFriction);
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu = std::clock();
-  parallel_for(evaluations.size(), threads, [&](std::size_t i) {
+  sim::fit::parallel_for(evaluations.size(), threads, [&](std::size_t i) {
     const int n = static_cast<int>(i);
-    ImpactJob point = job;
+    sim::contact::ImpactJob point = job;
     point.contact.stiffness *= 0.5 + (n / (kDamping * kFriction)) / 20.0;
     point.contact.damping_n_s_per_m *= 0.1 * (n / kFriction % kDamping);
     point.contact.friction_kinetic *= 0.1 + 0.13 * (n % kFriction);
     point.contact.friction_static = 1.4 * point.contact.friction_kinetic;
-    evaluations[i] = simulate_impact(point).evaluations;
+    evaluations[i] = sim::contact::simulate_impact(point).evaluations;
   });
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   double sum = 0;
@@ -38,11 +38,11 @@ void run_grid(const char* name, const ImpactJob& job, int threads) {
 }
 
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::bench
 
 int main(int argc, char** argv) {
   const int threads = argc > 1 ? std::atoi(argv[1]) : 0;
-  impactdic::run_grid("linear, coulomb", impactdic::racket_job(), threads);
-  impactdic::run_grid("hertz, three phases", impactdic::wood_published_job(), threads);
-  impactdic::run_grid("maw_barber_fawcett", impactdic::wood_sound_job(), threads);
+  impactdic::run_grid("linear, coulomb", impactdic::sim::job::racket_job(), threads);
+  impactdic::run_grid("hertz, three phases", impactdic::sim::job::wood_published_job(), threads);
+  impactdic::run_grid("maw_barber_fawcett", impactdic::sim::job::wood_sound_job(), threads);
 }

@@ -1,24 +1,25 @@
 // `impactdic bench` without the rest of the program, for machines that have nothing but a driver.
 //   kernel_bench [DEVICE [JSON [ONLY [all [log]]]]]     DEVICE as --device, or all; log: what the
 //   compiler says, and the time of every kernel. ONLY "tune": what `impactdic tune` finds
+#include <impactdic/error.h>
+
 #include <cstdio>
 #include <memory>
 
 #include "bench/table.h"
 #include "bench/tune.h"
-#include "host/base/error.h"
 #include "host/base/log.h"
 
 namespace {
 
-int tune(impactdic::Engine& engine) {
+int tune(impactdic::opencl::Engine& engine) {
   const impactdic::TuneSink sink = [](const impactdic::TunedVariant& tried) {
     std::printf("%s, %s: %.4g windows/s, %.1e px %s\n", tried.kernel.work.c_str(),
                 tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
                 tried.rejected.c_str());
   };
-  impactdic::FieldOptions field;
-  field.method = impactdic::FieldMethod::zncc;
+  impactdic::dic::FieldOptions field;
+  field.method = impactdic::dic::FieldMethod::zncc;
   impactdic::tune_zncc(engine, field, {}, sink);
   field.window_px = 31;
   field.search_px = 16;
@@ -38,17 +39,19 @@ int main(int argc, char** argv) {
   options.every_variant = argument(4) == "all";
   if (argument(5) == "log") spdlog::set_level(spdlog::level::debug);
   try {
-    impactdic::EngineOptions settings;
+    impactdic::opencl::EngineOptions settings;
     settings.profile = argument(5) == "log";
-    std::vector<std::unique_ptr<impactdic::Engine>> own;
+    std::vector<std::unique_ptr<impactdic::opencl::Engine>> own;
     if (argument(1) == "all") {
-      for (const auto& device : impactdic::all_devices(impactdic::list_devices())) {
-        own.push_back(std::make_unique<impactdic::Engine>(std::to_string(device.index), settings));
+      for (const auto& device : impactdic::opencl::all_devices(impactdic::opencl::list_devices())) {
+        own.push_back(
+            std::make_unique<impactdic::opencl::Engine>(std::to_string(device.index), settings));
       }
     } else {
-      own.push_back(std::make_unique<impactdic::Engine>(argc > 1 ? argv[1] : "auto", settings));
+      own.push_back(
+          std::make_unique<impactdic::opencl::Engine>(argc > 1 ? argv[1] : "auto", settings));
     }
-    std::vector<impactdic::Engine*> engines;
+    std::vector<impactdic::opencl::Engine*> engines;
     for (const auto& engine : own) engines.push_back(engine.get());
     if (options.only == "tune") return tune(*engines.front());
     impactdic::print_bench_table(engines, options, argument(2));

@@ -10,7 +10,7 @@
 #include "host/opencl/buffer.h"
 #include "sim/speckle/speckle_field.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 double now_s() {
@@ -30,13 +30,13 @@ double best_time(const std::function<void()>& run) {
 
 }  // namespace
 
-Roofline measure_roofline(Engine& engine) {
+Roofline measure_roofline(opencl::Engine& engine) {
   Roofline roofline;
   const cl::CommandQueue& queue = engine.queue();
   const std::size_t bytes = std::size_t{engine.device().is_gpu ? 1024U : 64U} << 20;
-  const Buffer<cl_float4> in(engine, bytes / 16), out(engine, bytes / 16);
+  const opencl::Buffer<cl_float4> in(engine, bytes / 16), out(engine, bytes / 16);
   cl::Kernel copy = engine.kernel("roofline.cl", "copy");
-  set_arguments(copy, in.get(), out.get());
+  opencl::set_arguments(copy, in.get(), out.get());
   roofline.copy_bytes_per_s =
       2.0 * static_cast<double>(bytes) / best_time([&] {
         engine.launch(queue, copy, cl::NDRange(bytes / 16), cl::NDRange(64));
@@ -46,7 +46,7 @@ Roofline measure_roofline(Engine& engine) {
   constexpr double kOperations = 2.0 * 4 * 8 * 256;
   const std::size_t items = engine.device().is_gpu ? std::size_t{1} << 22 : std::size_t{1} << 16;
   cl::Kernel adds = engine.kernel("roofline.cl", "multiply_adds");
-  set_arguments(adds, out.get(), 0.999F);
+  opencl::set_arguments(adds, out.get(), 0.999F);
   roofline.flops_per_s = kOperations * static_cast<double>(items) / best_time([&] {
                            engine.launch(queue, adds, cl::NDRange(items), cl::NDRange(64));
                            queue.finish();
@@ -77,7 +77,7 @@ ShiftedPictures make_shifted_pictures(int count, int width, int height, double l
   const double margin = 16;
   const double extent = std::max(width, height) + 2 * margin;
   // About one blot to 17 px², of 1.5 px: the density of fine paint.
-  const SpeckleField surface(static_cast<int>(extent * extent / 17), extent, 1.5, 7);
+  const sim::speckle::SpeckleField surface(static_cast<int>(extent * extent / 17), extent, 1.5, 7);
   std::mt19937 random(5);
   const auto place = [&] {
     return largest_px * (static_cast<double>(random() >> 8) * 0x1p-23 - 1.0) * 0.5;
@@ -98,7 +98,7 @@ void put_errors(BenchRow& row, const ShiftedPictures& pictures, std::span<const 
   double along = 0, length = 0, squares = 0;
   std::size_t ok = 0;
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (motions[i].status != static_cast<idic_int>(WindowStatus::ok)) continue;
+    if (motions[i].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
     const auto first = static_cast<std::size_t>(windows[i].first) % count;
     const auto second = static_cast<std::size_t>(windows[i].second) % count;
     const double u = pictures.x[second] - pictures.x[first];
@@ -115,4 +115,4 @@ void put_errors(BenchRow& row, const ShiftedPictures& pictures, std::span<const 
   row.rms_px = ok > 0 ? std::sqrt(squares / (2.0 * static_cast<double>(ok))) : 0;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

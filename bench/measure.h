@@ -1,16 +1,17 @@
 // Speed with the error beside it: what `impactdic bench` and the programs in this folder measure.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host/base/image.h"
 #include "host/dic/field.h"
 #include "host/opencl/engine.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 
 struct BenchRow {
   std::string work, variant;
@@ -30,7 +31,7 @@ struct Roofline {
   double copy_bytes_per_s = 0;  // device memory, read and written bytes together
   double flops_per_s = 0;       // single-precision multiply-adds, two operations each
 };
-Roofline measure_roofline(Engine& engine);
+Roofline measure_roofline(opencl::Engine& engine);
 
 // Runs `run` until `seconds` have passed, at least three times after one for warming up, and puts
 // runs and times into the row. `run` waits for what it enqueues.
@@ -56,16 +57,16 @@ struct BenchOptions {
 };
 // Each row as soon as it is measured.
 using RowSink = std::function<void(const BenchRow&)>;
-void bench_equal_windows(Engine& engine, const BenchOptions& options, const RowSink& sink);
-void bench_zncc(Engine& engine, const BenchOptions& options, const RowSink& sink);
-void bench_icgn(Engine& engine, const BenchOptions& options, const RowSink& sink);
-void bench_ball(Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_equal_windows(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_zncc(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_icgn(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 // The stream of frames on all of the engines, the rest on the first.
-void bench_methods(std::span<Engine* const> engines, const BenchOptions& options,
+void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                    const RowSink& sink);
 #ifdef IMPACTDIC_WITH_FFTW
 // On a CPU only.
-void bench_references(Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_references(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 #endif
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

@@ -5,9 +5,9 @@
 
 #include "bench/measure.h"
 #include "host/dic/correlator.h"
-#include "host/dic/equal_stream.h"
+#include "host/dic/device/equal_stream.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr int kSide = 512;
@@ -17,13 +17,13 @@ bool is_wanted(const BenchOptions& options, const std::string& work) {
 }
 
 // Both frames of a pair in, all windows out.
-void bench_pair(Engine& engine, const BenchOptions& options, const RowSink& sink,
-                const FieldOptions& field, const std::string& work, const std::string& variant,
+void bench_pair(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink,
+                const dic::FieldOptions& field, const std::string& work, const std::string& variant,
                 std::vector<Window> windows) {
   if (!is_wanted(options, work)) return;
   const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 2);
   for (Window& window : windows) window.second = 1;
-  const auto correlator = make_opencl_correlator(engine, field, 2);
+  const auto correlator = dic::make_opencl_correlator(engine, field, 2);
   std::vector<WindowMotion> motions;
   BenchRow row;
   row.work = work;
@@ -44,10 +44,11 @@ constexpr int kStreamPictures = 8;
 
 // A device's stream with its pictures in place: `pairs` pairs a batch.
 struct DeviceStream {
-  EqualStream stream;
+  dic::EqualStream stream;
 
-  DeviceStream(const Engine& engine, const FieldOptions& field, const ShiftedPictures& pictures,
-               const std::vector<Window>& windows, int pairs, int lanes)
+  DeviceStream(const opencl::Engine& engine, const dic::FieldOptions& field,
+               const ShiftedPictures& pictures, const std::vector<Window>& windows, int pairs,
+               int lanes)
       : stream(engine, field, {kSide, kSide, PixelType::u8, 255, pairs + 1, windows.size() / pairs},
                windows, lanes) {
     for (int lane = 0; lane < lanes; ++lane) {
@@ -69,7 +70,7 @@ struct DeviceStream {
 };
 
 // Pictures in page-locked host memory in, displacements out, on every device at once.
-void bench_stream(std::span<Engine* const> engines, const BenchOptions& options,
+void bench_stream(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                   const RowSink& sink) {
   const std::string work = "stream equal 32x32";
   if (!is_wanted(options, work)) return;
@@ -77,19 +78,19 @@ void bench_stream(std::span<Engine* const> engines, const BenchOptions& options,
   const int pairs = options.batch > 0 ? options.batch : is_gpu ? 128 : 2;
   const int lanes = is_gpu ? 3 : 1, batches = is_gpu ? 64 : 2;
   const ShiftedPictures pictures = make_shifted_pictures(kStreamPictures, kSide, kSide, 6);
-  FieldOptions field;
+  dic::FieldOptions field;
   field.window_px = 32;
   field.min_correlation = 0.3;
   std::vector<Window> windows;
   for (int pair = 0; pair < pairs; ++pair) {
-    for (Window window : rectangle_grid(0, 0, kSide, kSide, 32, 16)) {
+    for (Window window : dic::rectangle_grid(0, 0, kSide, kSide, 32, 16)) {
       window.first = pair;
       window.second = pair + 1;
       windows.push_back(window);
     }
   }
   std::vector<std::unique_ptr<DeviceStream>> all;
-  for (const Engine* engine : engines) {
+  for (const opencl::Engine* engine : engines) {
     all.push_back(std::make_unique<DeviceStream>(*engine, field, pictures, windows, pairs, lanes));
     const std::size_t devices = all.size();
     if (devices > 1 && devices < engines.size()) continue;
@@ -107,7 +108,7 @@ void bench_stream(std::span<Engine* const> engines, const BenchOptions& options,
       for (auto& run : runs) run.get();
     });
     row.bytes = kSide * kSide + 961.0 * sizeof(WindowMotion);
-    row.flops = 961 * equal_flops(32);
+    row.flops = 961 * dic::equal_flops(32);
     put_errors(row, pictures, windows, all.back()->stream.wait(0));
     sink(row);
   }
@@ -115,24 +116,24 @@ void bench_stream(std::span<Engine* const> engines, const BenchOptions& options,
 
 }  // namespace
 
-void bench_methods(std::span<Engine* const> engines, const BenchOptions& options,
+void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                    const RowSink& sink) {
-  Engine& engine = *engines.front();
-  FieldOptions field;
+  opencl::Engine& engine = *engines.front();
+  dic::FieldOptions field;
   field.window_px = 31;
   bench_pair(engine, options, sink, field, "seed + icgn 31x31", "frames in, points out",
-             rectangle_grid(20, 20, 31 + 54 * 8, 31 + 54 * 8, 31, 8));
+             dic::rectangle_grid(20, 20, 31 + 54 * 8, 31 + 54 * 8, 31, 8));
   field.window_px = 15;
-  const auto grid = rectangle_grid(20, 20, 460, 460, 15, 16);
+  const auto grid = dic::rectangle_grid(20, 20, 460, 460, 15, 16);
   for (const int points : {0, 1, 3, 5, 7, 9}) {
     field.interp_points = points;
     const std::string density = "N = " + std::to_string(points);
-    field.method = FieldMethod::published;
+    field.method = dic::FieldMethod::published;
     bench_pair(engine, options, sink, field, "published 15x15", density, grid);
-    field.method = FieldMethod::icgn;
+    field.method = dic::FieldMethod::icgn;
     bench_pair(engine, options, sink, field, "default 15x15", density, grid);
   }
   bench_stream(engines, options, sink);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

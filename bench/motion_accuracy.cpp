@@ -24,8 +24,8 @@ struct Study {
   std::vector<std::string> patterns;
 };
 
-Scene scene(double noise, std::uint64_t seed) {
-  Scene out;
+sim::speckle::Scene scene(double noise, std::uint64_t seed) {
+  sim::speckle::Scene out;
   out.width = out.height = kSide;
   out.noise_sigma = noise;
   out.noise_seed = seed;
@@ -37,27 +37,27 @@ std::uint64_t seed_of(const std::string& name) {
   const auto colon = name.find(':');
   return colon == std::string::npos ? 1 : std::stoull(name.substr(colon + 1));
 }
-SpeckleBall paint(const std::string& name) {
-  return paint_ball(name.substr(0, name.find(':')), seed_of(name));
+sim::speckle::SpeckleBall paint(const std::string& name) {
+  return sim::speckle::paint_ball(name.substr(0, name.find(':')), seed_of(name));
 }
 
 std::vector<std::string> patterns(bool d) {
   std::vector<std::string> names;
-  for (const PatternSpec& spec : pattern_specs()) {
+  for (const sim::speckle::PatternSpec& spec : sim::speckle::pattern_specs()) {
     if ((spec.name[0] == 'd') == d) names.push_back(spec.name);
   }
   return names;
 }
 
 void fractions(const Study& study) {
-  PairMeasurement measurement(Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
   PosePairs pairs;
   for (int k = 0; k <= 20; ++k) {
-    BallPose first;
+    sim::speckle::BallPose first;
     first.cx_px = 149.3;
     first.cy_px = 150.6;
     first.angle_deg = 7;
-    BallPose second = first;
+    sim::speckle::BallPose second = first;
     second.cx_px += 0.05 * k;
     pairs.add(first, second);
   }
@@ -71,15 +71,15 @@ void fractions(const Study& study) {
 }
 
 // Both kinds of motions, of a known point and of the measured centre.
-void motions(const Study& study, Estimator estimator, double hidden) {
+void motions(const Study& study, motion::Estimator estimator, double hidden) {
   PairMeasurement measurement(estimator, kRadiusPx);
   std::map<std::string, MotionErrors> pooled;
   for (const std::string& name : study.patterns) {
-    const SpeckleBall ball = paint(name);
-    Scene the_scene = scene(2, 1);
-    BallPose middle;
+    const sim::speckle::SpeckleBall ball = paint(name);
+    sim::speckle::Scene the_scene = scene(2, 1);
+    sim::speckle::BallPose middle;
     middle.cx_px = middle.cy_px = 0.5 * kSide;
-    if (hidden > 0) the_scene.bar = bar_hiding(hidden, middle, kRadiusPx);
+    if (hidden > 0) the_scene.bar = sim::speckle::bar_hiding(hidden, middle, kRadiusPx);
     const MotionBound bound = motion_bound(ball, the_scene, kMargin);
     const PosePairs fixed = fixed_motions(study.pairs, 1, 1, 3, 8, 0.5 * kSide);
     const PosePairs random = random_motions(study.pairs, 9, 0.5 * kSide);
@@ -103,11 +103,11 @@ void motions(const Study& study, Estimator estimator, double hidden) {
 }
 
 void ring_turns(const Study& study) {
-  PairMeasurement measurement(Estimator::ring, kRadiusPx);
+  PairMeasurement measurement(motion::Estimator::ring, kRadiusPx);
   for (const double turn_deg : {3.0, 20.0, 90.0, 170.0}) {
     MotionErrors known, measured;
     for (const std::string& name : study.patterns) {
-      const SpeckleBall ball = paint(name);
+      const sim::speckle::SpeckleBall ball = paint(name);
       const MotionBound bound = motion_bound(ball, scene(2, 1), 5);
       const PosePairs pairs = fixed_motions(study.pairs, 0.37, -0.61, turn_deg, 18, 0.5 * kSide);
       known.add(measurement.measure(ball, scene(2, 1), pairs, Centres::known, bound).at_point);
@@ -122,13 +122,13 @@ void ring_turns(const Study& study) {
 
 // Light that is fixed to the lamp while the pattern turns under it.
 void shading(const Study& study) {
-  PairMeasurement measurement(Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
   for (const double strength : {0.0, 0.25, 0.5}) {
     for (const double turn_deg : {3.0, 30.0, 90.0, 180.0}) {
       MotionErrors all;
       for (const std::string& name : study.patterns) {
-        const SpeckleBall ball = paint(name);
-        Scene lit = scene(2, 3);
+        const sim::speckle::SpeckleBall ball = paint(name);
+        sim::speckle::Scene lit = scene(2, 3);
         lit.shading = strength;
         const MotionBound bound = motion_bound(ball, lit, kMargin);
         const PosePairs pairs = fixed_motions(study.pairs, 1, 1, turn_deg, 48, 0.5 * kSide);
@@ -140,10 +140,10 @@ void shading(const Study& study) {
 }
 
 // A ball that turns by 3° a frame on a path that fits no grid, `frames` frames.
-std::vector<BallPose> rolling_path(int frames, double middle_px, double reach_px) {
-  std::vector<BallPose> poses;
+std::vector<sim::speckle::BallPose> rolling_path(int frames, double middle_px, double reach_px) {
+  std::vector<sim::speckle::BallPose> poses;
   for (int k = 0; k < frames; ++k) {
-    BallPose pose;
+    sim::speckle::BallPose pose;
     pose.cx_px = middle_px + reach_px * std::sin(0.037 * k);
     pose.cy_px = middle_px + reach_px * std::sin(0.023 * k + 1);
     pose.angle_deg = 3.01 * k + 11;
@@ -168,10 +168,10 @@ void print(const std::string& name, const DriftErrors& errors) {
 void drifts(const Study& study, double shade) {
   DriftErrors all;
   for (const std::string& name : study.patterns) {
-    Scene lit = scene(2, 5);
+    sim::speckle::Scene lit = scene(2, 5);
     lit.shading = shade;
     RenderedClip clip(paint(name), lit, rolling_path(study.pairs, 0.5 * kSide, 20));
-    const DriftErrors errors = drift(track(clip, Estimator::ball), clip.poses());
+    const DriftErrors errors = drift(track(clip, motion::Estimator::ball), clip.poses());
     print(name, errors);
     all.x.add(errors.x);
     all.y.add(errors.y);
@@ -182,7 +182,7 @@ void drifts(const Study& study, double shade) {
 }
 
 // Errors over stated deviations of everything in track.csv, `pairs` frames of each ball.
-void uncertainty(const Study& study, Estimator estimator) {
+void uncertainty(const Study& study, motion::Estimator estimator) {
   struct Column {
     const char* name;
     Errors all;
@@ -230,13 +230,13 @@ int run(const std::string& name, Study study) {
     fractions(study);
   } else if (name == "motions") {
     set(16, patterns(false));
-    motions(study, Estimator::ball, 0);
+    motions(study, motion::Estimator::ball, 0);
   } else if (name == "sparse") {
     set(16, patterns(true));
-    motions(study, Estimator::ball, 0);
+    motions(study, motion::Estimator::ball, 0);
   } else if (name == "bar") {
     set(16, patterns(false));
-    motions(study, Estimator::ball, 0.3);
+    motions(study, motion::Estimator::ball, 0.3);
   } else if (name == "ring") {
     set(8, patterns(false));
     ring_turns(study);
@@ -251,13 +251,13 @@ int run(const std::string& name, Study study) {
     drifts(study, 0.3);
   } else if (name == "uncertainty") {
     set(12, patterns(false));
-    uncertainty(study, Estimator::ball);
+    uncertainty(study, motion::Estimator::ball);
   } else if (name == "uncertainty_field") {
     set(12, patterns(false));
-    uncertainty(study, Estimator::field);
+    uncertainty(study, motion::Estimator::field);
   } else if (name == "field") {
     set(8, patterns(false));
-    motions(study, Estimator::field, 0);
+    motions(study, motion::Estimator::field, 0);
   } else {
     std::fprintf(stderr,
                  "studies: fractions motions sparse bar ring shading drift drift_shaded "

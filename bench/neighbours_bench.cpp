@@ -11,7 +11,7 @@
 #include "host/dic/discs.h"
 #include "host/dic/neighbours.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr double kRadius = 115, kMargin = 3, kNoise_px = 0.01, kTurn_rad = 0.02, kInside = 0.55;
@@ -19,7 +19,7 @@ constexpr int kPairs = 64, kWindow = 15, kSpacing = 8;
 // Together more than a cache holds: results come from the device.
 constexpr int kBatches = 16;
 
-constexpr auto kOk = static_cast<idic_int>(WindowStatus::ok);
+constexpr auto kOk = static_cast<idic_int>(dic::WindowStatus::ok);
 
 // Of this thread: other programs may run beside.
 double processor_seconds() {
@@ -32,7 +32,7 @@ double processor_seconds() {
 struct Batch {
   std::vector<Window> windows;
   std::vector<WindowMotion> found;
-  Discs discs{kPairs + 1};
+  dic::Discs discs{kPairs + 1};
 };
 
 // Rolls and drifts; noisy, one window in a hundred gone astray, one in a hundred lost.
@@ -65,7 +65,7 @@ Batch make_batch(std::span<const Window> grid, unsigned seed) {
       motion.status = kOk;
       const float fate = chance(random);
       if (fate < 0.01F) motion.u += astray(random);
-      if (fate > 0.99F) motion.status = static_cast<idic_int>(WindowStatus::low_correlation);
+      if (fate > 0.99F) motion.status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
       batch.found.push_back(motion);
     }
   }
@@ -102,7 +102,7 @@ class Device {
                                         });
       found[k] = batch_.found[static_cast<std::size_t>(own - batch_.windows.begin())];
       if (std::abs(found[k].u - seeds[k].u) > 1 || std::abs(found[k].v - seeds[k].v) > 1) {
-        found[k].status = static_cast<idic_int>(WindowStatus::not_converged);
+        found[k].status = static_cast<idic_int>(dic::WindowStatus::not_converged);
       }
     }
     asked += windows.size();
@@ -118,23 +118,23 @@ class Device {
 };
 
 void batch(benchmark::State& state) {
-  const auto grid = disc_grid(0, 0, kRadius - kMargin, kWindow, kSpacing, kInside);
+  const auto grid = dic::disc_grid(0, 0, kRadius - kMargin, kWindow, kSpacing, kInside);
   std::vector<Batch> batches;
   for (unsigned i = 0; i < kBatches; ++i) batches.push_back(make_batch(grid, i));
   std::vector<std::vector<WindowMotion>> results(kBatches);
   for (auto& result : results) result.resize(batches[0].windows.size());
-  WholeWindows whole;
-  Neighbours neighbours;
+  dic::WholeWindows whole;
+  dic::Neighbours neighbours;
   std::size_t n = 0, asked = 0, cut = 0, lost = 0, calls = 0;
   for (auto _ : state) {
     const Batch& batch = batches[n % kBatches];
     std::vector<WindowMotion>& motions = results[n++ % kBatches];
     Device device(grid, batch);
-    const RefineWindows refine =
+    const dic::RefineWindows refine =
         [&](std::span<const Window> windows, std::span<const WindowMotion> seeds,
             std::span<WindowMotion> found) { device.refine(windows, seeds, found); };
     const double start = processor_seconds();
-    whole.search(batch.windows, kWindow, batch.discs, WindowStatus::low_correlation, motions,
+    whole.search(batch.windows, kWindow, batch.discs, dic::WindowStatus::low_correlation, motions,
                  [&](std::span<const Window> windows, std::span<WindowMotion> found) {
                    device.search(windows, found);
                  });
@@ -163,6 +163,6 @@ void batch(benchmark::State& state) {
 BENCHMARK(batch)->UseManualTime()->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::bench
 
 BENCHMARK_MAIN();

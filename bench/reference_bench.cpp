@@ -10,7 +10,7 @@
 #include "bench/measure.h"
 #include "host/dic/correlator.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr int kSide = 512, kWindow = 32, kPoints = kWindow * kWindow;
@@ -63,13 +63,14 @@ WindowMotion peak_of(const float* map) {
   motion.u = static_cast<float>(lag(x)) + shift(value(x - 1, y), centre, value(x + 1, y));
   motion.v = static_cast<float>(lag(y)) + shift(value(x, y - 1), centre, value(x, y + 1));
   const bool is_number = std::isfinite(motion.u) && std::isfinite(motion.v);
-  motion.status = static_cast<idic_int>(is_number ? WindowStatus::ok : WindowStatus::not_converged);
+  motion.status =
+      static_cast<idic_int>(is_number ? dic::WindowStatus::ok : dic::WindowStatus::not_converged);
   return motion;
 }
 
 void bench_fftw(const BenchOptions& options, const RowSink& sink) {
   const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 6);
-  auto windows = rectangle_grid(0, 0, kSide, kSide, kWindow, kWindow / 2);
+  auto windows = dic::rectangle_grid(0, 0, kSide, kSide, kWindow, kWindow / 2);
   for (Window& window : windows) window.second = 1;
   std::vector<WindowMotion> motions(windows.size());
   Transforms planned;
@@ -107,13 +108,13 @@ void bench_fftw(const BenchOptions& options, const RowSink& sink) {
 }
 
 void bench_double_icgn(const BenchOptions& options, const RowSink& sink) {
-  FieldOptions field;
+  dic::FieldOptions field;
   field.window_px = 31;
   const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 6);
-  const auto correlator = make_reference_correlator(field, 2);
+  const auto correlator = dic::make_reference_correlator(field, 2);
   for (int k = 0; k < 2; ++k)
     correlator->set_frame(k, pictures.frames[static_cast<std::size_t>(k)]);
-  auto windows = rectangle_grid(40, 40, 400, 400, 31, 120);
+  auto windows = dic::rectangle_grid(40, 40, 400, 400, 31, 120);
   for (Window& window : windows) window.second = 1;
   std::vector<WindowMotion> motions;
   BenchRow row;
@@ -128,7 +129,7 @@ void bench_double_icgn(const BenchOptions& options, const RowSink& sink) {
 
 }  // namespace
 
-void bench_references(Engine& engine, const BenchOptions& options, const RowSink& sink) {
+void bench_references(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink) {
   const auto is_wanted = [&](const std::string& work) {
     return work.find(options.only) != std::string::npos;
   };
@@ -137,4 +138,4 @@ void bench_references(Engine& engine, const BenchOptions& options, const RowSink
   if (is_wanted("seed + icgn 31x31")) bench_double_icgn(options, sink);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

@@ -1,12 +1,12 @@
 #include "bench/table.h"
 
+#include <impactdic/error.h>
+
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 nlohmann::json to_json(const BenchRow& row, const Roofline& roofline) {
@@ -41,9 +41,9 @@ void print_row(const BenchRow& row, const Roofline& roofline) {
 
 }  // namespace
 
-void print_bench_table(std::span<Engine* const> engines, const BenchOptions& options,
+void print_bench_table(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                        const std::string& json) {
-  Engine& engine = *engines.front();
+  opencl::Engine& engine = *engines.front();
   const Roofline roofline = measure_roofline(engine);
   std::printf("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s\n",
               engine.device().name.c_str(), engine.device().driver.c_str(),
@@ -79,4 +79,4 @@ void print_bench_table(std::span<Engine* const> engines, const BenchOptions& opt
   if (!file.flush()) throw FileError("cannot be written", json);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

@@ -3,6 +3,8 @@
 // plays that again and again. JSON on standard output.
 //   track_throughput PROGRAM FOLDER [--frames N] [--distinct N] [--format mraw|cine|...]
 //                    [-- options of track]
+#include <impactdic/error.h>
+#include <impactdic/units.h>
 #include <sys/wait.h>
 
 #include <cmath>
@@ -14,15 +16,13 @@
 #include <string>
 #include <vector>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
-#include "host/base/units.h"
 #include "host/report/csv.h"
 #include "host/video/frame_sink.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr double kRadius = 115;
@@ -59,27 +59,27 @@ Request parse(int argc, char** argv) {
 }
 
 // Once around a circle and once about itself in `distinct` frames.
-BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
+sim::speckle::BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
   const double turn = static_cast<double>(frame % distinct) / static_cast<double>(distinct);
   const double at = 2 * kPi * turn;
   return {255.63 + 60 * std::cos(at), 255.41 + 60 * std::sin(at), 360 * turn};
 }
 
-void write_clip(const Request& request, const std::string& path, SinkFormat format) {
-  Scene scene;
+void write_clip(const Request& request, const std::string& path, video::SinkFormat format) {
+  sim::speckle::Scene scene;
   scene.noise_sigma = 2;
-  const BallRenderer renderer(paint_ball("e1", 7, kRadius), scene);
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", 7, kRadius), scene);
   std::vector<Frame> frames(static_cast<std::size_t>(request.distinct));
   for (std::int64_t k = 0; k < request.distinct; ++k) {
     renderer.render(pose_of(k, request.distinct), k, frames[static_cast<std::size_t>(k)]);
   }
-  VideoInfo info;
+  video::VideoInfo info;
   info.width = scene.width;
   info.height = scene.height;
   info.bits = 8;
   info.fps = 10000;
   info.frame_count = request.frames;
-  const auto sink = open_sink(path, format, info);
+  const auto sink = video::open_sink(path, format, info);
   for (std::int64_t i = 0; i < request.frames; ++i) {
     sink->write(frames[static_cast<std::size_t>(i % request.distinct)]);
   }
@@ -101,7 +101,8 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
   std::int64_t ok = 0;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const TrackRow& row = rows[i];
-    const BallPose a = pose_of(row.frame, distinct), b = pose_of(row.frame + 1, distinct);
+    const sim::speckle::BallPose a = pose_of(row.frame, distinct),
+                                 b = pose_of(row.frame + 1, distinct);
     if (row.status != TrackStatus::ok) continue;
     ++ok;
     centre.add(row.cx_px - a.cx_px);
@@ -120,10 +121,12 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
 int run(const Request& request) {
   namespace fs = std::filesystem;
   fs::create_directories(request.folder);
-  const SinkFormat format = parse_sink_format(request.format);
+  const video::SinkFormat format = video::parse_sink_format(request.format);
   const std::string stem = request.folder + "/clip", out = request.folder + "/out";
-  const bool photron = format == SinkFormat::mraw || format == SinkFormat::mraw_packed12;
-  const std::string path = stem + sink_extension(format), clip = photron ? stem + ".cihx" : path;
+  const bool photron =
+      format == video::SinkFormat::mraw || format == video::SinkFormat::mraw_packed12;
+  const std::string path = stem + video::sink_extension(format),
+                    clip = photron ? stem + ".cihx" : path;
   if (!fs::exists(clip)) write_clip(request, path, format);
   const std::string command =
       request.program + " track " + clip + " -o " + out + " --force" + request.options + " 1>&2";
@@ -134,7 +137,7 @@ int run(const Request& request) {
   if (status != 0) throw Error("the program failed: " + command);
   nlohmann::json summary;
   std::ifstream(out + "/summary.json") >> summary;
-  nlohmann::json result = errors(read_track_csv(out + "/track.csv"), request.distinct);
+  nlohmann::json result = errors(report::read_track_csv(out + "/track.csv"), request.distinct);
   result["command"] = "track" + request.options;
   result["format"] = request.format;
   result["frames"] = request.frames;
@@ -147,7 +150,7 @@ int run(const Request& request) {
 }
 
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::bench
 
 int main(int argc, char** argv) {
   try {

@@ -1,13 +1,14 @@
 #include "bench/tune.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 
 #include "bench/measure.h"
-#include "host/base/error.h"
-#include "host/dic/equal_reference.h"
-#include "host/dic/zncc_reference.h"
+#include "host/dic/reference/equal.h"
+#include "host/dic/reference/zncc.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 namespace {
 
 constexpr int kSide = 512;
@@ -15,19 +16,19 @@ constexpr int kSide = 512;
 constexpr std::size_t kCompared = 48;
 
 struct Trial {
-  Engine& engine;
-  DeviceFrames frames;
+  opencl::Engine& engine;
+  dic::DeviceFrames frames;
   std::vector<Window> list;
   std::vector<WindowMotion> expected;  // of every stride-th window
   std::size_t stride = 1;
-  Buffer<Window> windows;
-  Buffer<WindowMotion> motions;
+  opencl::Buffer<Window> windows;
+  opencl::Buffer<WindowMotion> motions;
 
   using Reference = std::function<WindowMotion(ImageView<const float>, ImageView<const float>,
                                                const Window&, double full_scale)>;
 
   // The pairs of a clip with moderate shifts, the grid on each of them.
-  Trial(Engine& on, const std::vector<Window>& grid, const Reference& reference)
+  Trial(opencl::Engine& on, const std::vector<Window>& grid, const Reference& reference)
       : engine(on), frames(on, pairs_of(on) + 1) {
     constexpr int kPictures = 4;
     const ShiftedPictures pictures = make_shifted_pictures(kPictures, kSide, kSide, 6);
@@ -51,19 +52,19 @@ struct Trial {
       expected.push_back(
           reference(view(list[i].first), view(list[i].second), list[i], frames.full_scale()));
     }
-    windows = make_buffer<Window>(engine, list);
-    motions = Buffer<WindowMotion>(engine, list.size());
+    windows = opencl::make_buffer<Window>(engine, list);
+    motions = opencl::Buffer<WindowMotion>(engine, list.size());
   }
 
-  static int pairs_of(const Engine& engine) { return engine.device().is_gpu ? 64 : 1; }
+  static int pairs_of(const opencl::Engine& engine) { return engine.device().is_gpu ? 64 : 1; }
 
   // Fills in difference_px; says what is wrong with the motions.
-  std::string judge(TunedKernel& kernel, double largest_px) {
+  std::string judge(dic::TunedKernel& kernel, double largest_px) {
     const std::vector<WindowMotion> measured = motions.to_vector(engine);
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const WindowMotion &a = measured[i * stride], &b = expected[i];
       if (a.status != b.status) return "other status than the reference";
-      if (b.status != static_cast<idic_int>(WindowStatus::ok)) continue;
+      if (b.status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
       const double difference = std::max(std::abs(a.u - b.u), std::abs(a.v - b.v));
       if (!(difference <= largest_px)) kernel.difference_px = difference;
       kernel.difference_px = std::max(kernel.difference_px, difference);
@@ -74,9 +75,9 @@ struct Trial {
 
 // `make(variant)` returns what measures the trial's windows.
 template <typename Variant, typename Make>
-TunedKernel tune(Trial& trial, const std::string& work, const std::vector<Variant>& variants,
-                 const TuneOptions& options, const TuneSink& sink, const Make& make) {
-  TunedKernel best;
+dic::TunedKernel tune(Trial& trial, const std::string& work, const std::vector<Variant>& variants,
+                      const TuneOptions& options, const TuneSink& sink, const Make& make) {
+  dic::TunedKernel best;
   for (const Variant& variant : variants) {
     TunedVariant tried;
     tried.kernel.work = work;
@@ -103,35 +104,37 @@ TunedKernel tune(Trial& trial, const std::string& work, const std::vector<Varian
 
 }  // namespace
 
-TunedKernel tune_zncc(Engine& engine, const FieldOptions& field, const TuneOptions& options,
-                      const TuneSink& sink) {
+dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& field,
+                           const TuneOptions& options, const TuneSink& sink) {
   const int margin = field.search_px, side = kSide - 2 * margin;
-  Trial trial(engine, rectangle_grid(margin, margin, side, side, field.window_px, 16),
+  Trial trial(engine, dic::rectangle_grid(margin, margin, side, side, field.window_px, 16),
               [&](auto first, auto second, const Window& window, double full_scale) {
-                return zncc_reference(first, second, window, field, full_scale);
+                return dic::zncc_reference(first, second, window, field, full_scale);
               });
-  return tune(trial, zncc_work(field), zncc_variants(engine.device(), field), options, sink,
-              [&](const ZnccVariant& variant) { return ZnccOpencl(engine, field, variant); });
+  return tune(
+      trial, dic::zncc_work(field), dic::zncc_variants(engine.device(), field), options, sink,
+      [&](const dic::ZnccVariant& variant) { return dic::ZnccOpencl(engine, field, variant); });
 }
 
-TunedKernel tune_equal(Engine& engine, const FieldOptions& field, const TuneOptions& options,
-                       const TuneSink& sink) {
-  const auto grid = rectangle_grid(0, 0, kSide, kSide, field.window_px, field.window_px / 2);
+dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& field,
+                            const TuneOptions& options, const TuneSink& sink) {
+  const auto grid = dic::rectangle_grid(0, 0, kSide, kSide, field.window_px, field.window_px / 2);
   Trial trial(engine, grid, [&](auto first, auto second, const Window& window, double full_scale) {
-    return equal_reference(first, second, window, field, full_scale);
+    return dic::equal_reference(first, second, window, field, full_scale);
   });
-  return tune(trial, equal_work(field.window_px), equal_variants(engine.device(), field.window_px),
-              options, sink, [&](const EqualVariant& variant) {
+  return tune(trial, dic::equal_work(field.window_px),
+              dic::equal_variants(engine.device(), field.window_px), options, sink,
+              [&](const dic::EqualVariant& variant) {
                 struct OfClip {
-                  EqualOpencl equal;
+                  dic::EqualOpencl equal;
                   std::size_t period;
-                  void run(const DeviceFrames& frames, const Buffer<Window>& windows,
-                           std::size_t count, Buffer<WindowMotion>& motions) {
+                  void run(const dic::DeviceFrames& frames, const opencl::Buffer<Window>& windows,
+                           std::size_t count, opencl::Buffer<WindowMotion>& motions) {
                     equal.run(frames, windows, count, motions, period);
                   }
                 };
-                return OfClip{EqualOpencl(engine, field, variant), grid.size()};
+                return OfClip{dic::EqualOpencl(engine, field, variant), grid.size()};
               });
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

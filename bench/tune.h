@@ -4,13 +4,13 @@
 #include <functional>
 #include <vector>
 
-#include "host/dic/tuning.h"
+#include "host/dic/device/tuning.h"
 
-namespace impactdic {
+namespace impactdic::bench {
 
 // A variant as it was tried.
 struct TunedVariant {
-  TunedKernel kernel;
+  dic::TunedKernel kernel;
   std::string rejected;  // why it is not taken, empty where it may be
 };
 
@@ -24,9 +24,9 @@ using TuneSink = std::function<void(const TunedVariant&)>;
 
 // Tries each variant that the device allows, hands it to `sink`, and returns the quickest of the
 // right ones. Throws Error where none is right.
-TunedKernel tune_zncc(Engine& engine, const FieldOptions& field, const TuneOptions& options,
-                      const TuneSink& sink);
-TunedKernel tune_equal(Engine& engine, const FieldOptions& field, const TuneOptions& options,
-                       const TuneSink& sink);
+dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& field,
+                           const TuneOptions& options, const TuneSink& sink);
+dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& field,
+                            const TuneOptions& options, const TuneSink& sink);
 
-}  // namespace impactdic
+}  // namespace impactdic::bench

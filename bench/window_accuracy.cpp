@@ -47,7 +47,7 @@ struct Sums {
         std::sqrt(squares / components), std::sqrt(squares / bound),
         std::sqrt(normalised / components), worst_px, worst);
     for (const auto& [status, count] : lost) {
-      std::printf(" %s %d", to_string(static_cast<WindowStatus>(status)), count);
+      std::printf(" %s %d", dic::to_string(static_cast<dic::WindowStatus>(status)), count);
     }
     std::printf("\n");
     std::fflush(stdout);
@@ -63,7 +63,8 @@ int run(int argc, char** argv) {
   for (int k = 4; k < argc; ++k) {
     Sums whole, cut;
     for (int seed = std::atoi(argv[2]); seed <= std::atoi(argv[3]); ++seed) {
-      const SpeckleBall ball = paint_ball(argv[k], static_cast<std::uint64_t>(seed));
+      const sim::speckle::SpeckleBall ball =
+          sim::speckle::paint_ball(argv[k], static_cast<std::uint64_t>(seed));
       int number = 0;
       for (const PlaneMotion& motion : kEightMotions) {
         ++number;

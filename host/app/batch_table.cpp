@@ -1,12 +1,13 @@
 #include "host/app/batch_table.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cctype>
 #include <map>
 #include <set>
 
 #include "host/base/csv_table.h"
-#include "host/base/error.h"
 #include "host/video/natural_order.h"
 
 namespace impactdic::app {
@@ -59,7 +60,7 @@ std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
     if (names[shot.name] > 1) shot.name = shot.clip.filename().string();
   }
   std::sort(shots.begin(), shots.end(), [](const BatchShot& a, const BatchShot& b) {
-    return natural_less(a.clip.string(), b.clip.string());
+    return video::natural_less(a.clip.string(), b.clip.string());
   });
   return shots;
 }

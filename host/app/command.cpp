@@ -1,9 +1,9 @@
 #include "host/app/command.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <system_error>
-
-#include "host/base/error.h"
 
 namespace impactdic::app {
 

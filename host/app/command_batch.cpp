@@ -1,3 +1,5 @@
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -12,7 +14,6 @@
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/track_run.h"
-#include "host/base/error.h"
 #include "host/base/progress.h"
 #include "host/report/shots_csv.h"
 
@@ -210,7 +211,7 @@ void Batch::measure(const BatchShot& shot, RunContext& run) {
 
 void Batch::add_to_table(std::size_t index) {
   const BatchShot& shot = shots_[index];
-  ShotEntry entry;
+  report::ShotEntry entry;
   entry.file = shot.clip.filename().string();
   entry.name = shot.name;
   entry.drop_height_mm = shot.drop_height_mm;
@@ -230,14 +231,14 @@ void Batch::add_to_table(std::size_t index) {
     std::getline(file, entry.reason);
     ++failed_;
   }
-  lines_[index] = shots_csv_line(entry, summary);
+  lines_[index] = report::shots_csv_line(entry, summary);
 }
 
 void Batch::write_table() const {
   std::vector<std::string> known;
   std::copy_if(lines_.begin(), lines_.end(), std::back_inserter(known),
                [](const std::string& line) { return !line.empty(); });
-  write_shots_csv(output_ / "shots.csv", known);
+  report::write_shots_csv(output_ / "shots.csv", known);
 }
 
 void Batch::report() const {

@@ -10,13 +10,13 @@ namespace {
 
 struct Options {
   Common common;
-  BenchOptions bench;
+  bench::BenchOptions bench;
   std::string json;
 };
 
 void run_bench(const Options& options) {
   RunContext context(options.common);
-  print_bench_table(context.engines(), options.bench, options.json);
+  bench::print_bench_table(context.engines(), options.bench, options.json);
 }
 
 }  // namespace

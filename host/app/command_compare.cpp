@@ -5,8 +5,8 @@
 #include "host/app/command.h"
 #include "host/app/compare_output.h"
 #include "host/app/job_command.h"
-#include "sim/fit/compare_job.h"
-#include "sim/impact/result_files.h"
+#include "sim/compare/compare_job.h"
+#include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
@@ -19,19 +19,19 @@ std::string cell(const char* format, double value, int width) {
   return text;
 }
 
-void print(const CompareResult& result) {
+void print(const sim::compare::CompareResult& result) {
   const auto line = [](const char* name, double vt, double vn, double omega) {
     std::printf("  %-20s vt %s  vn %s m/s  omega %s rad/s", name, cell("%8.4f", vt, 8).c_str(),
                 cell("%8.4f", vn, 8).c_str(), cell("%8.3f", omega, 8).c_str());
   };
-  for (const ComparedShot& c : result.shots) {
-    const Flight& after = c.shot.after;
+  for (const sim::compare::ComparedShot& c : result.shots) {
+    const sim::shot::Flight& after = c.shot.after;
     std::printf("%s, %.1f deg\n", c.shot.file.c_str(), c.shot.surface_angle_deg);
     line("measured", after.vt_m_s.value, after.vn_m_s.value, after.omega_rad_s.value);
     std::printf("\n");
-    for (const ModelOutcome& m : c.models) {
-      const ModelPrediction& p = m.prediction;
-      line(std::string(name_of(m.model)).c_str(), p.vt_m_s, p.vn_m_s, p.omega_rad_s);
+    for (const sim::compare::ModelOutcome& m : c.models) {
+      const sim::compare::ModelPrediction& p = m.prediction;
+      line(std::string(sim::compare::name_of(m.model)).c_str(), p.vt_m_s, p.vn_m_s, p.omega_rad_s);
       if (!std::isnan(m.rms_m)) std::printf("  rms %.4f mm", 1e3 * m.rms_m);
       std::printf("\n");
       if (!std::isnan(m.printed.vt_m_s) || !std::isnan(m.printed.omega_rad_s)) {
@@ -42,12 +42,12 @@ void print(const CompareResult& result) {
   }
 }
 
-void print(const std::vector<ComparedBlow>& blows) {
-  for (const ComparedBlow& blow : blows) {
+void print(const std::vector<sim::compare::ComparedBlow>& blows) {
+  for (const sim::compare::ComparedBlow& blow : blows) {
     std::printf("%s, rod at %.1f deg\n  %-14s e %s  omega %s rad/s\n", blow.file.c_str(),
                 blow.rod_angle_deg, "measured", cell("%7.4f", blow.restitution, 7).c_str(),
                 cell("%8.3f", blow.after.omega_rad_s.value, 8).c_str());
-    for (const RodOutcome& m : blow.models) {
+    for (const sim::compare::RodOutcome& m : blow.models) {
       std::printf("  %-14s e %7.4f  omega %8.3f rad/s", m.model.c_str(), m.restitution,
                   m.omega_rad_s);
       if (m.micro_impacts > 0) {
@@ -59,20 +59,21 @@ void print(const std::vector<ComparedBlow>& blows) {
 }
 
 void run_compare(const JobOptions& options) {
-  if (is_rod_compare_job(options.job)) {
-    const RodCompareJob job = read_rod_compare_job(options.job);
-    const std::vector<ComparedBlow> blows = compare_rods(job, options.threads);
+  if (sim::compare::is_rod_compare_job(options.job)) {
+    const sim::compare::RodCompareJob job = sim::compare::read_rod_compare_job(options.job);
+    const std::vector<sim::compare::ComparedBlow> blows =
+        sim::compare::compare_rods(job, options.threads);
     const auto folder = prepare_output_directory(options.output, options.force);
     write_rod_comparison(folder, job, blows);
-    write_text(folder / "job.toml", to_toml(job));
+    sim::job::write_text(folder / "job.toml", sim::compare::to_toml(job));
     if (!options.quiet) print(blows);
     return;
   }
-  const CompareJob job = read_compare_job(options.job);
-  const CompareResult result = compare(job, options.threads);
+  const sim::compare::CompareJob job = sim::compare::read_compare_job(options.job);
+  const sim::compare::CompareResult result = sim::compare::compare(job, options.threads);
   const auto folder = prepare_output_directory(options.output, options.force);
   write_comparison(folder, job, result);
-  write_text(folder / "job.toml", to_toml(job));
+  sim::job::write_text(folder / "job.toml", sim::compare::to_toml(job));
   if (!options.quiet) print(result);
 }
 

@@ -1,3 +1,5 @@
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -10,12 +12,11 @@
 #include "host/app/job.h"
 #include "host/app/run_context.h"
 #include "host/app/video_options.h"
-#include "host/base/error.h"
 #include "host/base/log.h"
+#include "host/pipeline/correlate_clip.h"
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
 #include "host/report/summary.h"
-#include "host/track/correlate_clip.h"
 
 namespace impactdic::app {
 namespace {
@@ -27,20 +28,20 @@ struct Request {
   std::string output, frames, roi, reference = "first", mask, polygon, motion = "windows";
 };
 
-ReferenceFrame parse_reference(const std::string& word) {
-  if (word == "first") return ReferenceFrame::first;
-  if (word == "previous") return ReferenceFrame::previous;
+pipeline::ReferenceFrame parse_reference(const std::string& word) {
+  if (word == "first") return pipeline::ReferenceFrame::first;
+  if (word == "previous") return pipeline::ReferenceFrame::previous;
   throw InvalidArgument("'" + word + "' is not a reference", "--reference", "first or previous");
 }
 
-RegionMotion parse_motion(const std::string& word) {
-  if (word == "windows") return RegionMotion::windows;
-  if (word == "region") return RegionMotion::region;
+pipeline::RegionMotion parse_motion(const std::string& word) {
+  if (word == "windows") return pipeline::RegionMotion::windows;
+  if (word == "region") return pipeline::RegionMotion::region;
   throw InvalidArgument("'" + word + "' is no way to measure the motion", "--motion",
                         "windows or region");
 }
 
-Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
+Image<std::uint8_t> read_mask(const std::string& path, const video::VideoInfo& clip) {
   if (path.empty()) return {};
   VideoRequest request;
   request.inputs = {path};
@@ -59,7 +60,7 @@ Image<std::uint8_t> read_mask(const std::string& path, const VideoInfo& clip) {
 }
 
 // What both leave: the mask's picture and the polygon.
-Image<std::uint8_t> resolve_mask(const Request& request, const VideoInfo& clip) {
+Image<std::uint8_t> resolve_mask(const Request& request, const video::VideoInfo& clip) {
   Image<std::uint8_t> mask = read_mask(request.mask, clip);
   if (request.polygon.empty()) return mask;
   const Image<std::uint8_t> polygon = parse_polygon(request.polygon, clip.width, clip.height);
@@ -70,25 +71,25 @@ Image<std::uint8_t> resolve_mask(const Request& request, const VideoInfo& clip) 
 
 // The rectangle asked for; without one, all of the picture in which every window's search area lies
 // inside too, so that no window is lost at the picture's edge.
-Roi resolve_roi(const std::string& text, const VideoInfo& info, int search_px) {
+Roi resolve_roi(const std::string& text, const video::VideoInfo& info, int search_px) {
   if (!text.empty()) return parse_roi(text, info.width, info.height);
   const int margin = std::min({search_px, (info.width - 1) / 2, (info.height - 1) / 2});
   return {margin, margin, info.width - 2 * margin, info.height - 2 * margin};
 }
 
-ClipAdvice look_at(FrameSource& source, const CorrelateOptions& options) {
-  AdviceRequest request;
+advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::CorrelateOptions& options) {
+  advice::AdviceRequest request;
   request.ball = false;
   request.frames = options.frames;
   request.roi = options.roi;
   request.field = options.field;
-  return advise_clip(source, request);
+  return advice::advise_clip(source, request);
 }
 
 void run_correlate(const CLI::App& command, const Request& request) {
   const auto source = open_requested(request.video);
-  const VideoInfo& info = source->info();
-  CorrelateOptions options;
+  const video::VideoInfo& info = source->info();
+  pipeline::CorrelateOptions options;
   options.field = resolve(request.field);
   options.spacing_px = request.field.spacing_px;
   options.frames = parse_frame_range(request.frames, info.frame_count);
@@ -103,33 +104,34 @@ void run_correlate(const CLI::App& command, const Request& request) {
     throw InvalidArgument("a displacement needs two frames", info.path,
                           "several pictures form a sequence");
   }
-  std::vector<Window> windows = region_grid(options);
+  std::vector<Window> windows = pipeline::region_grid(options);
   RunContext run(request.common);
   const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
 
-  const ClipAdvice advice = look_at(*source, options);
+  const advice::ClipAdvice advice = look_at(*source, options);
   if (advice.texture) options.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
 
-  std::future<ClipDigest> digest =
-      std::async(std::launch::async, digest_of, std::cref(info), kDigestPiece);
-  Attributes attributes = run.attributes(info);
+  std::future<video::ClipDigest> digest =
+      std::async(std::launch::async, video::digest_of, std::cref(info), video::kDigestPiece);
+  report::Attributes attributes = run.attributes(info);
   describe(request.field, attributes);
   attributes["option_reference"] = request.reference;
   attributes["option_motion"] = request.motion;
-  MotionCsv motion_csv(folder / "motion.csv");
-  auto fields = FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px,
-                                   attributes, request.field.compression);
+  report::MotionCsv motion_csv(folder / "motion.csv");
+  auto fields =
+      report::FieldsFile::create(folder / "fields.h5", windows.size(), options.field.window_px,
+                                 attributes, request.field.compression);
   options.times = run.stage_times();
   int measured = 0;
   Stopwatch watch;
   {
     TerminalProgress progress("correlate", request.common.quiet);
-    correlate_clip(
+    pipeline::correlate_clip(
         *source, run.engine(), options,
-        [&](const CorrelatedFrame& frame) {
+        [&](const pipeline::CorrelatedFrame& frame) {
           motion_csv.add(frame);
           fields.add(frame.frame, frame.time_s, windows, frame.field, nullptr);
           if (!frame.is_reference && frame.status == TrackStatus::ok) ++measured;
@@ -139,9 +141,9 @@ void run_correlate(const CLI::App& command, const Request& request) {
   fields.flush();
   const double wall_s = watch.seconds();
   const double rate = static_cast<double>(options.frames.count()) / wall_s;
-  const ClipDigest found = digest.get();
+  const video::ClipDigest found = digest.get();
   fields.set_source_digest(found);
-  nlohmann::json summary = {{"input", describe_input(info, found)},
+  nlohmann::json summary = {{"input", report::describe_input(info, found)},
                             {"device", run.describe()},
                             {"frames_analysed", options.frames.count()},
                             {"frames_measured", measured},
@@ -149,7 +151,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
                             {"frames_per_s", rate},
                             {"advice", describe_advice(advice)},
                             {"warnings", warnings}};
-  write_json(folder / "summary.json", summary);
+  report::write_json(folder / "summary.json", summary);
   if (!request.common.quiet) {
     std::printf("%d of %lld frames measured with %zu windows, %.1f frames/s; results in %s\n",
                 measured, static_cast<long long>(options.frames.count() - 1), windows.size(), rate,

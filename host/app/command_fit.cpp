@@ -6,21 +6,21 @@
 #include "host/app/fit_output.h"
 #include "host/app/job_command.h"
 #include "sim/fit/fit_job.h"
-#include "sim/impact/result_files.h"
+#include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
 
-void print(const FitResult& result) {
+void print(const sim::fit::FitResult& result) {
   if (result.shots.size() == 1) {
-    for (const ParameterEstimate& p : result.shots[0].parameters) {
+    for (const sim::fit::ParameterEstimate& p : result.shots[0].parameters) {
       std::printf("%-22s %.6g +- %.2g  95 %% in [%.6g, %.6g]%s%s\n", p.key.c_str(), p.value, p.sd,
                   p.ci95_low, p.ci95_high,
                   p.determined ? "" : "  NOT DETERMINED: ", p.determined ? "" : p.verdict.c_str());
     }
     return;
   }
-  for (const PooledEstimate& p : result.pooled) {
+  for (const sim::fit::PooledEstimate& p : result.pooled) {
     // The published grid gives no deviations to weigh by: its mean is all there is.
     if (!std::isnan(p.value)) {
       std::printf("%-22s pooled %.6g +- %.2g\n", p.key.c_str(), p.value, p.sd);
@@ -32,13 +32,13 @@ void print(const FitResult& result) {
 }
 
 void run_fit(const JobOptions& options) {
-  const FitJob job = read_fit_job(options.job);
-  const FitResult result = calibrate(job, options.threads);
+  const sim::fit::FitJob job = sim::fit::read_fit_job(options.job);
+  const sim::fit::FitResult result = sim::fit::calibrate(job, options.threads);
   const auto folder = prepare_output_directory(options.output, options.force);
   write_fit(folder, job, result);
-  write_text(folder / "job.toml", to_toml(job));
+  sim::job::write_text(folder / "job.toml", sim::fit::to_toml(job));
   if (!options.quiet) print(result);
-  for (const ShotFit& fit : result.shots) print_warnings(fit.warnings, fit.shot.file);
+  for (const sim::fit::ShotFit& fit : result.shots) print_warnings(fit.warnings, fit.shot.file);
 }
 
 }  // namespace

@@ -20,26 +20,26 @@ std::string rounded(double value) {
 
 struct Request {
   VideoRequest video;
-  FieldOptions field;
+  dic::FieldOptions field;
   double error_px = 0.01;
 };
 
 // The ball's texture; that of the whole picture where there is no ball.
-ClipAdvice look_at(FrameSource& source, const FieldOptions& field) {
-  AdviceRequest request;
+advice::ClipAdvice look_at(video::FrameSource& source, const dic::FieldOptions& field) {
+  advice::AdviceRequest request;
   request.frames = parse_frame_range("", source.info().frame_count);
   request.roi = {0, 0, source.info().width, source.info().height};
   request.field = field;
-  ClipAdvice advice = advise_clip(source, request);
+  advice::ClipAdvice advice = advice::advise_clip(source, request);
   if (advice.ball) return advice;
   request.ball = false;
-  return advise_clip(source, request);
+  return advice::advise_clip(source, request);
 }
 
 void run_info(const Request& request) {
   request.field.validate();
   const auto source = open_requested(request.video);
-  const VideoInfo& info = source->info();
+  const video::VideoInfo& info = source->info();
   line("file", info.path);
   line("format", info.format + (info.storage.empty() ? "" : ", " + info.storage));
   if (!info.camera.empty()) line("camera", info.camera);
@@ -59,7 +59,7 @@ void run_info(const Request& request) {
     }
   }
   for (const auto& [label, value] : info.extra) line(label, value);
-  const ClipAdvice advice = look_at(*source, request.field);
+  const advice::ClipAdvice advice = look_at(*source, request.field);
   for (const auto& [label, value] : advice_lines(advice, request.error_px)) line(label, value);
   for (const std::string& warning : all_warnings(request.video, info, advice)) {
     line("warning", warning);

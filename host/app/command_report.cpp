@@ -1,5 +1,6 @@
 // impactdic report DIR: figures and one page out of results. The figures are drawn in Python
 // (scripts/impactdic/report); this command finds it and hands over.
+#include <impactdic/error.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,7 +11,6 @@
 #include <memory>
 
 #include "host/app/command.h"
-#include "host/base/error.h"
 
 namespace impactdic::app {
 namespace {

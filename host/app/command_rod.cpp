@@ -1,4 +1,7 @@
 // impactdic rod MARKERS.csv -o DIR: a rod's impact from three markers (chapter 5).
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -7,8 +10,6 @@
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/rod_output.h"
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/fit/parallel.h"
 
 namespace impactdic::app {
@@ -17,12 +18,12 @@ namespace {
 struct Request {
   Common common;
   std::string markers, output, vertical = "y", deformations;
-  RodJob rod;
+  sim::rod::RodJob rod;
   double young_pa = 200e9, flat_young_pa = 200e9, gravity_m_s2 = 9.81, centre_offset_m = 0;
 };
 
-RodMeasureOptions measure_options(const Request& request) {
-  RodMeasureOptions options;
+sim::rod::RodMeasureOptions measure_options(const Request& request) {
+  sim::rod::RodMeasureOptions options;
   options.body = request.rod.body;
   options.friction_kinetic = request.rod.friction_kinetic;
   options.gravity_m_s2 = request.gravity_m_s2;
@@ -34,51 +35,52 @@ RodMeasureOptions measure_options(const Request& request) {
 }
 
 // Both presets with the user's rod and flat.
-std::vector<std::pair<std::string, RodJob>> models(const Request& request) {
-  std::vector<std::pair<std::string, RodJob>> jobs{{"rigid_rod", rigid_rod_preset()},
-                                                   {"flexible_rod", flexible_rod_preset()}};
+std::vector<std::pair<std::string, sim::rod::RodJob>> models(const Request& request) {
+  std::vector<std::pair<std::string, sim::rod::RodJob>> jobs{
+      {"rigid_rod", sim::rod::rigid_rod_preset()},
+      {"flexible_rod", sim::rod::flexible_rod_preset()}};
   for (auto& [name, job] : jobs) {
     const int axial = job.axial_modes, bending = job.bending_modes;
-    const ResidualLaw residual = job.residual;
+    const sim::contact::ResidualLaw residual = job.residual;
     job = request.rod;
     job.axial_modes = axial, job.bending_modes = bending, job.residual = residual;
     job.body.young_pa = request.young_pa;
     job.gravity_m_s2 = request.gravity_m_s2;
     job.surface.radius_m = job.body.radius_m;
-    job.surface.effective_modulus_pa = effective_modulus_pa(
+    job.surface.effective_modulus_pa = sim::contact::effective_modulus_pa(
         request.young_pa, job.surface.poisson, request.flat_young_pa, job.surface.poisson);
   }
   return jobs;
 }
 
-std::vector<RodPrediction> predict(const Request& request, const RodMeasurement& m) {
+std::vector<RodPrediction> predict(const Request& request, const sim::rod::RodMeasurement& m) {
   std::vector<RodPrediction> predictions;
   for (auto& [name, job] : models(request)) {
     job.angle_rad = m.before.angle_rad.value;
     job.vt_m_s = m.before.vt_m_s.value;
     job.vn_m_s = m.before.vn_m_s.value;
     job.omega_rad_s = m.before.omega_rad_s.value;
-    predictions.push_back({name, simulate_rod(job)});
+    predictions.push_back({name, sim::rod::simulate_rod(job)});
   }
   return predictions;
 }
 
 std::vector<DeformationComparison> compare_deformations(const Request& request) {
-  const auto rows = read_deformations(request.deformations);
+  const auto rows = sim::rod::read_deformations(request.deformations);
   std::vector<DeformationComparison> compared(rows.size());
-  parallel_for(rows.size(), request.common.threads, [&](std::size_t i) {
+  sim::fit::parallel_for(rows.size(), request.common.threads, [&](std::size_t i) {
     compared[i].measured = rows[i];
     for (auto& [name, job] : models(request)) {
       job.angle_rad = rows[i].angle_deg * kRadPerDeg;
       job.vn_m_s = -rows[i].speed_m_s;
       (name == "rigid_rod" ? compared[i].rigid_m : compared[i].flexible_m) =
-          simulate_rod(job).residual_m;
+          sim::rod::simulate_rod(job).residual_m;
     }
   });
   return compared;
 }
 
-void print(const RodMeasurement& m, const std::vector<RodPrediction>& predictions) {
+void print(const sim::rod::RodMeasurement& m, const std::vector<RodPrediction>& predictions) {
   std::printf("impact at %.5f s, angle %.2f deg; restitution at the contact point %.4f +- %.4f\n",
               m.impact_s.value, m.before.angle_rad.value * kDegPerRad, m.restitution.value,
               m.restitution.sd);
@@ -101,12 +103,13 @@ void print(const RodMeasurement& m, const std::vector<RodPrediction>& prediction
 
 void run_rod(const CLI::App& command, const Request& request) {
   for (const auto& [name, job] : models(request)) {
-    RodJob probe = job;  // the materials, before any work: speed and angle come from the markers
+    sim::rod::RodJob probe =
+        job;  // the materials, before any work: speed and angle come from the markers
     probe.angle_rad = 1, probe.vn_m_s = -1;
     probe.validate();
   }
-  const RodMeasurement measurement =
-      measure_rod(read_markers(request.markers), measure_options(request));
+  const sim::rod::RodMeasurement measurement =
+      sim::rod::measure_rod(sim::rod::read_markers(request.markers), measure_options(request));
   const auto predictions = predict(request, measurement);
   std::vector<DeformationComparison> deformations;
   if (!request.deformations.empty()) deformations = compare_deformations(request);

@@ -1,13 +1,14 @@
 // impactdic simulate JOB.toml -o DIR: integrate an impact model.
+#include <impactdic/error.h>
+
 #include <cstdio>
 
 #include "host/app/command.h"
 #include "host/app/job_command.h"
-#include "host/base/error.h"
-#include "sim/impact/impact.h"
-#include "sim/impact/job_toml.h"
-#include "sim/impact/rebound_job.h"
-#include "sim/impact/result_files.h"
+#include "sim/contact/impact.h"
+#include "sim/job/job_toml.h"
+#include "sim/job/rebound_job.h"
+#include "sim/job/result_files.h"
 #include "sim/rod/rod_job.h"
 
 namespace impactdic::app {
@@ -15,37 +16,37 @@ namespace {
 
 constexpr double kDefaultRows = 200;
 
-ImpactResult integrate(const SimulateJob& job, const std::string& file) {
+sim::contact::ImpactResult integrate(const sim::job::SimulateJob& job, const std::string& file) {
   try {
     double rate_hz = job.rate_hz;
     if (rate_hz == 0) {
-      const ImpactResult first = simulate_impact(job.impact);
+      const sim::contact::ImpactResult first = sim::contact::simulate_impact(job.impact);
       const double span_s = first.separated ? first.contact_s : first.phases.back().end_s;
       rate_hz = kDefaultRows / span_s;
     }
-    return simulate_impact(job.impact, {.rate_hz = rate_hz});
+    return sim::contact::simulate_impact(job.impact, {.rate_hz = rate_hz});
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(error.what(), file + ": " + error.where(), error.hint());
   }
 }
 
-void print(const ImpactResult& result) {
+void print(const sim::contact::ImpactResult& result) {
   std::printf("restitution %.4f, contact %.4f ms, maximum deflection %.4f mm\n", result.restitution,
               1e3 * result.contact_s, 1e3 * result.max_deflection_m);
   std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.final.vt_m_s,
               result.final.vn_m_s, result.final.omega_rad_s);
-  for (const Phase& phase : result.phases) {
+  for (const sim::contact::Phase& phase : result.phases) {
     std::printf("  %-16s %9.4f to %9.4f ms\n", phase.name, 1e3 * phase.start_s, 1e3 * phase.end_s);
   }
 }
 
 void run_rod_simulation(const JobOptions& options) {
-  const RodJobFile job = read_rod_job(options.job);
-  const RodImpact impact = simulate_rod(job.rod);
+  const sim::rod::RodJobFile job = sim::rod::read_rod_job(options.job);
+  const sim::rod::RodImpact impact = sim::rod::simulate_rod(job.rod);
   const auto dir = prepare_output_directory(options.output, options.force);
-  write_rod_trajectory(dir / "trajectory.csv", impact);
-  write_text(dir / "summary.json", rod_summary_json(job, impact));
-  write_text(dir / "job.toml", to_toml(job));
+  sim::rod::write_rod_trajectory(dir / "trajectory.csv", impact);
+  sim::job::write_text(dir / "summary.json", sim::rod::rod_summary_json(job, impact));
+  sim::job::write_text(dir / "job.toml", sim::rod::to_toml(job));
   if (!options.quiet) {
     std::printf("restitution %.4f, %d micro-impacts in %.4f ms, dent %.2f um\n", impact.restitution,
                 impact.micro_impacts, 1e3 * impact.start_to_end_s, 1e6 * impact.residual_m);
@@ -56,12 +57,12 @@ void run_rod_simulation(const JobOptions& options) {
 }
 
 void run_formula(const JobOptions& options) {
-  const ReboundJob job = read_rebound_job(options.job);
-  const ReboundResult result = simulate_rebound(job);
+  const sim::contact::ReboundJob job = sim::job::read_rebound_job(options.job);
+  const sim::contact::ReboundResult result = sim::contact::simulate_rebound(job);
   const auto dir = prepare_output_directory(options.output, options.force);
-  write_rebound_trajectory(dir / "trajectory.csv", result);
-  write_text(dir / "summary.json", rebound_summary_json(job, result));
-  write_text(dir / "job.toml", to_toml(job));
+  sim::job::write_rebound_trajectory(dir / "trajectory.csv", result);
+  sim::job::write_text(dir / "summary.json", sim::job::rebound_summary_json(job, result));
+  sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
   if (!options.quiet) {
     std::printf("restitution %.4f\n", result.restitution);
     std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.after.vt_m_s,
@@ -71,15 +72,15 @@ void run_formula(const JobOptions& options) {
 }
 
 void run_simulate(const JobOptions& options) {
-  const std::string model = model_of_job(options.job);
-  if (is_rebound_model(model)) return run_formula(options);
+  const std::string model = sim::job::model_of_job(options.job);
+  if (sim::contact::is_rebound_model(model)) return run_formula(options);
   if (model == "rigid_rod" || model == "flexible_rod") return run_rod_simulation(options);
-  const SimulateJob job = read_simulate_job(options.job);
-  const ImpactResult result = integrate(job, options.job);
+  const sim::job::SimulateJob job = sim::job::read_simulate_job(options.job);
+  const sim::contact::ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);
-  write_trajectory_csv(dir / "trajectory.csv", result.trajectory);
-  write_text(dir / "summary.json", summary_json(job.impact, result));
-  write_text(dir / "job.toml", to_toml(job));
+  sim::job::write_trajectory_csv(dir / "trajectory.csv", result.trajectory);
+  sim::job::write_text(dir / "summary.json", sim::job::summary_json(job.impact, result));
+  sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
   if (!options.quiet) print(result);
   print_warnings(result.warnings);
 }

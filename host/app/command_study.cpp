@@ -1,3 +1,5 @@
+#include <impactdic/error.h>
+
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -5,7 +7,6 @@
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/run_context.h"
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/base/progress.h"
 #include "host/report/summary.h"
@@ -18,8 +19,8 @@ namespace {
 struct Request {
   Common common;
   std::string what, output, patterns, estimators;
-  PatternStudyOptions options;
-  DensityStudyOptions density;
+  study::PatternStudyOptions options;
+  study::DensityStudyOptions density;
 };
 
 std::vector<std::string> list_of(const std::string& text) {
@@ -38,7 +39,7 @@ void print_figures(const std::filesystem::path& folder, const char* table, std::
 }
 
 void study_patterns(const CLI::App& command, Request request) {
-  PatternStudyOptions& options = request.options;
+  study::PatternStudyOptions& options = request.options;
   options.patterns = list_of(request.patterns);
   if (!request.estimators.empty()) options.estimators = list_of(request.estimators);
   options.validate();
@@ -46,16 +47,16 @@ void study_patterns(const CLI::App& command, Request request) {
   const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
   const Stopwatch watch;
-  std::vector<PatternStudyRow> rows;
+  std::vector<study::PatternStudyRow> rows;
   {
     TerminalProgress progress("study", request.common.quiet);
-    rows = run_pattern_study(run.engine(), options, std::ref(progress));
+    rows = study::run_pattern_study(run.engine(), options, std::ref(progress));
   }
-  write_pattern_csv(folder / "patterns.csv", rows);
-  nlohmann::json summary = describe_patterns(rows, options);
+  study::write_pattern_csv(folder / "patterns.csv", rows);
+  nlohmann::json summary = study::describe_patterns(rows, options);
   summary["device"] = run.describe();
   summary["seconds"] = watch.seconds();
-  write_json(folder / "summary.json", summary);
+  report::write_json(folder / "summary.json", summary);
   if (!request.common.quiet) {
     std::printf("%s\n", summary["finding"].get<std::string>().c_str());
     print_figures(folder, "patterns.csv", rows.size(), "2.4 to 2.7");
@@ -64,7 +65,7 @@ void study_patterns(const CLI::App& command, Request request) {
 }
 
 void study_density(const CLI::App& command, Request request) {
-  DensityStudyOptions& options = request.density;
+  study::DensityStudyOptions& options = request.density;
   const std::vector<std::string> patterns = list_of(request.patterns);
   if (patterns.size() > 1) {
     throw InvalidArgument("the density study takes one pattern", "--patterns");
@@ -77,19 +78,19 @@ void study_density(const CLI::App& command, Request request) {
   RunContext run(request.common);
   const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
-  DensityStudy study;
+  study::DensityStudy study;
   {
     TerminalProgress progress("study", request.common.quiet);
-    study = run_density_study(run.engine(), options, std::ref(progress));
+    study = study::run_density_study(run.engine(), options, std::ref(progress));
   }
-  write_density_csv(folder / "density.csv", study.rows);
-  write_window_csv(folder / "window.csv", study.window, 1);
+  study::write_density_csv(folder / "density.csv", study.rows);
+  study::write_window_csv(folder / "window.csv", study.window, 1);
   const double fine = static_cast<double>(study.window.width() - 1) /
                       static_cast<double>(study.interpolated.width() - 1);
-  write_window_csv(folder / "window_spline.csv", study.interpolated, fine);
-  nlohmann::json summary = describe_density(study.rows, options.window_px);
+  study::write_window_csv(folder / "window_spline.csv", study.interpolated, fine);
+  nlohmann::json summary = study::describe_density(study.rows, options.window_px);
   summary["device"] = run.describe();
-  write_json(folder / "summary.json", summary);
+  report::write_json(folder / "summary.json", summary);
   if (!request.common.quiet) {
     std::printf("%s\n", summary["finding"].get<std::string>().c_str());
     print_figures(folder, "density.csv", study.rows.size(), "2.1 and 2.2");
@@ -109,7 +110,7 @@ void add_study_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "study", "The speckle study: which pattern to paint, which method to take");
   auto request = std::make_shared<Request>();
-  PatternStudyOptions& options = request->options;
+  study::PatternStudyOptions& options = request->options;
   command->add_option("what", request->what, "patterns or density")->required();
   command->add_option("-o,--output", request->output, "Folder for the results")->required();
   command->add_option("--patterns", request->patterns,
@@ -125,7 +126,7 @@ void add_study_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--pairs", options.pairs, "patterns: pairs of frames for each motion")
       ->capture_default_str();
-  DensityStudyOptions& density = request->density;
+  study::DensityStudyOptions& density = request->density;
   command->add_option("--windows", density.windows, "density: windows measured")
       ->capture_default_str();
   command

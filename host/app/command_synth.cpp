@@ -1,3 +1,5 @@
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,7 +10,6 @@
 #include "host/app/job.h"
 #include "host/app/run_context.h"
 #include "host/app/synth_motion.h"
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/base/progress.h"
 #include "host/video/frame_sink.h"
@@ -23,13 +24,13 @@ namespace {
 struct Request {
   Common common;
   SynthMotionRequest motion;
-  Scene scene;
+  sim::speckle::Scene scene;
   std::string output, pattern = "e1", size = "512x512", format = "tiff";
   double fps = 10000, radius_px = 115, exposure = 0, hidden = 0, bar_level = 90;
   std::uint64_t seed = 1;
 };
 
-void parse_size(const std::string& text, Scene& scene) {
+void parse_size(const std::string& text, sim::speckle::Scene& scene) {
   const std::vector<double> sides = parse_doubles(text, 'x', 2, "--size");
   for (const double side : sides) {
     if (!(side >= 1 && side <= 32768 && side == std::floor(side))) {
@@ -41,20 +42,21 @@ void parse_size(const std::string& text, Scene& scene) {
   scene.height = static_cast<int>(sides[1]);
 }
 
-SpeckleBall make_ball(const Request& request) {
+sim::speckle::SpeckleBall make_ball(const Request& request) {
   if (request.pattern != "none") {
-    return paint_ball(request.pattern, request.seed, request.radius_px);
+    return sim::speckle::paint_ball(request.pattern, request.seed, request.radius_px);
   }
-  SpeckleBall plain;
+  sim::speckle::SpeckleBall plain;
   plain.radius_px = request.radius_px;
   return plain;
 }
 
 // The picture in which the ball first leaves the field of view, for a warning.
-std::optional<std::size_t> first_cut(const std::vector<BallPose>& poses, const Request& request) {
+std::optional<std::size_t> first_cut(const std::vector<sim::speckle::BallPose>& poses,
+                                     const Request& request) {
   const double r = request.radius_px;
   for (std::size_t k = 0; k < poses.size(); ++k) {
-    const BallPose& p = poses[k];
+    const sim::speckle::BallPose& p = poses[k];
     if (p.cx_px < r || p.cy_px < r || p.cx_px > request.scene.width - 1 - r ||
         p.cy_px > request.scene.height - 1 - r) {
       return k;
@@ -63,9 +65,10 @@ std::optional<std::size_t> first_cut(const std::vector<BallPose>& poses, const R
   return std::nullopt;
 }
 
-std::unique_ptr<FrameSink> open_clip(const std::filesystem::path& folder, SinkFormat format,
-                                     const Request& request, std::size_t frames) {
-  VideoInfo info;
+std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
+                                            video::SinkFormat format, const Request& request,
+                                            std::size_t frames) {
+  video::VideoInfo info;
   info.width = request.scene.width;
   info.height = request.scene.height;
   info.bits = request.scene.bits;
@@ -73,33 +76,34 @@ std::unique_ptr<FrameSink> open_clip(const std::filesystem::path& folder, SinkFo
   info.frame_count = static_cast<std::int64_t>(frames);
   info.camera = "impactdic synth";
   if (request.exposure > 0) info.exposure_s = request.exposure / request.fps;
-  OpenCodecSink codec;
+  video::OpenCodecSink codec;
 #ifdef IMPACTDIC_WITH_CODECS
-  codec = open_codec_sink;
+  codec = video::open_codec_sink;
 #endif
-  return open_sink((folder / ("video" + sink_extension(format))).string(), format, info, codec);
+  return video::open_sink((folder / ("video" + video::sink_extension(format))).string(), format,
+                          info, codec);
 }
 
 void run_synth(const CLI::App& command, Request request) {
-  const SinkFormat format = parse_sink_format(request.format);
+  const video::SinkFormat format = video::parse_sink_format(request.format);
   parse_size(request.size, request.scene);
   request.scene.noise_seed = request.seed;
   const SynthMotion motion = make_motion(request.motion, request.scene.width, request.scene.height,
                                          request.fps, request.radius_px);
   if (request.hidden > 0) {
-    request.scene.bar = bar_hiding(request.hidden, motion.poses[motion.bar_frame],
-                                   request.radius_px, motion.surface_angle_deg);
+    request.scene.bar = sim::speckle::bar_hiding(request.hidden, motion.poses[motion.bar_frame],
+                                                 request.radius_px, motion.surface_angle_deg);
     request.scene.bar->level = request.bar_level;
   }
   const RunContext run(request.common, false);
-  const BallRenderer renderer(make_ball(request), request.scene);
+  const sim::speckle::BallRenderer renderer(make_ball(request), request.scene);
   const auto folder = prepare_output_directory(request.output, request.common.force);
   const auto sink = open_clip(folder, format, request, motion.poses.size());
   write_job(command, folder / "job.toml");
-  write_truth_csv(folder / "truth.csv", motion.poses, request.radius_px, request.fps);
+  sim::speckle::write_truth_csv(folder / "truth.csv", motion.poses, request.radius_px, request.fps);
   if (std::any_of(motion.poses.begin(), motion.poses.end(),
-                  [](const BallPose& pose) { return pose.compression != 0; })) {
-    write_compression_csv(folder / "compression.csv", motion.poses);
+                  [](const sim::speckle::BallPose& pose) { return pose.compression != 0; })) {
+    sim::speckle::write_compression_csv(folder / "compression.csv", motion.poses);
   }
   if (const auto cut = first_cut(motion.poses, request); cut && !request.common.quiet) {
     std::fprintf(stderr, "impactdic: warning: the ball reaches out of the picture in frame %zu\n",
@@ -108,7 +112,7 @@ void run_synth(const CLI::App& command, Request request) {
   const Stopwatch watch;
   {
     TerminalProgress progress("synth", request.common.quiet);
-    render_clip(
+    sim::speckle::render_clip(
         renderer, motion.poses, request.exposure, [&](const Frame& frame) { sink->write(frame); },
         std::ref(progress));
   }
@@ -121,7 +125,7 @@ void run_synth(const CLI::App& command, Request request) {
 }
 
 void add_camera_options(CLI::App& command, Request& request) {
-  Scene& scene = request.scene;
+  sim::speckle::Scene& scene = request.scene;
   const auto number = [&command](const char* name, double& value, const char* help, double low,
                                  double high) {
     command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();

@@ -11,16 +11,16 @@ namespace {
 
 struct Options {
   Common common;
-  TuneOptions tune;
+  bench::TuneOptions tune;
   int window_px = 0, search_px = 8;  // 0: the usual sizes
 };
 
 // As `correlate` and `track` use them, and what `bench` measures.
-std::vector<FieldOptions> sizes_of(const Options& options) {
-  std::vector<FieldOptions> sizes;
+std::vector<dic::FieldOptions> sizes_of(const Options& options) {
+  std::vector<dic::FieldOptions> sizes;
   const auto add = [&](int window_px, int search_px) {
-    FieldOptions field;
-    field.method = FieldMethod::zncc;
+    dic::FieldOptions field;
+    field.method = dic::FieldMethod::zncc;
     field.window_px = window_px;
     field.search_px = search_px;
     field.validate();
@@ -38,30 +38,30 @@ std::vector<FieldOptions> sizes_of(const Options& options) {
 
 void run_tune(const Options& options) {
   RunContext context(options.common);
-  Engine& engine = context.engine();
+  opencl::Engine& engine = context.engine();
   std::printf("%s, driver %s\n", engine.device().name.c_str(), engine.device().driver.c_str());
-  const TuneSink sink = [](const TunedVariant& tried) {
+  const bench::TuneSink sink = [](const bench::TunedVariant& tried) {
     std::printf("%-16s %-48s %11.4g windows/s  %.1e px  %s\n", tried.kernel.work.c_str(),
                 tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
                 tried.rejected.c_str());
     std::fflush(stdout);
   };
-  store_tuning(engine, {});  // fails at once where nothing can be kept
-  std::vector<TunedKernel> best;
-  for (const FieldOptions& field : sizes_of(options)) {
-    best.push_back(tune_zncc(engine, field, options.tune, sink));
+  dic::store_tuning(engine, {});  // fails at once where nothing can be kept
+  std::vector<dic::TunedKernel> best;
+  for (const dic::FieldOptions& field : sizes_of(options)) {
+    best.push_back(bench::tune_zncc(engine, field, options.tune, sink));
   }
   if (options.window_px == 0) {
-    FieldOptions field;
+    dic::FieldOptions field;
     field.window_px = 32;
     field.min_correlation = 0.3;
-    best.push_back(tune_equal(engine, field, options.tune, sink));
+    best.push_back(bench::tune_equal(engine, field, options.tune, sink));
   }
-  store_tuning(engine, best);
-  for (const TunedKernel& kernel : best) {
+  dic::store_tuning(engine, best);
+  for (const dic::TunedKernel& kernel : best) {
     std::printf("%s: %s\n", kernel.work.c_str(), kernel.variant.c_str());
   }
-  std::printf("kept in %s\n", tuning_file(engine).c_str());
+  std::printf("kept in %s\n", dic::tuning_file(engine).c_str());
 }
 
 }  // namespace

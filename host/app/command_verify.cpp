@@ -1,22 +1,23 @@
 // impactdic verify: the built-in table of analytic and published cases.
+#include <impactdic/error.h>
+
 #include <cstdio>
 #include <iterator>
 #include <memory>
 
 #include "host/app/command.h"
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "sim/impact/verify_cases.h"
-#include "sim/rod/verify_cases.h"
+#include "sim/verify/verify_cases.h"
+#include "sim/verify/verify_rod.h"
 
 namespace impactdic::app {
 namespace {
 
-std::vector<VerifyCase> all_cases(const std::string& only) {
-  std::vector<VerifyCase> cases = impact_cases();
-  std::vector<VerifyCase> rod = rod_cases();
+std::vector<sim::verify::VerifyCase> all_cases(const std::string& only) {
+  std::vector<sim::verify::VerifyCase> cases = sim::verify::impact_cases();
+  std::vector<sim::verify::VerifyCase> rod = sim::verify::rod_cases();
   std::move(rod.begin(), rod.end(), std::back_inserter(cases));
-  std::erase_if(cases, [&only](const VerifyCase& row) {
+  std::erase_if(cases, [&only](const sim::verify::VerifyCase& row) {
     return (row.group + ": " + row.name).find(only) == std::string::npos;
   });
   if (cases.empty()) throw InvalidArgument("no row contains '" + only + "'", "--only");
@@ -26,7 +27,7 @@ std::vector<VerifyCase> all_cases(const std::string& only) {
 void run_verify(const std::string& only, bool failures_only) {
   int failed = 0, count = 0;
   std::string group;
-  for (const VerifyOutcome& outcome : run_cases(all_cases(only))) {
+  for (const sim::verify::VerifyOutcome& outcome : sim::verify::run_cases(all_cases(only))) {
     ++count;
     failed += !outcome.passed;
     if (failures_only && outcome.passed) continue;

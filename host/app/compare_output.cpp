@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void write_comparison_table(const std::filesystem::path& file, const CompareResult& result) {
+void write_comparison_table(const std::filesystem::path& file,
+                            const sim::compare::CompareResult& result) {
   TableFile table(
       file,
       "track,surface_angle_deg,model,friction_kinetic,vt_before_m_s,vn_before_m_s,"
@@ -19,18 +20,19 @@ void write_comparison_table(const std::filesystem::path& file, const CompareResu
       "vn_m_s,omega_rad_s,vt_error,vn_error,omega_error,vt_printed_m_s,vn_printed_m_s,"
       "omega_printed_rad_s,restitution,contact_s,t_max_compression_s,final_chi_square,final_aic,"
       "rms_m,chi_square,aic");
-  for (const ComparedShot& c : result.shots) {
-    const Flight& before = c.shot.before;
-    const Flight& after = c.shot.after;
-    for (const ModelOutcome& m : c.models) {
-      const ModelPrediction& p = m.prediction;
-      table << c.shot.file << c.shot.surface_angle_deg << std::string(name_of(m.model))
-            << m.friction_kinetic << before.vt_m_s.value << before.vn_m_s.value
-            << before.omega_rad_s.value << after.vt_m_s.value << after.vn_m_s.value
-            << after.omega_rad_s.value << p.vt_m_s << p.vn_m_s << p.omega_rad_s << m.vt_error
-            << m.vn_error << m.omega_error << m.printed.vt_m_s << m.printed.vn_m_s
-            << m.printed.omega_rad_s << p.restitution << p.contact_s << p.t_max_compression_s
-            << m.final_chi_square << m.final_aic << m.rms_m << m.chi_square << m.aic;
+  for (const sim::compare::ComparedShot& c : result.shots) {
+    const sim::shot::Flight& before = c.shot.before;
+    const sim::shot::Flight& after = c.shot.after;
+    for (const sim::compare::ModelOutcome& m : c.models) {
+      const sim::compare::ModelPrediction& p = m.prediction;
+      table << c.shot.file << c.shot.surface_angle_deg
+            << std::string(sim::compare::name_of(m.model)) << m.friction_kinetic
+            << before.vt_m_s.value << before.vn_m_s.value << before.omega_rad_s.value
+            << after.vt_m_s.value << after.vn_m_s.value << after.omega_rad_s.value << p.vt_m_s
+            << p.vn_m_s << p.omega_rad_s << m.vt_error << m.vn_error << m.omega_error
+            << m.printed.vt_m_s << m.printed.vn_m_s << m.printed.omega_rad_s << p.restitution
+            << p.contact_s << p.t_max_compression_s << m.final_chi_square << m.final_aic << m.rms_m
+            << m.chi_square << m.aic;
       table.end_row();
     }
   }
@@ -38,13 +40,14 @@ void write_comparison_table(const std::filesystem::path& file, const CompareResu
 }
 
 // Every phase of every model that has any.
-void write_phases(const std::filesystem::path& file, const CompareResult& result) {
+void write_phases(const std::filesystem::path& file, const sim::compare::CompareResult& result) {
   TableFile table(file, "track,model,kind,phase,start_s,end_s");
-  for (const ComparedShot& c : result.shots) {
-    for (const ModelOutcome& m : c.models) {
-      for (const Phase& phase : m.prediction.phases) {
-        table << c.shot.file << std::string(name_of(m.model))
-              << std::string(phase.kind == PhaseKind::kNormal ? "normal" : "tangential")
+  for (const sim::compare::ComparedShot& c : result.shots) {
+    for (const sim::compare::ModelOutcome& m : c.models) {
+      for (const sim::contact::Phase& phase : m.prediction.phases) {
+        table << c.shot.file << std::string(sim::compare::name_of(m.model))
+              << std::string(phase.kind == sim::contact::PhaseKind::kNormal ? "normal"
+                                                                            : "tangential")
               << std::string(phase.name) << phase.start_s << phase.end_s;
         table.end_row();
       }
@@ -53,12 +56,13 @@ void write_phases(const std::filesystem::path& file, const CompareResult& result
   table.close();
 }
 
-void write_restitution(const std::filesystem::path& folder, const CompareResult& result) {
+void write_restitution(const std::filesystem::path& folder,
+                       const sim::compare::CompareResult& result) {
   TableFile table(folder / "restitution.csv",
                   "track,surface_angle_deg,speed_m_s,vn_before_m_s,restitution,restitution_sd,"
                   "friction_published,friction_with_gravity,friction_sd,rolling_cap");
-  for (const ComparedShot& c : result.shots) {
-    const Shot& s = c.shot;
+  for (const sim::compare::ComparedShot& c : result.shots) {
+    const sim::shot::Shot& s = c.shot;
     table << s.file << s.surface_angle_deg
           << std::hypot(s.before.vt_m_s.value, s.before.vn_m_s.value) << s.before.vn_m_s.value
           << s.restitution.value << s.restitution.sd << s.friction.published << s.friction.sound
@@ -70,7 +74,7 @@ void write_restitution(const std::filesystem::path& folder, const CompareResult&
                    "surface_angle_deg,shots,restitution,restitution_scatter_sd,friction_published,"
                    "friction_published_scatter_sd,friction_with_gravity,"
                    "friction_with_gravity_scatter_sd,rolling_cap");
-  for (const AngleAverage& a : result.angles) {
+  for (const sim::compare::AngleAverage& a : result.angles) {
     angles << a.surface_angle_deg << static_cast<double>(a.shots) << a.restitution.value
            << a.restitution.sd << a.friction_published.value << a.friction_published.sd
            << a.friction_sound.value << a.friction_sound.sd << a.rolling_cap.value;
@@ -79,13 +83,13 @@ void write_restitution(const std::filesystem::path& folder, const CompareResult&
   angles.close();
 }
 
-Json outcome_json(const ModelOutcome& m) {
-  const ModelPrediction& p = m.prediction;
+Json outcome_json(const sim::compare::ModelOutcome& m) {
+  const sim::compare::ModelPrediction& p = m.prediction;
   Json phases = Json::array();
-  for (const Phase& phase : p.phases) {
+  for (const sim::contact::Phase& phase : p.phases) {
     phases.push_back({{"name", phase.name}, {"start_s", phase.start_s}, {"end_s", phase.end_s}});
   }
-  return {{"model", name_of(m.model)},
+  return {{"model", sim::compare::name_of(m.model)},
           {"friction_kinetic", m.friction_kinetic},
           {"restitution", json_number(p.restitution)},
           {"final",
@@ -112,25 +116,26 @@ Json outcome_json(const ModelOutcome& m) {
 
 }  // namespace
 
-void write_comparison(const std::filesystem::path& folder, const CompareJob& job,
-                      const CompareResult& result) {
-  const Contact& contact = result.laws.contact;
-  Json summary{{"normal", name_of(job.calibration.impact.normal)},
-               {"preset", name_of(job.calibration.impact.preset)},
-               {"contact",
-                {{key_of(FitParameter::kStiffness, job.calibration.impact.normal),
-                  json_number(contact.stiffness)},
-                 {"damping_n_s_per_m", json_number(contact.damping_n_s_per_m)},
-                 {"friction_kinetic", json_number(contact.friction_kinetic)}}},
-               {"calibration", nullptr},
-               {"shots", Json::array()}};
+void write_comparison(const std::filesystem::path& folder, const sim::compare::CompareJob& job,
+                      const sim::compare::CompareResult& result) {
+  const sim::contact::Contact& contact = result.laws.contact;
+  Json summary{
+      {"normal", sim::contact::name_of(job.calibration.impact.normal)},
+      {"preset", sim::contact::name_of(job.calibration.impact.preset)},
+      {"contact",
+       {{sim::fit::key_of(sim::fit::FitParameter::kStiffness, job.calibration.impact.normal),
+         json_number(contact.stiffness)},
+        {"damping_n_s_per_m", json_number(contact.damping_n_s_per_m)},
+        {"friction_kinetic", json_number(contact.friction_kinetic)}}},
+      {"calibration", nullptr},
+      {"shots", Json::array()}};
   if (!result.calibration.shots.empty()) {
     summary["calibration"] = {{"parameters", pooled_json(result.calibration.pooled)},
                               {"shots", fits_json(result.calibration)}};
   }
-  for (const ComparedShot& c : result.shots) {
+  for (const sim::compare::ComparedShot& c : result.shots) {
     Json models = Json::array();
-    for (const ModelOutcome& m : c.models) models.push_back(outcome_json(m));
+    for (const sim::compare::ModelOutcome& m : c.models) models.push_back(outcome_json(m));
     summary["shots"].push_back({{"measured", shot_json(c.shot)}, {"models", models}});
   }
   write_json(folder / "summary.json", summary);
@@ -139,17 +144,18 @@ void write_comparison(const std::filesystem::path& folder, const CompareJob& job
   write_restitution(folder, result);
 }
 
-void write_rod_comparison(const std::filesystem::path& folder, const RodCompareJob& job,
-                          const std::vector<ComparedBlow>& blows) {
+void write_rod_comparison(const std::filesystem::path& folder,
+                          const sim::compare::RodCompareJob& job,
+                          const std::vector<sim::compare::ComparedBlow>& blows) {
   Json summary{{"models", job.models}, {"blows", Json::array()}};
   TableFile table(folder / "comparison.csv",
                   "blow,rod_angle_deg,model,vt_before_m_s,vn_before_m_s,omega_before_rad_s,"
                   "restitution_measured,vt_measured_m_s,vn_measured_m_s,omega_measured_rad_s,"
                   "restitution,vt_m_s,vn_m_s,omega_rad_s,micro_impacts,start_to_end_s,contact_s,"
                   "residual_m,restitution_printed,omega_printed_rad_s");
-  for (const ComparedBlow& blow : blows) {
+  for (const sim::compare::ComparedBlow& blow : blows) {
     Json models = Json::array();
-    for (const RodOutcome& m : blow.models) {
+    for (const sim::compare::RodOutcome& m : blow.models) {
       const bool formula = m.micro_impacts == 0;
       table << blow.file << blow.rod_angle_deg << m.model << blow.before.vt_m_s.value
             << blow.before.vn_m_s.value << blow.before.omega_rad_s.value << blow.restitution

@@ -4,19 +4,20 @@
 #include <filesystem>
 #include <vector>
 
-#include "sim/fit/comparison.h"
-#include "sim/fit/rod_comparison.h"
+#include "sim/compare/comparison.h"
+#include "sim/compare/rod_comparison.h"
 
 namespace impactdic::app {
 
 // summary.json, comparison.csv (one row a shot and model, as the tables of sections 3.3.2 and 4.4),
 // phases.csv (when each model slides, sticks, turns), restitution.csv (one row a shot, Figs 3.21,
 // 3.23 and 4.8) and restitution_by_angle.csv (Figs 3.22 and 3.24). Each throws FileError.
-void write_comparison(const std::filesystem::path& folder, const CompareJob& job,
-                      const CompareResult& result);
+void write_comparison(const std::filesystem::path& folder, const sim::compare::CompareJob& job,
+                      const sim::compare::CompareResult& result);
 
 // comparison.csv and summary.json of blows of a rod. Each throws FileError.
-void write_rod_comparison(const std::filesystem::path& folder, const RodCompareJob& job,
-                          const std::vector<ComparedBlow>& blows);
+void write_rod_comparison(const std::filesystem::path& folder,
+                          const sim::compare::RodCompareJob& job,
+                          const std::vector<sim::compare::ComparedBlow>& blows);
 
 }  // namespace impactdic::app

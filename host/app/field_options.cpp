@@ -1,12 +1,13 @@
 #include "host/app/field_options.h"
 
+#include <impactdic/error.h>
+
 #include "host/app/command.h"
-#include "host/base/error.h"
 
 namespace impactdic::app {
 
 void add_field_options(CLI::App& command, FieldRequest& request) {
-  FieldOptions& field = request.field;
+  dic::FieldOptions& field = request.field;
   command.add_option("--window", field.window_px, "Side of an interrogation window, px")
       ->capture_default_str();
   command
@@ -51,9 +52,9 @@ void add_field_options(CLI::App& command, FieldRequest& request) {
       ->capture_default_str();
 }
 
-FieldOptions resolve(const FieldRequest& request) {
-  FieldOptions field = request.field;
-  field.method = parse_field_method(request.method);
+dic::FieldOptions resolve(const FieldRequest& request) {
+  dic::FieldOptions field = request.field;
+  field.method = dic::parse_field_method(request.method);
   if (request.spacing_px < 0) {
     throw InvalidArgument(
         "the spacing must be 0 or more, not " + std::to_string(request.spacing_px), "--spacing");
@@ -62,8 +63,8 @@ FieldOptions resolve(const FieldRequest& request) {
   return field;
 }
 
-void describe(const FieldRequest& request, Attributes& attributes) {
-  const FieldOptions& field = request.field;
+void describe(const FieldRequest& request, report::Attributes& attributes) {
+  const dic::FieldOptions& field = request.field;
   attributes["option_method"] = request.method;
   attributes["option_window_px"] = double(field.window_px);
   attributes["option_spacing_px"] = double(request.spacing_px);

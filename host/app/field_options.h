@@ -10,7 +10,7 @@
 namespace impactdic::app {
 
 struct FieldRequest {
-  FieldOptions field;
+  dic::FieldOptions field;
   std::string method = "icgn";
   int spacing_px = 0;
   int compression = 0;  // of fields.h5
@@ -20,8 +20,8 @@ struct FieldRequest {
 // --compress.
 void add_field_options(CLI::App& command, FieldRequest& request);
 // Turns the words into values. Throws InvalidArgument.
-FieldOptions resolve(const FieldRequest& request);
+dic::FieldOptions resolve(const FieldRequest& request);
 // The same as attributes of fields.h5.
-void describe(const FieldRequest& request, Attributes& attributes);
+void describe(const FieldRequest& request, report::Attributes& attributes);
 
 }  // namespace impactdic::app

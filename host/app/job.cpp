@@ -1,12 +1,11 @@
 #include "host/app/job.h"
 
+#include <impactdic/error.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
 #include <fstream>
 #include <set>
-
-#include "host/base/error.h"
 
 namespace impactdic::app {
 namespace {

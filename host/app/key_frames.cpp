@@ -1,14 +1,15 @@
 #include "host/app/key_frames.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
+#include "host/clip/roi.h"
 #include "host/report/png.h"
-#include "host/track/roi.h"
 
 namespace impactdic::app {
 namespace {
@@ -73,8 +74,8 @@ float brightest(const Image<float>& picture) {
 
 }  // namespace
 
-json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows, const json& impact,
-                      const std::filesystem::path& folder) {
+json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& rows,
+                      const json& impact, const std::filesystem::path& folder) {
   json list = json::array();
   std::vector<KeyFrame> frames = choose(rows, impact);
   std::erase_if(frames, [&](KeyFrame& key) {
@@ -103,7 +104,7 @@ json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows, co
     char name[48];
     std::snprintf(name, sizeof name, "key_frames/frame_%06lld.png",
                   static_cast<long long>(frames[i].row->frame));
-    write_png_grey(folder / name, box.width, box.height, grey);
+    report::write_png_grey(folder / name, box.width, box.height, grey);
     list.push_back({{"moment", frames[i].moment},
                     {"frame", frames[i].row->frame},
                     {"picture", name},

@@ -1,4 +1,5 @@
 // The command line: reads the request, runs the command, turns errors into one line and a status.
+#include <impactdic/error.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,7 +13,6 @@
 
 #include "host/app/command.h"
 #include "host/app/job.h"
-#include "host/base/error.h"
 
 namespace {
 

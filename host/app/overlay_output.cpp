@@ -1,11 +1,12 @@
 #include "host/app/overlay_output.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
 #include "host/report/png.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
@@ -37,9 +38,10 @@ Playback playback(const OverlayOptions& options, double fps) {
 class Video {
  public:
   Video(std::filesystem::path path, double rate) : path_(std::move(path)), rate_(rate) {}
-  void add(const ColourPicture& picture) {
+  void add(const report::ColourPicture& picture) {
     if (!writer_) {
-      writer_ = std::make_unique<Mp4Writer>(path_.string(), picture.width, picture.height, rate_);
+      writer_ =
+          std::make_unique<video::Mp4Writer>(path_.string(), picture.width, picture.height, rate_);
     }
     writer_->write(picture.bgr.data(), std::ptrdiff_t{3} * picture.width);
   }
@@ -50,7 +52,7 @@ class Video {
  private:
   std::filesystem::path path_;
   double rate_;
-  std::unique_ptr<Mp4Writer> writer_;
+  std::unique_ptr<video::Mp4Writer> writer_;
 };
 #else
 class Video {
@@ -109,15 +111,16 @@ std::filesystem::path OverlayOutput::picture_of(const TrackRow& row) const {
   return folder_ / "overlay" / print("frame_%06lld.png", static_cast<long long>(row.frame));
 }
 
-void OverlayOutput::add(const TrackedFrame& frame, int window_px) {
+void OverlayOutput::add(const pipeline::TrackedFrame& frame, int window_px) {
   std::span<const Window> windows;
   std::span<const WindowMotion> field;
   if (frame.pair != nullptr) {
     windows = frame.pair->windows;
     field = frame.pair->field;
   }
-  const ColourPicture picture = painter_.paint(frame.frame, frame.row, windows, field, window_px);
-  write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
+  const report::ColourPicture picture =
+      painter_.paint(frame.frame, frame.row, windows, field, window_px);
+  report::write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
 }
 
 void OverlayOutput::finish(const std::vector<TrackRow>& rows, const SiScale& scale,
@@ -127,10 +130,10 @@ void OverlayOutput::finish(const std::vector<TrackRow>& rows, const SiScale& sca
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::filesystem::path path = picture_of(rows[i]);
     if (!std::filesystem::exists(path)) continue;  // of a run without overlay that was resumed
-    ColourPicture picture;
-    picture.bgr = read_png_bgr(path, picture.width, picture.height);
-    write_label(picture, label(rows[i], scale, impact));
-    write_png_bgr(path, picture.width, picture.height, picture.bgr);
+    report::ColourPicture picture;
+    picture.bgr = report::read_png_bgr(path, picture.width, picture.height);
+    report::write_label(picture, label(rows[i], scale, impact));
+    report::write_png_bgr(path, picture.width, picture.height, picture.bgr);
     if (i % play.step == 0) video.add(picture);
   }
   video.finish();

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "host/pipeline/track_clip.h"
 #include "host/report/overlay.h"
-#include "host/track/track_clip.h"
 
 namespace impactdic::app {
 
@@ -22,7 +22,7 @@ class OverlayOutput {
   // `earlier`: rows of a run that is resumed. Throws FileError.
   OverlayOutput(std::filesystem::path folder, const OverlayOptions& options, const Roi& roi,
                 std::span<const TrackRow> earlier);
-  void add(const TrackedFrame& frame, int window_px);
+  void add(const pipeline::TrackedFrame& frame, int window_px);
   // Now that the impact is known (`impact` as in summary.json): writes phase, velocity and spin
   // into every picture and makes the video. Throws FileError.
   void finish(const std::vector<TrackRow>& rows, const SiScale& scale,
@@ -33,7 +33,7 @@ class OverlayOutput {
 
   std::filesystem::path folder_;
   OverlayOptions options_;
-  OverlayPainter painter_;
+  report::OverlayPainter painter_;
 };
 
 }  // namespace impactdic::app

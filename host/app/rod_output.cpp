@@ -1,12 +1,13 @@
 #include "host/app/rod_output.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
 
 namespace impactdic::app {
 namespace {
@@ -15,9 +16,11 @@ using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json measured(const Measured& m) { return Json{{"value", number(m.value)}, {"sd", number(m.sd)}}; }
+Json measured(const sim::rod::Measured& m) {
+  return Json{{"value", number(m.value)}, {"sd", number(m.sd)}};
+}
 
-Json side(const RodSide& s) {
+Json side(const sim::rod::RodSide& s) {
   return Json{{"frames", {s.first, s.last}},
               {"vt_m_s", measured(s.vt_m_s)},
               {"vn_m_s", measured(s.vn_m_s)},
@@ -35,7 +38,7 @@ Json side(const RodSide& s) {
                 {"tilt_deg", number(s.gravity_tilt_deg)}}}};
 }
 
-Json closure(const RodClosure& c) {
+Json closure(const sim::rod::RodClosure& c) {
   return Json{{"normal_impulse_n_s", number(c.normal_impulse_n_s)},
               {"tangential_impulse_n_s", number(c.tangential_impulse_n_s)},
               {"omega_after_rad_s", measured(c.omega_as_measured_rad_s)},
@@ -47,7 +50,7 @@ Json closure(const RodClosure& c) {
 }
 
 Json prediction(const RodPrediction& p) {
-  const RodImpact& i = p.impact;
+  const sim::rod::RodImpact& i = p.impact;
   return Json{{"model", p.model},
               {"restitution", number(i.restitution)},
               {"vt_m_s", number(i.vt_m_s)},
@@ -78,11 +81,12 @@ void close(std::ofstream& stream, const std::filesystem::path& file) {
 
 }  // namespace
 
-void write_rod_motion(const std::filesystem::path& file, const RodMeasurement& measurement) {
+void write_rod_motion(const std::filesystem::path& file,
+                      const sim::rod::RodMeasurement& measurement) {
   std::ofstream out(file);
   out << "time_s,status,qt_m,qn_m,out_of_plane_m,angle_12_deg,angle_13_deg,angle_23_deg,angle_deg,"
          "vt_m_s,vn_m_s,omega_rad_s\n";
-  for (const RodFrame& f : measurement.frames) {
+  for (const sim::rod::RodFrame& f : measurement.frames) {
     out << shortest(f.time_s) << ',' << f.status << ',' << shortest(f.qt_m) << ','
         << shortest(f.qn_m) << ',' << shortest(f.out_of_plane_m);
     for (double angle : f.pair_angle_rad) out << ',' << shortest(angle * kDegPerRad);
@@ -93,7 +97,8 @@ void write_rod_motion(const std::filesystem::path& file, const RodMeasurement& m
 }
 
 void write_rod_summary(const std::filesystem::path& file, const std::string& input,
-                       const RodMeasureOptions& options, const RodMeasurement& m,
+                       const sim::rod::RodMeasureOptions& options,
+                       const sim::rod::RodMeasurement& m,
                        const std::vector<RodPrediction>& predictions) {
   Json root{{"input", input},
             {"rod",

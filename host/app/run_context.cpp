@@ -23,27 +23,27 @@ RunContext::RunContext(const Common& common, bool with_device)
   set_log_verbosity(common.quiet ? -1 : common.verbosity);
   verbose_ = common.verbosity > 0 && !common.quiet;
   if (!with_device) return;
-  EngineOptions options;
+  opencl::EngineOptions options;
   options.profile = common.verbosity > 0;
   if (common.device != "all") {
-    engines_.push_back(std::make_unique<Engine>(common.device, options));
+    engines_.push_back(std::make_unique<opencl::Engine>(common.device, options));
     return;
   }
-  for (const DeviceInfo& device : all_devices(list_devices())) {
-    engines_.push_back(std::make_unique<Engine>(std::to_string(device.index), options));
+  for (const opencl::DeviceInfo& device : opencl::all_devices(opencl::list_devices())) {
+    engines_.push_back(std::make_unique<opencl::Engine>(std::to_string(device.index), options));
   }
 }
 
 RunContext::~RunContext() = default;
 
-std::vector<Engine*> RunContext::engines() {
-  std::vector<Engine*> engines;
+std::vector<opencl::Engine*> RunContext::engines() {
+  std::vector<opencl::Engine*> engines;
   for (const auto& engine : engines_) engines.push_back(engine.get());
   return engines;
 }
 
-Attributes RunContext::attributes(const VideoInfo& info) const {
-  Attributes attributes = {
+report::Attributes RunContext::attributes(const video::VideoInfo& info) const {
+  report::Attributes attributes = {
       {"program", std::string("impactdic")},
       {"version", std::string(IMPACTDIC_VERSION)},
       {"source", info.path},
@@ -52,7 +52,7 @@ Attributes RunContext::attributes(const VideoInfo& info) const {
                            "centre of the top-left pixel; u along x, v along y; rotation positive "
                            "counter-clockwise as seen on the screen")}};
   if (!engines_.empty()) {
-    const DeviceInfo& device = engines_.front()->device();
+    const opencl::DeviceInfo& device = engines_.front()->device();
     attributes["device"] = device.name;
     attributes["driver"] = device.driver;
     attributes["platform"] = device.platform;
@@ -63,7 +63,7 @@ Attributes RunContext::attributes(const VideoInfo& info) const {
 
 nlohmann::json RunContext::describe() const {
   if (engines_.empty()) return nullptr;
-  const DeviceInfo& device = engines_.front()->device();
+  const opencl::DeviceInfo& device = engines_.front()->device();
   return {{"name", device.name},
           {"platform", device.platform},
           {"driver", device.driver},

@@ -24,11 +24,11 @@ class RunContext {
   ~RunContext();
 
   // The device, the first of several.
-  Engine& engine() { return *engines_.front(); }
+  opencl::Engine& engine() { return *engines_.front(); }
   // All of them; none where the run needs no device.
-  std::vector<Engine*> engines();
+  std::vector<opencl::Engine*> engines();
   // Version, device, driver, source (its digest comes later) and axes, for fields.h5.
-  Attributes attributes(const VideoInfo& info) const;
+  report::Attributes attributes(const video::VideoInfo& info) const;
   // The device for summary.json; null without one.
   nlohmann::json describe() const;
   // Where the stages of a pipeline note their times; nullptr without -v.
@@ -41,7 +41,7 @@ class RunContext {
  private:
   struct Threads;
   std::unique_ptr<Threads> threads_;
-  std::vector<std::unique_ptr<Engine>> engines_;
+  std::vector<std::unique_ptr<opencl::Engine>> engines_;
   bool verbose_ = false;
   StageTimes stage_times_;
 };

@@ -1,14 +1,15 @@
 #include "host/app/synth_motion.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
-#include "sim/impact/job_toml.h"
-#include "sim/impact/motion.h"
+#include "sim/contact/motion.h"
+#include "sim/job/job_toml.h"
 
 namespace impactdic::app {
 namespace {
@@ -17,8 +18,8 @@ constexpr int kDefaultFrames = 20;
 constexpr int kImpactFrames = 110;
 
 // Puts a path that is known only relative to its first frame into the picture.
-void put_into_picture(std::vector<BallPose>& poses, const std::string& start, int width,
-                      int height) {
+void put_into_picture(std::vector<sim::speckle::BallPose>& poses, const std::string& start,
+                      int width, int height) {
   double x, y;
   if (!start.empty()) {
     const std::vector<double> at = parse_doubles(start, ',', 2, "--start-px");
@@ -27,28 +28,33 @@ void put_into_picture(std::vector<BallPose>& poses, const std::string& start, in
   } else {
     const auto [left, right] =
         std::minmax_element(poses.begin(), poses.end(),
-                            [](const BallPose& a, const BallPose& b) { return a.cx_px < b.cx_px; });
+                            [](const sim::speckle::BallPose& a, const sim::speckle::BallPose& b) {
+                              return a.cx_px < b.cx_px;
+                            });
     const auto [top, bottom] =
         std::minmax_element(poses.begin(), poses.end(),
-                            [](const BallPose& a, const BallPose& b) { return a.cy_px < b.cy_px; });
+                            [](const sim::speckle::BallPose& a, const sim::speckle::BallPose& b) {
+                              return a.cy_px < b.cy_px;
+                            });
     x = (width - 1) / 2.0 - (left->cx_px + right->cx_px) / 2;
     y = (height - 1) / 2.0 - (top->cy_px + bottom->cy_px) / 2;
   }
-  for (BallPose& pose : poses) {
+  for (sim::speckle::BallPose& pose : poses) {
     pose.cx_px += x;
     pose.cy_px += y;
   }
 }
 
-std::vector<BallPose> constant_poses(const SynthMotionRequest& request) {
+std::vector<sim::speckle::BallPose> constant_poses(const SynthMotionRequest& request) {
   const std::vector<double> step = parse_doubles(request.velocity, ',', 2, "--velocity-px");
-  ConstantMotion motion;
+  sim::speckle::ConstantMotion motion;
   motion.dx_px = step[0];
   motion.dy_px = step[1];
   motion.rotation_deg = request.rotation_deg;
   motion.compression_per_frame = request.compression;
   motion.start.compression_axis_deg = request.compression_axis_deg;
-  return constant_motion(motion, request.frames > 0 ? request.frames : kDefaultFrames);
+  return sim::speckle::constant_motion(motion,
+                                       request.frames > 0 ? request.frames : kDefaultFrames);
 }
 
 // A file or a model says how the ball moves; options that say otherwise would be lost silently.
@@ -60,7 +66,7 @@ void refuse_constant_motion(const SynthMotionRequest& request, const std::string
   }
 }
 
-void cut_to(int frames, const std::string& file, std::vector<BallPose>& poses) {
+void cut_to(int frames, const std::string& file, std::vector<sim::speckle::BallPose>& poses) {
   if (frames == 0) return;
   if (static_cast<std::size_t>(frames) > poses.size()) {
     throw InvalidArgument("the motion has only " + std::to_string(poses.size()) + " frames", file,
@@ -71,8 +77,8 @@ void cut_to(int frames, const std::string& file, std::vector<BallPose>& poses) {
 
 // The path of an impact, relative to the first touch, which the radius in px scales.
 SynthMotion impact_motion(const SynthMotionRequest& request, double fps, double radius_px) {
-  const ImpactJob job = read_simulate_job(request.impact_job).impact;
-  if (job.body.shape == Shape::kRod) {
+  const sim::contact::ImpactJob job = sim::job::read_simulate_job(request.impact_job).impact;
+  if (job.body.shape == sim::contact::Shape::kRod) {
     throw InvalidArgument("the renderer knows balls only", request.impact_job, "not a rod");
   }
   const int frames = request.frames > 0 ? request.frames : kImpactFrames;
@@ -81,7 +87,8 @@ SynthMotion impact_motion(const SynthMotionRequest& request, double fps, double 
   motion.surface_angle_deg = job.surface_angle_deg;
   motion.bar_frame =
       static_cast<std::size_t>(std::clamp(std::lround(request.touch_frame), 0L, frames - 1L));
-  for (const FramePose& at : simulate_motion(job, fps, frames, request.touch_frame)) {
+  for (const sim::contact::FramePose& at :
+       sim::contact::simulate_motion(job, fps, frames, request.touch_frame)) {
     motion.poses.push_back({at.x_m * px_per_m, -at.y_m * px_per_m, at.angle_rad * kDegPerRad,
                             at.compression, job.surface_angle_deg + 90});
   }
@@ -147,7 +154,7 @@ SynthMotion make_motion(const SynthMotionRequest& request, int width, int height
     motion = impact_motion(request, fps, radius_px);
   } else if (!request.file.empty()) {
     refuse_constant_motion(request, "--motion");
-    MotionTable table = read_motion_csv(request.file);
+    sim::speckle::MotionTable table = sim::speckle::read_motion_csv(request.file);
     motion.poses = std::move(table.poses);
     placed = table.placed;
     cut_to(request.frames, request.file, motion.poses);

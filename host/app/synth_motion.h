@@ -19,7 +19,7 @@ struct SynthMotionRequest {
 void add_motion_options(CLI::App& command, SynthMotionRequest& request);
 
 struct SynthMotion {
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
   std::size_t bar_frame = 0;     // the frame in which a bar hides the stated share
   double surface_angle_deg = 0;  // the bar's direction
 };

@@ -1,8 +1,9 @@
 #include "host/app/table_file.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 
 namespace impactdic::app {

@@ -1,5 +1,7 @@
 #include "host/app/track_run.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -11,9 +13,8 @@
 #include "host/app/job.h"
 #include "host/app/key_frames.h"
 #include "host/app/track_output.h"
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/track/track_clip.h"
+#include "host/pipeline/track_clip.h"
 
 namespace impactdic::app {
 namespace {
@@ -34,9 +35,9 @@ std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
   return std::pair(range[0], range[1]);
 }
 
-TrackOptions resolve_options(const TrackRequest& request, const VideoInfo& info) {
-  TrackOptions options;
-  options.estimator.estimator = parse_estimator(request.estimator);
+pipeline::TrackOptions resolve_options(const TrackRequest& request, const video::VideoInfo& info) {
+  pipeline::TrackOptions options;
+  options.estimator.estimator = motion::parse_estimator(request.estimator);
   options.estimator.field = resolve(request.field);
   options.estimator.spacing_px = request.field.spacing_px;
   options.ball.circle.radius_range_px = parse_radius(request.radius);
@@ -53,8 +54,8 @@ TrackOptions resolve_options(const TrackRequest& request, const VideoInfo& info)
 }
 
 // Metres a pixel as far as they are known before the ball is: from --mm-per-px.
-SiScale resolve_scale(const TrackRequest& request, const TrackOptions& options,
-                      const VideoInfo& info) {
+SiScale resolve_scale(const TrackRequest& request, const pipeline::TrackOptions& options,
+                      const video::VideoInfo& info) {
   SiScale scale;
   scale.metre_per_px = request.mm_per_px * 1e-3;
   scale.fps = options.fps / static_cast<double>(options.frames.step);
@@ -63,8 +64,8 @@ SiScale resolve_scale(const TrackRequest& request, const TrackOptions& options,
   return scale;
 }
 
-ImpactSetup impact_setup(const TrackRequest& request) {
-  ImpactSetup setup;
+report::ImpactSetup impact_setup(const TrackRequest& request) {
+  report::ImpactSetup setup;
   setup.gravity_angle_rad = request.gravity_angle_deg * kRadPerDeg;
   if (request.inertia_factor > 0) setup.inertia_factor = request.inertia_factor;
   return setup;
@@ -76,8 +77,8 @@ std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
   });
 }
 
-ClipAdvice look_at(FrameSource& source, const TrackOptions& options) {
-  AdviceRequest request;
+advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::TrackOptions& options) {
+  advice::AdviceRequest request;
   request.frames = options.frames;
   request.roi = options.roi;
   request.circle = options.ball.circle;
@@ -85,11 +86,11 @@ ClipAdvice look_at(FrameSource& source, const TrackOptions& options) {
   request.field = options.estimator.field;
   request.with_field = options.with_field;
   request.rim_margin_px = options.estimator.rim_margin_px;
-  return advise_clip(source, request);
+  return advice::advise_clip(source, request);
 }
 
-std::vector<std::string> warnings_of(const TrackRequest& request, const VideoInfo& info,
-                                     const ClipAdvice& advice) {
+std::vector<std::string> warnings_of(const TrackRequest& request, const video::VideoInfo& info,
+                                     const advice::ClipAdvice& advice) {
   std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (request.ball_diameter_mm == 0 && request.mm_per_px == 0) {
     warnings.push_back(
@@ -104,7 +105,7 @@ std::vector<std::string> warnings_of(const TrackRequest& request, const VideoInf
 void check_settings(const TrackRequest& request) {
   resolve(request.field);
   parse_radius(request.radius);
-  parse_estimator(request.estimator);
+  motion::parse_estimator(request.estimator);
   if (request.ball_diameter_mm > 0 && request.mm_per_px > 0) {
     throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
   }
@@ -114,8 +115,8 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
                              RunContext& run) {
   check_settings(request);
   const auto source = open_requested(request.video);
-  const VideoInfo& info = source->info();
-  TrackOptions options = resolve_options(request, info);
+  const video::VideoInfo& info = source->info();
+  pipeline::TrackOptions options = resolve_options(request, info);
   const SiScale scale = resolve_scale(request, options, info);
   const auto folder =
       prepare_output_directory(request.output, request.common.force || request.resume);
@@ -124,7 +125,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   }
   write_job(command, folder / "job.toml");
 
-  const ClipAdvice advice = look_at(*source, options);
+  const advice::ClipAdvice advice = look_at(*source, options);
   if (advice.texture) options.estimator.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = warnings_of(request, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);
@@ -136,7 +137,8 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.window_px = options.estimator.field.window_px;
   output_options.compression = request.field.compression;
   output_options.with_field = options.with_field;
-  output_options.with_poses = options.with_field && options.estimator.estimator == Estimator::ball;
+  output_options.with_poses =
+      options.with_field && options.estimator.estimator == motion::Estimator::ball;
   output_options.overlay = request.overlay;
   output_options.impact = impact_setup(request);
   output_options.resume = request.resume;
@@ -146,11 +148,11 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   output_options.attributes["option_estimator"] = request.estimator;
   TrackOutput output(output_options);
   // Beside the run: a digest of a long clip takes longer than a fast device.
-  std::future<ClipDigest> digest;
+  std::future<video::ClipDigest> digest;
   if (!request.no_checksum)
-    digest = std::async(std::launch::async, digest_of, std::cref(info), kDigestPiece);
+    digest = std::async(std::launch::async, video::digest_of, std::cref(info), video::kDigestPiece);
   options.from = output.resume_point();
-  options.checkpoint = [&](const ResumePoint& point) { output.reach(point); };
+  options.checkpoint = [&](const pipeline::ResumePoint& point) { output.reach(point); };
   const std::int64_t to_do = options.frames.count() - (options.from ? options.from->next_row : 0);
 
   options.times = run.stage_times();
@@ -163,21 +165,21 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
     const double rate = static_cast<double>(to_do) / watch.seconds();
     summary["frames_per_s"] = rate;
     const Stopwatch waiting;
-    const ClipDigest found = digest.valid() ? digest.get() : ClipDigest{};
+    const video::ClipDigest found = digest.valid() ? digest.get() : video::ClipDigest{};
     if (!request.no_checksum) output.set_source_digest(found);
     summary["checksum_wait_s"] = waiting.seconds();
-    summary["input"] = describe_input(info, found);
+    summary["input"] = report::describe_input(info, found);
     summary["gravity_angle_deg"] = request.gravity_angle_deg;
     summary["key_frames"] = write_key_frames(*source, output.rows(), summary["impact"], folder);
-    write_json(folder / "summary.json", summary);
+    report::write_json(folder / "summary.json", summary);
     return rate;
   };
   try {
     TerminalProgress progress("track", request.common.quiet);
-    track_clip(
+    pipeline::track_clip(
         *source, run.engines(), options,
         [&](std::span<const Window> grid, double radius) { output.set_grid(grid, radius); },
-        [&](const TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
+        [&](const pipeline::TrackedFrame& frame) { output.add(frame); }, std::ref(progress));
   } catch (...) {
     finish();  // what was measured is kept
     throw;
@@ -214,7 +216,8 @@ void add_track_settings(CLI::App& command, TrackRequest& request) {
   command
       .add_option(
           "--estimator", request.estimator,
-          "How the motion is measured: ball (one registration of the whole ball, the most exact, and "
+          "How the motion is measured: ball (one registration of the whole ball, the most exact, "
+          "and "
           "poses without drift), field (windows alone) or ring (rotation from rings, any angle)")
       ->capture_default_str();
   add_field_options(command, request.field);

@@ -1,7 +1,8 @@
 #include "host/app/video_options.h"
 
+#include <impactdic/error.h>
+
 #include "host/app/command.h"
-#include "host/base/error.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
 #endif
@@ -23,16 +24,16 @@ void add_reading_options(CLI::App& command, VideoRequest& request) {
       ->check(positive_number());
 }
 
-std::unique_ptr<FrameSource> open_requested(const VideoRequest& request) {
-  VideoOptions options;
-  if (!request.raw.empty()) options.raw = parse_raw_layout(request.raw);
+std::unique_ptr<video::FrameSource> open_requested(const VideoRequest& request) {
+  video::VideoOptions options;
+  if (!request.raw.empty()) options.raw = video::parse_raw_layout(request.raw);
 #ifdef IMPACTDIC_WITH_CODECS
-  options.open_codec = open_codec;
+  options.open_codec = video::open_codec;
 #endif
-  return open_video(request.inputs, options);
+  return video::open_video(request.inputs, options);
 }
 
-double resolve_fps(const VideoRequest& request, const VideoInfo& info,
+double resolve_fps(const VideoRequest& request, const video::VideoInfo& info,
                    const std::string& needed_for) {
   if (request.fps > 0) return request.fps;
   if (info.fps) return *info.fps;

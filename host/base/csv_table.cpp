@@ -1,12 +1,13 @@
 #include "host/base/csv_table.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
 
 namespace impactdic {
 

@@ -8,8 +8,8 @@ namespace impactdic {
 
 void set_log_verbosity(int verbosity) {
   static const auto logger = [] {
-    auto made = std::make_shared<spdlog::logger>(
-        "impactdic", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    auto made = std::make_shared<spdlog::logger>("impactdic",
+                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
     made->set_pattern("impactdic: %l: %v");
     spdlog::set_default_logger(made);
     return made;

@@ -1,9 +1,9 @@
 #include "host/base/parse.h"
 
+#include <impactdic/error.h>
+
 #include <charconv>
 #include <cmath>
-
-#include "host/base/error.h"
 
 namespace impactdic {
 

@@ -1,5 +1,6 @@
 #include "host/base/sha256.h"
 
+#include <impactdic/error.h>
 #include <openssl/evp.h>
 
 #include <algorithm>
@@ -7,8 +8,6 @@
 #include <limits>
 #include <memory>
 #include <vector>
-
-#include "host/base/error.h"
 
 namespace impactdic {
 namespace {

@@ -2,16 +2,19 @@
 // reference on the host and the OpenCL device behind it.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "host/base/image.h"
 #include "host/dic/field.h"
 
-namespace impactdic {
-
+namespace impactdic::opencl {
 class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::dic {
 
 class Correlator {
  public:
@@ -34,7 +37,7 @@ class Correlator {
 std::unique_ptr<Correlator> make_reference_correlator(const FieldOptions& options, int slots);
 
 // The same on an OpenCL device. `engine` must outlive the correlator.
-std::unique_ptr<Correlator> make_opencl_correlator(Engine& engine, const FieldOptions& options,
-                                                   int slots);
+std::unique_ptr<Correlator> make_opencl_correlator(opencl::Engine& engine,
+                                                   const FieldOptions& options, int slots);
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

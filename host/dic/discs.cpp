@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace impactdic {
+namespace impactdic::dic {
 
 void WholeWindows::search(std::span<const Window> windows, int window_px, const Discs& discs,
                           WindowStatus of_cut, std::span<WindowMotion> motions,
@@ -36,4 +36,4 @@ void WholeWindows::search(std::span<const Window> windows, int window_px, const 
   for (const std::size_t i : cut_) motions[i] = not_searched;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

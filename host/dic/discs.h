@@ -9,7 +9,7 @@
 
 #include "host/dic/field.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 class Discs {
  public:
@@ -55,4 +55,4 @@ class WholeWindows {
   std::vector<Window> whole_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

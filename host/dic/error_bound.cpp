@@ -1,15 +1,16 @@
 #include "host/dic/error_bound.h"
 
+#include <impactdic/error.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "host/base/error.h"
-#include "host/dic/bspline.h"
-#include "host/dic/spline_taps.h"
+#include "host/dic/frames/bspline.h"
+#include "host/dic/frames/spline_taps.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -202,4 +203,4 @@ BallBound PictureSlopes::disc(double cx_px, double cy_px, double radius_px, doub
   return {std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1)), std::sqrt(covariance(2, 2))};
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -2,11 +2,11 @@
 // its slopes and its noise.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <vector>
 
-#include "host/base/image.h"
-
-namespace impactdic {
+namespace impactdic::dic {
 
 // One standard deviation of a displacement between two pictures of equal noise; infinite where the
 // slopes do not fix it.
@@ -14,7 +14,7 @@ struct WindowBound {
   double contrast = 0;  // rms of the grey levels about their mean, the noise's own share left out
   double u_sd_px = 0, v_sd_px = 0;
   // Of affine windows, the larger one of both as IC-GN expects it: above the bound, since it takes
-  // the noise's slopes for the picture's, and interpolation errs (kernels/icgn.cl).
+  // the noise's slopes for the picture's, and interpolation errs (kernels/icgn/icgn.cl).
   double expected_sd_px = 0;
 };
 
@@ -61,4 +61,4 @@ class PictureSlopes {
   std::vector<Sums> sums_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -1,13 +1,14 @@
 #include "host/dic/field.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 void check_range(double value, double low, double high, const char* what, const char* option) {
@@ -76,4 +77,4 @@ const char* to_string(WindowStatus status) {
   return index < kNames.size() ? kNames[index] : "?";
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

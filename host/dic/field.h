@@ -8,7 +8,7 @@
 
 #include "kernels/types.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // How a window's displacement is measured.
 enum class FieldMethod : std::uint8_t {
@@ -67,4 +67,4 @@ std::vector<Window> disc_grid(double cx_px, double cy_px, double radius_px, int 
 std::vector<Window> rectangle_grid(int x, int y, int width, int height, int window_px,
                                    int spacing_px);
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 constexpr double kRounding = 0.28867513459481287;  // 1/√12
@@ -62,4 +62,4 @@ double estimate_noise(ImageView<const float> picture, double full_scale) {
   return std::max(kRounding, middle->difference / (6 * kNormalMedian));
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

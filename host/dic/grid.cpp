@@ -1,9 +1,10 @@
+#include <impactdic/error.h>
+
 #include <cmath>
 
-#include "host/base/error.h"
 #include "host/dic/field.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 namespace {
 void check_grid(int window_px, int spacing_px) {
@@ -58,4 +59,4 @@ std::vector<Window> rectangle_grid(int x, int y, int width, int height, int wind
   return windows;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

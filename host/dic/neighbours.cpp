@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 constexpr std::uint8_t kMostRounds = 200;  // each carries the front on by about a window
@@ -322,4 +322,4 @@ void Neighbours::judge_lost(std::span<const Window> windows, std::span<const std
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

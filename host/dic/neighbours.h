@@ -10,7 +10,7 @@
 #include "host/dic/field.h"
 #include "host/dic/window_places.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // Refines windows from their seeds, one result a window.
 using RefineWindows = std::function<void(
@@ -49,4 +49,4 @@ class Neighbours {
   std::unique_ptr<Proposals> proposals_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

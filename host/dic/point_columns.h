@@ -6,10 +6,10 @@
 #include <cmath>
 #include <span>
 
-#include "host/base/order_statistic.h"
+#include "host/base/statistics.h"
 #include "host/dic/rigid_fit.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // The displacement of (x, y) is (u + ux x + uy y, v + vx x + vy y).
 struct AffineMotion {
@@ -56,11 +56,11 @@ struct PointColumns {
 };
 
 inline float median(const Eigen::ArrayXf& values) {
-  return median(std::span(values.data(), static_cast<std::size_t>(values.size())));
+  return impactdic::median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
-// Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut: an expression,
-// to be evaluated where it stands.
+// Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut: an
+// expression, to be evaluated where it stands.
 template <typename Squares>
 auto biweight(const Squares& over_cut_sq) {
   return (1 - over_cut_sq).max(0.0F).square();
@@ -196,4 +196,4 @@ struct Moments {
   }
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

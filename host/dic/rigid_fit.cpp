@@ -6,7 +6,7 @@
 
 #include "host/dic/point_columns.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 using Eigen::ArrayXf;
@@ -187,4 +187,4 @@ RigidMotion fit_rigid_motion(std::span<const PointMotion> measured, double cx_px
   return result;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

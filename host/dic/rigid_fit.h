@@ -3,7 +3,7 @@
 
 #include <span>
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // One measured displacement at one point, px, image axes (y down); sd one standard deviation.
 struct PointMotion {
@@ -26,4 +26,4 @@ struct RigidMotion {
 // centre's motion nor the rotation. Fewer than three points: not ok.
 RigidMotion fit_rigid_motion(std::span<const PointMotion> points, double cx_px, double cy_px);
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

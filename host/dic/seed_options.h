@@ -5,7 +5,7 @@
 
 #include "host/dic/field.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // The options of the seed: those of the method, but with a lower bar for the correlation, which a
 // rotation or a strain within the window pulls down and the refinement then restores. The
@@ -18,4 +18,4 @@ inline FieldOptions seed_options(FieldOptions options) {
   return options;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -1,11 +1,11 @@
 #include "host/dic/window_correlator.h"
 
+#include "host/dic/device/tuning.h"
 #include "host/dic/seed_options.h"
-#include "host/dic/tuning.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
-WindowCorrelator::WindowCorrelator(Engine& engine, const FieldOptions& options, int slots)
+WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& options, int slots)
     : engine_(engine), window_px_(options.window_px), discs_(slots) {
   options.validate();
   if (options.method == FieldMethod::published) {
@@ -98,4 +98,4 @@ void WindowCorrelator::refine(DeviceFrames& frames, std::span<const Window> wind
   motions_.read(engine_, motions);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

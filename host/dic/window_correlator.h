@@ -6,21 +6,21 @@
 #include <span>
 #include <vector>
 
-#include "host/dic/device_frames.h"
+#include "host/dic/device/icgn.h"
+#include "host/dic/device/published.h"
+#include "host/dic/device/zncc.h"
 #include "host/dic/discs.h"
 #include "host/dic/field.h"
-#include "host/dic/icgn_opencl.h"
+#include "host/dic/frames/device_frames.h"
 #include "host/dic/neighbours.h"
-#include "host/dic/published_opencl.h"
-#include "host/dic/zncc_opencl.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 class WindowCorrelator {
  public:
   // `slots`: of the frames that `correlate` will get. `engine` must outlive the correlator. Throws
   // InvalidArgument for options that contradict each other.
-  WindowCorrelator(Engine& engine, const FieldOptions& options, int slots);
+  WindowCorrelator(opencl::Engine& engine, const FieldOptions& options, int slots);
 
   // Pixels of the picture in `slot` outside this disc do not count when it is a window's first
   // frame: IC-GN measures a window that the rim cuts over its part inside, if that is half of it.
@@ -44,18 +44,18 @@ class WindowCorrelator {
   void refine(DeviceFrames& frames, std::span<const Window> windows,
               std::span<const WindowMotion> seeds, std::span<WindowMotion> motions);
 
-  Engine& engine_;
+  opencl::Engine& engine_;
   int window_px_;
   // What the method takes; the others stay empty.
   std::optional<PublishedOpencl> published_;
   std::optional<ZnccOpencl> zncc_;
   std::optional<IcgnRefiner> icgn_;
-  Buffer<Window> windows_;
-  Buffer<WindowMotion> motions_;
+  opencl::Buffer<Window> windows_;
+  opencl::Buffer<WindowMotion> motions_;
   Discs discs_;
   WholeWindows whole_;
   Neighbours neighbours_;
   std::vector<WindowMotion> results_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace impactdic {
+namespace impactdic::dic {
 namespace {
 
 using Index = WindowPlaces::Index;
@@ -117,4 +117,4 @@ void WindowPlaces::find_among_all(Index i, std::span<const std::uint8_t> state,
                  found.index.begin(), [](const Neighbour& n) { return n.index; });
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -8,7 +8,7 @@
 
 #include "host/dic/field.h"
 
-namespace impactdic {
+namespace impactdic::dic {
 
 // Near are the windows in the 3 × 3 square bins, each as wide as a window, about a window's own.
 // For use by one thread.
@@ -67,4 +67,4 @@ class WindowPlaces {
   std::vector<List> lists_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::dic

@@ -3,7 +3,7 @@
 
 #include "host/opencl/cl.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 // Sets arguments 0, 1, … in order. Throws cl::Error where a size does not fit.
 template <typename... Arguments>
@@ -12,4 +12,4 @@ void set_arguments(cl::Kernel& kernel, const Arguments&... arguments) {
   (kernel.setArg(index++, arguments), ...);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

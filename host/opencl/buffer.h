@@ -1,15 +1,16 @@
 // Typed device memory: move-only, sized in elements.
 #pragma once
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host/base/error.h"
 #include "host/opencl/engine.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 template <typename T>
 class Buffer {
@@ -98,4 +99,4 @@ Buffer<T> make_buffer(Engine& engine, std::span<const T> host) {
   return buffer;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

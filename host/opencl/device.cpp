@@ -1,12 +1,13 @@
 #include "host/opencl/device.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <charconv>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 namespace {
 
 std::string lower(std::string text) {
@@ -135,4 +136,4 @@ const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const st
                         "there is " + names(devices));
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -7,7 +7,7 @@
 
 #include "host/opencl/cl.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 struct DeviceInfo {
   int index = 0;  // what --device INDEX means
@@ -33,4 +33,4 @@ std::vector<DeviceInfo> all_devices(const std::vector<DeviceInfo>& devices);
 // has.
 const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& spec);
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

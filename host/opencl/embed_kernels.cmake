@@ -1,5 +1,5 @@
-# cmake -DOUT=file.cpp -DROOT=repository -P embed_kernels.cmake: every kernels/*.cl and *.h as text.
-file(GLOB sources RELATIVE ${ROOT} ${ROOT}/kernels/*.cl ${ROOT}/kernels/*.h)
+# cmake -DOUT=file.cpp -DROOT=repository -P embed_kernels.cmake: every .cl and .h of kernels/ as text.
+file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/kernels/*.cl ${ROOT}/kernels/*.h)
 list(SORT sources)
 set(head "#include <map>
 #include <string>

@@ -1,14 +1,15 @@
 #include "host/opencl/engine.h"
 
+#include <impactdic/error.h>
+
 #include <chrono>
 #include <cstdlib>
 #include <thread>
 
-#include "host/base/error.h"
 #include "host/base/log.h"
 #include "host/opencl/kernel_source.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 namespace {
 
 // OpenCL C 1.2 is what every vendor has. No fast-math: sub-pixel results must not lose bits.
@@ -158,4 +159,4 @@ void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

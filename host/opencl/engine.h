@@ -13,7 +13,7 @@
 #include "host/opencl/profiler.h"
 #include "host/opencl/program_cache.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 struct EngineOptions {
   bool profile = false;
@@ -90,4 +90,4 @@ inline std::size_t round_up(std::size_t value, std::size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

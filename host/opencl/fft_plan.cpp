@@ -1,14 +1,13 @@
 #include "host/opencl/fft_plan.h"
 
 #include <clFFT.h>
+#include <impactdic/error.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::opencl {
 namespace {
 
 void check(clfftStatus status, const char* call) {
@@ -66,9 +65,9 @@ FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::siz
     : impl_(std::make_unique<Impl>(engine, width, height, batch)) {
   const std::size_t lengths[2] = {width, height};
   clfftPlanHandle& plan = impl_->handle;
-  check(clfftCreateDefaultPlan(&plan, engine.context()(),
-                               height == 1 ? CLFFT_1D : CLFFT_2D, lengths),
-        "clfftCreateDefaultPlan");
+  check(
+      clfftCreateDefaultPlan(&plan, engine.context()(), height == 1 ? CLFFT_1D : CLFFT_2D, lengths),
+      "clfftCreateDefaultPlan");
   check(clfftSetPlanPrecision(plan, CLFFT_SINGLE), "clfftSetPlanPrecision");
   check(clfftSetLayout(plan, CLFFT_COMPLEX_INTERLEAVED, CLFFT_COMPLEX_INTERLEAVED),
         "clfftSetLayout");
@@ -100,4 +99,4 @@ std::size_t FftPlan::good_size(std::size_t length) {
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -6,7 +6,7 @@
 
 #include "host/opencl/engine.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 // Batched two-dimensional complex single-precision transform, in place, interleaved
 // (batch, height, width); of height 1, one-dimensional. The inverse is scaled by 1/(width·height).
@@ -30,4 +30,4 @@ class FftPlan {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

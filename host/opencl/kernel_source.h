@@ -4,11 +4,11 @@
 
 #include <string>
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 // Source of kernels/NAME with every `#include "kernels/x.h"` replaced by that file's text, each
 // file once, and #line directives so that a build log names the file. `folder` is the repository's
 // root, "" for the embedded sources. Throws BuildError for a file that is not there.
 std::string kernel_source(const std::string& name, const std::string& folder = "");
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -1,11 +1,11 @@
 #include "host/opencl/pinned.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <string>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::opencl {
 
 PinnedBytes::PinnedBytes(const Engine& engine, std::size_t count)
     : engine_(engine), count_(std::max<std::size_t>(count, 1)) {
@@ -29,4 +29,4 @@ PinnedBytes::~PinnedBytes() {
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -6,7 +6,7 @@
 
 #include "host/opencl/engine.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 class PinnedBytes {
  public:
@@ -25,4 +25,4 @@ class PinnedBytes {
   unsigned char* mapped_ = nullptr;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

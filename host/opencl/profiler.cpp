@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 namespace {
 // A long clip makes millions of events: they are read out before they pile up.
@@ -65,4 +65,4 @@ std::string Profiler::table() {
   return text;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -8,7 +8,7 @@
 
 #include "host/opencl/cl.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 struct ProfileRow {
   std::string name;
@@ -42,4 +42,4 @@ class Profiler {
   std::map<std::string, Entry> entries_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

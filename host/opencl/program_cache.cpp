@@ -9,7 +9,7 @@
 #include "host/base/log.h"
 #include "host/base/sha256.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 namespace {
 
@@ -79,4 +79,4 @@ void ProgramCache::remove(const std::string& key) const {
   std::filesystem::remove(path_of(key), ignored);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 class ProgramCache {
  public:
@@ -27,4 +27,4 @@ class ProgramCache {
   std::filesystem::path folder_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

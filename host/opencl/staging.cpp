@@ -1,6 +1,6 @@
 #include "host/opencl/staging.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 Staging::~Staging() { release(); }
 
@@ -39,4 +39,4 @@ const cl::Buffer& Staging::upload(std::size_t count) {
   return device_.get();
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

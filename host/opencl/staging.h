@@ -7,7 +7,7 @@
 
 #include "host/opencl/buffer.h"
 
-namespace impactdic {
+namespace impactdic::opencl {
 
 class Staging {
  public:
@@ -33,4 +33,4 @@ class Staging {
   Buffer<unsigned char> device_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::opencl

@@ -1,11 +1,12 @@
 #include "host/report/csv.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 const char* const kTrackCsvHeader =
     "frame,time_s,status,cx_px,cy_px,r_px,cx_sd_px,cy_sd_px,r_sd_px,dx_px,dy_px,rot_deg,dx_sd_px,"
@@ -142,8 +143,8 @@ MotionCsv::MotionCsv(std::filesystem::path path)
   file_ << kMotionCsvHeader << "\n";
 }
 
-void MotionCsv::add(const CorrelatedFrame& frame) {
-  const RigidMotion& m = frame.motion;
+void MotionCsv::add(const pipeline::CorrelatedFrame& frame) {
+  const dic::RigidMotion& m = frame.motion;
   Line line(std::to_string(frame.frame));
   line.add(frame.time_s).add_text(frame.is_reference ? "reference" : to_string(frame.status));
   if (m.ok) {
@@ -157,4 +158,4 @@ void MotionCsv::add(const CorrelatedFrame& frame) {
   check(file_, path_);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <vector>
 
-#include "host/track/correlate_clip.h"
-#include "host/track/track_row.h"
+#include "host/clip/track_row.h"
+#include "host/pipeline/correlate_clip.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 extern const char* const kTrackCsvHeader;
 extern const char* const kMotionCsvHeader;
@@ -41,11 +41,11 @@ std::vector<TrackRow> read_track_csv(const std::filesystem::path& path);
 class MotionCsv {
  public:
   explicit MotionCsv(std::filesystem::path path);
-  void add(const CorrelatedFrame& frame);
+  void add(const pipeline::CorrelatedFrame& frame);
 
  private:
   std::filesystem::path path_;
   std::ofstream file_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,5 +1,7 @@
 #include "host/report/fields_file.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,10 +10,9 @@
 #include <numeric>
 #include <utility>
 
-#include "host/base/error.h"
 #include "host/report/hdf5.h"
 
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 // The windows of a frame.
@@ -61,7 +62,7 @@ void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
             std::index_sequence<k...>) {
   for (std::size_t i = 0; i < rows.field.size(); ++i) {
     const WindowMotion& motion = rows.field[i];
-    const bool measured = motion.status == static_cast<std::int32_t>(WindowStatus::ok);
+    const bool measured = motion.status == static_cast<std::int32_t>(dic::WindowStatus::ok);
     columns[0][i] = static_cast<float>(rows.windows[i].x0 + rows.half);
     columns[1][i] = static_cast<float>(rows.windows[i].y0 + rows.half);
     ((columns[kPlaces.size() + k][i] = measured ? motion.*kMeasured[k].value : NAN), ...);
@@ -232,14 +233,14 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
   std::array<float*, kColumnCount> columns{};
   for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = file.columns[c].append<float>();
   if (field.empty()) {
-    std::fill_n(status, count, static_cast<std::uint8_t>(WindowStatus::masked));
+    std::fill_n(status, count, static_cast<std::uint8_t>(dic::WindowStatus::masked));
     std::fill_n(mask, count, std::uint8_t{0});
     for (float* column : columns) std::fill_n(column, count, NAN);
   } else {
     gather({windows, field, file.half}, columns, std::make_index_sequence<kMeasured.size()>());
     for (std::size_t i = 0; i < count; ++i) {
       status[i] = static_cast<std::uint8_t>(field[i].status);
-      mask[i] = field[i].status != static_cast<std::int32_t>(WindowStatus::masked);
+      mask[i] = field[i].status != static_cast<std::int32_t>(dic::WindowStatus::masked);
     }
   }
   const double nothing = kNotMeasured;
@@ -261,7 +262,7 @@ void FieldsFile::flush() {
   const Hdf5Guard guard(hdf5_lock());
   impl_->file.flush();
 }
-void FieldsFile::set_source_digest(const ClipDigest& digest) {
+void FieldsFile::set_source_digest(const video::ClipDigest& digest) {
   const Hdf5Guard guard(hdf5_lock());
   impl_->file.set_attribute("/", "source_sha256", digest.sha256);
   if (!digest.header_sha256.empty()) {
@@ -271,4 +272,4 @@ void FieldsFile::set_source_digest(const ClipDigest& digest) {
 }
 std::size_t FieldsFile::rows() const { return impl_->rows; }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

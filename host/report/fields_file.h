@@ -9,11 +9,11 @@
 #include <string>
 #include <variant>
 
+#include "host/clip/track_row.h"
 #include "host/dic/field.h"
-#include "host/track/track_row.h"
 #include "host/video/clip_digest.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 // Written as attributes of the file: every option, version, device, driver, source, axes.
 using Attributes = std::map<std::string, std::variant<double, std::string>>;
@@ -38,7 +38,7 @@ class FieldsFile {
   // Frames are gathered; this puts all of them on the disk.
   void flush();
   // Of the clip, known when all of it has been read.
-  void set_source_digest(const ClipDigest& digest);
+  void set_source_digest(const video::ClipDigest& digest);
   std::size_t rows() const;
 
  private:
@@ -47,4 +47,4 @@ class FieldsFile {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::report

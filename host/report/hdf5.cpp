@@ -1,13 +1,12 @@
 #include "host/report/hdf5.h"
 
 #include <hdf5_hl.h>
+#include <impactdic/error.h>
 
 #include <algorithm>
 #include <array>
 
-#include "host/base/error.h"
-
-namespace impactdic::hdf5 {
+namespace impactdic::report::hdf5 {
 namespace {
 
 void check(herr_t status, const std::string& what) {
@@ -173,4 +172,4 @@ void Table::become_scale(const std::string& name) {
   check(H5DSset_scale(get(), name.c_str()), name_);
 }
 
-}  // namespace impactdic::hdf5
+}  // namespace impactdic::report::hdf5

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace impactdic::hdf5 {
+namespace impactdic::report::hdf5 {
 
 // An HDF5 identifier that is closed once.
 class Handle {
@@ -123,4 +123,4 @@ class Table {
   std::vector<unsigned char> gathered_values_, aside_values_;
 };
 
-}  // namespace impactdic::hdf5
+}  // namespace impactdic::report::hdf5

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
@@ -14,13 +14,13 @@ constexpr double kGravity_m_s2 = 9.81;
 // Drag on a ball and rounded angles: the fall may differ by this part without meaning anything.
 constexpr double kFallTolerance = 0.05;
 
-json figure(const Measured& m, double unit = 1) {
+json figure(const impact::Measured& m, double unit = 1) {
   if (!std::isfinite(m.value * unit)) return nullptr;
   return {{"value", m.value * unit},
           {"sd", std::isfinite(m.sd) ? json(m.sd * std::abs(unit)) : json(nullptr)}};
 }
 
-const char* explain(ImpactStatus status) {
+const char* explain(impact::ImpactStatus status) {
   constexpr std::array kTexts = {
       "impact found", "no impact in these frames",
       "the ball turns on the other side of the surface: add 180 to --surface-angle-deg",
@@ -29,7 +29,7 @@ const char* explain(ImpactStatus status) {
   return kTexts[static_cast<std::size_t>(status)];
 }
 
-const char* explain(ClosureVerdict verdict) {
+const char* explain(impact::ClosureVerdict verdict) {
   constexpr std::array kTexts = {
       "the spin does not change enough to tell, or was not measured",
       "the tangential impulse accounts for the change of spin",
@@ -43,7 +43,7 @@ const char* explain(ClosureVerdict verdict) {
 
 class ImpactWriter {
  public:
-  ImpactWriter(const ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
+  ImpactWriter(const impact::ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
                const SiScale& scale)
       : impact_(impact), scale_(scale) {
     if (!rows.empty()) first_ = static_cast<double>(rows[0].frame);
@@ -52,21 +52,21 @@ class ImpactWriter {
     length_ = scale.metre_per_px > 0 ? scale.metre_per_px : kNotMeasured;
   }
 
-  json instant(const Measured& m) const {
+  json instant(const impact::Measured& m) const {
     if (!std::isfinite(m.value)) return nullptr;
     json result = {{"frame", first_ + step_ * m.value}, {"sd_frames", step_ * m.sd}};
     result["time_s"] = scale_.fps > 0 ? json(m.value / scale_.fps) : json(nullptr);
     result["sd_s"] = scale_.fps > 0 ? json(m.sd / scale_.fps) : json(nullptr);
     return result;
   }
-  json edge(const ContactEdgeResult& edge) const {
+  json edge(const impact::ContactEdgeResult& edge) const {
     json result = instant(edge.instant);
     if (result.is_null()) return result;
     result["onset_exponent"] = figure(edge.exponent);
     result["onset_law_holds"] = edge.law_holds;
     return result;
   }
-  json motion(const FlightMotion& m) const {
+  json motion(const impact::FlightMotion& m) const {
     if (m.last == 0) return nullptr;
     const double speed = si_ ? scale_.metre_per_px * scale_.fps : 1;
     const std::string unit = si_ ? "_m_s" : "_px_per_frame";
@@ -80,11 +80,11 @@ class ImpactWriter {
             {si_ ? "omega_rad_s" : "omega_rad_per_frame", figure(m.spin, si_ ? scale_.fps : 1)}};
   }
   json closure(const std::optional<double>& inertia) const {
-    const ImpulseClosure& c = impact_.closure;
+    const impact::ImpulseClosure& c = impact_.closure;
     return {{"ratio", figure(c.ratio)},
             {"inertia_factor_that_closes", figure(c.inertia_factor)},
             {"inertia_factor_given", inertia ? json(*inertia) : json(nullptr)},
-            {"verdict", to_string(c.verdict)},
+            {"verdict", impact::to_string(c.verdict)},
             {"explanation", explain(c.verdict)}};
   }
   json fall() const {
@@ -95,14 +95,14 @@ class ImpactWriter {
     result["agrees_with_9_81"] = std::isfinite(off) ? json(off <= allowed) : json(nullptr);
     return result;
   }
-  json length(const Measured& m) const { return figure(m, length_); }
-  json seconds(const Measured& m) const {
+  json length(const impact::Measured& m) const { return figure(m, length_); }
+  json seconds(const impact::Measured& m) const {
     return figure(m, scale_.fps > 0 ? 1 / scale_.fps : kNotMeasured);
   }
   const char* units() const { return si_ ? "si" : "px_and_frames"; }
 
  private:
-  const ImpactAnalysis& impact_;
+  const impact::ImpactAnalysis& impact_;
   const SiScale& scale_;
   double first_ = 0, step_ = 1, length_ = 1;
   bool si_ = false;
@@ -110,8 +110,8 @@ class ImpactWriter {
 
 }  // namespace
 
-ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup) {
-  ImpactOptions options;
+impact::ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup) {
+  impact::ImpactOptions options;
   options.surface_angle_rad = scale.surface_angle_rad;
   options.gravity_angle_rad = setup.gravity_angle_rad;
   options.inertia_factor = setup.inertia_factor;
@@ -121,11 +121,11 @@ ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup) {
   return options;
 }
 
-json describe_impact(const ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
+json describe_impact(const impact::ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
                      const SiScale& scale, const ImpactSetup& setup) {
-  json result = {{"found", impact.status == ImpactStatus::found ||
-                               impact.status == ImpactStatus::not_resolved},
-                 {"status", to_string(impact.status)},
+  json result = {{"found", impact.status == impact::ImpactStatus::found ||
+                               impact.status == impact::ImpactStatus::not_resolved},
+                 {"status", impact::to_string(impact.status)},
                  {"explanation", explain(impact.status)}};
   if (!result["found"].get<bool>()) return result;
   const ImpactWriter write(impact, rows, scale);
@@ -167,4 +167,4 @@ std::string impact_in_a_line(const json& impact) {
   return line;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 // OpenCV draws with this many fractional bits of a pixel.
@@ -47,7 +47,7 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   cv::Mat picture = to_colour(frame);
   const double half = (window_px - 1) / 2.0;
   for (std::size_t i = 0; i < field.size(); ++i) {
-    if (field[i].status != static_cast<idic_int>(WindowStatus::ok)) continue;
+    if (field[i].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
     const double x = windows[i].x0 + half - origin_x_, y = windows[i].y0 + half - origin_y_;
     cv::line(picture, fixed(x, y),
              fixed(x + arrow_scale_ * field[i].u, y + arrow_scale_ * field[i].v), kArrowColour, 1,
@@ -94,4 +94,4 @@ void write_label(ColourPicture& picture, const std::vector<std::string>& lines) 
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

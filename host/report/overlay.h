@@ -2,16 +2,17 @@
 // Figs 2.10 and 3.9.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "host/base/image.h"
+#include "host/clip/track_row.h"
 #include "host/dic/field.h"
-#include "host/track/track_row.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 // A colour picture, (height, width, 3) bytes, blue first.
 struct ColourPicture {
@@ -45,4 +46,4 @@ class OverlayPainter {
 // fit: done again, it replaces what stood there.
 void write_label(ColourPicture& picture, const std::vector<std::string>& lines);
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,10 +1,9 @@
 #include "host/report/png.h"
 
+#include <impactdic/error.h>
 #include <png.h>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::report {
 
 namespace {
 
@@ -54,4 +53,4 @@ std::vector<std::uint8_t> read_png_bgr(const std::filesystem::path& path, int& w
   return bgr;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

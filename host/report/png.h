@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::report {
 
 // `bgr` holds (height, width, 3) bytes, blue first. Throws FileError.
 void write_png_bgr(const std::filesystem::path& path, int width, int height,
@@ -19,4 +19,4 @@ void write_png_grey(const std::filesystem::path& path, int width, int height,
 // Reads a PNG file as (height, width, 3) bytes, blue first. Throws FileError.
 std::vector<std::uint8_t> read_png_bgr(const std::filesystem::path& path, int& width, int& height);
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,13 +1,14 @@
 #include "host/report/pose_csv.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <string>
 #include <vector>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 const char* const kPoseCsvHeader =
     "frame,time_s,x_px,y_px,angle_deg,x_sd_px,y_sd_px,angle_sd_deg,origin,keyframe";
@@ -55,4 +56,4 @@ void PoseCsv::flush() {
   if (!file_) throw FileError("cannot write the file", path_.string(), "is the disk full?");
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/track/track_row.h"
+#include "host/clip/track_row.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 extern const char* const kPoseCsvHeader;
 
@@ -23,4 +23,4 @@ class PoseCsv {
   std::ofstream file_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,16 +1,17 @@
 #include "host/report/resume_file.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
 
-#include "host/base/error.h"
+#include "host/circle/rim/rim_model.h"
 #include "host/report/summary.h"
-#include "host/track/rim_model.h"
 
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
@@ -103,11 +104,11 @@ void each_of_keyframe(Field field, T& key) {
   field("slot", key.slot);
 }
 
-json describe(const BallTracker::Memory& tracker) {
+json describe(const circle::BallTracker::Memory& tracker) {
   json described = {{"seen", json::array()},
                     {"radii_px", json::array()},
                     {"next_learning", tracker.next_learning}};
-  for (const BallTracker::Seen& seen : tracker.seen) {
+  for (const circle::BallTracker::Seen& seen : tracker.seen) {
     json& item = described["seen"].emplace_back(json{{"index", seen.index}});
     each_of_fit(Writer{item}, seen.fit);
     if (seen.fit.look) item["look"] = seen.fit.look->numbers();
@@ -116,14 +117,15 @@ json describe(const BallTracker::Memory& tracker) {
   return described;
 }
 
-BallTracker::Memory tracker_of(const json& described) {
-  BallTracker::Memory tracker;
+circle::BallTracker::Memory tracker_of(const json& described) {
+  circle::BallTracker::Memory tracker;
   for (const json& item : described.at("seen")) {
     auto& seen = tracker.seen.emplace_back();
     seen.index = item.at("index").get<std::int64_t>();
     each_of_fit(Reader{item}, seen.fit);
     if (item.contains("look")) {
-      seen.fit.look = std::make_shared<RimModel>(item.at("look").get<std::vector<double>>());
+      seen.fit.look =
+          std::make_shared<circle::RimModel>(item.at("look").get<std::vector<double>>());
     }
   }
   tracker.next_learning = described.at("next_learning").get<std::int64_t>();
@@ -131,18 +133,18 @@ BallTracker::Memory tracker_of(const json& described) {
   return tracker;
 }
 
-json describe(const Keyframes::Memory& memory) {
+json describe(const motion::Keyframes::Memory& memory) {
   json described = {
       {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
-  for (const Keyframes::Keyframe& key : memory.keyframes) {
+  for (const motion::Keyframes::Keyframe& key : memory.keyframes) {
     each_of_keyframe(Writer{described["keyframes"].emplace_back(json::object())}, key);
   }
   each_of_pose(Writer{described["last"]}, memory.last);
   return described;
 }
 
-Keyframes::Memory keyframes_of(const json& described) {
-  Keyframes::Memory memory;
+motion::Keyframes::Memory keyframes_of(const json& described) {
+  motion::Keyframes::Memory memory;
   for (const json& item : described.at("keyframes")) {
     each_of_keyframe(Reader{item}, memory.keyframes.emplace_back());
   }
@@ -151,8 +153,8 @@ Keyframes::Memory keyframes_of(const json& described) {
   return memory;
 }
 
-ResumePoint point_of(const json& described) {
-  ResumePoint point;
+pipeline::ResumePoint point_of(const json& described) {
+  pipeline::ResumePoint point;
   point.next_row = described.at("next_row").get<std::int64_t>();
   each_of_fit(Reader{described.at("circle")}, point.circle);
   point.tracker = tracker_of(described.at("tracker"));
@@ -165,7 +167,7 @@ ResumePoint point_of(const json& described) {
 
 }  // namespace
 
-void write_resume_point(const std::filesystem::path& path, const ResumePoint& point) {
+void write_resume_point(const std::filesystem::path& path, const pipeline::ResumePoint& point) {
   json described = {{"next_row", point.next_row}, {"circle", json::object()}};
   each_of_fit(Writer{described["circle"]}, point.circle);
   described["tracker"] = describe(point.tracker);
@@ -174,7 +176,7 @@ void write_resume_point(const std::filesystem::path& path, const ResumePoint& po
   write_json(path, described);
 }
 
-ResumePoint read_resume_point(const std::filesystem::path& path) {
+pipeline::ResumePoint read_resume_point(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) throw FileError("cannot read the file", path.string());
   try {
@@ -185,4 +187,4 @@ ResumePoint read_resume_point(const std::filesystem::path& path) {
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -3,14 +3,14 @@
 
 #include <filesystem>
 
-#include "host/track/resume_point.h"
+#include "host/pipeline/resume_point.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 // Replaces the file in one step. Throws FileError.
-void write_resume_point(const std::filesystem::path& path, const ResumePoint& point);
+void write_resume_point(const std::filesystem::path& path, const pipeline::ResumePoint& point);
 
 // Every number comes back to the last bit. Throws FileError, FormatError.
-ResumePoint read_resume_point(const std::filesystem::path& path);
+pipeline::ResumePoint read_resume_point(const std::filesystem::path& path);
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,13 +1,14 @@
 #include "host/report/shots_csv.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
@@ -93,4 +94,4 @@ void write_shots_csv(const std::filesystem::path& path, const std::vector<std::s
   if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

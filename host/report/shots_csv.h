@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::report {
 
 // One shot of a batch: what the request says of it and what came out.
 struct ShotEntry {
@@ -24,4 +24,4 @@ std::string shots_csv_line(const ShotEntry& shot, const nlohmann::json& summary)
 // Writes the whole table in one step. Throws FileError.
 void write_shots_csv(const std::filesystem::path& path, const std::vector<std::string>& lines);
 
-}  // namespace impactdic
+}  // namespace impactdic::report

@@ -1,13 +1,13 @@
 #include "host/report/summary.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
@@ -26,7 +26,7 @@ struct Mean {
 
 }  // namespace
 
-json describe_input(const VideoInfo& info, const ClipDigest& digest) {
+json describe_input(const video::VideoInfo& info, const video::ClipDigest& digest) {
   const auto or_null = [](const std::string& text) {
     return text.empty() ? json(nullptr) : json(text);
   };
@@ -93,4 +93,4 @@ void write_json(const std::filesystem::path& path, const json& summary) {
   if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::report

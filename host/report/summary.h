@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "host/track/track_row.h"
+#include "host/clip/track_row.h"
 #include "host/video/clip_digest.h"
 
-namespace impactdic {
+namespace impactdic::report {
 
 // The input as it describes itself, with its SHA-256 (null where `digest` is empty).
-nlohmann::json describe_input(const VideoInfo& info, const ClipDigest& digest);
+nlohmann::json describe_input(const video::VideoInfo& info, const video::ClipDigest& digest);
 
 // Frames by status, mean speed, ball, scale. Figures that were not measured are null.
 nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale);
@@ -20,4 +20,4 @@ nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale&
 // Writes `summary` to a temporary file and renames it. Throws FileError.
 void write_json(const std::filesystem::path& path, const nlohmann::json& summary);
 
-}  // namespace impactdic
+}  // namespace impactdic::report

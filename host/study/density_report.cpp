@@ -1,14 +1,15 @@
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/study/density_study.h"
 
-namespace impactdic {
+namespace impactdic::study {
 namespace {
 
 std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
@@ -110,4 +111,4 @@ nlohmann::json describe_density(std::span<const DensityRow> rows, int window_px)
   return summary;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::study

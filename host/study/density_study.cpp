@@ -1,17 +1,18 @@
 #include "host/study/density_study.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "host/dic/correlator.h"
-#include "host/dic/cubic_spline.h"
-#include "host/dic/published_reference.h"
+#include "host/dic/frames/cubic_spline.h"
+#include "host/dic/reference/published.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::study {
 namespace {
 
 using Motions = std::vector<WindowMotion>;
@@ -24,18 +25,20 @@ struct Scenery {
 
 Scenery make_scenery(const DensityStudyOptions& options) {
   constexpr double kMarginPx = 16;
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = static_cast<int>(std::ceil(2 * (options.radius_px + kMarginPx)));
   scene.noise_sigma = options.noise;
   scene.noise_seed = options.seed;
-  const BallRenderer renderer(paint_ball(options.pattern, options.seed, options.radius_px), scene);
+  const sim::speckle::BallRenderer renderer(
+      sim::speckle::paint_ball(options.pattern, options.seed, options.radius_px), scene);
   const double middle = (scene.width - 1) / 2.0;
   Scenery made;
-  renderer.render(BallPose{middle, middle}, 0, made.first);
-  renderer.render(BallPose{middle + options.dx_px, middle + options.dy_px}, 1, made.second);
+  renderer.render(sim::speckle::BallPose{middle, middle}, 0, made.first);
+  renderer.render(sim::speckle::BallPose{middle + options.dx_px, middle + options.dy_px}, 1,
+                  made.second);
   constexpr double kRimPx = 3;
-  const std::vector<Window> all = disc_grid(middle, middle, options.radius_px - kRimPx,
-                                            options.window_px, (options.window_px + 1) / 2);
+  const std::vector<Window> all = dic::disc_grid(middle, middle, options.radius_px - kRimPx,
+                                                 options.window_px, (options.window_px + 1) / 2);
   const auto wanted = std::min(all.size(), static_cast<std::size_t>(options.windows));
   for (std::size_t i = 0; i < wanted; ++i) {
     made.windows.push_back(all[i * all.size() / wanted]);
@@ -44,8 +47,9 @@ Scenery make_scenery(const DensityStudyOptions& options) {
   return made;
 }
 
-FieldOptions field_options(const DensityStudyOptions& options, FieldMethod method, int points) {
-  FieldOptions field;
+dic::FieldOptions field_options(const DensityStudyOptions& options, dic::FieldMethod method,
+                                int points) {
+  dic::FieldOptions field;
   field.method = method;
   field.window_px = options.window_px;
   field.interp_points = points;
@@ -101,7 +105,7 @@ Image<double> cut(const Frame& frame, const Window& window, int side) {
 
 Image<double> with_points(const Image<double>& window, int points) {
   const int side = window.width();
-  const std::vector<double> matrix = cubic_interpolation_matrix(side, points);
+  const std::vector<double> matrix = dic::cubic_interpolation_matrix(side, points);
   const int fine = static_cast<int>(matrix.size()) / side;
   const auto weight = [&](int row, int k) {
     return matrix[static_cast<std::size_t>(row) * static_cast<std::size_t>(side) +
@@ -124,14 +128,14 @@ Image<double> with_points(const Image<double>& window, int points) {
 }  // namespace
 
 void DensityStudyOptions::validate() const {
-  find_pattern(pattern);
+  sim::speckle::find_pattern(pattern);
   if (most_points < 0 || most_points > 9) {
     throw InvalidArgument("the number of spline points is out of range", "--interp", "0 … 9");
   }
   if (windows < 1 || repeats < 1) throw InvalidArgument("nothing to measure", "--windows");
 }
 
-DensityStudy run_density_study(Engine& engine, const DensityStudyOptions& options,
+DensityStudy run_density_study(opencl::Engine& engine, const DensityStudyOptions& options,
                                const ProgressFn& progress) {
   options.validate();
   const Scenery scenery = make_scenery(options);
@@ -141,8 +145,8 @@ DensityStudy run_density_study(Engine& engine, const DensityStudyOptions& option
   study.window = cut(scenery.first, scenery.windows[scenery.windows.size() / 2], options.window_px);
   study.interpolated = with_points(study.window, kFigurePoints);
   for (int points = 0; points <= options.most_points; ++points) {
-    const FieldOptions published = field_options(options, FieldMethod::published, points);
-    const PublishedReference reference(published);
+    const dic::FieldOptions published = field_options(options, dic::FieldMethod::published, points);
+    const dic::PublishedReference reference(published);
     Motions literal(scenery.windows.size());
     const double literal_time = shortest_time(options.repeats, [&] {
       for (std::size_t i = 0; i < literal.size(); ++i) {
@@ -151,20 +155,20 @@ DensityStudy run_density_study(Engine& engine, const DensityStudyOptions& option
       }
     });
     study.rows.push_back(sum_up(literal, literal, "literal", points, literal_time, options));
-    for (const FieldMethod method : {FieldMethod::published, FieldMethod::icgn}) {
+    for (const dic::FieldMethod method : {dic::FieldMethod::published, dic::FieldMethod::icgn}) {
       const auto correlator =
-          make_opencl_correlator(engine, field_options(options, method, points), 2);
+          dic::make_opencl_correlator(engine, field_options(options, method, points), 2);
       correlator->set_frame(0, scenery.first);
       correlator->set_frame(1, scenery.second);
       // The first call allocates, and prepares the frames.
       Motions motions = correlator->correlate(scenery.windows);
       const double time =
           shortest_time(options.repeats, [&] { motions = correlator->correlate(scenery.windows); });
-      study.rows.push_back(sum_up(motions, literal, to_string(method), points, time, options));
+      study.rows.push_back(sum_up(motions, literal, dic::to_string(method), points, time, options));
     }
     progress(points + 1, options.most_points + 1);
   }
   return study;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::study

@@ -3,6 +3,8 @@
 // default method, which has no such number.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -10,12 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "host/base/image.h"
 #include "host/base/progress.h"
 
-namespace impactdic {
-
+namespace impactdic::opencl {
 class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::study {
 
 struct DensityStudyOptions {
   std::string pattern = "e1";
@@ -46,7 +49,7 @@ struct DensityStudy {
   Image<double> window, interpolated;
 };
 
-DensityStudy run_density_study(Engine& engine, const DensityStudyOptions& options,
+DensityStudy run_density_study(opencl::Engine& engine, const DensityStudyOptions& options,
                                const ProgressFn& progress);
 
 // Throw FileError.
@@ -60,4 +63,4 @@ void write_window_csv(const std::filesystem::path& file, const Image<double>& pi
 // finding.
 nlohmann::json describe_density(std::span<const DensityRow> rows, int window_px);
 
-}  // namespace impactdic
+}  // namespace impactdic::study

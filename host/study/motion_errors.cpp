@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace impactdic {
+namespace impactdic::study {
 namespace {
 
 constexpr double kRimPx = 3;  // as far in from the circle the picture is the ball's alone
@@ -16,8 +16,8 @@ Shift shift_at(double x, double y, double dx, double dy, double rot_rad) {
   return {dx + c * x + s * y, dy - s * x + c * y};
 }
 
-void add_motion(const PairMotion& pair, const PairTruth& truth, MotionErrors& errors) {
-  const RigidMotion& got = pair.motion;
+void add_motion(const motion::PairMotion& pair, const PairTruth& truth, MotionErrors& errors) {
+  const dic::RigidMotion& got = pair.motion;
   const StudyMotion& want = truth.motion;
   errors.dx_px.add(got.dx_px - want.dx_px);
   errors.dy_px.add(got.dy_px - want.dy_px);
@@ -30,8 +30,8 @@ void add_motion(const PairMotion& pair, const PairTruth& truth, MotionErrors& er
 
 }  // namespace
 
-void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
-              const PictureSlopes& slopes, double noise, MotionErrors& errors) {
+void add_pair(const motion::PairMotion& pair, const PairTruth& truth, int window_px,
+              const dic::PictureSlopes& slopes, double noise, MotionErrors& errors) {
   ++errors.pairs;
   if (pair.motion.ok) {
     add_motion(pair, truth, errors);
@@ -44,9 +44,9 @@ void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
     const Window& window = pair.windows[i];
     const WindowMotion& got = pair.field[i];
     ++errors.windows;
-    if (got.status != static_cast<idic_int>(WindowStatus::ok)) {
-      ++(got.status == static_cast<idic_int>(WindowStatus::no_texture) ? errors.no_texture
-                                                                       : errors.failed);
+    if (got.status != static_cast<idic_int>(dic::WindowStatus::ok)) {
+      ++(got.status == static_cast<idic_int>(dic::WindowStatus::no_texture) ? errors.no_texture
+                                                                            : errors.failed);
       continue;
     }
     const Shift right = shift_at(window.x0 + half - truth.cx_px, window.y0 + half - truth.cy_px,
@@ -60,7 +60,7 @@ void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
     const double out_x = std::abs(window.x0 + half - pair.first.cx_px) + half;
     const double out_y = std::abs(window.y0 + half - pair.first.cy_px) + half;
     if (std::hypot(out_x, out_y) > pair.first.r_px - kRimPx) continue;
-    const WindowBound bound = slopes.window(window.x0, window.y0, window_px, noise);
+    const dic::WindowBound bound = slopes.window(window.x0, window.y0, window_px, noise);
     if (std::hypot(bound.u_sd_px, bound.v_sd_px) > kUsablePx) continue;
     errors.window_px.add(du);
     errors.window_px.add(dv);
@@ -69,4 +69,4 @@ void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::study

@@ -6,7 +6,7 @@
 #include "host/dic/error_bound.h"
 #include "host/study/study_case.h"
 
-namespace impactdic {
+namespace impactdic::study {
 
 // Running sums of one error.
 class ErrorSums {
@@ -56,7 +56,7 @@ inline constexpr double kWrongPx = 0.5;
 inline constexpr double kUsablePx = 0.1;
 
 // Adds one measured pair. `slopes`: of the first frame without noise; `noise`: of the frames.
-void add_pair(const PairMotion& pair, const PairTruth& truth, int window_px,
-              const PictureSlopes& slopes, double noise, MotionErrors& errors);
+void add_pair(const motion::PairMotion& pair, const PairTruth& truth, int window_px,
+              const dic::PictureSlopes& slopes, double noise, MotionErrors& errors);
 
-}  // namespace impactdic
+}  // namespace impactdic::study

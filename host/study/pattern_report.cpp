@@ -1,5 +1,7 @@
 #include "host/study/pattern_report.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -7,11 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "sim/speckle/pattern.h"
 
-namespace impactdic {
+namespace impactdic::study {
 namespace {
 
 using nlohmann::json;
@@ -101,7 +102,7 @@ std::vector<std::string> names_of(std::span<const PatternStudyRow> rows,
   return names;
 }
 
-std::string what_it_is(const PatternSpec& spec) {
+std::string what_it_is(const sim::speckle::PatternSpec& spec) {
   char text[120];
   if (spec.mean_area_px > 0) {
     std::snprintf(text, sizeof text, "round speckles of about %.0f px area, %.0f %% ink",
@@ -122,7 +123,7 @@ std::string finding(const PooledErrors& best, const std::string& best_pattern,
   std::snprintf(text, sizeof text,
                 "Paint pattern %s (%s): %s measures its motion to %.4f px and %.4f deg a frame, "
                 "and a window to %.4f px; on the worst, %s, to %.4f px, %.4f deg and %.4f px.",
-                best_pattern.c_str(), what_it_is(find_pattern(best_pattern)).c_str(),
+                best_pattern.c_str(), what_it_is(sim::speckle::find_pattern(best_pattern)).c_str(),
                 best.estimator.c_str(), best.motion_rms_px, best.rot_rms_deg, best.window_rms_px,
                 worst_pattern.c_str(), worst.motion_rms_px, worst.rot_rms_deg, worst.window_rms_px);
   std::string sentence = text;
@@ -233,4 +234,4 @@ json describe_patterns(std::span<const PatternStudyRow> rows, const PatternStudy
   return summary;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::study

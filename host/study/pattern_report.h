@@ -8,7 +8,7 @@
 
 #include "host/study/pattern_study.h"
 
-namespace impactdic {
+namespace impactdic::study {
 
 // One row per pattern, motion and estimator. Throws FileError.
 void write_pattern_csv(const std::filesystem::path& file, std::span<const PatternStudyRow> rows);
@@ -31,4 +31,4 @@ PooledErrors pool(std::span<const PatternStudyRow> rows, const std::string& patt
 nlohmann::json describe_patterns(std::span<const PatternStudyRow> rows,
                                  const PatternStudyOptions& options);
 
-}  // namespace impactdic
+}  // namespace impactdic::study

@@ -1,16 +1,17 @@
 #include "host/study/pattern_study.h"
 
+#include <impactdic/error.h>
+
 #include <chrono>
 #include <cmath>
 #include <memory>
 
-#include "host/base/error.h"
-#include "host/dic/ball_registration.h"
-#include "host/dic/device_frames.h"
-#include "host/track/ball_tracker.h"
+#include "host/circle/ball_tracker.h"
+#include "host/dic/device/ball.h"
+#include "host/dic/frames/device_frames.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::study {
 namespace {
 
 // Of a picture with noise `sigma`: rounding to whole grey levels adds its own.
@@ -27,28 +28,28 @@ Image<float> to_float(const Image<double>& picture) {
 // One clip: frames, what is true of them, what the circle fit says.
 struct Clip {
   StudyMotion motion;
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
   std::vector<Frame> frames;
-  std::vector<CircleFit> circles;
+  std::vector<circle::CircleFit> circles;
   ErrorSums centre_px;
-  std::vector<PictureSlopes> slopes;  // of the frames without noise, but for the last
-  BallBound bound;                    // of the first pair
+  std::vector<dic::PictureSlopes> slopes;  // of the frames without noise, but for the last
+  dic::BallBound bound;                    // of the first pair
 };
 
 class PatternStudy {
  public:
-  PatternStudy(Engine& engine, const PatternStudyOptions& options)
+  PatternStudy(opencl::Engine& engine, const PatternStudyOptions& options)
       : options_(options), frames_(engine, options.pairs + 1) {
     for (const std::string& name : options.estimators) {
       estimators_.push_back(parse_study_estimator(name));
       estimators_.back().options.field.noise = options.noise;
-      runs_.push_back(
-          make_motion_estimator(engine, estimators_.back().options, options.radius_px, frames_));
+      runs_.push_back(motion::make_motion_estimator(engine, estimators_.back().options,
+                                                    options.radius_px, frames_));
     }
   }
 
-  void run(const PatternSpec& pattern, const BallRenderer& renderer, const StudyMotion& motion,
-           std::vector<PatternStudyRow>& rows) {
+  void run(const sim::speckle::PatternSpec& pattern, const sim::speckle::BallRenderer& renderer,
+           const StudyMotion& motion, std::vector<PatternStudyRow>& rows) {
     const Clip clip = make_clip(renderer, motion);
     for (std::size_t k = 0; k < runs_.size(); ++k) {
       PatternStudyRow row;
@@ -66,11 +67,11 @@ class PatternStudy {
   }
 
  private:
-  Clip make_clip(const BallRenderer& renderer, const StudyMotion& motion) const {
+  Clip make_clip(const sim::speckle::BallRenderer& renderer, const StudyMotion& motion) const {
     Clip clip;
     clip.motion = motion;
     const double middle = (renderer.scene().width - 1) / 2.0;
-    ConstantMotion constant;
+    sim::speckle::ConstantMotion constant;
     // Off the grid of pixels, and the clip about the picture's middle.
     constant.start.cx_px = middle + 0.3 - motion.dx_px * options_.pairs / 2.0;
     constant.start.cy_px = middle - 0.4 - motion.dy_px * options_.pairs / 2.0;
@@ -78,41 +79,42 @@ class PatternStudy {
     constant.dx_px = motion.dx_px;
     constant.dy_px = motion.dy_px;
     constant.rotation_deg = motion.rot_deg;
-    clip.poses = constant_motion(constant, options_.pairs + 1);
-    BallTracker tracker;
+    clip.poses = sim::speckle::constant_motion(constant, options_.pairs + 1);
+    circle::BallTracker tracker;
     const double noise = with_rounding(options_.noise);
     for (std::size_t k = 0; k < clip.poses.size(); ++k) {
-      const BallPose& pose = clip.poses[k];
+      const sim::speckle::BallPose& pose = clip.poses[k];
       clip.frames.emplace_back();
       renderer.render(pose, static_cast<std::int64_t>(k), clip.frames.back());
       clip.circles.push_back(tracker.track(clip.frames.back(), static_cast<std::int64_t>(k)));
-      if (clip.circles.back().status == CircleStatus::ok) {
+      if (clip.circles.back().status == circle::CircleStatus::ok) {
         clip.centre_px.add(clip.circles.back().circle.cx_px - pose.cx_px);
         clip.centre_px.add(clip.circles.back().circle.cy_px - pose.cy_px);
       }
       if (k + 1 == clip.poses.size()) break;
       clip.slopes.emplace_back(to_float(renderer.exact(pose)).view(), 0.0);
       if (k == 0) {
-        clip.bound =
-            clip.slopes[0].disc(pose.cx_px, pose.cy_px, options_.radius_px - kRimMarginPx, noise);
+        clip.bound = clip.slopes[0].disc(pose.cx_px, pose.cy_px,
+                                         options_.radius_px - dic::kRimMarginPx, noise);
       }
     }
     return clip;
   }
 
   // The time holds all that a clip costs: frames to the device, their splines, both batches.
-  MotionErrors measure(const StudyEstimator& estimator, MotionEstimator& run, const Clip& clip) {
+  MotionErrors measure(const StudyEstimator& estimator, motion::MotionEstimator& run,
+                       const Clip& clip) {
     MotionErrors errors;
-    std::vector<PairMotion> pairs;
+    std::vector<motion::PairMotion> pairs;
     std::vector<std::size_t> first;  // frame of each pair
     for (std::size_t k = 0; k + 1 < clip.frames.size(); ++k) {
-      const CircleFit &a = clip.circles[k], &b = clip.circles[k + 1];
-      if (a.status != CircleStatus::ok || b.status != CircleStatus::ok) {
+      const circle::CircleFit &a = clip.circles[k], &b = clip.circles[k + 1];
+      if (a.status != circle::CircleStatus::ok || b.status != circle::CircleStatus::ok) {
         ++errors.pairs;
         ++errors.failed_pairs;
         continue;
       }
-      PairMotion pair;
+      motion::PairMotion pair;
       pair.first_slot = static_cast<int>(k);
       pair.second_slot = static_cast<int>(k) + 1;
       pair.first = a.circle;
@@ -133,7 +135,7 @@ class PatternStudy {
     errors.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const BallPose& pose = clip.poses[first[i]];
+      const sim::speckle::BallPose& pose = clip.poses[first[i]];
       add_pair(pairs[i], {pose.cx_px, pose.cy_px, clip.motion}, estimator.options.field.window_px,
                clip.slopes[first[i]], with_rounding(options_.noise), errors);
     }
@@ -141,15 +143,15 @@ class PatternStudy {
   }
 
   const PatternStudyOptions& options_;
-  DeviceFrames frames_;
+  dic::DeviceFrames frames_;
   std::vector<StudyEstimator> estimators_;
-  std::vector<std::unique_ptr<MotionEstimator>> runs_;
+  std::vector<std::unique_ptr<motion::MotionEstimator>> runs_;
 };
 
 }  // namespace
 
 void PatternStudyOptions::validate() const {
-  for (const std::string& name : patterns) find_pattern(name);
+  for (const std::string& name : patterns) sim::speckle::find_pattern(name);
   for (const std::string& name : estimators) parse_study_estimator(name);
   if (estimators.empty()) throw InvalidArgument("no estimator is given", "--estimators");
   if (!(radius_px >= 20 && radius_px <= 1000)) {
@@ -163,18 +165,19 @@ void PatternStudyOptions::validate() const {
   }
 }
 
-std::vector<PatternStudyRow> run_pattern_study(Engine& engine, const PatternStudyOptions& options,
+std::vector<PatternStudyRow> run_pattern_study(opencl::Engine& engine,
+                                               const PatternStudyOptions& options,
                                                const ProgressFn& progress) {
   options.validate();
-  std::vector<const PatternSpec*> patterns;
-  for (const PatternSpec& spec : pattern_specs()) {
+  std::vector<const sim::speckle::PatternSpec*> patterns;
+  for (const sim::speckle::PatternSpec& spec : sim::speckle::pattern_specs()) {
     const bool all = options.patterns.empty();
     if (all || std::find(options.patterns.begin(), options.patterns.end(), spec.name) !=
                    options.patterns.end()) {
       patterns.push_back(&spec);
     }
   }
-  Scene scene;
+  sim::speckle::Scene scene;
   constexpr double kMarginPx = 16;  // about the ball: its way, and background for the circle
   const double travel = 2.0 * options.pairs;
   scene.width = scene.height =
@@ -184,16 +187,17 @@ std::vector<PatternStudyRow> run_pattern_study(Engine& engine, const PatternStud
   std::vector<PatternStudyRow> rows;
   const auto total = static_cast<std::int64_t>(patterns.size() * study_motions().size());
   std::int64_t done = 0;
-  for (const PatternSpec* pattern : patterns) {
-    const SpeckleBall ball = paint_ball(pattern->name, options.seed, options.radius_px);
+  for (const sim::speckle::PatternSpec* pattern : patterns) {
+    const sim::speckle::SpeckleBall ball =
+        sim::speckle::paint_ball(pattern->name, options.seed, options.radius_px);
     for (const StudyMotion& motion : study_motions()) {
       // Noise of its own for every clip.
       scene.noise_seed = options.seed * 1000 + static_cast<std::uint64_t>(done);
-      study.run(*pattern, BallRenderer(ball, scene), motion, rows);
+      study.run(*pattern, sim::speckle::BallRenderer(ball, scene), motion, rows);
       progress(++done, total);
     }
   }
   return rows;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::study

@@ -9,9 +9,11 @@
 #include "host/base/progress.h"
 #include "host/study/motion_errors.h"
 
-namespace impactdic {
-
+namespace impactdic::opencl {
 class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::study {
 
 struct PatternStudyOptions {
   std::vector<std::string> patterns;  // empty: all sixteen
@@ -30,13 +32,14 @@ struct PatternStudyRow {
   double density = 0;  // of the pattern
   StudyMotion motion;
   MotionErrors errors;
-  ErrorSums centre_px;  // of the measured circle, both axes
-  BallBound bound;      // of the ball's motion, from all its pixels
+  ErrorSums centre_px;   // of the measured circle, both axes
+  dic::BallBound bound;  // of the ball's motion, from all its pixels
 };
 
 // Runs the study. As `track` does, circles are measured in every frame, the first pair of a clip
 // starts without knowing the rotation, the others know the first one's.
-std::vector<PatternStudyRow> run_pattern_study(Engine& engine, const PatternStudyOptions& options,
+std::vector<PatternStudyRow> run_pattern_study(opencl::Engine& engine,
+                                               const PatternStudyOptions& options,
                                                const ProgressFn& progress);
 
-}  // namespace impactdic
+}  // namespace impactdic::study

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "host/track/motion_estimator.h"
+#include "host/motion/motion_estimator.h"
 
-namespace impactdic {
+namespace impactdic::study {
 
 // Motion from frame to frame: px, image axes; rotation counter-clockwise on screen.
 struct StudyMotion {
@@ -21,7 +21,7 @@ const std::vector<StudyMotion>& study_motions();
 
 struct StudyEstimator {
   std::string name;
-  EstimatorOptions options;
+  motion::EstimatorOptions options;
   // Windows are looked for where the circle has moved to. The published method compares windows at
   // the same place, and is biased for it.
   bool aimed = true;
@@ -31,4 +31,4 @@ struct StudyEstimator {
 // Throws InvalidArgument naming them.
 StudyEstimator parse_study_estimator(const std::string& name);
 
-}  // namespace impactdic
+}  // namespace impactdic::study

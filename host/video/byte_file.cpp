@@ -1,6 +1,7 @@
 #include "host/video/byte_file.h"
 
 #include <fcntl.h>
+#include <impactdic/error.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -11,9 +12,7 @@
 #include <mutex>
 #include <utility>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::video {
 
 // All of a file in the address space. Pages that were lent and given back leave it again, many at a
 // time, so that the program's resident memory does not grow with the clip.
@@ -147,4 +146,4 @@ void check_frame_index(const std::string& path, std::int64_t index, std::int64_t
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

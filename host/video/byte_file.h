@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::video {
 
 // The largest picture that any reader accepts, decoded bytes. More is a damaged header.
 inline constexpr std::int64_t kMaxFrameBytes = std::int64_t{2} << 30;
@@ -72,4 +72,4 @@ inline std::int64_t load_i64(const std::uint8_t* p) {
   return static_cast<std::int64_t>(load_u64(p));
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

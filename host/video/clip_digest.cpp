@@ -9,7 +9,7 @@
 
 #include "host/base/sha256.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 namespace {
 
@@ -57,4 +57,4 @@ ClipDigest digest_of(const VideoInfo& info, std::uint64_t piece_bytes) {
   return digest;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -6,7 +6,7 @@
 
 #include "host/video/frame_source.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 struct ClipDigest {
   // Of the file `info.path`. Where that is larger than a piece, of its pieces' digests, one a line,
@@ -22,4 +22,4 @@ inline constexpr std::uint64_t kDigestPiece = std::uint64_t{1} << 30;  // bytes
 // Reads the whole clip once more, on a few threads of its own. Throws FileError.
 ClipDigest digest_of(const VideoInfo& info, std::uint64_t piece_bytes = kDigestPiece);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,9 +1,10 @@
 #include "host/video/description.h"
 
-#include "host/base/error.h"
+#include <impactdic/error.h>
+
 #include "host/base/parse.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 constexpr const char* kMark = "impactdic ";
 }
@@ -34,4 +35,4 @@ void read_description(const std::string& text, VideoInfo& info) {
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -6,10 +6,10 @@
 
 #include "host/video/frame_source.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 std::string describe(const VideoInfo& info);
 // Takes the facts over into `info`; text that is not ours changes nothing.
 void read_description(const std::string& text, VideoInfo& info);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,15 +1,16 @@
 #include "host/video/file_kind.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <filesystem>
 #include <string_view>
 
-#include "host/base/error.h"
 #include "host/video/byte_file.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -58,4 +59,4 @@ FileKind tell_file_kind(const std::string& path) {
   return FileKind::unknown;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace impactdic {
+namespace impactdic::video {
 
 enum class FileKind { unknown, cine, mraw, cih, tiff, container, picture };
 
@@ -16,4 +16,4 @@ std::string lower_case(std::string text);
 // The extension in small letters, with its dot.
 std::string lower_extension(const std::string& path);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

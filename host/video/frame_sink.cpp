@@ -1,15 +1,16 @@
 #include "host/video/frame_sink.h"
 
+#include <impactdic/error.h>
+
 #include <cerrno>
 #include <cstring>
 #include <map>
 #include <utility>
 
-#include "host/base/error.h"
 #include "host/video/byte_file.h"
-#include "host/video/writers.h"
+#include "host/video/format/writers.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 SinkFormat parse_sink_format(const std::string& text) {
   static const std::map<std::string, SinkFormat> kFormats = {{"tiff", SinkFormat::tiff},
@@ -157,4 +158,4 @@ void pack_frame(const Frame& frame, Packing packing, bool bottom_up,
   pack(frame.u16.data(), frame.u16.size(), stored.data());
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -7,7 +7,7 @@
 
 #include "host/video/frame_source.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 enum class SinkFormat {
   tiff,           // multi-page, uncompressed, 8 or 16 bits
@@ -51,4 +51,4 @@ std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
 // Throws InvalidArgument unless the frame has the clip's size and depth.
 void check_frame(const Frame& frame, const VideoInfo& info);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

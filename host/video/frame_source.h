@@ -1,6 +1,8 @@
 // Video files as sequences of grey frames. One interface, one reader per format behind it.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,9 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/image.h"
-
-namespace impactdic {
+namespace impactdic::video {
 
 // What a file says of itself. Absent facts are absent, never guessed.
 struct VideoInfo {
@@ -77,4 +77,4 @@ RawLayout parse_raw_layout(const std::string& text);
 std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
                                         const VideoOptions& options = {});
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,15 +1,15 @@
 #include "host/video/natural_order.h"
 
 #include <glob.h>
+#include <impactdic/error.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
-#include "host/base/error.h"
 #include "host/video/file_kind.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 namespace fs = std::filesystem;
@@ -98,4 +98,4 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   return files;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

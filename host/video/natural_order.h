@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::video {
 
 // Runs of digits compare as numbers, everything else byte by byte; equal numbers with fewer
 // leading zeros come first.
@@ -18,4 +18,4 @@ std::vector<std::string> pictures_in_folder(const std::string& folder);
 std::vector<std::string> files_of_pattern(const std::string& pattern);
 bool is_pattern(const std::string& text);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

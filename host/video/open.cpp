@@ -1,12 +1,13 @@
 // Which reader takes a clip.
+#include <impactdic/error.h>
+
 #include <filesystem>
 
-#include "host/base/error.h"
 #include "host/video/file_kind.h"
+#include "host/video/format/readers.h"
 #include "host/video/natural_order.h"
-#include "host/video/readers.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptions& options) {
@@ -56,4 +57,4 @@ std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
   return open_file(input, options);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

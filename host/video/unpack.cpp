@@ -9,7 +9,7 @@
 
 #include "host/video/byte_file.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 // All bits that occur in any of the values.
@@ -211,4 +211,4 @@ bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Pa
   return fits;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

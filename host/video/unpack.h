@@ -2,12 +2,12 @@
 // Plain loops over byte groups, written so that compilers turn them into vector code.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <cstddef>
 #include <cstdint>
 
-#include "host/base/image.h"
-
-namespace impactdic {
+namespace impactdic::video {
 
 class ByteFile;
 
@@ -59,4 +59,4 @@ bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height
 bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
                 int width, int height, int bits, int shift, bool bottom_up, Frame& frame);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,16 +1,17 @@
 #include "sim/fit/calibration.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/fit/grid_fit.h"
 #include "sim/fit/parallel.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/trajectory_fit.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
@@ -21,15 +22,15 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
-ShotFit fit_restitution_duration(const Shot& shot, const FitJob& job) {
-  const ImpactJob impact = job_of_shot(job.impact, shot);
+ShotFit fit_restitution_duration(const shot::Shot& shot, const FitJob& job) {
+  const contact::ImpactJob impact = job_of_shot(job.impact, shot);
   const double e = shot.restitution.value;
   const double duration = shot.contact_s.value;
-  const SpringDamperParameters pair = spring_and_damper(impact, e, duration);
+  const contact::SpringDamperParameters pair = spring_and_damper(impact, e, duration);
   // Carried over by differences: both figures have their own deviation.
   const double e_step = 1e-4 * e, t_step = 1e-4 * duration;
-  const SpringDamperParameters other_e = spring_and_damper(impact, e - e_step, duration);
-  const SpringDamperParameters other_t = spring_and_damper(impact, e, duration + t_step);
+  const contact::SpringDamperParameters other_e = spring_and_damper(impact, e - e_step, duration);
+  const contact::SpringDamperParameters other_t = spring_and_damper(impact, e, duration + t_step);
   const double k_e = (pair.stiffness - other_e.stiffness) / e_step * shot.restitution.sd;
   const double k_t = (other_t.stiffness - pair.stiffness) / t_step * shot.contact_s.sd;
   const double b_e =
@@ -96,10 +97,11 @@ PooledEstimate pool(const FitResult& result, std::size_t index, double outlier_s
 
 }  // namespace
 
-std::string key_of(FitParameter parameter, NormalModel normal) {
+std::string key_of(FitParameter parameter, contact::NormalModel normal) {
   switch (parameter) {
     case FitParameter::kStiffness:
-      return normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
+      return normal == contact::NormalModel::kHertzDamper ? "stiffness_n_per_m1p5"
+                                                          : "stiffness_n_per_m";
     case FitParameter::kDamping:
       return "damping_n_s_per_m";
     case FitParameter::kFrictionKinetic:
@@ -120,8 +122,8 @@ std::string key_of(FitParameter parameter, NormalModel normal) {
   return "";
 }
 
-double law_parameter(const ImpactJob& job, FitParameter parameter) {
-  const Contact& contact = job.contact;
+double law_parameter(const contact::ImpactJob& job, FitParameter parameter) {
+  const contact::Contact& contact = job.contact;
   switch (parameter) {
     case FitParameter::kStiffness:
       return contact.stiffness;
@@ -140,7 +142,7 @@ double law_parameter(const ImpactJob& job, FitParameter parameter) {
   }
 }
 
-void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
+void set_law_parameter(contact::ImpactJob& job, FitParameter parameter, double value) {
   switch (parameter) {
     case FitParameter::kStiffness:
       job.contact.stiffness = value;
@@ -165,8 +167,8 @@ void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
   }
 }
 
-ImpactJob job_of_shot(const ImpactJob& laws, const Shot& shot) {
-  ImpactJob job = laws;
+contact::ImpactJob job_of_shot(const contact::ImpactJob& laws, const shot::Shot& shot) {
+  contact::ImpactJob job = laws;
   job.surface_angle_deg = shot.surface_angle_deg;
   job.initial = {};
   job.initial.vt_m_s = shot.before.vt_m_s.value;
@@ -174,27 +176,28 @@ ImpactJob job_of_shot(const ImpactJob& laws, const Shot& shot) {
   const double spin = shot.before.omega_rad_s.value;
   job.initial.omega_rad_s = std::isnan(spin) ? 0 : spin;
   // Without a coefficient Coulomb's law is no friction.
-  if (job.friction == FrictionModel::kCoulomb && job.contact.friction_kinetic == 0) {
-    job.friction = FrictionModel::kNone;
+  if (job.friction == contact::FrictionModel::kCoulomb && job.contact.friction_kinetic == 0) {
+    job.friction = contact::FrictionModel::kNone;
   }
   return job;
 }
 
-void time_contact(Shot& shot, const ImpactJob& laws) {
-  if (laws.normal != NormalModel::kLinearSpringDamper && laws.normal != NormalModel::kHertzDamper) {
+void time_contact(shot::Shot& shot, const contact::ImpactJob& laws) {
+  if (laws.normal != contact::NormalModel::kLinearSpringDamper &&
+      laws.normal != contact::NormalModel::kHertzDamper) {
     return;
   }
-  const Estimate crossing = shot.crossing_above_lowest_m;
+  const shot::Estimate crossing = shot.crossing_above_lowest_m;
   const ContactTiming timing =
       timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),
                            crossing.value, shot.contact_s.value);
   const double sd = std::abs(timing.duration_s * crossing.sd / crossing.value);
-  move_contact(shot, {shot.crossing_s - timing.crossing_s, sd}, {timing.duration_s, sd}, laws.body,
-               laws.gravity_m_s2);
+  shot::move_contact(shot, {shot.crossing_s - timing.crossing_s, sd}, {timing.duration_s, sd},
+                     laws.body, laws.gravity_m_s2);
 }
 
-MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames) {
-  MeasuredShot measured{read_track(source.track), {}};
+MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, int flight_frames) {
+  MeasuredShot measured{shot::read_track(source.track), {}};
   double angle = source.surface_angle_deg;
   if (std::isnan(angle)) angle = measured.track.surface_angle_deg;
   if (std::isnan(angle)) {
@@ -202,15 +205,15 @@ MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_
                           "give surface.angle_deg, or track with --surface-angle-deg");
   }
   measured.shot =
-      measure_shot(measured.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
+      shot::measure_shot(measured.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
   time_contact(measured.shot, laws);
   return measured;
 }
 
 FitResult calibrate(const FitJob& job, int threads) {
   if (job.shots.empty()) throw InvalidArgument("no tracks are named", "tracks");
-  const bool spring = job.impact.normal == NormalModel::kLinearSpringDamper ||
-                      job.impact.normal == NormalModel::kHertzDamper;
+  const bool spring = job.impact.normal == contact::NormalModel::kLinearSpringDamper ||
+                      job.impact.normal == contact::NormalModel::kHertzDamper;
   if (!spring && job.method != FitMethod::kTrajectory) {
     throw InvalidArgument("this method needs a law with stiffness and damping", "fit.method",
                           "trajectory fits any law");
@@ -240,4 +243,4 @@ FitResult calibrate(const FitJob& job, int threads) {
   return result;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/fit/shot.h"
-#include "sim/impact/model.h"
+#include "sim/contact/model.h"
+#include "sim/shot/shot.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 enum class FitMethod { kTrajectory, kPublishedGrid, kRestitutionDuration };
 
@@ -28,7 +28,7 @@ enum class FitParameter {
 };
 
 // The key as it stands in a job, with its unit; the stiffness's depends on the law.
-std::string key_of(FitParameter parameter, NormalModel normal);
+std::string key_of(FitParameter parameter, contact::NormalModel normal);
 
 struct FitShot {
   std::filesystem::path track;
@@ -45,7 +45,7 @@ struct FitJob {
   std::vector<FitShot> shots;
   // Laws, body, gravity; its contact holds what is not fitted. Surface angle and initial motion are
   // those of each shot.
-  ImpactJob impact;
+  contact::ImpactJob impact;
   FitMethod method = FitMethod::kTrajectory;
   std::vector<FitParameter> parameters;                            // of the laws
   std::vector<FitParameter> unknowns{FitParameter::kContactTime};  // of each measurement
@@ -74,7 +74,7 @@ struct DerivedFigure {
 };
 
 struct ShotFit {
-  Shot shot;
+  shot::Shot shot;
   std::vector<ParameterEstimate> parameters;  // laws, then unknowns
   std::vector<DerivedFigure> derived;         // trajectory only
   std::vector<double> covariance;             // of them, row-major; NaN where not determined
@@ -117,23 +117,23 @@ struct FitResult {
 
 // Sharpens when and where a measured contact begins, and how long it lasts, by the shape that the
 // spring of `laws` gives to the path (restitution_duration.h); other laws leave the shot as it is.
-void time_contact(Shot& shot, const ImpactJob& laws);
+void time_contact(shot::Shot& shot, const contact::ImpactJob& laws);
 
 // A track and what it measures, its contact timed by the laws. Throws as calibrate.
 struct MeasuredShot {
-  Track track;
-  Shot shot;
+  shot::Track track;
+  shot::Shot shot;
 };
-MeasuredShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames);
+MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, int flight_frames);
 
 // Fits every shot, `threads` at a time (0: as many as the machine has cores). Throws FileError,
 // FormatError or InvalidArgument naming file or key.
 FitResult calibrate(const FitJob& job, int threads);
 
 // The parameter of the laws in a job: read, write.
-double law_parameter(const ImpactJob& job, FitParameter parameter);
-void set_law_parameter(ImpactJob& job, FitParameter parameter, double value);
+double law_parameter(const contact::ImpactJob& job, FitParameter parameter);
+void set_law_parameter(contact::ImpactJob& job, FitParameter parameter, double value);
 // The job of a measured shot: its surface and the motion before it.
-ImpactJob job_of_shot(const ImpactJob& laws, const Shot& shot);
+contact::ImpactJob job_of_shot(const contact::ImpactJob& laws, const shot::Shot& shot);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -1,14 +1,15 @@
 #include "sim/fit/derived_figures.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
-#include "sim/impact/impact.h"
+#include "sim/contact/impact.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 constexpr std::size_t kFigures = 4;
@@ -16,7 +17,7 @@ constexpr std::array<const char*, kFigures> kKeys{"restitution", "contact_s", "t
                                                   "max_deflection_m"};
 
 std::array<double, kFigures> figures(const ShotModel& model, const std::vector<double>& values) {
-  const ImpactResult impact = simulate_impact(model.impact_of(values.data()));
+  const contact::ImpactResult impact = contact::simulate_impact(model.impact_of(values.data()));
   return {impact.restitution, impact.contact_s, impact.t_max_compression_s,
           impact.max_deflection_m};
 }
@@ -61,4 +62,4 @@ std::vector<DerivedFigure> derived_figures(const ShotModel& model,
   return derived;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -7,7 +7,7 @@
 #include "sim/fit/calibration.h"
 #include "sim/fit/shot_model.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // Restitution, duration, time of the largest compression and largest deflection of the impact with
 // these values; `covariance` is of all unknowns of the model. A figure that an undetermined unknown
@@ -16,4 +16,4 @@ std::vector<DerivedFigure> derived_figures(const ShotModel& model,
                                            const std::vector<double>& values,
                                            const Eigen::MatrixXd& covariance);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

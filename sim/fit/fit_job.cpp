@@ -1,12 +1,13 @@
 #include "sim/fit/fit_job.h"
 
-#include "host/base/units.h"
+#include <impactdic/units.h>
+
 #include "sim/fit/fit_tables.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 FitJob read_fit_job(const std::filesystem::path& file) {
-  StrictTable root(file);
+  job::StrictTable root(file);
   FitJob job = read_fit_tables(root);
   job.shots = shots_at(read_paths(root, "tracks", file.parent_path()), surface_angle(root));
   if (job.shots.empty()) throw InvalidArgument("no tracks are named", root.place("tracks"));
@@ -19,11 +20,11 @@ FitJob read_fit_job(const std::filesystem::path& file) {
 }
 
 std::string to_toml(const FitJob& job) {
-  TomlText text;
+  job::TomlText text;
   write_laws(text, job.impact);
   write_tracks(text, "tracks", job.shots);
   write_fit_tables(text, job, job.shots.empty() ? kNotMeasured : job.shots[0].surface_angle_deg);
   return text.str();
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

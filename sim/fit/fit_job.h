@@ -6,7 +6,7 @@
 
 #include "sim/fit/calibration.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key. Relative paths of tracks
 // start from the job file's folder.
@@ -14,4 +14,4 @@ FitJob read_fit_job(const std::filesystem::path& file);
 // With every default spelled out and absolute paths; reads back to the same job.
 std::string to_toml(const FitJob& job);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -1,13 +1,14 @@
 #include "sim/fit/fit_tables.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "host/base/units.h"
-#include "sim/impact/job_toml.h"
+#include "sim/job/job_toml.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 constexpr std::array<std::pair<FitMethod, const char*>, 3> kMethods{
@@ -21,8 +22,8 @@ constexpr std::array kShotUnknowns{FitParameter::kContactTime, FitParameter::kSu
                                    FitParameter::kScale};
 
 template <typename Candidates>
-std::vector<FitParameter> parameters(const Candidates& candidates, StrictTable& table,
-                                     const std::string& key, NormalModel normal) {
+std::vector<FitParameter> parameters(const Candidates& candidates, job::StrictTable& table,
+                                     const std::string& key, contact::NormalModel normal) {
   std::vector<FitParameter> chosen;
   for (const std::string& text : table.texts(key)) {
     const auto found = std::find_if(candidates.begin(), candidates.end(),
@@ -40,11 +41,12 @@ std::vector<FitParameter> parameters(const Candidates& candidates, StrictTable& 
   return chosen;
 }
 
-void positive(StrictTable& table, const std::string& key, double value) {
+void positive(job::StrictTable& table, const std::string& key, double value) {
   if (!(value > 0)) throw InvalidArgument("must be positive", table.place(key));
 }
 
-std::vector<std::string> keys_of(const std::vector<FitParameter>& chosen, NormalModel normal) {
+std::vector<std::string> keys_of(const std::vector<FitParameter>& chosen,
+                                 contact::NormalModel normal) {
   std::vector<std::string> keys;
   for (FitParameter p : chosen) keys.push_back(key_of(p, normal));
   return keys;
@@ -52,15 +54,15 @@ std::vector<std::string> keys_of(const std::vector<FitParameter>& chosen, Normal
 
 }  // namespace
 
-FitJob read_fit_tables(StrictTable& root) {
+FitJob read_fit_tables(job::StrictTable& root) {
   FitJob job;
   root.text("normal");  // a forgotten line must not choose a law
   root.text("friction");
-  job.impact = read_impact_tables(root, true);
-  StrictTable& body = root.table("body");
+  job.impact = job::read_impact_tables(root, true);
+  job::StrictTable& body = root.table("body");
   positive(body, "mass_kg", body.number("mass_kg"));
   positive(body, "diameter_m", body.number("diameter_m"));
-  StrictTable& fit = root.table("fit");
+  job::StrictTable& fit = root.table("fit");
   job.method = choose(kMethods, fit, "method", "trajectory");
   job.parameters = parameters(kLawParameters, fit, "parameters", job.impact.normal);
   if (fit.has("unknowns")) {
@@ -72,7 +74,7 @@ FitJob read_fit_tables(StrictTable& root) {
   }
   job.outlier_sd = fit.number("outlier_sd", job.outlier_sd);
   positive(fit, "outlier_sd", job.outlier_sd);
-  StrictTable& grid = root.table("grid");
+  job::StrictTable& grid = root.table("grid");
   job.grid.stiffness_max = grid.number("stiffness_max", job.grid.stiffness_max);
   job.grid.damping_max_n_s_per_m =
       grid.number("damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);
@@ -89,7 +91,7 @@ FitJob read_fit_tables(StrictTable& root) {
   return job;
 }
 
-std::vector<std::filesystem::path> read_paths(StrictTable& root, const std::string& key,
+std::vector<std::filesystem::path> read_paths(job::StrictTable& root, const std::string& key,
                                               const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> list;
   for (const std::string& text : root.texts(key)) {
@@ -104,13 +106,13 @@ std::vector<FitShot> shots_at(const std::vector<std::filesystem::path>& tracks, 
   return shots;
 }
 
-double surface_angle(StrictTable& root) {
-  StrictTable& surface = root.table("surface");
+double surface_angle(job::StrictTable& root) {
+  job::StrictTable& surface = root.table("surface");
   return surface.has("angle_deg") ? surface.number("angle_deg") : kNotMeasured;
 }
 
-void validate_fit(StrictTable& root, const FitJob& job) {
-  ImpactJob probe = job.impact;
+void validate_fit(job::StrictTable& root, const FitJob& job) {
+  contact::ImpactJob probe = job.impact;
   probe.initial.vn_m_s = -1;
   for (FitParameter p : job.parameters) {
     if (law_parameter(probe, p) == 0)
@@ -128,21 +130,21 @@ void validate_fit(StrictTable& root, const FitJob& job) {
   }
 }
 
-void write_laws(TomlText& text, const ImpactJob& laws) {
-  text.name("normal", name_of(laws.normal));
-  text.name("friction", name_of(laws.friction));
-  text.name("preset", name_of(laws.preset));
+void write_laws(job::TomlText& text, const contact::ImpactJob& laws) {
+  text.name("normal", contact::name_of(laws.normal));
+  text.name("friction", contact::name_of(laws.friction));
+  text.name("preset", contact::name_of(laws.preset));
 }
 
-void write_tracks(TomlText& text, const std::string& key, const std::vector<FitShot>& shots) {
+void write_tracks(job::TomlText& text, const std::string& key, const std::vector<FitShot>& shots) {
   std::vector<std::string> files;
   for (const FitShot& shot : shots) files.push_back(shot.track.string());
   if (!files.empty()) text.names(key, files);
 }
 
-void write_fit_tables(TomlText& text, const FitJob& job, double angle_deg) {
+void write_fit_tables(job::TomlText& text, const FitJob& job, double angle_deg) {
   text.body(job.impact.body);
-  write_contact(text, job.impact);
+  job::write_contact(text, job.impact);
   if (!std::isnan(angle_deg)) {
     text.table("surface");
     text.number("angle_deg", angle_deg);
@@ -164,4 +166,4 @@ void write_fit_tables(TomlText& text, const FitJob& job, double angle_deg) {
   text.integer("damping_steps", job.grid.damping_steps);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -1,15 +1,16 @@
 // The parts that fit and compare jobs share, and how they are read. Internal to sim/fit.
 #pragma once
 
+#include <impactdic/error.h>
+
 #include <string>
 #include <utility>
 
-#include "host/base/error.h"
 #include "sim/fit/calibration.h"
-#include "sim/impact/strict_toml.h"
-#include "sim/impact/toml_text.h"
+#include "sim/job/strict_toml.h"
+#include "sim/job/toml_text.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 template <typename Names, typename Value>
 std::string name_in(const Names& names, Value value) {
@@ -20,7 +21,7 @@ std::string name_in(const Names& names, Value value) {
 }
 
 template <typename Names>
-auto choose(const Names& names, StrictTable& table, const std::string& key,
+auto choose(const Names& names, job::StrictTable& table, const std::string& key,
             const std::string& fallback) {
   const std::string text = table.text(key, fallback);
   std::string list;
@@ -33,19 +34,19 @@ auto choose(const Names& names, StrictTable& table, const std::string& key,
 
 // The laws and the tables body, contact, environment, solver, fit and grid. Neither finished nor
 // validated; surface.angle_deg is asked for by surface_angle.
-FitJob read_fit_tables(StrictTable& root);
+FitJob read_fit_tables(job::StrictTable& root);
 // The files that `key` lists, relative to `folder`.
-std::vector<std::filesystem::path> read_paths(StrictTable& root, const std::string& key,
+std::vector<std::filesystem::path> read_paths(job::StrictTable& root, const std::string& key,
                                               const std::filesystem::path& folder);
 std::vector<FitShot> shots_at(const std::vector<std::filesystem::path>& tracks, double angle_deg);
 // surface.angle_deg, NaN without: each track knows its own.
-double surface_angle(StrictTable& root);
+double surface_angle(job::StrictTable& root);
 // What is not fitted must be given, and be possible. Throws InvalidArgument naming file and key.
-void validate_fit(StrictTable& root, const FitJob& job);
+void validate_fit(job::StrictTable& root, const FitJob& job);
 
-void write_laws(TomlText& text, const ImpactJob& laws);
-void write_tracks(TomlText& text, const std::string& key, const std::vector<FitShot>& shots);
+void write_laws(job::TomlText& text, const contact::ImpactJob& laws);
+void write_tracks(job::TomlText& text, const std::string& key, const std::vector<FitShot>& shots);
 // Everything after the lists of tracks.
-void write_fit_tables(TomlText& text, const FitJob& job, double angle_deg);
+void write_fit_tables(job::TomlText& text, const FitJob& job, double angle_deg);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

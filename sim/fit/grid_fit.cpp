@@ -1,15 +1,16 @@
 #include "sim/fit/grid_fit.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <boost/math/interpolators/cardinal_cubic_b_spline.hpp>
 #include <cmath>
 #include <limits>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
-#include "sim/impact/impact.h"
+#include "sim/contact/impact.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 using Spline = boost::math::interpolators::cardinal_cubic_b_spline<double>;
@@ -21,7 +22,7 @@ struct Measured {
   double largest_m = 0, final_vn_m_s = 0;
 };
 
-Measured contact_of(const Track& track, const Shot& shot) {
+Measured contact_of(const shot::Track& track, const shot::Shot& shot) {
   Measured measured;
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double height = -std::sin(angle) * shot.touch_x_m + std::cos(angle) * shot.touch_y_m;
@@ -116,8 +117,8 @@ struct NodeError {
   double displacement, velocity;
 };
 
-NodeError node_error(const ImpactJob& job, const Measured& measured) {
-  const ImpactResult impact = simulate_impact(job, {0, measured.time_s});
+NodeError node_error(const contact::ImpactJob& job, const Measured& measured) {
+  const contact::ImpactResult impact = contact::simulate_impact(job, {0, measured.time_s});
   NodeError error{0, 1};
   for (std::size_t i = 0; i < measured.time_s.size(); ++i) {
     // Out of contact the model's ball flies on: its "deflection" is then a height, as the camera's.
@@ -133,8 +134,8 @@ NodeError node_error(const ImpactJob& job, const Measured& measured) {
 
 }  // namespace
 
-ErrorSurface error_surface(const Track& track, const Shot& shot, const ImpactJob& laws,
-                           const FitGrid& grid) {
+ErrorSurface error_surface(const shot::Track& track, const shot::Shot& shot,
+                           const contact::ImpactJob& laws, const FitGrid& grid) {
   const Measured measured = contact_of(track, shot);
   ErrorSurface s;
   for (int i = 0; i <= grid.stiffness_steps; ++i) {
@@ -143,7 +144,7 @@ ErrorSurface error_surface(const Track& track, const Shot& shot, const ImpactJob
   for (int j = 0; j <= grid.damping_steps; ++j) {
     s.damping_n_s_per_m.push_back(grid.damping_max_n_s_per_m * j / grid.damping_steps);
   }
-  ImpactJob job = job_of_shot(laws, shot);
+  contact::ImpactJob job = job_of_shot(laws, shot);
   double least = std::numeric_limits<double>::infinity();
   std::size_t least_i = 0, least_j = 0;
   for (std::size_t i = 0; i < s.stiffness.size(); ++i) {
@@ -167,7 +168,8 @@ ErrorSurface error_surface(const Track& track, const Shot& shot, const ImpactJob
   return s;
 }
 
-ShotFit fit_grid(const Track& track, const Shot& shot, const FitJob& job, ErrorSurface& surface) {
+ShotFit fit_grid(const shot::Track& track, const shot::Shot& shot, const FitJob& job,
+                 ErrorSurface& surface) {
   surface = error_surface(track, shot, job.impact, job.grid);
   ShotFit fit;
   fit.shot = shot;
@@ -191,4 +193,4 @@ ShotFit fit_grid(const Track& track, const Shot& shot, const FitJob& job, ErrorS
   return fit;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

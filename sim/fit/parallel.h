@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // Calls work(0) ... work(count - 1), `threads` at a time (0: as many as the machine has cores). The
 // first exception is thrown again here, by the lowest index, so that errors do not depend on
@@ -42,4 +42,4 @@ inline void parallel_for(std::size_t count, int threads,
   if (error) std::rethrow_exception(error);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 constexpr std::size_t kWindow = 25;  // frames: about half of a flight, or of a contact
@@ -45,4 +45,4 @@ DeviationFactors deviation_factors(const ShotModel& model,
   return factors;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -5,7 +5,7 @@
 
 #include "sim/fit/shot_model.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // The square root of the long-run variance of residuals over their stated deviations: 1 for white
 // noise as stated, more where it is larger or where errors last (a sub-pixel bias, the rim of a
@@ -14,4 +14,4 @@ namespace impactdic {
 DeviationFactors deviation_factors(const ShotModel& model,
                                    std::span<const double> stated_residuals);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

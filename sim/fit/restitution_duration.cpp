@@ -1,31 +1,34 @@
 #include "sim/fit/restitution_duration.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
-#include "sim/impact/impact.h"
+#include "sim/contact/impact.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 struct Outcome {
   double log_restitution, log_duration;
 };
 
-Outcome outcome(ImpactJob& job, double stiffness, double damping) {
+Outcome outcome(contact::ImpactJob& job, double stiffness, double damping) {
   job.contact.stiffness = stiffness;
   job.contact.damping_n_s_per_m = damping;
-  const ImpactResult impact = simulate_impact(job);
+  const contact::ImpactResult impact = contact::simulate_impact(job);
   return {std::log(std::max(impact.restitution, 1e-12)), std::log(impact.contact_s)};
 }
 
 // A start: the linear pair, and for Hertz the linear spring's force at the same deepest point.
-SpringDamperParameters start(const ImpactJob& job, double restitution, double duration_s) {
-  SpringDamperParameters pair = linear_parameters(job.body.mass_kg, restitution, duration_s);
-  if (job.normal == NormalModel::kHertzDamper) {
+contact::SpringDamperParameters start(const contact::ImpactJob& job, double restitution,
+                                      double duration_s) {
+  contact::SpringDamperParameters pair =
+      contact::linear_parameters(job.body.mass_kg, restitution, duration_s);
+  if (job.normal == contact::NormalModel::kHertzDamper) {
     const double speed = std::abs(job.initial.vn_m_s);
     const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
     pair.stiffness /= std::sqrt(depth);
@@ -35,14 +38,16 @@ SpringDamperParameters start(const ImpactJob& job, double restitution, double du
 
 }  // namespace
 
-SpringDamperParameters spring_and_damper(ImpactJob job, double restitution, double duration_s) {
-  if (job.normal != NormalModel::kLinearSpringDamper && job.normal != NormalModel::kHertzDamper) {
+contact::SpringDamperParameters spring_and_damper(contact::ImpactJob job, double restitution,
+                                                  double duration_s) {
+  if (job.normal != contact::NormalModel::kLinearSpringDamper &&
+      job.normal != contact::NormalModel::kHertzDamper) {
     throw InvalidArgument("restitution_duration needs a law with stiffness and damping", "normal",
                           "linear_spring_damper or hertz_damper");
   }
   // The normal motion alone decides: no friction, no spin.
-  job.friction = FrictionModel::kNone;
-  SpringDamperParameters pair = start(job, restitution, duration_s);
+  job.friction = contact::FrictionModel::kNone;
+  contact::SpringDamperParameters pair = start(job, restitution, duration_s);
   const double target_e = std::log(restitution), target_t = std::log(duration_s);
   // Newton in (ln k, b) with a Jacobian by differences; damping never below zero.
   const double damping_unit = std::sqrt(job.body.mass_kg * pair.stiffness) * 1e-4;
@@ -73,17 +78,17 @@ SpringDamperParameters spring_and_damper(ImpactJob job, double restitution, doub
                         "restitution_duration");
 }
 
-ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
+ContactTiming timing_from_crossing(const contact::ImpactJob& job, double restitution,
                                    double crossing_above_lowest_m, double start_s) {
-  ImpactJob trial = job;
-  trial.friction = FrictionModel::kNone;
+  contact::ImpactJob trial = job;
+  trial.friction = contact::FrictionModel::kNone;
   const double gravity = job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg);
   double duration = start_s;
   for (int i = 0; i < 50; ++i) {
-    const SpringDamperParameters pair = spring_and_damper(trial, restitution, duration);
+    const contact::SpringDamperParameters pair = spring_and_damper(trial, restitution, duration);
     trial.contact.stiffness = pair.stiffness;
     trial.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
-    const ImpactResult impact = simulate_impact(trial);
+    const contact::ImpactResult impact = contact::simulate_impact(trial);
     // Both flights with the fall taken out are straight lines.
     const double end = impact.contact_s;
     const double in = job.initial.vn_m_s, out = impact.final.vn_m_s + gravity * end;
@@ -98,4 +103,4 @@ ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
                         "restitution_duration");
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

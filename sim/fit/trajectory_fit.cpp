@@ -1,21 +1,21 @@
 #include "sim/fit/trajectory_fit.h"
 
 #include <ceres/ceres.h>
+#include <impactdic/error.h>
+#include <impactdic/units.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/fit/derived_figures.h"
 #include "sim/fit/residual_weights.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/shot_model.h"
 #include "sim/fit/verdict.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -97,14 +97,14 @@ std::vector<double> start_values(const ShotModel& model) {
 }
 
 // The laws at the start: stiffness and damping from (e, T), friction from the impulses.
-ImpactJob laws_at_start(const Shot& shot, const FitJob& job) {
-  ImpactJob laws = job.impact;
+contact::ImpactJob laws_at_start(const shot::Shot& shot, const FitJob& job) {
+  contact::ImpactJob laws = job.impact;
   const auto fits = [&](FitParameter p) {
     return std::find(job.parameters.begin(), job.parameters.end(), p) != job.parameters.end();
   };
   if (fits(FitParameter::kStiffness) || fits(FitParameter::kDamping)) {
     const double e = std::clamp(shot.restitution.value, 0.05, 0.999);
-    const SpringDamperParameters pair =
+    const contact::SpringDamperParameters pair =
         spring_and_damper(job_of_shot(laws, shot), e, shot.contact_s.value);
     if (fits(FitParameter::kStiffness)) laws.contact.stiffness = pair.stiffness;
     if (fits(FitParameter::kDamping)) laws.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
@@ -247,8 +247,8 @@ Weighed solve_and_weigh(ShotModel& model) {
 
 }  // namespace
 
-ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job) {
-  const ImpactJob laws = laws_at_start(shot, job);
+ShotFit fit_trajectory(const shot::Track& track, const shot::Shot& shot, const FitJob& job) {
+  const contact::ImpactJob laws = laws_at_start(shot, job);
   ShotModel model(track, shot, laws, job.parameters, job.unknowns);
   const auto [best, factors, stated_chi_square] = solve_and_weigh(model);
   if (!std::isfinite(best.chi_square)) {
@@ -285,4 +285,4 @@ ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job) 
   return fit;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

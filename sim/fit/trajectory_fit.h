@@ -3,12 +3,12 @@
 
 #include "sim/fit/calibration.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // Levenberg-Marquardt (Ceres) from start values in closed form of restitution and duration, then
 // the covariance of the solution (times the reduced chi square where that exceeds one), and for
 // weakly determined parameters the profile likelihood. Throws InvalidArgument where the model has
 // no impact at the start values.
-ShotFit fit_trajectory(const Track& track, const Shot& shot, const FitJob& job);
+ShotFit fit_trajectory(const shot::Track& track, const shot::Shot& shot, const FitJob& job);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -3,9 +3,9 @@
 
 #include "sim/fit/calibration.h"
 
-namespace impactdic {
+namespace impactdic::sim::fit {
 
 // Fills the verdict of every parameter of `fit`, from the simulated impact of the solution.
-void add_verdicts(ShotFit& fit, const ImpactJob& solution);
+void add_verdicts(ShotFit& fit, const contact::ImpactJob& solution);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::fit

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 namespace {
 
 constexpr double kOutOfFlight_sd = 5;
@@ -113,4 +113,4 @@ void FreeFlight::widen_up(std::size_t first, std::size_t& last, std::size_t high
   while (last < highest && continues(first, last, last + 1)) ++last;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 
 // A polynomial in (time - reference_s) by least squares.
 struct PolynomialFit {
@@ -56,4 +56,4 @@ class FreeFlight {
   std::vector<FlightChannel> channels_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -1,13 +1,14 @@
 #include "sim/rod/markers.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "host/base/csv_table.h"
-#include "host/base/error.h"
-#include "host/base/units.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 namespace {
 
 constexpr std::size_t kFewestRows = 12;
@@ -88,4 +89,4 @@ std::vector<DeformationRow> read_deformations(const std::filesystem::path& file)
   return rows;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 
 // Marker 1 sits near the end that strikes, marker 2 at the centre of mass, marker 3 near the upper
 // end. A marker out of sight has NaN coordinates.
@@ -34,4 +34,4 @@ struct DeformationRow {
 // Header `angle_deg,speed_m_s,depth_m` and optionally `depth_sd_m`. Throws as read_markers.
 std::vector<DeformationRow> read_deformations(const std::filesystem::path& file);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -1,11 +1,11 @@
 #include "sim/rod/rod_dynamics.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/units.h"
-
-namespace impactdic::rod {
+namespace impactdic::sim::rod {
 namespace {
 
 // n-th root (from 1) of cos(bL) cosh(bL) = 1, the free-free beam, by Newton's method.
@@ -232,4 +232,4 @@ void Dynamics::rates(const State& state, State& rates, const Memory& memory) con
   sum[5] = f.tangential_n;
 }
 
-}  // namespace impactdic::rod
+}  // namespace impactdic::sim::rod

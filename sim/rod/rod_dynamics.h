@@ -10,7 +10,7 @@
 
 #include "sim/rod/rod_impact.h"
 
-namespace impactdic::rod {
+namespace impactdic::sim::rod {
 
 using State = std::vector<double>;
 
@@ -56,7 +56,7 @@ class Dynamics {
   std::size_t rate(std::size_t coordinate) const { return coordinates_ + coordinate; }
   // +1, -1 or 0: which way the tip would slip under a vanishing normal force.
   double tendency(const State& state) const;
-  const ElasticPlasticLaw& law() const { return law_; }
+  const contact::ElasticPlasticLaw& law() const { return law_; }
 
  private:
   struct Tip;
@@ -69,10 +69,10 @@ class Dynamics {
                     State& rates) const;
 
   RodJob job_;
-  ElasticPlasticLaw law_;
+  contact::ElasticPlasticLaw law_;
   std::size_t modes_, coordinates_;
   std::vector<double> frequency_;                // of each mode, rad/s
   std::vector<double> axial_, bending_, slope_;  // each mode at the tip; zero where not its kind
 };
 
-}  // namespace impactdic::rod
+}  // namespace impactdic::sim::rod

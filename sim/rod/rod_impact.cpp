@@ -1,5 +1,7 @@
 #include "sim/rod/rod_impact.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <boost/numeric/odeint.hpp>
@@ -8,10 +10,9 @@
 #include <functional>
 #include <limits>
 
-#include "host/base/error.h"
 #include "sim/rod/rod_dynamics.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 namespace {
 
 namespace odeint = boost::numeric::odeint;
@@ -360,7 +361,7 @@ void RodJob::validate() const {
 RodJob rigid_rod_preset() {
   RodJob job;
   job.axial_modes = job.bending_modes = 0;
-  job.residual = ResidualLaw::kJackson;
+  job.residual = contact::ResidualLaw::kJackson;
   return job;
 }
 
@@ -371,4 +372,4 @@ RodImpact simulate_rod(const RodJob& job) {
   return Blow(job).run();
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/impact/normal_elastoplastic.h"
+#include "sim/contact/law/normal_elastoplastic.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 
 struct RodBody {
   double length_m = 0.3048;
@@ -27,9 +27,9 @@ struct RodBody {
 
 struct RodJob {
   RodBody body;
-  ElasticPlasticSurface surface{0.0088, 109.1823e9, 300e6, 0.29};
-  PlasticLoading loading = PlasticLoading::kJacksonGreen;
-  ResidualLaw residual = ResidualLaw::kKogutEtsion;
+  contact::ElasticPlasticSurface surface{0.0088, 109.1823e9, 300e6, 0.29};
+  contact::PlasticLoading loading = contact::PlasticLoading::kJacksonGreen;
+  contact::ResidualLaw residual = contact::ResidualLaw::kKogutEtsion;
   double friction_kinetic = 0.13;  // Coulomb; sticks while the flat can hold the tip
   int axial_modes = 10;            // 0 and 0: the rigid rod
   int bending_modes = 12;
@@ -92,4 +92,4 @@ struct RodImpact {
 // job and where the tip does not approach the flat.
 RodImpact simulate_rod(const RodJob& job);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -1,44 +1,48 @@
 #include "sim/rod/rod_job.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
-#include "sim/impact/job_toml.h"
-#include "sim/impact/strict_toml.h"
-#include "sim/impact/toml_text.h"
+#include "sim/job/job_toml.h"
+#include "sim/job/strict_toml.h"
+#include "sim/job/toml_text.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 namespace {
 
-PlasticLoading loading_of(StrictTable& root) {
+contact::PlasticLoading loading_of(job::StrictTable& root) {
   const std::string name = root.text("normal", "jackson_green");
-  if (name == name_of(NormalModel::kJacksonGreen)) return PlasticLoading::kJacksonGreen;
-  if (name == name_of(NormalModel::kKogutEtsion)) return PlasticLoading::kKogutEtsion;
-  if (name == name_of(NormalModel::kThornton)) return PlasticLoading::kThornton;
+  if (name == contact::name_of(contact::NormalModel::kJacksonGreen))
+    return contact::PlasticLoading::kJacksonGreen;
+  if (name == contact::name_of(contact::NormalModel::kKogutEtsion))
+    return contact::PlasticLoading::kKogutEtsion;
+  if (name == contact::name_of(contact::NormalModel::kThornton))
+    return contact::PlasticLoading::kThornton;
   throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
                         "jackson_green, kogut_etsion or thornton");
 }
 
-std::string_view name_of_loading(PlasticLoading loading) {
+std::string_view name_of_loading(contact::PlasticLoading loading) {
   switch (loading) {
-    case PlasticLoading::kJacksonGreen:
-      return name_of(NormalModel::kJacksonGreen);
-    case PlasticLoading::kKogutEtsion:
-      return name_of(NormalModel::kKogutEtsion);
-    case PlasticLoading::kThornton:
-      return name_of(NormalModel::kThornton);
+    case contact::PlasticLoading::kJacksonGreen:
+      return contact::name_of(contact::NormalModel::kJacksonGreen);
+    case contact::PlasticLoading::kKogutEtsion:
+      return contact::name_of(contact::NormalModel::kKogutEtsion);
+    case contact::PlasticLoading::kThornton:
+      return contact::name_of(contact::NormalModel::kThornton);
   }
   return "";
 }
 
-ResidualLaw read_residual(StrictTable& table, ResidualLaw fallback) {
-  const std::string text = table.text("residual", std::string(name_of(fallback)));
+contact::ResidualLaw read_residual(job::StrictTable& table, contact::ResidualLaw fallback) {
+  const std::string text = table.text("residual", std::string(contact::name_of(fallback)));
   try {
-    return parse_residual_law(text);
+    return contact::parse_residual_law(text);
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(error.what(), table.place("residual"), error.hint());
   }
@@ -46,18 +50,19 @@ ResidualLaw read_residual(StrictTable& table, ResidualLaw fallback) {
 
 }  // namespace
 
-RodJobFile read_rod_tables(StrictTable& root, bool flexible) {
+RodJobFile read_rod_tables(job::StrictTable& root, bool flexible) {
   RodJobFile job;
   job.flexible = flexible;
   RodJob& rod = job.rod;
   rod = flexible ? flexible_rod_preset() : rigid_rod_preset();
   // Jackson's residual is the source's; Kogut and Etsion's comes nearer to its measurements.
-  job.preset = read_preset(root, flexible ? Preset::kSound : Preset::kPublished);
-  rod.residual =
-      job.preset == Preset::kPublished ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;
+  job.preset =
+      job::read_preset(root, flexible ? contact::Preset::kSound : contact::Preset::kPublished);
+  rod.residual = job.preset == contact::Preset::kPublished ? contact::ResidualLaw::kJackson
+                                                           : contact::ResidualLaw::kKogutEtsion;
   rod.loading = loading_of(root);
-  StrictTable& body = root.table("body");
-  const std::string shape(name_of(Shape::kRod));
+  job::StrictTable& body = root.table("body");
+  const std::string shape(contact::name_of(contact::Shape::kRod));
   if (body.text("shape", shape) != shape) {
     throw InvalidArgument("the model is of a rod", body.place("shape"), "rod");
   }
@@ -71,24 +76,24 @@ RodJobFile read_rod_tables(StrictTable& root, bool flexible) {
     rod.bending_modes = body.integer("bending_modes", rod.bending_modes);
     rod.modal_damping = body.number("modal_damping", rod.modal_damping);
   }
-  StrictTable& contact = root.table("contact");
+  job::StrictTable& contact = root.table("contact");
   rod.surface.effective_modulus_pa = contact.number("reduced_modulus_pa");
   rod.surface.yield_strength_pa = contact.number("yield_strength_pa");
   rod.surface.poisson = contact.number("poisson");
   rod.residual = read_residual(contact, rod.residual);
   rod.friction_kinetic = contact.number("friction_kinetic");
   rod.gravity_m_s2 = root.table("environment").number("gravity_m_s2", rod.gravity_m_s2);
-  StrictTable& solver = root.table("solver");
+  job::StrictTable& solver = root.table("solver");
   rod.relative_tolerance = solver.number("relative_tolerance", rod.relative_tolerance);
   rod.longest_s = solver.number("longest_s", rod.longest_s);
   return job;
 }
 
 RodJobFile read_rod_job(const std::filesystem::path& file) {
-  StrictTable root(file);
+  job::StrictTable root(file);
   RodJobFile job = read_rod_tables(root, root.text("model") == "flexible_rod");
   RodJob& rod = job.rod;
-  StrictTable& initial = root.table("initial");
+  job::StrictTable& initial = root.table("initial");
   rod.angle_rad = initial.number("angle_deg") * kRadPerDeg;
   rod.vt_m_s = initial.number("vt_m_s", 0);
   rod.vn_m_s = initial.number("vn_m_s");
@@ -103,11 +108,11 @@ RodJobFile read_rod_job(const std::filesystem::path& file) {
   return job;
 }
 
-void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual) {
+void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_residual) {
   const RodJob& rod = job.rod;
   text.name("normal", name_of_loading(rod.loading));
   text.table("body");
-  text.name("shape", name_of(Shape::kRod));
+  text.name("shape", contact::name_of(contact::Shape::kRod));
   text.number("length_m", rod.body.length_m);
   text.number("diameter_m", 2 * rod.body.radius_m);
   text.number("mass_kg", rod.body.mass_kg);
@@ -121,7 +126,7 @@ void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual)
   text.number("reduced_modulus_pa", rod.surface.effective_modulus_pa);
   text.number("yield_strength_pa", rod.surface.yield_strength_pa);
   text.number("poisson", rod.surface.poisson);
-  if (with_residual) text.name("residual", name_of(rod.residual));
+  if (with_residual) text.name("residual", contact::name_of(rod.residual));
   text.number("friction_kinetic", rod.friction_kinetic);
   text.table("environment");
   text.number("gravity_m_s2", rod.gravity_m_s2);
@@ -132,9 +137,9 @@ void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual)
 
 std::string to_toml(const RodJobFile& job) {
   const RodJob& rod = job.rod;
-  TomlText text;
+  job::TomlText text;
   text.name("model", job.flexible ? "flexible_rod" : "rigid_rod");
-  text.name("preset", name_of(job.preset));
+  text.name("preset", contact::name_of(job.preset));
   write_rod_tables(text, job, true);
   text.table("initial");
   text.number("angle_deg", rod.angle_rad * kDegPerRad);
@@ -180,7 +185,7 @@ std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
     if (p.name == "loading" && turn_s == 0) turn_s = p.end_s;
   }
   return Json{{"model", job.flexible ? "flexible_rod" : "rigid_rod"},
-              {"preset", name_of(job.preset)},
+              {"preset", contact::name_of(job.preset)},
               {"restitution", impact.restitution},
               {"contact_s", impact.contact_s},
               {"start_to_end_s", impact.start_to_end_s},
@@ -212,4 +217,4 @@ std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
          "\n";
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

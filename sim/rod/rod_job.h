@@ -7,23 +7,27 @@
 
 #include "sim/rod/rod_impact.h"
 
-namespace impactdic {
+namespace impactdic::sim::job {
+class StrictTable;
+}  // namespace impactdic::sim::job
+namespace impactdic::sim::job {
+class TomlText;
+}  // namespace impactdic::sim::job
+
+namespace impactdic::sim::rod {
 
 struct RodJobFile {
   bool flexible = false;
   // Chooses the residual where the job names none: kPublished Jackson's, kSound Kogut and Etsion's.
-  Preset preset = Preset::kPublished;
+  contact::Preset preset = contact::Preset::kPublished;
   RodJob rod;
 };
 
-class StrictTable;
-class TomlText;
-
 // The preset, the normal law and the tables body, contact, environment and solver of a job; neither
 // finished nor validated.
-RodJobFile read_rod_tables(StrictTable& root, bool flexible);
+RodJobFile read_rod_tables(job::StrictTable& root, bool flexible);
 // The same but for the preset.
-void write_rod_tables(TomlText& text, const RodJobFile& job, bool with_residual);
+void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_residual);
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
 RodJobFile read_rod_job(const std::filesystem::path& file);
@@ -36,4 +40,4 @@ void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& im
 // summary.json of `simulate`.
 std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -1,5 +1,8 @@
 #include "sim/rod/rod_motion.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -7,11 +10,9 @@
 #include <limits>
 #include <numeric>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/rod/free_flight.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 namespace {
 
 constexpr std::size_t kSeed = 4;  // frames that start a fit
@@ -350,4 +351,4 @@ RodClosure close_impulses(const RodBody& body, double friction_kinetic, const Ro
   return closure;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

@@ -13,7 +13,7 @@
 #include "sim/rod/markers.h"
 #include "sim/rod/rod_impact.h"
 
-namespace impactdic {
+namespace impactdic::sim::rod {
 
 struct RodMeasureOptions {
   RodBody body;
@@ -81,4 +81,4 @@ RodMeasurement measure_rod(const MarkerTable& markers, const RodMeasureOptions& 
 RodClosure close_impulses(const RodBody& body, double friction_kinetic, const RodSide& before,
                           const RodSide& after);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::rod

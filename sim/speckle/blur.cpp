@@ -1,11 +1,11 @@
 #include "sim/speckle/blur.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/units.h"
-
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 constexpr double kStepsPerSigma = 6;  // cubic Hermite cells: error 1e-6 of a full edge
@@ -109,4 +109,4 @@ Quadrature shared_samples(int per_pixel, int taps) {
   return rule;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // Share of a Gaussian spot (standard deviation `sigma_px` per axis, centre `distance_px` from the
 // disc's centre) that falls on a disc of `radius_px`: 1 − Q₁(d/σ, r/σ) with the Marcum Q function,
@@ -57,4 +57,4 @@ Quadrature gauss_legendre(int count);
 // order than per_pixel Gauss–Legendre nodes have. `taps` − `per_pixel` must be even and >= 0.
 Quadrature shared_samples(int per_pixel, int taps);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -1,13 +1,12 @@
 #include "sim/speckle/clip.h"
 
+#include <impactdic/error.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <memory>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 void render_clip(const BallRenderer& renderer, std::span<const BallPose> poses, double exposure,
                  const std::function<void(const Frame&)>& consume, const ProgressFn& progress) {
@@ -42,4 +41,4 @@ void render_clip(const BallRenderer& renderer, std::span<const BallPose> poses, 
                          }));
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -7,7 +7,7 @@
 #include "host/base/progress.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // Renders frame k at poses[k], the shutter open for `exposure` (0 … 1) of the frame interval around
 // it. Frames are rendered by all threads and handed to `consume` one after the other in order.
@@ -15,4 +15,4 @@ namespace impactdic {
 void render_clip(const BallRenderer& renderer, std::span<const BallPose> poses, double exposure,
                  const std::function<void(const Frame&)>& consume, const ProgressFn& progress = {});
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -1,15 +1,16 @@
 #include "sim/speckle/motion.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <string>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
-#include "host/base/units.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 // One CSV row by column name; empty fields read as NaN.
@@ -157,4 +158,4 @@ ShutterPath shutter_path(std::span<const BallPose> poses, std::size_t index, dou
   return {part_way(here, before, exposure / 2), here, part_way(here, after, exposure / 2)};
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // Image axes: x right, y down, pixel centres at integers. Angles are positive counter-clockwise
 // as seen on the screen.
@@ -55,4 +55,4 @@ void write_compression_csv(const std::filesystem::path& file, std::span<const Ba
 // Before the first frame and after the last the motion goes on as it was.
 ShutterPath shutter_path(std::span<const BallPose> poses, std::size_t index, double exposure);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

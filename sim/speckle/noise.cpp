@@ -1,10 +1,10 @@
 #include "sim/speckle/noise.h"
 
+#include <impactdic/units.h>
+
 #include <cmath>
 
-#include "host/base/units.h"
-
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 // SplitMix64 (Steele, Lea & Flood 2014): a counter through a mixing function.
@@ -33,4 +33,4 @@ void add_row_noise(std::span<double> row, double sigma, std::uint64_t seed, std:
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // Adds independent normal deviates of standard deviation `sigma` to one row of a frame.
 void add_row_noise(std::span<double> row, double sigma, std::uint64_t seed, std::int64_t frame,
                    int row_index);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

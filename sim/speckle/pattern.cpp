@@ -1,16 +1,17 @@
 #include "sim/speckle/pattern.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/speckle/blur.h"
 #include "sim/speckle/placement.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 constexpr double kLensSigma = 0.6;          // of the pictures in which sizes are stated, px
@@ -251,4 +252,4 @@ SpeckleBall paint_ball(const std::string& pattern, std::uint64_t seed, double ra
   return best;
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // Ball axes: origin at the ball's centre, x right, y down at angle 0, px.
 struct InkDisc {
@@ -57,4 +57,4 @@ struct InkMeasure {
 };
 InkMeasure measure_ink(const SpeckleBall& ball);
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

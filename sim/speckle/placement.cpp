@@ -1,11 +1,11 @@
 #include "sim/speckle/placement.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/units.h"
-
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 constexpr double kFirstGap = 3;   // px
@@ -128,4 +128,4 @@ void Placement::spread(double gap_px) {
   }
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

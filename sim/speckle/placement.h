@@ -7,7 +7,7 @@
 
 #include "sim/speckle/pattern.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // The same numbers on every platform: the engine is fixed by the C++ standard, the rest is ours.
 class Random {
@@ -47,4 +47,4 @@ class Placement {
   std::vector<InkDisc> discs_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

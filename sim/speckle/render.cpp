@@ -1,5 +1,7 @@
 #include "sim/speckle/render.h"
 
+#include <impactdic/error.h>
+#include <impactdic/units.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -9,11 +11,9 @@
 #include <tuple>
 #include <utility>
 
-#include "host/base/error.h"
-#include "host/base/units.h"
 #include "sim/speckle/noise.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 namespace {
 
 constexpr int kRowsPerBand = 16;
@@ -447,4 +447,4 @@ void BallRenderer::render(const ShutterPath& path, std::int64_t frame_index, Fra
   });
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

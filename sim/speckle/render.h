@@ -11,16 +11,17 @@
 // quadrature.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "host/base/image.h"
 #include "sim/speckle/blur.h"
 #include "sim/speckle/motion.h"
 #include "sim/speckle/pattern.h"
 
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 // A straight static bar in front of the ball, endless along its direction.
 struct OccludingBar {
@@ -95,4 +96,4 @@ class BallRenderer {
   Image<double> backdrop_;         // background and bar
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

@@ -2,14 +2,14 @@
 // closed form, so that shifted and turned pictures of it carry no interpolation error.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
 
-#include "host/base/image.h"
-
-namespace impactdic {
+namespace impactdic::sim::speckle {
 
 struct SpeckleField {
   struct Blot {
@@ -80,4 +80,4 @@ struct SpeckleField {
   }
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::sim::speckle

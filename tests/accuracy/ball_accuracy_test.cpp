@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/dic/ball_registration.h"
+#include "host/dic/device/ball.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 
@@ -19,13 +19,13 @@ using testing::shared_engine;
 constexpr double kRadiusPx = 115;
 constexpr double kDegree = std::numbers::pi / 180;
 
-const SpeckleBall& ball() {
-  static const SpeckleBall painted = paint_ball("e1", 1, kRadiusPx);
+const sim::speckle::SpeckleBall& ball() {
+  static const sim::speckle::SpeckleBall painted = sim::speckle::paint_ball("e1", 1, kRadiusPx);
   return painted;
 }
 
-Scene scene(double noise) {
-  Scene out;
+sim::speckle::Scene scene(double noise) {
+  sim::speckle::Scene out;
   out.width = out.height = 300;
   out.noise_sigma = noise;
   return out;
@@ -48,32 +48,33 @@ struct Errors {
 
 // The pictures of one motion each: pairs of frames, and how the second one's truth differs.
 struct Pairs {
-  std::vector<BallPose> poses;  // first, second, first, second, ...
+  std::vector<sim::speckle::BallPose> poses;  // first, second, first, second, ...
   // Guesses off by up to this.
   double guess_px = 0.3, guess_deg = 0.2;
 };
 
-std::vector<BallMotion> measure(const Pairs& pairs, const Scene& the_scene,
-                                const BallOptions& options, const SpeckleBall& painted = ball()) {
-  Engine& engine = shared_engine();
+std::vector<BallMotion> measure(const Pairs& pairs, const sim::speckle::Scene& the_scene,
+                                const dic::BallOptions& options,
+                                const sim::speckle::SpeckleBall& painted = ball()) {
+  opencl::Engine& engine = shared_engine();
   const auto pictures = testing::render_frames(painted, the_scene, pairs.poses);
   const int slots = static_cast<int>(pictures.size());
-  DeviceFrames frames(engine, slots);
-  BallRegistration registration(engine, options);
+  dic::DeviceFrames frames(engine, slots);
+  dic::BallRegistration registration(engine, options);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> off(-1, 1);
   std::vector<BallTask> tasks;
   for (int k = 0; k < slots; ++k) {
     frames.set(k, pictures[static_cast<std::size_t>(k)]);
     if (k % 2 == 0) continue;
-    const BallPose& a = pairs.poses[static_cast<std::size_t>(k - 1)];
-    const BallPose& b = pairs.poses[static_cast<std::size_t>(k)];
+    const sim::speckle::BallPose& a = pairs.poses[static_cast<std::size_t>(k - 1)];
+    const sim::speckle::BallPose& b = pairs.poses[static_cast<std::size_t>(k)];
     BallTask task{};
     task.first = k - 1;
     task.second = k;
     task.cx = static_cast<float>(a.cx_px);
     task.cy = static_cast<float>(a.cy_px);
-    task.radius = static_cast<float>(painted.radius_px - kRimMarginPx);
+    task.radius = static_cast<float>(painted.radius_px - dic::kRimMarginPx);
     task.guess_dx = static_cast<float>(b.cx_px - a.cx_px + pairs.guess_px * off(random));
     task.guess_dy = static_cast<float>(b.cy_px - a.cy_px + pairs.guess_px * off(random));
     task.guess_rot_rad =
@@ -91,8 +92,8 @@ Summary compare(const Pairs& pairs, const std::vector<BallMotion>& motions) {
   Summary summary;
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const BallMotion& m = motions[k];
-    EXPECT_EQ(m.status, static_cast<idic_int>(WindowStatus::ok)) << k;
-    const BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
+    EXPECT_EQ(m.status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
+    const sim::speckle::BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
     // The task's centre is the truth rounded to a float.
     summary.x.add(m.dx - (b.cx_px - a.cx_px), m.dx_sd);
     summary.y.add(m.dy - (b.cy_px - a.cy_px), m.dy_sd);
@@ -125,7 +126,8 @@ TEST(BallAccuracy, MotionsUnderNoise) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 0; k < 16; ++k) {
-    const BallPose first = pose(150 + off(random), 150 + off(random), 180 * off(random));
+    const sim::speckle::BallPose first =
+        pose(150 + off(random), 150 + off(random), 180 * off(random));
     const bool fixed = k < 8;
     pairs.poses.push_back(first);
     pairs.poses.push_back(pose(first.cx_px + (fixed ? 1 : 3 * off(random)),
@@ -142,8 +144,8 @@ TEST(BallAccuracy, StaticBarOverThirtyPercent) {
   Pairs pairs;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> off(-1, 1);
-  Scene barred = scene(2);
-  barred.bar = bar_hiding(0.3, pose(150, 150, 0), kRadiusPx);
+  sim::speckle::Scene barred = scene(2);
+  barred.bar = sim::speckle::bar_hiding(0.3, pose(150, 150, 0), kRadiusPx);
   for (int k = 0; k < 12; ++k) {
     pairs.poses.push_back(pose(150, 150, 180 * off(random)));
     pairs.poses.push_back(pose(151, 151, pairs.poses.back().angle_deg + 3));
@@ -170,7 +172,7 @@ Matrix turn(double angle_deg) {
   const double c = std::cos(angle_deg * kDegree), s = std::sin(angle_deg * kDegree);
   return {c, s, -s, c};
 }
-Matrix shape(const BallPose& pose) {
+Matrix shape(const sim::speckle::BallPose& pose) {
   const Matrix axis = turn(pose.compression_axis_deg);
   const Matrix squeeze = {1 - pose.compression, 0, 0, 1};
   return product(product(axis, product(squeeze, inverse(axis))), turn(pose.angle_deg));
@@ -181,10 +183,10 @@ TEST(BallAccuracy, AffineUnderCompression) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 1; k <= 18; ++k) {
-    BallPose first = pose(150.2, 149.7, 30 * k);
+    sim::speckle::BallPose first = pose(150.2, 149.7, 30 * k);
     first.compression = 0.03;
     first.compression_axis_deg = 75;
-    BallPose second = first;
+    sim::speckle::BallPose second = first;
     second.cx_px += off(random);
     second.cy_px += off(random);
     second.angle_deg += off(random);
@@ -192,15 +194,15 @@ TEST(BallAccuracy, AffineUnderCompression) {
     pairs.poses.push_back(first);
     pairs.poses.push_back(second);
   }
-  BallOptions options;
+  dic::BallOptions options;
   options.affine = true;
   for (const double noise : {0.0, 2.0}) {
     const auto motions = measure(pairs, scene(noise), options);
     Errors position, strain, rotation_deg;
     for (std::size_t k = 0; k < motions.size(); ++k) {
-      const BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
+      const sim::speckle::BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
       const BallMotion& m = motions[k];
-      ASSERT_EQ(m.status, static_cast<idic_int>(WindowStatus::ok));
+      ASSERT_EQ(m.status, static_cast<idic_int>(dic::WindowStatus::ok));
       const Matrix gradient = product(shape(b), inverse(shape(a)));
       const double angle_deg =
           std::atan2(gradient.xy - gradient.yx, gradient.xx + gradient.yy) / kDegree;

@@ -1,6 +1,7 @@
 // How exactly the ball's circle is measured: rendered balls of radius 115 px, noise 2, patterns a1
 // (sparse) and e1 (dense), places incommensurate with the pixels, seeds 100, 101, … (not chosen).
 #include <gtest/gtest.h>
+#include <impactdic/units.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/units.h"
-#include "host/track/circle.h"
+#include "host/circle/circle.h"
 #include "sim/speckle/render.h"
 
 namespace impactdic {
@@ -35,8 +35,8 @@ struct Errors {
 };
 
 // The lower 30 % of the rim hidden: a bar whose upper edge cuts the rim at ±54° from straight down.
-OccludingBar bar_over_rim(const BallPose& pose) {
-  OccludingBar bar;
+sim::speckle::OccludingBar bar_over_rim(const sim::speckle::BallPose& pose) {
+  sim::speckle::OccludingBar bar;
   bar.width_px = 2.5 * kRadius;
   bar.x_px = pose.cx_px;
   bar.y_px = pose.cy_px + kRadius * std::cos(0.3 * kPi) + bar.width_px / 2;
@@ -44,36 +44,37 @@ OccludingBar bar_over_rim(const BallPose& pose) {
 }
 
 // Painting takes longer than all the rest.
-const SpeckleBall& painted(const std::string& pattern, int seed) {
-  static std::map<std::pair<std::string, int>, SpeckleBall> balls;
+const sim::speckle::SpeckleBall& painted(const std::string& pattern, int seed) {
+  static std::map<std::pair<std::string, int>, sim::speckle::SpeckleBall> balls;
   const auto [at, is_new] = balls.try_emplace({pattern, seed});
-  if (is_new) at->second = paint_ball(pattern, static_cast<std::uint64_t>(seed), kRadius);
+  if (is_new)
+    at->second = sim::speckle::paint_ball(pattern, static_cast<std::uint64_t>(seed), kRadius);
   return at->second;
 }
 
 Errors measure_balls(const std::string& pattern, const Condition& condition) {
   double squares = 0, radius_squares = 0, normalised = 0, radius_normalised = 0;
   for (int k = 0; k < kBalls; ++k) {
-    const BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
-                        260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
-                        condition.compression, 90};
-    Scene scene;
+    const sim::speckle::BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
+                                      260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
+                                      condition.compression, 90};
+    sim::speckle::Scene scene;
     scene.noise_sigma = 2;
     scene.noise_seed = static_cast<std::uint64_t>(k) + 1;
     scene.shading = condition.shading;
     if (condition.bar) scene.bar = bar_over_rim(pose);
     Frame frame;
-    BallRenderer(painted(pattern, 100 + k), scene).render(pose, k, frame);
+    sim::speckle::BallRenderer(painted(pattern, 100 + k), scene).render(pose, k, frame);
     // As after a Hough transform: a pixel or two away, the shape unknown.
-    CirclePrior prior;
+    circle::CirclePrior prior;
     prior.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4};
     if (condition.radius_known) {
       prior.radius_px = kRadius;
       prior.radius_sd_px = 0.01;
       prior.compression_axis_rad = kPi / 2;
     }
-    const CircleFit fit = measure_circle(frame, prior, {});
-    EXPECT_EQ(fit.status, CircleStatus::ok) << pattern << " " << k;
+    const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
+    EXPECT_EQ(fit.status, circle::CircleStatus::ok) << pattern << " " << k;
     const double ex = fit.circle.cx_px - pose.cx_px, ey = fit.circle.cy_px - pose.cy_px;
     const double er = fit.circle.r_px - kRadius * (1 - condition.compression / 2);
     squares += (ex * ex + ey * ey) / 2;
@@ -133,26 +134,27 @@ TEST(CircleAccuracy, Shaded) {
 // of the likelihood's maximum, its curvature there states no deviation at all.
 TEST(CircleAccuracy, NoDeviationIsNothing) {
   for (int seed = 13; seed <= 15; ++seed) {
-    const BallPose pose{136 + std::fmod(0.3819660113 * seed + 0.13, 1),
-                        136 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed, 0.002, 90};
-    Scene scene;
+    const sim::speckle::BallPose pose{136 + std::fmod(0.3819660113 * seed + 0.13, 1),
+                                      136 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed,
+                                      0.002, 90};
+    sim::speckle::Scene scene;
     scene.width = scene.height = 272;
     scene.noise_sigma = 2;
     scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
-    const BallRenderer renderer(painted("e1", seed), scene);
+    const sim::speckle::BallRenderer renderer(painted("e1", seed), scene);
     Frame first, second;
     renderer.render(pose, 0, first);
     renderer.render(pose, 1, second);
-    const CircleFit before = measure_circle(
+    const circle::CircleFit before = circle::measure_circle(
         first, {.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4}}, {});
-    CirclePrior prior;
+    circle::CirclePrior prior;
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
     prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
     prior.bright = before.bright;
     prior.look = before.look;
     for (const Frame* frame : {&first, &second}) {
-      const CircleFit fit = measure_circle(*frame, prior, {});
-      ASSERT_EQ(fit.status, CircleStatus::ok) << seed;
+      const circle::CircleFit fit = circle::measure_circle(*frame, prior, {});
+      ASSERT_EQ(fit.status, circle::CircleStatus::ok) << seed;
       EXPECT_GT(std::min({fit.cx_sd_px, fit.cy_sd_px, fit.r_sd_px}), 1e-3) << seed;
     }
   }

@@ -21,11 +21,11 @@ namespace {
 using testing::read_picture;
 using testing::shared_engine;
 
-constexpr auto kOk = static_cast<idic_int>(WindowStatus::ok);
+constexpr auto kOk = static_cast<idic_int>(dic::WindowStatus::ok);
 
-std::vector<WindowMotion> measure(const FieldOptions& options, const Frame& first,
+std::vector<WindowMotion> measure(const dic::FieldOptions& options, const Frame& first,
                                   const Frame& second, std::vector<Window>& windows) {
-  const auto correlator = make_opencl_correlator(shared_engine(), options, 2);
+  const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
   correlator->set_frame(0, first);
   correlator->set_frame(1, second);
   for (Window& window : windows) window.second = 1;
@@ -65,7 +65,7 @@ struct BallWindows {
 
 // Windows of 15 px on a ball in all eight motions.
 BallWindows measure_motions(const std::string& pattern, std::uint64_t paint, double noise) {
-  const SpeckleBall ball = paint_ball(pattern, paint);
+  const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball(pattern, paint);
   BallWindows tally;
   int seed = 0;
   for (const testing::PlaneMotion& motion : testing::kEightMotions) {
@@ -126,10 +126,10 @@ INSTANTIATE_TEST_SUITE_P(Patterns, IcgnOnSparseBalls, ::testing::Values("d1", "d
 
 TEST(IcgnOnPictures, EveryWindowOfTheTranslation) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
-  FieldOptions options;
+  dic::FieldOptions options;
   options.window_px = 31;
   options.search_px = 10;
-  auto windows = rectangle_grid(12, 12, 480, 480, 31, 12);
+  auto windows = dic::rectangle_grid(12, 12, 480, 480, 31, 12);
   const auto motions = measure(options, read_picture("speckle/Pattern_1.bmp"),
                                read_picture("speckle/Pattern_1_Translation.bmp"), windows);
   double worst = 0;
@@ -180,10 +180,10 @@ class IcgnOnAffinePictures : public ::testing::TestWithParam<const char*> {};
 TEST_P(IcgnOnAffinePictures, FieldIsAffine) {
   const std::string file = std::string("speckle/Pattern_1_") + GetParam() + ".bmp";
   IMPACTDIC_NEED_DATA(file);
-  FieldOptions options;
+  dic::FieldOptions options;
   options.window_px = 31;
   options.search_px = 30;
-  auto windows = rectangle_grid(45, 45, 420, 420, 31, 12);
+  auto windows = dic::rectangle_grid(45, 45, 420, 420, 31, 12);
   const auto motions =
       measure(options, read_picture("speckle/Pattern_1.bmp"), read_picture(file), windows);
   for (const WindowMotion& motion : motions) ASSERT_EQ(motion.status, kOk);
@@ -209,13 +209,13 @@ TEST_P(IcgnOnSample14, WindowsOf35Pixels) {
     for (std::size_t k = 0; k <= column; ++k) std::getline(cells, cell, ',');
     truth.push_back(std::stod(cell));
   }
-  FieldOptions options;
+  dic::FieldOptions options;
   options.window_px = 35;
   options.search_px = 4;
   const Frame first = read_picture("speckle/sample14/Sample14 Reference.tif");
   const Frame second =
       read_picture(std::string("speckle/sample14/Sample14 ") + GetParam() + " Amp0.1b.tif");
-  auto windows = rectangle_grid(10, 10, first.width() - 20, first.height() - 20, 35, 20);
+  auto windows = dic::rectangle_grid(10, 10, first.width() - 20, first.height() - 20, 35, 20);
   const auto motions = measure(options, first, second, windows);
   double squares = 0, bound = 0;
   for (std::size_t i = 0; i < windows.size(); ++i) {

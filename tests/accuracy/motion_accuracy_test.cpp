@@ -11,8 +11,8 @@ constexpr double kRadiusPx = 115;
 constexpr int kSide = 300, kPairs = 4;
 constexpr double kMiddlePx = 0.5 * kSide;
 
-Scene noisy(std::uint64_t seed) {
-  Scene scene;
+sim::speckle::Scene noisy(std::uint64_t seed) {
+  sim::speckle::Scene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = 2;
   scene.noise_seed = seed;
@@ -21,10 +21,10 @@ Scene noisy(std::uint64_t seed) {
 
 // 1,1 px and 3° a frame, and motions up to 3 px and 3° in any direction.
 MotionErrors both_motions(const std::vector<std::string>& patterns, Centres centres) {
-  PairMeasurement measurement(Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
   MotionErrors all;
   for (const std::string& name : patterns) {
-    const SpeckleBall ball = paint_ball(name, 2);
+    const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball(name, 2);
     const MotionBound bound = motion_bound(ball, noisy(1), 4);
     for (const PosePairs& truth :
          {fixed_motions(kPairs, 1, 1, 3, 28, kMiddlePx), random_motions(kPairs, 29, kMiddlePx)}) {
@@ -57,11 +57,11 @@ TEST(MotionAccuracy, SparseBallsAreMeasuredWhole) {
 
 // Steps that no other pair has told of, about the centre of our own circle.
 TEST(MotionAccuracy, RingFindsAnyTurnUnseeded) {
-  PairMeasurement measurement(Estimator::ring, kRadiusPx);
+  PairMeasurement measurement(motion::Estimator::ring, kRadiusPx);
   Errors all;
   for (const double turn_deg : {20.0, 90.0, 170.0}) {
     for (const char* name : {"b2", "e1"}) {
-      const SpeckleBall ball = paint_ball(name, 2);
+      const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball(name, 2);
       const PosePairs truth = fixed_motions(kPairs, 0.37, -0.61, turn_deg, 38, kMiddlePx);
       const auto got = measurement.measure(ball, noisy(6), truth, Centres::measured,
                                            motion_bound(ball, noisy(1), 5));

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <random>
 
-#include "host/dic/device_frames.h"
-#include "host/track/motion_estimator.h"
+#include "host/dic/frames/device_frames.h"
+#include "host/motion/motion_estimator.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 
@@ -18,7 +18,7 @@ using testing::pose;
 
 constexpr double kRadius = 100;
 
-double free_of(const OccludingBar& bar, const Circle& circle) {
+double free_of(const sim::speckle::OccludingBar& bar, const circle::Circle& circle) {
   const double angle = bar.angle_deg * kRadPerDeg;
   const double off =
       std::sin(angle) * (bar.x_px - circle.cx_px) + std::cos(angle) * (bar.y_px - circle.cy_px);
@@ -35,32 +35,33 @@ struct Errors {
 Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
   constexpr int kPairs = 6;
   constexpr double kTurnDeg = 4;
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 260;
   scene.noise_sigma = 1;
-  scene.bar = bar_hiding(hidden, pose(130, 130, 0), kRadius, bar_angle_deg);
+  scene.bar = sim::speckle::bar_hiding(hidden, pose(130, 130, 0), kRadius, bar_angle_deg);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> off(-1, 1);
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
   for (int k = 0; k < kPairs; ++k) {
     poses.push_back(pose(130 + off(random), 130 + off(random), 180 * off(random)));
     poses.push_back(pose(poses.back().cx_px + off(random), poses.back().cy_px + off(random),
                          poses.back().angle_deg + kTurnDeg));
   }
-  const auto pictures = testing::render_frames(paint_ball("e1", 2, kRadius), scene, poses);
-  DeviceFrames frames(testing::shared_engine(), 2 * kPairs);
+  const auto pictures =
+      testing::render_frames(sim::speckle::paint_ball("e1", 2, kRadius), scene, poses);
+  dic::DeviceFrames frames(testing::shared_engine(), 2 * kPairs);
   Errors errors;
-  std::vector<PairMotion> followed(kPairs), whole;
-  std::vector<Circle> circles;
+  std::vector<motion::PairMotion> followed(kPairs), whole;
+  std::vector<circle::Circle> circles;
   for (int k = 0; k < 2 * kPairs; ++k) {
     const auto at = static_cast<std::size_t>(k);
     frames.set(k, pictures[at]);
-    CirclePrior prior;
+    circle::CirclePrior prior;
     prior.predicted = {130, 130, kRadius};
     prior.radius_px = kRadius;
     prior.radius_sd_px = 0.05;
-    const CircleFit fit = measure_circle(pictures[at], prior, {});
-    EXPECT_EQ(fit.status, CircleStatus::ok);
+    const circle::CircleFit fit = circle::measure_circle(pictures[at], prior, {});
+    EXPECT_EQ(fit.status, circle::CircleStatus::ok);
     const double off_by = fit.circle.free_px - free_of(*scene.bar, fit.circle);
     errors.least_px = std::min(errors.least_px, off_by);
     errors.most_px = std::max(errors.most_px, off_by);
@@ -75,14 +76,15 @@ Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
                           circles[2 * k + 1].free_px};
   }
   whole = followed;
-  for (PairMotion& pair : whole) pair.first.free_px = pair.second.free_px = 0;
-  EstimatorOptions options;
-  options.estimator = Estimator::ring;
-  const auto estimator = make_motion_estimator(testing::shared_engine(), options, kRadius, frames);
-  const auto rms = [&](std::vector<PairMotion>& pairs) {
+  for (motion::PairMotion& pair : whole) pair.first.free_px = pair.second.free_px = 0;
+  motion::EstimatorOptions options;
+  options.estimator = motion::Estimator::ring;
+  const auto estimator =
+      motion::make_motion_estimator(testing::shared_engine(), options, kRadius, frames);
+  const auto rms = [&](std::vector<motion::PairMotion>& pairs) {
     estimator->measure(pairs);
     double squares = 0;
-    for (const PairMotion& pair : pairs) {
+    for (const motion::PairMotion& pair : pairs) {
       const double error = pair.motion.rot_rad * kDegPerRad - kTurnDeg;
       squares += (pair.motion.ok ? error * error : kTurnDeg * kTurnDeg) / kPairs;
     }
@@ -109,15 +111,15 @@ TEST(OccludedRing, FollowsTheVisiblePart) {
 }
 
 TEST(OccludedRing, NothingHiddenChangesNothing) {
-  CirclePrior prior;
+  circle::CirclePrior prior;
   prior.predicted = {130, 130, kRadius};
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 260;
   for (const char* pattern : {"a1", "e1"}) {
-    const auto pictures =
-        testing::render_frames(paint_ball(pattern, 2, kRadius), scene, {pose(130.3, 129.8, 20)});
-    const CircleFit fit = measure_circle(pictures[0], prior, {});
-    ASSERT_EQ(fit.status, CircleStatus::ok);
+    const auto pictures = testing::render_frames(sim::speckle::paint_ball(pattern, 2, kRadius),
+                                                 scene, {pose(130.3, 129.8, 20)});
+    const circle::CircleFit fit = circle::measure_circle(pictures[0], prior, {});
+    ASSERT_EQ(fit.status, circle::CircleStatus::ok);
     EXPECT_GT(fit.circle.free_px, 0.98 * fit.circle.r_px) << pattern;
   }
 }

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/dic/ring.h"
+#include "host/dic/device/ring.h"
 #include "host/video/frame_source.h"
 #include "tests/support/data.h"
 #include "tests/support/engine.h"
@@ -20,7 +20,8 @@ using testing::shared_engine;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-RingTask ring_task(const BallPose& first, const BallPose& second, double inner, double outer) {
+RingTask ring_task(const sim::speckle::BallPose& first, const sim::speckle::BallPose& second,
+                   double inner, double outer) {
   RingTask task{};
   task.second = 1;
   task.cx_first = static_cast<float>(first.cx_px);
@@ -42,23 +43,23 @@ class Ring : public ::testing::TestWithParam<Case> {};
 // Any turn, without a guess, at noise 2.
 TEST_P(Ring, TurnOfAPaintedBall) {
   const auto [name, noise, rotation_deg] = GetParam();
-  static const SpeckleBall ball = paint_ball("e1", 2, 115);
-  Engine& engine = shared_engine();
-  Scene scene;
+  static const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("e1", 2, 115);
+  opencl::Engine& engine = shared_engine();
+  sim::speckle::Scene scene;
   scene.width = scene.height = 280;
   scene.noise_sigma = noise;
   constexpr int kPairs = 8;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> off(-1, 1);
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
   for (int k = 0; k < kPairs; ++k) {
     poses.push_back(pose(140 + off(random), 140 + off(random), 180 * off(random)));
     poses.push_back(pose(poses.back().cx_px + off(random), poses.back().cy_px + off(random),
                          poses.back().angle_deg + rotation_deg + 0.3 * off(random)));
   }
   const auto pictures = testing::render_frames(ball, scene, poses);
-  DeviceFrames frames(engine, 2 * kPairs);
-  RingRotation ring(engine, {});
+  dic::DeviceFrames frames(engine, 2 * kPairs);
+  dic::RingRotation ring(engine, {});
   std::vector<RingTask> tasks;
   for (int k = 0; k < 2 * kPairs; ++k) {
     frames.set(k, pictures[static_cast<std::size_t>(k)]);
@@ -71,7 +72,7 @@ TEST_P(Ring, TurnOfAPaintedBall) {
   const auto motions = ring.measure(frames, tasks);
   double squares = 0, normalised = 0;
   for (std::size_t k = 0; k < motions.size(); ++k) {
-    ASSERT_EQ(motions[k].status, WindowStatus::ok);
+    ASSERT_EQ(motions[k].status, dic::WindowStatus::ok);
     const double error = std::remainder(
         motions[k].rot_rad / kDegree - (poses[2 * k + 1].angle_deg - poses[2 * k].angle_deg), 360);
     squares += error * error / kPairs;
@@ -91,18 +92,18 @@ INSTANTIATE_TEST_SUITE_P(Cases, Ring,
 // negative angle in axes with y down).
 TEST(RingOnRealPictures, Turned170Degrees) {
   IMPACTDIC_NEED_DATA("speckle/rotation_170.tif");
-  Engine& engine = shared_engine();
-  DeviceFrames frames(engine, 2);
-  RingRotation ring(engine, {});
+  opencl::Engine& engine = shared_engine();
+  dic::DeviceFrames frames(engine, 2);
+  dic::RingRotation ring(engine, {});
   const char* names[] = {"speckle/rotation_000.tif", "speckle/rotation_170.tif"};
   for (int k = 0; k < 2; ++k) {
     Frame frame;
-    open_video({testing::data_path(names[k]).string()})->read(0, frame);
+    video::open_video({testing::data_path(names[k]).string()})->read(0, frame);
     frames.set(k, frame);
   }
-  const BallPose middle = pose(256, 256, 0);
+  const sim::speckle::BallPose middle = pose(256, 256, 0);
   const auto motions = ring.measure(frames, std::vector{ring_task(middle, middle, 20, 240)});
-  ASSERT_EQ(motions[0].status, WindowStatus::ok);
+  ASSERT_EQ(motions[0].status, dic::WindowStatus::ok);
   std::printf("real: %.5f deg, sd %.5f, correlation %.4f\n", motions[0].rot_rad / kDegree,
               motions[0].rot_sd_rad / kDegree, motions[0].correlation);
   EXPECT_NEAR(motions[0].rot_rad / kDegree, 170, 0.002);

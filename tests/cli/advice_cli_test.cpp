@@ -113,11 +113,11 @@ TEST(Advice, RegionMovesBeyondTheSearch) {
 // Rows in turn from this frame and the next one.
 TEST(Advice, Interlaced) {
   const Clip clip("--size 160x160 --radius-px 50 --velocity-px 4,0");
-  const auto source = open_video({clip.path().string()}, {});
-  VideoInfo info = source->info();
+  const auto source = video::open_video({clip.path().string()}, {});
+  video::VideoInfo info = source->info();
   const std::string woven = (clip.path().parent_path() / "woven.tif").string();
   info.path = woven;
-  const auto sink = open_sink(woven, SinkFormat::tiff, info, {});
+  const auto sink = video::open_sink(woven, video::SinkFormat::tiff, info, {});
   for (int k = 0; k + 1 < source->info().frame_count; ++k) {
     Frame even, odd;
     source->read(k, even);

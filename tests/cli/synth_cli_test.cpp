@@ -1,5 +1,6 @@
 // `impactdic synth` from outside: what it writes is the stated scene at the stated truth.
 #include <gtest/gtest.h>
+#include <impactdic/units.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/base/units.h"
 #include "host/video/frame_source.h"
 #include "sim/speckle/render.h"
 
@@ -66,17 +66,17 @@ TEST_F(SynthCommand, EveryFormatHoldsTheScenesPicturesAtTheTruthsPoses) {
                     " --velocity-px 0.37,-0.61 --rotation-deg 3 --shading 0.3 --format " +
                         std::string(format.option) + " --bits " + std::to_string(format.bits)),
               0);
-    Scene scene;
+    sim::speckle::Scene scene;
     scene.width = 90;
     scene.height = 84;
     scene.noise_sigma = 1.5;
     scene.shading = 0.3;
     scene.bits = format.bits;
-    const BallRenderer renderer(paint_ball("b1", 1, 30), scene);
-    const auto poses = read_motion_csv(dir_ / name / "truth.csv").poses;
-    VideoOptions options;
-    if (name == "raw16") options.raw = RawLayout{90, 84, 16};
-    const auto clip = open_video({(dir_ / name / format.file).string()}, options);
+    const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("b1", 1, 30), scene);
+    const auto poses = sim::speckle::read_motion_csv(dir_ / name / "truth.csv").poses;
+    video::VideoOptions options;
+    if (name == "raw16") options.raw = video::RawLayout{90, 84, 16};
+    const auto clip = video::open_video({(dir_ / name / format.file).string()}, options);
     ASSERT_EQ(clip->info().frame_count, 3);
     ASSERT_EQ(poses.size(), 3u);
     EXPECT_NEAR(poses[1].cx_px - poses[0].cx_px, 0.37, 1e-12);
@@ -126,7 +126,7 @@ TEST_F(SynthCommand, TheBallFollowsASimulatedImpact) {
   ASSERT_EQ(synth("clip", "--pattern none --radius-px 60 --size 200x200 --frames 110 --simulate " +
                               (dir_ / "job.toml").string() + " --touch-frame 20"),
             0);
-  const auto poses = read_motion_csv(dir_ / "clip/truth.csv").poses;
+  const auto poses = sim::speckle::read_motion_csv(dir_ / "clip/truth.csv").poses;
   EXPECT_NE(text("clip/compression.csv").find("\n20,0,90\n"), std::string::npos);
   EXPECT_EQ(text("clip/compression.csv").find("\n30,0,90\n"), std::string::npos);
   ASSERT_EQ(poses.size(), 110u);

@@ -103,7 +103,7 @@ TEST(Track, FilesHoldWhatTheInterfacePromises) {
       clip.track("files", "--force --ball-diameter-mm 67 --surface-angle-deg 30 --overlay").status,
       0);
   const CsvTable table = clip.result("files");
-  EXPECT_EQ(table.header, kTrackCsvHeader);
+  EXPECT_EQ(table.header, report::kTrackCsvHeader);
   ASSERT_EQ(table.rows, 12u);
   EXPECT_EQ(table.text("status").back(), "last_frame");
   EXPECT_EQ(table.text("dx_px").back(), "");

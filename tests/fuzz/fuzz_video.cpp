@@ -1,4 +1,5 @@
 // Any bytes as a camera file: the readers must give frames or one of the library's errors.
+#include <impactdic/error.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -7,8 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "host/base/error.h"
-#include "host/video/readers.h"
+#include "host/video/format/readers.h"
 
 namespace {
 

@@ -1,9 +1,10 @@
 // rigid.cl against its double-precision reference, and what it says where it cannot measure.
+#include "host/dic/reference/ball.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "host/dic/ball_reference.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 
@@ -20,28 +21,29 @@ struct Case {
   int degree;
   bool affine, robust, bar;
   double x_px;  // of the ball in the first frame: 40 hides a part beyond the picture's edge
-  std::optional<Tiling> tiling = {};  // other than this device's own
+  std::optional<dic::Tiling> tiling = {};  // other than this device's own
 };
 class BallKernel : public ::testing::TestWithParam<Case> {};
 
 TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   const Case param = GetParam();
-  Engine& engine = shared_engine();
-  Scene scene;
+  opencl::Engine& engine = shared_engine();
+  sim::speckle::Scene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   scene.noise_sigma = 2;
-  if (param.bar) scene.bar = bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
-  BallPose first = pose(param.x_px, 74.4, 10), second = pose(param.x_px + 1.37, 73.79, 13);
+  if (param.bar) scene.bar = sim::speckle::bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
+  sim::speckle::BallPose first = pose(param.x_px, 74.4, 10),
+                         second = pose(param.x_px + 1.37, 73.79, 13);
   if (param.affine) second.compression = 0.01;
   const auto pictures =
       testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {first, second});
-  BallOptions options;
+  dic::BallOptions options;
   options.spline_degree = param.degree;
   options.affine = param.affine;
   options.robust = param.robust;
-  DeviceFrames frames(engine, 3);
-  BallRegistration registration(engine, options, param.tiling);
+  dic::DeviceFrames frames(engine, 3);
+  dic::BallRegistration registration(engine, options, param.tiling);
   for (int k = 0; k < 2; ++k) {
     frames.set(2 - k, pictures[static_cast<std::size_t>(k)]);
   }
@@ -50,7 +52,7 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   task.second = 1;
   task.cx = static_cast<float>(first.cx_px);
   task.cy = static_cast<float>(first.cy_px);
-  task.radius = static_cast<float>(kRadiusPx - kRimMarginPx);
+  task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
   task.guess_dx = 1;
   task.guess_dy = -1;
   task.guess_rot_rad = 0.04f;
@@ -59,10 +61,10 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   const std::vector<BallTask> tasks = {task, smaller, task};
   const auto motions = registration.measure(frames, tasks);
   for (std::size_t k = 0; k < tasks.size(); ++k) {
-    const BallMotion want = ball_reference(pictures[0], pictures[1], tasks[k], options);
+    const BallMotion want = dic::ball_reference(pictures[0], pictures[1], tasks[k], options);
     const BallMotion& got = motions[k];
-    ASSERT_EQ(want.status, static_cast<idic_int>(WindowStatus::ok));
-    ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::ok));
+    ASSERT_EQ(want.status, static_cast<idic_int>(dic::WindowStatus::ok));
+    ASSERT_EQ(got.status, static_cast<idic_int>(dic::WindowStatus::ok));
     // Single precision and the histogram's median: far below the noise (1e-3 px).
     EXPECT_NEAR(got.dx, want.dx, 1e-4);
     EXPECT_NEAR(got.dy, want.dy, 1e-4);
@@ -82,12 +84,12 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{7, false, true, false, 76.3}, Case{7, false, true, true, 76.3},
                       Case{5, false, false, false, 76.3}, Case{3, true, true, false, 76.3},
                       Case{7, true, true, true, 76.3}, Case{7, false, true, false, 40.2},
-                      Case{7, false, true, true, 40.2, Tiling{1, 128}},
-                      Case{5, true, true, true, 76.3, Tiling{4, 2}}));
+                      Case{7, false, true, true, 40.2, dic::Tiling{1, 128}},
+                      Case{5, true, true, true, 76.3, dic::Tiling{4, 2}}));
 
 // Two halves of a picture that move apart: each mask sees its own.
 TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   const auto pictures =
@@ -97,33 +99,33 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 76; x < kWidth; ++x) second.u8(x, y) = pictures[2].u8(x, y);
   }
-  DeviceFrames frames(shared_engine(), 2);
+  dic::DeviceFrames frames(shared_engine(), 2);
   frames.set(0, pictures[0]);
   frames.set(1, second);
   for (const bool left : {true, false}) {
-    BallOptions options;
+    dic::BallOptions options;
     options.mask = Image<std::uint8_t>(kWidth, kHeight, 0);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) options.mask(x, y) = left ? x < 68 : x > 84;
     }
     const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
     const BallMotion motion =
-        BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
-    ASSERT_EQ(motion.status, static_cast<idic_int>(WindowStatus::ok)) << left;
+        dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
+    ASSERT_EQ(motion.status, static_cast<idic_int>(dic::WindowStatus::ok)) << left;
     EXPECT_NEAR(motion.dx, left ? 0.4 : -0.5, 0.01) << left;
     EXPECT_NEAR(motion.dy, left ? -0.3 : 0.6, 0.01) << left;
     EXPECT_NEAR(motion.rot_rad * 180 / M_PI, left ? 2 : -1.5, 0.02) << left;
   }
-  BallOptions options;
+  dic::BallOptions options;
   options.mask = Image<std::uint8_t>(kWidth + 1, kHeight, 1);
   const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
-  EXPECT_THROW(BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
+  EXPECT_THROW(dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
                InvalidArgument);
 }
 
 TEST(BallKernel, SaysWhyItCannotMeasure) {
-  Engine& engine = shared_engine();
-  Scene scene;
+  opencl::Engine& engine = shared_engine();
+  sim::speckle::Scene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   const auto speckled =
@@ -133,8 +135,8 @@ TEST(BallKernel, SaysWhyItCannotMeasure) {
   Frame flat;
   flat.reset(kWidth, kHeight, 8);
   std::fill_n(flat.u8.data(), flat.u8.size(), std::uint8_t{90});
-  DeviceFrames frames(engine, 3);
-  BallRegistration registration(engine, {});
+  dic::DeviceFrames frames(engine, 3);
+  dic::BallRegistration registration(engine, {});
   const Frame* pictures[] = {&speckled[0], &other[0], &flat};
   for (int k = 0; k < 3; ++k) {
     frames.set(k, *pictures[k]);
@@ -144,10 +146,10 @@ TEST(BallKernel, SaysWhyItCannotMeasure) {
   };
   const auto motions = registration.measure(
       frames, std::vector{task(2, 0, 76), task(0, 1, 76), task(0, 0, -500), task(0, 0, 76)});
-  EXPECT_EQ(motions[0].status, static_cast<idic_int>(WindowStatus::no_texture));
-  EXPECT_NE(motions[1].status, static_cast<idic_int>(WindowStatus::ok));
-  EXPECT_EQ(motions[2].status, static_cast<idic_int>(WindowStatus::out_of_view));
-  EXPECT_EQ(motions[3].status, static_cast<idic_int>(WindowStatus::ok));
+  EXPECT_EQ(motions[0].status, static_cast<idic_int>(dic::WindowStatus::no_texture));
+  EXPECT_NE(motions[1].status, static_cast<idic_int>(dic::WindowStatus::ok));
+  EXPECT_EQ(motions[2].status, static_cast<idic_int>(dic::WindowStatus::out_of_view));
+  EXPECT_EQ(motions[3].status, static_cast<idic_int>(dic::WindowStatus::ok));
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isnan(motions[static_cast<std::size_t>(k)].dx));
   EXPECT_NEAR(motions[3].dx, 0, 1e-6);
   EXPECT_THROW(registration.measure(frames, std::vector{task(0, 3, 76)}), InvalidArgument);

@@ -1,11 +1,11 @@
 // `correlate_clip`: neither copies that run ahead nor threads change a result.
-#include "host/track/correlate_clip.h"
+#include "host/pipeline/correlate_clip.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <bit>
 
-#include "host/base/error.h"
 #include "tests/support/rendered_clip.h"
 #include "tests/support/speckle_frames.h"
 
@@ -14,10 +14,10 @@ namespace {
 
 // Creeps, then jumps farther than windows look, so that it has to be searched anew.
 std::vector<Frame> jumping_frames() {
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 160;
   scene.noise_sigma = 1;
-  std::vector<BallPose> poses;
+  std::vector<sim::speckle::BallPose> poses;
   for (int k = 0; k < 20; ++k) {
     poses.push_back(pose(70 + 0.37 * k + (k < 13 ? 0 : 17), 74 + 0.11 * k, 0.4 * k));
   }
@@ -30,14 +30,15 @@ struct Row {
   std::string bits;
 };
 
-std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int lanes) {
-  CorrelateOptions options;
+std::vector<Row> correlate(video::FrameSource& clip, pipeline::ReferenceFrame reference,
+                           int lanes) {
+  pipeline::CorrelateOptions options;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {40, 44, 60, 60};
   options.reference = reference;
   options.lanes = lanes;
   std::vector<Row> rows;
-  const auto sink = [&](const CorrelatedFrame& frame) {
+  const auto sink = [&](const pipeline::CorrelatedFrame& frame) {
     EXPECT_EQ(frame.frame, static_cast<std::int64_t>(rows.size()));
     std::string text;
     for (const double value : {frame.motion.dx_px, frame.motion.dy_px, frame.motion.rot_rad,
@@ -51,11 +52,11 @@ std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int lane
     }
     rows.push_back({frame.status, frame.motion.dx_px, text});
   };
-  correlate_clip(clip, shared_engine(), options, sink, [](std::int64_t, std::int64_t) {});
+  pipeline::correlate_clip(clip, shared_engine(), options, sink, [](std::int64_t, std::int64_t) {});
   return rows;
 }
 
-class CorrelateClip : public ::testing::TestWithParam<ReferenceFrame> {};
+class CorrelateClip : public ::testing::TestWithParam<pipeline::ReferenceFrame> {};
 
 TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
   MemoryClip clip(jumping_frames());
@@ -68,20 +69,21 @@ TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
     EXPECT_EQ(plain[k].status, TrackStatus::ok) << k;
     // Of the region's centre, which is not the ball's.
     const double turn = 0.4 * M_PI / 180, from_centre = 73.5 - 74;
-    const double step = GetParam() == ReferenceFrame::first ? k : k == 0 ? 0 : 1;
-    const double jump = GetParam() == ReferenceFrame::first ? k >= 13 : k == 13;
+    const double step = GetParam() == pipeline::ReferenceFrame::first ? k : k == 0 ? 0 : 1;
+    const double jump = GetParam() == pipeline::ReferenceFrame::first ? k >= 13 : k == 13;
     EXPECT_NEAR(plain[k].dx_px, 0.37 * step + 17 * jump + from_centre * turn * step, 0.08) << k;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(References, CorrelateClip,
-                         ::testing::Values(ReferenceFrame::first, ReferenceFrame::previous));
+                         ::testing::Values(pipeline::ReferenceFrame::first,
+                                           pipeline::ReferenceFrame::previous));
 
 // A clip whose later frames cannot be read.
-class BrokenClip : public FrameSource {
+class BrokenClip : public video::FrameSource {
  public:
   explicit BrokenClip(std::vector<Frame> frames) : clip_(std::move(frames)) {}
-  const VideoInfo& info() const override { return clip_.info(); }
+  const video::VideoInfo& info() const override { return clip_.info(); }
   void read(std::int64_t index, Frame& frame) override {
     if (index >= 11) throw FormatError("clip", index, "this frame is damaged");
     clip_.read(index, frame);
@@ -93,14 +95,15 @@ class BrokenClip : public FrameSource {
 
 TEST(CorrelateClip, FramesBeforeADamagedOneAreMeasuredFirst) {
   BrokenClip clip(jumping_frames());
-  CorrelateOptions options;
+  pipeline::CorrelateOptions options;
   options.frames = {0, 20, 1};
   options.roi = {40, 44, 60, 60};
   int measured = 0;
-  EXPECT_THROW(correlate_clip(
-                   clip, shared_engine(), options, [&](const CorrelatedFrame&) { ++measured; },
-                   [](std::int64_t, std::int64_t) {}),
-               FormatError);
+  EXPECT_THROW(
+      pipeline::correlate_clip(
+          clip, shared_engine(), options, [&](const pipeline::CorrelatedFrame&) { ++measured; },
+          [](std::int64_t, std::int64_t) {}),
+      FormatError);
   EXPECT_EQ(measured, 11);
 }
 

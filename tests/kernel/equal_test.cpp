@@ -1,14 +1,15 @@
 // Equal windows on the device against their double-precision reference.
+#include "host/dic/device/equal.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 #include <random>
 
-#include "host/dic/equal_opencl.h"
-#include "host/dic/equal_reference.h"
-#include "host/dic/equal_stream.h"
-#include "host/dic/tuning.h"
+#include "host/dic/device/equal_stream.h"
+#include "host/dic/device/tuning.h"
+#include "host/dic/reference/equal.h"
 #include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
 
@@ -19,8 +20,8 @@ using testing::shared_engine;
 
 constexpr int kWidth = 141, kHeight = 123;
 
-const SpeckleField& field() {
-  static const SpeckleField surface(1500, 160, 1.5, 3);
+const sim::speckle::SpeckleField& field() {
+  static const sim::speckle::SpeckleField surface(1500, 160, 1.5, 3);
   return surface;
 }
 
@@ -29,8 +30,8 @@ struct Case {
   bool every_variant;  // compiling them takes its time
 };
 
-std::vector<EqualVariant> variants_of(const Case& c) {
-  auto variants = equal_variants(shared_engine().device(), c.window_px);
+std::vector<dic::EqualVariant> variants_of(const Case& c) {
+  auto variants = dic::equal_variants(shared_engine().device(), c.window_px);
   if (!c.every_variant) variants.resize(1);
   // Without matrix units: the same kernel but for how it multiplies.
   if (c.window_px == 32) variants.push_back({1, 32, 1, true, false, 0, true});
@@ -42,8 +43,8 @@ class Equal : public ::testing::TestWithParam<Case> {};
 // Odd and even counts, one window, windows across the edge, flat ones, and other surfaces.
 TEST_P(Equal, VariantsAgreeWithTheReference) {
   const Case& c = GetParam();
-  Engine& engine = shared_engine();
-  FieldOptions options;
+  opencl::Engine& engine = shared_engine();
+  dic::FieldOptions options;
   options.window_px = c.window_px;
   options.min_correlation = 0.2;
   std::vector<Frame> clip = {field().render(kWidth, kHeight, 0, 0, 0, 0, 0, c.bits, 2, 1),
@@ -65,28 +66,28 @@ TEST_P(Equal, VariantsAgreeWithTheReference) {
   windows[0] = {0, 1, 50, 50, 0, 0, 0};
   if (c.count > 2) windows[1] = {2, 1, 3, 2, 0, 0, 0};
   std::vector<Image<float>> pictures;
-  DeviceFrames frames(engine, 3);
+  dic::DeviceFrames frames(engine, 3);
   for (int k = 0; k < 3; ++k) {
     frames.set(k, clip[static_cast<std::size_t>(k)]);
     pictures.push_back(clip[static_cast<std::size_t>(k)].to_float());
   }
-  const auto input = make_buffer<Window>(engine, windows);
-  for (const EqualVariant& variant : variants_of(c)) {
+  const auto input = opencl::make_buffer<Window>(engine, windows);
+  for (const dic::EqualVariant& variant : variants_of(c)) {
     SCOPED_TRACE(variant.name());
     WindowMotion canary{};
     canary.u = -77;
-    auto output =
-        make_buffer<WindowMotion>(engine, std::vector<WindowMotion>(windows.size() + 5, canary));
-    EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output);
+    auto output = opencl::make_buffer<WindowMotion>(
+        engine, std::vector<WindowMotion>(windows.size() + 5, canary));
+    dic::EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output);
     const auto motions = output.to_vector(engine);
     for (std::size_t i = windows.size(); i < motions.size(); ++i) EXPECT_EQ(motions[i].u, -77);
     int ok = 0;
     for (std::size_t i = 0; i < windows.size(); ++i) {
       const auto& first = pictures[static_cast<std::size_t>(windows[i].first)];
-      const WindowMotion expected = equal_reference(first.view(), pictures[1].view(), windows[i],
-                                                    options, clip[0].full_scale());
+      const WindowMotion expected = dic::equal_reference(first.view(), pictures[1].view(),
+                                                         windows[i], options, clip[0].full_scale());
       ASSERT_EQ(motions[i].status, expected.status) << i;
-      if (expected.status != static_cast<int>(WindowStatus::ok)) continue;
+      if (expected.status != static_cast<int>(dic::WindowStatus::ok)) continue;
       ++ok;
       EXPECT_NEAR(motions[i].u, expected.u, 1e-4) << i;
       EXPECT_NEAR(motions[i].v, expected.v, 1e-4) << i;
@@ -96,7 +97,7 @@ TEST_P(Equal, VariantsAgreeWithTheReference) {
     }
     EXPECT_GT(2 * ok, c.count);
     if (c.count > 2) {
-      EXPECT_EQ(motions[1].status, static_cast<int>(WindowStatus::no_texture));
+      EXPECT_EQ(motions[1].status, static_cast<int>(dic::WindowStatus::no_texture));
     }
   }
 }
@@ -107,16 +108,16 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Equal,
 // Lists of windows after each other: most begin where those of the list before end, so that a group
 // of a GPU's variant need not transform them again; some do not.
 TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
-  Engine& engine = shared_engine();
-  FieldOptions options;
+  opencl::Engine& engine = shared_engine();
+  dic::FieldOptions options;
   options.window_px = 16;
   options.min_correlation = 0.2;
-  DeviceFrames frames(engine, 6);
+  dic::DeviceFrames frames(engine, 6);
   for (int k = 0; k < 6; ++k) {
     frames.set(k, field().render(kWidth, kHeight, 1.3 * k, -0.7 * k, 0, 0, 0, 8, 2,
                                  static_cast<unsigned>(k + 1)));
   }
-  const auto grid = rectangle_grid(20, 20, 64, 48, 16, 8);
+  const auto grid = dic::rectangle_grid(20, 20, 64, 48, 16, 8);
   const std::size_t period = grid.size();
   ASSERT_EQ(period % 2, 1U) << "a list's last window has no partner";
   std::vector<Window> windows;
@@ -131,19 +132,19 @@ TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
     }
   }
   windows.resize(windows.size() - 4);
-  const auto input = make_buffer<Window>(engine, windows);
+  const auto input = opencl::make_buffer<Window>(engine, windows);
   // As the one that a CPU offers, so that the program is there already.
-  const EqualVariant variant{1, 16, 2, true, false, 0};
+  const dic::EqualVariant variant{1, 16, 2, true, false, 0};
   const auto measure = [&](std::size_t of) {
-    Buffer<WindowMotion> output(engine, windows.size());
-    EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output, of);
+    opencl::Buffer<WindowMotion> output(engine, windows.size());
+    dic::EqualOpencl(engine, options, variant).run(frames, input, windows.size(), output, of);
     return output.to_vector(engine);
   };
   const auto apart = measure(0), followed = measure(period);
   int ok = 0;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     ASSERT_EQ(followed[i].status, apart[i].status) << i;
-    if (apart[i].status != static_cast<int>(WindowStatus::ok)) continue;
+    if (apart[i].status != static_cast<int>(dic::WindowStatus::ok)) continue;
     ++ok;
     EXPECT_NEAR(followed[i].u, apart[i].u, 1e-5) << i;
     EXPECT_NEAR(followed[i].v, apart[i].v, 1e-5) << i;
@@ -154,8 +155,8 @@ TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
 
 // Batches of a stream, two under way at a time, give what their pictures give one after the other.
 TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
-  Engine& engine = shared_engine();
-  FieldOptions options;
+  opencl::Engine& engine = shared_engine();
+  dic::FieldOptions options;
   options.window_px = 16;
   options.min_correlation = 0.2;
   std::vector<Frame> clip;
@@ -163,18 +164,18 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
     clip.push_back(field().render(kWidth, kHeight, 0.9 * k * k, -0.7 * k, 0, 0, 0, 8, 2,
                                   static_cast<unsigned>(k + 1)));
   }
-  std::vector<Window> windows = rectangle_grid(10, 10, 80, 60, 16, 16);
+  std::vector<Window> windows = dic::rectangle_grid(10, 10, 80, 60, 16, 16);
   for (Window& window : windows) window.second = 1;
   const auto expected = [&](std::size_t first) {
-    DeviceFrames frames(engine, 2);
+    dic::DeviceFrames frames(engine, 2);
     frames.set(0, clip[first]);
     frames.set(1, clip[first + 1]);
-    Buffer<WindowMotion> motions(engine, windows.size());
-    EqualOpencl(engine, options, choose_equal_variant(engine, 16))
-        .run(frames, make_buffer<Window>(engine, windows), windows.size(), motions);
+    opencl::Buffer<WindowMotion> motions(engine, windows.size());
+    dic::EqualOpencl(engine, options, dic::choose_equal_variant(engine, 16))
+        .run(frames, opencl::make_buffer<Window>(engine, windows), windows.size(), motions);
     return motions.to_vector(engine);
   };
-  EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 2);
+  dic::EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 2);
   const auto start = [&](int lane, std::size_t first) {
     const auto bytes = stream.pictures(lane);
     ASSERT_EQ(bytes.size(), 2 * clip[0].byte_count());
@@ -191,7 +192,7 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
     ASSERT_EQ(got.size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       ASSERT_EQ(got[i].status, wanted[i].status) << i;
-      if (wanted[i].status != static_cast<int>(WindowStatus::ok)) continue;
+      if (wanted[i].status != static_cast<int>(dic::WindowStatus::ok)) continue;
       EXPECT_EQ(got[i].u, wanted[i].u) << i;
       EXPECT_EQ(got[i].v, wanted[i].v) << i;
     }
@@ -206,23 +207,23 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
   check(0, 2);
   windows.back().second = 2;
   EXPECT_THROW(
-      EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 1),
+      dic::EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 1),
       InvalidArgument);
 }
 
 TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {
-  Engine& engine = shared_engine();
-  FieldOptions options;
+  opencl::Engine& engine = shared_engine();
+  dic::FieldOptions options;
   options.window_px = 24;
-  const EqualVariant variant = equal_variants(engine.device(), 32).front();
-  EXPECT_THROW(EqualOpencl(engine, options, variant), InvalidArgument);
+  const dic::EqualVariant variant = dic::equal_variants(engine.device(), 32).front();
+  EXPECT_THROW(dic::EqualOpencl(engine, options, variant), InvalidArgument);
   options.window_px = 32;
-  DeviceFrames frames(engine, 2);
+  dic::DeviceFrames frames(engine, 2);
   frames.set(0, field().render(31, 64, 0, 0));
   frames.set(1, field().render(31, 64, 0, 0));
-  Buffer<Window> windows(engine, 1);
-  Buffer<WindowMotion> motions(engine, 1);
-  EqualOpencl equal(engine, options, variant);
+  opencl::Buffer<Window> windows(engine, 1);
+  opencl::Buffer<WindowMotion> motions(engine, 1);
+  dic::EqualOpencl equal(engine, options, variant);
   EXPECT_THROW(equal.run(frames, windows, 1, motions), InvalidArgument);
 }
 

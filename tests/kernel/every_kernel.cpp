@@ -2,6 +2,8 @@
 // device `auto` takes there. Exit status 0 where everything ran; whether the figures are right is
 // the business of the other kernel tests (a simulated device need not round as real ones do).
 //   every_kernel CASE     one of the cases below
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -9,13 +11,12 @@
 #include <map>
 #include <string>
 
-#include "host/base/error.h"
-#include "host/dic/ball_registration.h"
-#include "host/dic/equal_opencl.h"
-#include "host/dic/icgn_opencl.h"
-#include "host/dic/published_opencl.h"
-#include "host/dic/ring.h"
-#include "host/dic/zncc_opencl.h"
+#include "host/dic/device/ball.h"
+#include "host/dic/device/equal.h"
+#include "host/dic/device/icgn.h"
+#include "host/dic/device/published.h"
+#include "host/dic/device/ring.h"
+#include "host/dic/device/zncc.h"
 #include "sim/speckle/speckle_field.h"
 
 namespace impactdic {
@@ -25,14 +26,14 @@ constexpr int kWidth = 47, kHeight = 45;
 constexpr double kU = 1.3, kV = -0.6;
 
 struct Setting {
-  Engine engine;
-  DeviceFrames frames;
-  Buffer<Window> windows;
-  Buffer<WindowMotion> motions;
+  opencl::Engine engine;
+  dic::DeviceFrames frames;
+  opencl::Buffer<Window> windows;
+  opencl::Buffer<WindowMotion> motions;
   std::size_t count = 0;
 
   explicit Setting(int bits) : engine("auto", options()), frames(engine, 2) {
-    const SpeckleField surface(150, 50, 1.5, 3);
+    const sim::speckle::SpeckleField surface(150, 50, 1.5, 3);
     frames.set(0, surface.render(kWidth, kHeight, 0, 0, 0, 0, 0, bits));
     frames.set(1, surface.render(kWidth, kHeight, kU, kV, 0, 0, 0, bits));
     // In the middle, at a corner with half of its search area outside, outside, and turned.
@@ -42,11 +43,11 @@ struct Setting {
                                       {0, 1, 22, 19, 1, 0, 0.1F},
                                       {0, 1, 15, 20, 100, -100, 0}};
     count = list.size();
-    windows = make_buffer<Window>(engine, list);
-    motions = Buffer<WindowMotion>(engine, count);
+    windows = opencl::make_buffer<Window>(engine, list);
+    motions = opencl::Buffer<WindowMotion>(engine, count);
   }
-  static EngineOptions options() {
-    EngineOptions out;
+  static opencl::EngineOptions options() {
+    opencl::EngineOptions out;
     out.cache_dir = "";
     return out;
   }
@@ -57,8 +58,8 @@ struct Setting {
   }
 };
 
-FieldOptions small_options(FieldMethod method) {
-  FieldOptions options;
+dic::FieldOptions small_options(dic::FieldMethod method) {
+  dic::FieldOptions options;
   options.method = method;
   options.window_px = 9;
   options.search_px = 3;
@@ -67,33 +68,33 @@ FieldOptions small_options(FieldMethod method) {
   return options;
 }
 
-void run_zncc(const ZnccVariant& variant, int bits) {
+void run_zncc(const dic::ZnccVariant& variant, int bits) {
   Setting setting(bits);
-  ZnccOpencl zncc(setting.engine, small_options(FieldMethod::zncc), variant);
+  dic::ZnccOpencl zncc(setting.engine, small_options(dic::FieldMethod::zncc), variant);
   zncc.run(setting.frames, setting.windows, setting.count, setting.motions);
   setting.finish();
 }
 
-void run_equal(const EqualVariant& variant, int window_px = 16) {
+void run_equal(const dic::EqualVariant& variant, int window_px = 16) {
   Setting setting(8);
-  FieldOptions options = small_options(FieldMethod::zncc);
+  dic::FieldOptions options = small_options(dic::FieldMethod::zncc);
   options.window_px = window_px;
-  EqualOpencl(setting.engine, options, variant)
+  dic::EqualOpencl(setting.engine, options, variant)
       .run(setting.frames, setting.windows, setting.count, setting.motions, 3);
   setting.finish();
 }
 
 void run_published() {
   Setting setting(8);
-  PublishedOpencl published(setting.engine, small_options(FieldMethod::published));
+  dic::PublishedOpencl published(setting.engine, small_options(dic::FieldMethod::published));
   published.run(setting.frames, setting.windows, setting.count, setting.motions);
   setting.finish();
 }
 
 void run_icgn() {
   Setting setting(8);
-  const FieldOptions options = small_options(FieldMethod::icgn);
-  IcgnRefiner refiner(setting.engine, options, 2);
+  const dic::FieldOptions options = small_options(dic::FieldMethod::icgn);
+  dic::IcgnRefiner refiner(setting.engine, options, 2);
   std::vector<WindowMotion> seeds(setting.count);
   for (WindowMotion& seed : seeds) seed = {1.0F, -1.0F};
   setting.motions.write(setting.engine, seeds);
@@ -103,10 +104,10 @@ void run_icgn() {
 
 void run_ball(bool affine) {
   Setting setting(8);
-  BallOptions options;
+  dic::BallOptions options;
   options.affine = affine;
   options.spline_degree = 3;
-  BallRegistration ball(setting.engine, options);
+  dic::BallRegistration ball(setting.engine, options);
   const BallTask task{0, 1, 23, 22, 12, 1, -1, 0};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
@@ -114,24 +115,24 @@ void run_ball(bool affine) {
 
 void run_ring() {
   Setting setting(8);
-  RingOptions options;
+  dic::RingOptions options;
   options.spline_degree = 3;
   options.rings = 4;
   options.angles = 32;
-  RingRotation ring(setting.engine, options);
+  dic::RingRotation ring(setting.engine, options);
   const RingTask task{0, 1, 23, 22, 24.3F, 21.4F, 4, 12};
-  const RingMotion motion = ring.measure(setting.frames, {&task, 1})[0];
+  const dic::RingMotion motion = ring.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, %.4f rad\n", static_cast<int>(motion.status), motion.rot_rad);
 }
 
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_pairs_scalar",
      [] {
-       run_zncc({ZnccPath::pairs, 16, 1, 16, true, false, 0}, 8);
+       run_zncc({dic::ZnccPath::pairs, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_pairs_vector",
      [] {
-       run_zncc({ZnccPath::pairs, 16, 4, 1}, 12);
+       run_zncc({dic::ZnccPath::pairs, 16, 4, 1}, 12);
      }},
     {"equal_scalar",
      [] {
@@ -147,23 +148,23 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"zncc_bytes",
      [] {
-       run_zncc({ZnccPath::bytes, 16, 1, 32, true}, 8);
+       run_zncc({dic::ZnccPath::bytes, 16, 1, 32, true}, 8);
      }},
     {"zncc_scalar",
      [] {
-       run_zncc({ZnccPath::single, 16, 1, 16, true, false, 0}, 8);
+       run_zncc({dic::ZnccPath::single, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_vector",
      [] {
-       run_zncc({ZnccPath::single, 16, 4, 1}, 12);
+       run_zncc({dic::ZnccPath::single, 16, 4, 1}, 12);
      }},
     {"zncc_vector_lanes",
      [] {
-       run_zncc({ZnccPath::single, 16, 4, 2}, 8);
+       run_zncc({dic::ZnccPath::single, 16, 4, 2}, 8);
      }},
     {"zncc_clfft",
      [] {
-       run_zncc({ZnccPath::clfft, 15, 1, 1}, 8);
+       run_zncc({dic::ZnccPath::clfft, 15, 1, 1}, 8);
      }},
     {"published", run_published},
     {"icgn", run_icgn},

@@ -1,12 +1,13 @@
 // prefilter.cl and icgn.cl against their double-precision references.
+#include "host/dic/device/icgn.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "host/dic/correlator.h"
-#include "host/dic/icgn_opencl.h"
-#include "host/dic/icgn_reference.h"
+#include "host/dic/reference/icgn.h"
 #include "kernels/spline.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
@@ -31,27 +32,27 @@ struct SplineCase {
   int degree;
   double sigma_px;
   int width, height;
-  std::optional<Tiling> tiling = {};
+  std::optional<dic::Tiling> tiling = {};
 };
 class Prefilter : public ::testing::TestWithParam<SplineCase> {};
 
 TEST_P(Prefilter, CoefficientsAndPlanesAreTheReferences) {
   const auto [degree, sigma, width, height, tiling] = GetParam();
-  Engine& engine = shared_engine();
+  opencl::Engine& engine = shared_engine();
   constexpr int kSlots = 3;
-  DeviceFrames frames(engine, kSlots);
+  dic::DeviceFrames frames(engine, kSlots);
   std::vector<Frame> pictures;
   for (int slot = 0; slot < kSlots; ++slot) {
     pictures.push_back(random_frame(width, height, 7 + static_cast<unsigned>(slot)));
     if (slot != 1) frames.set(slot, pictures.back());
   }
-  const SplineFrames& splines = frames.splines(degree, sigma, tiling);
+  const dic::SplineFrames& splines = frames.splines(degree, sigma, tiling);
   EXPECT_EQ(&splines, &frames.splines(degree, sigma, tiling));
   const auto coefficients = splines.coefficients().to_vector(engine);
   const auto planes = splines.planes().to_vector(engine);
   for (const int slot : {0, 2}) {
-    const BSplineImage reference(to_double(pictures[static_cast<std::size_t>(slot)]), degree,
-                                 sigma);
+    const dic::BSplineImage reference(dic::to_double(pictures[static_cast<std::size_t>(slot)]),
+                                      degree, sigma);
     for (int y = -SPLINE_PAD; y < height + SPLINE_PAD; ++y) {
       for (int x = -SPLINE_PAD; x < width + SPLINE_PAD; ++x) {
         const auto at = static_cast<std::size_t>(
@@ -88,19 +89,19 @@ INSTANTIATE_TEST_SUITE_P(Cases, Prefilter,
                          ::testing::Values(SplineCase{3, 0, 64, 48}, SplineCase{5, 0, 131, 37},
                                            SplineCase{7, 0.5, 97, 101}, SplineCase{5, 0.8, 16, 9},
                                            SplineCase{7, 0, 5, 3},
-                                           SplineCase{5, 0.5, 70, 41, Tiling{1, 64}},
-                                           SplineCase{3, 0, 33, 20, Tiling{4, 1}}));
+                                           SplineCase{5, 0.5, 70, 41, dic::Tiling{1, 64}},
+                                           SplineCase{3, 0, 33, 20, dic::Tiling{4, 1}}));
 
 struct IcgnCase {
   int window_px, degree;
   double rotation_deg, guess_deg;
-  std::optional<Tiling> tiling = {};  // other than this device's own
+  std::optional<dic::Tiling> tiling = {};  // other than this device's own
 };
 class Icgn : public ::testing::TestWithParam<IcgnCase> {
  protected:
   static constexpr int kSize = 160;
   static std::vector<Frame> ball_frames(double rotation_deg, double noise) {
-    Scene scene;
+    sim::speckle::Scene scene;
     scene.width = kSize;
     scene.height = kSize - 3;
     scene.noise_sigma = noise;
@@ -123,20 +124,20 @@ WindowMotion seed_for(const Window& window, int side, double rotation_deg, std::
 
 TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
   const IcgnCase param = GetParam();
-  Engine& engine = shared_engine();
-  FieldOptions options;
+  opencl::Engine& engine = shared_engine();
+  dic::FieldOptions options;
   options.window_px = param.window_px;
   options.spline_degree = param.degree;
   const auto pictures = ball_frames(param.rotation_deg, 2);
-  DeviceFrames frames(engine, 3);
-  IcgnRefiner refiner(engine, options, 3, param.tiling);
-  IcgnReference reference(options, 3);
+  dic::DeviceFrames frames(engine, 3);
+  dic::IcgnRefiner refiner(engine, options, 3, param.tiling);
+  dic::IcgnReference reference(options, 3);
   for (int k = 0; k < 2; ++k) {
     frames.set(2 * k, pictures[static_cast<std::size_t>(k)]);
     reference.set_frame(2 * k, pictures[static_cast<std::size_t>(k)]);
   }
   // From the flat background over the rim onto the ball, and beyond the picture's border.
-  auto windows = rectangle_grid(-3, -5, kSize + 6, kSize + 9, param.window_px, 13);
+  auto windows = dic::rectangle_grid(-3, -5, kSize + 6, kSize + 9, param.window_px, 13);
   std::mt19937 random(1);
   std::vector<WindowMotion> seeds;
   for (Window& window : windows) {
@@ -145,16 +146,16 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
     window.guess_rot_rad = static_cast<float>(param.guess_deg * M_PI / 180);
     seeds.push_back(seed_for(window, param.window_px, param.rotation_deg, random));
   }
-  seeds[1].status = static_cast<idic_int>(WindowStatus::at_search_edge);
+  seeds[1].status = static_cast<idic_int>(dic::WindowStatus::at_search_edge);
   for (const bool masked : {false, true}) {
     if (masked) {
       refiner.set_disc(0, 79.3, 78.4, 66);
       reference.set_disc(0, 79.3, 78.4, 66);
     }
-    const auto device_windows = make_buffer<Window>(engine, windows);
+    const auto device_windows = opencl::make_buffer<Window>(engine, windows);
     std::vector<WindowMotion> canaries = seeds;
     canaries.resize(seeds.size() + 5, seeds[0]);
-    auto motions = make_buffer<WindowMotion>(engine, canaries);
+    auto motions = opencl::make_buffer<WindowMotion>(engine, canaries);
     refiner.refine(frames, device_windows, windows.size(), motions);
     const auto result = motions.to_vector(engine);
     int measured = 0, differing = 0;
@@ -162,7 +163,7 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
       const WindowMotion expected = reference.refine(windows[k], seeds[k]);
       // Without texture chance decides why a window fails; a window on the edge of a criterion
       // may fail in one of the two.
-      const auto ok = static_cast<idic_int>(WindowStatus::ok);
+      const auto ok = static_cast<idic_int>(dic::WindowStatus::ok);
       differing += (result[k].status == ok) != (expected.status == ok);
       if (result[k].status != ok || expected.status != ok) continue;
       ++measured;
@@ -179,34 +180,36 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
     }
     EXPECT_GT(measured, param.window_px < 60 ? 20 : 1);
     EXPECT_LE(differing, static_cast<int>(windows.size()) / 100);
-    EXPECT_EQ(result[1].status, static_cast<idic_int>(WindowStatus::at_search_edge));
+    EXPECT_EQ(result[1].status, static_cast<idic_int>(dic::WindowStatus::at_search_edge));
     for (std::size_t k = windows.size(); k < result.size(); ++k) {
       EXPECT_EQ(result[k].u, seeds[0].u);  // beyond `count` nothing is touched
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(
-    Cases, Icgn,
-    ::testing::Values(IcgnCase{15, 5, 0, 0}, IcgnCase{15, 5, 3, 0}, IcgnCase{21, 3, 3, 3},
-                      IcgnCase{31, 7, 3, 0}, IcgnCase{16, 7, 40, 40}, IcgnCase{15, 5, 170, 170},
-                      IcgnCase{81, 3, 3, 0}, IcgnCase{15, 5, 3, 0, Tiling{1, 32}},
-                      IcgnCase{16, 3, 3, 0, Tiling{8, 1}}, IcgnCase{21, 3, 3, 3, Tiling{4, 64}}));
+INSTANTIATE_TEST_SUITE_P(Cases, Icgn,
+                         ::testing::Values(IcgnCase{15, 5, 0, 0}, IcgnCase{15, 5, 3, 0},
+                                           IcgnCase{21, 3, 3, 3}, IcgnCase{31, 7, 3, 0},
+                                           IcgnCase{16, 7, 40, 40}, IcgnCase{15, 5, 170, 170},
+                                           IcgnCase{81, 3, 3, 0},
+                                           IcgnCase{15, 5, 3, 0, dic::Tiling{1, 32}},
+                                           IcgnCase{16, 3, 3, 0, dic::Tiling{8, 1}},
+                                           IcgnCase{21, 3, 3, 3, dic::Tiling{4, 64}}));
 
 // A ball that turned by 6° in one frame, its windows knowing nothing of it, those that the rim cuts
 // included: every one is found, where the reference finds it.
 TEST(IcgnCorrelator, FindsEveryWindowOfABallTheCutOnesToo) {
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 160;
   scene.noise_sigma = 2;
   const double turn = 6 * M_PI / 180;
   const auto pictures = testing::render_frames(testing::quick_ball(5, 70), scene,
                                                {pose(79.3, 78.4, 0), pose(80.67, 77.79, 6)});
-  FieldOptions options;
-  auto windows = disc_grid(79.3, 78.4, 67, options.window_px, 11, 0.55);
+  dic::FieldOptions options;
+  auto windows = dic::disc_grid(79.3, 78.4, 67, options.window_px, 11, 0.55);
   for (Window& window : windows) window.second = 1;
-  const auto device = make_opencl_correlator(shared_engine(), options, 2);
-  const auto reference = make_reference_correlator(options, 2);
-  for (Correlator* correlator : {device.get(), reference.get()}) {
+  const auto device = dic::make_opencl_correlator(shared_engine(), options, 2);
+  const auto reference = dic::make_reference_correlator(options, 2);
+  for (dic::Correlator* correlator : {device.get(), reference.get()}) {
     for (int k = 0; k < 2; ++k) correlator->set_frame(k, pictures[static_cast<std::size_t>(k)]);
     correlator->set_disc(0, 79.3, 78.4, 67);
   }
@@ -215,8 +218,8 @@ TEST(IcgnCorrelator, FindsEveryWindowOfABallTheCutOnesToo) {
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const double x = windows[k].x0 + 7 - 79.3, y = windows[k].y0 + 7 - 78.4;
     cut += std::hypot(std::abs(x) + 7, std::abs(y) + 7) > 67;
-    ASSERT_EQ(result[k].status, static_cast<idic_int>(WindowStatus::ok)) << k;
-    ASSERT_EQ(expected[k].status, static_cast<idic_int>(WindowStatus::ok)) << k;
+    ASSERT_EQ(result[k].status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
+    ASSERT_EQ(expected[k].status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
     EXPECT_NEAR(result[k].u, expected[k].u, std::max(2e-4, 0.05 * expected[k].u_sd)) << k;
     EXPECT_NEAR(result[k].v, expected[k].v, std::max(2e-4, 0.05 * expected[k].v_sd)) << k;
     // Five standard deviations of the truth.

@@ -8,27 +8,27 @@ lint() {
   clang -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Wdouble-promotion -Werror -I. "$@" || bad=1
 }
 bad=0
-for file in kernels/*.cl; do lint "$file"; done
+for file in kernels/*.cl kernels/*/*.cl; do lint "$file"; done
 for size in 16 32 64; do
-  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/single.cl
+  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/zncc/single.cl
   [ $size = 64 ] && continue
-  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs.cl
-  lint -DFFT_PX=$size -DCHAIN=8 kernels/equal.cl
+  lint -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/zncc/pairs.cl
+  lint -DFFT_PX=$size -DCHAIN=8 kernels/equal/equal.cl
 done
-lint -DMASKED=1 kernels/rigid.cl
+lint -DMASKED=1 kernels/ball/rigid.cl
 # What only NVIDIA's compiler sees otherwise; clang knows `asm` by another name.
 for size in 15,8 31,16; do
   lint -target nvptx64 -Dasm=__asm__ -DMATRIX_UNITS -DWARP_BARRIER -DLANES=32 \
-    -DWINDOW_PX=${size%,*} -DSEARCH_PX=${size#*,} kernels/bytes.cl
+    -DWINDOW_PX=${size%,*} -DSEARCH_PX=${size#*,} kernels/zncc/bytes.cl
 done
-lint -target nvptx64 -Dasm=__asm__ -DMATRIX_UNITS -DWARP_BARRIER kernels/equal_bytes.cl
+lint -target nvptx64 -Dasm=__asm__ -DMATRIX_UNITS -DWARP_BARRIER kernels/equal/equal_bytes.cl
 for vector in 4 8 16; do
   for size in 16 32 64; do
-    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/single_vector.cl
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/zncc/single_vector.cl
     [ $size = 64 ] || [ $vector = $size ] && continue
-    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/pairs_vector.cl
-    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size kernels/equal.cl
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size -DWINDOW_PX=5 -DSEARCH_PX=3 kernels/zncc/pairs_vector.cl
+    lint -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size kernels/equal/equal.cl
   done
-  for file in prefilter icgn rigid; do lint -DVECTOR=$vector -DGROUP=1 kernels/$file.cl; done
+  for file in frames/prefilter icgn/icgn ball/rigid; do lint -DVECTOR=$vector -DGROUP=1 kernels/$file.cl; done
 done
 exit $bad

@@ -19,27 +19,27 @@ namespace {
 using testing::shared_engine;
 
 TEST(Device, ChoiceNamesWhatThereIs) {
-  const auto devices = list_devices();
+  const auto devices = opencl::list_devices();
   ASSERT_FALSE(devices.empty());
-  EXPECT_EQ(choose_device(devices, "0").index, 0);
-  EXPECT_EQ(choose_device(devices, devices[0].name.substr(0, 6)).index, 0);
-  EXPECT_THROW(choose_device(devices, "99"), InvalidArgument);
-  EXPECT_THROW(choose_device(devices, "-1"), InvalidArgument);
-  EXPECT_THROW(choose_device(devices, "no such device"), InvalidArgument);
-  EXPECT_THROW(choose_device({}, "auto"), OpenClError);
+  EXPECT_EQ(opencl::choose_device(devices, "0").index, 0);
+  EXPECT_EQ(opencl::choose_device(devices, devices[0].name.substr(0, 6)).index, 0);
+  EXPECT_THROW(opencl::choose_device(devices, "99"), InvalidArgument);
+  EXPECT_THROW(opencl::choose_device(devices, "-1"), InvalidArgument);
+  EXPECT_THROW(opencl::choose_device(devices, "no such device"), InvalidArgument);
+  EXPECT_THROW(opencl::choose_device({}, "auto"), OpenClError);
 }
 
 TEST(KernelSource, IncludesEachFileOnceWithLineNumbers) {
-  const std::string source = kernel_source("unpack.cl");
+  const std::string source = opencl::kernel_source("frames/unpack.cl");
   EXPECT_NE(source.find("#line 1 \"kernels/config.h\""), std::string::npos);
   EXPECT_EQ(source.find("#include \"kernels/"), std::string::npos);
-  EXPECT_EQ(kernel_source("unpack.cl", IMPACTDIC_SOURCE_DIR), source);
-  EXPECT_THROW(kernel_source("no_such.cl"), BuildError);
+  EXPECT_EQ(opencl::kernel_source("frames/unpack.cl", IMPACTDIC_SOURCE_DIR), source);
+  EXPECT_THROW(opencl::kernel_source("no_such.cl"), BuildError);
 }
 
 TEST(Engine, BuildErrorCarriesLogAndOptions) {
   try {
-    shared_engine().kernel("unpack.cl", "unpack", {{"PIXEL", "no_such_type"}});
+    shared_engine().kernel("frames/unpack.cl", "unpack", {{"PIXEL", "no_such_type"}});
     FAIL() << "compiled nonsense";
   } catch (const BuildError& error) {
     EXPECT_NE(error.line().find("-DPIXEL=no_such_type"), std::string::npos);
@@ -50,21 +50,22 @@ TEST(Engine, BuildErrorCarriesLogAndOptions) {
 class Unpack : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(Unpack, GivesEveryPixelAndTouchesNothingElse) {
-  Engine& engine = shared_engine();
+  opencl::Engine& engine = shared_engine();
   const std::size_t count = GetParam();
   constexpr float kCanary = -77.0f;
   std::vector<unsigned short> pixels(count);
   std::iota(pixels.begin(), pixels.end(), static_cast<unsigned short>(60000));
-  auto input = make_buffer<unsigned short>(engine, pixels);
-  auto output = make_buffer<float>(engine, std::vector<float>(count + 64, kCanary));
-  auto kept = make_buffer<unsigned short>(engine, std::vector<unsigned short>(count + 64, 77));
-  auto kernel = engine.kernel("unpack.cl", "unpack", {{"PIXEL", "ushort"}});
+  auto input = opencl::make_buffer<unsigned short>(engine, pixels);
+  auto output = opencl::make_buffer<float>(engine, std::vector<float>(count + 64, kCanary));
+  auto kept =
+      opencl::make_buffer<unsigned short>(engine, std::vector<unsigned short>(count + 64, 77));
+  auto kernel = engine.kernel("frames/unpack.cl", "unpack", {{"PIXEL", "ushort"}});
   kernel.setArg(0, input.get());
   kernel.setArg(1, output.get());
   kernel.setArg(2, kept.get());
   kernel.setArg(3, static_cast<cl_ulong>(count));
   kernel.setArg(4, cl_ulong{0});
-  engine.launch(engine.queue(), kernel, cl::NDRange(round_up(count, 64)), cl::NDRange(64));
+  engine.launch(engine.queue(), kernel, cl::NDRange(opencl::round_up(count, 64)), cl::NDRange(64));
   const auto result = output.to_vector(engine);
   const auto copies = kept.to_vector(engine);
   for (std::size_t i = 0; i < result.size(); ++i) {
@@ -75,8 +76,8 @@ TEST_P(Unpack, GivesEveryPixelAndTouchesNothingElse) {
 INSTANTIATE_TEST_SUITE_P(Sizes, Unpack, ::testing::Values(1, 63, 64, 65, 100003));
 
 TEST(Buffer, RefusesToCopyBeyondItsEnd) {
-  Engine& engine = shared_engine();
-  Buffer<float> buffer(engine, 4);
+  opencl::Engine& engine = shared_engine();
+  opencl::Buffer<float> buffer(engine, 4);
   std::vector<float> host(5);
   EXPECT_THROW(buffer.write(engine, host), InvalidArgument);
   EXPECT_THROW(buffer.read(engine, host), InvalidArgument);
@@ -85,7 +86,7 @@ TEST(Buffer, RefusesToCopyBeyondItsEnd) {
 TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
   const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test";
   std::filesystem::remove_all(folder);
-  const ProgramCache cache(folder);
+  const opencl::ProgramCache cache(folder);
   const std::vector<unsigned char> binary = {1, 0, 2, 255};
   EXPECT_FALSE(cache.load("key"));
   cache.store("key", binary);
@@ -101,11 +102,11 @@ TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
 TEST(ProgramCache, CompiledProgramsComeBackInANewEngine) {
   const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test_engine";
   std::filesystem::remove_all(folder);
-  EngineOptions options;
+  opencl::EngineOptions options;
   options.cache_dir = folder;
   for (int round = 0; round < 2; ++round) {
-    Engine engine(std::to_string(shared_engine().device().index), options);
-    EXPECT_NO_THROW(engine.kernel("unpack.cl", "unpack"));
+    opencl::Engine engine(std::to_string(shared_engine().device().index), options);
+    EXPECT_NO_THROW(engine.kernel("frames/unpack.cl", "unpack"));
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder),
                           std::filesystem::directory_iterator()),
@@ -114,13 +115,13 @@ TEST(ProgramCache, CompiledProgramsComeBackInANewEngine) {
 }
 
 TEST(Profiler, CountsCallsBytesAndFlops) {
-  EngineOptions options;
+  opencl::EngineOptions options;
   options.profile = true;
-  Engine engine(std::to_string(shared_engine().device().index), options);
-  auto pixels = make_buffer<unsigned char>(engine, std::vector<unsigned char>(1000, 7));
-  Buffer<float> image(engine, 1000);
-  Buffer<unsigned char> kept(engine, 1000);
-  auto kernel = engine.kernel("unpack.cl", "unpack");
+  opencl::Engine engine(std::to_string(shared_engine().device().index), options);
+  auto pixels = opencl::make_buffer<unsigned char>(engine, std::vector<unsigned char>(1000, 7));
+  opencl::Buffer<float> image(engine, 1000);
+  opencl::Buffer<unsigned char> kept(engine, 1000);
+  auto kernel = engine.kernel("frames/unpack.cl", "unpack");
   kernel.setArg(0, pixels.get());
   kernel.setArg(1, image.get());
   kernel.setArg(2, kept.get());
@@ -130,7 +131,7 @@ TEST(Profiler, CountsCallsBytesAndFlops) {
     engine.launch(engine.queue(), kernel, cl::NDRange(1024), cl::NDRange(64), {5000, 1000});
   }
   bool seen = false;
-  for (const ProfileRow& row : engine.profiler().rows()) {
+  for (const opencl::ProfileRow& row : engine.profiler().rows()) {
     if (row.name != "unpack") continue;
     seen = true;
     EXPECT_EQ(row.calls, 3u);
@@ -143,15 +144,15 @@ TEST(Profiler, CountsCallsBytesAndFlops) {
 }
 
 TEST(FftPlan, MatchesTheDefinitionAndInverts) {
-  Engine& engine = shared_engine();
+  opencl::Engine& engine = shared_engine();
   constexpr std::size_t kWidth = 12, kHeight = 10, kBatch = 3;
   using Complex = std::complex<float>;
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
   std::vector<Complex> data(kWidth * kHeight * kBatch);
   for (Complex& value : data) value = {normal(random), normal(random)};
-  auto buffer = make_buffer<Complex>(engine, data);
-  FftPlan plan(engine, kWidth, kHeight, kBatch);
+  auto buffer = opencl::make_buffer<Complex>(engine, data);
+  opencl::FftPlan plan(engine, kWidth, kHeight, kBatch);
   plan.forward(engine.queue(), buffer.get());
   const auto spectrum = buffer.to_vector(engine);
   // One coefficient of the last picture by the definition of the transform.
@@ -174,10 +175,10 @@ TEST(FftPlan, MatchesTheDefinitionAndInverts) {
 }
 
 TEST(FftPlan, GoodSizesAreProductsOfSmallPrimes) {
-  EXPECT_EQ(FftPlan::good_size(31), 32u);
-  EXPECT_EQ(FftPlan::good_size(17), 18u);
-  EXPECT_EQ(FftPlan::good_size(49), 49u);
-  EXPECT_EQ(FftPlan::good_size(1), 1u);
+  EXPECT_EQ(opencl::FftPlan::good_size(31), 32u);
+  EXPECT_EQ(opencl::FftPlan::good_size(17), 18u);
+  EXPECT_EQ(opencl::FftPlan::good_size(49), 49u);
+  EXPECT_EQ(opencl::FftPlan::good_size(1), 1u);
 }
 
 }  // namespace

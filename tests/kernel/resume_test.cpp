@@ -1,11 +1,11 @@
 // A run that was interrupted anywhere goes on to the same rows, poses and fields, to the last bit.
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <array>
 #include <bit>
 #include <limits>
 
-#include "host/base/error.h"
 #include "host/report/csv.h"
 #include "host/report/resume_file.h"
 #include "tests/support/rendered_clip.h"
@@ -17,16 +17,17 @@ namespace {
 
 // The ball is lost for two frames, its ink changes, and it is hit on the way.
 MemoryClip eventful_clip() {
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 128;
   scene.noise_sigma = 2;
-  SpeckleBall ball = quick_ball(3, 40);
-  const SpeckleBall fresh = quick_ball(4, 40);
+  sim::speckle::SpeckleBall ball = quick_ball(3, 40);
+  const sim::speckle::SpeckleBall fresh = quick_ball(4, 40);
   std::vector<Frame> frames(44);
   std::size_t next = 0;
   double x = 52, y = 50, angle = 11;
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    BallRenderer(ball, scene).render(pose(x, y, angle), static_cast<std::int64_t>(k), frames[k]);
+    sim::speckle::BallRenderer(ball, scene)
+        .render(pose(x, y, angle), static_cast<std::int64_t>(k), frames[k]);
     for (int n = 0; n < 3; ++n, ++next) {
       ball.discs[next % ball.discs.size()] = fresh.discs[next % fresh.discs.size()];
     }
@@ -42,12 +43,12 @@ MemoryClip eventful_clip() {
 
 struct Outcome {
   std::vector<std::string> rows;  // with pose and field: equal texts are equal bits
-  std::vector<ResumePoint> points;
+  std::vector<pipeline::ResumePoint> points;
 };
 
-std::string bits(const TrackedFrame& frame) {
+std::string bits(const pipeline::TrackedFrame& frame) {
   const BodyPose& p = frame.row.pose;
-  std::string text = track_csv_line(frame.row, {});
+  std::string text = report::track_csv_line(frame.row, {});
   for (const double value : {p.x_px, p.y_px, p.angle_rad, p.x_sd_px, p.y_sd_px, p.angle_sd_rad}) {
     text += " " + std::to_string(std::bit_cast<std::uint64_t>(value));
   }
@@ -63,29 +64,29 @@ std::string bits(const TrackedFrame& frame) {
   return text;
 }
 
-Outcome run(FrameSource& clip, Estimator estimator, int batch,
-            const std::optional<ResumePoint>& from) {
-  TrackOptions options;
+Outcome run(video::FrameSource& clip, motion::Estimator estimator, int batch,
+            const std::optional<pipeline::ResumePoint>& from) {
+  pipeline::TrackOptions options;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {4, 2, clip.info().width - 4, clip.info().height - 2};
   options.batch = batch;
   options.from = from;
   Outcome outcome;
-  options.checkpoint = [&](const ResumePoint& point) {
+  options.checkpoint = [&](const pipeline::ResumePoint& point) {
     outcome.points.push_back(point);
     const std::size_t before = from ? static_cast<std::size_t>(from->next_row) : 0;
     EXPECT_EQ(before + outcome.rows.size(), static_cast<std::size_t>(point.next_row));
   };
-  Engine* const engines[] = {&shared_engine()};
-  track_clip(
+  opencl::Engine* const engines[] = {&shared_engine()};
+  pipeline::track_clip(
       clip, engines, options, [](std::span<const Window>, double) {},
-      [&](const TrackedFrame& frame) { outcome.rows.push_back(bits(frame)); },
+      [&](const pipeline::TrackedFrame& frame) { outcome.rows.push_back(bits(frame)); },
       [](std::int64_t, std::int64_t) {});
   return outcome;
 }
 
-class Resume : public ::testing::TestWithParam<std::tuple<Estimator, int>> {};
+class Resume : public ::testing::TestWithParam<std::tuple<motion::Estimator, int>> {};
 
 TEST_P(Resume, GoesOnToTheSameBits) {
   const auto [estimator, batch] = GetParam();
@@ -96,9 +97,10 @@ TEST_P(Resume, GoesOnToTheSameBits) {
   ASSERT_EQ(whole.points.size(), static_cast<std::size_t>(43 / batch));
   // The loss, the hit and many a keyframe lie between these.
   for (std::size_t k = 0; k < whole.points.size(); k += batch < 8 ? 3 : 1) {
-    const ResumePoint& point = whole.points[k];
-    write_resume_point(folder / "resume.json", point);
-    const Outcome rest = run(clip, estimator, batch, read_resume_point(folder / "resume.json"));
+    const pipeline::ResumePoint& point = whole.points[k];
+    report::write_resume_point(folder / "resume.json", point);
+    const Outcome rest =
+        run(clip, estimator, batch, report::read_resume_point(folder / "resume.json"));
     const auto first = static_cast<std::size_t>(point.next_row);
     ASSERT_EQ(first + rest.rows.size(), whole.rows.size());
     for (std::size_t i = first; i < whole.rows.size(); ++i) {
@@ -108,16 +110,17 @@ TEST_P(Resume, GoesOnToTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Batches, Resume,
-                         ::testing::Combine(::testing::Values(Estimator::field, Estimator::ball),
+                         ::testing::Combine(::testing::Values(motion::Estimator::field,
+                                                              motion::Estimator::ball),
                                             ::testing::Values(5, 16)));
 
 TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   const ScratchFolder folder;
-  ResumePoint point;
+  pipeline::ResumePoint point;
   point.next_row = 7;
-  CircleFit& fit = point.circle;
+  circle::CircleFit& fit = point.circle;
   double value = 0.1;
-  const auto figures = [](CircleFit& f) {
+  const auto figures = [](circle::CircleFit& f) {
     return std::array{&f.circle.cx_px, &f.circle.cy_px, &f.circle.r_px, &f.circle.free_px,
                       &f.cx_sd_px,     &f.cy_sd_px,     &f.r_sd_px,     &f.e1_px,
                       &f.e2_px,        &f.e1_sd_px,     &f.e2_sd_px,    &f.residual_px,
@@ -125,12 +128,12 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   };
   for (double* figure : figures(fit)) *figure = value *= 1.7;
   fit.circle.free_px = std::numeric_limits<double>::infinity();
-  fit.status = CircleStatus::out_of_view;
+  fit.status = circle::CircleStatus::out_of_view;
   fit.ellipse = fit.inked = true;
   fit.bright = false;
   fit.rim_points = 123;
-  write_resume_point(folder / "resume.json", point);
-  ResumePoint back = read_resume_point(folder / "resume.json");
+  report::write_resume_point(folder / "resume.json", point);
+  pipeline::ResumePoint back = report::read_resume_point(folder / "resume.json");
   for (std::size_t i = 0; i < figures(fit).size(); ++i) {
     EXPECT_EQ(*figures(back.circle)[i], *figures(fit)[i]) << i;
   }
@@ -142,17 +145,17 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
 
 TEST(ResumeFile, DamageIsRefused) {
   const ScratchFolder folder;
-  EXPECT_THROW(read_resume_point(folder / "resume.json"), FileError);
+  EXPECT_THROW(report::read_resume_point(folder / "resume.json"), FileError);
   std::ofstream(folder / "resume.json") << R"({"next_row": 3, "circle": {)";
-  EXPECT_THROW(read_resume_point(folder / "resume.json"), FormatError);
+  EXPECT_THROW(report::read_resume_point(folder / "resume.json"), FormatError);
 }
 
 // Another clip than the earlier run's, or a part of it.
 TEST(ResumeFile, APointBeyondTheClipIsRefused) {
   MemoryClip clip = eventful_clip();
-  ResumePoint point;
+  pipeline::ResumePoint point;
   point.next_row = 43;
-  EXPECT_THROW(run(clip, Estimator::field, 8, point), InvalidArgument);
+  EXPECT_THROW(run(clip, motion::Estimator::field, 8, point), InvalidArgument);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // ring.cl against its double-precision reference.
-#include "host/dic/ring.h"
+#include "host/dic/device/ring.h"
 
 #include <gtest/gtest.h>
 
@@ -15,21 +15,21 @@ using testing::pose;
 using testing::shared_engine;
 
 TEST(RingKernel, GivesWhatTheReferenceGives) {
-  Engine& engine = shared_engine();
-  Scene scene;
+  opencl::Engine& engine = shared_engine();
+  sim::speckle::Scene scene;
   scene.width = 160;
   scene.height = 151;
   scene.noise_sigma = 2;
   const auto pictures =
       testing::render_frames(testing::quick_ball(3, 65), scene,
                              {pose(79.3, 74.4, 0), pose(80.67, 75.79, 131), pose(78.2, 74.9, -40)});
-  RingOptions options;
+  dic::RingOptions options;
   options.rings = 21;
   options.angles = 210;  // no multiple of a work-group's usual size
   for (const int degree : {3, 7}) {
     options.spline_degree = degree;
-    DeviceFrames frames(engine, 3);
-    RingRotation ring(engine, options);
+    dic::DeviceFrames frames(engine, 3);
+    dic::RingRotation ring(engine, options);
     for (int k = 0; k < 3; ++k) {
       frames.set(k, pictures[static_cast<std::size_t>(k)]);
     }
@@ -43,40 +43,41 @@ TEST(RingKernel, GivesWhatTheReferenceGives) {
     tasks.push_back(outside);
     const auto motions = ring.measure(frames, tasks);
     ASSERT_EQ(motions.size(), tasks.size());
-    const RingMotion expected = ring_reference(pictures[0], pictures[1], task, options);
-    const RingMotion expected_other = ring_reference(pictures[1], pictures[2], other, options);
-    ASSERT_EQ(expected.status, WindowStatus::ok);
+    const dic::RingMotion expected = dic::ring_reference(pictures[0], pictures[1], task, options);
+    const dic::RingMotion expected_other =
+        dic::ring_reference(pictures[1], pictures[2], other, options);
+    ASSERT_EQ(expected.status, dic::WindowStatus::ok);
     for (std::size_t k = 0; k < 18; ++k) {
-      const RingMotion& want = k < 17 ? expected : expected_other;
-      ASSERT_EQ(motions[k].status, WindowStatus::ok);
+      const dic::RingMotion& want = k < 17 ? expected : expected_other;
+      ASSERT_EQ(motions[k].status, dic::WindowStatus::ok);
       // 1e-4 px at the rim.
       EXPECT_NEAR(motions[k].rot_rad, want.rot_rad, 1e-4 / 60);
       EXPECT_NEAR(motions[k].correlation, want.correlation, 1e-5);
       EXPECT_NEAR(motions[k].rot_sd_rad, want.rot_sd_rad, 1e-3 * want.rot_sd_rad);
       EXPECT_NEAR(motions[k].peak_ratio, want.peak_ratio, 1e-3);
     }
-    EXPECT_EQ(motions[18].status, WindowStatus::out_of_view);
+    EXPECT_EQ(motions[18].status, dic::WindowStatus::out_of_view);
     EXPECT_TRUE(std::isnan(motions[18].rot_rad));
   }
 }
 
 TEST(RingKernel, RefusesImpossibleTasks) {
-  Engine& engine = shared_engine();
-  DeviceFrames frames(engine, 1);
+  opencl::Engine& engine = shared_engine();
+  dic::DeviceFrames frames(engine, 1);
   Frame frame;
   frame.reset(64, 64, 8);
   frames.set(0, frame);
-  RingRotation ring(engine, {});
+  dic::RingRotation ring(engine, {});
   EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 1, 32, 32, 32, 32, 5, 20}}),
                InvalidArgument);
   EXPECT_THROW(ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 20, 5}}),
                InvalidArgument);
   // A flat picture has no angle.
   const auto motions = ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 5, 20}});
-  EXPECT_NE(motions[0].status, WindowStatus::ok);
-  RingOptions options;
+  EXPECT_NE(motions[0].status, dic::WindowStatus::ok);
+  dic::RingOptions options;
   options.angles = 17 * 61;
-  EXPECT_THROW(RingRotation(engine, options), InvalidArgument);
+  EXPECT_THROW(dic::RingRotation(engine, options), InvalidArgument);
 }
 
 }  // namespace

@@ -2,26 +2,26 @@
 #include "bench/tune.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
-#include "host/base/error.h"
 #include "tests/support/engine.h"
 
 namespace impactdic {
 namespace {
 
 TEST(Tune, TakesTheQuickestOfTheRightVariants) {
-  FieldOptions field;
-  field.method = FieldMethod::zncc;
+  dic::FieldOptions field;
+  field.method = dic::FieldMethod::zncc;
   field.window_px = 9;
   field.search_px = 3;
-  TuneOptions options;
+  bench::TuneOptions options;
   options.seconds = 0.01;
-  std::vector<TunedVariant> tried;
-  const auto keep = [&](const TunedVariant& variant) { tried.push_back(variant); };
-  const TunedKernel best = tune_zncc(testing::shared_engine(), field, options, keep);
+  std::vector<bench::TunedVariant> tried;
+  const auto keep = [&](const bench::TunedVariant& variant) { tried.push_back(variant); };
+  const dic::TunedKernel best = bench::tune_zncc(testing::shared_engine(), field, options, keep);
   EXPECT_EQ(best.work, "zncc 9 in 15");
-  ASSERT_EQ(tried.size(), zncc_variants(testing::shared_engine().device(), field).size());
-  for (const TunedVariant& variant : tried) {
+  ASSERT_EQ(tried.size(), dic::zncc_variants(testing::shared_engine().device(), field).size());
+  for (const bench::TunedVariant& variant : tried) {
     EXPECT_EQ(variant.rejected, "") << variant.kernel.variant;
     EXPECT_LE(variant.kernel.per_second, best.per_second);
     EXPECT_LT(variant.kernel.difference_px, 1e-4) << variant.kernel.variant;
@@ -30,8 +30,8 @@ TEST(Tune, TakesTheQuickestOfTheRightVariants) {
   // No single-precision kernel equals the reference to the last bit.
   tried.clear();
   options.largest_difference_px = 0;
-  EXPECT_THROW(tune_zncc(testing::shared_engine(), field, options, keep), Error);
-  for (const TunedVariant& variant : tried) {
+  EXPECT_THROW(bench::tune_zncc(testing::shared_engine(), field, options, keep), Error);
+  for (const bench::TunedVariant& variant : tried) {
     EXPECT_EQ(variant.rejected, "differs from the reference") << variant.kernel.variant;
   }
 }

@@ -1,4 +1,6 @@
 // The ZNCC kernels against their double-precision reference.
+#include "host/dic/device/zncc.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <random>
 
 #include "host/dic/correlator.h"
-#include "host/dic/zncc_opencl.h"
 #include "sim/speckle/speckle_field.h"
 #include "tests/support/engine.h"
 
@@ -22,14 +23,14 @@ constexpr double kShiftTolerancePx = 1e-4;
 // Standard deviations stem from 1 − ρ, where the rounding of ρ weighs more.
 constexpr double kSdTolerancePx = 2e-4;
 
-const SpeckleField& field() {
-  static const SpeckleField surface(1500, 160, 1.5, 3);
+const sim::speckle::SpeckleField& field() {
+  static const sim::speckle::SpeckleField surface(1500, 160, 1.5, 3);
   return surface;
 }
 
-FieldOptions zncc_options() {
-  FieldOptions options;
-  options.method = FieldMethod::zncc;
+dic::FieldOptions zncc_options() {
+  dic::FieldOptions options;
+  options.method = dic::FieldMethod::zncc;
   return options;
 }
 
@@ -52,20 +53,20 @@ void expect_same(const WindowMotion& device, const WindowMotion& reference, std:
   same(device.ux, reference.ux, 0, "ux");
 }
 
-std::vector<WindowMotion> measure(const FieldOptions& options, const ZnccVariant& variant,
+std::vector<WindowMotion> measure(const dic::FieldOptions& options, const dic::ZnccVariant& variant,
                                   const std::vector<Frame>& clip,
                                   const std::vector<Window>& windows) {
-  Engine& engine = shared_engine();
-  DeviceFrames frames(engine, static_cast<int>(clip.size()));
+  opencl::Engine& engine = shared_engine();
+  dic::DeviceFrames frames(engine, static_cast<int>(clip.size()));
   for (std::size_t i = 0; i < clip.size(); ++i) frames.set(static_cast<int>(i), clip[i]);
-  const auto input = make_buffer<Window>(engine, windows);
+  const auto input = opencl::make_buffer<Window>(engine, windows);
   constexpr std::size_t kCanaries = 7;
   WindowMotion canary{};
   canary.u = canary.vy = -77;
   canary.status = -77;
-  auto output = make_buffer<WindowMotion>(
+  auto output = opencl::make_buffer<WindowMotion>(
       engine, std::vector<WindowMotion>(windows.size() + kCanaries, canary));
-  ZnccOpencl(engine, options, variant).run(frames, input, windows.size(), output);
+  dic::ZnccOpencl(engine, options, variant).run(frames, input, windows.size(), output);
   auto motions = output.to_vector(engine);
   for (std::size_t i = windows.size(); i < motions.size(); ++i) {
     EXPECT_EQ(motions[i].status, -77);
@@ -76,9 +77,9 @@ std::vector<WindowMotion> measure(const FieldOptions& options, const ZnccVariant
   return motions;
 }
 
-std::vector<WindowMotion> expected(const FieldOptions& options, const std::vector<Frame>& clip,
+std::vector<WindowMotion> expected(const dic::FieldOptions& options, const std::vector<Frame>& clip,
                                    const std::vector<Window>& windows) {
-  const auto reference = make_reference_correlator(options, static_cast<int>(clip.size()));
+  const auto reference = dic::make_reference_correlator(options, static_cast<int>(clip.size()));
   for (std::size_t i = 0; i < clip.size(); ++i) {
     reference->set_frame(static_cast<int>(i), clip[i]);
   }
@@ -101,13 +102,13 @@ struct Case {
   bool every_variant;  // compiling them takes its time: otherwise the default and clFFT
 };
 
-std::vector<ZnccVariant> variants_of(const FieldOptions& options, bool every) {
-  auto variants = zncc_variants(shared_engine().device(), options);
+std::vector<dic::ZnccVariant> variants_of(const dic::FieldOptions& options, bool every) {
+  auto variants = dic::zncc_variants(shared_engine().device(), options);
   if (!every && variants.size() > 2) variants.erase(variants.begin() + 1, variants.end() - 1);
   // Without matrix units: the same kernel but for how it multiplies.
   const int side = options.window_px + 2 * options.search_px;
   if (options.window_px <= 31 && options.search_px <= 16) {
-    variants.push_back({ZnccPath::bytes, side <= 32 ? 32 : 64, 1, 32, true});
+    variants.push_back({dic::ZnccPath::bytes, side <= 32 ? 32 : 64, 1, 32, true});
   }
   // On a CPU one width of vectors, and the variants as a GPU runs them: each takes seconds to
   // compile.
@@ -115,8 +116,8 @@ std::vector<ZnccVariant> variants_of(const FieldOptions& options, bool every) {
     std::erase_if(variants,
                   [](const auto& variant) { return variant.vector == 4 || variant.vector == 16; });
     const int size = side <= 16 ? 16 : 64;
-    variants.push_back({ZnccPath::single, size, 1, size, true, false, 0});
-    if (size == 16) variants.push_back({ZnccPath::pairs, size, 1, size, true, false, 0});
+    variants.push_back({dic::ZnccPath::single, size, 1, size, true, false, 0});
+    if (size == 16) variants.push_back({dic::ZnccPath::pairs, size, 1, size, true, false, 0});
   }
   return variants;
 }
@@ -125,7 +126,7 @@ class Zncc : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Zncc, VariantsAgreeWithTheReference) {
   const Case& c = GetParam();
-  FieldOptions options = zncc_options();
+  dic::FieldOptions options = zncc_options();
   options.window_px = c.window_px;
   options.search_px = c.search_px;
   constexpr int kWidth = 141, kHeight = 123;
@@ -134,7 +135,7 @@ TEST_P(Zncc, VariantsAgreeWithTheReference) {
       field().render(kWidth, kHeight, 2.3, -0.6, 0, 0, 0, c.bits, 2, 2)};
   const auto windows = scattered_windows(c.count, kWidth, kHeight);
   const auto reference = expected(options, clip, windows);
-  for (const ZnccVariant& variant : variants_of(options, c.every_variant)) {
+  for (const dic::ZnccVariant& variant : variants_of(options, c.every_variant)) {
     SCOPED_TRACE(variant.name());
     const auto device = measure(options, variant, clip, windows);
     for (std::size_t i = 0; i < windows.size(); ++i) expect_same(device[i], reference[i], i);
@@ -147,12 +148,12 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Zncc,
                                            Case{33, 20, 9, 16, false}, Case{5, 1, 129, 8, false}));
 
 TEST(Zncc, GivesEachStatusItsReason) {
-  FieldOptions options = zncc_options();
+  dic::FieldOptions options = zncc_options();
   constexpr int kWidth = 141, kHeight = 123;
-  std::vector<Frame> clip = {field().render(kWidth, kHeight, 0, 0),
-                             SpeckleField(1500, 160, 1.5, 99).render(kWidth, kHeight, 0, 0),
-                             field().render(kWidth, kHeight, 9.4, 0),
-                             field().render(kWidth, kHeight, 1.2, 0.4)};
+  std::vector<Frame> clip = {
+      field().render(kWidth, kHeight, 0, 0),
+      sim::speckle::SpeckleField(1500, 160, 1.5, 99).render(kWidth, kHeight, 0, 0),
+      field().render(kWidth, kHeight, 9.4, 0), field().render(kWidth, kHeight, 1.2, 0.4)};
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 40; ++x) clip[0].u8(x, y) = 137;
   }
@@ -168,31 +169,31 @@ TEST(Zncc, GivesEachStatusItsReason) {
       {0, 3, 60, 60, 2147483647, -2147483647 - 1, 0},
       {0, 3, kWidth - 17, 60, 0, 0, 0},  // part of the search area is outside: the rest serves
   };
-  const std::vector<WindowStatus> reasons = {WindowStatus::ok,
-                                             WindowStatus::no_texture,
-                                             WindowStatus::low_correlation,
-                                             WindowStatus::at_search_edge,
-                                             WindowStatus::out_of_view,
-                                             WindowStatus::out_of_view,
-                                             WindowStatus::out_of_view,
-                                             WindowStatus::out_of_view,
-                                             WindowStatus::at_search_edge};
+  const std::vector<dic::WindowStatus> reasons = {dic::WindowStatus::ok,
+                                                  dic::WindowStatus::no_texture,
+                                                  dic::WindowStatus::low_correlation,
+                                                  dic::WindowStatus::at_search_edge,
+                                                  dic::WindowStatus::out_of_view,
+                                                  dic::WindowStatus::out_of_view,
+                                                  dic::WindowStatus::out_of_view,
+                                                  dic::WindowStatus::out_of_view,
+                                                  dic::WindowStatus::at_search_edge};
   // Between two surfaces the highest peak may also lie at the edge; take a window where it does
   // not.
   const auto is_low = [](const WindowMotion& motion) {
-    return motion.status == static_cast<int>(WindowStatus::low_correlation);
+    return motion.status == static_cast<int>(dic::WindowStatus::low_correlation);
   };
   auto reference = expected(options, clip, windows);
   while (!is_low(reference[2]) && windows[2].x0 < 100) {
     ++windows[2].x0;
     reference = expected(options, clip, windows);
   }
-  for (const ZnccVariant& variant : variants_of(options, false)) {
+  for (const dic::ZnccVariant& variant : variants_of(options, false)) {
     SCOPED_TRACE(variant.name());
     const auto device = measure(options, variant, clip, windows);
     for (std::size_t i = 0; i < windows.size(); ++i) expect_same(device[i], reference[i], i);
     for (std::size_t i = 0; i + 1 < windows.size(); ++i) {
-      EXPECT_EQ(static_cast<WindowStatus>(device[i].status), reasons[i]) << i;
+      EXPECT_EQ(static_cast<dic::WindowStatus>(device[i].status), reasons[i]) << i;
     }
   }
 }
@@ -200,7 +201,7 @@ TEST(Zncc, GivesEachStatusItsReason) {
 // Black pixels and pixels clipped at white are measured like any other. The spline through the map
 // errs by up to 0.06 px on such hard edges; a lost window would err by whole ones.
 TEST(Zncc, TrueZerosAreIntensities) {
-  FieldOptions options = zncc_options();
+  dic::FieldOptions options = zncc_options();
   std::vector<Frame> clip = {field().render(141, 123, 0, 0), field().render(141, 123, 3, -2)};
   for (Frame& frame : clip) {
     for (std::size_t i = 0; i < frame.u8.size(); ++i) {
@@ -208,15 +209,15 @@ TEST(Zncc, TrueZerosAreIntensities) {
       pixel = static_cast<std::uint8_t>(std::clamp((pixel - 100) * 3, 0, 255));
     }
   }
-  const auto windows = rectangle_grid(20, 20, 100, 80, 15, 9);
+  const auto windows = dic::rectangle_grid(20, 20, 100, 80, 15, 9);
   const auto device =
-      measure(options, zncc_variants(shared_engine().device(), options).front(), clip, [&] {
+      measure(options, dic::zncc_variants(shared_engine().device(), options).front(), clip, [&] {
         auto both = windows;
         for (Window& window : both) window.second = 1;
         return both;
       }());
   for (const WindowMotion& motion : device) {
-    ASSERT_EQ(motion.status, static_cast<int>(WindowStatus::ok));
+    ASSERT_EQ(motion.status, static_cast<int>(dic::WindowStatus::ok));
     EXPECT_NEAR(motion.u, 3, 0.1);
     EXPECT_NEAR(motion.v, -2, 0.1);
   }
@@ -224,30 +225,30 @@ TEST(Zncc, TrueZerosAreIntensities) {
 
 // A turn that leaves nothing to correlate is found once it is guessed.
 TEST(Zncc, GuessedRotationIsTakenOutOfTheTemplate) {
-  FieldOptions options = zncc_options();
+  dic::FieldOptions options = zncc_options();
   constexpr double kTurn = 0.6;
   const std::vector<Frame> clip = {field().render(141, 123, 0, 0),
                                    field().render(141, 123, 1.3, -0.8, kTurn, 67, 57)};
   std::vector<Window> windows = {{0, 1, 60, 50, 0, 0, static_cast<float>(kTurn)},
                                  {0, 1, 62, 55, 0, 0, static_cast<float>(kTurn)}};
   const auto reference = expected(options, clip, windows);
-  for (const ZnccVariant& variant : variants_of(options, false)) {
+  for (const dic::ZnccVariant& variant : variants_of(options, false)) {
     SCOPED_TRACE(variant.name());
     const auto device = measure(options, variant, clip, windows);
     for (std::size_t i = 0; i < windows.size(); ++i) expect_same(device[i], reference[i], i);
-    ASSERT_EQ(device[0].status, static_cast<int>(WindowStatus::ok));
+    ASSERT_EQ(device[0].status, static_cast<int>(dic::WindowStatus::ok));
     // The interpolated template errs by some hundredths of a pixel.
     EXPECT_NEAR(device[0].u, 1.3, 0.05);
     EXPECT_NEAR(device[0].v, -0.8, 0.05);
   }
   windows[0].guess_rot_rad = 0;
-  EXPECT_NE(expected(options, clip, windows)[0].status, static_cast<int>(WindowStatus::ok));
+  EXPECT_NE(expected(options, clip, windows)[0].status, static_cast<int>(dic::WindowStatus::ok));
 }
 
 TEST(Correlator, RefusesWindowsWithoutFramesAndOddFrames) {
   for (const bool on_device : {false, true}) {
-    const auto correlator = on_device ? make_opencl_correlator(shared_engine(), {}, 2)
-                                      : make_reference_correlator({}, 2);
+    const auto correlator = on_device ? dic::make_opencl_correlator(shared_engine(), {}, 2)
+                                      : dic::make_reference_correlator({}, 2);
     const std::vector<Window> windows = {{0, 1, 20, 20, 0, 0, 0}};
     EXPECT_THROW(correlator->correlate(windows), InvalidArgument);
     correlator->set_frame(0, field().render(64, 64, 0, 0));
@@ -255,7 +256,7 @@ TEST(Correlator, RefusesWindowsWithoutFramesAndOddFrames) {
     EXPECT_THROW(correlator->set_frame(2, field().render(64, 64, 0, 0)), InvalidArgument);
     EXPECT_THROW(correlator->set_frame(1, field().render(65, 64, 0, 0)), InvalidArgument);
     correlator->set_frame(1, field().render(64, 64, 0.5, 0));
-    EXPECT_EQ(correlator->correlate(windows)[0].status, static_cast<int>(WindowStatus::ok));
+    EXPECT_EQ(correlator->correlate(windows)[0].status, static_cast<int>(dic::WindowStatus::ok));
     EXPECT_TRUE(correlator->correlate({}).empty());
   }
 }

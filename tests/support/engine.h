@@ -8,9 +8,9 @@
 namespace impactdic::testing {
 
 // The device named by IMPACTDIC_TEST_DEVICE, else the one `auto` takes.
-inline Engine& shared_engine() {
-  static Engine engine(std::getenv("IMPACTDIC_TEST_DEVICE") ? std::getenv("IMPACTDIC_TEST_DEVICE")
-                                                            : "auto");
+inline opencl::Engine& shared_engine() {
+  static opencl::Engine engine(
+      std::getenv("IMPACTDIC_TEST_DEVICE") ? std::getenv("IMPACTDIC_TEST_DEVICE") : "auto");
   return engine;
 }
 

@@ -2,6 +2,8 @@
 // against the truth and against the Cramér–Rao bound.
 #pragma once
 
+#include <impactdic/units.h>
+
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdint>
@@ -10,10 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "host/base/units.h"
-#include "host/dic/device_frames.h"
-#include "host/track/circle.h"
-#include "host/track/motion_estimator.h"
+#include "host/circle/circle.h"
+#include "host/dic/frames/device_frames.h"
+#include "host/motion/motion_estimator.h"
 #include "sim/speckle/render.h"
 #include "tests/support/engine.h"
 
@@ -81,11 +82,12 @@ struct MotionErrors {
 struct MotionBound {
   double x_px = 0, y_px = 0, rotation_deg = 0;
 };
-inline MotionBound motion_bound(const SpeckleBall& ball, const Scene& scene, double margin_px) {
-  const BallRenderer renderer(ball, scene);
-  const BallPose at{0.5 * scene.width, 0.5 * scene.height, 0};
+inline MotionBound motion_bound(const sim::speckle::SpeckleBall& ball,
+                                const sim::speckle::Scene& scene, double margin_px) {
+  const sim::speckle::BallRenderer renderer(ball, scene);
+  const sim::speckle::BallPose at{0.5 * scene.width, 0.5 * scene.height, 0};
   const auto slope = [&](double dx, double dy, double turn_deg) {
-    BallPose more = at, less = at;
+    sim::speckle::BallPose more = at, less = at;
     more.cx_px += dx;
     less.cx_px -= dx;
     more.cy_px += dy;
@@ -123,8 +125,8 @@ enum class Centres {
 
 // Pose 2k is the first frame of pair k, 2k + 1 the second.
 struct PosePairs {
-  std::vector<BallPose> poses;
-  void add(const BallPose& first, const BallPose& second) {
+  std::vector<sim::speckle::BallPose> poses;
+  void add(const sim::speckle::BallPose& first, const sim::speckle::BallPose& second) {
     poses.push_back(first);
     poses.push_back(second);
   }
@@ -138,11 +140,11 @@ inline PosePairs fixed_motions(int count, double dx, double dy, double rotation_
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 0; k < count; ++k) {
-    BallPose first;
+    sim::speckle::BallPose first;
     first.cx_px = middle_px + off(random);
     first.cy_px = middle_px + off(random);
     first.angle_deg = 180 * off(random);
-    BallPose second = first;
+    sim::speckle::BallPose second = first;
     second.cx_px += dx;
     second.cy_px += dy;
     second.angle_deg += rotation_deg;
@@ -157,7 +159,7 @@ inline PosePairs random_motions(int count, unsigned seed, double middle_px) {
   std::mt19937 random(seed + 1000);
   std::uniform_real_distribution<double> off(-3, 3);
   for (std::size_t k = 0; k < pairs.count(); ++k) {
-    BallPose& second = pairs.poses[2 * k + 1];
+    sim::speckle::BallPose& second = pairs.poses[2 * k + 1];
     second.cx_px += off(random);
     second.cy_px += off(random);
     second.angle_deg += off(random);
@@ -166,7 +168,7 @@ inline PosePairs random_motions(int count, unsigned seed, double middle_px) {
 }
 
 struct MeasuredPairs {
-  std::vector<PairMotion> pairs;
+  std::vector<motion::PairMotion> pairs;
   MotionErrors at_point;   // motion of the point that the estimator was given as the centre
   MotionErrors at_centre;  // held against the true centre's motion
 };
@@ -174,26 +176,26 @@ struct MeasuredPairs {
 // Measures pairs of pictures with one estimator of `track`, kept from call to call.
 class PairMeasurement {
  public:
-  PairMeasurement(Estimator estimator, double radius_px)
+  PairMeasurement(motion::Estimator estimator, double radius_px)
       : radius_px_(radius_px), frames_(shared_engine(), kSlots) {
-    EstimatorOptions options;
+    motion::EstimatorOptions options;
     options.estimator = estimator;
-    estimator_ = make_motion_estimator(shared_engine(), options, radius_px, frames_);
+    estimator_ = motion::make_motion_estimator(shared_engine(), options, radius_px, frames_);
   }
 
-  MeasuredPairs measure(const SpeckleBall& ball, const Scene& scene, const PosePairs& truth,
-                        Centres centres, const MotionBound& bound) {
-    const BallRenderer renderer(ball, scene);
+  MeasuredPairs measure(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
+                        const PosePairs& truth, Centres centres, const MotionBound& bound) {
+    const sim::speckle::BallRenderer renderer(ball, scene);
     MeasuredPairs out;
     for (std::size_t first = 0; first < truth.count(); first += kSlots / 2) {
       const std::size_t count = std::min<std::size_t>(kSlots / 2, truth.count() - first);
-      std::vector<PairMotion> pairs(count);
+      std::vector<motion::PairMotion> pairs(count);
       for (std::size_t k = 0; k < 2 * count; ++k) {
         const std::size_t at = 2 * first + k;
         Frame frame;
         renderer.render(truth.poses[at], static_cast<std::int64_t>(at), frame);
         frames_.set(static_cast<int>(k), frame);
-        PairMotion& pair = pairs[k / 2];
+        motion::PairMotion& pair = pairs[k / 2];
         (k % 2 == 0 ? pair.first_slot : pair.second_slot) = static_cast<int>(k);
         (k % 2 == 0 ? pair.first : pair.second) = circle(frame, truth.poses[at], centres);
       }
@@ -209,25 +211,26 @@ class PairMeasurement {
  private:
   static constexpr int kSlots = 16;
 
-  Circle circle(const Frame& frame, const BallPose& pose, Centres centres) const {
+  circle::Circle circle(const Frame& frame, const sim::speckle::BallPose& pose,
+                        Centres centres) const {
     if (centres == Centres::known) return {pose.cx_px, pose.cy_px, radius_px_};
-    CirclePrior prior;
+    circle::CirclePrior prior;
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, radius_px_ + 0.1};
     prior.centre_sd_px = 0.3;
     prior.rim_sd_px = 0.3;
     prior.radius_px = radius_px_;
     prior.radius_sd_px = 0.01;
-    return measure_circle(frame, prior, {}).circle;
+    return circle::measure_circle(frame, prior, {}).circle;
   }
 
-  static void add(const PairMotion& pair, const BallPose& a, const BallPose& b,
-                  const MotionBound& bound, MeasuredPairs& out) {
+  static void add(const motion::PairMotion& pair, const sim::speckle::BallPose& a,
+                  const sim::speckle::BallPose& b, const MotionBound& bound, MeasuredPairs& out) {
     if (!pair.motion.ok) {
       ++out.at_point.failed;
       ++out.at_centre.failed;
       return;
     }
-    const RigidMotion& m = pair.motion;
+    const dic::RigidMotion& m = pair.motion;
     const double turn_deg = b.angle_deg - a.angle_deg;
     const double c = std::cos(turn_deg * kRadPerDeg) - 1, s = std::sin(turn_deg * kRadPerDeg);
     const double ex = pair.first.cx_px - a.cx_px, ey = pair.first.cy_px - a.cy_px;
@@ -243,8 +246,8 @@ class PairMeasurement {
   }
 
   double radius_px_;
-  DeviceFrames frames_;
-  std::unique_ptr<MotionEstimator> estimator_;
+  dic::DeviceFrames frames_;
+  std::unique_ptr<motion::MotionEstimator> estimator_;
 };
 
 }  // namespace impactdic::testing

@@ -11,9 +11,9 @@ namespace impactdic::testing {
 
 // `file` lies in the folder of real data.
 inline Frame read_picture(const std::string& file) {
-  VideoOptions options;
-  options.open_codec = open_codec;
-  const auto source = open_video({data_path(file).string()}, options);
+  video::VideoOptions options;
+  options.open_codec = video::open_codec;
+  const auto source = video::open_video({data_path(file).string()}, options);
   Frame frame;
   source->read(0, frame);
   return frame;

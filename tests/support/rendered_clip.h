@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "host/track/track_clip.h"
+#include "host/pipeline/track_clip.h"
 #include "host/video/frame_source.h"
 #include "sim/speckle/render.h"
 #include "tests/support/engine.h"
@@ -11,9 +11,10 @@
 
 namespace impactdic::testing {
 
-class RenderedClip : public FrameSource {
+class RenderedClip : public video::FrameSource {
  public:
-  RenderedClip(const SpeckleBall& ball, const Scene& scene, std::vector<BallPose> poses)
+  RenderedClip(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
+               std::vector<sim::speckle::BallPose> poses)
       : renderer_(ball, scene), poses_(std::move(poses)) {
     info_.format = "rendered";
     info_.width = scene.width;
@@ -21,19 +22,19 @@ class RenderedClip : public FrameSource {
     info_.bits = scene.bits;
     info_.frame_count = static_cast<std::int64_t>(poses_.size());
   }
-  const VideoInfo& info() const override { return info_; }
+  const video::VideoInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     renderer_.render(poses_[static_cast<std::size_t>(index)], index, frame);
   }
-  const std::vector<BallPose>& poses() const { return poses_; }
+  const std::vector<sim::speckle::BallPose>& poses() const { return poses_; }
 
  private:
-  BallRenderer renderer_;
-  std::vector<BallPose> poses_;
-  VideoInfo info_;
+  sim::speckle::BallRenderer renderer_;
+  std::vector<sim::speckle::BallPose> poses_;
+  video::VideoInfo info_;
 };
 
-class MemoryClip : public FrameSource {
+class MemoryClip : public video::FrameSource {
  public:
   explicit MemoryClip(std::vector<Frame> frames) : frames_(std::move(frames)) {
     info_.format = "memory";
@@ -42,27 +43,27 @@ class MemoryClip : public FrameSource {
     info_.bits = frames_[0].bits;
     info_.frame_count = static_cast<std::int64_t>(frames_.size());
   }
-  const VideoInfo& info() const override { return info_; }
+  const video::VideoInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     frame = frames_[static_cast<std::size_t>(index)];
   }
 
  private:
   std::vector<Frame> frames_;
-  VideoInfo info_;
+  video::VideoInfo info_;
 };
 
 // The rows of `track` with this estimator.
-inline std::vector<TrackRow> track(FrameSource& clip, Estimator estimator) {
-  TrackOptions options;
+inline std::vector<TrackRow> track(video::FrameSource& clip, motion::Estimator estimator) {
+  pipeline::TrackOptions options;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {0, 0, clip.info().width, clip.info().height};
   std::vector<TrackRow> rows;
-  Engine* const engines[] = {&shared_engine()};
-  track_clip(
+  opencl::Engine* const engines[] = {&shared_engine()};
+  pipeline::track_clip(
       clip, engines, options, [](std::span<const Window>, double) {},
-      [&](const TrackedFrame& frame) { rows.push_back(frame.row); },
+      [&](const pipeline::TrackedFrame& frame) { rows.push_back(frame.row); },
       [](std::int64_t, std::int64_t) {});
   return rows;
 }
@@ -75,7 +76,8 @@ struct DriftErrors {
   double end_x_px = 0, end_y_px = 0, end_angle_deg = 0;  // of the last pose
   int lost = 0;
 };
-inline DriftErrors drift(const std::vector<TrackRow>& rows, const std::vector<BallPose>& truth) {
+inline DriftErrors drift(const std::vector<TrackRow>& rows,
+                         const std::vector<sim::speckle::BallPose>& truth) {
   DriftErrors out;
   const double ex = rows[0].cx_px - truth[0].cx_px, ey = rows[0].cy_px - truth[0].cy_px;
   // Steps are summed up as motions of that same point.

@@ -8,8 +8,8 @@
 
 namespace impactdic::testing {
 
-inline BallPose pose(double cx_px, double cy_px, double angle_deg) {
-  BallPose out;
+inline sim::speckle::BallPose pose(double cx_px, double cy_px, double angle_deg) {
+  sim::speckle::BallPose out;
   out.cx_px = cx_px;
   out.cy_px = cy_px;
   out.angle_deg = angle_deg;
@@ -18,10 +18,10 @@ inline BallPose pose(double cx_px, double cy_px, double angle_deg) {
 
 // A ball with discs of radius 1.6 … 4 px thrown at random, about half of it ink: much quicker to
 // paint than the patterns of the study.
-inline SpeckleBall quick_ball(unsigned seed, double radius_px) {
+inline sim::speckle::SpeckleBall quick_ball(unsigned seed, double radius_px) {
   std::mt19937_64 random(seed);
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
-  SpeckleBall ball;
+  sim::speckle::SpeckleBall ball;
   ball.radius_px = radius_px;
   for (double area = 0; area < 0.7 * radius_px * radius_px;) {
     const double x = radius_px * (2 * uniform() - 1), y = radius_px * (2 * uniform() - 1);
@@ -33,9 +33,10 @@ inline SpeckleBall quick_ball(unsigned seed, double radius_px) {
   return ball;
 }
 
-inline std::vector<Frame> render_frames(const SpeckleBall& ball, const Scene& scene,
-                                        const std::vector<BallPose>& poses) {
-  const BallRenderer renderer(ball, scene);
+inline std::vector<Frame> render_frames(const sim::speckle::SpeckleBall& ball,
+                                        const sim::speckle::Scene& scene,
+                                        const std::vector<sim::speckle::BallPose>& poses) {
+  const sim::speckle::BallRenderer renderer(ball, scene);
   std::vector<Frame> frames(poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
     renderer.render(poses[k], static_cast<std::int64_t>(k), frames[k]);

@@ -1,6 +1,8 @@
 // A track.csv whose impact is integrated, with noise of a known deviation.
 #pragma once
 
+#include <impactdic/units.h>
+
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -9,13 +11,12 @@
 #include <vector>
 
 #include "host/base/parse.h"
-#include "host/base/units.h"
-#include "sim/impact/impact.h"
+#include "sim/contact/impact.h"
 
 namespace impactdic::testing {
 
 struct SyntheticTrack {
-  ImpactJob job;
+  sim::contact::ImpactJob job;
   double fps = 10000;
   int frames_before = 100, frames_contact = 75, frames_after = 100;
   double touch = 0.37;          // part of a frame that the touch comes after frame `frames_before`
@@ -37,7 +38,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   const int count = s.frames_before + s.frames_contact + s.frames_after;
   std::vector<double> times;
   for (int i = 0; i < count; ++i) times.push_back((i - s.frames_before - s.touch) / s.fps);
-  const ImpactResult impact = simulate_impact(s.job, {0, times});
+  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(s.job, {0, times});
   const double angle = s.job.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), n = std::sin(angle);
   std::mt19937_64 random(s.seed);
@@ -46,7 +47,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   std::ofstream out(file);
   out << track_header();
   const auto position = [&](int i, bool vertical) {
-    const PlaneState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const sim::contact::PlaneState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
     return vertical ? n * p.qt_m + c * p.qn_m : c * p.qt_m - n * p.qn_m;
   };
   for (int i = 0; i < count; ++i) {
@@ -72,7 +73,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
     }
     // The velocities of the truth: a calibration takes only the direction of the local axes from
     // them.
-    const PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const sim::contact::PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
     out << text(x) << ',' << text(y) << ',' << text(c * state.vt_m_s - n * state.vn_m_s) << ','
         << text(n * state.vt_m_s + c * state.vn_m_s) << ',' << text(state.vt_m_s) << ','
         << text(state.vn_m_s) << ",,,,\n";

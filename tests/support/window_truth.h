@@ -2,15 +2,16 @@
 // they say beside what they should.
 #pragma once
 
+#include <impactdic/units.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "host/base/units.h"
-#include "host/dic/bspline.h"
 #include "host/dic/correlator.h"
 #include "host/dic/frame_noise.h"
+#include "host/dic/frames/bspline.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 
@@ -31,8 +32,8 @@ inline constexpr PlaneMotion kEightMotions[] = {
 struct VarianceBound {
   double u = 0, v = 0;
 };
-inline VarianceBound affine_bound(const BSplineImage& exact, const Window& window, int side,
-                                  const BallPose& ball, double disc_px) {
+inline VarianceBound affine_bound(const dic::BSplineImage& exact, const Window& window, int side,
+                                  const sim::speckle::BallPose& ball, double disc_px) {
   Eigen::Matrix<double, 8, 8> information = Eigen::Matrix<double, 8, 8>::Zero();
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
@@ -57,33 +58,33 @@ struct JudgedWindow {
   bool cut = false;  // by the rim
   double error_u = 0, error_v = 0;
   double bound_u = 0, bound_v = 0;  // one standard deviation
-  bool found() const { return got.status == static_cast<idic_int>(WindowStatus::ok); }
+  bool found() const { return got.status == static_cast<idic_int>(dic::WindowStatus::ok); }
 };
 
 // Windows of 15 px on a ball of pose `a` that moves, those that the rim cuts too.
-inline std::vector<JudgedWindow> judge_windows(const SpeckleBall& ball, const PlaneMotion& motion,
-                                               double noise, int seed) {
+inline std::vector<JudgedWindow> judge_windows(const sim::speckle::SpeckleBall& ball,
+                                               const PlaneMotion& motion, double noise, int seed) {
   constexpr int kSide = 15;
   const double disc_px = ball.radius_px - 3;
   const int place = (seed - 1) % 8 + 1;
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = scene.height = 256;
   scene.noise_sigma = noise;
   scene.noise_seed = static_cast<std::uint64_t>(seed);
-  const BallPose a = pose(127.3 + 0.13 * place, 128.4 - 0.17 * place, 40.0 * seed);
-  const BallPose b =
+  const sim::speckle::BallPose a = pose(127.3 + 0.13 * place, 128.4 - 0.17 * place, 40.0 * seed);
+  const sim::speckle::BallPose b =
       pose(a.cx_px + motion.dx_px, a.cy_px + motion.dy_px, a.angle_deg + motion.turn_deg);
   const auto frames = render_frames(ball, scene, {a, b});
-  const BSplineImage exact(BallRenderer(ball, scene).exact(a), 5);
-  auto windows = disc_grid(a.cx_px, a.cy_px, disc_px, kSide, 11, 0.55);
+  const dic::BSplineImage exact(sim::speckle::BallRenderer(ball, scene).exact(a), 5);
+  auto windows = dic::disc_grid(a.cx_px, a.cy_px, disc_px, kSide, 11, 0.55);
   for (Window& window : windows) {
     window.second = 1;
     window.guess_u = static_cast<idic_int>(std::lround(motion.dx_px));
     window.guess_v = static_cast<idic_int>(std::lround(motion.dy_px));
   }
-  FieldOptions options;
-  options.noise = estimate_noise(frames[0].to_float().view(), frames[0].full_scale());
-  const auto correlator = make_opencl_correlator(shared_engine(), options, 2);
+  dic::FieldOptions options;
+  options.noise = dic::estimate_noise(frames[0].to_float().view(), frames[0].full_scale());
+  const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
   correlator->set_frame(0, frames[0]);
   correlator->set_frame(1, frames[1]);
   correlator->set_disc(0, a.cx_px, a.cy_px, disc_px);

@@ -1,9 +1,9 @@
 // Noise, texture and checks of single frames against pictures whose figures are known.
 #include <gtest/gtest.h>
 
+#include "host/advice/frame_checks.h"
+#include "host/advice/texture_advice.h"
 #include "host/dic/frame_noise.h"
-#include "host/track/frame_checks.h"
-#include "host/track/texture_advice.h"
 #include "tests/support/speckle_frames.h"
 
 namespace impactdic {
@@ -11,14 +11,15 @@ namespace {
 
 using testing::pose;
 
-Scene scene(double noise) {
-  Scene made;
+sim::speckle::Scene scene(double noise) {
+  sim::speckle::Scene made;
   made.width = made.height = 200;
   made.noise_sigma = noise;
   return made;
 }
 
-Frame picture(const Scene& of, const BallPose& at, double radius_px = 80) {
+Frame picture(const sim::speckle::Scene& of, const sim::speckle::BallPose& at,
+              double radius_px = 80) {
   return testing::render_frames(testing::quick_ball(3, radius_px), of, {at}).front();
 }
 
@@ -27,23 +28,23 @@ TEST(FrameNoise, OfASpeckledBall) {
   for (const double sigma : {1.0, 2.0, 5.0}) {
     const Frame frame = picture(scene(sigma), pose(100, 100, 0));
     const double want = std::sqrt(sigma * sigma + 1.0 / 12);
-    EXPECT_NEAR(estimate_noise(frame.to_float().view(), 255), want, 0.06 * want) << sigma;
+    EXPECT_NEAR(dic::estimate_noise(frame.to_float().view(), 255), want, 0.06 * want) << sigma;
   }
   const Frame clean = picture(scene(0), pose(100, 100, 0));
-  EXPECT_NEAR(estimate_noise(clean.to_float().view(), 255), 1 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(dic::estimate_noise(clean.to_float().view(), 255), 1 / std::sqrt(12.0), 1e-12);
 }
 
 // Speckles all over, no flat background: noise reads somewhat high, never low.
 TEST(FrameNoise, WithoutBackground) {
   const Frame frame = picture(scene(3), pose(100, 100, 0), 160);
-  const double found = estimate_noise(frame.to_float().view(), 255);
+  const double found = dic::estimate_noise(frame.to_float().view(), 255);
   EXPECT_GT(found, 0.9 * 3);
   EXPECT_LT(found, 2.0 * 3);
 }
 
 TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
-  const SpeckleBall ball = testing::quick_ball(3, 80);
-  const BallRenderer renderer(ball, scene(2));
+  const sim::speckle::SpeckleBall ball = testing::quick_ball(3, 80);
+  const sim::speckle::BallRenderer renderer(ball, scene(2));
   Frame frame;
   renderer.render(pose(100, 100, 0), 0, frame);
   const Image<double> exact = renderer.exact(pose(100, 100, 0));
@@ -52,10 +53,10 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
     floats.data()[i] = static_cast<float>(exact.data()[i]);
   }
   const double noise = std::sqrt(4 + 1.0 / 12);
-  const BallBound want = PictureSlopes(floats.view(), 0).disc(100, 100, 76, noise);
-  TextureRequest request;
-  request.circle = Circle{100, 100, 80};
-  const TextureAdvice advice = advise_texture(frame, request);
+  const dic::BallBound want = dic::PictureSlopes(floats.view(), 0).disc(100, 100, 76, noise);
+  advice::TextureRequest request;
+  request.circle = circle::Circle{100, 100, 80};
+  const advice::TextureAdvice advice = advice::advise_texture(frame, request);
   ASSERT_TRUE(advice.ball.has_value());
   EXPECT_NEAR(advice.ball->dx_sd_px, want.dx_sd_px, 0.08 * want.dx_sd_px);
   EXPECT_NEAR(advice.ball->rot_sd_rad, want.rot_sd_rad, 0.08 * want.rot_sd_rad);
@@ -64,29 +65,29 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
   // Larger windows do better, about as one over their side.
   ASSERT_GE(advice.sizes.size(), 5u);
   EXPECT_NEAR(advice.sizes[2].error_px / advice.sizes[4].error_px, 31.0 / 15, 0.4);
-  EXPECT_EQ(window_reaching(advice, advice.sizes[3].error_px), 21);
-  EXPECT_EQ(window_reaching(advice, 1e-6), 0);
+  EXPECT_EQ(advice::window_reaching(advice, advice.sizes[3].error_px), 21);
+  EXPECT_EQ(advice::window_reaching(advice, 1e-6), 0);
 }
 
 TEST(TextureAdvice, APlainBallHasNoUsableWindow) {
-  SpeckleBall plain;
+  sim::speckle::SpeckleBall plain;
   plain.radius_px = 80;
   const Frame frame = testing::render_frames(plain, scene(2), {pose(100, 100, 0)}).front();
-  TextureRequest request;
-  request.circle = Circle{100, 100, 80};
-  const TextureAdvice advice = advise_texture(frame, request);
+  advice::TextureRequest request;
+  request.circle = circle::Circle{100, 100, 80};
+  const advice::TextureAdvice advice = advice::advise_texture(frame, request);
   EXPECT_EQ(advice.asked.usable, 0);
   EXPECT_TRUE(std::isnan(advice.asked.error_px));
 }
 
 TEST(FrameChecks, EdgeWidthIsTheLenss) {
-  SpeckleBall plain;
+  sim::speckle::SpeckleBall plain;
   plain.radius_px = 80;
   for (const double blur : {0.6, 2.0, 4.0}) {
-    Scene lens = scene(1);
+    sim::speckle::Scene lens = scene(1);
     lens.psf_sigma_px = blur;
     const Frame frame = testing::render_frames(plain, lens, {pose(100.3, 99.6, 0)}).front();
-    const auto width = edge_width_px(frame, {100.3, 99.6, 80});
+    const auto width = advice::edge_width_px(frame, {100.3, 99.6, 80});
     ASSERT_TRUE(width.has_value());
     // 10 to 90 % of a Gaussian edge are 2.563 σ; the pixel's square adds 1/12 to its variance, and
     // so does interpolating along the ray.
@@ -96,40 +97,41 @@ TEST(FrameChecks, EdgeWidthIsTheLenss) {
 
 TEST(FrameChecks, SaturatedShareOfTheBall) {
   Frame frame = picture(scene(0), pose(100, 100, 0));
-  EXPECT_EQ(saturated_share(frame, {0, 0, 200, 200}, Circle{100, 100, 80}), 0);
+  EXPECT_EQ(advice::saturated_share(frame, {0, 0, 200, 200}, circle::Circle{100, 100, 80}), 0);
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 200; ++x) frame.u8(x, y) = 255;
   }
-  EXPECT_NEAR(saturated_share(frame, {0, 0, 200, 200}, Circle{100, 100, 80}), 0.5, 0.01);
-  EXPECT_NEAR(saturated_share(frame, {0, 50, 200, 100}, {}), 0.5, 1e-12);
+  EXPECT_NEAR(advice::saturated_share(frame, {0, 0, 200, 200}, circle::Circle{100, 100, 80}), 0.5,
+              0.01);
+  EXPECT_NEAR(advice::saturated_share(frame, {0, 50, 200, 100}, {}), 0.5, 1e-12);
 }
 
 TEST(FrameChecks, TurnOfAnySize) {
   const auto frames = testing::render_frames(
       testing::quick_ball(3, 80), scene(2),
       {pose(98, 101, 10), pose(101, 100, 13), pose(101, 100, 100), pose(101, 100, -170)});
-  const Circle first{98, 101, 80}, second{101, 100, 80};
+  const circle::Circle first{98, 101, 80}, second{101, 100, 80};
   const double want[] = {3, 90, 180};
   for (int k = 0; k < 3; ++k) {
-    const auto turn = turn_between_deg(frames[0], first, frames[k + 1], second);
+    const auto turn = advice::turn_between_deg(frames[0], first, frames[k + 1], second);
     ASSERT_TRUE(turn.has_value()) << k;
     EXPECT_NEAR(*turn, want[k], 0.6) << k;
   }
   const Frame other =
       testing::render_frames(testing::quick_ball(9, 80), scene(2), {pose(101, 100, 0)}).front();
-  EXPECT_FALSE(turn_between_deg(frames[0], first, other, second).has_value());
+  EXPECT_FALSE(advice::turn_between_deg(frames[0], first, other, second).has_value());
 }
 
 TEST(FrameChecks, WovenFieldsAreInterlaced) {
   const auto frames = testing::render_frames(testing::quick_ball(3, 80), scene(2),
                                              {pose(98, 101, 0), pose(101, 101, 0)});
   const Roi region{20, 20, 160, 160};
-  EXPECT_FALSE(is_interlaced(frames[0], region));
+  EXPECT_FALSE(advice::is_interlaced(frames[0], region));
   Frame woven = frames[0];
   for (int y = 1; y < 200; y += 2) {
     std::copy_n(frames[1].u8.row(y), 200, woven.u8.row(y));
   }
-  EXPECT_TRUE(is_interlaced(woven, region));
+  EXPECT_TRUE(advice::is_interlaced(woven, region));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/track/ball_tracker.h"
+#include "host/circle/ball_tracker.h"
 #include "host/video/frame_source.h"
 #include "tests/support/data.h"
 
@@ -14,9 +14,9 @@ namespace {
 
 constexpr const char* kClip = "mraw/ball_12bit.cihx";
 
-std::vector<CircleFit> track_all(FrameSource& clip) {
-  BallTracker tracker;
-  std::vector<CircleFit> fits;
+std::vector<circle::CircleFit> track_all(video::FrameSource& clip) {
+  circle::BallTracker tracker;
+  std::vector<circle::CircleFit> fits;
   Frame frame;
   for (std::int64_t i = 0; i < clip.info().frame_count; ++i) {
     clip.read(i, frame);
@@ -47,12 +47,12 @@ double rms_about_quadratic(std::vector<double> y) {
 
 TEST(RealBall, FollowsAQuadraticInTime) {
   IMPACTDIC_NEED_DATA(kClip);
-  const auto clip = open_video({testing::data_path(kClip).string()});
-  const std::vector<CircleFit> fits = track_all(*clip);
+  const auto clip = video::open_video({testing::data_path(kClip).string()});
+  const std::vector<circle::CircleFit> fits = track_all(*clip);
   ASSERT_EQ(fits.size(), 15u);
   std::vector<double> x, y;
-  for (const CircleFit& fit : fits) {
-    ASSERT_EQ(fit.status, CircleStatus::ok);
+  for (const circle::CircleFit& fit : fits) {
+    ASSERT_EQ(fit.status, circle::CircleStatus::ok);
     EXPECT_FALSE(fit.bright);
     EXPECT_FALSE(fit.ellipse);
     EXPECT_NEAR(fit.circle.r_px, 63.47, 0.15);
@@ -67,14 +67,14 @@ TEST(RealBall, FollowsAQuadraticInTime) {
 
 TEST(RealBall, EveryFrameAloneGivesTheSame) {
   IMPACTDIC_NEED_DATA(kClip);
-  const auto clip = open_video({testing::data_path(kClip).string()});
-  const std::vector<CircleFit> fits = track_all(*clip);
+  const auto clip = video::open_video({testing::data_path(kClip).string()});
+  const std::vector<circle::CircleFit> fits = track_all(*clip);
   Frame frame;
   for (std::int64_t i = 0; i < clip->info().frame_count; i += 7) {
     clip->read(i, frame);
-    const auto found = find_ball(frame, {});
+    const auto found = circle::find_ball(frame, {});
     ASSERT_TRUE(found);
-    const CircleFit alone = measure_circle(frame, {.predicted = *found}, {});
+    const circle::CircleFit alone = circle::measure_circle(frame, {.predicted = *found}, {});
     EXPECT_NEAR(alone.circle.cx_px, fits[i].circle.cx_px, 0.005);
     EXPECT_NEAR(alone.circle.cy_px, fits[i].circle.cy_px, 0.005);
   }

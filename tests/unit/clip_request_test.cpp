@@ -1,9 +1,9 @@
 // Which frames and which part of the picture: --frames and --roi.
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
-#include "host/base/error.h"
-#include "host/track/frame_range.h"
-#include "host/track/roi.h"
+#include "host/clip/frame_range.h"
+#include "host/clip/roi.h"
 
 namespace impactdic {
 namespace {

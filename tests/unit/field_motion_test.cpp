@@ -1,5 +1,5 @@
 // From windows and their displacements to a motion of the ball.
-#include "host/track/field_motion.h"
+#include "host/motion/field_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ TEST(AimWindows, TurnsCounterClockwiseOnTheScreen) {
   std::vector<Window> windows(1);
   windows[0].x0 = 193;
   windows[0].y0 = 93;
-  aim_windows(windows, 15, 2, 3, {100, 100, 5, 0, 0.1});
+  motion::aim_windows(windows, 15, 2, 3, {100, 100, 5, 0, 0.1});
   EXPECT_EQ(windows[0].first, 2);
   EXPECT_EQ(windows[0].second, 3);
   EXPECT_EQ(windows[0].guess_v, std::lround(-100 * std::sin(0.1)));
@@ -29,8 +29,8 @@ TEST(FieldPoints, TakesMeasuredWindowsAtTheirCentres) {
   std::vector<WindowMotion> motions(2);
   motions[0].u = 1.5f;
   motions[0].u_sd = motions[0].v_sd = 1e-6f;
-  motions[1].status = static_cast<idic_int>(WindowStatus::low_correlation);
-  const auto points = field_points(windows, motions, 15, 0.002);
+  motions[1].status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
+  const auto points = motion::field_points(windows, motions, 15, 0.002);
   ASSERT_EQ(points.size(), 1u);
   EXPECT_EQ(points[0].x_px, 17);
   EXPECT_EQ(points[0].y_px, 27);
@@ -41,14 +41,14 @@ TEST(FieldPoints, TakesMeasuredWindowsAtTheirCentres) {
 TEST(InterpolateAt, FollowsALinearFieldThroughWrongWindows) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0, 0.005);
-  std::vector<PointMotion> points;
+  std::vector<dic::PointMotion> points;
   for (int i = 0; i < 100; ++i) {
     const double x = 8.0 * (i % 10), y = 8.0 * (i / 10);
     points.push_back(
         {x, y, 1 + 0.01 * x - 0.02 * y + noise(random), 2 + 0.03 * x + noise(random), 0.005});
     if (i % 7 == 3) points.back().u_px += 4;  // found at a wrong place
   }
-  const CentreMotion centre = interpolate_at(points, 33.3, 41.7);
+  const motion::CentreMotion centre = motion::interpolate_at(points, 33.3, 41.7);
   ASSERT_TRUE(centre.ok);
   // Five sd of the noise averaged over the nearest windows.
   EXPECT_NEAR(centre.u_px, 1 + 0.01 * 33.3 - 0.02 * 41.7, 5 * 0.005 / 3);
@@ -58,23 +58,24 @@ TEST(InterpolateAt, FollowsALinearFieldThroughWrongWindows) {
 }
 
 TEST(InterpolateAt, FewOrCollinearPointsGiveNothing) {
-  std::vector<PointMotion> line;
+  std::vector<dic::PointMotion> line;
   for (int i = 0; i < 3; ++i) line.push_back({1.0 * i, 0, 1, 1, 0.01});
-  EXPECT_FALSE(interpolate_at(line, 0, 0).ok);
+  EXPECT_FALSE(motion::interpolate_at(line, 0, 0).ok);
   for (int i = 3; i < 9; ++i) line.push_back({1.0 * i, 0, 1, 1, 0.01});
-  EXPECT_FALSE(interpolate_at(line, 0, 0).ok);
+  EXPECT_FALSE(motion::interpolate_at(line, 0, 0).ok);
 }
 
 TEST(ExplainFailure, NamesTheCommonestReason) {
   std::vector<WindowMotion> motions(4);
-  for (WindowMotion& m : motions) m.status = static_cast<idic_int>(WindowStatus::no_texture);
-  EXPECT_EQ(explain_failure(motions), TrackStatus::no_texture);
-  for (int i = 0; i < 3; ++i) motions[i].status = static_cast<idic_int>(WindowStatus::out_of_view);
-  EXPECT_EQ(explain_failure(motions), TrackStatus::out_of_view);
+  for (WindowMotion& m : motions) m.status = static_cast<idic_int>(dic::WindowStatus::no_texture);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::no_texture);
+  for (int i = 0; i < 3; ++i)
+    motions[i].status = static_cast<idic_int>(dic::WindowStatus::out_of_view);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::out_of_view);
   for (int i = 0; i < 3; ++i) {
-    motions[i].status = static_cast<idic_int>(WindowStatus::low_correlation);
+    motions[i].status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
   }
-  EXPECT_EQ(explain_failure(motions), TrackStatus::low_correlation);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::low_correlation);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Impact analysis of tracks whose truth is integrated by sim/impact.
-#include "host/track/impact_phases.h"
+#include "host/impact/impact_phases.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ constexpr double kNormal95 = 1.959964;
 struct Score {
   std::vector<double> errors;
   int inside = 0;
-  void add(const Measured& measured, double truth, double unit = 1) {
+  void add(const impact::Measured& measured, double truth, double unit = 1) {
     errors.push_back(std::abs(measured.value - truth) * unit);
     inside += std::abs(measured.value - truth) <= kNormal95 * measured.sd;
   }
@@ -40,7 +40,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
   std::map<std::string, Score> scores;
   std::mt19937_64 random(2019);
   std::uniform_real_distribution<double> part(0, 1);
-  const InitialMotion preset = filmed.job.initial;
+  const sim::contact::InitialMotion preset = filmed.job.initial;
   int refused = 0;
   for (unsigned shot = 1; shot <= kShots; ++shot) {
     filmed.seed = shot;
@@ -50,9 +50,10 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     filmed.job.initial.omega_rad_s = 5 * (part(random) - 0.5);
     std::vector<TrackRow> rows;
     const FilmedTruth truth = film(filmed, rows);
-    const ImpactAnalysis found = analyse_impact(rows, filmed.options());
-    EXPECT_EQ(found.status, ImpactStatus::found) << to_string(found.status) << ", shot " << shot;
-    if (found.status != ImpactStatus::found) continue;
+    const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+    EXPECT_EQ(found.status, impact::ImpactStatus::found)
+        << impact::to_string(found.status) << ", shot " << shot;
+    if (found.status != impact::ImpactStatus::found) continue;
     const double fps = filmed.fps, m_s = filmed.metre_per_px * fps;
     scores["t0"].add(found.start.instant, truth.start);
     scores["t_max"].add(found.turn, truth.turn);
@@ -70,7 +71,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     scores["omega1"].add(found.after.spin, truth.after.omega_rad_s / fps, fps);
     scores["inertia"].add(found.closure.inertia_factor, filmed.job.body.inertia_factor());
     scores["gravity"].add(found.fall, *filmed.options().gravity);
-    EXPECT_EQ(found.closure.verdict, ClosureVerdict::closes) << "shot " << shot;
+    EXPECT_EQ(found.closure.verdict, impact::ClosureVerdict::closes) << "shot " << shot;
     refused += !found.start.law_holds + !found.end.law_holds;
   }
   // Beyond 3.5 deviations of chi square: by chance one of about a thousand edges.
@@ -124,19 +125,19 @@ TEST(ImpactPhases, LacrosseBallOnAWoodenFlat) {
 // The damper acts to the end and leaves the surface dented: no law of the fit's first family.
 TEST(ImpactPhases, LacrosseBallWithADamperToTheEnd) {
   FilmedImpact filmed = lacrosse_on_wood();
-  filmed.job.contact.restitution_damping = RestitutionDamping::kToZeroForce;
+  filmed.job.contact.restitution_damping = sim::contact::RestitutionDamping::kToZeroForce;
   auto scores = shoot(filmed);
   expect_accurate(scores, 1);
   expect_honest(scores);
 }
 
-ImpactAnalysis analyse(const FilmedImpact& filmed) {
+impact::ImpactAnalysis analyse(const FilmedImpact& filmed) {
   std::vector<TrackRow> rows;
   film(filmed, rows);
-  return analyse_impact(rows, filmed.options());
+  return impact::analyse_impact(rows, filmed.options());
 }
 
-void expect_within(const Measured& measured, double truth, double deviations = 4) {
+void expect_within(const impact::Measured& measured, double truth, double deviations = 4) {
   EXPECT_NEAR(measured.value, truth, deviations * measured.sd);
   EXPECT_GT(measured.sd, 0);
 }
@@ -146,26 +147,26 @@ TEST(ImpactPhases, CirclesAloneAreEnoughForTheTimes) {
   filmed.with_motion = false;
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
-  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
-  ASSERT_EQ(found.status, ImpactStatus::found);
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, impact::ImpactStatus::found);
   expect_within(found.start.instant, truth.start);
   expect_within(found.turn, truth.turn);
   expect_within(found.end.instant, truth.end);
   expect_within(found.restitution, truth.restitution);
   EXPECT_LT(found.start.instant.sd, 1);
   EXPECT_TRUE(std::isnan(found.after.spin.value));
-  EXPECT_EQ(found.closure.verdict, ClosureVerdict::undetermined);
+  EXPECT_EQ(found.closure.verdict, impact::ClosureVerdict::undetermined);
 }
 
 TEST(ImpactPhases, GravityIsFittedWhereTheScaleIsUnknown) {
   const FilmedImpact filmed = lacrosse_on_wood();
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
-  ImpactOptions options = filmed.options();
+  impact::ImpactOptions options = filmed.options();
   const double gravity = *options.gravity;
   options.gravity.reset();
-  const ImpactAnalysis found = analyse_impact(rows, options);
-  ASSERT_EQ(found.status, ImpactStatus::found);
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, options);
+  ASSERT_EQ(found.status, impact::ImpactStatus::found);
   expect_within(found.fall, gravity);
   expect_within(found.restitution, truth.restitution);
   expect_within(found.end.instant, truth.end);
@@ -180,8 +181,8 @@ TEST(ImpactPhases, BadFramesDoNotMatter) {
     rows[i].motion_ok = false;
     rows[i].dx_px = rows[i].dy_px = rows[i].rot_deg = kNotMeasured;
   }
-  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
-  ASSERT_EQ(found.status, ImpactStatus::found);
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, impact::ImpactStatus::found);
   expect_within(found.restitution, truth.restitution);
   expect_within(found.start.instant, truth.start);
 }
@@ -191,10 +192,10 @@ TEST(ImpactPhases, BiasOfTheMotionIsInTheDeviations) {
   const FilmedImpact filmed = tennis_on_racket();
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
-  EXPECT_EQ(analyse_impact(rows, filmed.options()).disagreement, 0);
+  EXPECT_EQ(impact::analyse_impact(rows, filmed.options()).disagreement, 0);
   constexpr double kBias = 0.002;
   for (TrackRow& row : rows) row.dx_px += kBias;
-  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
   EXPECT_GT(found.disagreement, kBias / 2);
   expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
   expect_within(found.friction, truth.friction, 3);
@@ -215,7 +216,7 @@ TEST(ImpactPhases, StepsThatScatterLessThanStatedAreWrongAlike) {
     row.rot_deg += 2 * row.rot_sd_deg;
     row.rot_sd_deg *= 3;
   }
-  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
   EXPECT_EQ(found.disagreement, 0);
   expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
   expect_within(found.before.vt, filmed.speed(truth.before.vt_m_s), 3);
@@ -240,29 +241,29 @@ TEST(ImpactPhases, NoImpactIsSaid) {
       row.dx_px = noise(random);
       row.dy_px = -step + noise(random);
     }
-    ImpactOptions options = filmed.options();
+    impact::ImpactOptions options = filmed.options();
     options.surface_angle_rad = 0;
     options.gravity = gravity;
-    EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::none) << vn;
+    EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::none) << vn;
     options.gravity.reset();
-    EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::none) << vn;
+    EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::none) << vn;
   }
-  EXPECT_EQ(analyse_impact({}, {}).status, ImpactStatus::none);
+  EXPECT_EQ(impact::analyse_impact({}, {}).status, impact::ImpactStatus::none);
 }
 
 TEST(ImpactPhases, SurfaceSeenFromTheOtherSide) {
   const FilmedImpact filmed = tennis_on_racket();
   std::vector<TrackRow> rows;
   film(filmed, rows);
-  ImpactOptions options = filmed.options();
+  impact::ImpactOptions options = filmed.options();
   options.surface_angle_rad += kPi;
-  EXPECT_EQ(analyse_impact(rows, options).status, ImpactStatus::wrong_side);
+  EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::wrong_side);
 }
 
 TEST(ImpactPhases, ClipThatStartsAtTheContact) {
   FilmedImpact filmed = tennis_on_racket();
   filmed.frames_before = 3;
-  EXPECT_EQ(analyse(filmed).status, ImpactStatus::flight_too_short);
+  EXPECT_EQ(analyse(filmed).status, impact::ImpactStatus::flight_too_short);
 }
 
 TEST(ImpactPhases, ContactOfThreeFramesGivesVelocitiesButNoTimes) {
@@ -272,8 +273,8 @@ TEST(ImpactPhases, ContactOfThreeFramesGivesVelocitiesButNoTimes) {
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
   ASSERT_LT(truth.end - truth.start, 4);
-  const ImpactAnalysis found = analyse_impact(rows, filmed.options());
-  EXPECT_EQ(found.status, ImpactStatus::not_resolved);
+  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  EXPECT_EQ(found.status, impact::ImpactStatus::not_resolved);
   EXPECT_TRUE(std::isnan(found.start.instant.value));
   EXPECT_NEAR(found.restitution.value, truth.restitution, 0.002);
 }
@@ -285,15 +286,15 @@ TEST(ImpactPhases, ClosureNamesWhatIsWrong) {
   const auto verdict = [&](double radius, double turn, std::optional<double> inertia) {
     std::vector<TrackRow> changed = rows;
     for (TrackRow& row : changed) row.r_px *= radius, row.rot_deg *= turn;
-    ImpactOptions options = filmed.options();
+    impact::ImpactOptions options = filmed.options();
     options.inertia_factor = inertia;
-    return analyse_impact(changed, options).closure.verdict;
+    return impact::analyse_impact(changed, options).closure.verdict;
   };
-  EXPECT_EQ(verdict(1, 1, 2.0 / 3), ClosureVerdict::closes);
-  EXPECT_EQ(verdict(1, 1, std::nullopt), ClosureVerdict::closes);
-  EXPECT_EQ(verdict(1, -1, 2.0 / 3), ClosureVerdict::signs);
-  EXPECT_EQ(verdict(1.1, 1, 2.0 / 3), ClosureVerdict::lever_arm);
-  EXPECT_EQ(verdict(2, 1, 2.0 / 3), ClosureVerdict::scale);
+  EXPECT_EQ(verdict(1, 1, 2.0 / 3), impact::ClosureVerdict::closes);
+  EXPECT_EQ(verdict(1, 1, std::nullopt), impact::ClosureVerdict::closes);
+  EXPECT_EQ(verdict(1, -1, 2.0 / 3), impact::ClosureVerdict::signs);
+  EXPECT_EQ(verdict(1.1, 1, 2.0 / 3), impact::ClosureVerdict::lever_arm);
+  EXPECT_EQ(verdict(2, 1, 2.0 / 3), impact::ClosureVerdict::scale);
 }
 
 }  // namespace

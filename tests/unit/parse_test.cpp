@@ -1,10 +1,9 @@
 #include "host/base/parse.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <cmath>
-
-#include "host/base/error.h"
 
 namespace impactdic {
 namespace {

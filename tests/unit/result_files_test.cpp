@@ -1,10 +1,10 @@
 // track.csv, fields.h5 and the conversion to SI units.
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <cmath>
 #include <fstream>
 
-#include "host/base/error.h"
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
 #include "tests/support/scratch.h"
@@ -61,11 +61,11 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   TrackRow lost;
   lost.frame = 1;
   lost.time_s = 0.1;
-  TrackCsv csv(folder / "track.csv", {}, {});
+  report::TrackCsv csv(folder / "track.csv", {}, {});
   csv.add(example_row(0));
   csv.add(lost);
   csv.finish({example_row(0), lost}, {2e-4, 1e4, 0, 512});
-  const auto rows = read_track_csv(folder / "track.csv");
+  const auto rows = report::read_track_csv(folder / "track.csv");
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].cx_px, 100.123456789);
   EXPECT_EQ(rows[0].time_s, 0);
@@ -79,21 +79,21 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
 TEST(TrackCsv, DropsALineThatWasCutOffAndRefusesDamage) {
   const ScratchFolder folder;
   const auto write = [&](const std::string& text) {
-    std::ofstream(folder / "t.csv") << kTrackCsvHeader << "\n" << text;
+    std::ofstream(folder / "t.csv") << report::kTrackCsvHeader << "\n" << text;
   };
-  const std::string good = track_csv_line(example_row(0), {});
+  const std::string good = report::track_csv_line(example_row(0), {});
   write(good + "\n" + good.substr(0, 40));
-  EXPECT_EQ(read_track_csv(folder / "t.csv").size(), 1u);
+  EXPECT_EQ(report::read_track_csv(folder / "t.csv").size(), 1u);
   // A number cut short still looks like one: without its newline it does not count.
   write(good + "\n" + good);
-  EXPECT_EQ(read_track_csv(folder / "t.csv").size(), 1u);
+  EXPECT_EQ(report::read_track_csv(folder / "t.csv").size(), 1u);
   write(good.substr(0, 40) + "\n" + good + "\n");
-  EXPECT_THROW(read_track_csv(folder / "t.csv"), FormatError);
+  EXPECT_THROW(report::read_track_csv(folder / "t.csv"), FormatError);
   write("0,0,splendid" + good.substr(6) + "\n");
-  EXPECT_THROW(read_track_csv(folder / "t.csv"), Error);
+  EXPECT_THROW(report::read_track_csv(folder / "t.csv"), Error);
   std::ofstream(folder / "t.csv") << "frame,x\n1,2\n";
-  EXPECT_THROW(read_track_csv(folder / "t.csv"), FormatError);
-  EXPECT_THROW(read_track_csv(folder / "none.csv"), FileError);
+  EXPECT_THROW(report::read_track_csv(folder / "t.csv"), FormatError);
+  EXPECT_THROW(report::read_track_csv(folder / "none.csv"), FileError);
 }
 
 class FieldsFileTest : public ::testing::TestWithParam<int> {};
@@ -110,18 +110,18 @@ TEST_P(FieldsFileTest, GrowsIsReadByH5pyAndResumes) {
     field[i].status = i == 1 ? 3 : 0;
   }
   {
-    auto file = FieldsFile::create(path, 3, 15, {{"grid_radius_px", 42.5}, {"axes", "x right"}},
-                                   GetParam());
+    auto file = report::FieldsFile::create(
+        path, 3, 15, {{"grid_radius_px", 42.5}, {"axes", "x right"}}, GetParam());
     for (int k = 0; k < 4; ++k) file.add(k, 0.1 * k, windows, field, nullptr);
     file.add(4, 0.4, {}, {}, nullptr);
   }
   {
-    auto file = FieldsFile::resume(path, 15, 4);
+    auto file = report::FieldsFile::resume(path, 15, 4);
     EXPECT_EQ(file.rows(), 4u);
     EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr), InvalidArgument);
     file.add(4, 0.4, windows, field, nullptr);
   }
-  EXPECT_THROW(FieldsFile::resume(path, 15, 6), FormatError);
+  EXPECT_THROW(report::FieldsFile::resume(path, 15, 6), FormatError);
   std::ofstream(folder / "check.py") << R"(
 import h5py, numpy, sys
 f = h5py.File(sys.argv[1])

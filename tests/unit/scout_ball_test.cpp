@@ -1,13 +1,13 @@
 // A ball that enters the picture: its speckles come first, and must not be taken for the ball.
-#include "host/track/scout_ball.h"
+#include "host/circle/scout_ball.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <cmath>
 #include <vector>
 
-#include "host/base/error.h"
-#include "host/track/ball_tracker.h"
+#include "host/circle/ball_tracker.h"
 #include "sim/speckle/render.h"
 
 namespace impactdic {
@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kRadius = 60;
 
-class PictureList : public FrameSource {
+class PictureList : public video::FrameSource {
  public:
   explicit PictureList(std::vector<Frame> frames) : frames_(std::move(frames)) {
     info_.width = frames_[0].width();
     info_.height = frames_[0].height();
     info_.frame_count = static_cast<std::int64_t>(frames_.size());
   }
-  const VideoInfo& info() const override { return info_; }
+  const video::VideoInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     if (index == damaged) throw FileError("a damaged frame", "test");
     frame = frames_[static_cast<std::size_t>(index)];
@@ -33,19 +33,19 @@ class PictureList : public FrameSource {
   std::int64_t damaged = -1;
 
  private:
-  VideoInfo info_;
+  video::VideoInfo info_;
   std::vector<Frame> frames_;
 };
 
 // 30 frames, 10 px a frame, from out of the picture at the left to out of it at the right.
-BallPose pose_at(int frame) { return {-50.0 + 10.3 * frame, 110.2, 3.0 * frame}; }
+sim::speckle::BallPose pose_at(int frame) { return {-50.0 + 10.3 * frame, 110.2, 3.0 * frame}; }
 
 PictureList entering_clip(const char* pattern) {
-  Scene scene;
+  sim::speckle::Scene scene;
   scene.width = 200;
   scene.height = 220;
   scene.noise_sigma = 2;
-  const BallRenderer renderer(paint_ball(pattern, 3, kRadius), scene);
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball(pattern, 3, kRadius), scene);
   std::vector<Frame> frames(30);
   for (int i = 0; i < 30; ++i) renderer.render(pose_at(i), i, frames[static_cast<std::size_t>(i)]);
   return PictureList(std::move(frames));
@@ -54,19 +54,19 @@ PictureList entering_clip(const char* pattern) {
 TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
   for (const char* pattern : {"f1", "e1"}) {
     PictureList clip = entering_clip(pattern);
-    const auto radius = scout_radius_px(clip, clip.range(), clip.whole(), {});
+    const auto radius = circle::scout_radius_px(clip, clip.range(), clip.whole(), {});
     ASSERT_TRUE(radius) << pattern;
     EXPECT_NEAR(*radius, kRadius, 0.1) << pattern;
 
-    BallTracker tracker({.scouted_radius_px = radius});
+    circle::BallTracker tracker({.scouted_radius_px = radius});
     int measured = 0;
     for (int i = 0; i < 30; ++i) {
       Frame frame;
       clip.read(i, frame);
-      const CircleFit fit = tracker.track(frame, i);
-      if (fit.status != CircleStatus::ok) continue;
+      const circle::CircleFit fit = tracker.track(frame, i);
+      if (fit.status != circle::CircleStatus::ok) continue;
       ++measured;
-      const BallPose truth = pose_at(i);
+      const sim::speckle::BallPose truth = pose_at(i);
       EXPECT_LT(std::hypot(fit.circle.cx_px - truth.cx_px, fit.circle.cy_px - truth.cy_px), 0.2)
           << pattern << ", frame " << i;
     }
@@ -77,12 +77,12 @@ TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
 TEST(ScoutBall, LivesWithADamagedFrameAndAnEmptyClip) {
   PictureList clip = entering_clip("f1");
   clip.damaged = 12;
-  EXPECT_TRUE(scout_radius_px(clip, clip.range(), clip.whole(), {}));
+  EXPECT_TRUE(circle::scout_radius_px(clip, clip.range(), clip.whole(), {}));
 
   Frame grey;
   clip.read(0, grey);
   PictureList empty(std::vector<Frame>(5, grey));
-  EXPECT_FALSE(scout_radius_px(empty, empty.range(), empty.whole(), {}));
+  EXPECT_FALSE(circle::scout_radius_px(empty, empty.range(), empty.whole(), {}));
 }
 
 }  // namespace

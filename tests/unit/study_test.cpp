@@ -1,11 +1,11 @@
 // The speckle study's parts: bounds against closed forms, errors of made-up motions, pooling.
 #include <gtest/gtest.h>
+#include <impactdic/error.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "host/base/error.h"
 #include "host/dic/error_bound.h"
 #include "host/study/density_study.h"
 #include "host/study/pattern_report.h"
@@ -37,11 +37,11 @@ Image<float> with_noise(Image<float> picture, double sigma) {
 
 // Over whole periods Σ g_x² = n a² k²/2, Σ g_x g_y = 0.
 TEST(ErrorBound, WindowOfWavesIsTheClosedForm) {
-  const PictureSlopes slopes(waves(90, 80).view(), 0);
+  const dic::PictureSlopes slopes(waves(90, 80).view(), 0);
   constexpr int kSide = 36;
   const double k = 2 * kPi / kPeriodPx, noise = 2;
   const double sum = kSide * kSide * kAmplitude * kAmplitude * k * k / 2;
-  const WindowBound bound = slopes.window(21, 17, kSide, noise);
+  const dic::WindowBound bound = slopes.window(21, 17, kSide, noise);
   EXPECT_NEAR(bound.u_sd_px, noise * std::sqrt(2 / sum), 2e-3 * bound.u_sd_px);
   EXPECT_NEAR(bound.v_sd_px, noise * std::sqrt(2 / sum), 2e-3 * bound.v_sd_px);
   EXPECT_NEAR(bound.contrast, kAmplitude, 1e-3 * kAmplitude);
@@ -50,10 +50,10 @@ TEST(ErrorBound, WindowOfWavesIsTheClosedForm) {
 // Slopes are steady about the centre: the shift's bound as of a window of the disc's area, the
 // turn's from n a² k² R²/4.
 TEST(ErrorBound, DiscOfWavesIsTheClosedForm) {
-  const PictureSlopes slopes(waves(300, 300).view(), 0);
+  const dic::PictureSlopes slopes(waves(300, 300).view(), 0);
   const double k = 2 * kPi / kPeriodPx, noise = 2, radius = 120;
   const double sum = kPi * radius * radius * kAmplitude * kAmplitude * k * k / 2;
-  const BallBound bound = slopes.disc(150, 149, radius, noise);
+  const dic::BallBound bound = slopes.disc(150, 149, radius, noise);
   EXPECT_NEAR(bound.dx_sd_px, noise * std::sqrt(2 / sum), 0.01 * bound.dx_sd_px);
   EXPECT_NEAR(bound.rot_sd_rad, noise * std::sqrt(2 / (sum * radius * radius / 2)),
               0.02 * bound.rot_sd_rad);
@@ -62,9 +62,9 @@ TEST(ErrorBound, DiscOfWavesIsTheClosedForm) {
 // Slopes that are the same everywhere on average do not mix with the place: the affine window's
 // displacement is known as well as the rigid one's. An edge alone fixes no affine window.
 TEST(ErrorBound, AffineWindow) {
-  const PictureSlopes slopes(waves(200, 200).view(), 0);
-  const WindowBound rigid = slopes.window(20, 20, 120, 2);
-  const WindowBound affine = slopes.affine_window(20, 20, 120, 2);
+  const dic::PictureSlopes slopes(waves(200, 200).view(), 0);
+  const dic::WindowBound rigid = slopes.window(20, 20, 120, 2);
+  const dic::WindowBound affine = slopes.affine_window(20, 20, 120, 2);
   EXPECT_NEAR(affine.u_sd_px, rigid.u_sd_px, 0.02 * rigid.u_sd_px);
   EXPECT_NEAR(affine.v_sd_px, rigid.v_sd_px, 0.02 * rigid.v_sd_px);
   EXPECT_GT(affine.expected_sd_px, std::max(affine.u_sd_px, affine.v_sd_px));
@@ -73,16 +73,17 @@ TEST(ErrorBound, AffineWindow) {
   for (int y = 0; y < 60; ++y) {
     for (int x = 0; x < 60; ++x) edge(x, y) = 100 + 80 * std::tanh((x - 0.4F * y - 20) / 2.0F);
   }
-  const PictureSlopes of_edge(edge.view(), 0);
+  const dic::PictureSlopes of_edge(edge.view(), 0);
   EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).u_sd_px, 1);
   EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).expected_sd_px, 1);
 }
 
 TEST(ErrorBound, NoiseInThePictureIsTakenOut) {
   const double noise = 12;
-  const PictureSlopes clean(waves(200, 200).view(), 0);
-  const PictureSlopes noisy(with_noise(waves(200, 200), noise).view(), noise);
-  const WindowBound want = clean.window(20, 20, 150, noise), got = noisy.window(20, 20, 150, noise);
+  const dic::PictureSlopes clean(waves(200, 200).view(), 0);
+  const dic::PictureSlopes noisy(with_noise(waves(200, 200), noise).view(), noise);
+  const dic::WindowBound want = clean.window(20, 20, 150, noise),
+                         got = noisy.window(20, 20, 150, noise);
   EXPECT_NEAR(got.u_sd_px, want.u_sd_px, 0.02 * want.u_sd_px);
   EXPECT_NEAR(got.contrast, want.contrast, 0.02 * want.contrast);
   EXPECT_NEAR(noisy.disc(100, 100, 80, noise).rot_sd_rad,
@@ -92,29 +93,29 @@ TEST(ErrorBound, NoiseInThePictureIsTakenOut) {
 
 TEST(ErrorBound, FlatPictureBoundsNothing) {
   const Image<float> flat(50, 50, 120.0F);
-  const PictureSlopes slopes(flat.view(), 0);
+  const dic::PictureSlopes slopes(flat.view(), 0);
   EXPECT_TRUE(std::isinf(slopes.window(3, 3, 15, 2).u_sd_px));
   EXPECT_TRUE(std::isinf(slopes.disc(25, 25, 20, 2).rot_sd_rad));
   EXPECT_THROW(slopes.window(40, 40, 15, 2), InvalidArgument);
 }
 
 TEST(StudyCase, EstimatorsByName) {
-  EXPECT_EQ(parse_study_estimator("published").options.field.interp_points, 5);
-  EXPECT_EQ(parse_study_estimator("published9").options.field.interp_points, 9);
-  EXPECT_FALSE(parse_study_estimator("published0").aimed);
-  EXPECT_EQ(parse_study_estimator("icgn7").options.field.spline_degree, 7);
-  EXPECT_EQ(parse_study_estimator("ball").options.estimator, Estimator::ball);
+  EXPECT_EQ(study::parse_study_estimator("published").options.field.interp_points, 5);
+  EXPECT_EQ(study::parse_study_estimator("published9").options.field.interp_points, 9);
+  EXPECT_FALSE(study::parse_study_estimator("published0").aimed);
+  EXPECT_EQ(study::parse_study_estimator("icgn7").options.field.spline_degree, 7);
+  EXPECT_EQ(study::parse_study_estimator("ball").options.estimator, motion::Estimator::ball);
   for (const char* wrong : {"", "icgn", "icgn4", "published10", "hough"}) {
-    EXPECT_THROW(parse_study_estimator(wrong), InvalidArgument) << wrong;
+    EXPECT_THROW(study::parse_study_estimator(wrong), InvalidArgument) << wrong;
   }
 }
 
 // A pair whose circle is 0.2 px beside the true centre, measured exactly: what `track` states is
 // wrong by the turn of that 0.2 px, the estimator is not.
 TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
-  const StudyMotion motion{"test", 1, -2, 3, false};
+  const study::StudyMotion motion{"test", 1, -2, 3, false};
   const double c = std::cos(3 * kRadPerDeg) - 1, s = std::sin(3 * kRadPerDeg);
-  PairMotion pair;
+  motion::PairMotion pair;
   pair.first = {100.2, 100, 50};
   pair.motion.ok = true;
   pair.motion.dx_px = 1 + c * 0.2;
@@ -127,12 +128,12 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   right.u = static_cast<float>(1 + c * 10 + s * 3);
   right.v = static_cast<float>(-2 - s * 10 + c * 3 + 0.01);
   wrong.u = 4;
-  bare.status = static_cast<idic_int>(WindowStatus::no_texture);
+  bare.status = static_cast<idic_int>(dic::WindowStatus::no_texture);
   pair.windows = {window, window, window};
   pair.field = {right, wrong, bare};
-  const PictureSlopes slopes(waves(200, 200).view(), 0);
-  MotionErrors errors;
-  add_pair(pair, {100, 100, motion}, 15, slopes, 2, errors);
+  const dic::PictureSlopes slopes(waves(200, 200).view(), 0);
+  study::MotionErrors errors;
+  study::add_pair(pair, {100, 100, motion}, 15, slopes, 2, errors);
   EXPECT_NEAR(errors.dy_px.mean(), -s * 0.2, 1e-12);
   EXPECT_NEAR(errors.shift_px.rms(), 0, 1e-12);
   EXPECT_NEAR(errors.rot_deg.mean(), 0, 1e-12);
@@ -143,12 +144,12 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   EXPECT_NEAR(errors.window_px.rms(), 0.01 / std::sqrt(2), 1e-6);
 }
 
-PatternStudyRow row(const std::string& pattern, const std::string& estimator, double error_px,
-                    double error_deg, int failed = 0) {
-  PatternStudyRow made;
+study::PatternStudyRow row(const std::string& pattern, const std::string& estimator,
+                           double error_px, double error_deg, int failed = 0) {
+  study::PatternStudyRow made;
   made.pattern = pattern;
   made.estimator = estimator;
-  made.motion = study_motions().front();
+  made.motion = study::study_motions().front();
   made.errors.pairs = 2 + failed;
   made.errors.failed_pairs = failed;
   for (const double sign : {-1, 1}) {
@@ -161,32 +162,32 @@ PatternStudyRow row(const std::string& pattern, const std::string& estimator, do
 }
 
 TEST(PatternReport, BestIsTheLeastErrorOfThoseThatLoseNothing) {
-  PatternStudyOptions options;
-  const std::vector<PatternStudyRow> rows = {
+  study::PatternStudyOptions options;
+  const std::vector<study::PatternStudyRow> rows = {
       row("a1", "icgn5", 0.02, 0.02),  row("e1", "icgn5", 0.01, 0.01),
       row("a1", "ball", 0.005, 0.004), row("e1", "ball", 0.003, 0.002),
       row("a1", "published", 0, 0, 1), row("e1", "published", 0, 0),
   };
-  const nlohmann::json summary = describe_patterns(rows, options);
+  const nlohmann::json summary = study::describe_patterns(rows, options);
   EXPECT_EQ(summary["best_estimator"], "ball");
   EXPECT_EQ(summary["best_pattern"], "e1");
   EXPECT_NE(summary["finding"].get<std::string>().find("Paint pattern e1"), std::string::npos);
   EXPECT_NEAR(summary["estimators"]["icgn5"]["all"]["motion_rms_px"].get<double>(),
               std::sqrt((0.02 * 0.02 + 0.01 * 0.01) / 2), 1e-12);
   // 0.02° at half the radius of 115 px.
-  EXPECT_NEAR(pool(rows, "a1", "icgn5", 115).surface_rms_px,
+  EXPECT_NEAR(study::pool(rows, "a1", "icgn5", 115).surface_rms_px,
               std::hypot(0.02, 0.02 * kRadPerDeg * 115 / 2), 1e-12);
 }
 
 TEST(DensityReport, GrowthOfAPerfectTransformIsOne) {
-  std::vector<DensityRow> rows;
+  std::vector<study::DensityRow> rows;
   for (int points = 0; points <= 9; ++points) {
     const double side = 14.0 * (points + 1) + 1;
     rows.push_back({points, "literal", 0.7 * side * side * std::log(side), 0.2, 0, 0, 1});
     rows.push_back({points, "published", 100.0 + points, 0.2, 0, 0, points == 4 ? 0.5 : 1.0});
     rows.push_back({points, "icgn", 10.0 + 0.1 * points, 0.005, 0, 0, kNotMeasured});
   }
-  const nlohmann::json summary = describe_density(rows, 15);
+  const nlohmann::json summary = study::describe_density(rows, 15);
   EXPECT_NEAR(summary["literal_growth"].get<double>(), 1, 1e-9);
   EXPECT_NEAR(summary["default_spread"].get<double>(), 1.09, 1e-9);
   EXPECT_NEAR(summary["same_lag_share"].get<double>(), 0.5, 1e-12);

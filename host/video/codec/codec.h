@@ -10,7 +10,7 @@
 #include "host/video/frame_sink.h"
 #include "host/video/frame_source.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 // For VideoOptions::open_codec. One container (.avi .mp4 .mov .mkv), or pictures (.png .bmp .jpg
 // .pgm) as a sequence. Colour becomes luminance. Containers give 8 bits; reads in order are fast,
@@ -41,4 +41,4 @@ class Mp4Writer {
   std::unique_ptr<Encoder> encoder_;
 };
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,18 +1,19 @@
 #include "host/video/codec/container.h"
 
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <deque>
 #include <mutex>
 #include <opencv2/videoio.hpp>
 #include <set>
 
-#include "host/base/error.h"
 #include "host/base/parse.h"
 #include "host/video/byte_file.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 constexpr std::size_t kKept = 16;  // decoded frames that stay at hand
@@ -188,4 +189,4 @@ std::unique_ptr<FrameSource> open_container(const std::string& path) {
   return std::make_unique<ContainerSource>(path);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

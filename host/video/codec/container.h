@@ -6,8 +6,8 @@
 
 #include "host/video/frame_source.h"
 
-namespace impactdic {
+namespace impactdic::video {
 
 std::unique_ptr<FrameSource> open_container(const std::string& path);
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,14 +1,14 @@
 #include "host/video/codec/grey.h"
 
+#include <impactdic/error.h>
+
 #include <cstdlib>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "host/base/error.h"
-
-namespace impactdic {
+namespace impactdic::video {
 
 void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame) {
   const int depth = picture.depth(), channels = picture.channels();
@@ -48,4 +48,4 @@ void silence_codecs() {
   });
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

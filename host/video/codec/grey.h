@@ -1,12 +1,12 @@
 // OpenCV pictures to frames and back. Only for the sources of this folder.
 #pragma once
 
+#include <impactdic/image.h>
+
 #include <opencv2/core.hpp>
 #include <string>
 
-#include "host/base/image.h"
-
-namespace impactdic {
+namespace impactdic::video {
 
 // Grey or colour, 8 or 16 bits, to a grey frame (ITU-R BT.601 luminance).
 // Throws FormatError for other kinds.
@@ -18,4 +18,4 @@ cv::Mat as_mat(const Frame& frame);
 // OpenCV and FFmpeg report to stderr unless told once that the library does not print.
 void silence_codecs();
 
-}  // namespace impactdic
+}  // namespace impactdic::video

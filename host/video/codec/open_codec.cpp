@@ -1,17 +1,17 @@
 // Picture files, and which reader takes what.
+#include <impactdic/error.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
-#include "host/base/error.h"
 #include "host/video/byte_file.h"
 #include "host/video/codec/codec.h"
 #include "host/video/codec/container.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 // A cut JPEG decodes without complaint, its missing part grey: look for the end mark.
@@ -103,4 +103,4 @@ std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths) {
   return std::make_unique<PictureSource>(paths[0]);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

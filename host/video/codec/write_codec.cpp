@@ -1,4 +1,6 @@
 // Clips as PNG files, lossless AVI and MP4.
+#include <impactdic/error.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -6,11 +8,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "host/base/error.h"
 #include "host/video/codec/codec.h"
 #include "host/video/codec/grey.h"
 
-namespace impactdic {
+namespace impactdic::video {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,8 +159,8 @@ std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat f
   return std::make_unique<ContainerSink>(path, "mp4v", info);
 }
 
-struct Mp4Writer::Encoder : impactdic::Encoder {
-  using impactdic::Encoder::Encoder;
+struct Mp4Writer::Encoder : video::Encoder {
+  using video::Encoder::Encoder;
   int width = 0, height = 0;
 };
 
@@ -181,4 +182,4 @@ void Mp4Writer::write(const std::uint8_t* bgr, std::ptrdiff_t pitch) {
 
 void Mp4Writer::finish() { encoder_->finish(); }
 
-}  // namespace impactdic
+}  // namespace impactdic::video

@@ -1,0 +1,319 @@
+#include "host/advice/clip_advice.h"
+
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <initializer_list>
+#include <type_traits>
+#include <utility>
+
+#include "host/advice/frame_checks.h"
+
+namespace impactdic::advice {
+namespace {
+
+// Two neighbouring frames and the ball in them.
+struct Look {
+  bool read = false;
+  Frame first, second;  // cropped
+  std::optional<circle::Circle> first_ball, second_ball;
+  double saturated = 0;
+  std::optional<double> edge_px, turn_deg, shift_px;
+  bool interlaced = false;
+};
+
+template <typename... Values>
+std::string say(const char* format, Values... values) {
+  char text[320];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+// Half the size, each pixel the mean of four: where a ball is found at an eighth of the cost.
+Frame halved(const Frame& frame) {
+  Frame half;
+  half.reset(frame.width() / 2, frame.height() / 2, frame.bits);
+  const auto shrink = [&](const auto& from, auto& to) {
+    for (int y = 0; y < to.height(); ++y) {
+      const auto *a = from.row(2 * y), *b = from.row(2 * y + 1);
+      for (int x = 0; x < to.width(); ++x) {
+        const int sum = a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1];
+        to(x, y) = static_cast<std::remove_reference_t<decltype(to(x, y))>>((sum + 2) / 4);
+      }
+    }
+  };
+  frame.type == PixelType::u8 ? shrink(frame.u8, half.u8) : shrink(frame.u16, half.u16);
+  return half;
+}
+
+std::optional<circle::Circle> measured(const Frame& frame, const circle::Circle& near,
+                                       double centre_sd_px, const circle::CircleOptions& options) {
+  circle::CirclePrior prior;
+  prior.predicted = near;
+  prior.centre_sd_px = centre_sd_px;
+  const circle::CircleFit fit = circle::measure_circle(frame, prior, options);
+  if (fit.status != circle::CircleStatus::ok) return std::nullopt;
+  return fit.circle;
+}
+
+std::optional<circle::Circle> find(const Frame& frame, const circle::CircleOptions& options) {
+  constexpr int kLarge = 200;  // px; smaller pictures are searched as they are
+  if (std::min(frame.width(), frame.height()) >= kLarge) {
+    circle::CircleOptions of_half = options;
+    if (auto& range = of_half.radius_range_px) range = {range->first / 2, range->second / 2};
+    if (const auto half = circle::find_ball(halved(frame), of_half)) {
+      const circle::Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
+      if (const auto ball = measured(frame, whole, 3, options)) return ball;
+    }
+  }
+  const auto found = circle::find_ball(frame, options);
+  return found ? measured(frame, *found, 2, options) : std::nullopt;
+}
+
+// In the frame after one with the ball at `before`.
+std::optional<circle::Circle> find_next(const Frame& frame, const circle::Circle& before,
+                                        const circle::CircleOptions& options) {
+  constexpr double kMovedPx = 6;
+  const auto near = measured(frame, before, kMovedPx, options);
+  if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
+  return find(frame, options);
+}
+
+// The rectangle about the ball, within the frame; all of the frame without one.
+Roi about(const Frame& frame, const std::optional<circle::Circle>& ball) {
+  if (!ball) return {0, 0, frame.width(), frame.height()};
+  const int left = std::max(0, static_cast<int>(ball->cx_px - ball->r_px));
+  const int top = std::max(0, static_cast<int>(ball->cy_px - ball->r_px));
+  const int right = std::min(frame.width(), static_cast<int>(ball->cx_px + ball->r_px) + 1);
+  const int bottom = std::min(frame.height(), static_cast<int>(ball->cy_px + ball->r_px) + 1);
+  return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
+}
+
+Look look_at(video::FrameSource& source, const AdviceRequest& request, std::int64_t index,
+             bool two) {
+  Look look;
+  Frame whole;
+  try {
+    source.read(request.frames.at(index), whole);
+    crop(whole, request.roi, look.first);
+    if (two) {
+      source.read(request.frames.at(index + 1), whole);
+      crop(whole, request.roi, look.second);
+    }
+    look.read = true;
+  } catch (const Error&) {
+    return look;
+  }
+  if (request.ball) {
+    look.first_ball = find(look.first, request.circle);
+    if (two && look.first_ball) {
+      look.second_ball = find_next(look.second, *look.first_ball, request.circle);
+    }
+  }
+  const Roi region = about(look.first, look.first_ball);
+  look.interlaced = is_interlaced(look.first, region);
+  if (!request.ball || look.first_ball) {
+    look.saturated = saturated_share(look.first, region, look.first_ball);
+  }
+  if (look.first_ball) look.edge_px = edge_width_px(look.first, *look.first_ball);
+  if (look.second_ball) {
+    look.turn_deg = turn_between_deg(look.first, *look.first_ball, look.second, *look.second_ball);
+  }
+  if (!request.ball && two) look.shift_px = shift_between_px(look.first, look.second, region);
+  return look;
+}
+
+std::vector<Look> look_around(video::FrameSource& source, const AdviceRequest& request) {
+  constexpr std::int64_t kOfContainer = 48;
+  const std::string& format = source.info().format;
+  const bool container = format == "AVI" || format == "video container";
+  const std::int64_t count =
+      container ? std::min(request.frames.count(), kOfContainer) : request.frames.count();
+  std::vector<std::int64_t> starts = {0};
+  if (count >= 4) starts = {0, count - 2};
+  if (count >= 6) starts = {0, count / 2, count - 2};
+  std::vector<Look> looks(starts.size());
+  tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t k) {
+    looks[k] = look_at(source, request, starts[k], count >= 2);
+  });
+  std::erase_if(looks, [](const Look& look) { return !look.read; });
+  return looks;
+}
+
+// The largest of the figures that `part` picks out.
+std::optional<double> largest(const std::vector<Look>& looks, std::optional<double> Look::*part) {
+  std::optional<double> most;
+  for (const Look& look : looks) {
+    if (look.*part && (!most || *(look.*part) > *most)) most = look.*part;
+  }
+  return most;
+}
+
+template <typename Test>
+int count_of(const std::vector<Look>& looks, const Test& test) {
+  return static_cast<int>(std::count_if(looks.begin(), looks.end(), test));
+}
+
+void warn_of_light(const std::vector<Look>& looks, std::vector<std::string>& warnings) {
+  constexpr double kSaturated = 0.01, kBlurredPx = 4.5;
+  const int all = static_cast<int>(looks.size());
+  const int over = count_of(looks, [](const Look& l) { return l.saturated > kSaturated; });
+  if (over > 0) {
+    double most = 0;
+    for (const Look& look : looks) most = std::max(most, look.saturated);
+    warnings.push_back(
+        say("%d %% of the frames looked at are over-exposed, up to %.0f %% of their "
+            "pixels at the highest level: less light or a shorter exposure",
+            100 * over / all, 100 * most));
+  }
+  const int soft =
+      count_of(looks, [](const Look& l) { return l.edge_px && *l.edge_px > kBlurredPx; });
+  if (soft > 0) {
+    warnings.push_back(
+        say("%d %% of the frames looked at are blurred, the ball's edge up to %.1f "
+            "px wide (a sharp one has 2): focus, or a shorter exposure",
+            100 * soft / all, *largest(looks, &Look::edge_px)));
+  }
+  const int woven = count_of(looks, [](const Look& l) { return l.interlaced; });
+  if (2 * woven > all) {
+    warnings.push_back(
+        "the frames are interlaced, every other row of another time: de-interlace the clip into "
+        "its fields, or film progressively");
+  }
+}
+
+void warn_of_motion(const AdviceRequest& request, const ClipAdvice& advice,
+                    const std::vector<Look>& looks, std::vector<std::string>& warnings) {
+  constexpr int kMostSearchPx = 128, kSpare = 2;
+  const int search = request.field.search_px;
+  if (const auto shift = largest(looks, &Look::shift_px); shift && *shift > search) {
+    const int enough = static_cast<int>(std::ceil(*shift)) + kSpare;
+    warnings.push_back(
+        say("the region moves by about %.0f px a frame, farther than --search %d "
+            "looks: --search %d would do",
+            *shift, search, enough));
+  }
+  if (!advice.turn_deg || !advice.ball || request.estimator == motion::Estimator::ring) return;
+  const double rim = advice.ball->r_px - request.rim_margin_px - request.field.window_px / 2.0;
+  const double move = 2 * rim * std::sin(*advice.turn_deg * kRadPerDeg / 2);
+  if (move <= search) return;
+  const int enough = static_cast<int>(std::ceil(move)) + kSpare;
+  const std::string turn =
+      say("the ball turns by about %.1f deg a frame: windows at its rim move %.0f px, farther than "
+          "--search %d looks: ",
+          *advice.turn_deg, move, search);
+  warnings.push_back(turn + (enough <= kMostSearchPx
+                                 ? say("--search %d would do, or --estimator ring", enough)
+                                 : "--estimator ring takes any turn"));
+}
+
+void warn_of_texture(const AdviceRequest& request, const TextureAdvice& texture,
+                     std::vector<std::string>& warnings) {
+  constexpr double kEnough = 0.5;
+  if (texture.asked.windows == 0 || texture.asked.usable_share() >= kEnough) return;
+  std::string hint;
+  for (const SizeAdvice& size : texture.sizes) {
+    if (size.window_px > request.field.window_px && size.usable_share() >= 0.9) {
+      hint = say("--window %d would do (%.0f %% usable), and ", size.window_px,
+                 100 * size.usable_share());
+      break;
+    }
+  }
+  warnings.push_back(say("only %.0f %% of the %d-px windows have texture enough: ",
+                         100 * texture.asked.usable_share(), texture.asked.window_px) +
+                     hint + kBetterPattern);
+}
+
+// Whether all squares at these places, as shares of what lies between the picture's sides, are full
+// of texture: where there is no background, there is no rim either.
+bool is_textured_at(const Frame& frame, const dic::FieldOptions& field,
+                    std::initializer_list<std::pair<double, double>> places) {
+  constexpr double kAllOver = 0.9;
+  const int side = std::max(field.window_px, std::min(frame.width(), frame.height()) / 5);
+  if (side > std::min(frame.width(), frame.height())) return false;
+  TextureRequest request;
+  request.window_px = field.window_px;
+  request.min_texture = field.min_texture;
+  request.max_sd_px = field.max_sd_px;
+  return std::all_of(places.begin(), places.end(), [&](const auto& place) {
+    request.region = {static_cast<int>(place.first * (frame.width() - side)),
+                      static_cast<int>(place.second * (frame.height() - side)), side, side};
+    return advise_texture(frame, request).asked.usable_share() >= kAllOver;
+  });
+}
+
+bool fills_the_picture(const Frame& frame, const dic::FieldOptions& field, bool ball_found) {
+  if (is_textured_at(frame, field, {{0, 0}, {1, 0}, {0, 1}, {1, 1}})) return true;
+  return !ball_found && (is_textured_at(frame, field, {{0, 0.5}, {0.5, 0.5}, {1, 0.5}}) ||
+                         is_textured_at(frame, field, {{0.5, 0}, {0.5, 0.5}, {0.5, 1}}));
+}
+
+void warn_of_size(const AdviceRequest& request, const ClipAdvice& advice,
+                  const std::vector<Look>& looks, std::vector<std::string>& warnings) {
+  if (!request.ball || looks.empty()) return;
+  const Roi& roi = request.roi;
+  if (advice.ball && 2 * advice.ball->r_px > std::min(roi.width, roi.height)) {
+    warnings.push_back(
+        say("the ball (%.0f px across) is larger than the picture (%d x %d px): its "
+            "circle is doubtful; film from farther away",
+            2 * advice.ball->r_px, roi.width, roi.height));
+  }
+  if (fills_the_picture(looks.front().first, request.field, advice.frames_with_ball > 0)) {
+    warnings.push_back(
+        "the picture has texture from side to side: is the ball larger than the picture? Film "
+        "from farther away, or measure the surface with impactdic correlate");
+  } else if (advice.frames_with_ball == 0) {
+    warnings.push_back(
+        say("no ball was found in the %d frames looked at: --radius-px LO:HI says "
+            "how large it is, --frames where to look",
+            advice.frames));
+  }
+}
+
+}  // namespace
+
+const char* const kBetterPattern =
+    "paint a finer pattern: by impactdic study, speckles of 4 to 20 px area over a sixth to a half "
+    "of the surface (a2, f1, e1)";
+
+ClipAdvice advise_clip(video::FrameSource& source, const AdviceRequest& request) {
+  const std::vector<Look> looks = look_around(source, request);
+  ClipAdvice advice;
+  advice.frames = static_cast<int>(looks.size());
+  advice.frames_with_ball = count_of(looks, [](const Look& l) { return l.first_ball.has_value(); });
+  advice.edge_px = largest(looks, &Look::edge_px);
+  advice.turn_deg = largest(looks, &Look::turn_deg);
+  // The middle of those with something to judge.
+  std::vector<const Look*> judged;
+  for (const Look& look : looks) {
+    if (!request.ball || look.first_ball) judged.push_back(&look);
+  }
+  warn_of_light(looks, advice.warnings);
+  if (!judged.empty()) {
+    const Look& look = *judged[judged.size() / 2];
+    TextureRequest texture;
+    texture.window_px = request.field.window_px;
+    texture.min_texture = request.field.min_texture;
+    texture.max_sd_px = request.field.max_sd_px;
+    texture.rim_margin_px = request.rim_margin_px;
+    texture.circle = look.first_ball;
+    texture.region = {0, 0, look.first.width(), look.first.height()};
+    advice.texture = advise_texture(look.first, texture);
+    advice.ball = look.first_ball;
+    if (advice.ball) {
+      advice.ball->cx_px += request.roi.x;
+      advice.ball->cy_px += request.roi.y;
+    }
+    if (request.with_field) warn_of_texture(request, *advice.texture, advice.warnings);
+  }
+  warn_of_size(request, advice, looks, advice.warnings);
+  if (request.with_field) warn_of_motion(request, advice, looks, advice.warnings);
+  return advice;
+}
+
+}  // namespace impactdic::advice

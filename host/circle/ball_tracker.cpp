@@ -1,0 +1,287 @@
+#include "host/circle/ball_tracker.h"
+
+#include <impactdic/error.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace impactdic::circle {
+namespace {
+
+constexpr std::size_t kRadii = 101;  // frames over which the radius is learnt
+constexpr std::size_t kLeastRadii = 3;
+constexpr double kWholeRim = 0.3;         // share of the rim that a radius is learnt from
+constexpr double kSteady_px = 0.3;        // scatter of a prediction from two frames
+constexpr double kSteadyOfStep = 0.05;    // and of the velocity, an impact apart
+constexpr std::int64_t kLongestGap = 5;   // frames without a ball before the picture is searched
+constexpr double kRadiusTolerance = 0.2;  // of the radius: another circle, not this ball
+
+// Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
+constexpr std::size_t kRun = 16, kShortestRun = 4;
+// From the prediction; the frames between then lie within an eighth of it from the line, if what
+// bends it is steady.
+constexpr double kStraight_px = 2.5;
+constexpr double kBetween_px = 0.05;       // scatter of the line between two measured frames
+constexpr std::int64_t kLearnEvery = 256;  // frames
+
+// The circle is the ball's as far as its radius tells.
+bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
+  return fit.status == CircleStatus::ok &&
+         (!radius_px || std::abs(fit.circle.r_px - *radius_px) < kRadiusTolerance * *radius_px);
+}
+
+// On the line between two measured frames, the second `off_px` from where it was predicted.
+CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const CircleFit& b,
+                          std::int64_t index_b, double off_px, std::int64_t index) {
+  const double steps = static_cast<double>(index_b - index_a);
+  const double t = static_cast<double>(index - index_a) / steps;
+  CirclePrior prior;
+  prior.predicted = {std::lerp(a.circle.cx_px, b.circle.cx_px, t),
+                     std::lerp(a.circle.cy_px, b.circle.cy_px, t),
+                     std::lerp(a.circle.r_px, b.circle.r_px, t)};
+  prior.e1_px = std::lerp(a.e1_px, b.e1_px, t);
+  prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
+  prior.bright = b.bright;
+  prior.inked = b.inked;
+  prior.look = b.look;
+  prior.learn = false;
+  prior.centre_sd_px = std::hypot(kBetween_px, off_px / 8);
+  prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
+  return prior;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+void BallTrackerOptions::validate() const { circle.validate(); }
+
+BallTracker::BallTracker(BallTrackerOptions options) : options_(std::move(options)) {
+  options_.validate();
+}
+
+std::optional<double> BallTracker::radius_px() const {
+  if (memory_.radii_px.size() < kLeastRadii) return std::nullopt;
+  return median({memory_.radii_px.begin(), memory_.radii_px.end()});
+}
+
+double BallTracker::radius_sd_px() const {
+  if (memory_.radii_px.size() < kLeastRadii) return 0;
+  const double centre = *radius_px();
+  std::vector<double> off;
+  for (double r : memory_.radii_px) off.push_back(std::abs(r - centre));
+  // The ball's distance from the camera may change a little: not below a thousandth of a radius.
+  return std::hypot(1.48 * median(off), 2e-4 * centre);
+}
+
+std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
+  if (memory_.seen.empty()) return std::nullopt;
+  const double gap = static_cast<double>(std::abs(index - memory_.seen.back().index));
+  if (gap > kLongestGap) return std::nullopt;
+  CirclePrior prior = prior_ahead(index);
+  prior.centre_sd_px *= std::max(gap, 1.0);
+  if (prior.rim_sd_px) *prior.rim_sd_px *= std::max(gap, 1.0);
+  return prior;
+}
+
+// As exact as for the next frame, however far ahead.
+CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
+  const Seen& last = memory_.seen.back();
+  CirclePrior prior;
+  prior.predicted = last.fit.circle;
+  prior.bright = last.fit.bright;
+  prior.inked = last.fit.inked;
+  prior.look = last.fit.look;
+  prior.learn = index >= memory_.next_learning;
+  prior.e1_px = last.fit.e1_px;
+  prior.e2_px = last.fit.e2_px;
+  const double r = last.fit.circle.r_px;
+  // Without a velocity the ball may have gone far; with one, an impact may have changed it.
+  prior.centre_sd_px = std::max(3.0, 0.05 * r);
+  if (memory_.seen.size() > 1) {
+    const Seen& before = memory_.seen[memory_.seen.size() - 2];
+    const double steps = static_cast<double>(last.index - before.index);
+    const double vx = (last.fit.circle.cx_px - before.fit.circle.cx_px) / steps;
+    const double vy = (last.fit.circle.cy_px - before.fit.circle.cy_px) / steps;
+    const double ahead = static_cast<double>(index - last.index);
+    prior.predicted.cx_px += vx * ahead;
+    prior.predicted.cy_px += vy * ahead;
+    prior.centre_sd_px = kSteady_px + kSteadyOfStep * std::hypot(vx, vy);
+    prior.rim_sd_px = std::max(0.3, 0.005 * r);
+  }
+  if (const auto radius = radius_px()) {
+    prior.radius_px = *radius;
+    prior.radius_sd_px = radius_sd_px();
+  }
+  prior.compression_axis_rad = options_.compression_axis_rad;
+  return prior;
+}
+
+BallTracker::Radius BallTracker::radius() const {
+  const auto learnt = radius_px();
+  return {learnt, radius_sd_px(), learnt ? learnt : options_.scouted_radius_px};
+}
+
+void BallTracker::learn_radius(const CircleFit& fit) {
+  if (fit.ellipse || fit.rim_fraction <= kWholeRim) return;
+  memory_.radii_px.push_back(fit.circle.r_px);
+  if (memory_.radii_px.size() > kRadii) memory_.radii_px.pop_front();
+}
+
+void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
+  if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
+  memory_.seen.push_back({index, fit});
+  if (memory_.seen.size() > 2) memory_.seen.pop_front();
+  // Where the look could not be learnt it is tried again, but not in every frame.
+  if (fit.look == nullptr && index >= memory_.next_learning) {
+    memory_.next_learning = index + kLearnEvery;
+  }
+  learn_radius(fit);
+}
+
+CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
+  CircleOptions options = options_.circle;
+  if (radius.rough_px && !options.radius_range_px) {
+    options.radius_range_px = {(1 - kRadiusTolerance) * *radius.rough_px,
+                               (1 + kRadiusTolerance) * *radius.rough_px};
+  }
+  const auto found = find_ball(frame, options);
+  if (!found) return {};
+  CirclePrior prior;
+  prior.predicted = *found;
+  prior.centre_sd_px = 1;
+  if (radius.px) {
+    prior.radius_px = radius.px;
+    prior.radius_sd_px = radius.sd_px;
+  }
+  prior.compression_axis_rad = options_.compression_axis_rad;
+  const CircleFit fit = measure_circle(frame, prior, options_.circle);
+  const bool another = fit.status == CircleStatus::ok && !plausible(fit, radius.rough_px);
+  return another ? CircleFit{} : fit;
+}
+
+CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrior>& prior,
+                              const Radius& radius, bool* searched) const {
+  if (prior) {
+    CircleFit fit = measure_circle(frame, *prior, options_.circle);
+    if (!plausible(fit, radius.rough_px) && fit.status != CircleStatus::out_of_view) {
+      // A stronger change than predicted: look farther before looking everywhere.
+      CirclePrior wide = *prior;
+      wide.centre_sd_px = std::max(3.0, 3 * prior->centre_sd_px);
+      wide.rim_sd_px.reset();
+      fit = measure_circle(frame, wide, options_.circle);
+    }
+    if (plausible(fit, radius.rough_px) || fit.status == CircleStatus::out_of_view) return fit;
+  }
+  if (searched != nullptr) *searched = true;
+  return search(frame, radius);
+}
+
+CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
+  bool searched = false;
+  const CircleFit fit = locate(frame, predict(index), radius(), &searched);
+  if (fit.status != CircleStatus::ok) return fit;
+  if (searched) memory_.seen.clear();
+  remember(fit, index);
+  return fit;
+}
+
+void BallTracker::follow(std::span<const Frame> frames, std::int64_t first_index,
+                         std::span<CircleFit> fits) {
+  complete(lead(frames, first_index, fits), frames, fits);
+}
+
+BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t first_index,
+                                    std::span<CircleFit> fits) {
+  Plan plan;
+  plan.first_index = first_index;
+  for (std::size_t begin = 0; begin < frames.size(); begin += kRun) {
+    lead_run(frames, begin, std::min(begin + kRun, frames.size()), fits, plan);
+  }
+  plan.radius = radius();
+  return plan;
+}
+
+void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                           std::span<CircleFit> fits, Plan& plan) {
+  const std::int64_t first = plan.first_index + static_cast<std::int64_t>(begin);
+  if (memory_.seen.empty() || first - memory_.seen.back().index > kLongestGap) {
+    search_run(frames, plan.first_index, begin, end, fits);
+  } else if (look_ahead(frames, begin, end, fits, plan)) {
+    return;
+  } else if (end - begin > kShortestRun) {
+    const std::size_t middle = (begin + end) / 2;
+    lead_run(frames, begin, middle, fits, plan);
+    lead_run(frames, middle, end, fits, plan);
+  } else {
+    for (std::size_t i = begin; i < end; ++i) {
+      fits[i] = track(frames[i], plan.first_index + static_cast<std::int64_t>(i));
+    }
+  }
+}
+
+bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                             std::span<CircleFit> fits, Plan& plan) {
+  if (memory_.seen.size() < 2 || memory_.radii_px.size() < kLeastRadii) return false;
+  const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
+  const CirclePrior prior = prior_ahead(index);
+  const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
+  if (!plausible(fit, prior.radius_px)) return false;
+  const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
+                                   fit.circle.cy_px - prior.predicted.cy_px);
+  if (off_px > kStraight_px) return false;
+  fits[end - 1] = fit;
+  for (std::size_t i = begin; i + 1 < end; ++i) {
+    plan.left.push_back({i, memory_.seen.back(), {index, fit}, off_px});
+  }
+  remember(fit, index);
+  return true;
+}
+
+void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
+                           std::span<CircleFit> fits) const {
+  // Alone: a thread that waits here must not take up work that waits for this.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, plan.left.size(), [&](std::size_t k) {
+      const Plan::Left& left = plan.left[k];
+      const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
+      CirclePrior prior = prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index,
+                                        left.off_px, index);
+      prior.radius_px = plan.radius.px;
+      prior.radius_sd_px = plan.radius.sd_px;
+      prior.compression_axis_rad = options_.compression_axis_rad;
+      fits[left.frame] = locate(frames[left.frame], prior, plan.radius);
+    });
+  });
+}
+
+void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_index,
+                             std::size_t begin, std::size_t end, std::span<CircleFit> fits) {
+  // A ball that is there is mostly there from the first frame on.
+  fits[begin] = track(frames[begin], first_index + static_cast<std::int64_t>(begin));
+  std::size_t next = begin + 1;
+  if (fits[begin].status != CircleStatus::ok) {
+    const Radius known = radius();
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_for(next, end, [&](std::size_t i) { fits[i] = search(frames[i], known); });
+    });
+    while (next < end && fits[next].status != CircleStatus::ok) ++next;
+    if (next == end) return;
+    memory_.seen.clear();
+    remember(fits[next], first_index + static_cast<std::int64_t>(next));
+    ++next;
+  }
+  for (; next < end; ++next) {
+    fits[next] = track(frames[next], first_index + static_cast<std::int64_t>(next));
+  }
+}
+
+}  // namespace impactdic::circle

@@ -1,0 +1,112 @@
+// The ball over the frames of a clip: predicts, measures, finds again after a loss.
+#pragma once
+
+#include <impactdic/image.h>
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "host/circle/circle.h"
+
+namespace impactdic::circle {
+
+struct BallTrackerOptions {
+  CircleOptions circle;
+  std::optional<double> compression_axis_rad;  // normal of the surface that is hit, image axes
+  std::optional<double> scouted_radius_px;     // roughly: another circle is not this ball
+  void validate() const;
+};
+
+// Follows one ball through frames in order (of time; a step back or a gap is allowed). Predicts
+// with constant velocity from the last two measured frames, measures (measure_circle), and looks
+// in the whole picture (find_ball) in the first frame and after a loss. Learns the free ball's
+// radius as the median of what it measured while the ball was round, and its polarity.
+//
+// Not for use from several threads; `follow` spreads the frames over threads itself.
+class BallTracker {
+ public:
+  explicit BallTracker(BallTrackerOptions options = {});
+
+  struct Seen {
+    std::int64_t index;
+    CircleFit fit;
+  };
+  // All that it knows of the frames before.
+  struct Memory {
+    std::deque<Seen> seen;           // the last measured frames, newest last
+    std::deque<double> radii_px;     // of the last frames in which the ball was round and whole
+    std::int64_t next_learning = 0;  // frame from which on the rim's look is learnt
+  };
+  const Memory& memory() const { return memory_; }
+  // Goes on as the tracker would whose memory this was.
+  void restore(Memory memory) { memory_ = std::move(memory); }
+
+  // Measures the ball in `frame`, which is frame number `index` of the clip. A frame without a
+  // ball says so in its status; the tracker goes on.
+  CircleFit track(const Frame& frame, std::int64_t index);
+
+  // Frames that lie between two measured ones, on the line that the ball takes: left by `lead`,
+  // measured by `complete`.
+  struct Plan;
+
+  // Measures the ball in consecutive frames from number `first_index` on. Where it moves steadily a
+  // frame some way ahead is measured, and where it lies as predicted the frames up to it are left
+  // to `complete`. `fits` gets one fit for every other frame, the last one among them.
+  Plan lead(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
+  // Measures the frames that `lead` left, in parallel; safe beside anything, on several batches at
+  // once. The fits are the same on any number of threads.
+  void complete(const Plan& plan, std::span<const Frame> frames, std::span<CircleFit> fits) const;
+  // Both.
+  void follow(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
+
+  // What is expected of frame `index`; nullopt where nothing is known.
+  std::optional<CirclePrior> predict(std::int64_t index) const;
+
+  // The free ball's radius so far, and the scatter of that.
+  std::optional<double> radius_px() const;
+  double radius_sd_px() const;
+
+ private:
+  // The free ball's radius; nothing before it is learnt. `rough_px` tells the ball from others.
+  struct Radius {
+    std::optional<double> px;
+    double sd_px = 0;
+    std::optional<double> rough_px;
+  };
+  Radius radius() const;
+  CirclePrior prior_ahead(std::int64_t index) const;
+  // Measures one frame, from the prior or by searching all of it, without a memory.
+  CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
+                   const Radius& radius, bool* searched = nullptr) const;
+  CircleFit search(const Frame& frame, const Radius& radius) const;
+  // The steps of `lead`, for the run of frames [begin, end).
+  void lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                std::span<CircleFit> fits, Plan& plan);
+  bool look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                  std::span<CircleFit> fits, Plan& plan);
+  void search_run(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
+                  std::size_t end, std::span<CircleFit> fits);
+
+  void remember(const CircleFit& fit, std::int64_t index);
+  void learn_radius(const CircleFit& fit);
+
+  BallTrackerOptions options_;
+  Memory memory_;
+};
+
+struct BallTracker::Plan {
+  struct Left {
+    std::size_t frame;  // of the batch
+    Seen from, to;      // the measured frames before and behind
+    double off_px;      // of the latter from where it was predicted
+  };
+  std::int64_t first_index = 0;
+  Radius radius;
+  std::vector<Left> left;
+};
+
+}  // namespace impactdic::circle

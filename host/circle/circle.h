@@ -1,0 +1,88 @@
+// The ball in a frame as a circle: found by the Hough transform, measured by a sub-pixel fit.
+#pragma once
+
+#include <impactdic/image.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace impactdic::circle {
+
+class RimModel;
+
+struct Circle {
+  double cx_px = 0, cy_px = 0, r_px = 0;
+  // How far from the centre the ball is free of what hides it, on all sides: up to the straight
+  // edge that would hide the widest part of the rim without edges (the frame of a racket, the
+  // picture's own edge). The radius where the rim has no such part; 0 where it is not known.
+  double free_px = 0;
+};
+
+enum class CircleStatus {
+  ok,
+  no_ball,      // no circular edge was found
+  out_of_view,  // the centre lies outside the picture or too little of the rim is inside
+};
+const char* to_string(CircleStatus status);
+
+// A measured circle with one standard deviation of each figure. Where the rim demands it an
+// ellipse is fitted: semi-axes R ± |e| with |e|² = e1² + e2² and the long one at angle
+// ½ atan2(e2, e1), which is r(φ) = R + e1 cos 2φ + e2 sin 2φ to first order in e/R (φ from x
+// towards y, image axes, y down). R is then `circle.r_px`. Otherwise e1 = e2 = 0.
+struct CircleFit {
+  CircleStatus status = CircleStatus::no_ball;
+  Circle circle;
+  double cx_sd_px = 0, cy_sd_px = 0, r_sd_px = 0;
+  bool ellipse = false;
+  double e1_px = 0, e2_px = 0;
+  double e1_sd_px = 0, e2_sd_px = 0;
+  bool bright = true;       // the ball is brighter than what lies behind it
+  bool inked = false;       // ink reaches into most of the rim
+  double residual_px = 0;   // scatter of the rim points that no ink disturbs
+  int rim_points = 0;       // accepted
+  double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
+  // How the rim looks: the edge's width and the ink beside it. None where the picture does not
+  // follow the model of it.
+  std::shared_ptr<const RimModel> look;
+};
+
+struct CircleOptions {
+  // Search range of the radius; from the picture's size where absent.
+  std::optional<std::pair<double, double>> radius_range_px;
+  int rays = 720;
+  bool allow_ellipse = true;
+  // Throws InvalidArgument.
+  void validate() const;
+};
+
+// What earlier frames say of this one: where the ball should be and how large it is.
+struct CirclePrior {
+  Circle predicted;
+  double centre_sd_px = 2.0;
+  double e1_px = 0, e2_px = 0;  // predicted shape, as in CircleFit
+  // How far the rim may lie from the predicted shape about its own centre; 2.5 % of the radius
+  // where absent.
+  std::optional<double> rim_sd_px;
+  std::optional<bool> bright;                     // tried both ways where absent
+  bool inked = false;                             // as in CircleFit: spares a first look
+  std::shared_ptr<const RimModel> look;           // as in CircleFit: spares the learning
+  bool learn = true;                              // a look, where there is none
+  std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
+  std::optional<double> compression_axis_rad;     // image axes, y down
+};
+
+// Finds the ball anywhere in a frame (Hough transform on a prepared picture, section 3.2.1 of
+// Ghaednia's dissertation); good to about a pixel. nullopt where there is none. Every circle that
+// the transform proposes must prove itself by its rim (measure_circle), so that speckles, a
+// highlight inside the ball or a straight edge are not taken for a ball. Safe on several threads.
+std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options);
+
+// Measures the ball near `prior` to a fraction of a pixel: sub-pixel edge along radial rays with a
+// local edge level, robust circle (or ellipse) fit. Uses nothing but its arguments, so the frames
+// of a clip may be measured on several threads at once. Throws InvalidArgument for a prior without
+// a radius or options that contradict each other.
+CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
+                         const CircleOptions& options);
+
+}  // namespace impactdic::circle

@@ -1,0 +1,323 @@
+// Lines across the rim along pixel rows and columns, eight lines or eight samples at a time.
+#include "host/circle/rim/rim_cast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace impactdic::circle {
+namespace {
+
+static_assert(kSamples < kLanes && kDeep == kLanes);
+constexpr float kLastTurn = 0.99999f;  // of a quarter
+
+[[gnu::always_inline]] inline void to_root(Lanes& v) {
+  float x[kLanes];
+  std::memcpy(x, &v, sizeof(v));
+  for (float& each : x) each = std::sqrt(each);
+  std::memcpy(&v, x, sizeof(v));
+}
+
+// The rim as a conic a X² + 2b XY + c Y² = 1 about its centre.
+struct Conic {
+  double a, b, c;
+  explicit Conic(const Rim& rim) {
+    const double e = std::hypot(rim.e1, rim.e2);
+    const double l = 1 / ((rim.r + e) * (rim.r + e)), s = 1 / ((rim.r - e) * (rim.r - e));
+    const double half = 0.5 * (l - s), per_e = e > 0 ? 1 / e : 0;
+    a = 0.5 * (l + s) + half * rim.e1 * per_e;
+    c = 0.5 * (l + s) - half * rim.e1 * per_e;
+    b = half * rim.e2 * per_e;
+  }
+  Conic(double a_, double b_, double c_) : a(a_), b(b_), c(c_) {}
+  Conic transposed() const { return {c, b, a}; }
+};
+
+// Lines along rows or columns: the sample at an excess of x lies x (per − x bend) beyond `at`, in
+// pixels from `origin`, which is an element of the picture.
+struct Courses {
+  int n = 0;
+  std::vector<float> at, per, bend;
+  std::vector<int> origin;
+
+  void resize(int lines) {  // whole blocks
+    const auto blocks = static_cast<std::size_t>((lines + kLanes - 1) / kLanes * kLanes);
+    n = lines;
+    at.resize(blocks);
+    per.resize(blocks);
+    bend.resize(blocks);
+    origin.resize(blocks);
+  }
+  void move(int from, int to) {
+    at[to] = at[from];
+    per[to] = per[from];
+    bend[to] = bend[from];
+    origin[to] = origin[from];
+  }
+};
+
+[[gnu::always_inline]] inline void store(const Lanes& v, std::vector<float>& out, int at) {
+  std::memcpy(out.data() + at, &v, sizeof(v));
+}
+
+// A quarter of the rim: lines along v, one every so many u.
+struct Quarter {
+  float a, b, c;       // Conic with u for X and v for Y
+  float u0, v0;        // the first line's u and the pixel from which v is told, from the centre
+  float u_step, side;  // side: the sign of v
+  int turn;            // 0 … 3
+  float least, most;   // v of pixels that have their neighbours
+  int origin, to_u;    // of the first line, and to the next one
+};
+
+// Where the lines of a quarter run, and where they cross the rim: into `lines` from `first` on.
+IMPACTDIC_WIDE void lay(const Quarter& q, float step, Courses& courses, CastLines& lines,
+                        int first) {
+  const float det = q.a * q.c - q.b * q.b, per_c = 1 / q.c;
+  const float order = q.u_step > 0 ? 1 : -1;
+  const float inner = -kInside * step, outer = kOutside * step;
+  const int n = courses.n;
+  for (int i = 0; i < n; i += kLanes) {
+    const Lanes x = q.u0 + q.u_step * (static_cast<float>(i) + kCount);
+    Lanes gradient = q.c - det * x * x;
+    to_root(gradient);
+    const Lanes y = (q.side * gradient - q.b * x) * per_c;
+    Lanes outside = x * x + y * y;
+    to_root(outside);
+    const Lanes per_outside = 1 / outside;
+    const Lanes slope = outside * gradient;  // of the excess along v, outwards
+    const Lanes per = q.side / slope;
+    const Lanes bend = 0.5f * per_outside * (1 - slope * slope) * per * per * per;
+    Lanes turn = 0.5f + 0.5f * order * q.side * x / y;
+    turn = turn < 0 ? Lanes{} : turn > kLastTurn ? Lanes{} + kLastTurn : turn;
+    store(y - q.v0, courses.at, i);
+    store(per, courses.per, i);
+    store(bend, courses.bend, i);
+    store(x * per_outside, q.turn % 2 == 0 ? lines.sin : lines.cos, first + i);
+    store(y * per_outside, q.turn % 2 == 0 ? lines.cos : lines.sin, first + i);
+    store(turn + static_cast<float>(q.turn), lines.turn, first + i);
+    for (int k = 0; k < kLanes; ++k) courses.origin[i + k] = q.origin + (i + k) * q.to_u;
+  }
+  int kept = 0;
+  for (int i = 0; i < n; ++i) {
+    const auto place = [&](float x) {
+      return courses.at[i] + x * (courses.per[i] - x * courses.bend[i]);
+    };
+    const float one = place(inner), other = place(outer);
+    if (std::min(one, other) < q.least || std::max(one, other) > q.most) continue;
+    if (kept < i) {
+      courses.move(i, kept);
+      lines.cos[first + kept] = lines.cos[first + i];
+      lines.sin[first + kept] = lines.sin[first + i];
+      lines.turn[first + kept] = lines.turn[first + i];
+    }
+    ++kept;
+  }
+  courses.n = kept;
+}
+
+struct Scratch {
+  Courses courses, deep;
+  struct Sample {
+    IntLanes index;      // of the first of four neighbours
+    Lanes part;          // of the way from the second to the third
+    IntLanes low, high;  // the neighbours, in bytes of `low` or in words of 16 bits
+  };
+  std::vector<Sample> lines;  // eight samples of each
+};
+
+template <typename T, typename Stride>
+[[gnu::always_inline]] inline void gather(const T* pixels, Stride stride, int n, Scratch& s) {
+  for (int i = 0; i < n; ++i) {
+    int index[kLanes], low[kLanes], high[kLanes];
+    std::memcpy(index, &s.lines[i].index, sizeof(index));
+    for (int k = 0; k < kLanes; ++k) {
+      const T* p = pixels + index[k];
+      const std::uint32_t a = p[0], b = p[stride], c = p[2 * stride], d = p[3 * stride];
+      if constexpr (sizeof(T) == 1) {
+        low[k] = static_cast<int>(a | b << 8 | c << 16 | d << 24);
+      } else {
+        low[k] = static_cast<int>(a | b << 16);
+        high[k] = static_cast<int>(c | d << 16);
+      }
+    }
+    std::memcpy(&s.lines[i].low, low, sizeof(low));
+    if constexpr (sizeof(T) == 2) std::memcpy(&s.lines[i].high, high, sizeof(high));
+  }
+}
+
+// Samples lines at the `excess`es by Catmull and Rom's cubic; neighbours are `stride` elements
+// apart.
+template <typename T>
+[[gnu::always_inline]] inline void take(const T* pixels, int stride, const Courses& courses,
+                                        const Lanes& excess, float sign, Scratch& s, Eight* out) {
+  const int n = courses.n;
+  s.lines.resize(n);
+  for (int i = 0; i < n; ++i) {
+    const Lanes at = courses.at[i] + excess * (courses.per[i] - excess * courses.bend[i]);
+    const IntLanes whole = __builtin_convertvector(at, IntLanes);
+    s.lines[i].part = at - __builtin_convertvector(whole, Lanes);
+    s.lines[i].index = (whole - 1) * stride + courses.origin[i];
+  }
+  if (stride == 1) {
+    gather(pixels, std::integral_constant<int, 1>{}, n, s);
+  } else {
+    gather(pixels, stride, n, s);
+  }
+  constexpr int kMost = sizeof(T) == 1 ? 255 : 65535;
+  for (int i = 0; i < n; ++i) {
+    const IntLanes u = s.lines[i].low, v = sizeof(T) == 1 ? u >> 16 : s.lines[i].high;
+    constexpr int kBits = 8 * sizeof(T);
+    const Lanes a = __builtin_convertvector(u & kMost, Lanes);
+    const Lanes b = __builtin_convertvector(u >> kBits & kMost, Lanes);
+    const Lanes c = __builtin_convertvector(v & kMost, Lanes);
+    const Lanes d = __builtin_convertvector(v >> kBits & kMost, Lanes);
+    const Lanes t = s.lines[i].part;
+    out[i].v =
+        sign *
+        (b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a))));
+  }
+}
+IMPACTDIC_WIDE void sample(const std::uint8_t* pixels, int stride, const Courses& courses,
+                           const Lanes& excess, float sign, Scratch& s, Eight* out) {
+  take(pixels, stride, courses, excess, sign, s, out);
+}
+IMPACTDIC_WIDE void sample(const std::uint16_t* pixels, int stride, const Courses& courses,
+                           const Lanes& excess, float sign, Scratch& s, Eight* out) {
+  take(pixels, stride, courses, excess, sign, s, out);
+}
+
+template <typename T>
+class Caster {
+ public:
+  Caster(ImageView<const T> picture, const Rim& rim, float sign, const Casting& how,
+         CastLines& lines)
+      : picture_(picture), rim_(rim), sign_(sign), how_(how), lines_(lines) {}
+
+  // Columns: v is y. `side` is the sign of v, `order` that of u from line to line.
+  void quarter(int turn, bool columns, int side, int order) {
+    const Conic conic = columns ? Conic(rim_) : Conic(rim_).transposed();
+    const double u0 = columns ? rim_.cx : rim_.cy, v0 = columns ? rim_.cy : rim_.cx;
+    const int width = columns ? picture_.width : picture_.height;
+    const int height = columns ? picture_.height : picture_.width;
+    const int pitch = static_cast<int>(picture_.pitch);
+    const int to_u = columns ? 1 : pitch, to_v = columns ? pitch : 1;
+    // The normal lies along v rather than along u between the points where it does so by 45°.
+    const auto end = [&](int sign) {
+      const double det = conic.a * conic.c - conic.b * conic.b;
+      return (conic.c * sign - conic.b * side) /
+             std::sqrt(det * (conic.a + conic.c - 2 * conic.b * side * sign));
+    };
+    const int low = static_cast<int>(std::ceil(u0 + end(-1)));
+    const int high = static_cast<int>(std::floor(u0 + end(1)));
+    if (high < low) return;
+    const int stride =
+        std::max(1, static_cast<int>(std::ceil(4 * std::sqrt(2.0) * rim_.r / how_.most_lines)));
+    const int all = (high - low) / stride + 1, step = order * stride;
+    lines_.cast += all;
+    int start = order > 0 ? low : high, n = all;
+    const auto in = [&](int u) { return u >= 0 && u < width; };
+    for (; n > 0 && !in(start); --n) start += step;
+    while (n > 0 && !in(start + (n - 1) * step)) --n;
+    if (n == 0) return;
+
+    // v is told from a pixel so far out that it is positive, and small as numbers go.
+    const double reach = rim_.r + std::hypot(rim_.e1, rim_.e2) + 2 * kOutside * how_.step_px + 4;
+    const int from = static_cast<int>(std::floor(v0 - reach));
+    static thread_local Scratch scratch;  // memory only
+    const int first = static_cast<int>(lines_.level.size());
+    scratch.courses.resize(n);
+    lines_.resize(first + n);
+    const Quarter q = {static_cast<float>(conic.a),   static_cast<float>(conic.b),
+                       static_cast<float>(conic.c),   static_cast<float>(start - u0),
+                       static_cast<float>(from - v0), static_cast<float>(step),
+                       static_cast<float>(side),      turn,
+                       static_cast<float>(1 - from),  static_cast<float>(height - from) - 2.01f,
+                       start * to_u + from * to_v,    step * to_u};
+    lay(q, static_cast<float>(how_.step_px), scratch.courses, lines_, first);
+    lines_.resize(first + scratch.courses.n);
+    const Lanes inwards = {-3, -2, -1, 0, 1, 2, 3, 3};
+    static_assert(kInside == 3 && kOutside == 3);
+    sample(picture_.data, to_v, scratch.courses, inwards * static_cast<float>(how_.step_px), sign_,
+           scratch, lines_.level.data() + first);
+    if (how_.deep_every > 0) deepen(q, first, to_v, scratch);
+  }
+
+ private:
+  void deepen(const Quarter& q, int first, int to_v, Scratch& scratch) {
+    const float step = std::min(static_cast<float>(how_.step_px), static_cast<float>(rim_.r) / 24);
+    const Courses& all = scratch.courses;
+    Courses& deep = scratch.deep;
+    const auto before = lines_.deep_line.size();
+    const float deepest = -(kInside + kDeep) * step;
+    deep.resize(all.n / how_.deep_every + 1);
+    int n = 0;
+    for (int i = 0; i < all.n; i += how_.deep_every) {
+      const float v = all.at[i] + deepest * (all.per[i] - deepest * all.bend[i]);
+      if (v < q.least || v > q.most) continue;
+      deep.at[n] = all.at[i];
+      deep.per[n] = all.per[i];
+      deep.bend[n] = all.bend[i];
+      deep.origin[n] = all.origin[i];
+      ++n;
+      const int line = first + i;
+      const float c = lines_.cos[line], s = lines_.sin[line];
+      const float outside = static_cast<float>(rim_.radius_at(c * c - s * s, 2.0 * c * s));
+      const float middle =
+          (outside - (kInside + 0.5f * (1 + kDeep)) * step) / static_cast<float>(rim_.r);
+      lines_.deep_line.push_back(line);
+      lines_.deep_x.push_back(middle * c);
+      lines_.deep_y.push_back(middle * s);
+    }
+    deep.n = n;
+    lines_.deep_level.resize(before + n);
+    sample(picture_.data, to_v, deep, -step * (static_cast<float>(kInside + 1) + kCount), sign_,
+           scratch, lines_.deep_level.data() + before);
+  }
+
+  ImageView<const T> picture_;
+  Rim rim_;
+  float sign_;
+  Casting how_;
+  CastLines& lines_;
+};
+
+template <typename T>
+void cast(ImageView<const T> picture, const Rim& rim, bool bright, const Casting& how,
+          CastLines& lines) {
+  Caster<T> caster(picture, rim, bright ? 1.0f : -1.0f, how, lines);
+  caster.quarter(0, false, 1, 1);
+  caster.quarter(1, true, 1, -1);
+  caster.quarter(2, false, -1, -1);
+  caster.quarter(3, true, -1, 1);
+}
+
+}  // namespace
+
+void CastLines::resize(int lines) {
+  const auto blocks = static_cast<std::size_t>(lines) + kLanes - 1;
+  cos.resize(blocks);
+  sin.resize(blocks);
+  turn.resize(blocks);
+  level.resize(static_cast<std::size_t>(lines));
+}
+
+void cast_lines(const Frame& frame, const Rim& rim, bool bright, const Casting& how,
+                CastLines& lines) {
+  lines.cast = 0;
+  lines.resize(0);
+  lines.deep_line.clear();
+  lines.deep_x.clear();
+  lines.deep_y.clear();
+  lines.deep_level.clear();
+  if (frame.type == PixelType::u8) {
+    cast(frame.u8.view(), rim, bright, how, lines);
+  } else {
+    cast(frame.u16.view(), rim, bright, how, lines);
+  }
+}
+
+}  // namespace impactdic::circle

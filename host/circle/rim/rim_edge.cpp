@@ -1,0 +1,361 @@
+// The sub-pixel edge of each ray that crosses the rim cleanly: bicubic profile, local half level.
+#include <impactdic/units.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "host/circle/rim/rim.h"
+
+namespace impactdic::circle {
+namespace {
+
+constexpr int kSectors = 24;  // of the rim, in which levels are found
+constexpr int kHalf = 3;      // a profile is 2·kHalf + 1 samples about the expected rim
+constexpr int kLength = 2 * kHalf + 1;
+constexpr int kLevelsEvery = 3;        // rays from one that looks for levels to the next
+constexpr double kSharpest_px = 0.75;  // a wider edge is sampled on proportionally wider steps
+constexpr int kBeside = 3;  // rays beside one with an obstacle that the obstacle's blur reaches
+constexpr float kPhase_px[2] = {0.006f, 0.02f};  // error with the pixels' phase, smooth and sharp
+constexpr float kLeastContrast = 0.2f;           // of the usual contrast
+constexpr float kGroundTolerance = 0.06f;        // of the contrast, two steps outside the crossing
+
+struct Rays {
+  std::vector<float> cos, sin;                      // all rays in view
+  std::vector<int> ray;                             // number of the ray, 0 … count − 1
+  std::vector<float> profile;                       // (rays, kLength), from inside to outside
+  std::array<std::vector<float>, kSectors> ground;  // samples 2 … 4 steps outside, by sector
+  std::vector<float> scratch;
+
+  void resize(int n) {
+    cos.resize(n);
+    sin.resize(n);
+    ray.resize(n);
+    profile.resize(static_cast<std::size_t>(n) * kLength);
+    for (auto& sector : ground) sector.clear();
+  }
+  const float* row(int i) const { return profile.data() + static_cast<std::size_t>(i) * kLength; }
+};
+
+// A crossing of the half level.
+struct Edge {
+  int index;       // into Rays
+  float at;        // steps from the expected rim
+  float fall;      // of the contrast, from one step inside the crossing to one outside
+  float contrast;  // of the usual
+};
+
+// Noise of one profile sample: from ray to ray outside the ball, where nothing else changes.
+float sample_noise(Rays& rays, int n) {
+  rays.scratch.clear();
+  for (int i = 3; i < n; i += 3) {
+    rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i - 3)[kLength - 1]));
+  }
+  return 1.4826f / std::sqrt(2.0f) * quantile(rays.scratch, 0.5);
+}
+
+// The background's level by sector: the median of what lies 2 … 4 steps outside, over three
+// sectors.
+std::array<float, kSectors> ground_levels(Rays& rays) {
+  std::array<float, kSectors> levels{};
+  for (int b = 0; b < kSectors; ++b) {
+    rays.scratch.clear();
+    for (int d = -1; d <= 1; ++d) {
+      const auto& sector = rays.ground[(b + d + kSectors) % kSectors];
+      rays.scratch.insert(rays.scratch.end(), sector.begin(), sector.end());
+    }
+    if (!rays.scratch.empty()) levels[b] = quantile(rays.scratch, 0.5);
+  }
+  return levels;
+}
+
+// The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
+// quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of
+// samples 3 … 13 steps inside. It starts from what one sample in twenty exceeds in each sector,
+// since on a densely inked ball little more shows the bare paint, and settles on what lies within
+// a window about it that shrinks to the noise.
+class BallLight {
+ public:
+  static constexpr int kDepths = 6;
+  // Samples of one ray, 3, 5 … 13 steps inside; (x, y) is the place of their middle, in radii from
+  // the centre, and `step` a step in the same unit.
+  struct Column {
+    float x, y, step;
+    float per_distance;  // one over that of the place from the centre
+    int ray;
+    std::array<float, kDepths> level;
+  };
+  static float depth(int k) { return static_cast<float>(3 + 2 * k); }
+  static constexpr float kMiddle = 8;
+
+  void clear() { columns_.clear(); }
+  void add(const Column& column) { columns_.push_back(column); }
+
+  // `ground` is the background's level.
+  void fit(float ground, float noise, int rays, std::vector<float>& scratch) {
+    std::array<Bright, kSectors> bright;
+    int sectors = 0;
+    std::size_t first = 0;
+    for (int sector = 0; sector < kSectors; ++sector) {  // columns come in the order of the rays
+      scratch.clear();
+      const std::size_t begin = first;
+      while (first < columns_.size() && columns_[first].ray * kSectors / rays == sector) {
+        const auto& level = columns_[first++].level;
+        scratch.insert(scratch.end(), level.begin(), level.end());
+      }
+      if (scratch.size() < 8) continue;
+      const Column& middle = columns_[(begin + first) / 2];
+      bright[sectors++] = {middle.x, middle.y, quantile(scratch, 0.95)};
+    }
+    // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
+    w_.setZero();
+    for (int pass = 0; pass < 6; ++pass) {
+      Matrix5 a = Matrix5::Identity() * 1e-6;
+      for (int m = 1; m < 5; ++m) a(m, m) = m < 3 ? 0.1 : 1;  // no shading unless it shows
+      Vector5 b = Vector5::Zero();
+      for (int k = 0; k < sectors; ++k) {
+        const Vector5 j = basis(bright[k].x, bright[k].y);
+        const double off = bright[k].level - w_.dot(j);
+        const double weight = pass == 0 || off > -0.02 * (w_[0] - ground) ? 1 : 0.03;
+        a.noalias() += weight * j * j.transpose();
+        b.noalias() += weight * bright[k].level * j;
+      }
+      w_ = a.ldlt().solve(b);
+    }
+    const float contrast = static_cast<float>(w_[0]) - ground;
+    const float last = std::max(2.5f * noise, 0.015f * contrast);
+    for (const float window :
+         {std::max(0.08f * contrast, last), std::max(0.04f * contrast, last), last}) {
+      settle(window);
+    }
+  }
+  float at(float c, float s) const { return static_cast<float>(w_.dot(basis(c, s))); }
+
+ private:
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  using Matrix5 = Eigen::Matrix<double, 5, 5>;
+  struct Bright {
+    float x, y, level;
+  };
+  static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
+
+  void settle(float window) {
+    // A handful of samples at the present level, so that sectors without bare paint keep theirs.
+    Matrix5 a = Matrix5::Zero();
+    for (int m = 0; m < 5; ++m) a(m, m) = 5;
+    Vector5 b = a * w_;
+    for (const Column& column : columns_) {
+      const Vector5 j = basis(column.x, column.y);
+      const float expected = static_cast<float>(w_.dot(j));
+      // The light changes along the ray as the place does.
+      const float slope =
+          (expected - static_cast<float>(w_[0])) * column.step * column.per_distance;
+      float sum = 0;
+      int n = 0;
+      for (int k = 0; k < kDepths; ++k) {
+        const float level = column.level[k] - slope * (kMiddle - depth(k));
+        const bool near = std::abs(level - expected) <= window;
+        sum += near ? level : 0;
+        n += near;
+      }
+      for (int p = 0; p < 5; ++p) {
+        for (int q = 0; q <= p; ++q) a(p, q) += n * j[p] * j[q];
+        b[p] += j[p] * sum;
+      }
+    }
+    w_ = a.ldlt().solve(b);  // reads the lower triangle
+  }
+
+  std::vector<Column> columns_;
+  Vector5 w_ = Vector5::Zero();
+};
+
+// Casts the rays; returns how many lie in the picture. `sign` makes every ball bright.
+template <bool kSharp, typename T>
+int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int count, Rays& rays,
+         BallLight& light) {
+  const Sampler<T> sampler(picture);
+  rays.resize(count);
+  const double turn_c = std::cos(2 * kPi / count), turn_s = std::sin(2 * kPi / count);
+  const float per_radius = 1 / static_cast<float>(rim.r);
+  double c = 1, s = 0;
+  int n = 0;
+  for (int i = 0; i < count; ++i) {
+    const double radius = rim.radius_at(c * c - s * s, 2 * c * s);
+    const float x = static_cast<float>(rim.cx + radius * c);
+    const float y = static_cast<float>(rim.cy + radius * s);
+    const float dx = step * static_cast<float>(c), dy = step * static_cast<float>(s);
+    if (sampler.inside(x - kHalf * dx, y - kHalf * dy, 2) &&
+        sampler.inside(x + kHalf * dx, y + kHalf * dy, 2)) {
+      float* p = rays.profile.data() + static_cast<std::size_t>(n) * kLength;
+      for (int k = -kHalf; k <= kHalf; ++k) {
+        const float px = x + static_cast<float>(k) * dx, py = y + static_cast<float>(k) * dy;
+        p[k + kHalf] = sign * sampler.template bicubic<kSharp>(px, py);
+      }
+      if (i % kLevelsEvery == 0) {
+        const float ux = static_cast<float>(c), uy = static_cast<float>(s);
+        const auto level = [&](float out_px) {
+          return sign * sampler.bilinear(x + out_px * ux, y + out_px * uy);
+        };
+        for (int k = 2; k <= 4; ++k) {
+          if (!sampler.inside(x + k * dx, y + k * dy, 1.5f)) break;
+          rays.ground[i * kSectors / count].push_back(level(k * step));
+        }
+        // The steps are shorter on a ball so small that they would reach its centre.
+        const float inward = std::min(step, static_cast<float>(rim.r) / 26);
+        const float deepest = BallLight::depth(BallLight::kDepths - 1) * inward;
+        if (sampler.inside(x - deepest * ux, y - deepest * uy, 1.5f)) {
+          const float middle =
+              per_radius * (static_cast<float>(radius) - BallLight::kMiddle * inward);
+          BallLight::Column column{middle * ux, middle * uy, inward * per_radius,
+                                   1 / middle,  i,           {}};
+          for (int k = 0; k < BallLight::kDepths; ++k) {
+            column.level[k] = level(-BallLight::depth(k) * inward);
+          }
+          light.add(column);
+        }
+      }
+      rays.cos[n] = static_cast<float>(c);
+      rays.sin[n] = static_cast<float>(s);
+      rays.ray[n] = i;
+      ++n;
+    }
+    const double next = c * turn_c - s * turn_s;
+    s = s * turn_c + c * turn_s;
+    c = next;
+  }
+  return n;
+}
+
+// The background at a ray whose samples outside read `seen`: linear between the middles of the
+// sectors, or where an obstacle ends between them the nearer of the two.
+float ground_at(const std::array<float, kSectors>& levels, int ray, int count, float seen,
+                float contrast) {
+  const float at = static_cast<float>(ray) * kSectors / static_cast<float>(count) - 0.5f;
+  const int b = static_cast<int>(std::floor(at));
+  const float t = at - static_cast<float>(b);
+  const float a = levels[(b + kSectors) % kSectors], c = levels[(b + 1) % kSectors];
+  if (std::abs(a - c) < kGroundTolerance * contrast) return a + t * (c - a);
+  return std::abs(seen - a) < std::abs(seen - c) ? a : c;
+}
+
+// Where the profile falls through `level`, in steps from the expected rim; outermost, within two
+// steps. Cubic through the four samples about it.
+bool cross(const float* p, float level, float& at) {
+  for (int k = kHalf + 2; k > kHalf - 2; --k) {
+    if (p[k - 1] < level || p[k] >= level) continue;
+    // On [k−1, k] with t in [0, 1], Lagrange's cubic through k−2 … k+1.
+    const float a = p[k - 2], b = p[k - 1], c = p[k], d = p[k + 1];
+    const float c1 = -a / 3 - b / 2 + c - d / 6;
+    const float c2 = a / 2 - b + c / 2;
+    const float c3 = -a / 6 + b / 2 - c / 2 + d / 6;
+    float t = (b - level) / (b - c);
+    for (int pass = 0; pass < 3; ++pass) {
+      const float f = b - level + t * (c1 + t * (c2 + t * c3));
+      const float slope = c1 + t * (2 * c2 + t * 3 * c3);
+      if (!(slope < 0)) return false;
+      t -= f / slope;
+    }
+    if (t < -0.5f || t > 1.5f) return false;
+    at = static_cast<float>(k - 1 - kHalf) + t;
+    return true;
+  }
+  return false;
+}
+
+float profile_at(const float* p, float at) {
+  const float u = at + kHalf;
+  const int k = std::clamp(static_cast<int>(u), 1, kLength - 3);
+  const float t = u - static_cast<float>(k);
+  const float a = p[k - 1], b = p[k], c = p[k + 1], d = p[k + 2];
+  return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
+}
+
+// The crossings of the rays that show the background outside as their neighbourhood has it: drops
+// the bar and whatever else lies in front of both. `relative_noise` gets the noise of a sample over
+// the contrast.
+void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge>& edges,
+                float& relative_noise) {
+  edges.clear();
+  const float noise = sample_noise(rays, n);
+  const auto grounds = ground_levels(rays);
+  const float ground = quantile(grounds, 0.5);
+  light.fit(ground, noise, count, rays.scratch);
+  const float usual = light.at(0, 0) - ground;
+  relative_noise = noise / std::max(usual, 1e-6f);
+  int blocked = -kBeside - 1;  // the last ray with something else outside
+  for (int i = 0; i < n; ++i) {
+    const float* p = rays.row(i);
+    const float ball = light.at(rays.cos[i], rays.sin[i]);
+    const float outside =
+        ground_at(grounds, rays.ray[i], count, p[kLength - 1], std::max(usual, 1e-6f));
+    const float contrast = ball - outside;
+    Edge edge{i, 0, 0, contrast / usual};
+    const bool seen = contrast > kLeastContrast * usual && contrast > 6 * noise &&
+                      std::abs(p[kLength - 1] - outside) < kGroundTolerance * contrast + 4 * noise;
+    if (!seen) {
+      blocked = i;
+      while (!edges.empty() && edges.back().index >= i - kBeside) edges.pop_back();
+      continue;
+    }
+    if (i - blocked <= kBeside || !cross(p, outside + 0.5f * contrast, edge.at)) continue;
+    const float beyond = profile_at(p, edge.at + 2) - outside;
+    if (std::abs(beyond) > kGroundTolerance * contrast + 3 * noise) continue;
+    edge.fall = (profile_at(p, edge.at - 1) - profile_at(p, edge.at + 1)) / contrast;
+    edges.push_back(edge);
+  }
+}
+
+// Width of the edge as a Gaussian's σ: the level falls by Φ(1/σ) − Φ(−1/σ) over two steps.
+double edge_sigma(const std::vector<Edge>& edges, std::vector<float>& scratch, double step) {
+  scratch.clear();
+  for (const Edge& edge : edges) scratch.push_back(edge.fall);
+  if (scratch.empty()) return 0;
+  const double fall = std::clamp(static_cast<double>(quantile(scratch, 0.5)), 0.3, 0.999);
+  double low = 0.1, high = 3;
+  for (int pass = 0; pass < 20; ++pass) {
+    const double middle = 0.5 * (low + high);
+    (std::erf(1 / (middle * std::sqrt(2.0))) > fall ? low : high) = middle;
+  }
+  return low * step;
+}
+
+}  // namespace
+
+void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, bool sharp,
+               int count, RimTrace& trace) {
+  thread_local Rays rays;  // memory only
+  thread_local std::vector<Edge> edges;
+  thread_local BallLight light;
+  light.clear();
+  const float step = static_cast<float>(std::clamp(blur_px / kSharpest_px, 1.0, rim.r / 8));
+  const float sign = bright ? 1.0f : -1.0f;
+  const auto cast_on = [&](const auto& view) {
+    return sharp ? cast<true>(view, rim, sign, step, count, rays, light)
+                 : cast<false>(view, rim, sign, step, count, rays, light);
+  };
+  const int n = frame.type == PixelType::u8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
+  trace.points.clear();
+  trace.rays_in_view = n;
+  trace.edge_sigma_px = 0;
+  if (n < 16) return;
+  float relative_noise = 0;
+  find_edges(rays, light, n, count, edges, relative_noise);
+  trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
+  const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
+  // Errors grow where the contrast falls.
+  const auto error = [&](double contrast) {
+    return std::hypot(noise / contrast, kPhase_px[sharp]);
+  };
+  const double usual = error(1);
+  trace.noise_px = usual;
+  for (const Edge& edge : edges) {
+    trace.points.push_back({rays.cos[edge.index], rays.sin[edge.index], step * edge.at,
+                            static_cast<float>(usual / error(edge.contrast)),
+                            rays.ray[edge.index] * kRimSectors / count});
+  }
+}
+
+}  // namespace impactdic::circle

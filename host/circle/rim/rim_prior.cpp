@@ -1,0 +1,82 @@
+#include "host/circle/rim/rim_prior.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace impactdic::circle {
+namespace {
+
+constexpr double kTransverse = 0.3;  // of |e|: how far a squashed ball may widen or shrink
+constexpr double kRound_px = 0.05;
+constexpr double kAxisTilt = 0.1;  // of |e|: shape across the given compression axis
+
+}  // namespace
+
+void Knowledge::add(const Vector5& direction, double value, double sd) {
+  precision += direction * direction.transpose() / (sd * sd);
+  pull += direction * (value / (sd * sd));
+}
+
+Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, bool ellipse,
+                    double shrink_px) {
+  Knowledge k;
+  const double e1 = rim.e1 + delta[3], e2 = rim.e2 + delta[4];
+  const double e = std::hypot(e1, e2);
+  if (!ellipse) {
+    k.add(Vector5::Unit(3), -rim.e1, 1e-6);
+    k.add(Vector5::Unit(4), -rim.e2, 1e-6);
+  }
+  // Unit vector (in e1, e2) of the long axis: across the compression.
+  // Without a given axis it fades out where the shape is too round to have one.
+  double u1 = e1 / (e + kRound_px), u2 = e2 / (e + kRound_px);
+  if (ellipse && prior.compression_axis_rad) {
+    u1 = -std::cos(2 * *prior.compression_axis_rad);
+    u2 = -std::sin(2 * *prior.compression_axis_rad);
+    Vector5 across = Vector5::Zero();
+    across[3] = -u2;
+    across[4] = u1;
+    k.add(across, u2 * rim.e1 - u1 * rim.e2, kAxisTilt * e + 0.02);
+  }
+  if (prior.radius_px && prior.radius_sd_px) {
+    Vector5 long_axis = Vector5::Unit(2);
+    double value = *prior.radius_px - shrink_px - rim.r, sd = *prior.radius_sd_px;
+    if (ellipse) {
+      long_axis[3] = u1;
+      long_axis[4] = u2;
+      value -= u1 * rim.e1 + u2 * rim.e2;
+      sd = std::hypot(sd, kTransverse * e);
+    }
+    k.add(long_axis, value, std::max(sd, 1e-4));
+  }
+  return k;
+}
+
+double score_test(const Matrix5& information, const Vector5& score, double wider) {
+  const Eigen::Matrix3d circle = information.topLeftCorner<3, 3>();
+  const Eigen::Matrix<double, 3, 2> cross = information.topRightCorner<3, 2>();
+  const Eigen::Matrix2d shape =
+      information.bottomRightCorner<2, 2>() - cross.transpose() * circle.ldlt().solve(cross);
+  const Eigen::Vector2d oval = score.tail<2>();
+  return oval.dot(shape.ldlt().solve(oval)) / wider;
+}
+
+double wald(const Rim& rim, const Vector5& delta, const Matrix5& covariance) {
+  const Eigen::Vector2d e{rim.e1 + delta[3], rim.e2 + delta[4]};
+  const Eigen::Matrix2d part = covariance.bottomRightCorner<2, 2>();
+  return e.dot(part.ldlt().solve(e));
+}
+
+double inflation(const SectorSums& s, double information, double common_px, int parameters) {
+  double between = 0, common = 0;
+  int used = 0;
+  for (int b = 0; b < kRimSectors; ++b) {
+    between += s.score[b] * s.score[b];
+    common += std::pow(common_px * s.information[b], 2);
+    used += s.points[b] > 0;
+  }
+  const double freedom = static_cast<double>(used) / std::max(1, used - parameters);
+  const double sum = std::max(information, 1e-30);
+  return std::max(1.0, between * freedom / sum) + common / sum;
+}
+
+}  // namespace impactdic::circle

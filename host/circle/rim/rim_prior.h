@@ -1,0 +1,46 @@
+// What both fits of a rim share: prior knowledge, tests of its shape, errors that neighbours share.
+// Internal to host/track; corrections are (x, y, dR, de1, de2).
+#pragma once
+
+#include <Eigen/Dense>
+#include <array>
+
+#include "host/circle/circle.h"
+#include "host/circle/rim/rim.h"
+
+namespace impactdic::circle {
+
+using Vector5 = Eigen::Matrix<double, 5, 1>;
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+inline constexpr double kSignificant =
+    18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
+inline constexpr double kPlainlyOval = 0.004;  // e/R of a rim that no circle need be tried for
+
+// What is known beforehand of the corrections, as a quadratic: precision·delta = pull.
+struct Knowledge {
+  Matrix5 precision = Matrix5::Zero();
+  Vector5 pull = Vector5::Zero();
+  // direction · delta = value ± sd.
+  void add(const Vector5& direction, double value, double sd);
+};
+
+// The uncompressed ball's radius and the axis of its compression, for the shape at `delta`.
+Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, bool ellipse,
+                    double shrink_px);
+
+// χ² of an ellipse against the circle fitted: the score that e1 and e2 have there (Rao's test).
+double score_test(const Matrix5& information, const Vector5& score, double wider);
+// χ² of e1 and e2 (2 degrees of freedom) for a fitted ellipse: Wald's test.
+double wald(const Rim& rim, const Vector5& delta, const Matrix5& covariance);
+
+struct SectorSums {
+  std::array<double, kRimSectors> score{}, information{};
+  std::array<int, kRimSectors> points{};
+};
+// How much wider the score scatters than that of independent points. What neighbours share is seen
+// in the sums over sectors: independent errors add up as roots, common ones do not. Levels and
+// pixel phases that are common to longer arcs add `common_px` to every sector.
+double inflation(const SectorSums& sums, double information, double common_px, int parameters);
+
+}  // namespace impactdic::circle

@@ -1,0 +1,106 @@
+#include "host/circle/scout_ball.h"
+
+#include <impactdic/error.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace impactdic::circle {
+namespace {
+
+constexpr std::int64_t kFirstLook = 12, kLastLook = 48;  // frames
+constexpr double kSameRadius = 0.05;                     // of the radius
+constexpr double kWellSeen = 0.3;                        // share of the rim
+constexpr int kAgree = 3;                                // frames that settle the question
+
+struct Sighting {
+  double radius_px = 0;
+  double rim_fraction = 0;
+  // Length of rim seen: a blob inside the ball is round too, but small.
+  double score() const { return rim_fraction * radius_px; }
+};
+
+Sighting look(video::FrameSource& source, std::int64_t index, const Roi& roi,
+              const CircleOptions& options) {
+  Frame whole, frame;
+  try {
+    source.read(index, whole);
+  } catch (const Error&) {
+    return {};  // the run itself will say so, when it has measured the frames before
+  }
+  crop(whole, roi, frame);
+  const auto found = find_ball(frame, options);
+  if (!found) return {};
+  CirclePrior prior;
+  prior.predicted = *found;
+  prior.centre_sd_px = 1;
+  const CircleFit fit = measure_circle(frame, prior, options);
+  if (fit.status != CircleStatus::ok || fit.rim_fraction < kWellSeen) return {};
+  return {fit.circle.r_px, fit.rim_fraction};
+}
+
+bool same_radius(const Sighting& a, const Sighting& b) {
+  return std::abs(a.radius_px - b.radius_px) < kSameRadius * b.radius_px;
+}
+
+// Those that agree with the sighting that most rim speaks for.
+std::vector<Sighting> agreed(const std::vector<Sighting>& sightings) {
+  std::vector<Sighting> best;
+  double best_score = 0;
+  for (const Sighting& centre : sightings) {
+    std::vector<Sighting> same;
+    double score = 0;
+    for (const Sighting& other : sightings) {
+      if (other.radius_px > 0 && same_radius(other, centre)) {
+        same.push_back(other);
+        score += other.score();
+      }
+    }
+    if (score > best_score) {
+      best_score = score;
+      best = std::move(same);
+    }
+  }
+  return best;
+}
+
+double median_radius_px(std::vector<Sighting> sightings) {
+  const auto middle = sightings.begin() + static_cast<std::ptrdiff_t>(sightings.size() / 2);
+  std::nth_element(sightings.begin(), middle, sightings.end(),
+                   [](const Sighting& a, const Sighting& b) { return a.radius_px < b.radius_px; });
+  return middle->radius_px;
+}
+
+}  // namespace
+
+std::optional<double> scout_radius_px(video::FrameSource& source, const FrameRange& range,
+                                      const Roi& roi, const CircleOptions& options) {
+  std::vector<Sighting> sightings;
+  std::vector<std::int64_t> looked_at;
+  std::vector<Sighting> best;
+  for (std::int64_t looks = kFirstLook; looks <= kLastLook; looks *= 2) {
+    const std::int64_t n = std::min(looks, range.count());
+    std::vector<std::int64_t> frames;
+    for (std::int64_t k = 0; k < n; ++k) {
+      const std::int64_t index = range.at((2 * k + 1) * range.count() / (2 * n));
+      if (std::find(looked_at.begin(), looked_at.end(), index) == looked_at.end()) {
+        frames.push_back(index);
+      }
+    }
+    const std::size_t before = sightings.size();
+    sightings.resize(before + frames.size());
+    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
+      sightings[before + k] = look(source, frames[k], roi, options);
+    });
+    looked_at.insert(looked_at.end(), frames.begin(), frames.end());
+    best = agreed(sightings);
+    if (static_cast<int>(best.size()) >= kAgree || n == range.count()) break;
+  }
+  if (best.empty()) return std::nullopt;
+  return median_radius_px(std::move(best));
+}
+
+}  // namespace impactdic::circle

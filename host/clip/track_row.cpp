@@ -1,0 +1,55 @@
+#include "host/clip/track_row.h"
+
+#include <impactdic/error.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace impactdic {
+
+namespace {
+constexpr std::array kWords = {"ok",          "no_ball",   "no_texture", "low_correlation",
+                               "out_of_view", "last_frame"};
+}  // namespace
+
+const char* to_string(TrackStatus status) { return kWords[static_cast<std::size_t>(status)]; }
+
+TrackStatus parse_track_status(const std::string& word) {
+  for (std::size_t i = 0; i < kWords.size(); ++i) {
+    if (word == kWords[i]) return static_cast<TrackStatus>(i);
+  }
+  throw InvalidArgument("'" + word + "' is not a status of a tracked frame");
+}
+
+SiRow to_si(const TrackRow& row, const SiScale& scale) {
+  const double length = scale.metre_per_px > 0 ? scale.metre_per_px : kNotMeasured;
+  const double rate = scale.fps > 0 ? scale.fps : kNotMeasured;
+  const double speed = length * rate;
+  const double c = std::cos(scale.surface_angle_rad), s = std::sin(scale.surface_angle_rad);
+  SiRow si{};
+  si.x_m = row.cx_px * length;
+  si.y_m = (scale.image_height - 1 - row.cy_px) * length;
+  si.vx_m_s = row.dx_px * speed;
+  si.vy_m_s = -row.dy_px * speed;
+  si.vt_m_s = c * si.vx_m_s + s * si.vy_m_s;
+  si.vn_m_s = -s * si.vx_m_s + c * si.vy_m_s;
+  si.omega_rad_s = row.rot_deg * kRadPerDeg * rate;
+  si.vx_sd_m_s = row.dx_sd_px * speed;
+  si.vy_sd_m_s = row.dy_sd_px * speed;
+  si.omega_sd_rad_s = row.rot_sd_deg * kRadPerDeg * rate;
+  return si;
+}
+
+std::optional<double> median_radius_px(const std::vector<TrackRow>& rows) {
+  std::vector<double> radii;
+  for (const TrackRow& row : rows) {
+    if (row.circle_ok) radii.push_back(row.r_px);
+  }
+  if (radii.empty()) return std::nullopt;
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
+}
+
+}  // namespace impactdic

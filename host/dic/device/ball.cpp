@@ -1,0 +1,101 @@
+#include "host/dic/device/ball.h"
+
+#include <numbers>
+
+#include "host/dic/frames/spline_taps.h"
+#include "host/opencl/arguments.h"
+
+namespace impactdic::dic {
+
+void BallOptions::validate() const {
+  check_spline(spline_degree, presmooth_sigma_px);
+  if (max_steps < 1) throw InvalidArgument("the registration needs at least one step");
+  if (!(min_correlation >= -1 && min_correlation <= 1)) {
+    throw InvalidArgument("the smallest correlation must lie in -1 ... 1");
+  }
+  if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
+}
+
+BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& options,
+                                   std::optional<Tiling> tiling)
+    : engine_(engine),
+      options_((options.validate(), options)),
+      tiling_(choose_tiling(engine, tiling, 512)) {
+  const auto taps = gaussian_taps(options.presmooth_sigma_px);
+  kernel_ = engine.kernel("ball/rigid.cl", "register_balls",
+                          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
+                           {"VECTOR", std::to_string(tiling_.vector)},
+                           {"GROUP", std::to_string(tiling_.group)},
+                           {"PARAMETERS", options.affine ? "6" : "3"},
+                           {"SMOOTH_RADIUS", std::to_string(taps.size() - 1)},
+                           {"MASKED", options.mask.size() > 0 ? "1" : "0"}});
+  smooth_taps_ = opencl::make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
+  const auto noise = interpolation_noise(options.spline_degree, options.presmooth_sigma_px);
+  const double at_pixel = noise[0] + noise[1] + noise[2];
+  noise_ = {{static_cast<float>(noise[0]), static_cast<float>(noise[1]),
+             static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
+}
+
+void BallRegistration::write_mask(const SplineFrames& splines) {
+  const Image<std::uint8_t>& mask = options_.mask;
+  if (mask.size() == 0) {
+    mask_ = opencl::Buffer<float>(engine_, 1);
+    return;
+  }
+  if (mask.width() != splines.width() || mask.height() != splines.height()) {
+    throw InvalidArgument("the mask has another size than the frames");
+  }
+  const auto pitch = static_cast<std::size_t>(splines.plane_pitch());
+  std::vector<float> weights(pitch * static_cast<std::size_t>(mask.height()) + pitch);
+  for (int y = 0; y < mask.height(); ++y) {
+    for (int x = 0; x < mask.width(); ++x) {
+      const float weight = mask(x, y) != 0 ? 1.0F : 0.0F;
+      weights[static_cast<std::size_t>(y) * pitch + static_cast<std::size_t>(x)] = weight;
+      mask_area_ += weight;
+    }
+  }
+  mask_ = opencl::make_buffer<float>(engine_, weights);
+}
+
+std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
+                                                  std::span<const BallTask> tasks) {
+  if (tasks.empty()) return {};
+  double pixels = 0;
+  for (const BallTask& task : tasks) {
+    for (const int slot : {task.first, task.second}) {
+      if (frames.version(slot) == 0) throw InvalidArgument("a frame slot is empty");
+    }
+    if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
+    pixels += std::numbers::pi * task.radius * task.radius;
+  }
+  const SplineFrames& splines =
+      frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
+  if (mask_.size() == 0) write_mask(splines);
+  tasks_.reserve(engine_, tasks.size());
+  motions_.reserve(engine_, tasks.size());
+  tasks_.write_later(engine_, tasks);
+  BallLimits limits{};
+  limits.width = splines.width();
+  limits.height = splines.height();
+  limits.pitch = splines.pitch();
+  limits.plane_pitch = splines.plane_pitch();
+  limits.max_steps = options_.max_steps;
+  limits.robust = options_.robust ? 1 : 0;
+  limits.grey_level = static_cast<float>(frames.full_scale() / 255);
+  limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
+  limits.min_correlation = static_cast<float>(options_.min_correlation);
+  limits.mask_area = mask_area_;
+  opencl::set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),
+                        splines.planes().get(), tasks_.get(), motions_.get(), limits,
+                        smooth_taps_.get(), noise_, mask_.get());
+  const auto group = static_cast<std::size_t>(tiling_.group);
+  const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 11 : 8;
+  // Four steps are typical.
+  engine_.launch(engine_.queue(), kernel_, cl::NDRange(tasks.size() * group), cl::NDRange(group),
+                 {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
+  std::vector<BallMotion> motions(tasks.size());
+  motions_.read(engine_, motions);
+  return motions;
+}
+
+}  // namespace impactdic::dic

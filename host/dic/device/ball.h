@@ -1,0 +1,55 @@
+// The motion of a whole ball between two frames by one registration (kernels/ball/rigid.cl): every
+// pixel of the disc counts, so that it is several times as exact as a fit to a field of windows.
+#pragma once
+
+#include <impactdic/image.h>
+
+#include <span>
+#include <vector>
+
+#include "host/dic/field.h"
+#include "host/dic/frames/device_frames.h"
+#include "host/dic/frames/spline_frames.h"
+
+namespace impactdic::dic {
+
+struct BallOptions {
+  bool affine = false;    // u, v and four gradients (a ball under compression), else u, v, rotation
+  bool robust = true;     // Tukey's biweight against what does not move with the ball
+  int spline_degree = 7;  // 3, 5 or 7
+  double presmooth_sigma_px = 0.5;  // Gaussian over both frames: halves the interpolation's bias
+  int max_steps = 30;
+  double min_correlation = 0.6;  // ZNCC below which a ball is low_correlation
+  double min_texture = 1.0;      // rms contrast, grey levels of 255, below which it is no_texture
+  // Which pixels of the first frame count (not 0), of the frames' size; empty: all of the disc.
+  Image<std::uint8_t> mask;
+  void validate() const;  // throws InvalidArgument
+};
+
+// A task's disc should end this far within the ball's rim: nearer, background shines through.
+inline constexpr double kRimMarginPx = 4;
+
+class BallRegistration {
+ public:
+  // `engine` must outlive the registration. Throws InvalidArgument.
+  BallRegistration(opencl::Engine& engine, const BallOptions& options,
+                   std::optional<Tiling> tiling = {});
+
+  // Measures every ball; the result stands at the task's index. The guess must be within about
+  // 3 px and 3° of the motion. Throws InvalidArgument for a slot that is not there.
+  std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
+
+ private:
+  opencl::Engine& engine_;
+  BallOptions options_;
+  Tiling tiling_;
+  cl::Kernel kernel_;
+  void write_mask(const SplineFrames& splines);
+  opencl::Buffer<float> smooth_taps_, mask_;
+  float mask_area_ = 0;
+  opencl::Buffer<BallTask> tasks_;
+  opencl::Buffer<BallMotion> motions_;
+  cl_float4 noise_;
+};
+
+}  // namespace impactdic::dic

@@ -1,0 +1,119 @@
+#include "host/dic/frames/device_frames.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "host/dic/frames/spline_frames.h"
+#include "kernels/frames/unpack.h"
+
+namespace impactdic::dic {
+namespace {
+
+void copy_part(const FramePart& part, int width, int height, unsigned char* to) {
+  const Frame& frame = *part.frame;
+  const std::size_t depth = frame.type == PixelType::u8 ? 1 : 2;
+  const std::size_t bytes = depth * static_cast<std::size_t>(width);
+  const std::size_t pitch = depth * static_cast<std::size_t>(frame.width());
+  const auto* from = static_cast<const unsigned char*>(frame.bytes()) +
+                     static_cast<std::size_t>(part.y) * pitch +
+                     static_cast<std::size_t>(part.x) * depth;
+  if (bytes == pitch) {
+    std::memcpy(to, from, bytes * static_cast<std::size_t>(height));
+    return;
+  }
+  for (int y = 0; y < height; ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
+}
+
+}  // namespace
+
+DeviceFrames::DeviceFrames(opencl::Engine& engine, int slots)
+    : engine_(engine), versions_(static_cast<std::size_t>(slots), 0), staging_(engine) {}
+
+DeviceFrames::~DeviceFrames() = default;
+
+std::uint64_t DeviceFrames::version(int slot) const {
+  if (slot < 0 || slot >= slots()) {
+    throw InvalidArgument("there is no frame slot " + std::to_string(slot));
+  }
+  return versions_[static_cast<std::size_t>(slot)];
+}
+
+void DeviceFrames::set(int slot, const Frame& frame) {
+  const std::array<const Frame*, 1> one = {&frame};
+  set(slot, one);
+}
+
+void DeviceFrames::check(const FramePart& part, int width, int height) {
+  const Frame& frame = *part.frame;
+  if (width < 1 || height < 1) throw InvalidArgument("the frame has no pixels");
+  if (part.x < 0 || part.y < 0 || part.x + width > frame.width() ||
+      part.y + height > frame.height()) {
+    throw InvalidArgument("a part of a frame must lie in it");
+  }
+  if (images_.size() == 0) {
+    width_ = width;
+    height_ = height;
+    pixel_type_ = frame.type;
+    const std::size_t count = static_cast<std::size_t>(width_) * height_ * versions_.size();
+    images_ = opencl::Buffer<float>(engine_, count);
+    pixels_ = opencl::Buffer<unsigned char>(engine_, count * pixel_bytes() + kBytesBehind);
+    unpack_ = engine_.kernel("frames/unpack.cl", "unpack",
+                             {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
+  }
+  if (width != width_ || height != height_) {
+    throw InvalidArgument("frames of one clip must have one size");
+  }
+  if (frame.type != pixel_type_) throw InvalidArgument("frames of one clip must have one depth");
+}
+
+void DeviceFrames::set(int first_slot, std::span<const Frame* const> frames) {
+  if (frames.empty()) return;
+  std::vector<FramePart> whole;
+  for (const Frame* frame : frames) whole.push_back({frame});
+  set(first_slot, whole, frames.front()->width(), frames.front()->height());
+}
+
+void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int width, int height) {
+  if (parts.empty()) return;
+  version(first_slot);
+  version(first_slot + static_cast<int>(parts.size()) - 1);
+  for (const FramePart& part : parts) check(part, width, height);
+  full_scale_ = parts.back().frame->full_scale();
+  const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
+  const std::size_t bytes = pixels * pixel_bytes(), total = bytes * parts.size();
+  const std::span<unsigned char> staged = staging_.bytes(total);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    copy_part(parts[i], width, height, staged.data() + i * bytes);
+  }
+  const std::size_t count = pixels * parts.size();
+  unpack_.setArg(0, staging_.upload(total));
+  unpack_.setArg(1, images_.get());
+  unpack_.setArg(2, pixels_.get());
+  unpack_.setArg(3, static_cast<cl_ulong>(count));
+  unpack_.setArg(4, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
+  engine_.launch(engine_.queue(), unpack_,
+                 cl::NDRange(opencl::round_up((count + UNPACK_AT_ONCE - 1) / UNPACK_AT_ONCE, 64)),
+                 cl::NDRange(64), {static_cast<double>(2 * total + 4 * count), 0});
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    ++versions_[static_cast<std::size_t>(first_slot) + i];
+  }
+}
+
+const SplineFrames& DeviceFrames::splines(int degree, double presmooth_sigma_px,
+                                          std::optional<Tiling> tiling) {
+  const int vector = choose_tiling(engine_, tiling, 1).vector;
+  auto found = std::find_if(splines_.begin(), splines_.end(), [&](const auto& splines) {
+    return splines->degree() == degree && splines->presmooth_sigma_px() == presmooth_sigma_px &&
+           splines->vector() == vector;
+  });
+  if (found == splines_.end()) {
+    splines_.push_back(
+        std::make_unique<SplineFrames>(engine_, degree, presmooth_sigma_px, slots(), tiling));
+    found = splines_.end() - 1;
+  }
+  (*found)->prepare(*this);
+  return **found;
+}
+
+}  // namespace impactdic::dic

@@ -1,0 +1,47 @@
+// The two free flights on both sides of an impact, fitted together. Internal to the impact
+// analysis; pixels, frames, local axes.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+
+#include "host/impact/impact_series.h"
+
+namespace impactdic::impact {
+
+// Instants of one flight, both included, and the instant at which its state is given.
+struct FlightRange {
+  std::size_t first = 0, last = 0;
+  double at = 0;
+};
+
+// Indices of the state.
+enum FlightState { kN0, kVn0, kT0, kVt0, kN1, kVn1, kT1, kVt1, kFlightStates };
+
+struct FlightFit {
+  bool ok = false;
+  Eigen::Matrix<double, kFlightStates, 1> state;  // px, px/frame; 0 before, 1 after
+  Eigen::Matrix<double, kFlightStates, kFlightStates> covariance;
+  double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
+  double position_scale = 1;           // scatter over the deviations that the track states
+  double step_scale = 1;
+  // px/frame: what the velocities of centres and of steps differ by, beyond chance. It is part
+  // of the velocities' deviations.
+  double disagreement = 0;
+  int used = 0, rejected = 0;
+};
+
+struct GravityDirection {
+  double t = 0, n = 0;  // unit vector, local axes
+};
+
+// Weighted least squares on centres and measured steps; every centre and step that is further off
+// than five times the scatter is left out. The deviations that the track states are scaled by the
+// scatter found here; what the steps' say beyond their scatter is common to all of a flight's.
+// `gravity` nullopt: fitted, one for both flights.
+FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
+                      const FlightRange& after, const GravityDirection& direction,
+                      std::optional<double> gravity);
+
+}  // namespace impactdic::impact

@@ -1,0 +1,124 @@
+#include <cmath>
+
+#include "host/motion/estimators.h"
+
+namespace impactdic::motion {
+namespace {
+
+// One registration of the whole ball, started from the field, or from circle and the rings' turn
+// where the field has too little texture. Rigid, unless the field says that the ball is being
+// compressed.
+class BallEstimator : public MotionEstimator {
+ public:
+  BallEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
+                dic::DeviceFrames& frames)
+      : options_(options),
+        radius_px_(radius_px),
+        field_(make_field_estimator(engine, options, radius_px, frames)),
+        frames_(frames),
+        rigid_(engine, ball_options(options.field, false)),
+        affine_(engine, ball_options(options.field, true)) {}
+
+  std::span<const Window> grid() const override { return field_->grid(); }
+  double fit_seconds() const override { return field_->fit_seconds(); }
+
+  void glance(std::span<PairMotion> pairs) override { field_->glance(pairs); }
+
+  void measure(std::span<PairMotion> pairs) override {
+    field_->measure(pairs);
+    for (const std::size_t i : register_all(pairs)) {
+      // A field that the whole ball does not bear out is chance.
+      pairs[i].motion.ok = false;
+      if (pairs[i].status == TrackStatus::ok) pairs[i].status = TrackStatus::low_correlation;
+    }
+  }
+
+ private:
+  // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
+  static bool is_strained(const PairMotion& pair) {
+    constexpr double kSignificant = 5, kSmallest = 2e-4;
+    return pair.strain.ok && pair.strain.largest > kSmallest &&
+           pair.strain.largest > kSignificant * pair.strain.sd;
+  }
+
+  // Registers every ball from where its field says. Returns those that could not be.
+  std::vector<std::size_t> register_all(std::span<PairMotion> pairs) {
+    std::vector<bool> done(pairs.size(), false);
+    register_balls(
+        pairs, rigid_, [](const PairMotion& pair) { return !is_strained(pair); }, done);
+    register_balls(pairs, affine_, is_strained, done);
+    std::vector<std::size_t> lost;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!done[i]) lost.push_back(i);
+    }
+    return lost;
+  }
+
+  template <typename Chosen>
+  void register_balls(std::span<PairMotion> pairs, dic::BallRegistration& registration,
+                      const Chosen& chosen, std::vector<bool>& done) {
+    std::vector<BallTask> tasks;
+    std::vector<std::size_t> which;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!chosen(pairs[i])) continue;
+      which.push_back(i);
+      tasks.push_back(task_of(pairs[i]));
+    }
+    if (which.empty()) return;
+    const std::vector<BallMotion> motions = registration.measure(frames_, tasks);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      if (motions[k].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+      take_over(motions[k], pairs[which[k]]);
+      done[which[k]] = true;
+    }
+  }
+
+  BallTask task_of(const PairMotion& pair) const {
+    BallTask task{};
+    task.first = pair.first_slot;
+    task.second = pair.second_slot;
+    task.cx = static_cast<float>(pair.first.cx_px);
+    task.cy = static_cast<float>(pair.first.cy_px);
+    task.radius = static_cast<float>(radius_px_ - dic::kRimMarginPx);
+    const dic::RigidMotion& seed = pair.motion;
+    task.guess_dx = static_cast<float>(seed.ok ? seed.dx_px : pair.second.cx_px - pair.first.cx_px);
+    task.guess_dy = static_cast<float>(seed.ok ? seed.dy_px : pair.second.cy_px - pair.first.cy_px);
+    task.guess_rot_rad = static_cast<float>(seed.ok ? seed.rot_rad : pair.guess_rot_rad);
+    return task;
+  }
+
+  static void take_over(const BallMotion& ball, PairMotion& pair) {
+    pair.motion.ok = true;
+    pair.motion.dx_px = ball.dx;
+    pair.motion.dy_px = ball.dy;
+    pair.motion.rot_rad = ball.rot_rad;
+    pair.motion.dx_sd_px = ball.dx_sd;
+    pair.motion.dy_sd_px = ball.dy_sd;
+    pair.motion.rot_sd_rad = ball.rot_sd_rad;
+    pair.status = TrackStatus::ok;
+  }
+
+  EstimatorOptions options_;
+  double radius_px_;
+  std::unique_ptr<MotionEstimator> field_;
+  dic::DeviceFrames& frames_;
+  dic::BallRegistration rigid_, affine_;
+};
+
+}  // namespace
+
+dic::BallOptions ball_options(const dic::FieldOptions& field, bool affine) {
+  dic::BallOptions options;
+  options.affine = affine;
+  options.min_correlation = field.min_correlation;
+  options.min_texture = field.min_texture;
+  return options;
+}
+
+std::unique_ptr<MotionEstimator> make_ball_estimator(opencl::Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, dic::DeviceFrames& frames) {
+  return std::make_unique<BallEstimator>(engine, options, radius_px, frames);
+}
+
+}  // namespace impactdic::motion

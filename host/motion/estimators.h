@@ -1,0 +1,28 @@
+// The estimators behind make_motion_estimator; arguments as there.
+#pragma once
+
+#include <memory>
+
+#include "host/dic/device/ball.h"
+#include "host/motion/motion_estimator.h"
+#include "kernels/types.h"
+
+namespace impactdic::motion {
+
+std::unique_ptr<MotionEstimator> make_field_estimator(opencl::Engine& engine,
+                                                      const EstimatorOptions& options,
+                                                      double radius_px, dic::DeviceFrames& frames);
+std::unique_ptr<MotionEstimator> make_ring_estimator(opencl::Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, dic::DeviceFrames& frames);
+// The rings of a pair: between the balls' centres, from a sixth of the radius to just within the
+// rim.
+RingTask ring_task(const PairMotion& pair, double radius_px);
+std::unique_ptr<MotionEstimator> make_ball_estimator(opencl::Engine& engine,
+                                                     const EstimatorOptions& options,
+                                                     double radius_px, dic::DeviceFrames& frames);
+
+// How the whole ball is registered where windows are measured with `field`.
+dic::BallOptions ball_options(const dic::FieldOptions& field, bool affine);
+
+}  // namespace impactdic::motion

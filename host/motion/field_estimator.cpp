@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/base/stopwatch.h"
+#include "host/dic/device/ring.h"
+#include "host/dic/window_correlator.h"
+#include "host/motion/estimators.h"
+
+namespace impactdic::motion {
+namespace {
+
+// Of a window that the rim cuts, the share on the ball. IC-GN asks for half, of every frame's disc.
+constexpr double kInside = 0.55;
+
+class FieldEstimator : public MotionEstimator {
+ public:
+  FieldEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
+                 dic::DeviceFrames& frames)
+      : options_(options),
+        radius_px_(radius_px),
+        frames_(frames),
+        correlator_(engine, options.field, frames.slots()),
+        ring_(engine, {}) {
+    const bool cut = options.field.method == dic::FieldMethod::icgn;
+    grid_ = dic::disc_grid(0, 0, radius_px - options.rim_margin_px, options.field.window_px,
+                           options.effective_spacing_px(), cut ? kInside : 1);
+  }
+
+  std::span<const Window> grid() const override { return grid_; }
+  double fit_seconds() const override { return fit_seconds_; }
+
+  void measure(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::all); }
+  void glance(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::glance); }
+
+ private:
+  // Of the windows that could be found, the share that must agree. Below the first the spin may be
+  // another than expected; below the second the few that agree do so by chance.
+  static constexpr double kWellFound = 0.3, kFound = 0.2;
+
+  // Of all windows what there is to know, or of those wholly on the ball where they went.
+  enum class Effort : std::uint8_t { all, glance };
+
+  void measure_all(std::span<PairMotion> pairs, Effort effort) {
+    std::vector<PairMotion*> all;
+    for (PairMotion& pair : pairs) all.push_back(&pair);
+    measure_from_guess(all, effort);
+    measure_lost(pairs, effort);
+  }
+
+  void measure_from_guess(std::span<PairMotion* const> pairs, Effort effort) {
+    std::vector<Window> all(pairs.size() * grid_.size());
+    auto next = all.begin();
+    for (PairMotion* pair : pairs) {
+      place(*pair);
+      next = std::copy(pair->windows.begin(), pair->windows.end(), next);
+      correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
+                           pair->first.r_px - options_.rim_margin_px);
+    }
+    const std::vector<WindowMotion>& measured = effort == Effort::all
+                                                    ? correlator_.correlate(frames_, all)
+                                                    : correlator_.find(frames_, all);
+    const Stopwatch watch;
+    auto begin = measured.begin();
+    for (PairMotion* pair : pairs) {
+      const auto end = begin + static_cast<std::ptrdiff_t>(grid_.size());
+      pair->field.assign(begin, end);
+      fit(*pair);
+      begin = end;
+    }
+    fit_seconds_ += watch.seconds();
+  }
+
+  // Where the windows found little, rings about the centres say how far the ball turned, whatever
+  // the angle, and the windows look there.
+  void measure_lost(std::span<PairMotion> pairs, Effort effort) {
+    constexpr double kSameGuess_rad = 0.02;
+    std::vector<PairMotion*> lost;
+    std::vector<RingTask> tasks;
+    for (PairMotion& pair : pairs) {
+      if (pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound) continue;
+      lost.push_back(&pair);
+      tasks.push_back(ring_task(pair, radius_px_));
+    }
+    if (lost.empty()) return;
+    const std::vector<dic::RingMotion> turns = ring_.measure(frames_, tasks);
+    std::vector<PairMotion> again;
+    std::vector<PairMotion*> of;
+    for (std::size_t i = 0; i < lost.size(); ++i) {
+      if (turns[i].status != dic::WindowStatus::ok) continue;
+      const bool same = std::abs(turns[i].rot_rad - lost[i]->guess_rot_rad) < kSameGuess_rad;
+      lost[i]->guess_rot_rad = turns[i].rot_rad;
+      if (same) continue;
+      again.push_back(*lost[i]);
+      of.push_back(lost[i]);
+    }
+    if (again.empty()) return;
+    std::vector<PairMotion*> anew;
+    for (PairMotion& pair : again) anew.push_back(&pair);
+    measure_from_guess(anew, effort);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      const bool better = agreeing_share(again[i].motion, again[i].field) >
+                          agreeing_share(of[i]->motion, of[i]->field);
+      if (again[i].motion.ok && better) *of[i] = std::move(again[i]);
+    }
+  }
+
+  void place(PairMotion& pair) const {
+    pair.windows = grid_;
+    const int x = static_cast<int>(std::lround(pair.first.cx_px));
+    const int y = static_cast<int>(std::lround(pair.first.cy_px));
+    for (Window& window : pair.windows) {
+      window.x0 += x;
+      window.y0 += y;
+    }
+    aim_windows(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
+                {pair.first.cx_px, pair.first.cy_px, pair.second.cx_px - pair.first.cx_px,
+                 pair.second.cy_px - pair.first.cy_px, pair.guess_rot_rad});
+  }
+
+  void fit(PairMotion& pair) const {
+    const auto points = field_points(pair.windows, pair.field, options_.field.window_px);
+    pair.motion = dic::fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
+    account_for_overlap(pair.motion, options_.field.window_px, options_.effective_spacing_px());
+    if (pair.motion.used < options_.fewest_windows ||
+        agreeing_share(pair.motion, pair.field) < kFound) {
+      pair.motion.ok = false;
+    }
+    pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
+    if (options_.estimator == Estimator::ball) {
+      pair.strain = fit_strain(points, pair.motion, pair.first.cx_px, pair.first.cy_px);
+    }
+    pair.status = pair.motion.ok ? TrackStatus::ok : explain_failure(pair.field);
+  }
+
+  EstimatorOptions options_;
+  double radius_px_;
+  dic::DeviceFrames& frames_;
+  dic::WindowCorrelator correlator_;
+  dic::RingRotation ring_;
+  std::vector<Window> grid_;
+  double fit_seconds_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<MotionEstimator> make_field_estimator(opencl::Engine& engine,
+                                                      const EstimatorOptions& options,
+                                                      double radius_px, dic::DeviceFrames& frames) {
+  return std::make_unique<FieldEstimator>(engine, options, radius_px, frames);
+}
+
+}  // namespace impactdic::motion

@@ -1,0 +1,81 @@
+// How the ball moved between two frames: one interface, one estimator per method behind it.
+#pragma once
+
+#include <impactdic/image.h>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/clip/track_row.h"
+#include "host/dic/field.h"
+#include "host/motion/field_motion.h"
+
+namespace impactdic::dic {
+class DeviceFrames;
+}  // namespace impactdic::dic
+namespace impactdic::opencl {
+class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::motion {
+
+enum class Estimator {
+  field,  // interrogation windows on the ball, robust rigid fit to their displacements
+  ring,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
+  ball,   // one registration of the whole ball; affine while it is compressed
+};
+const char* to_string(Estimator estimator);
+Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
+
+struct EstimatorOptions {
+  Estimator estimator = Estimator::field;
+  dic::FieldOptions field;
+  int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
+  double rim_margin_px = 3;  // windows keep this far inside the rim
+  int fewest_windows = 3;    // that may carry a motion
+  int effective_spacing_px() const {
+    return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
+  }
+  void validate() const;  // throws InvalidArgument
+};
+
+// One pair of frames: what is known before, and what comes out.
+struct PairMotion {
+  int first_slot = 0, second_slot = 0;
+  circle::Circle first, second;  // the ball in both frames
+  double guess_rot_rad = 0;      // of a pair before this one
+  // Results.
+  TrackStatus status = TrackStatus::low_correlation;
+  dic::RigidMotion motion;  // of the ball's centre in the first frame
+  CentreMotion centre;      // the field interpolated there
+  FieldStrain strain;       // of the ball's picture from frame to frame; asked for by `ball` alone
+  std::vector<Window> windows;
+  std::vector<WindowMotion> field;
+};
+
+class MotionEstimator {
+ public:
+  virtual ~MotionEstimator() = default;
+  // Measures every pair of the frames that the estimator was made with; a pair that cannot be
+  // measured has a status. Pairs may name any slots: consecutive frames, or a frame and a keyframe
+  // that was left in its slot.
+  virtual void measure(std::span<PairMotion> pairs) = 0;
+  // The motions well enough to aim other pairs' windows by them, at the least cost.
+  virtual void glance(std::span<PairMotion> pairs) { measure(pairs); }
+  // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
+  // whole clip, so that window i of every frame is the same place on the ball. Empty where the
+  // estimator has no windows.
+  virtual std::span<const Window> grid() const = 0;
+  // How long the host's part, the fits, took so far.
+  virtual double fit_seconds() const { return 0; }
+};
+
+// `radius_px` is the ball's. `frames` is shared by whoever measures on them: its owner puts the
+// pictures in. It and `engine` must outlive the estimator.
+std::unique_ptr<MotionEstimator> make_motion_estimator(opencl::Engine& engine,
+                                                       const EstimatorOptions& options,
+                                                       double radius_px, dic::DeviceFrames& frames);
+
+}  // namespace impactdic::motion

@@ -1,0 +1,249 @@
+#include "host/pipeline/device_lanes.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/base/stopwatch.h"
+#include "host/motion/estimators.h"
+#include "host/motion/measure_pairs.h"
+#include "host/opencl/engine.h"
+
+namespace impactdic::pipeline {
+namespace {
+
+// A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
+// nothing from more batches in flight.
+constexpr int kLanesOfGpu = 12, kLanesOfCpu = 1;
+// Batches that wait for a lane, so that none of those is idle while the oldest batch is finished.
+constexpr std::size_t kWaiting = 2;
+// Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.
+constexpr std::size_t kBytesPerPixel = 4 + 2 * 16;
+// Share of a device's memory that all lanes may take.
+constexpr double kMemoryShare = 0.5;
+
+int lanes_of(const opencl::Engine& engine) {
+  return engine.device().is_gpu ? kLanesOfGpu : kLanesOfCpu;
+}
+
+int slots_of(const opencl::DeviceInfo& device, int lanes, int width, int height, int batch) {
+  const double pixels = static_cast<double>(width) * height;
+  const double by_memory = kMemoryShare * static_cast<double>(device.global_memory_bytes) /
+                           (pixels * kBytesPerPixel * lanes);
+  // The planes of all slots are one buffer: three floats a pixel.
+  const double by_buffer = static_cast<double>(device.max_allocation_bytes) / (pixels * 12.5) - 2;
+  return static_cast<int>(std::clamp(std::min(by_memory, by_buffer), 2.0, batch + 1.0));
+}
+
+}  // namespace
+
+// The slots of the frames, and behind them those of the keyframes.
+struct DeviceLanes::Lane {
+  std::unique_ptr<opencl::Engine> engine;
+  int slots;
+  dic::DeviceFrames frames;
+  std::unique_ptr<motion::MotionEstimator> estimator;
+  std::optional<motion::KeyframeSlots> keyframes;  // with the ball estimator
+
+  Lane(std::unique_ptr<opencl::Engine> own, const motion::EstimatorOptions& options,
+       double radius_px, int count)
+      : engine(std::move(own)),
+        slots(count),
+        frames(*engine, count + motion::kKeyframes),
+        estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
+    if (options.estimator != motion::Estimator::ball) return;
+    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, false));
+  }
+};
+
+// A batch's use of a lane: batches get lanes in their order, so that none holds one while another
+// before it, whose poses it waits for, has none.
+class DeviceLanes::Use {
+ public:
+  Use(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes) {
+    std::unique_lock<std::mutex> lock(lanes.mutex_);
+    lanes.changed_.wait(lock, [&] { return lanes.started_ == number && !lanes.free_.empty(); });
+    lane_ = lanes.free_.front();
+    lanes.free_.pop_front();
+    ++lanes.started_;
+    lock.unlock();
+    lanes.changed_.notify_all();
+  }
+  ~Use() {
+    {
+      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
+      lanes_.free_.push_back(lane_);
+    }
+    lanes_.changed_.notify_all();
+  }
+  Use(const Use&) = delete;
+  Use& operator=(const Use&) = delete;
+  Lane& lane() { return *lane_; }
+
+ private:
+  DeviceLanes& lanes_;
+  Lane* lane_ = nullptr;
+};
+
+// A batch's turn at the poses: comes when all batches before have had theirs, and ends with it.
+class DeviceLanes::Turn {
+ public:
+  Turn(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes), number_(number) {}
+  ~Turn() {
+    wait();
+    {
+      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
+      ++lanes_.placed_;
+    }
+    lanes_.changed_.notify_all();
+  }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+  void wait() {
+    std::unique_lock<std::mutex> lock(lanes_.mutex_);
+    lanes_.changed_.wait(lock, [this] { return lanes_.placed_ == number_; });
+  }
+
+ private:
+  DeviceLanes& lanes_;
+  std::int64_t number_;
+};
+
+DeviceLanes::DeviceLanes(std::span<opencl::Engine* const> engines,
+                         const motion::EstimatorOptions& options, double radius_px, int width,
+                         int height, int batch, StageTimes* times, const LaneStages& stages)
+    : radius_px_(radius_px),
+      crop_(options, radius_px, width, height),
+      times_(times),
+      stages_(stages) {
+  if (options.estimator == motion::Estimator::ball) keyframes_.emplace(radius_px, crop_);
+  int most = 0;
+  for (const opencl::Engine* engine : engines) most = std::max(most, lanes_of(*engine));
+  // Neighbouring lanes are on different devices, so that a short clip reaches all of them.
+  std::vector<std::future<std::unique_ptr<Lane>>> opening;
+  for (int k = 0; k < most; ++k) {
+    for (const opencl::Engine* engine : engines) {
+      const int lanes = lanes_of(*engine);
+      if (k >= lanes) continue;
+      opening.push_back(std::async(std::launch::async, [&, engine, lanes] {
+        return std::make_unique<Lane>(
+            engine->beside(), options, radius_px,
+            slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch));
+      }));
+    }
+  }
+  for (auto& lane : opening) free_.push_back(lanes_.emplace_back(lane.get()).get());
+}
+
+DeviceLanes::~DeviceLanes() {
+  for (Flight& flight : flights_) flight.done.wait();
+}
+
+std::span<const Window> DeviceLanes::grid() const { return lanes_.front()->estimator->grid(); }
+
+int DeviceLanes::count(std::span<opencl::Engine* const> engines) {
+  int lanes = 0;
+  for (const opencl::Engine* engine : engines) lanes += lanes_of(*engine);
+  return lanes;
+}
+
+DeviceLanes::Batch DeviceLanes::submit(Batch batch) {
+  Batch finished;
+  if (flights_.size() == lanes_.size() + kWaiting) finished = take();
+  const std::int64_t number = submitted_++;
+  flights_.push_back({batch, std::async(std::launch::async, [this, batch, number] {
+                        Turn turn(*this, number);
+                        Use use(*this, number);
+                        measure(use.lane(), *batch, turn);
+                      })});
+  return finished;
+}
+
+DeviceLanes::Batch DeviceLanes::take() {
+  if (flights_.empty()) return nullptr;
+  Flight flight = std::move(flights_.front());
+  flights_.pop_front();
+  flight.done.get();
+  return flight.batch;
+}
+
+void DeviceLanes::measure(Lane& lane, TrackBatch& batch, Turn& turn) {
+  const std::size_t count = batch.frames.size();
+  batch.pairs.resize(count);
+  batch.measured.assign(count, false);
+  const auto slots = static_cast<std::size_t>(lane.slots);
+  // A part begins with the last frame of the one before.
+  for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
+    const std::size_t frames = std::min(slots, count - first);
+    measure_part(lane, batch, first, frames);
+    if (!keyframes_) continue;
+    turn.wait();
+    place_part(lane, batch, first, frames);
+  }
+}
+
+void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
+                               std::size_t count) {
+  std::vector<dic::FramePart> parts;
+  std::vector<motion::CropOrigin> origins;
+  for (std::size_t k = 0; k < count; ++k) {
+    origins.push_back(crop_.about(batch.circles[first + k]));
+    parts.push_back({batch.frames[first + k], origins[k].x, origins[k].y});
+  }
+  std::vector<motion::PairMotion> pairs;
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k + 1 < count; ++k) {
+    const std::size_t i = first + k;
+    if (!batch.rows[i].circle_ok || !batch.rows[i + 1].circle_ok) continue;
+    motion::PairMotion& pair = pairs.emplace_back();
+    pair.first_slot = static_cast<int>(k);
+    pair.second_slot = static_cast<int>(k + 1);
+    pair.first = batch.circles[i];
+    pair.second = batch.circles[i + 1];
+    motion::into_crops(pair, origins[k], origins[k + 1]);
+    which.push_back(k);
+  }
+  // A ball without a neighbour may still be placed against a keyframe.
+  const auto rows = std::span(batch.rows).subspan(first, count);
+  const bool any_ball =
+      std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) { return row.circle_ok; });
+  if (which.empty() && !(keyframes_ && any_ball)) return;
+  {
+    const StageTimes::Scope timed(times_, stages_.upload);
+    lane.frames.set(0, parts, crop_.width(), crop_.height());
+  }
+  const double fits_before = lane.estimator->fit_seconds();
+  const Stopwatch watch;
+  measure_pairs(*lane.estimator, radius_px_, pairs);
+  if (times_ != nullptr) {
+    const double fits = lane.estimator->fit_seconds() - fits_before;
+    times_->add(stages_.fit, fits);
+    times_->add(stages_.device, watch.seconds() - fits);
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    motion::out_of_crops(pairs[k], origins[which[k]], origins[which[k] + 1]);
+    batch.pairs[first + which[k]] = std::move(pairs[k]);
+    batch.measured[first + which[k]] = true;
+  }
+}
+
+void DeviceLanes::place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count) {
+  const StageTimes::Scope timed(times_, stages_.poses);
+  std::vector<motion::ChainedFrame> frames;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = first + k;
+    motion::ChainedFrame& frame = frames.emplace_back();
+    frame.index = batch.first_index + static_cast<std::int64_t>(i);
+    frame.circle_ok = batch.rows[i].circle_ok;
+    frame.circle = batch.circles[i];
+    frame.frame = batch.frames[i];
+    if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
+    frame.slot = static_cast<int>(k);
+    frame.origin = crop_.about(batch.circles[i]);
+  }
+  const std::vector<BodyPose> poses = keyframes_->follow(frames, *lane.keyframes);
+  for (std::size_t k = 0; k < count; ++k) batch.rows[first + k].pose = poses[k];
+  batch.keyframes = keyframes_->memory();
+}
+
+}  // namespace impactdic::pipeline

@@ -1,0 +1,14 @@
+// From what was measured of a frame to its row.
+#pragma once
+
+#include "host/circle/circle.h"
+#include "host/clip/track_row.h"
+#include "host/dic/rigid_fit.h"
+
+namespace impactdic::pipeline {
+
+void set_circle(TrackRow& row, const circle::CircleFit& fit);
+// After set_circle: the circle's deviations are a part of the motion's, which is the centre's.
+void set_motion(TrackRow& row, const dic::RigidMotion& motion);
+
+}  // namespace impactdic::pipeline

@@ -1,0 +1,77 @@
+#include "host/pipeline/frame_pipeline.h"
+
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+
+namespace impactdic::pipeline {
+
+BatchReader::BatchReader(video::FrameSource& source, const FrameRange& range,
+                         std::int64_t first_index, const Roi& roi, int batch)
+    : source_(source), range_(range), next_(first_index), roi_(roi), batch_(batch) {
+  const video::VideoInfo& info = source.info();
+  whole_ = roi.x == 0 && roi.y == 0 && roi.width == info.width && roi.height == info.height;
+}
+
+std::shared_ptr<FrameBatch> BatchReader::next() {
+  if (next_ >= range_.count()) return nullptr;
+  std::unique_ptr<FrameBatch> made;
+  {
+    const std::lock_guard<std::mutex> lock(pool_->mutex);
+    if (!pool_->free.empty()) {
+      made = std::move(pool_->free.back());
+      pool_->free.pop_back();
+    }
+  }
+  if (!made) made = std::make_unique<FrameBatch>();
+  made->first_index = next_;
+  made->error = nullptr;
+  made->frames.resize(
+      static_cast<std::size_t>(std::min<std::int64_t>(batch_, range_.count() - next_)));
+  next_ += batch_;
+  return {made.release(), [pool = pool_](FrameBatch* batch) {
+            const std::lock_guard<std::mutex> lock(pool->mutex);
+            pool->free.emplace_back(batch);
+          }};
+}
+
+void BatchReader::decode(FrameBatch& batch) {
+  Frame full;
+  for (std::size_t i = 0; i < batch.frames.size(); ++i) {
+    const std::int64_t index = range_.at(batch.first_index + static_cast<std::int64_t>(i));
+    try {
+      source_.read(index, whole_ ? batch.frames[i] : full);
+    } catch (...) {
+      batch.error = std::current_exception();
+      batch.frames.resize(i);
+      break;
+    }
+    if (!whole_) crop(full, roi_, batch.frames[i]);
+  }
+}
+
+void for_each_batch(video::FrameSource& source, const FrameRange& range, std::int64_t first_index,
+                    const Roi& roi, int batch, const std::function<void(FrameBatch&)>& consume) {
+  constexpr std::size_t kBatchesInFlight = 3;
+  using Item = std::shared_ptr<FrameBatch>;
+  BatchReader reader(source, range, first_index, roi, batch);
+  tbb::parallel_pipeline(
+      kBatchesInFlight,
+      tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order,
+                                   [&](tbb::flow_control& control) {
+                                     Item made = reader.next();
+                                     if (!made) control.stop();
+                                     return made;
+                                   }) &
+          tbb::make_filter<Item, Item>(tbb::filter_mode::parallel,
+                                       [&](Item made) {
+                                         reader.decode(*made);
+                                         return made;
+                                       }) &
+          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, [&](const Item& made) {
+            if (!made->frames.empty()) consume(*made);
+            if (made->error) std::rethrow_exception(made->error);
+          }));
+}
+
+}  // namespace impactdic::pipeline

@@ -1,0 +1,35 @@
+// What the stages of `track_clip` hand on: some consecutive frames of the clip.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/circle/ball_tracker.h"
+#include "host/clip/track_row.h"
+#include "host/motion/keyframes.h"
+#include "host/motion/motion_estimator.h"
+#include "host/pipeline/frame_pipeline.h"
+
+namespace impactdic::pipeline {
+
+struct TrackBatch {
+  std::int64_t first_index = 0;  // of frames[0] among the analysed frames
+  // The last frame of the batch before, where there is one, and this batch's own.
+  std::vector<const Frame*> frames;
+  std::vector<TrackRow> rows;  // of `frames`; the last one is finished with the next batch
+  std::vector<circle::Circle> circles;
+  // Pair i leads from frame i to frame i + 1; measured where both have a ball.
+  std::vector<motion::PairMotion> pairs;
+  std::vector<bool> measured;
+  // Who owns the frames.
+  std::shared_ptr<FrameBatch> before, own;
+  // The circles of the own frames, while they are being measured.
+  std::vector<circle::CircleFit> fits;
+  circle::BallTracker::Plan plan;
+  // Behind the own frames.
+  circle::BallTracker::Memory tracker;
+  std::optional<motion::Keyframes::Memory> keyframes;  // with the ball estimator
+};
+
+}  // namespace impactdic::pipeline

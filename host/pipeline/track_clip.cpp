@@ -1,0 +1,301 @@
+#include "host/pipeline/track_clip.h"
+
+#include <impactdic/error.h>
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "host/circle/scout_ball.h"
+#include "host/opencl/engine.h"
+#include "host/pipeline/device_lanes.h"
+#include "host/pipeline/fill_row.h"
+#include "host/pipeline/track_batch.h"
+
+namespace impactdic::pipeline {
+namespace {
+
+// Frames are handed on in batches of this size.
+constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
+constexpr int kFewest = 8, kMost = 64;
+// Batches being read or waiting, beside those on the devices.
+constexpr int kBatchesAhead = 8;
+
+using Batch = std::shared_ptr<TrackBatch>;
+
+int frames_in_batch(const TrackOptions& options, int bits) {
+  if (options.batch > 0) return options.batch;
+  const std::size_t bytes =
+      static_cast<std::size_t>(options.roi.width) * options.roi.height * (bits > 8 ? 2 : 1);
+  return static_cast<int>(
+      std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
+}
+
+Frame read_frame(video::FrameSource& source, const TrackOptions& options, std::int64_t index) {
+  Frame whole, frame;
+  source.read(options.frames.at(index), whole);
+  crop(whole, options.roi, frame);
+  return frame;
+}
+
+// The stages behind the reader; but for `complete` each runs on one thread at a time, in the order
+// of the frames.
+class ClipTracker {
+ public:
+  ClipTracker(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+              const TrackOptions& options, int batch, const GridSink& grid_ready,
+              const TrackSink& sink, const ProgressFn& progress)
+      : source_(source),
+        engines_(engines),
+        options_(options),
+        batch_(batch),
+        grid_ready_(grid_ready),
+        sink_(sink),
+        progress_(progress),
+        tracker_(options.ball) {
+    if (options.from) go_on(*options.from);
+    if (options.times == nullptr) return;
+    const int lanes = options.with_field ? DeviceLanes::count(engines) : 1;
+    read_stage_ = options.times->add_stage("read", kBatchesAhead);
+    lead_stage_ = options.times->add_stage("circle, ahead", 1);
+    circle_stage_ = options.times->add_stage("circle, between", kBatchesAhead);
+    if (options.with_field) {
+      lane_stages_.upload = options.times->add_stage("upload", lanes);
+      lane_stages_.device = options.times->add_stage("kernels, results", lanes);
+      lane_stages_.fit = options.times->add_stage("fits", lanes);
+      if (options.estimator.estimator == motion::Estimator::ball) {
+        lane_stages_.poses = options.times->add_stage("poses (in order)", 1);
+      }
+    }
+    write_stage_ = options.times->add_stage("write", 1);
+  }
+
+  int read_stage() const { return read_stage_; }
+
+  // Follows the ball through the frames. nullptr behind a frame that could not be read.
+  Batch locate(std::shared_ptr<FrameBatch> own) {
+    if (error_) return nullptr;
+    error_ = own->error;
+    if (own->frames.empty()) return nullptr;
+    const StageTimes::Scope timed(options_.times, lead_stage_);
+    auto batch = std::make_shared<TrackBatch>();
+    batch->first_index = own->first_index - (last_frames_ ? 1 : 0);
+    if (last_frames_) add_frame(*batch, last_frames_->frames.back(), last_fit_, batch->first_index);
+    batch->fits.resize(own->frames.size());
+    batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
+    batch->tracker = tracker_.memory();
+    last_fit_ = batch->fits.back();
+    batch->before = std::move(last_frames_);
+    batch->own = last_frames_ = std::move(own);
+    return batch;
+  }
+
+  // Measures the circles that `locate` left; safe on several batches at once.
+  Batch complete(Batch batch) const {
+    if (!batch) return nullptr;
+    const StageTimes::Scope timed(options_.times, circle_stage_);
+    const FrameBatch& own = *batch->own;
+    tracker_.complete(batch->plan, own.frames, batch->fits);
+    for (std::size_t i = 0; i < own.frames.size(); ++i) {
+      add_frame(*batch, own.frames[i], batch->fits[i],
+                own.first_index + static_cast<std::int64_t>(i));
+    }
+    return batch;
+  }
+
+  // Hands the batch to a device; returns one that is done, or nullptr.
+  Batch measure(Batch batch) {
+    if (!batch || !options_.with_field) return batch;
+    if (!lanes_) open_lanes(*batch);
+    if (!lanes_) return batch;  // no ball so far: no pairs
+    return lanes_->submit(std::move(batch));
+  }
+
+  // Gives out all rows of a batch but the last, which waits for its next frame.
+  void write(Batch batch) {
+    if (!batch) return;
+    const StageTimes::Scope timed(options_.times, write_stage_);
+    if (grid_is_new_.exchange(false)) {
+      grid_ready_(lanes_->grid(), lanes_->radius_px());
+      point_.grid_radius_px = lanes_->radius_px();
+    }
+    for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
+    const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
+    last_ = std::move(batch);
+    note_point(*last_, done);
+    progress_(done, options_.frames.count());
+  }
+
+  // What is still on the devices, then the clip's last frame, which has no next one, and then
+  // the reader's error.
+  void end() {
+    while (lanes_) {
+      Batch batch = lanes_->take();
+      if (!batch) break;
+      write(std::move(batch));
+    }
+    if (last_) {
+      TrackRow& row = last_->rows.back();
+      if (row.circle_ok) row.status = TrackStatus::last_frame;
+      emit(*last_, last_->frames.size() - 1, nullptr);
+    }
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  // Takes up an earlier run: the last frame before its next batch, and what it knew by then.
+  void go_on(const ResumePoint& from) {
+    point_ = from;
+    tracker_.restore(from.tracker);
+    last_fit_ = from.circle;
+    last_frames_ = std::make_shared<FrameBatch>();
+    last_frames_->first_index = from.next_row;
+    last_frames_->frames.push_back(read_frame(source_, options_, from.next_row));
+  }
+
+  // Behind a whole batch, so that the next one begins where it would have.
+  void note_point(const TrackBatch& batch, std::int64_t done) {
+    const FrameBatch& own = *batch.own;
+    const bool whole = !own.error && static_cast<int>(own.frames.size()) == batch_;
+    if (!options_.checkpoint || !whole || done >= options_.frames.count()) return;
+    point_.next_row = done - 1;
+    point_.circle = batch.fits.back();
+    point_.tracker = batch.tracker;
+    if (batch.keyframes) point_.keyframes = batch.keyframes;
+    options_.checkpoint(point_);
+  }
+
+  void add_frame(TrackBatch& batch, const Frame& frame, const circle::CircleFit& fit,
+                 std::int64_t index) const {
+    batch.frames.push_back(&frame);
+    batch.rows.push_back(row_of(fit, index));
+    batch.circles.push_back(fit.circle);
+  }
+
+  TrackRow row_of(const circle::CircleFit& fit, std::int64_t index) const {
+    TrackRow row;
+    row.frame = options_.frames.at(index);
+    const double rate =
+        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
+    row.time_s = static_cast<double>(index) / rate;
+    set_circle(row, fit);
+    return row;
+  }
+
+  // The grid is that of the first ball seen.
+  void open_lanes(const TrackBatch& batch) {
+    const auto seen = median_radius_px(batch.rows);
+    if (!seen) return;
+    lanes_ = std::make_unique<DeviceLanes>(
+        engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
+        options_.roi.height, batch_, options_.times, lane_stages_);
+    if (point_.keyframes) {
+      lanes_->restore(*point_.keyframes,
+                      [&](std::int64_t index) { return read_frame(source_, options_, index); });
+    }
+    grid_is_new_ = true;
+  }
+
+  void write_row(TrackBatch& batch, std::size_t i) {
+    TrackRow& row = batch.rows[i];
+    const bool measured = i < batch.measured.size() && batch.measured[i];
+    if (!measured) {
+      // No ball in the next frame: nothing to move to.
+      if (options_.with_field && row.circle_ok) row.status = TrackStatus::no_ball;
+      return emit(batch, i, nullptr);
+    }
+    motion::PairMotion& pair = batch.pairs[i];
+    set_motion(row, pair.motion);
+    if (row.status == TrackStatus::ok) row.status = pair.status;
+    if (pair.centre.ok) {
+      row.centre_u_px = pair.centre.u_px;
+      row.centre_v_px = pair.centre.v_px;
+      row.centre_u_sd_px = pair.centre.u_sd_px;
+      row.centre_v_sd_px = pair.centre.v_sd_px;
+    }
+    for (Window& window : pair.windows) {
+      window.x0 += options_.roi.x;
+      window.y0 += options_.roi.y;
+    }
+    emit(batch, i, &pair);
+  }
+
+  void emit(TrackBatch& batch, std::size_t i, const motion::PairMotion* pair) {
+    TrackRow& row = batch.rows[i];
+    row.cx_px += options_.roi.x;
+    row.cy_px += options_.roi.y;
+    if (row.pose.ok) {
+      row.pose.x_px += options_.roi.x;
+      row.pose.y_px += options_.roi.y;
+      row.pose.origin = options_.frames.at(row.pose.origin);
+      row.pose.keyframe = options_.frames.at(row.pose.keyframe);
+    }
+    sink_({row, *batch.frames[i], pair});
+  }
+
+  video::FrameSource& source_;
+  std::span<opencl::Engine* const> engines_;
+  const TrackOptions& options_;
+  int batch_;
+  const GridSink& grid_ready_;
+  const TrackSink& sink_;
+  const ProgressFn& progress_;
+  int read_stage_ = 0, lead_stage_ = 0, circle_stage_ = 0, write_stage_ = 0;
+  LaneStages lane_stages_;
+  // Of `locate`.
+  circle::BallTracker tracker_;
+  std::shared_ptr<FrameBatch> last_frames_;
+  circle::CircleFit last_fit_;
+  std::exception_ptr error_;
+  // Of `measure`.
+  std::unique_ptr<DeviceLanes> lanes_;
+  // Of `write`.
+  std::atomic<bool> grid_is_new_ = false;
+  ResumePoint point_;
+  Batch last_;
+};
+
+}  // namespace
+
+void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+                const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
+                const ProgressFn& progress) {
+  options.estimator.validate();
+  options.ball.validate();
+  if (options.with_field && engines.empty()) throw InvalidArgument("the field needs a device");
+  if (options.from && options.from->next_row + 1 >= options.frames.count()) {
+    throw InvalidArgument("an earlier run has gone beyond the end of this clip", "--resume",
+                          "give the clip and the frames of that run");
+  }
+  const int size = frames_in_batch(options, source.info().bits);
+  const std::int64_t first = options.from ? options.from->next_row + 1 : 0;
+  BatchReader reader(source, options.frames, first, options.roi, size);
+  TrackOptions scouted = options;
+  scouted.ball.scouted_radius_px =
+      circle::scout_radius_px(source, options.frames, options.roi, options.ball.circle);
+  ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
+  using Read = std::shared_ptr<FrameBatch>;
+  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
+  tbb::parallel_pipeline(
+      kBatchesAhead,
+      tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
+        Read batch = reader.next();
+        if (!batch) control.stop();
+        return batch;
+      }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
+        const StageTimes::Scope timed(options.times, tracker.read_stage());
+        reader.decode(*batch);
+        return batch;
+      }) & tbb::make_filter<Read, Batch>(kInOrder, [&](Read batch) {
+        return tracker.locate(std::move(batch));
+      }) & tbb::make_filter<Batch, Batch>(tbb::filter_mode::parallel, [&](Batch batch) {
+        return tracker.complete(std::move(batch));
+      }) & tbb::make_filter<Batch, Batch>(kInOrder, [&](Batch batch) {
+        return tracker.measure(std::move(batch));
+      }) & tbb::make_filter<Batch, void>(kInOrder, [&](Batch batch) {
+        tracker.write(std::move(batch));
+      }));
+  tracker.end();
+}
+
+}  // namespace impactdic::pipeline

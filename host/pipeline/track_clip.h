@@ -1,0 +1,58 @@
+// The main job: ball, motion and field of every frame of a clip.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "host/base/progress.h"
+#include "host/base/stage_times.h"
+#include "host/circle/ball_tracker.h"
+#include "host/clip/frame_range.h"
+#include "host/clip/roi.h"
+#include "host/motion/motion_estimator.h"
+#include "host/pipeline/resume_point.h"
+#include "host/video/frame_source.h"
+
+namespace impactdic::opencl {
+class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::pipeline {
+
+struct TrackOptions {
+  motion::EstimatorOptions estimator;
+  circle::BallTrackerOptions ball;
+  FrameRange frames;
+  Roi roi;                      // in whole-picture pixels, as every result
+  bool with_field = true;       // false: circles only, no device needed
+  double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
+  int batch = 0;                // frames handed on at once; 0: as many as fill 16 MB
+  StageTimes* times = nullptr;  // gets the stages' times where given
+  // Goes on where an earlier run of the same options and batches was.
+  std::optional<ResumePoint> from;
+  // Called between rows whenever such a point is reached: all rows before it are with the sink.
+  std::function<void(const ResumePoint&)> checkpoint;
+};
+
+// One finished frame. Views are valid during the call only.
+struct TrackedFrame {
+  const TrackRow& row;
+  const Frame& frame;              // cropped to the region of interest
+  const motion::PairMotion* pair;  // field towards the next frame; nullptr where there is none
+};
+
+// Called once per analysed frame, in order.
+using TrackSink = std::function<void(const TrackedFrame&)>;
+
+// The windows' grid, once it is known: before the first row with a ball. `radius_px` is the ball's.
+using GridSink = std::function<void(std::span<const Window> grid, double radius_px)>;
+
+// Runs the whole clip on all `engines`; none are needed without field. Errors of the reader come
+// out after every row that could still be measured has gone to `sink`. Neither the number of
+// threads nor that of equal devices changes a result.
+void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+                const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
+                const ProgressFn& progress);
+
+}  // namespace impactdic::pipeline

@@ -1,0 +1,66 @@
+#include "sim/contact/contact_record.h"
+
+#include <algorithm>
+#include <boost/math/tools/minima.hpp>
+#include <string_view>
+#include <utility>
+
+namespace impactdic::sim::contact {
+
+void ContactRecord::enter(PhaseKind kind, const char* name, const ContactInstant& now) {
+  int& open = kind == PhaseKind::kNormal ? open_normal_ : open_tangential_;
+  if (open >= 0) {
+    if (std::string_view(outcome_.phases[open].name) == name) return;
+    close(open, now);
+  }
+  open = static_cast<int>(outcome_.phases.size());
+  outcome_.phases.push_back({kind, name, now.time_s, now.time_s, (*now.x)[kSlip]});
+}
+
+void ContactRecord::close(int open, const ContactInstant& now) {
+  Phase& phase = outcome_.phases[open];
+  phase.end_s = now.time_s;
+  phase.slip_j = phase.kind == PhaseKind::kTangential ? (*now.x)[kSlip] - phase.slip_j : 0;
+}
+
+// A damper shifts the largest force before the largest deflection; it also makes the force fall at
+// first, from what it is at the touch.
+void ContactRecord::step(double force_n, double stretch_s,
+                         const std::function<double(double)>& force_within) {
+  if (force_n < last_force_n_ && force_rises_) {
+    const auto negative = [&](double s) { return -force_within(s); };
+    const auto [place, value] = boost::math::tools::brent_find_minima(negative, 0.0, stretch_s, 26);
+    outcome_.peak_force_n = std::max(outcome_.peak_force_n, -value);
+  }
+  force_rises_ = force_n > last_force_n_;
+  outcome_.peak_force_n = std::max(outcome_.peak_force_n, force_n);
+  last_force_n_ = force_n;
+}
+
+void ContactRecord::turn(double time_s, const ContactPoint& at, double force_n) {
+  if (outcome_.t_max_compression_s == 0) outcome_.t_max_compression_s = time_s - start_s_;
+  if (at.deflection_m > outcome_.max_deflection_m) {
+    outcome_.max_deflection_m = at.deflection_m;
+    outcome_.max_force_n = force_n;
+  }
+  outcome_.peak_force_n = std::max(outcome_.peak_force_n, force_n);
+}
+
+ContactOutcome ContactRecord::finish(bool separated, const ContactInstant& now,
+                                     const ContactPoint& at, const ContactDynamics& dynamics,
+                                     const NormalLaw& normal, const FrictionLaw& friction) {
+  close(open_normal_, now);
+  close(open_tangential_, now);
+  outcome_.separated = separated;
+  outcome_.end_s = now.time_s;
+  outcome_.end = *now.x;
+  outcome_.end_point = at;
+  outcome_.separation_force_n = separated ? dynamics.normal_force_n(at) : 0;
+  const double stored = normal.stored_j(at.deflection_m, dynamics.memory);
+  outcome_.plastic_j = normal.work_j(at.deflection_m, dynamics.memory) - stored;
+  outcome_.released_j = separated ? stored : 0;
+  outcome_.released_tangential_j = separated ? friction.stored_j(at) : 0;
+  return std::move(outcome_);
+}
+
+}  // namespace impactdic::sim::contact

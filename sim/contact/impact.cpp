@@ -1,0 +1,274 @@
+#include "sim/contact/impact.h"
+
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/base/parse.h"
+#include "sim/contact/contact_integration.h"
+
+namespace impactdic::sim::contact {
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+PlaneState plane_state(const ImpactState& x) {
+  return {x[kQt], x[kQn], x[kAngle], x[kVt], x[kVn], x[kOmega]};
+}
+
+// The motion `elapsed` after (or before) a state in free flight.
+ImpactState fly(const ImpactState& from, double gravity_t, double gravity_n, double elapsed) {
+  ImpactState x = from;
+  x[kQt] += elapsed * (from[kVt] + 0.5 * gravity_t * elapsed);
+  x[kQn] += elapsed * (from[kVn] + 0.5 * gravity_n * elapsed);
+  x[kAngle] += elapsed * from[kOmega];
+  x[kVt] += gravity_t * elapsed;
+  x[kVn] += gravity_n * elapsed;
+  return x;
+}
+
+// Flight time from height qn until qn = 0 is reached from above; infinite if it never is.
+double time_to_touch(const ImpactState& x, double gravity_n) {
+  const double height = x[kQn], speed = x[kVn];
+  if (gravity_n >= 0) {
+    if (gravity_n == 0) return speed < 0 && height > 0 ? -height / speed : kNever;
+    const double root = speed * speed - 2 * gravity_n * height;
+    // Gravity lifts off: only a fast enough approach touches.
+    return speed < 0 && height > 0 && root >= 0 ? 2 * height / (-speed + std::sqrt(root)) : kNever;
+  }
+  const double root = speed * speed - 2 * gravity_n * height;
+  if (root < 0) return kNever;
+  const double fall = std::sqrt(root);
+  // The form without cancellation for either sign of the speed.
+  return speed > 0 ? (speed + fall) / -gravity_n : 2 * height / (fall - speed);
+}
+
+class ImpactRun final : public TrajectoryRequest {
+ public:
+  ImpactRun(const ImpactJob& job, const Recording& recording)
+      : job_(job), recording_(recording), normal_(make_normal_law(job)) {}
+
+  ImpactResult run() {
+    now_[kVt] = job_.initial.vt_m_s;
+    now_[kVn] = job_.initial.vn_m_s;
+    now_[kOmega] = job_.initial.omega_rad_s;
+    now_[kQn] = job_.initial.gap_m;
+    start_ = now_;
+    result_.start = plane_state(now_);
+    for (int contact = 0; contact < job_.solver.contacts; ++contact) {
+      if (!reach_surface(contact)) break;
+      follow_contact(contact);
+      if (!result_.separated) break;
+    }
+    finish();
+    return std::move(result_);
+  }
+
+  double next_s() const override {
+    if (recording_.rate_hz > 0) return static_cast<double>(taken_) / recording_.rate_hz;
+    return taken_ < recording_.times_s.size() ? recording_.times_s[taken_] : kNever;
+  }
+
+  void take(double time_s, const ImpactState& x) override {
+    ++taken_;
+    result_.trajectory.push_back(point(time_s, x));
+  }
+
+ private:
+  double gravity_t() const {
+    return -job_.gravity_m_s2 * std::sin(job_.surface_angle_deg * kRadPerDeg);
+  }
+  double gravity_n() const {
+    return -job_.gravity_m_s2 * std::cos(job_.surface_angle_deg * kRadPerDeg);
+  }
+
+  // Flies to the next touch and says whether there is one.
+  bool reach_surface(int contact) {
+    double flight = 0;
+    if (contact > 0 || now_[kQn] > 0) flight = time_to_touch(now_, gravity_n());
+    if (contact == 0 && flight == kNever) {
+      throw InvalidArgument("the body never touches the surface", "initial.gap_m");
+    }
+    if (flight == kNever) return false;
+    if (flight > 0) {
+      const double touch_s = time_s_ + flight;
+      record_flight(std::nextafter(touch_s, 0.0));
+      result_.phases.push_back({PhaseKind::kFlight, "flight", time_s_, touch_s, 0});
+      now_ = fly(now_, gravity_t(), gravity_n(), flight);
+      now_[kQn] = 0;
+      time_s_ = touch_s;
+    } else {
+      record_flight(-std::numeric_limits<double>::min());
+    }
+    return true;
+  }
+
+  // Hands over the points asked for up to `until_s`, all in free flight.
+  void record_flight(double until_s) {
+    for (double t = next_s(); t <= until_s; t = next_s()) {
+      take(t, fly(now_, gravity_t(), gravity_n(), t - time_s_));
+    }
+  }
+
+  void follow_contact(int contact) {
+    now_[kTip] = now_[kSprings] = 0;
+    friction_ = make_friction_law(job_, now_[kVt], now_[kVn]);
+    dynamics_.emplace(job_, *normal_, *friction_);
+    const ContactPoint touch = dynamics_->contact_point(now_);
+    if (!(touch.rate_m_s > 0)) {
+      throw InvalidArgument("the body does not approach the surface", "initial.vn_m_s",
+                            "the normal points out of the surface: vn_m_s must be negative");
+    }
+    const double touch_s = time_s_;
+    const ImpactState before = now_;
+    const ContactOutcome outcome =
+        integrate_contact(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
+    result_.evaluations += dynamics_->evaluations;
+    result_.steps += outcome.steps;
+    time_s_ = outcome.end_s;
+    now_ = outcome.end;
+    if (recording_.rate_hz > 0 && outcome.separated) {
+      result_.trajectory.push_back(point(time_s_, now_));
+    }
+    result_.separated = outcome.separated;
+    result_.phases.insert(result_.phases.end(), outcome.phases.begin(), outcome.phases.end());
+    warn(outcome);
+    if (contact == 0) describe_first(touch_s, touch, before, outcome);
+    if (outcome.separated) {
+      dynamics_.reset();  // from here on the body flies
+      plastic_j_ += outcome.plastic_j;
+      now_[kDamping] += outcome.released_j;
+      now_[kSlip] += outcome.released_tangential_j;
+    }
+  }
+
+  void describe_first(double touch_s, const ContactPoint& touch, const ImpactState& before,
+                      const ContactOutcome& outcome) {
+    const double nan = kNotMeasured;
+    const ImpactState& after = outcome.end;
+    const double duration = outcome.end_s - touch_s, mass = job_.body.mass_kg;
+    result_.contact_start_s = touch_s;
+    result_.contact_s = outcome.separated ? duration : nan;
+    result_.t_max_compression_s = outcome.t_max_compression_s;
+    result_.max_deflection_m = outcome.max_deflection_m;
+    result_.max_force_n = outcome.max_force_n;
+    result_.peak_force_n = outcome.peak_force_n;
+    result_.separation_force_n = outcome.separation_force_n;
+    result_.restitution = outcome.separated ? -outcome.end_point.rate_m_s / touch.rate_m_s : nan;
+    result_.tip_vt_start_m_s = touch.tip_vt_m_s;
+    result_.tip_vt_final_m_s = outcome.end_point.tip_vt_m_s;
+    result_.impulse_t_n_s = mass * (after[kVt] - before[kVt] - gravity_t() * duration);
+    result_.impulse_n_n_s = mass * (after[kVn] - before[kVn] - gravity_n() * duration);
+  }
+
+  void warn(const ContactOutcome& outcome) {
+    const double noise_j = 1e-9 * kinetic_j(start_);
+    for (const Phase& phase : outcome.phases) {
+      if (phase.slip_j >= -noise_j) continue;
+      result_.warnings.push_back("friction does positive work in phase '" +
+                                 std::string(phase.name) + "': it feeds " +
+                                 shortest(-phase.slip_j) + " J into the body from " +
+                                 shortest(phase.start_s) + " s to " + shortest(phase.end_s) + " s");
+    }
+    if (outcome.separated && outcome.separation_force_n < -1e-9 * outcome.max_force_n) {
+      result_.warnings.push_back("the surface pulls: the normal force ends at " +
+                                 shortest(outcome.separation_force_n) + " N");
+    }
+    if (!outcome.separated) {
+      result_.warnings.push_back("the body did not leave the surface: it comes to rest on it");
+    }
+  }
+
+  void finish() {
+    if (result_.separated && recording_.rate_hz <= 0) {
+      record_flight(std::numeric_limits<double>::max());
+    }
+    result_.final = plane_state(now_);
+    result_.energy = ledger(now_);
+  }
+
+  double kinetic_j(const ImpactState& x) const {
+    return 0.5 * job_.body.mass_kg * (x[kVt] * x[kVt] + x[kVn] * x[kVn]) +
+           0.5 * job_.body.inertia() * x[kOmega] * x[kOmega];
+  }
+
+  EnergyLedger ledger(const ImpactState& x) const {
+    EnergyLedger energy;
+    energy.kinetic_start_j = kinetic_j(start_);
+    energy.gravity_j = job_.body.mass_kg * (gravity_t() * (x[kQt] - start_[kQt]) +
+                                            gravity_n() * (x[kQn] - start_[kQn])) +
+                       0.0;  // not -0
+    energy.kinetic_j = kinetic_j(x);
+    energy.damping_j = x[kDamping];
+    energy.slip_j = x[kSlip];
+    energy.plastic_j = plastic_j_;
+    if (dynamics_) {
+      const ContactPoint at = dynamics_->contact_point(x);
+      energy.normal_elastic_j = normal_->stored_j(at.deflection_m, dynamics_->memory);
+      energy.plastic_j +=
+          normal_->work_j(at.deflection_m, dynamics_->memory) - energy.normal_elastic_j;
+      energy.tangential_elastic_j = friction_->stored_j(at);
+    }
+    energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
+                        energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
+                        energy.slip_j - energy.plastic_j;
+    return energy;
+  }
+
+  TrajectoryPoint point(double time_s, const ImpactState& x) const {
+    TrajectoryPoint point;
+    point.time_s = time_s;
+    point.state = plane_state(x);
+    point.energy = ledger(x);
+    if (dynamics_) {
+      const ContactPoint at = dynamics_->contact_point(x);
+      point.deflection_m = at.deflection_m;
+      point.normal_force_n = dynamics_->normal_force_n(at);
+      point.tangential_force_n = friction_->traction(at).force_n;
+      point.tip_vt_m_s = at.tip_vt_m_s;
+    } else {
+      point.tip_vt_m_s = x[kVt] + x[kOmega] * job_.body.radius_m();
+    }
+    return point;
+  }
+
+  const ImpactJob& job_;
+  const Recording recording_;
+  std::unique_ptr<NormalLaw> normal_;
+  std::unique_ptr<FrictionLaw> friction_;
+  std::optional<ContactDynamics> dynamics_;  // while in contact
+  ImpactState now_{}, start_{};
+  double time_s_ = 0;
+  double plastic_j_ = 0;  // of the contacts before
+  std::size_t taken_ = 0;
+  ImpactResult result_;
+};
+
+}  // namespace
+
+ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording) {
+  job.validate();
+  return ImpactRun(job, recording).run();
+}
+
+EffectiveFriction effective_friction(const Body& body, const PlaneState& before,
+                                     const PlaneState& after, double contact_s, double gravity_m_s2,
+                                     double surface_angle_deg) {
+  const double angle = surface_angle_deg * kRadPerDeg;
+  const double dvt = after.vt_m_s - before.vt_m_s, dvn = after.vn_m_s - before.vn_m_s;
+  const double gravity_s = gravity_m_s2 * contact_s;
+  EffectiveFriction friction;
+  friction.published = dvt / dvn;
+  friction.sound = (dvt + gravity_s * std::sin(angle)) / (dvn + gravity_s * std::cos(angle));
+  // Rolling stops the contact point; (1 + e)|vn0| = dvn for any e.
+  const double tip = before.vt_m_s + body.radius_m() * before.omega_rad_s;
+  friction.rolling_cap = std::abs(tip) / ((1 + 1 / body.inertia_factor()) * dvn);
+  return friction;
+}
+
+}  // namespace impactdic::sim::contact

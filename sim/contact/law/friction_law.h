@@ -1,0 +1,62 @@
+// The force along the surface as a function of the contact's motion and of a mode (sliding,
+// sticking, ...) that changes only at events.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "sim/contact/model.h"
+
+namespace impactdic::sim::contact {
+
+// All that a friction law may look at, at one instant.
+struct ContactPoint {
+  double deflection_m = 0, rate_m_s = 0;  // of the normal contact, positive in compression
+  double spring_n = 0;                    // the normal law's spring, not below zero
+  double normal_n = 0;                    // spring and damper, not below zero
+  double centre_vt_m_s = 0;
+  double tip_vt_m_s = 0;         // tangential velocity of the contact point
+  double tip_m = 0;              // its integral since the contact began
+  double springs_m2 = 0;         // the integral of Traction::springs_rate_m2_s
+  double acceleration_m_s2 = 0;  // of the deflection
+  double rolling_n = 0;          // the force that would keep tip_vt_m_s as it is
+  double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility (force - rolling_n)
+  double holding_n = 0;          // the force that would keep centre_vt_m_s as it is
+};
+
+struct Traction {
+  double force_n = 0;
+  double dissipation_w = 0;      // by slip; negative where the rule feeds energy in
+  double springs_rate_m2_s = 0;  // of the law's own state, ContactPoint::springs_m2
+  double centre_force_n = 0;  // acts on the centre without a moment (one published rule needs it)
+};
+
+class FrictionLaw {
+ public:
+  static constexpr int kMaxGuards = 3;
+  using Guards = std::array<double, kMaxGuards>;
+
+  virtual ~FrictionLaw() = default;
+  // Chooses the first mode; called when a contact begins.
+  virtual void begin(const ContactPoint& at) = 0;
+  virtual Traction traction(const ContactPoint& at) const = 0;
+  // Fills the functions that are positive while the mode lasts and returns how many they are. One
+  // that falls through zero ends the mode.
+  virtual int guards(const ContactPoint& at, Guards& values) const = 0;
+  // Changes the mode after that guard has crossed.
+  virtual void cross(int guard, const ContactPoint& at) = 0;
+  // The mode's name, as in Phase::name.
+  virtual const char* mode() const = 0;
+  // Told of every accepted step, for laws that remember the path.
+  virtual void step(const ContactPoint&) {}
+  // Energy stored in tangential springs, J.
+  virtual double stored_j(const ContactPoint&) const { return 0; }
+};
+
+// The law that the job names. `speed_t`, `speed_n`: of the mass centre when the contact begins (the
+// published rules of chapter 4 scale with them).
+std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
+                                               double speed_n_m_s);
+std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const Contact& contact, double radius_m);
+
+}  // namespace impactdic::sim::contact

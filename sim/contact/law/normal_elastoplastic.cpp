@@ -1,0 +1,178 @@
+#include "sim/contact/law/normal_elastoplastic.h"
+
+#include <impactdic/error.h>
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+namespace impactdic::sim::contact {
+namespace {
+
+// Kogut & Etsion and Johnson: hardness over yield strength once the contact is fully plastic.
+constexpr double kHardnessOverYield = 2.8;
+// Jackson & Green: elastic below, in units of the critical compression.
+constexpr double kJacksonElasticLimit = 1.9;
+
+void require(bool good, const char* key, const char* hint) {
+  if (!good) throw InvalidArgument("impossible value", key, hint);
+}
+
+// Jackson & Green 2005, Eqs. 2.17-2.20: pressure falls as the contact circle nears the radius.
+double jackson_hardness_over_yield(double x, double yield_constant, double yield_over_modulus) {
+  const double exponent = 0.14 * std::exp(23 * yield_over_modulus);
+  const double contact_over_radius = kPi * yield_constant / 2 * yield_over_modulus *
+                                     std::sqrt(x * std::pow(x / kJacksonElasticLimit, exponent));
+  return 2.84 * (1 - std::exp(-0.82 * std::pow(contact_over_radius, -0.7)));
+}
+
+double jackson_green(double x, double yield_constant, double yield_over_modulus) {
+  if (x < kJacksonElasticLimit) return x * std::sqrt(x);
+  const double hardness = jackson_hardness_over_yield(x, yield_constant, yield_over_modulus);
+  return std::exp(-std::pow(x, 5.0 / 12) / 4) * x * std::sqrt(x) +
+         4 * hardness / yield_constant * (1 - std::exp(-std::pow(x, 5.0 / 9) / 25)) * x;
+}
+
+// Beyond x = 110 the last fit is continued until it meets the fully plastic line P = 2 pi R w H.
+double kogut_etsion(double x, double yield_constant) {
+  if (x < 1) return x * std::sqrt(x);
+  if (x < 6) return 1.03 * std::pow(x, 1.425);
+  const double plastic = 3 * kHardnessOverYield / yield_constant * x;
+  return std::min(1.40 * std::pow(x, 1.263), std::max(plastic, 1.40 * std::pow(110, 1.263)));
+}
+
+// Thornton 1997: Hertz up to yield, then the slope of yield is kept: dP/dw = pi p_y R.
+double thornton(double x) { return x < 1 ? x * std::sqrt(x) : 1 + 1.5 * (x - 1); }
+
+}  // namespace
+
+void ElasticPlasticSurface::validate() const {
+  require(radius_m > 0 && std::isfinite(radius_m), "radius_m", "must be a positive length");
+  require(effective_modulus_pa > 0 && std::isfinite(effective_modulus_pa), "reduced_modulus_pa",
+          "must be positive");
+  require(yield_strength_pa > 0 && std::isfinite(yield_strength_pa), "yield_strength_pa",
+          "must be positive");
+  require(poisson >= 0 && poisson <= 0.5, "poisson", "must lie in 0..0.5");
+}
+
+double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa, double poisson2) {
+  return 1 / ((1 - poisson1 * poisson1) / young1_pa + (1 - poisson2 * poisson2) / young2_pa);
+}
+
+ElasticPlasticLaw::ElasticPlasticLaw(const ElasticPlasticSurface& surface, PlasticLoading loading,
+                                     ResidualLaw residual)
+    : surface_(surface), loading_(loading), residual_(residual) {
+  surface_.validate();
+  yield_constant_ = 1.295 * std::exp(0.736 * surface_.poisson);
+  const double pressure = kPi * yield_constant_ * surface_.yield_strength_pa / 2;
+  const double ratio = pressure / surface_.effective_modulus_pa;
+  critical_compression_m_ = ratio * ratio * surface_.radius_m;
+  critical_force_n_ = 4.0 / 3 * surface_.radius_m * surface_.radius_m * ratio * ratio * pressure;
+}
+
+double ElasticPlasticLaw::normalised_loading(double x) const {
+  if (loading_ == PlasticLoading::kThornton) return thornton(x);
+  if (loading_ == PlasticLoading::kKogutEtsion) return kogut_etsion(x, yield_constant_);
+  return jackson_green(x, yield_constant_,
+                       surface_.yield_strength_pa / surface_.effective_modulus_pa);
+}
+
+double ElasticPlasticLaw::loading_force_n(double w_m) const {
+  if (!(w_m > 0)) return 0;
+  return critical_force_n_ * normalised_loading(w_m / critical_compression_m_);
+}
+
+double ElasticPlasticLaw::residual_m(double largest_m) const {
+  const double x = largest_m / critical_compression_m_;
+  if (!(x > 1)) return 0;
+  if (loading_ == PlasticLoading::kThornton) {
+    // Unloading is Hertz over the radius R_p that gives the same contact circle at P_m.
+    const double force = thornton(x);
+    const double radius_ratio = std::pow((2 * force + 1) / 3, 1.5) / force;
+    return largest_m - critical_compression_m_ * std::cbrt(force * force / radius_ratio);
+  }
+  if (residual_ == ResidualLaw::kKogutEtsion) {
+    return largest_m * (1 - std::pow(x, -0.28)) * (1 - std::pow(x, -0.69));
+  }
+  // Jackson's fit holds from x = 1.9; below, the loading is Hertz and nothing stays.
+  if (x < kJacksonElasticLimit && loading_ == PlasticLoading::kJacksonGreen) return 0;
+  return largest_m * 1.02 * (1 - std::pow((x + 5.9) / 6.9, -0.54));
+}
+
+double ElasticPlasticLaw::unloading_exponent(double largest_m) const {
+  const double x = largest_m / critical_compression_m_;
+  if (loading_ == PlasticLoading::kThornton || residual_ == ResidualLaw::kJackson || x <= 1) {
+    return 1.5;
+  }
+  return 1.5 * std::pow(x, -0.0331);
+}
+
+double ElasticPlasticLaw::unloading_force_n(double w_m, double largest_m) const {
+  const double residual = residual_m(largest_m);
+  if (!(w_m > residual)) return 0;
+  return loading_force_n(largest_m) *
+         std::pow((w_m - residual) / (largest_m - residual), unloading_exponent(largest_m));
+}
+
+double ElasticPlasticLaw::loading_energy_j(double w_m) const {
+  if (!(w_m > 0)) return 0;
+  // Integrated between the kinks, so that each piece is smooth.
+  const std::array<double, 4> kinks{1, kJacksonElasticLimit, 6, 110};
+  const double x = w_m / critical_compression_m_;
+  const auto force = [this](double s) { return normalised_loading(s); };
+  double sum = 0.4 * std::pow(std::min(x, 1.0), 2.5);
+  for (std::size_t i = 0; i < kinks.size() && x > kinks[i]; ++i) {
+    const double end = i + 1 < kinks.size() ? std::min(x, kinks[i + 1]) : x;
+    // Just inside the piece: the published fits jump at the kinks.
+    const double start = std::nextafter(kinks[i], end);
+    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+        force, start, std::nextafter(end, start), 12, 1e-12);
+  }
+  return sum * critical_force_n_ * critical_compression_m_;
+}
+
+double ElasticPlasticLaw::released_energy_j(double largest_m) const {
+  if (!(largest_m > 0)) return 0;
+  return loading_force_n(largest_m) * (largest_m - residual_m(largest_m)) /
+         (unloading_exponent(largest_m) + 1);
+}
+
+double ElasticPlasticLaw::largest_compression_m(double mass_kg, double speed_m_s) const {
+  const double energy = mass_kg * speed_m_s * speed_m_s / 2;
+  if (!(energy > 0)) return 0;
+  const auto missing = [&](double w) { return loading_energy_j(w) - energy; };
+  double high = critical_compression_m_;
+  while (missing(high) < 0) high *= 2;
+  std::uintmax_t iterations = 200;
+  const auto bracket = boost::math::tools::toms748_solve(
+      missing, 0.0, high, boost::math::tools::eps_tolerance<double>(50), iterations);
+  return (bracket.first + bracket.second) / 2;
+}
+
+double ElasticPlasticLaw::restitution(double mass_kg, double speed_m_s) const {
+  const double largest = largest_compression_m(mass_kg, speed_m_s);
+  if (!(largest > 0)) return 1;
+  return std::sqrt(std::min(1.0, released_energy_j(largest) / loading_energy_j(largest)));
+}
+
+double johnson_restitution(const ElasticPlasticSurface& surface, double mass_kg, double speed_m_s) {
+  const double pressure = 3 * surface.yield_strength_pa;
+  const double energy = mass_kg * speed_m_s * speed_m_s / 2;
+  const double volume = surface.radius_m * surface.radius_m * surface.radius_m;
+  return std::sqrt(3 * std::pow(kPi, 1.25) * std::pow(4, 0.75) / 10 * pressure /
+                   surface.effective_modulus_pa * std::pow(energy / (pressure * volume), -0.25));
+}
+
+double thornton_restitution(double yield_speed_over_speed) {
+  const double y = yield_speed_over_speed;
+  if (y >= 1) return 1;
+  return std::sqrt(6 * std::sqrt(3.0) / 5) * std::sqrt(1 - y * y / 6) *
+         std::pow(y / (y + 2 * std::sqrt(1.2 - y * y / 5)), 0.25);
+}
+
+}  // namespace impactdic::sim::contact

@@ -1,0 +1,89 @@
+#include "sim/contact/law/normal_law.h"
+
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace impactdic::sim::contact {
+
+double NormalLaw::damper_n(double, double, const NormalMemory&) const { return 0; }
+
+double NormalLaw::stored_j(double deflection_m, const NormalMemory& memory) const {
+  return work_j(deflection_m, memory);
+}
+
+NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) const {
+  NormalMemory turned = memory;
+  turned.compressing = false;
+  if (!memory.unloading) {
+    turned.unloading = true;
+    turned.max_deflection_m = deflection_m;
+    turned.max_force_n = spring_n(deflection_m, memory);
+  }
+  return turned;
+}
+
+double NormalLaw::next_kink_m(double) const { return std::numeric_limits<double>::infinity(); }
+
+double NormalLaw::deflection_estimate_m(double mass_kg, double speed_m_s) const {
+  return speed_m_s * duration_estimate_s(mass_kg, speed_m_s) / kPi;
+}
+
+namespace {
+
+// P = k delta^p + b delta' (source Eqs 3.6, 3.10 with p = 1; Eqs 4.8, 4.9 with p = 3/2). Below zero
+// deflection the spring continues as an odd function, so that an integration step may overshoot.
+class SpringDamper final : public NormalLaw {
+ public:
+  SpringDamper(bool hertz, const Contact& contact)
+      : hertz_(hertz),
+        stiffness_(contact.stiffness),
+        damping_(contact.damping_n_s_per_m),
+        damped_restitution_(contact.restitution_damping != RestitutionDamping::kNone) {}
+
+  double spring_n(double deflection_m, const NormalMemory&) const override {
+    const double force = stiffness_ * deflection_m;
+    return hertz_ ? force * std::sqrt(std::abs(deflection_m)) : force;
+  }
+
+  double damper_n(double, double rate_m_s, const NormalMemory& memory) const override {
+    return memory.compressing || damped_restitution_ ? damping_ * rate_m_s : 0.0;
+  }
+
+  double work_j(double deflection_m, const NormalMemory& memory) const override {
+    return spring_n(deflection_m, memory) * deflection_m / (hertz_ ? 2.5 : 2.0);
+  }
+
+  // Undamped: pi sqrt(m/k), and 0.8 sqrt(pi) Gamma(0.4)/Gamma(0.9) delta_m/v (Hertz 1882).
+  double duration_estimate_s(double mass_kg, double speed_m_s) const override {
+    if (!hertz_) return kPi * std::sqrt(mass_kg / stiffness_);
+    return 2.94328 * deflection_estimate_m(mass_kg, speed_m_s) / speed_m_s;
+  }
+
+  double deflection_estimate_m(double mass_kg, double speed_m_s) const override {
+    if (!hertz_) return speed_m_s * std::sqrt(mass_kg / stiffness_);
+    return std::pow(1.25 * mass_kg * speed_m_s * speed_m_s / stiffness_, 0.4);
+  }
+
+ private:
+  bool hertz_;
+  double stiffness_, damping_;
+  bool damped_restitution_;
+};
+
+}  // namespace
+
+std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job) {
+  switch (job.normal) {
+    case NormalModel::kLinearSpringDamper:
+      return std::make_unique<SpringDamper>(false, job.contact);
+    case NormalModel::kHertzDamper:
+      return std::make_unique<SpringDamper>(true, job.contact);
+    default:
+      return make_elastoplastic_law(job.normal, job.contact, job.body.radius_m());
+  }
+}
+
+}  // namespace impactdic::sim::contact

@@ -1,0 +1,56 @@
+// The force along the normal as a function of the deflection, its rate and its history.
+#pragma once
+
+#include <memory>
+
+#include "sim/contact/model.h"
+
+namespace impactdic::sim::contact {
+
+// What a contact remembers of its normal motion. A law gets it with every call and keeps nothing
+// itself, so that one law serves many integrations at once.
+struct NormalMemory {
+  bool compressing = true;      // the deflection grows
+  bool unloading = false;       // the deflection has passed a maximum and has not yet exceeded it
+  double max_deflection_m = 0;  // the largest deflection so far, at which unloading began
+  double max_force_n = 0;       // the spring's force there
+  double residual_m = 0;        // deflection at which the unloading spring's force is zero
+};
+
+// One spring and one damper side by side. The two are separate so that the energy ledger can tell
+// them apart. Deflection and rate are positive in compression, forces positive when they push.
+class NormalLaw {
+ public:
+  virtual ~NormalLaw() = default;
+  // The force that depends on the deflection only, on the branch that the memory names. N.
+  virtual double spring_n(double deflection_m, const NormalMemory& memory) const = 0;
+  // The force that depends on the rate. N.
+  virtual double damper_n(double deflection_m, double rate_m_s, const NormalMemory& memory) const;
+  // Work put into the spring since the first touch along the path that the memory tells, J. It
+  // comes from the law (closed form or quadrature), not from the integration, so that the ledger's
+  // residual checks the integration.
+  virtual double work_j(double deflection_m, const NormalMemory& memory) const = 0;
+  // The part of work_j that the spring would give back on unloading; the rest is plastic. J.
+  virtual double stored_j(double deflection_m, const NormalMemory& memory) const;
+  // The memory after the rate has turned from compression to restitution at this deflection. (The
+  // integration clears `compressing` here, sets it when the rate turns back, and clears `unloading`
+  // when the deflection exceeds max_deflection_m again.)
+  virtual NormalMemory turn(double deflection_m, const NormalMemory& memory) const;
+  // The next deflection above this one at which loading is not smooth (the integration restarts
+  // there); infinite if there is none.
+  virtual double next_kink_m(double deflection_m) const;
+  // The duration of the contact, roughly (within a factor of about three): sets scales, s.
+  virtual double duration_estimate_s(double mass_kg, double speed_m_s) const = 0;
+  // The largest deflection, roughly, m.
+  virtual double deflection_estimate_m(double mass_kg, double speed_m_s) const;
+};
+
+// The law that the job names. Throws InvalidArgument.
+std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job);
+
+// The elastic-plastic laws of sim/impact/normal_elastoplastic.cpp: jackson_green, kogut_etsion,
+// thornton. `radius_m` is the radius of the contact.
+std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model, const Contact& contact,
+                                                  double radius_m);
+
+}  // namespace impactdic::sim::contact

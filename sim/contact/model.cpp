@@ -1,0 +1,163 @@
+#include "sim/contact/model.h"
+
+#include <impactdic/error.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "host/base/parse.h"
+
+namespace impactdic::sim::contact {
+
+namespace {
+
+template <typename Enum, std::size_t N>
+using Names = std::array<std::pair<Enum, std::string_view>, N>;
+
+constexpr Names<NormalModel, 5> kNormalModels{
+    {{NormalModel::kLinearSpringDamper, "linear_spring_damper"},
+     {NormalModel::kHertzDamper, "hertz_damper"},
+     {NormalModel::kJacksonGreen, "jackson_green"},
+     {NormalModel::kKogutEtsion, "kogut_etsion"},
+     {NormalModel::kThornton, "thornton"}}};
+constexpr Names<FrictionModel, 6> kFrictionModels{
+    {{FrictionModel::kNone, "none"},
+     {FrictionModel::kCoulomb, "coulomb"},
+     {FrictionModel::kThreePhase, "three_phase"},
+     {FrictionModel::kFullSliding, "full_sliding"},
+     {FrictionModel::kBrody, "brody"},
+     {FrictionModel::kMawBarberFawcett, "maw_barber_fawcett"}}};
+constexpr Names<Preset, 2> kPresets{{{Preset::kPublished, "published"}, {Preset::kSound, "sound"}}};
+constexpr Names<RestitutionDamping, 3> kRestitutionDampings{
+    {{RestitutionDamping::kNone, "none"},
+     {RestitutionDamping::kToZeroForce, "to_zero_force"},
+     {RestitutionDamping::kToZeroDeflection, "to_zero_deflection"}}};
+constexpr Names<ResidualLaw, 2> kResidualLaws{
+    {{ResidualLaw::kJackson, "jackson"}, {ResidualLaw::kKogutEtsion, "kogut_etsion"}}};
+constexpr Names<Shape, 4> kShapes{{{Shape::kHollowSphere, "hollow_sphere"},
+                                   {Shape::kSolidSphere, "solid_sphere"},
+                                   {Shape::kRod, "rod"},
+                                   {Shape::kOther, "other"}}};
+
+template <typename Enum, std::size_t N>
+std::string_view find_name(const Names<Enum, N>& names, Enum value) {
+  for (const auto& [key, name] : names) {
+    if (key == value) return name;
+  }
+  return "";
+}
+
+template <typename Enum, std::size_t N>
+Enum find_value(const Names<Enum, N>& names, std::string_view text, const char* what) {
+  std::string known;
+  for (const auto& [value, name] : names) {
+    if (name == text) return value;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw InvalidArgument("'" + std::string(text) + "' is not known", what, "one of " + known);
+}
+
+void require(bool good, const char* what, const char* key, const std::string& hint = "") {
+  if (!good) throw InvalidArgument(what, key, hint);
+}
+
+void require_positive(double value, const char* key, const std::string& hint = "") {
+  require(std::isfinite(value) && value > 0, "must be positive", key, hint);
+}
+
+void require_not_negative(double value, const char* key) {
+  require(std::isfinite(value) && value >= 0, "must not be negative", key);
+}
+
+void validate_normal(const ImpactJob& job) {
+  const Contact& contact = job.contact;
+  require_not_negative(contact.damping_n_s_per_m, "contact.damping_n_s_per_m");
+  switch (job.normal) {
+    case NormalModel::kLinearSpringDamper:
+      require_positive(contact.stiffness, "contact.stiffness_n_per_m");
+      break;
+    case NormalModel::kHertzDamper:
+      require_positive(contact.stiffness, "contact.stiffness_n_per_m1p5");
+      break;
+    default:
+      require_positive(contact.reduced_modulus_pa, "contact.reduced_modulus_pa");
+      require_positive(contact.yield_strength_pa, "contact.yield_strength_pa");
+  }
+}
+
+void validate_friction(const ImpactJob& job) {
+  const Contact& contact = job.contact;
+  require_not_negative(contact.friction_kinetic, "contact.friction_kinetic");
+  require_not_negative(contact.friction_static, "contact.friction_static");
+  require(contact.friction_kinetic <= 100, "must be at most 100", "contact.friction_kinetic",
+          "the body grips long before");
+  require(contact.poisson >= 0 && contact.poisson <= 0.5, "must be from 0 to 0.5",
+          "contact.poisson");
+  if (job.friction == FrictionModel::kThreePhase) {
+    require(contact.friction_static >= contact.friction_kinetic,
+            "must be at least friction_kinetic", "contact.friction_static");
+  }
+  if (job.friction == FrictionModel::kMawBarberFawcett) {
+    require_positive(contact.friction_kinetic, "contact.friction_kinetic");
+    require(job.normal == NormalModel::kHertzDamper,
+            "maw_barber_fawcett needs the pressure of a Hertz contact", "normal",
+            "hertz_damper, or another friction");
+    require(job.body.shape != Shape::kRod, "maw_barber_fawcett is a law for balls", "friction");
+  }
+}
+
+}  // namespace
+
+std::string_view name_of(NormalModel model) { return find_name(kNormalModels, model); }
+std::string_view name_of(FrictionModel model) { return find_name(kFrictionModels, model); }
+std::string_view name_of(Preset preset) { return find_name(kPresets, preset); }
+std::string_view name_of(RestitutionDamping damping) {
+  return find_name(kRestitutionDampings, damping);
+}
+std::string_view name_of(ResidualLaw law) { return find_name(kResidualLaws, law); }
+std::string_view name_of(Shape shape) { return find_name(kShapes, shape); }
+
+NormalModel parse_normal_model(std::string_view name) {
+  return find_value(kNormalModels, name, "normal");
+}
+FrictionModel parse_friction_model(std::string_view name) {
+  if (name == "three_phase_friction") return FrictionModel::kThreePhase;  // its long name
+  return find_value(kFrictionModels, name, "friction");
+}
+Preset parse_preset(std::string_view name) { return find_value(kPresets, name, "preset"); }
+RestitutionDamping parse_restitution_damping(std::string_view name) {
+  return find_value(kRestitutionDampings, name, "contact.restitution_damping");
+}
+ResidualLaw parse_residual_law(std::string_view name) {
+  return find_value(kResidualLaws, name, "contact.residual");
+}
+Shape parse_shape(std::string_view name) { return find_value(kShapes, name, "body.shape"); }
+
+void ImpactJob::validate() const {
+  body.validate();
+  validate_normal(*this);
+  validate_friction(*this);
+  require_not_negative(gravity_m_s2, "environment.gravity_m_s2");
+  require(std::isfinite(surface_angle_deg) && std::abs(surface_angle_deg) <= 180,
+          "must be from -180 to 180", "surface.angle_deg");
+  for (const auto& [value, key] :
+       {std::pair{initial.vt_m_s, "initial.vt_m_s"}, std::pair{initial.vn_m_s, "initial.vn_m_s"},
+        std::pair{initial.omega_rad_s, "initial.omega_rad_s"},
+        std::pair{initial.angle_deg, "initial.angle_deg"}}) {
+    require(std::isfinite(value), "must be a finite number", key);
+  }
+  require_not_negative(initial.gap_m, "initial.gap_m");
+  const double tolerance = solver.relative_tolerance;
+  require(tolerance >= 1e-14 && tolerance <= 1e-3, "must be from 1e-14 to 1e-3",
+          "solver.relative_tolerance");
+  require(solver.contacts >= 1, "must be at least 1", "solver.contacts");
+  if (body.shape == Shape::kRod) {
+    require(initial.angle_deg > 0 && initial.angle_deg < 180,
+            "the striking end must be the lower one: between 0 and 180", "initial.angle_deg");
+    require(initial.gap_m == 0, "a rod must start in contact", "initial.gap_m");
+    require(solver.contacts == 1, "only one contact is followed for a rod", "solver.contacts");
+  }
+}
+
+}  // namespace impactdic::sim::contact

@@ -1,0 +1,27 @@
+#include "sim/contact/step_control.h"
+
+#include <algorithm>
+
+namespace impactdic::sim::contact {
+
+ContactScales contact_scales(const ImpactJob& job, const NormalLaw& normal,
+                             const ContactPoint& touch, const ImpactState& start) {
+  const double speed_n = touch.rate_m_s;
+  const double reach = job.body.shape == Shape::kRod ? job.body.length_m / 2 : job.body.radius_m();
+  const double speed = std::max({speed_n, std::abs(start[kVt]), std::abs(start[kOmega]) * reach});
+  const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
+  const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);
+  const double energy = 0.5 * job.body.mass_kg * speed * speed;
+  ContactScales scales{duration, {}};
+  scales.state[kQt] = scales.state[kTip] = speed * duration;
+  scales.state[kQn] = deflection;
+  scales.state[kAngle] = speed / reach * duration;
+  scales.state[kVt] = speed;
+  scales.state[kVn] = speed_n;
+  scales.state[kOmega] = speed / reach;
+  scales.state[kDamping] = scales.state[kSlip] = energy;
+  scales.state[kSprings] = deflection * std::sqrt(job.body.radius_m() * deflection);
+  return scales;
+}
+
+}  // namespace impactdic::sim::contact

@@ -1,0 +1,239 @@
+#include "sim/job/job_toml.h"
+
+#include <impactdic/error.h>
+
+#include "sim/contact/closed_form.h"
+#include "sim/job/strict_toml.h"
+#include "sim/job/toml_text.h"
+
+namespace impactdic::sim::job {
+
+namespace {
+
+bool has_spring_damper(const contact::ImpactJob& job) {
+  return job.normal == contact::NormalModel::kLinearSpringDamper ||
+         job.normal == contact::NormalModel::kHertzDamper;
+}
+const char* stiffness_key(const contact::ImpactJob& job) {
+  return job.normal == contact::NormalModel::kHertzDamper ? "stiffness_n_per_m1p5"
+                                                          : "stiffness_n_per_m";
+}
+
+// One of our enumerations, its error placed in the file.
+template <typename Parser>
+auto choose(StrictTable& table, const std::string& key, const std::string& fallback,
+            Parser parser) {
+  const std::string text = table.text(key, fallback);
+  try {
+    return parser(text);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument("'" + text + "' is not known", table.place(key), error.hint());
+  }
+}
+
+// A number that a complete job must give.
+double needed(StrictTable& table, const char* key, bool partial) {
+  return partial ? table.number(key, 0) : table.number(key);
+}
+
+contact::Contact read_contact(StrictTable& table, const contact::ImpactJob& job, bool partial) {
+  contact::Contact contact;
+  if (has_spring_damper(job)) {
+    contact.stiffness = needed(table, stiffness_key(job), partial);
+    contact.damping_n_s_per_m = table.number("damping_n_s_per_m", 0);
+    contact.restitution_damping =
+        choose(table, "restitution_damping", "none", contact::parse_restitution_damping);
+    const std::string takes =
+        std::string(contact::name_of(job.normal)) + " takes " + stiffness_key(job);
+    table.hint("stiffness_n_per_m", takes);
+    table.hint("stiffness_n_per_m1p5", takes);
+  } else {
+    contact.reduced_modulus_pa = needed(table, "reduced_modulus_pa", partial);
+    contact.yield_strength_pa = needed(table, "yield_strength_pa", partial);
+    contact.poisson = needed(table, "poisson", partial);
+    contact.residual = choose(table, "residual", "jackson", contact::parse_residual_law);
+  }
+  if (job.friction != contact::FrictionModel::kNone) {
+    contact.friction_kinetic = needed(table, "friction_kinetic", partial);
+  }
+  if (job.friction == contact::FrictionModel::kThreePhase) {
+    contact.friction_static = needed(table, "friction_static", partial);
+  } else {
+    table.hint("friction_static", "only three_phase has a static friction");
+  }
+  if (job.friction == contact::FrictionModel::kMawBarberFawcett) {
+    contact.poisson = needed(table, "poisson", partial);
+  }
+  return contact;
+}
+
+// A Kelvin-Voigt contact: stiffness and damping as they stand, or from what they give.
+contact::Contact read_kelvin_voigt(StrictTable& table, const contact::ImpactJob& job) {
+  contact::Contact contact;
+  const bool published = job.preset == contact::Preset::kPublished;
+  contact.restitution_damping = published ? contact::RestitutionDamping::kToZeroDeflection
+                                          : contact::RestitutionDamping::kToZeroForce;
+  if (table.has("restitution")) {
+    const double restitution = table.number("restitution"), duration = table.number("contact_s");
+    if (!(restitution > 0 && restitution <= 1)) {
+      throw InvalidArgument("must be above 0 and at most 1", table.place("restitution"));
+    }
+    if (!(duration > 0)) throw InvalidArgument("must be positive", table.place("contact_s"));
+    const contact::SpringDamperParameters pair =
+        published ? contact::kelvin_voigt_parameters(job.body.mass_kg, restitution, duration)
+                  : contact::force_free_parameters(job.body.mass_kg, restitution, duration);
+    contact.stiffness = pair.stiffness;
+    contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+  } else {
+    contact.stiffness = table.number("stiffness_n_per_m");
+    contact.damping_n_s_per_m = table.number("damping_n_s_per_m");
+  }
+  if (job.friction != contact::FrictionModel::kNone) {
+    contact.friction_kinetic = table.number("friction_kinetic");
+  }
+  if (job.friction == contact::FrictionModel::kThreePhase) {
+    contact.friction_static = table.number("friction_static");
+  }
+  return contact;
+}
+
+}  // namespace
+
+std::string model_of_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  const std::string model = root.text("model", "");
+  for (const char* known :
+       {"", "kelvin_voigt", "garwin", "cross", "walton", "stronge", "rigid_rod", "flexible_rod"}) {
+    if (model == known) return model;
+  }
+  throw InvalidArgument("'" + model + "' is not known", root.place("model"),
+                        "kelvin_voigt, garwin, cross, walton, stronge, rigid_rod or flexible_rod; "
+                        "other laws are chosen by normal and friction");
+}
+
+contact::Preset read_preset(StrictTable& root, contact::Preset fallback) {
+  return choose(root, "preset", std::string(contact::name_of(fallback)), contact::parse_preset);
+}
+
+contact::Body read_body(StrictTable& table, bool partial) {
+  contact::Body body;
+  const bool inertia_given = table.has("inertia_kg_m2");
+  body.shape =
+      choose(table, "shape", inertia_given ? "other" : "solid_sphere", contact::parse_shape);
+  body.mass_kg = needed(table, "mass_kg", partial);
+  body.diameter_m = needed(table, "diameter_m", partial);
+  if (body.shape == contact::Shape::kRod) body.length_m = needed(table, "length_m", partial);
+  body.inertia_kg_m2 = table.number("inertia_kg_m2", 0);
+  if (inertia_given && !(body.inertia_kg_m2 > 0)) {
+    throw InvalidArgument("must be positive", table.place("inertia_kg_m2"));
+  }
+  return body;
+}
+
+contact::ImpactJob read_impact_tables(StrictTable& root, bool partial) {
+  contact::ImpactJob job;
+  const bool kelvin_voigt = root.text("model", "") == "kelvin_voigt";
+  if (kelvin_voigt && root.has("normal")) {
+    throw InvalidArgument("the model names the normal law already", root.place("normal"));
+  }
+  if (!kelvin_voigt) {
+    job.normal = choose(root, "normal", "linear_spring_damper", contact::parse_normal_model);
+  }
+  job.friction = choose(root, "friction", "coulomb", contact::parse_friction_model);
+  job.preset = read_preset(root, contact::Preset::kSound);
+  job.body = read_body(root.table("body"), partial);
+  StrictTable& contact = root.table("contact");
+  job.contact =
+      kelvin_voigt ? read_kelvin_voigt(contact, job) : read_contact(contact, job, partial);
+  job.surface_angle_deg = root.table("surface").number("angle_deg", 0);
+  StrictTable& initial = root.table("initial");
+  job.initial.vt_m_s = initial.number("vt_m_s", 0);
+  job.initial.vn_m_s = needed(initial, "vn_m_s", partial);
+  job.initial.omega_rad_s = initial.number("omega_rad_s", 0);
+  job.initial.gap_m = initial.number("gap_m", 0);
+  if (job.body.shape == contact::Shape::kRod)
+    job.initial.angle_deg = needed(initial, "angle_deg", partial);
+  job.gravity_m_s2 = root.table("environment").number("gravity_m_s2", 9.81);
+  StrictTable& solver = root.table("solver");
+  job.solver.relative_tolerance =
+      solver.number("relative_tolerance", job.solver.relative_tolerance);
+  job.solver.contacts = solver.integer("contacts", job.solver.contacts);
+  return job;
+}
+
+SimulateJob read_simulate_job(const std::filesystem::path& file) {
+  StrictTable root(file);
+  SimulateJob job;
+  const std::string model = root.text("model", "");
+  if (!model.empty() && model != "kelvin_voigt") {
+    throw InvalidArgument("'" + model + "' has no integrated path of a ball", root.place("model"),
+                          "name the laws with normal and friction");
+  }
+  // Both must be named: a forgotten line must not choose a law.
+  if (model.empty()) root.text("normal");
+  root.text("friction");
+  job.impact = read_impact_tables(root, false);
+  StrictTable& output = root.table("output");
+  job.rate_hz = output.number("rate_hz", 0);
+  if (job.rate_hz < 0) throw InvalidArgument("must not be negative", output.place("rate_hz"));
+  root.finish();
+  try {
+    job.impact.validate();
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
+  }
+  return job;
+}
+
+std::string to_toml(const SimulateJob& job) {
+  const contact::ImpactJob& impact = job.impact;
+  TomlText text;
+  text.name("normal", contact::name_of(impact.normal));
+  text.name("friction", contact::name_of(impact.friction));
+  text.name("preset", contact::name_of(impact.preset));
+  text.body(impact.body);
+  write_contact(text, impact);
+  text.table("surface");
+  text.number("angle_deg", impact.surface_angle_deg);
+  text.table("initial");
+  text.number("vt_m_s", impact.initial.vt_m_s);
+  text.number("vn_m_s", impact.initial.vn_m_s);
+  text.number("omega_rad_s", impact.initial.omega_rad_s);
+  text.number("gap_m", impact.initial.gap_m);
+  if (impact.body.shape == contact::Shape::kRod) text.number("angle_deg", impact.initial.angle_deg);
+  text.table("environment");
+  text.number("gravity_m_s2", impact.gravity_m_s2);
+  text.table("solver");
+  text.number("relative_tolerance", impact.solver.relative_tolerance);
+  text.integer("contacts", impact.solver.contacts);
+  text.table("output");
+  text.number("rate_hz", job.rate_hz);
+  return text.str();
+}
+
+void write_contact(TomlText& text, const contact::ImpactJob& job) {
+  const contact::Contact& contact = job.contact;
+  text.table("contact");
+  if (has_spring_damper(job)) {
+    text.number(stiffness_key(job), contact.stiffness);
+    text.number("damping_n_s_per_m", contact.damping_n_s_per_m);
+    text.name("restitution_damping", contact::name_of(contact.restitution_damping));
+  } else {
+    text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
+    text.number("yield_strength_pa", contact.yield_strength_pa);
+    text.name("residual", contact::name_of(contact.residual));
+  }
+  // Beyond those of the job's own friction: what other models of a comparison need.
+  if (!has_spring_damper(job) || job.friction == contact::FrictionModel::kMawBarberFawcett ||
+      contact.poisson != 0) {
+    text.number("poisson", contact.poisson);
+  }
+  if (job.friction != contact::FrictionModel::kNone || contact.friction_kinetic != 0) {
+    text.number("friction_kinetic", contact.friction_kinetic);
+  }
+  if (job.friction == contact::FrictionModel::kThreePhase || contact.friction_static != 0) {
+    text.number("friction_static", contact.friction_static);
+  }
+}
+
+}  // namespace impactdic::sim::job

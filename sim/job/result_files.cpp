@@ -1,0 +1,130 @@
+#include "sim/job/result_files.h"
+
+#include <impactdic/error.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/base/parse.h"
+
+namespace impactdic::sim::job {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json state_json(const contact::PlaneState& state) {
+  return {{"qt_m", state.qt_m},     {"qn_m", state.qn_m},     {"angle_rad", state.angle_rad},
+          {"vt_m_s", state.vt_m_s}, {"vn_m_s", state.vn_m_s}, {"omega_rad_s", state.omega_rad_s}};
+}
+
+Json energy_json(const contact::EnergyLedger& energy) {
+  return {{"kinetic_start_j", energy.kinetic_start_j},
+          {"gravity_j", energy.gravity_j},
+          {"kinetic_j", energy.kinetic_j},
+          {"normal_elastic_j", energy.normal_elastic_j},
+          {"damping_j", energy.damping_j},
+          {"tangential_elastic_j", energy.tangential_elastic_j},
+          {"slip_j", energy.slip_j},
+          {"plastic_j", energy.plastic_j},
+          {"residual_j", energy.residual_j}};
+}
+
+Json phases_json(const std::vector<contact::Phase>& phases) {
+  constexpr const char* kKinds[] = {"flight", "normal", "tangential"};
+  Json list = Json::array();
+  for (const contact::Phase& phase : phases) {
+    Json entry = {{"name", phase.name},
+                  {"kind", kKinds[static_cast<int>(phase.kind)]},
+                  {"start_s", phase.start_s},
+                  {"end_s", phase.end_s}};
+    if (phase.kind == contact::PhaseKind::kTangential) entry["slip_j"] = phase.slip_j;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+}  // namespace
+
+void write_trajectory_csv(const std::filesystem::path& file,
+                          const std::vector<contact::TrajectoryPoint>& trajectory) {
+  std::string text =
+      "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,"
+      "deflection_m,tip_vt_m_s,gravity_j,kinetic_j,normal_elastic_j,damping_j,"
+      "tangential_elastic_j,slip_j,plastic_j,residual_j\n";
+  for (const contact::TrajectoryPoint& point : trajectory) {
+    const contact::PlaneState& state = point.state;
+    const contact::EnergyLedger& energy = point.energy;
+    const double values[] = {point.time_s,
+                             state.qt_m,
+                             state.qn_m,
+                             state.angle_rad,
+                             state.vt_m_s,
+                             state.vn_m_s,
+                             state.omega_rad_s,
+                             point.normal_force_n,
+                             point.tangential_force_n,
+                             point.deflection_m,
+                             point.tip_vt_m_s,
+                             energy.gravity_j,
+                             energy.kinetic_j,
+                             energy.normal_elastic_j,
+                             energy.damping_j,
+                             energy.tangential_elastic_j,
+                             energy.slip_j,
+                             energy.plastic_j,
+                             energy.residual_j};
+    char separator = 0;
+    for (const double value : values) {
+      if (separator != 0) text += separator;
+      text += shortest(value);
+      separator = ',';
+    }
+    text += '\n';
+  }
+  write_text(file, text);
+}
+
+std::string summary_json(const contact::ImpactJob& job, const contact::ImpactResult& result) {
+  const contact::EffectiveFriction friction =
+      contact::effective_friction(job.body, result.start, result.final, result.contact_s,
+                                  job.gravity_m_s2, job.surface_angle_deg);
+  const Json summary = {
+      {"normal", contact::name_of(job.normal)},
+      {"friction", contact::name_of(job.friction)},
+      {"preset", contact::name_of(job.preset)},
+      {"separated", result.separated},
+      {"restitution", result.restitution},
+      {"contact_start_s", result.contact_start_s},
+      {"contact_s", result.contact_s},
+      {"t_max_compression_s", result.t_max_compression_s},
+      {"max_deflection_m", result.max_deflection_m},
+      {"max_force_n", result.max_force_n},
+      {"peak_force_n", result.peak_force_n},
+      {"separation_force_n", result.separation_force_n},
+      {"start", state_json(result.start)},
+      {"final", state_json(result.final)},
+      {"tip_vt_start_m_s", result.tip_vt_start_m_s},
+      {"tip_vt_final_m_s", result.tip_vt_final_m_s},
+      {"impulse", {{"t_n_s", result.impulse_t_n_s}, {"n_n_s", result.impulse_n_n_s}}},
+      {"effective_friction",
+       {{"published", friction.published},
+        {"sound", friction.sound},
+        {"rolling_cap", friction.rolling_cap}}},
+      {"phases", phases_json(result.phases)},
+      {"energy", energy_json(result.energy)},
+      {"warnings", result.warnings},
+      {"steps", result.steps},
+      {"evaluations", result.evaluations},
+      {"version", IMPACTDIC_VERSION}};
+  return summary.dump(2) + "\n";
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw FileError("cannot write", file.string(), "is the disk full?");
+}
+
+}  // namespace impactdic::sim::job

@@ -1,0 +1,51 @@
+#include "sim/job/source_jobs.h"
+
+#include <impactdic/units.h>
+
+#include <cmath>
+
+namespace impactdic::sim::job {
+
+contact::ImpactJob racket_job() {
+  contact::ImpactJob job;
+  job.preset = contact::Preset::kPublished;
+  job.normal = contact::NormalModel::kLinearSpringDamper;
+  job.friction = contact::FrictionModel::kCoulomb;
+  job.body = {contact::Shape::kHollowSphere, 0.0567, 0.067};
+  job.contact.stiffness = 13385;
+  job.contact.damping_n_s_per_m = 5.36;
+  job.contact.friction_kinetic = 0.0335;
+  job.surface_angle_deg = 15;
+  job.initial.vt_m_s = -2 * std::sin(15 * kRadPerDeg);
+  job.initial.vn_m_s = -2 * std::cos(15 * kRadPerDeg);
+  return job;
+}
+
+contact::ImpactJob wood_published_job() {
+  contact::ImpactJob job;
+  job.preset = contact::Preset::kPublished;
+  job.normal = contact::NormalModel::kHertzDamper;
+  job.friction = contact::FrictionModel::kThreePhase;
+  job.body = {contact::Shape::kSolidSphere, 0.14566, 0.06325};
+  job.contact.stiffness = 875000;
+  job.contact.damping_n_s_per_m = 9.5;
+  job.contact.friction_kinetic = 0.54;
+  job.contact.friction_static = 0.74;
+  job.surface_angle_deg = 20;
+  job.initial.vt_m_s = 0.57;
+  job.initial.vn_m_s = -1.69;
+  return job;
+}
+
+contact::ImpactJob wood_sound_job() {
+  contact::ImpactJob job = wood_published_job();
+  job.preset = contact::Preset::kSound;
+  job.friction = contact::FrictionModel::kMawBarberFawcett;
+  job.contact.damping_n_s_per_m = 18;
+  job.contact.friction_static = 0;
+  job.contact.poisson = 0.49;
+  job.surface_angle_deg = -20;
+  return job;
+}
+
+}  // namespace impactdic::sim::job

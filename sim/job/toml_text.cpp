@@ -1,0 +1,51 @@
+#include "sim/job/toml_text.h"
+
+#include "host/base/parse.h"
+#include "sim/contact/model.h"
+
+namespace impactdic::sim::job {
+namespace {
+
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
+}  // namespace
+
+void TomlText::table(std::string_view name) { text_ += "\n[" + std::string(name) + "]\n"; }
+
+void TomlText::name(std::string_view key, std::string_view value) {
+  text_ += std::string(key) + " = " + quoted(value) + "\n";
+}
+
+void TomlText::number(std::string_view key, double value) {
+  std::string digits = shortest(value);
+  if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
+  text_ += std::string(key) + " = " + digits + "\n";
+}
+
+void TomlText::integer(std::string_view key, long value) {
+  text_ += std::string(key) + " = " + std::to_string(value) + "\n";
+}
+
+void TomlText::names(std::string_view key, const std::vector<std::string>& values) {
+  std::string list;
+  for (const std::string& value : values) list += (list.empty() ? "" : ", ") + quoted(value);
+  text_ += std::string(key) + " = [" + list + "]\n";
+}
+
+void TomlText::body(const contact::Body& body) {
+  table("body");
+  name("shape", contact::name_of(body.shape));
+  number("mass_kg", body.mass_kg);
+  number("diameter_m", body.diameter_m);
+  if (body.shape == contact::Shape::kRod) number("length_m", body.length_m);
+  if (body.inertia_kg_m2 != 0) number("inertia_kg_m2", body.inertia_kg_m2);
+}
+
+}  // namespace impactdic::sim::job

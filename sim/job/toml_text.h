@@ -1,0 +1,29 @@
+// Writing a job as TOML text.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/contact/body.h"
+
+namespace impactdic::sim::job {
+
+class TomlText {
+ public:
+  void table(std::string_view name);
+  void name(std::string_view key, std::string_view value);
+  // In the shortest form that reads back exactly, and as a float.
+  void number(std::string_view key, double value);
+  void integer(std::string_view key, long value);
+  void names(std::string_view key, const std::vector<std::string>& values);
+  // The table [body].
+  void body(const contact::Body& body);
+
+  const std::string& str() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace impactdic::sim::job

@@ -1,0 +1,315 @@
+// Calibration against tracks whose parameters are known.
+#include <gtest/gtest.h>
+#include <impactdic/error.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+
+#include "sim/compare/comparison.h"
+#include "sim/fit/restitution_duration.h"
+#include "tests/support/scratch.h"
+#include "tests/support/synthetic_track.h"
+
+namespace impactdic {
+namespace {
+
+using testing::ScratchFolder;
+using testing::SyntheticTrack;
+using testing::write_track;
+
+// The tennis ball of chapter 3 with the pair that its Fig. 3.29 gives.
+constexpr double kStiffness = 12526, kDamping = 6.85;
+
+sim::contact::ImpactJob tennis(double angle_deg, double vt, double vn) {
+  sim::contact::ImpactJob job;
+  job.normal = sim::contact::NormalModel::kLinearSpringDamper;
+  job.friction =
+      vt == 0 ? sim::contact::FrictionModel::kNone : sim::contact::FrictionModel::kCoulomb;
+  job.body.shape = sim::contact::Shape::kHollowSphere;
+  job.body.mass_kg = 0.0567;
+  job.body.diameter_m = 0.067;
+  job.contact.stiffness = kStiffness;
+  job.contact.damping_n_s_per_m = kDamping;
+  job.surface_angle_deg = angle_deg;
+  job.initial.vt_m_s = vt;
+  job.initial.vn_m_s = vn;
+  return job;
+}
+
+sim::fit::FitJob fit_job(const sim::contact::ImpactJob& truth,
+                         const std::vector<std::filesystem::path>& tracks) {
+  sim::fit::FitJob job;
+  job.impact = truth;
+  job.impact.contact.stiffness = 0;  // what is fitted is not known beforehand
+  job.impact.contact.damping_n_s_per_m = 0;
+  for (const auto& track : tracks) job.shots.push_back({track, truth.surface_angle_deg});
+  job.parameters = {sim::fit::FitParameter::kStiffness, sim::fit::FitParameter::kDamping};
+  return job;
+}
+
+TEST(RestitutionDuration, WithoutGravityItIsTheClosedForm) {
+  sim::contact::ImpactJob job = tennis(0, 0, -3.26);
+  job.gravity_m_s2 = 0;
+  const sim::contact::LinearImpact impact = sim::contact::linear_impact(0.0567, 13385, 5.36, 3.26);
+  const sim::contact::SpringDamperParameters pair =
+      sim::fit::spring_and_damper(job, impact.restitution, impact.contact_s);
+  EXPECT_NEAR(pair.stiffness / 13385, 1, 1e-8);
+  EXPECT_NEAR(pair.damping_n_s_per_m / 5.36, 1, 1e-8);
+  EXPECT_THROW(sim::fit::spring_and_damper(job, 1.01, impact.contact_s), InvalidArgument);
+}
+
+TEST(RestitutionDuration, SimulatedPairsComeBack) {
+  for (sim::contact::NormalModel normal :
+       {sim::contact::NormalModel::kLinearSpringDamper, sim::contact::NormalModel::kHertzDamper}) {
+    for (double gravity : {0.0, 9.81}) {
+      sim::contact::ImpactJob job = tennis(0, 0, -3.26);
+      job.normal = normal;
+      job.gravity_m_s2 = gravity;
+      job.contact.stiffness = normal == sim::contact::NormalModel::kHertzDamper ? 875000 : 12526;
+      const sim::contact::ImpactResult impact = sim::contact::simulate_impact(job);
+      const sim::contact::SpringDamperParameters pair =
+          sim::fit::spring_and_damper(job, impact.restitution, impact.contact_s);
+      EXPECT_NEAR(pair.stiffness / job.contact.stiffness, 1, 1e-7);
+      EXPECT_NEAR(pair.damping_n_s_per_m / job.contact.damping_n_s_per_m, 1, 1e-6);
+    }
+  }
+}
+
+TEST(Shot, MeasuresWhatTheImpactDid) {
+  ScratchFolder folder;
+  for (double noise : {0.0, 20e-6}) {
+    SyntheticTrack track{tennis(30, -1.6, -2.8)};
+    track.job.contact.friction_kinetic = 0.1;
+    track.position_noise_m = noise;
+    track.stated_sd_m = -1;
+    write_track(track, folder / "track.csv");
+    const sim::contact::ImpactResult impact = sim::contact::simulate_impact(track.job);
+    const sim::shot::Shot shot =
+        sim::shot::measure_shot(sim::shot::read_track(folder / "track.csv"), {track.job.body, 30});
+    const double start = (track.frames_before + track.touch) / track.fps;
+    // Without noise a frame (0.1 ms): the onset is no polynomial. With it four deviations.
+    const auto allowed = [&](double sd) { return noise > 0 ? 4 * sd : 1e-4; };
+    EXPECT_NEAR(shot.contact_start_s.value, start, allowed(shot.contact_start_s.sd));
+    EXPECT_NEAR(shot.contact_s.value, impact.contact_s, 2 * allowed(shot.contact_s.sd));
+    EXPECT_NEAR(shot.restitution.value, impact.restitution,
+                1e-4 + 5 * shot.restitution.sd * (noise > 0));
+    EXPECT_NEAR(shot.max_deflection_m.value, impact.max_deflection_m,
+                3e-4 + 4 * shot.max_deflection_m.sd * (noise > 0));
+    EXPECT_NEAR(shot.friction.sound, 0.1, 1e-3 + 5 * shot.friction_sd * (noise > 0));
+    EXPECT_GT(shot.friction.rolling_cap, shot.friction.sound);
+  }
+}
+
+TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
+  ScratchFolder folder;
+  for (sim::contact::NormalModel normal :
+       {sim::contact::NormalModel::kLinearSpringDamper, sim::contact::NormalModel::kHertzDamper}) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    track.job.normal = normal;
+    if (normal == sim::contact::NormalModel::kHertzDamper) track.job.contact.stiffness = 200000;
+    track.position_noise_m = 20e-6;
+    write_track(track, folder / "track.csv");
+    sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
+    job.method = sim::fit::FitMethod::kRestitutionDuration;
+    const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+    const double truth[] = {track.job.contact.stiffness, kDamping};
+    for (std::size_t p = 0; p < 2; ++p) {
+      EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
+      EXPECT_LT(fit.parameters[p].sd, 0.03 * truth[p]);
+    }
+  }
+}
+
+TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
+  ScratchFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  write_track(track, folder / "track.csv");
+  const sim::fit::FitResult result =
+      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+  EXPECT_NEAR(result.shots[0].parameters[0].value / kStiffness, 1, 1e-4);
+  EXPECT_NEAR(result.shots[0].parameters[1].value / kDamping, 1, 1e-4);
+  EXPECT_TRUE(result.shots[0].converged);
+  EXPECT_EQ(result.shots[0].parameters[0].key, "stiffness_n_per_m");
+  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(track.job);
+  const std::vector<sim::fit::DerivedFigure>& derived = result.shots[0].derived;
+  ASSERT_EQ(derived.size(), 4u);
+  EXPECT_NEAR(derived[0].value, impact.restitution, 1e-5);
+  EXPECT_NEAR(derived[1].value, impact.contact_s, 1e-6);
+  EXPECT_GT(derived[1].sd, 0);
+}
+
+TEST(Fit, PublishedGridGivesThePublishedPair) {
+  ScratchFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  write_track(track, folder / "track.csv");
+  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.method = sim::fit::FitMethod::kPublishedGrid;
+  const sim::fit::FitResult result = sim::fit::calibrate(job, 1);
+  const sim::fit::ErrorSurface& s = result.surfaces[0];
+  EXPECT_EQ(s.grid_stiffness, 13000);
+  EXPECT_EQ(s.grid_damping, 7);
+  std::printf("spline minimum %.1f N/m, %.4f N s/m\n", s.spline_stiffness, s.spline_damping);
+  EXPECT_NEAR(s.spline_stiffness, 12628, 10);
+  EXPECT_NEAR(s.spline_damping, 6.88, 0.005);
+}
+
+TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
+  ScratchFolder folder;
+  std::vector<std::filesystem::path> tracks;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    track.position_noise_m = 20e-6;
+    track.seed = seed;
+    tracks.push_back(folder / (std::to_string(seed) + ".csv"));
+    write_track(track, tracks.back());
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const sim::fit::FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 2);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  const double truth[] = {kStiffness, kDamping};
+  for (std::size_t p = 0; p < 2; ++p) {
+    int inside = 0;
+    for (const sim::fit::ShotFit& shot : result.shots) {
+      const sim::fit::ParameterEstimate& e = shot.parameters[p];
+      inside += e.ci95_low <= truth[p] && truth[p] <= e.ci95_high;
+    }
+    std::printf("%s: %d of 400 inside, pooled %.3f +- %.3f\n", result.pooled[p].key.c_str(), inside,
+                result.pooled[p].value, result.pooled[p].sd);
+    EXPECT_GE(inside, 372);
+    EXPECT_LE(inside, 388);
+    EXPECT_NEAR(result.pooled[p].value, truth[p], 4 * result.pooled[p].sd);
+  }
+  std::printf("400 shots in %.2f s\n", took.count());
+}
+
+// A normal impact says nothing about friction: no number without a warning.
+TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
+  ScratchFolder folder;
+  SyntheticTrack track{tennis(0, 1e-9, -3.26)};
+  track.job.contact.friction_kinetic = 0.2;
+  track.position_noise_m = 20e-6;
+  track.motion = true;
+  track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
+  write_track(track, folder / "track.csv");
+  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(sim::fit::FitParameter::kFrictionKinetic);
+  const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  EXPECT_TRUE(fit.parameters[0].determined);
+  EXPECT_FALSE(fit.parameters[2].determined);
+  EXPECT_NE(fit.parameters[2].verdict.find("oblique"), std::string::npos)
+      << fit.parameters[2].verdict;
+}
+
+TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
+  ScratchFolder folder;
+  SyntheticTrack track{tennis(45, -2.6, -2.7)};
+  track.job.contact.friction_kinetic = 0.12;
+  track.position_noise_m = 20e-6;
+  track.motion = true;
+  track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
+  write_track(track, folder / "track.csv");
+  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(sim::fit::FitParameter::kFrictionKinetic);
+  const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  const double truth[] = {kStiffness, kDamping, 0.12};
+  for (std::size_t p = 0; p < 3; ++p) {
+    EXPECT_TRUE(fit.parameters[p].determined) << fit.parameters[p].key;
+    EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
+  }
+  EXPECT_NEAR(fit.reduced_chi_square, 1, 0.25);
+}
+
+TEST(Fit, AnOutlierIsNamed) {
+  ScratchFolder folder;
+  std::vector<std::filesystem::path> tracks;
+  for (unsigned i = 0; i < 6; ++i) {
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    if (i == 4) track.job.contact.stiffness *= 1.3;
+    track.position_noise_m = 20e-6;
+    track.seed = i + 1;
+    tracks.push_back(folder / (std::to_string(i) + ".csv"));
+    write_track(track, tracks.back());
+  }
+  const sim::fit::FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 0);
+  ASSERT_EQ(result.pooled[0].outliers.size(), 1u);
+  EXPECT_EQ(result.pooled[0].outliers[0], tracks[4].string());
+}
+
+// Section 3.3.2's way: calibrate on normal impacts, predict oblique ones.
+TEST(Compare, NormalImpactsPredictObliqueOnes) {
+  ScratchFolder folder;
+  sim::compare::CompareJob job;
+  SyntheticTrack normal{tennis(0, 0, -3.26)};
+  normal.position_noise_m = 10e-6;
+  write_track(normal, folder / "normal.csv");
+  job.calibration = fit_job(normal.job, {folder / "normal.csv"});
+  for (double angle : {15.0, 30.0}) {
+    SyntheticTrack oblique{
+        tennis(angle, -3.5 * std::sin(angle * kRadPerDeg), -3.5 * std::cos(angle * kRadPerDeg))};
+    oblique.job.contact.friction_kinetic = 0.05;
+    oblique.position_noise_m = 10e-6;
+    const auto file = folder / (std::to_string(angle) + ".csv");
+    write_track(oblique, file);
+    job.shots.push_back({file, angle});
+  }
+  job.models = {sim::contact::FrictionModel::kCoulomb, sim::contact::FrictionModel::kNone};
+  job.friction_source = sim::compare::FrictionSource::kEffectiveSound;
+  const sim::compare::CompareResult result = sim::compare::compare(job, 1);
+  for (const sim::compare::ComparedShot& c : result.shots) {
+    const sim::compare::ModelOutcome& right = c.models[0];
+    const sim::compare::ModelOutcome& wrong = c.models[1];
+    EXPECT_LT(std::abs(right.vn_error), 0.005);
+    EXPECT_LT(std::abs(right.vt_error), 0.01);
+    EXPECT_GT(std::abs(wrong.vt_error), 5 * std::abs(right.vt_error));
+    EXPECT_LT(right.aic, wrong.aic);
+    EXPECT_LT(right.rms_m, wrong.rms_m);
+    EXPECT_NEAR(right.friction_kinetic, 0.05, 0.005);
+    EXPECT_GT(c.shot.friction.rolling_cap, right.friction_kinetic);
+  }
+  ASSERT_EQ(result.angles.size(), 2u);
+  EXPECT_EQ(result.angles[1].surface_angle_deg, 30);
+}
+
+class BadTrack : public ::testing::Test {
+ protected:
+  std::string error_of(const std::string& from, const std::string& to) {
+    ScratchFolder folder;
+    SyntheticTrack track{tennis(0, 0, -3.26)};
+    write_track(track, folder / "track.csv");
+    std::ifstream in(folder / "track.csv");
+    std::string text((std::istreambuf_iterator<char>(in)), {});
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos);
+    text.replace(at, from.size(), to);
+    std::ofstream(folder / "track.csv") << text;
+    try {
+      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+    } catch (const Error& error) {
+      return error.line();
+    }
+    return "accepted";
+  }
+};
+
+TEST_F(BadTrack, IsNamedWithItsColumn) {
+  EXPECT_NE(error_of("50,0.005,ok,", "50,nan,ok,").find("time_s"), std::string::npos);
+  EXPECT_NE(error_of(",ok,", ",ok,nan").find("cx_px"), std::string::npos);
+  EXPECT_NE(error_of("rot_deg", "rot_degrees").find("'rot_deg' is missing"), std::string::npos);
+}
+
+TEST(Shot, WithoutContactIsRefused) {
+  ScratchFolder folder;
+  SyntheticTrack track{tennis(0, 0, -3.26)};
+  track.frames_contact = track.frames_after = 0;
+  write_track(track, folder / "track.csv");
+  try {
+    sim::shot::measure_shot(sim::shot::read_track(folder / "track.csv"), {track.job.body, 0});
+    FAIL();
+  } catch (const FormatError& error) {
+    EXPECT_NE(error.line().find("no contact"), std::string::npos) << error.line();
+  }
+}
+
+}  // namespace
+}  // namespace impactdic

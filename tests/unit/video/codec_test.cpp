@@ -1,0 +1,272 @@
+// Containers and pictures through the codecs: exact where the codec is, in any order of reading.
+#include "host/video/codec/codec.h"
+
+#include <gtest/gtest.h>
+#include <impactdic/error.h>
+
+#include <thread>
+
+#include "tests/support/data.h"
+#include "tests/support/video.h"
+
+namespace impactdic {
+namespace {
+
+using testing::data_path;
+using testing::random_frame;
+using testing::same_pixels;
+using testing::ScratchFolder;
+
+video::VideoOptions with_codec() {
+  video::VideoOptions options;
+  options.open_codec = video::open_codec;
+  return options;
+}
+
+std::unique_ptr<video::FrameSource> open_clip(const std::string& path) {
+  return video::open_video({path}, with_codec());
+}
+
+// The largest difference to the upper 8 of the camera's 12 bits.
+int worst_difference(const std::string& avi) {
+  const auto truth = open_clip(data_path("mraw/ball_12bit.mraw").string());
+  const auto clip = open_clip(data_path("avi/" + avi).string());
+  EXPECT_EQ(clip->info().frame_count, 15);
+  EXPECT_EQ(clip->info().bits, 8);
+  Frame expected, frame;
+  int worst = 0;
+  for (int k = 0; k < 15; ++k) {
+    truth->read(k, expected);
+    clip->read(k, frame);
+    for (int y = 0; y < frame.height(); ++y) {
+      for (int x = 0; x < frame.width(); ++x) {
+        worst = std::max(worst, std::abs(frame.u8(x, y) - (expected.u16(x, y) >> 4)));
+      }
+    }
+  }
+  return worst;
+}
+
+TEST(AviClips, UncompressedIsExactAndMjpgErrsAsKnown) {
+  IMPACTDIC_NEED_DATA("avi/ball_Y800.avi");
+  EXPECT_EQ(worst_difference("ball_Y800.avi"), 0);
+  EXPECT_EQ(worst_difference("ball_DIB8_bottomup_w382.avi"), 0);  // 382 px: padded rows
+  EXPECT_EQ(worst_difference("ball_MJPG.avi"), 13);
+}
+
+TEST(AviClips, WrongRatesAndLossAreSaid) {
+  IMPACTDIC_NEED_DATA("avi/ball_MJPG.avi");
+  const auto warned = [](const std::string& name, const std::string& words) {
+    const auto clip = open_clip(data_path(name).string());
+    for (const auto& warning : clip->info().warnings) {
+      if (warning.find(words) != std::string::npos) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(warned("avi/ball_MJPG.avi", "lossy"));
+  EXPECT_TRUE(warned("avi/ball_MJPG.avi", "--fps"));  // states 600
+  EXPECT_TRUE(warned("avi/ball_Y800.avi", "--fps"));
+  EXPECT_FALSE(warned("avi/ball_Y800.avi", "lossy"));
+  EXPECT_FALSE(warned("avi/ball_DIB8_bottomup_w382.avi", "--fps"));  // states 30000
+}
+
+// Reads frames in a bad order and compares with those read in order.
+void expect_exact_in_any_order(const std::string& path) {
+  std::vector<Frame> in_order;
+  {
+    const auto clip = open_clip(path);
+    in_order.resize(static_cast<std::size_t>(clip->info().frame_count));
+    for (std::size_t k = 0; k < in_order.size(); ++k) {
+      clip->read(static_cast<std::int64_t>(k), in_order[k]);
+    }
+  }
+  const auto clip = open_clip(path);
+  std::mt19937 random(3);
+  Frame frame;
+  for (int i = 0; i < 60; ++i) {
+    const std::size_t k = random() % in_order.size();
+    clip->read(static_cast<std::int64_t>(k), frame);
+    ASSERT_TRUE(same_pixels(frame, in_order[k])) << path << ", frame " << k;
+  }
+  EXPECT_THROW(clip->read(clip->info().frame_count, frame), InvalidArgument);
+}
+
+TEST(AviClips, AnyOrderGivesTheSameFrames) {
+  IMPACTDIC_NEED_DATA("avi/ball_MJPG.avi");
+  for (const char* name : {"ball_Y800.avi", "ball_MJPG.avi", "ball_DIB8_bottomup_w382.avi"}) {
+    expect_exact_in_any_order(data_path(std::string("avi/") + name).string());
+  }
+}
+
+std::string write_clip(const ScratchFolder& folder, video::SinkFormat format, int bits, int frames,
+                       double fps = 10000) {
+  video::VideoInfo info;
+  info.width = 62;
+  info.height = 38;
+  info.bits = bits;
+  info.fps = fps;
+  const std::string path = folder.file("clip" + video::sink_extension(format));
+  const auto sink = video::open_sink(path, format, info, video::open_codec_sink);
+  for (int k = 0; k < frames; ++k) {
+    sink->write(random_frame(62, 38, bits, static_cast<std::uint32_t>(k)));
+  }
+  sink->finish();
+  return path;
+}
+
+TEST(CodecSinks, AviIsLosslessAndKeepsItsRate) {
+  const ScratchFolder folder;
+  for (const double fps : {10000.0, 30.0, 9876.5}) {
+    const std::string path = write_clip(folder, video::SinkFormat::avi, 8, 70, fps);
+    const auto clip = open_clip(path);
+    ASSERT_EQ(clip->info().frame_count, 70);
+    ASSERT_TRUE(clip->info().fps.has_value());
+    EXPECT_NEAR(*clip->info().fps, fps, 1e-3);
+    Frame frame;
+    for (int k = 0; k < 70; ++k) {
+      clip->read(k, frame);
+      ASSERT_TRUE(same_pixels(frame, random_frame(62, 38, 8, static_cast<std::uint32_t>(k)))) << k;
+    }
+    expect_exact_in_any_order(path);
+  }
+}
+
+TEST(CodecSinks, Mp4IsReadFrameByFrame) {
+  const ScratchFolder folder;
+  // Inter-frame compression: going back decodes again.
+  const std::string path = write_clip(folder, video::SinkFormat::mp4, 8, 70);
+  const auto clip = open_clip(path);
+  EXPECT_EQ(clip->info().frame_count, 70);
+  EXPECT_NEAR(clip->info().fps.value(), 10000, 1);
+  expect_exact_in_any_order(path);
+}
+
+TEST(CodecSinks, PngFolderKeepsEveryLevel) {
+  for (const int bits : {8, 16}) {
+    const ScratchFolder folder;
+    const std::string path = write_clip(folder, video::SinkFormat::png, bits, 12);
+    const auto clip = open_clip(path);
+    ASSERT_EQ(clip->info().frame_count, 12);
+    EXPECT_EQ(clip->info().bits, bits);
+    Frame frame;
+    for (const int k : {11, 0, 5}) {
+      clip->read(k, frame);
+      EXPECT_TRUE(same_pixels(frame, random_frame(62, 38, bits, static_cast<std::uint32_t>(k))));
+    }
+  }
+}
+
+TEST(CodecSinks, RefuseWhatTheyCannotStore) {
+  const ScratchFolder folder;
+  video::VideoInfo info;
+  info.width = 63;
+  info.height = 38;
+  info.bits = 8;
+  EXPECT_THROW(video::open_codec_sink(folder.file("a.mp4"), video::SinkFormat::mp4, info),
+               InvalidArgument);
+  EXPECT_THROW(video::Mp4Writer(folder.file("a.mp4"), 63, 38, 30), InvalidArgument);
+  EXPECT_THROW(video::open_codec_sink(folder.file("no/a.avi"), video::SinkFormat::avi, info),
+               FileError);
+  info.bits = 12;
+  EXPECT_THROW(video::open_codec_sink(folder.file("a.avi"), video::SinkFormat::avi, info),
+               InvalidArgument);
+  { const auto writer = std::make_unique<video::Mp4Writer>(folder.file("b.mp4"), 64, 64, 30); }
+  EXPECT_FALSE(std::filesystem::exists(folder.file("b.mp4")));
+}
+
+TEST(CodecSinks, ColourMp4) {
+  const ScratchFolder folder;
+  video::Mp4Writer writer(folder.file("a.mp4"), 64, 48, 30);
+  std::vector<std::uint8_t> red(64 * 48 * 3, 0);
+  for (std::size_t i = 2; i < red.size(); i += 3) red[i] = 255;
+  for (int k = 0; k < 3; ++k) writer.write(red.data(), 64 * 3);
+  writer.finish();
+  const auto clip = open_clip(folder.file("a.mp4"));
+  EXPECT_EQ(clip->info().frame_count, 3);
+  Frame frame;
+  clip->read(1, frame);
+  EXPECT_NEAR(frame.u8(32, 24), 76, 4);  // luminance of pure red: 0.299 · 255; lossy
+}
+
+TEST(Pictures, BmpKeepsItsLevels) {
+  IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
+  const auto clip = video::open_video({data_path("speckle/Pattern_1.bmp").string(),
+                                       data_path("speckle/Pattern_1_Shear.bmp").string()},
+                                      with_codec());
+  EXPECT_EQ(clip->info().width, 501);
+  EXPECT_EQ(clip->info().frame_count, 2);
+  Frame frame;
+  clip->read(0, frame);
+  // Rows are stored from the bottom, 501 bytes padded to 504.
+  const auto bytes = testing::file_bytes(data_path("speckle/Pattern_1.bmp"));
+  const std::size_t pixels = bytes.size() - 504u * 501u;
+  for (const int y : {0, 250, 500}) {
+    for (int x = 0; x < 501; ++x) {
+      ASSERT_EQ(
+          frame.u8(x, y),
+          static_cast<std::uint8_t>(
+              bytes[pixels + 504u * static_cast<unsigned>(500 - y) + static_cast<unsigned>(x)]));
+    }
+  }
+}
+
+TEST(CodecDamage, CutAndChangedFilesEndInErrorsOrFrames) {
+  const ScratchFolder folder;
+  std::vector<std::string> paths = {write_clip(folder, video::SinkFormat::avi, 8, 6),
+                                    write_clip(folder, video::SinkFormat::mp4, 8, 6)};
+  std::filesystem::create_directory(folder.file("png"));
+  const ScratchFolder pictures;
+  write_clip(pictures, video::SinkFormat::png, 8, 1);
+  paths.push_back(pictures.file("clip/frame_000000.png"));
+  std::mt19937 random(5);
+  int refused = 0, read = 0;
+  for (const std::string& path : paths) {
+    const auto bytes = testing::file_bytes(path);
+    const std::string damaged = folder.file("damaged" + path.substr(path.rfind('.')));
+    for (int i = 0; i < 300; ++i) {
+      auto copy = bytes;
+      if (i % 3 == 0) {
+        copy.resize(random() % bytes.size());
+      } else {
+        const std::size_t header = std::min<std::size_t>(bytes.size(), i % 3 == 1 ? 400 : 1u << 20);
+        for (unsigned n = 0; n <= random() % 4; ++n) {
+          copy[random() % header] = static_cast<char>(random());
+        }
+      }
+      testing::write_bytes(damaged, copy);
+      try {
+        const auto clip = open_clip(damaged);
+        Frame frame;
+        clip->read(clip->info().frame_count - 1, frame);
+        clip->read(0, frame);
+        ++read;
+      } catch (const FileError& error) {
+        EXPECT_EQ(error.line().find('\n'), std::string::npos);
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(read, 100);
+}
+
+TEST(CodecThreads, ShareOneClip) {
+  const ScratchFolder folder;
+  const auto clip = open_clip(write_clip(folder, video::SinkFormat::avi, 8, 40));
+  std::vector<int> wrong(3, 0);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < wrong.size(); ++t) {
+    threads.emplace_back([&, t] {
+      Frame frame;
+      for (std::uint32_t k = static_cast<std::uint32_t>(t); k < 40; k += 3) {
+        clip->read(k, frame);
+        if (!same_pixels(frame, random_frame(62, 38, 8, k))) ++wrong[t];
+      }
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(wrong, std::vector<int>(3, 0));
+}
+
+}  // namespace
+}  // namespace impactdic
