@@ -176,6 +176,7 @@ void run(const std::vector<std::string>& patterns, int first, int last, const Co
 
 int main(int argc, char** argv) {
   using namespace impactdic;
+  using namespace impactdic::bench;
   const auto argument = [&](int i, const char* usual) {
     return std::string(argc > i ? argv[i] : usual);
   };

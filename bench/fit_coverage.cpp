@@ -91,5 +91,5 @@ int main(int argc, char** argv) {
   const auto number = [&](int i, unsigned fallback) {
     return argc > i ? static_cast<unsigned>(std::atoi(argv[i])) : fallback;
   };
-  impactdic::run(number(1, 400), number(2, 1));
+  impactdic::bench::run(number(1, 400), number(2, 1));
 }

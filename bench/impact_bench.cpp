@@ -42,7 +42,8 @@ void run_grid(const char* name, const sim::contact::ImpactJob& job, int threads)
 
 int main(int argc, char** argv) {
   const int threads = argc > 1 ? std::atoi(argv[1]) : 0;
-  impactdic::run_grid("linear, coulomb", impactdic::sim::job::racket_job(), threads);
-  impactdic::run_grid("hertz, three phases", impactdic::sim::job::wood_published_job(), threads);
-  impactdic::run_grid("maw_barber_fawcett", impactdic::sim::job::wood_sound_job(), threads);
+  impactdic::bench::run_grid("linear, coulomb", impactdic::sim::job::racket_job(), threads);
+  impactdic::bench::run_grid("hertz, three phases", impactdic::sim::job::wood_published_job(),
+                             threads);
+  impactdic::bench::run_grid("maw_barber_fawcett", impactdic::sim::job::wood_sound_job(), threads);
 }

@@ -154,7 +154,7 @@ int run(const Request& request) {
 
 int main(int argc, char** argv) {
   try {
-    return impactdic::run(impactdic::parse(argc, argv));
+    return impactdic::bench::run(impactdic::bench::parse(argc, argv));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "track_throughput: %s\n", error.what());
     return 1;

@@ -4,7 +4,7 @@ list(SORT sources)
 set(head "#include <map>
 #include <string>
 #include <string_view>
-namespace impactdic {
+namespace impactdic::opencl {
 const std::map<std::string, std::string_view>& embedded_kernels() {
   static const std::map<std::string, std::string_view> kernels = {
 ")
@@ -15,4 +15,4 @@ foreach(source ${sources})
   file(APPEND ${OUT} "${content}")
   file(APPEND ${OUT} ")opencl_c\"},\n")
 endforeach()
-file(APPEND ${OUT} "  };\n  return kernels;\n}\n}  // namespace impactdic\n")
+file(APPEND ${OUT} "  };\n  return kernels;\n}\n}  // namespace impactdic::opencl\n")

@@ -87,7 +87,7 @@ TEST(Published, StatusesAndOtherSizes) {
     const auto reference = run(*dic::make_reference_correlator(options, 2), clip, windows);
     const auto device =
         run(*dic::make_opencl_correlator(shared_engine(), options, 2), clip, windows);
-    using enum WindowStatus;
+    using enum dic::WindowStatus;
     const dic::WindowStatus expected[] = {ok, no_texture, out_of_view, out_of_view, ok, ok};
     for (std::size_t i = 0; i < windows.size(); ++i) {
       EXPECT_EQ(device[i].status, static_cast<int>(expected[i])) << window << " " << i;
