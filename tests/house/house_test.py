@@ -1,0 +1,86 @@
+"""The house rules of docs/architecture.md: which library may use which, and how large things get.
+
+Usage: house_test.py REPOSITORY
+"""
+
+import collections
+import pathlib
+import re
+import subprocess
+import sys
+
+MOST_FILES = 25  # of sources in a folder
+MOST_LINES = 400  # of a source
+MOST_APP_LINES = 2500  # of host/app in all
+
+# What sim/ may use of host/: it knows neither devices nor correlation, so that truth stays
+# independent of the solver.
+GROUND_FLOOR = {"host/api", "host/base", "host/clip", "host/impact"}
+
+
+def sources(root):
+    names = subprocess.check_output(["git", "ls-files"], cwd=root, text=True).splitlines()
+    return [n for n in names if n.endswith((".cpp", ".h", ".cl", ".py")) and (root / n).exists()]
+
+
+def library(path):
+    """host/dic/frames/x.h -> host/dic; kernels/zncc/x.h -> kernels."""
+    parts = path.split("/")
+    return "/".join(parts[:2]) if parts[0] in ("host", "sim") else parts[0]
+
+
+def order(root, folder):
+    """The libraries of host/ or sim/ in the order of its CMakeLists.txt."""
+    text = (root / folder / "CMakeLists.txt").read_text()
+    return [f"{folder}/{name}" for name in re.search(r"foreach\(part ([^)]*)\)", text)[1].split()]
+
+
+def arrows(root, names):
+    """(library, library it uses) -> where, by every #include of our own."""
+    found = collections.defaultdict(list)
+    for name in names:
+        if not name.endswith((".cpp", ".h")):
+            continue
+        for line in (root / name).read_text().splitlines():
+            match = re.match(r'#include (?:"((?:host|sim|kernels|bench|tests)/[^"]+)"|<impactdic/)', line)
+            if match:
+                used = library(match[1]) if match[1] else "host/api"
+                if used != library(name):
+                    found[library(name), used].append(f"{name}: {line}")
+    return found
+
+
+def wrong_arrows(root, names):
+    host, sim = order(root, "host"), order(root, "sim")
+    wrong = []
+    for (user, used), where in arrows(root, names).items():
+        if used == "kernels" or user.split("/")[0] in ("tests", "bench"):
+            continue  # the headers that kernels share lie below everything; nothing uses those
+        if user.startswith("host/") and used.startswith("host/"):
+            right = host.index(used) < host.index(user)
+        elif user.startswith("sim/"):
+            right = used in GROUND_FLOOR or (used in sim and sim.index(used) < sim.index(user))
+        else:
+            right = used.startswith("sim/") and user in ("host/study", "host/run", "host/report", "host/app")
+        if not right:
+            wrong += where
+    return wrong
+
+
+def main(root):
+    names = sources(root)
+    faults = wrong_arrows(root, names)
+    folders = collections.Counter(str(pathlib.PurePath(n).parent) for n in names)
+    faults += [f"{folder}: {n} sources" for folder, n in folders.items() if n > MOST_FILES]
+    lines = {n: len((root / n).read_text().splitlines()) for n in names}
+    faults += [f"{name}: {n} lines" for name, n in lines.items() if n > MOST_LINES]
+    app = sum(n for name, n in lines.items() if name.startswith("host/app/"))
+    if app > MOST_APP_LINES:
+        faults.append(f"host/app: {app} lines")
+    for fault in faults:
+        print(fault)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(pathlib.Path(sys.argv[1]).resolve()))
