@@ -13,7 +13,7 @@ using nlohmann::json;
 
 json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
-json describe(const advice::SizeAdvice& size) {
+json describe(const SizeAdvice& size) {
   return {{"window_px", size.window_px},
           {"windows", size.windows},
           {"usable", size.usable},
@@ -28,7 +28,7 @@ std::string say(const char* format, Values... values) {
   return text;
 }
 
-std::string in_words(const advice::SizeAdvice& size) {
+std::string in_words(const SizeAdvice& size) {
   std::string text = say("%d windows of %d px, %.0f %% usable", size.windows, size.window_px,
                          100 * size.usable_share());
   if (size.usable > 0) text += say(", %.4f px expected of each", size.error_px);
@@ -37,16 +37,15 @@ std::string in_words(const advice::SizeAdvice& size) {
 
 }  // namespace
 
-json describe_advice(const advice::ClipAdvice& advice) {
+json describe_advice(const ClipAdvice& advice) {
   json out = {{"frames_looked_at", advice.frames}, {"frames_with_ball", advice.frames_with_ball}};
   out["edge_width_px"] = number(advice.edge_px.value_or(kNotMeasured));
   out["turn_deg_per_frame"] = number(advice.turn_deg.value_or(kNotMeasured));
   if (!advice.texture) return out;
-  const advice::TextureAdvice& texture = *advice.texture;
+  const TextureAdvice& texture = *advice.texture;
   out["noise"] = texture.noise;
   out["windows"] = describe(texture.asked);
-  for (const advice::SizeAdvice& size : texture.sizes)
-    out["window_sizes"].push_back(describe(size));
+  for (const SizeAdvice& size : texture.sizes) out["window_sizes"].push_back(describe(size));
   if (texture.ball) {
     out["ball"] = {{"dx_sd_px", number(texture.ball->dx_sd_px)},
                    {"dy_sd_px", number(texture.ball->dy_sd_px)},
@@ -55,7 +54,7 @@ json describe_advice(const advice::ClipAdvice& advice) {
   return out;
 }
 
-std::vector<std::pair<std::string, std::string>> advice_lines(const advice::ClipAdvice& advice,
+std::vector<std::pair<std::string, std::string>> advice_lines(const ClipAdvice& advice,
                                                               double error_px) {
   std::vector<std::pair<std::string, std::string>> lines;
   if (advice.ball) {
@@ -63,13 +62,13 @@ std::vector<std::pair<std::string, std::string>> advice_lines(const advice::Clip
                                    advice.ball->r_px, advice.frames_with_ball, advice.frames));
   }
   if (!advice.texture) return lines;
-  const advice::TextureAdvice& texture = *advice.texture;
+  const TextureAdvice& texture = *advice.texture;
   lines.emplace_back("noise", say("%.2f grey levels of 255", texture.noise));
   lines.emplace_back("texture", in_words(texture.asked));
-  for (const advice::SizeAdvice& size : texture.sizes) {
+  for (const SizeAdvice& size : texture.sizes) {
     if (size.window_px != texture.asked.window_px) lines.emplace_back("", in_words(size));
   }
-  const int enough = advice::window_reaching(texture, error_px);
+  const int enough = window_reaching(texture, error_px);
   lines.emplace_back("window", enough > 0 ? say("%d px reach %g px a window", enough, error_px)
                                           : say("no size reaches %g px a window", error_px));
   if (texture.ball && std::isfinite(texture.ball->dx_sd_px)) {
@@ -82,8 +81,8 @@ std::vector<std::pair<std::string, std::string>> advice_lines(const advice::Clip
   return lines;
 }
 
-std::vector<std::string> all_warnings(const VideoRequest& request, const video::VideoInfo& info,
-                                      const advice::ClipAdvice& advice) {
+std::vector<std::string> all_warnings(const VideoRequest& request, const ClipInfo& info,
+                                      const ClipAdvice& advice) {
   std::vector<std::string> warnings;
   for (const std::string& warning : info.warnings) {
     const bool answered = request.fps > 0 && warning.find("--fps") != std::string::npos;
@@ -93,7 +92,7 @@ std::vector<std::string> all_warnings(const VideoRequest& request, const video::
   return warnings;
 }
 
-void print_advice(const advice::ClipAdvice& advice, const std::vector<std::string>& warnings) {
+void print_advice(const ClipAdvice& advice, const std::vector<std::string>& warnings) {
   if (advice.texture) {
     std::fprintf(stderr, "impactdic: texture: %s\n", in_words(advice.texture->asked).c_str());
   }

@@ -28,20 +28,20 @@ struct Request {
   std::string output, frames, roi, reference = "first", mask, polygon, motion = "windows";
 };
 
-pipeline::ReferenceFrame parse_reference(const std::string& word) {
-  if (word == "first") return pipeline::ReferenceFrame::first;
-  if (word == "previous") return pipeline::ReferenceFrame::previous;
+ReferenceFrame parse_reference(const std::string& word) {
+  if (word == "first") return ReferenceFrame::first;
+  if (word == "previous") return ReferenceFrame::previous;
   throw InvalidArgument("'" + word + "' is not a reference", "--reference", "first or previous");
 }
 
-pipeline::RegionMotion parse_motion(const std::string& word) {
-  if (word == "windows") return pipeline::RegionMotion::windows;
-  if (word == "region") return pipeline::RegionMotion::region;
+RegionMotion parse_motion(const std::string& word) {
+  if (word == "windows") return RegionMotion::windows;
+  if (word == "region") return RegionMotion::region;
   throw InvalidArgument("'" + word + "' is no way to measure the motion", "--motion",
                         "windows or region");
 }
 
-Image<std::uint8_t> read_mask(const std::string& path, const video::VideoInfo& clip) {
+Image<std::uint8_t> read_mask(const std::string& path, const ClipInfo& clip) {
   if (path.empty()) return {};
   VideoRequest request;
   request.inputs = {path};
@@ -60,7 +60,7 @@ Image<std::uint8_t> read_mask(const std::string& path, const video::VideoInfo& c
 }
 
 // What both leave: the mask's picture and the polygon.
-Image<std::uint8_t> resolve_mask(const Request& request, const video::VideoInfo& clip) {
+Image<std::uint8_t> resolve_mask(const Request& request, const ClipInfo& clip) {
   Image<std::uint8_t> mask = read_mask(request.mask, clip);
   if (request.polygon.empty()) return mask;
   const Image<std::uint8_t> polygon = parse_polygon(request.polygon, clip.width, clip.height);
@@ -71,13 +71,13 @@ Image<std::uint8_t> resolve_mask(const Request& request, const video::VideoInfo&
 
 // The rectangle asked for; without one, all of the picture in which every window's search area lies
 // inside too, so that no window is lost at the picture's edge.
-Roi resolve_roi(const std::string& text, const video::VideoInfo& info, int search_px) {
+Roi resolve_roi(const std::string& text, const ClipInfo& info, int search_px) {
   if (!text.empty()) return parse_roi(text, info.width, info.height);
   const int margin = std::min({search_px, (info.width - 1) / 2, (info.height - 1) / 2});
   return {margin, margin, info.width - 2 * margin, info.height - 2 * margin};
 }
 
-advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::CorrelateOptions& options) {
+ClipAdvice look_at(FrameSource& source, const pipeline::CorrelateOptions& options) {
   advice::AdviceRequest request;
   request.ball = false;
   request.frames = options.frames;
@@ -88,7 +88,7 @@ advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::Correlate
 
 void run_correlate(const CLI::App& command, const Request& request) {
   const auto source = open_requested(request.video);
-  const video::VideoInfo& info = source->info();
+  const ClipInfo& info = source->info();
   pipeline::CorrelateOptions options;
   options.field = resolve(request.field);
   options.spacing_px = request.field.spacing_px;
@@ -109,7 +109,7 @@ void run_correlate(const CLI::App& command, const Request& request) {
   const auto folder = prepare_output_directory(request.output, request.common.force);
   write_job(command, folder / "job.toml");
 
-  const advice::ClipAdvice advice = look_at(*source, options);
+  const ClipAdvice advice = look_at(*source, options);
   if (advice.texture) options.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);

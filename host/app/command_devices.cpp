@@ -10,8 +10,8 @@ namespace {
 
 void run_devices(const std::string& spec) {
   const auto devices = opencl::list_devices();
-  const opencl::DeviceInfo& chosen = opencl::choose_device(devices, spec);
-  for (const opencl::DeviceInfo& device : devices) {
+  const opencl::Device& chosen = opencl::choose_device(devices, spec);
+  for (const opencl::Device& device : devices) {
     std::printf("%c %d  %s  %s\n", device.index == chosen.index ? '*' : ' ', device.index,
                 device.is_gpu ? "GPU" : "CPU", device.name.c_str());
     std::printf("      platform %s, %s, driver %s\n", device.platform.c_str(),

@@ -25,12 +25,12 @@ struct Request {
 };
 
 // The ball's texture; that of the whole picture where there is no ball.
-advice::ClipAdvice look_at(video::FrameSource& source, const dic::FieldOptions& field) {
+ClipAdvice look_at(FrameSource& source, const dic::FieldOptions& field) {
   advice::AdviceRequest request;
   request.frames = parse_frame_range("", source.info().frame_count);
   request.roi = {0, 0, source.info().width, source.info().height};
   request.field = field;
-  advice::ClipAdvice advice = advice::advise_clip(source, request);
+  ClipAdvice advice = advice::advise_clip(source, request);
   if (advice.ball) return advice;
   request.ball = false;
   return advice::advise_clip(source, request);
@@ -39,7 +39,7 @@ advice::ClipAdvice look_at(video::FrameSource& source, const dic::FieldOptions& 
 void run_info(const Request& request) {
   request.field.validate();
   const auto source = open_requested(request.video);
-  const video::VideoInfo& info = source->info();
+  const ClipInfo& info = source->info();
   line("file", info.path);
   line("format", info.format + (info.storage.empty() ? "" : ", " + info.storage));
   if (!info.camera.empty()) line("camera", info.camera);
@@ -59,7 +59,7 @@ void run_info(const Request& request) {
     }
   }
   for (const auto& [label, value] : info.extra) line(label, value);
-  const advice::ClipAdvice advice = look_at(*source, request.field);
+  const ClipAdvice advice = look_at(*source, request.field);
   for (const auto& [label, value] : advice_lines(advice, request.error_px)) line(label, value);
   for (const std::string& warning : all_warnings(request.video, info, advice)) {
     line("warning", warning);

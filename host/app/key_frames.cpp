@@ -74,8 +74,8 @@ float brightest(const Image<float>& picture) {
 
 }  // namespace
 
-json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& rows,
-                      const json& impact, const std::filesystem::path& folder) {
+json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows, const json& impact,
+                      const std::filesystem::path& folder) {
   json list = json::array();
   std::vector<KeyFrame> frames = choose(rows, impact);
   std::erase_if(frames, [&](KeyFrame& key) {

@@ -29,7 +29,7 @@ RunContext::RunContext(const Common& common, bool with_device)
     engines_.push_back(std::make_unique<opencl::Engine>(common.device, options));
     return;
   }
-  for (const opencl::DeviceInfo& device : opencl::all_devices(opencl::list_devices())) {
+  for (const opencl::Device& device : opencl::all_devices(opencl::list_devices())) {
     engines_.push_back(std::make_unique<opencl::Engine>(std::to_string(device.index), options));
   }
 }
@@ -42,7 +42,7 @@ std::vector<opencl::Engine*> RunContext::engines() {
   return engines;
 }
 
-report::Attributes RunContext::attributes(const video::VideoInfo& info) const {
+report::Attributes RunContext::attributes(const ClipInfo& info) const {
   report::Attributes attributes = {
       {"program", std::string("impactdic")},
       {"version", std::string(IMPACTDIC_VERSION)},
@@ -52,7 +52,7 @@ report::Attributes RunContext::attributes(const video::VideoInfo& info) const {
                            "centre of the top-left pixel; u along x, v along y; rotation positive "
                            "counter-clockwise as seen on the screen")}};
   if (!engines_.empty()) {
-    const opencl::DeviceInfo& device = engines_.front()->device();
+    const opencl::Device& device = engines_.front()->device();
     attributes["device"] = device.name;
     attributes["driver"] = device.driver;
     attributes["platform"] = device.platform;
@@ -63,7 +63,7 @@ report::Attributes RunContext::attributes(const video::VideoInfo& info) const {
 
 nlohmann::json RunContext::describe() const {
   if (engines_.empty()) return nullptr;
-  const opencl::DeviceInfo& device = engines_.front()->device();
+  const opencl::Device& device = engines_.front()->device();
   return {{"name", device.name},
           {"platform", device.platform},
           {"driver", device.driver},

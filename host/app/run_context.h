@@ -28,7 +28,7 @@ class RunContext {
   // All of them; none where the run needs no device.
   std::vector<opencl::Engine*> engines();
   // Version, device, driver, source (its digest comes later) and axes, for fields.h5.
-  report::Attributes attributes(const video::VideoInfo& info) const;
+  report::Attributes attributes(const ClipInfo& info) const;
   // The device for summary.json; null without one.
   nlohmann::json describe() const;
   // Where the stages of a pipeline note their times; nullptr without -v.

@@ -35,7 +35,7 @@ std::optional<std::pair<double, double>> parse_radius(const std::string& text) {
   return std::pair(range[0], range[1]);
 }
 
-pipeline::TrackOptions resolve_options(const TrackRequest& request, const video::VideoInfo& info) {
+pipeline::TrackOptions resolve_options(const TrackRequest& request, const ClipInfo& info) {
   pipeline::TrackOptions options;
   options.estimator.estimator = motion::parse_estimator(request.estimator);
   options.estimator.field = resolve(request.field);
@@ -55,7 +55,7 @@ pipeline::TrackOptions resolve_options(const TrackRequest& request, const video:
 
 // Metres a pixel as far as they are known before the ball is: from --mm-per-px.
 SiScale resolve_scale(const TrackRequest& request, const pipeline::TrackOptions& options,
-                      const video::VideoInfo& info) {
+                      const ClipInfo& info) {
   SiScale scale;
   scale.metre_per_px = request.mm_per_px * 1e-3;
   scale.fps = options.fps / static_cast<double>(options.frames.step);
@@ -77,7 +77,7 @@ std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
   });
 }
 
-advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::TrackOptions& options) {
+ClipAdvice look_at(FrameSource& source, const pipeline::TrackOptions& options) {
   advice::AdviceRequest request;
   request.frames = options.frames;
   request.roi = options.roi;
@@ -89,8 +89,8 @@ advice::ClipAdvice look_at(video::FrameSource& source, const pipeline::TrackOpti
   return advice::advise_clip(source, request);
 }
 
-std::vector<std::string> warnings_of(const TrackRequest& request, const video::VideoInfo& info,
-                                     const advice::ClipAdvice& advice) {
+std::vector<std::string> warnings_of(const TrackRequest& request, const ClipInfo& info,
+                                     const ClipAdvice& advice) {
   std::vector<std::string> warnings = all_warnings(request.video, info, advice);
   if (request.ball_diameter_mm == 0 && request.mm_per_px == 0) {
     warnings.push_back(
@@ -115,7 +115,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
                              RunContext& run) {
   check_settings(request);
   const auto source = open_requested(request.video);
-  const video::VideoInfo& info = source->info();
+  const ClipInfo& info = source->info();
   pipeline::TrackOptions options = resolve_options(request, info);
   const SiScale scale = resolve_scale(request, options, info);
   const auto folder =
@@ -125,7 +125,7 @@ TrackOutcome track_to_folder(const CLI::App& command, const TrackRequest& reques
   }
   write_job(command, folder / "job.toml");
 
-  const advice::ClipAdvice advice = look_at(*source, options);
+  const ClipAdvice advice = look_at(*source, options);
   if (advice.texture) options.estimator.field.noise = advice.texture->noise;
   const std::vector<std::string> warnings = warnings_of(request, info, advice);
   if (!request.common.quiet) print_advice(advice, warnings);

@@ -24,7 +24,7 @@ void add_reading_options(CLI::App& command, VideoRequest& request) {
       ->check(positive_number());
 }
 
-std::unique_ptr<video::FrameSource> open_requested(const VideoRequest& request) {
+std::unique_ptr<FrameSource> open_requested(const VideoRequest& request) {
   video::VideoOptions options;
   if (!request.raw.empty()) options.raw = video::parse_raw_layout(request.raw);
 #ifdef IMPACTDIC_WITH_CODECS
@@ -33,7 +33,7 @@ std::unique_ptr<video::FrameSource> open_requested(const VideoRequest& request) 
   return video::open_video(request.inputs, options);
 }
 
-double resolve_fps(const VideoRequest& request, const video::VideoInfo& info,
+double resolve_fps(const VideoRequest& request, const ClipInfo& info,
                    const std::string& needed_for) {
   if (request.fps > 0) return request.fps;
   if (info.fps) return *info.fps;

@@ -22,11 +22,11 @@ void add_video_options(CLI::App& command, VideoRequest& request);
 void add_reading_options(CLI::App& command, VideoRequest& request);
 
 // Opens the clip with every reader that this program has.
-std::unique_ptr<video::FrameSource> open_requested(const VideoRequest& request);
+std::unique_ptr<FrameSource> open_requested(const VideoRequest& request);
 
 // The rate of the stored frames: --fps, else the file's; throws InvalidArgument where neither is
 // known and `needed_for` is not empty.
-double resolve_fps(const VideoRequest& request, const video::VideoInfo& info,
+double resolve_fps(const VideoRequest& request, const ClipInfo& info,
                    const std::string& needed_for);
 
 }  // namespace impactdic::app

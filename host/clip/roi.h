@@ -1,15 +1,11 @@
 // A rectangle of the picture: --roi X,Y,W,H.
 #pragma once
 
-#include <impactdic/image.h>
+#include <impactdic/clip.h>
 
 #include <string>
 
 namespace impactdic {
-
-struct Roi {
-  int x = 0, y = 0, width = 0, height = 0;
-};
 
 // "X,Y,W,H" in pixels; must lie inside a picture of the given size and hold at least one pixel.
 // "" is the whole picture. Throws InvalidArgument.

@@ -2,6 +2,8 @@
 // region about its centre.
 #pragma once
 
+#include <impactdic/correlate.h>
+
 #include <functional>
 #include <optional>
 #include <span>
@@ -21,14 +23,6 @@ class Engine;
 }  // namespace impactdic::opencl
 
 namespace impactdic::pipeline {
-
-enum class ReferenceFrame { first, previous };
-
-// How the region's rigid motion is measured.
-enum class RegionMotion {
-  windows,  // robust fit to the windows' displacements
-  region,   // one registration of all its pixels, about where the windows say: for rigid bodies
-};
 
 struct CorrelateOptions {
   dic::FieldOptions field;
@@ -63,8 +57,7 @@ struct CorrelatedFrame {
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;
 
 // Called in order, once a frame. Reading and writing run beside the measurement.
-void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
-                    const CorrelateOptions& options, const CorrelateSink& sink,
-                    const ProgressFn& progress);
+void correlate_clip(FrameSource& source, opencl::Engine& engine, const CorrelateOptions& options,
+                    const CorrelateSink& sink, const ProgressFn& progress);
 
 }  // namespace impactdic::pipeline

@@ -31,7 +31,7 @@ int frames_in_batch(const TrackOptions& options, int bits) {
       std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
 }
 
-Frame read_frame(video::FrameSource& source, const TrackOptions& options, std::int64_t index) {
+Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
   Frame whole, frame;
   source.read(options.frames.at(index), whole);
   crop(whole, options.roi, frame);
@@ -42,7 +42,7 @@ Frame read_frame(video::FrameSource& source, const TrackOptions& options, std::i
 // of the frames.
 class ClipTracker {
  public:
-  ClipTracker(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+  ClipTracker(FrameSource& source, std::span<opencl::Engine* const> engines,
               const TrackOptions& options, int batch, const GridSink& grid_ready,
               const TrackSink& sink, const ProgressFn& progress)
       : source_(source),
@@ -233,7 +233,7 @@ class ClipTracker {
     sink_({row, *batch.frames[i], pair});
   }
 
-  video::FrameSource& source_;
+  FrameSource& source_;
   std::span<opencl::Engine* const> engines_;
   const TrackOptions& options_;
   int batch_;
@@ -257,7 +257,7 @@ class ClipTracker {
 
 }  // namespace
 
-void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
                 const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
                 const ProgressFn& progress) {
   options.estimator.validate();

@@ -51,7 +51,7 @@ using GridSink = std::function<void(std::span<const Window> grid, double radius_
 // Runs the whole clip on all `engines`; none are needed without field. Errors of the reader come
 // out after every row that could still be measured has gone to `sink`. Neither the number of
 // threads nor that of equal devices changes a result.
-void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
                 const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
                 const ProgressFn& progress);
 

@@ -26,7 +26,7 @@ struct Mean {
 
 }  // namespace
 
-json describe_input(const video::VideoInfo& info, const video::ClipDigest& digest) {
+json describe_input(const ClipInfo& info, const video::ClipDigest& digest) {
   const auto or_null = [](const std::string& text) {
     return text.empty() ? json(nullptr) : json(text);
   };

@@ -37,7 +37,7 @@ class CineSource : public FrameSource {
     compare_rate_with_times();
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -190,7 +190,7 @@ class CineSource : public FrameSource {
   ByteFile file_;
   CineHeader header_;
   bool linearise_ = false;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace

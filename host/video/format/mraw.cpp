@@ -82,7 +82,7 @@ class MrawSource : public FrameSource {
     fill_info(pair);
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -140,7 +140,7 @@ class MrawSource : public FrameSource {
   std::int64_t frame_bytes_;
   ByteFile pixels_;
   int bits_ = 8, shift_ = 0;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace

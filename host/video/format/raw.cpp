@@ -48,7 +48,7 @@ class RawSource : public FrameSource {
     }
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -60,7 +60,7 @@ class RawSource : public FrameSource {
   ByteFile file_;
   Packing packing_;
   std::int64_t frame_bytes_ = 0;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace
