@@ -311,7 +311,9 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   RegionCorrelator region(engine, options, source.info(), stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
   BatchReader reader(source, options.frames, 0, whole, kBatch);
+  const auto is_cancelled = [&] { return options.cancelled && options.cancelled(); };
   std::exception_ptr error;
+  bool stopped = false;
   std::int64_t done = 0;
   const auto write = [&](Measured& measured) {
     const StageTimes::Scope timed(options.times, stages.write);
@@ -324,7 +326,7 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
   tbb::parallel_pipeline(
       kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-                       Read batch = reader.next();
+                       Read batch = is_cancelled() ? nullptr : reader.next();
                        if (!batch) control.stop();
                        return batch;
                      }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
@@ -336,6 +338,8 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
                        if (error) return results;
                        error = batch->error;
                        for (std::size_t i = 0; i < batch->frames.size(); ++i) {
+                         stopped = stopped || is_cancelled();
+                         if (stopped) break;
                          auto measured =
                              region.take(FramePtr(batch, &batch->frames[i]),
                                          batch->first_index + static_cast<std::int64_t>(i));

@@ -35,6 +35,8 @@ struct CorrelateOptions {
   double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
   int lanes = 0;                // pictures on the device at a time, 1 or 2; 0: as suits the device
   StageTimes* times = nullptr;  // gets the stages' times where given
+  // As TrackOptions::cancelled.
+  std::function<bool()> cancelled;
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }

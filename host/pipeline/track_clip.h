@@ -31,6 +31,9 @@ struct TrackOptions {
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.
   std::optional<ResumePoint> from;
+  // Asked once a batch of frames and, more often, while batches wait; true ends the run soon, as
+  // if the clip ended there. Called from several threads at once.
+  std::function<bool()> cancelled;
   // Called between rows whenever such a point is reached: all rows before it are with the sink.
   std::function<void(const ResumePoint&)> checkpoint;
 };

@@ -17,8 +17,11 @@ struct VideoOptions : OpenOptions {
   std::function<std::unique_ptr<FrameSource>(const std::vector<std::string>&)> open_codec;
 };
 
-// Parses "WIDTHxHEIGHTxBITS". Throws InvalidArgument.
+// Parses "WIDTHxHEIGHTxBITS", and the other way. Throws InvalidArgument.
 RawLayout parse_raw_layout(const std::string& text);
+std::string to_text(const RawLayout& layout);
+// Throws InvalidArgument for a size or depth that no raw file has.
+void check_raw_layout(const RawLayout& layout);
 
 // Opens a clip: a .cine, .mraw/.cih/.cihx, .tif/.tiff (multi-page), container, a folder or a
 // quoted glob of pictures (natural numeric order), raw bytes; or several picture files that form

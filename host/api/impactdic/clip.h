@@ -67,6 +67,11 @@ struct Roi {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+// A point of the picture, px.
+struct PointPx {
+  double x_px = 0, y_px = 0;
+};
+
 // Frames first, first + step, … below end.
 struct FrameRange {
   std::int64_t first = 0, end = 0, step = 1;

@@ -25,10 +25,6 @@ enum class RegionMotion {
 const char* to_string(RegionMotion motion);
 RegionMotion parse_region_motion(const std::string& word);  // throws InvalidArgument
 
-struct PointPx {
-  double x_px = 0, y_px = 0;
-};
-
 struct CorrelateRequest {
   ClipRequest clip;
   FrameRange frames = {0, kToTheEnd, 1};
