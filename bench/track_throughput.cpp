@@ -73,7 +73,7 @@ void write_clip(const Request& request, const std::string& path, video::SinkForm
   for (std::int64_t k = 0; k < request.distinct; ++k) {
     renderer.render(pose_of(k, request.distinct), k, frames[static_cast<std::size_t>(k)]);
   }
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = scene.width;
   info.height = scene.height;
   info.bits = 8;

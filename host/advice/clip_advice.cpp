@@ -94,8 +94,7 @@ Roi about(const Frame& frame, const std::optional<circle::Circle>& ball) {
   return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
 }
 
-Look look_at(video::FrameSource& source, const AdviceRequest& request, std::int64_t index,
-             bool two) {
+Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t index, bool two) {
   Look look;
   Frame whole;
   try {
@@ -128,7 +127,7 @@ Look look_at(video::FrameSource& source, const AdviceRequest& request, std::int6
   return look;
 }
 
-std::vector<Look> look_around(video::FrameSource& source, const AdviceRequest& request) {
+std::vector<Look> look_around(FrameSource& source, const AdviceRequest& request) {
   constexpr std::int64_t kOfContainer = 48;
   const std::string& format = source.info().format;
   const bool container = format == "AVI" || format == "video container";
@@ -281,7 +280,7 @@ const char* const kBetterPattern =
     "paint a finer pattern: by impactdic study, speckles of 4 to 20 px area over a sixth to a half "
     "of the surface (a2, f1, e1)";
 
-ClipAdvice advise_clip(video::FrameSource& source, const AdviceRequest& request) {
+ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request) {
   const std::vector<Look> looks = look_around(source, request);
   ClipAdvice advice;
   advice.frames = static_cast<int>(looks.size());

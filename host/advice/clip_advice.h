@@ -23,15 +23,6 @@ struct AdviceRequest {
   double rim_margin_px = 3;
 };
 
-struct ClipAdvice {
-  int frames = 0, frames_with_ball = 0;  // of those looked at
-  std::optional<circle::Circle> ball;    // in whole-picture pixels, in the frame judged
-  std::optional<TextureAdvice> texture;  // nullopt where there was no ball to judge
-  std::optional<double> edge_px;         // how sharp the ball's edge is, 10 to 90 %
-  std::optional<double> turn_deg;        // largest seen, per frame
-  std::vector<std::string> warnings;     // one useful sentence each
-};
-
 // What to paint where there is too little texture, after the finding of the speckle study
 // (docs/accuracy.md).
 extern const char* const kBetterPattern;
@@ -39,6 +30,6 @@ extern const char* const kBetterPattern;
 // Looks at three pairs of neighbouring frames: at the start, in the middle and at the end of the
 // range (of its first 48 frames in a container, which may have to be decoded in order). A frame
 // that cannot be read is left out: the run itself will say so.
-ClipAdvice advise_clip(video::FrameSource& source, const AdviceRequest& request);
+ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request);
 
 }  // namespace impactdic::advice

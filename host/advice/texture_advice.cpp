@@ -95,6 +95,10 @@ TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request) 
   return advice;
 }
 
+}  // namespace impactdic::advice
+
+namespace impactdic {
+
 int window_reaching(const TextureAdvice& advice, double error_px) {
   for (const SizeAdvice& size : advice.sizes) {
     if (size.usable_share() >= kMostUsable && size.error_px <= error_px) return size.window_px;
@@ -102,4 +106,4 @@ int window_reaching(const TextureAdvice& advice, double error_px) {
   return 0;
 }
 
-}  // namespace impactdic::advice
+}  // namespace impactdic

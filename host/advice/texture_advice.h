@@ -2,6 +2,8 @@
 // and the error that its noise leaves at best.
 #pragma once
 
+#include <impactdic/advice.h>
+
 #include <optional>
 #include <span>
 #include <vector>
@@ -11,21 +13,6 @@
 #include "host/dic/error_bound.h"
 
 namespace impactdic::advice {
-
-struct SizeAdvice {
-  int window_px = 0;
-  int windows = 0, usable = 0;
-  double error_px = 0;  // median over the usable ones, per axis; NaN where there is none
-  double contrast = 0;  // median over all, rms, grey levels of 255
-  double usable_share() const { return windows > 0 ? static_cast<double>(usable) / windows : 0; }
-};
-
-struct TextureAdvice {
-  double noise = 0;                    // standard deviation, grey levels of 255
-  SizeAdvice asked;                    // the window size asked for
-  std::vector<SizeAdvice> sizes;       // others, ascending
-  std::optional<dic::BallBound> ball;  // of the ball as a whole
-};
 
 struct TextureRequest {
   int window_px = 15;
@@ -38,9 +25,5 @@ struct TextureRequest {
 
 // Looks at one frame; only at the ball where there is one.
 TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request);
-
-// The smallest window by which at least nine in ten are usable and err by at most `error_px`; 0
-// where none does.
-int window_reaching(const TextureAdvice& advice, double error_px);
 
 }  // namespace impactdic::advice

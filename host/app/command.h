@@ -2,6 +2,8 @@
 // command_NAME.cpp, and adds itself to the command line with add_NAME_command.
 #pragma once
 
+#include <impactdic/device.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
@@ -10,12 +12,10 @@ namespace impactdic::app {
 
 // Options that every command understands.
 struct Common {
-  std::string device = "auto";
-  int threads = 0;  // 0: as many as the machine has cores
+  SessionOptions session;
   bool quiet = false;
   int verbosity = 0;  // -v, -vv
   bool force = false;
-  std::string job_file;
 };
 
 // Adds --device, -j, -q, -v, --force, --job to a command. Every other option of the command can

@@ -1,18 +1,16 @@
-#include <impactdic/error.h>
+#include <impactdic/device.h>
 
 #include <cstdio>
 
 #include "host/app/command.h"
-#include "host/opencl/device.h"
 
 namespace impactdic::app {
 namespace {
 
 void run_devices(const std::string& spec) {
-  const auto devices = opencl::list_devices();
-  const opencl::DeviceInfo& chosen = opencl::choose_device(devices, spec);
-  for (const opencl::DeviceInfo& device : devices) {
-    std::printf("%c %d  %s  %s\n", device.index == chosen.index ? '*' : ' ', device.index,
+  const int chosen = choose_device(spec);
+  for (const DeviceInfo& device : list_devices()) {
+    std::printf("%c %d  %s  %s\n", device.index == chosen ? '*' : ' ', device.index,
                 device.is_gpu ? "GPU" : "CPU", device.name.c_str());
     std::printf("      platform %s, %s, driver %s\n", device.platform.c_str(),
                 device.version.c_str(), device.driver.c_str());

@@ -1,8 +1,13 @@
-#include <cstdio>
+#include <impactdic/advice.h>
+#include <impactdic/units.h>
 
-#include "host/app/advice_output.h"
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
 #include "host/app/command.h"
-#include "host/app/video_options.h"
+#include "host/app/setting_options.h"
+#include "host/report/words.h"
 
 namespace impactdic::app {
 namespace {
@@ -11,35 +16,23 @@ void line(const std::string& label, const std::string& value) {
   std::printf("%-16s %s\n", label.c_str(), value.c_str());
 }
 
-// Six digits: a header's figure without the noise of its conversion.
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
+template <typename... Values>
+std::string say(const char* format, Values... values) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, values...);
   return text;
 }
 
-struct Request {
-  VideoRequest video;
-  dic::FieldOptions field;
+// Six digits: a header's figure without the noise of its conversion.
+std::string rounded(double value) { return say("%.6g", value); }
+
+struct Options {
+  InspectRequest request;
   double error_px = 0.01;
 };
 
-// The ball's texture; that of the whole picture where there is no ball.
-advice::ClipAdvice look_at(video::FrameSource& source, const dic::FieldOptions& field) {
-  advice::AdviceRequest request;
-  request.frames = parse_frame_range("", source.info().frame_count);
-  request.roi = {0, 0, source.info().width, source.info().height};
-  request.field = field;
-  advice::ClipAdvice advice = advice::advise_clip(source, request);
-  if (advice.ball) return advice;
-  request.ball = false;
-  return advice::advise_clip(source, request);
-}
-
-void run_info(const Request& request) {
-  request.field.validate();
-  const auto source = open_requested(request.video);
-  const video::VideoInfo& info = source->info();
+void print_clip(const Inspection& found) {
+  const ClipInfo& info = found.clip;
   line("file", info.path);
   line("format", info.format + (info.storage.empty() ? "" : ", " + info.storage));
   if (!info.camera.empty()) line("camera", info.camera);
@@ -53,17 +46,43 @@ void run_info(const Request& request) {
   }
   if (info.exposure_s) line("exposure", rounded(*info.exposure_s * 1e6) + " us");
   if (info.recorded_at) line("recorded", *info.recorded_at);
-  if (info.has_timestamps && info.frame_count > 1) {
-    if (const auto last = source->frame_time_s(info.frame_count - 1)) {
-      line("timestamps", "a time for each frame, " + rounded(*last) + " s from first to last");
-    }
+  if (found.last_frame_time_s) {
+    line("timestamps",
+         "a time for each frame, " + rounded(*found.last_frame_time_s) + " s from first to last");
   }
   for (const auto& [label, value] : info.extra) line(label, value);
-  const advice::ClipAdvice advice = look_at(*source, request.field);
-  for (const auto& [label, value] : advice_lines(advice, request.error_px)) line(label, value);
-  for (const std::string& warning : all_warnings(request.video, info, advice)) {
-    line("warning", warning);
+}
+
+// `error_px`: the error that a person wants to reach.
+void print_advice(const ClipAdvice& advice, double error_px) {
+  if (advice.ball) {
+    line("ball", say("radius %.1f px, in %d of %d frames looked at", advice.ball->r_px,
+                     advice.frames_with_ball, advice.frames));
   }
+  if (!advice.texture) return;
+  const TextureAdvice& texture = *advice.texture;
+  line("noise", say("%.2f grey levels of 255", texture.noise));
+  line("texture", report::in_words(texture.asked));
+  for (const SizeAdvice& size : texture.sizes) {
+    if (size.window_px != texture.asked.window_px) line("", report::in_words(size));
+  }
+  const int enough = window_reaching(texture, error_px);
+  line("window", enough > 0 ? say("%d px reach %g px a window", enough, error_px)
+                            : say("no size reaches %g px a window", error_px));
+  if (texture.ball && std::isfinite(texture.ball->dx_sd_px)) {
+    line("whole ball",
+         say("%.4f px and %.4f deg expected (--estimator ball)",
+             std::hypot(texture.ball->dx_sd_px, texture.ball->dy_sd_px) / std::sqrt(2.0),
+             texture.ball->rot_sd_rad * kDegPerRad));
+  }
+}
+
+void run_info(Options& options) {
+  options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
+  const Inspection found = inspect(options.request);
+  print_clip(found);
+  print_advice(found.advice, options.error_px);
+  for (const std::string& warning : found.warnings) line("warning", warning);
 }
 
 }  // namespace
@@ -71,16 +90,19 @@ void run_info(const Request& request) {
 void add_info_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "info", "What a clip says of itself, and what its texture lets be measured");
-  auto request = std::make_shared<Request>();
-  add_video_options(*command, request->video);
-  command->add_option("--window", request->field.window_px, "Side of an interrogation window, px")
+  auto options = std::make_shared<Options>();
+  OptionAdder add(*command);
+  run::visit_clip(add, options->request.clip);
+  command
+      ->add_option("--window", options->request.field.window_px,
+                   "Side of an interrogation window, px")
       ->capture_default_str();
   command
-      ->add_option("--error-px", request->error_px, "An error to reach: says which window does, px")
+      ->add_option("--error-px", options->error_px, "An error to reach: says which window does, px")
       ->check(positive_number())
       ->capture_default_str();
   command->footer("Example:\n  impactdic info shot_01.cine\n");
-  command->callback([request] { run_info(*request); });
+  command->callback([options] { run_info(*options); });
 }
 
 }  // namespace impactdic::app

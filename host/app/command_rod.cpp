@@ -68,7 +68,7 @@ std::vector<RodPrediction> predict(const Request& request, const sim::rod::RodMe
 std::vector<DeformationComparison> compare_deformations(const Request& request) {
   const auto rows = sim::rod::read_deformations(request.deformations);
   std::vector<DeformationComparison> compared(rows.size());
-  sim::fit::parallel_for(rows.size(), request.common.threads, [&](std::size_t i) {
+  sim::fit::parallel_for(rows.size(), request.common.session.threads, [&](std::size_t i) {
     compared[i].measured = rows[i];
     for (auto& [name, job] : models(request)) {
       job.angle_rad = rows[i].angle_deg * kRadPerDeg;

@@ -68,7 +68,7 @@ std::optional<std::size_t> first_cut(const std::vector<sim::speckle::BallPose>& 
 std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
                                             video::SinkFormat format, const Request& request,
                                             std::size_t frames) {
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = request.scene.width;
   info.height = request.scene.height;
   info.bits = request.scene.bits;

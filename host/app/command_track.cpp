@@ -1,22 +1,38 @@
+#include <impactdic/track.h>
+
 #include <cstdio>
 #include <memory>
 
 #include "host/app/command.h"
-#include "host/app/track_run.h"
+#include "host/app/run_context.h"
+#include "host/app/setting_options.h"
+#include "host/report/words.h"
 
 namespace impactdic::app {
 namespace {
 
-void run_track(const CLI::App& command, const TrackRequest& request) {
-  RunContext run(request.common, !request.no_field);
-  const TrackOutcome outcome = track_to_folder(command, request, run);
-  if (!request.common.quiet) {
+struct Options {
+  Common common;
+  TrackRequest request;
+  TrackFolder folder;
+};
+
+void run_track(Options& options) {
+  Session session = open_session(options.common);
+  options.folder.force = options.common.force;
+  options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
+  Terminal terminal(options.common.quiet);
+  const TrackResult result =
+      track_to_folder(options.request, options.folder, session, terminal.control());
+  terminal.end();
+  if (!options.common.quiet) {
     std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
-                static_cast<long long>(outcome.frames_ok), static_cast<long long>(outcome.frames),
-                outcome.frames_per_s, request.output.c_str());
-    std::printf("%s\n", outcome.impact.c_str());
+                static_cast<long long>(result.frames_ok),
+                static_cast<long long>(result.frames.count()), result.frames_per_s,
+                options.folder.folder.c_str());
+    std::printf("%s\n", report::in_words(result.impact_si).c_str());
   }
-  run.print_profile();
+  std::fputs(session.profile().c_str(), stderr);
 }
 
 }  // namespace
@@ -24,12 +40,18 @@ void run_track(const CLI::App& command, const TrackRequest& request) {
 void add_track_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "track", "The main job: ball centre, velocity, rotation and field of every frame");
-  auto request = std::make_shared<TrackRequest>();
-  add_track_options(*command, *request);
+  auto options = std::make_shared<Options>();
+  OptionAdder add(*command);
+  run::visit_clip(add, options->request.clip);
+  command->add_option("-o,--output", options->folder.folder, "Folder for the results")->required();
+  run::visit_track_settings(add, options->request, options->folder);
+  command->add_flag("--resume", options->folder.resume,
+                    "Go on where an earlier run into the folder ended");
+  add_common_options(*command, options->common);
   command->footer(
       "Writes track.csv, fields.h5, summary.json and job.toml.\nExample:\n"
       "  impactdic track shot_01.cine -o shot_01 --ball-diameter-mm 67 --surface-angle-deg 15\n");
-  command->callback([command, request] { run_track(*command, *request); });
+  command->callback([options] { run_track(*options); });
 }
 
 }  // namespace impactdic::app

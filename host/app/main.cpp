@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "host/app/command.h"
-#include "host/app/job.h"
 
 namespace {
 
@@ -70,9 +69,7 @@ int run(int argc, char** argv) {
   impactdic::app::refuse_non_numbers(app);
   const std::vector<std::string> given(argv + 1, argv + argc);
   try {
-    std::vector<std::string> arguments = impactdic::app::expand_job(app, given);
-    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
-    app.parse(arguments);
+    app.parse(argc, argv);
     return kDone;
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);

@@ -1,6 +1,7 @@
 // The ball in a frame as a circle: found by the Hough transform, measured by a sub-pixel fit.
 #pragma once
 
+#include <impactdic/circle.h>
 #include <impactdic/image.h>
 
 #include <memory>
@@ -11,13 +12,7 @@ namespace impactdic::circle {
 
 class RimModel;
 
-struct Circle {
-  double cx_px = 0, cy_px = 0, r_px = 0;
-  // How far from the centre the ball is free of what hides it, on all sides: up to the straight
-  // edge that would hide the widest part of the rim without edges (the frame of a racket, the
-  // picture's own edge). The radius where the rim has no such part; 0 where it is not known.
-  double free_px = 0;
-};
+using impactdic::Circle;
 
 enum class CircleStatus {
   ok,

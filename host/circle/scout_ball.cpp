@@ -23,7 +23,7 @@ struct Sighting {
   double score() const { return rim_fraction * radius_px; }
 };
 
-Sighting look(video::FrameSource& source, std::int64_t index, const Roi& roi,
+Sighting look(FrameSource& source, std::int64_t index, const Roi& roi,
               const CircleOptions& options) {
   Frame whole, frame;
   try {
@@ -76,8 +76,8 @@ double median_radius_px(std::vector<Sighting> sightings) {
 
 }  // namespace
 
-std::optional<double> scout_radius_px(video::FrameSource& source, const FrameRange& range,
-                                      const Roi& roi, const CircleOptions& options) {
+std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
+                                      const CircleOptions& options) {
   std::vector<Sighting> sightings;
   std::vector<std::int64_t> looked_at;
   std::vector<Sighting> best;

@@ -16,7 +16,7 @@ namespace impactdic::circle {
 //
 // Looks at 12 frames of the range, at more (48 at most) where these do not agree. Reads and
 // searches on several threads. A frame that cannot be read shows no ball.
-std::optional<double> scout_radius_px(video::FrameSource& source, const FrameRange& range,
-                                      const Roi& roi, const CircleOptions& options);
+std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
+                                      const CircleOptions& options);
 
 }  // namespace impactdic::circle

@@ -1,20 +1,24 @@
 // Which frames of a clip are analysed: --frames A:B[:STEP].
 #pragma once
 
+#include <impactdic/clip.h>
+
 #include <cstdint>
 #include <string>
 
 namespace impactdic {
 
-// Frames first, first + step, … below end.
-struct FrameRange {
-  std::int64_t first = 0, end = 0, step = 1;
-  std::int64_t count() const { return end > first ? (end - first + step - 1) / step : 0; }
-  std::int64_t at(std::int64_t index) const { return first + index * step; }
-};
+// "A:B[:STEP]", each part may be empty; B excluded. "" is the whole clip. `end` is kToTheEnd where
+// B is empty. Throws InvalidArgument.
+FrameRange read_frame_range(const std::string& text);
+// The same back; "" for the whole clip.
+std::string to_text(const FrameRange& range);
 
-// "A:B[:STEP]", each part may be empty; B excluded. "" is the whole clip. Throws InvalidArgument
-// where it holds no frame of a clip of `frame_count` frames.
+// The part of `range` that a clip of `frame_count` frames has. Throws InvalidArgument where that is
+// none, or where the range itself is impossible.
+FrameRange resolve(FrameRange range, std::int64_t frame_count);
+
+// Both at once.
 FrameRange parse_frame_range(const std::string& text, std::int64_t frame_count);
 
 }  // namespace impactdic

@@ -3,42 +3,77 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "host/base/parse.h"
 
 namespace impactdic {
 
-Roi parse_roi(const std::string& text, int image_width, int image_height) {
-  if (text.empty()) return {0, 0, image_width, image_height};
+Roi read_roi(const std::string& text) {
   const auto parts = split(text, ',');
   if (parts.size() != 4) throw InvalidArgument("'" + text + "' is not X,Y,W,H", "--roi");
-  std::int64_t v[4];
-  for (int i = 0; i < 4; ++i) v[i] = parse_int(parts[static_cast<std::size_t>(i)], "--roi");
-  if (v[0] < 0 || v[1] < 0 || v[2] < 1 || v[3] < 1 || v[2] > image_width - v[0] ||
-      v[3] > image_height - v[1]) {
-    throw InvalidArgument(
-        "'" + text + "' does not lie in the picture", "--roi",
-        "the picture is " + std::to_string(image_width) + "x" + std::to_string(image_height));
+  int v[4];
+  for (int i = 0; i < 4; ++i) {
+    const std::int64_t number = parse_int(parts[static_cast<std::size_t>(i)], "--roi");
+    v[i] = static_cast<int>(std::clamp<std::int64_t>(number, -1, std::numeric_limits<int>::max()));
   }
-  return {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]),
-          static_cast<int>(v[3])};
+  return {v[0], v[1], v[2], v[3]};
 }
 
-Image<std::uint8_t> parse_polygon(const std::string& text, int image_width, int image_height) {
+std::string to_text(const Roi& roi) {
+  return std::to_string(roi.x) + "," + std::to_string(roi.y) + "," + std::to_string(roi.width) +
+         "," + std::to_string(roi.height);
+}
+
+void check_roi(const Roi& roi, int image_width, int image_height) {
+  if (roi.x < 0 || roi.y < 0 || roi.width < 1 || roi.height < 1 ||
+      roi.width > image_width - roi.x || roi.height > image_height - roi.y) {
+    throw InvalidArgument(
+        "'" + to_text(roi) + "' does not lie in the picture", "--roi",
+        "the picture is " + std::to_string(image_width) + "x" + std::to_string(image_height));
+  }
+}
+
+Roi parse_roi(const std::string& text, int image_width, int image_height) {
+  if (text.empty()) return {0, 0, image_width, image_height};
+  const Roi roi = read_roi(text);
+  check_roi(roi, image_width, image_height);
+  return roi;
+}
+
+std::vector<PointPx> read_polygon(const std::string& text) {
   const std::vector<double> v = parse_doubles(text, ',', 0, "--polygon");
   if (v.size() < 6 || v.size() % 2 != 0) {
     throw InvalidArgument("'" + text + "' is not X,Y,X,Y,X,Y...", "--polygon",
                           "a polygon has at least three corners");
   }
-  const std::size_t corners = v.size() / 2;
+  std::vector<PointPx> corners;
+  for (std::size_t i = 0; i < v.size(); i += 2) corners.push_back({v[i], v[i + 1]});
+  return corners;
+}
+
+std::string to_text(const std::vector<PointPx>& polygon) {
+  std::string text;
+  for (const PointPx& corner : polygon) {
+    text += (text.empty() ? "" : ",") + shortest(corner.x_px) + "," + shortest(corner.y_px);
+  }
+  return text;
+}
+
+Image<std::uint8_t> polygon_mask(const std::vector<PointPx>& corners, int image_width,
+                                 int image_height) {
+  if (corners.size() < 3) {
+    throw InvalidArgument("a polygon has at least three corners", "--polygon");
+  }
   Image<std::uint8_t> mask(image_width, image_height, 0);
   bool any = false;
   for (int y = 0; y < image_height; ++y) {
     for (int x = 0; x < image_width; ++x) {
       // Inside where a ray to the right crosses an odd number of sides.
       bool inside = false;
-      for (std::size_t i = 0, before = corners - 1; i < corners; before = i++) {
-        const double ax = v[2 * before], ay = v[2 * before + 1], bx = v[2 * i], by = v[2 * i + 1];
+      for (std::size_t i = 0, before = corners.size() - 1; i < corners.size(); before = i++) {
+        const double ax = corners[before].x_px, ay = corners[before].y_px;
+        const double bx = corners[i].x_px, by = corners[i].y_px;
         if ((ay > y) != (by > y) && x < ax + (bx - ax) * (y - ay) / (by - ay)) inside = !inside;
       }
       mask(x, y) = inside ? 1 : 0;
@@ -47,6 +82,10 @@ Image<std::uint8_t> parse_polygon(const std::string& text, int image_width, int 
   }
   if (!any) throw InvalidArgument("the polygon holds no pixel of the picture", "--polygon");
   return mask;
+}
+
+Image<std::uint8_t> parse_polygon(const std::string& text, int image_width, int image_height) {
+  return polygon_mask(read_polygon(text), image_width, image_height);
 }
 
 Roi extent(const Image<std::uint8_t>& mask) {

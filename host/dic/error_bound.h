@@ -2,6 +2,7 @@
 // its slopes and its noise.
 #pragma once
 
+#include <impactdic/advice.h>
 #include <impactdic/image.h>
 
 #include <vector>
@@ -18,9 +19,7 @@ struct WindowBound {
   double expected_sd_px = 0;
 };
 
-struct BallBound {
-  double dx_sd_px = 0, dy_sd_px = 0, rot_sd_rad = 0;
-};
+using impactdic::BallBound;
 
 // A picture's slopes by the quintic B-spline through it, and their sums over squares of any size.
 class PictureSlopes {

@@ -8,7 +8,7 @@
 
 #include "host/base/parse.h"
 
-namespace impactdic::dic {
+namespace impactdic {
 namespace {
 
 void check_range(double value, double low, double high, const char* what, const char* option) {
@@ -64,17 +64,21 @@ void FieldOptions::validate() const {
   }
 }
 
-double pixel_variance(const FieldOptions& options, double full_scale) {
-  const double noise = options.noise * full_scale / 255;
-  return std::max(noise * noise, 1.0 / 12);
-}
-
 const char* to_string(WindowStatus status) {
   static constexpr std::array kNames = {
       "ok",         "masked", "no_texture", "low_correlation", "at_search_edge", "not_converged",
       "out_of_view"};
   const auto index = static_cast<std::size_t>(status);
   return index < kNames.size() ? kNames[index] : "?";
+}
+
+}  // namespace impactdic
+
+namespace impactdic::dic {
+
+double pixel_variance(const FieldOptions& options, double full_scale) {
+  const double noise = options.noise * full_scale / 255;
+  return std::max(noise * noise, 1.0 / 12);
 }
 
 }  // namespace impactdic::dic

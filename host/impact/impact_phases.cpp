@@ -284,6 +284,10 @@ void Analysis::finish() {
 
 }  // namespace
 
+}  // namespace impactdic::impact
+
+namespace impactdic {
+
 const char* to_string(ImpactStatus status) {
   constexpr std::array kWords = {"found", "none", "wrong_side", "flight_too_short", "not_resolved"};
   return kWords[static_cast<std::size_t>(status)];
@@ -293,6 +297,10 @@ const char* to_string(ClosureVerdict verdict) {
   constexpr std::array kWords = {"undetermined", "closes", "signs", "lever_arm", "scale"};
   return kWords[static_cast<std::size_t>(verdict)];
 }
+
+}  // namespace impactdic
+
+namespace impactdic::impact {
 
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();

@@ -6,8 +6,7 @@
 
 #include "host/motion/estimators.h"
 
-namespace impactdic::motion {
-
+namespace impactdic {
 namespace {
 constexpr std::array kNames = {"field", "ring", "ball"};
 }  // namespace
@@ -21,6 +20,10 @@ Estimator parse_estimator(const std::string& name) {
   throw InvalidArgument("'" + name + "' is not an estimator", "--estimator",
                         "there are field, ring and ball");
 }
+
+}  // namespace impactdic
+
+namespace impactdic::motion {
 
 void EstimatorOptions::validate() const {
   field.validate();

@@ -21,13 +21,9 @@ class Engine;
 
 namespace impactdic::motion {
 
-enum class Estimator {
-  field,  // interrogation windows on the ball, robust rigid fit to their displacements
-  ring,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
-  ball,   // one registration of the whole ball; affine while it is compressed
-};
-const char* to_string(Estimator estimator);
-Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
+using impactdic::Estimator;
+using impactdic::parse_estimator;
+using impactdic::to_string;
 
 struct EstimatorOptions {
   Estimator estimator = Estimator::field;

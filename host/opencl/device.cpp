@@ -27,8 +27,8 @@ cl_uint compute_capability(const cl::Device& device) {
                                                                                            : 0;
 }
 
-DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int index) {
-  DeviceInfo info;
+Device describe(const cl::Platform& platform, const cl::Device& device, int index) {
+  Device info;
   info.index = index;
   info.platform = clean(platform.getInfo<CL_PLATFORM_NAME>());
   info.name = clean(device.getInfo<CL_DEVICE_NAME>());
@@ -48,17 +48,17 @@ DeviceInfo describe(const cl::Platform& platform, const cl::Device& device, int 
   return info;
 }
 
-std::string names(const std::vector<DeviceInfo>& devices) {
+std::string names(const std::vector<Device>& devices) {
   std::string text;
-  for (const DeviceInfo& device : devices) {
+  for (const Device& device : devices) {
     text += (text.empty() ? "" : ", ") + std::to_string(device.index) + " = " + device.name;
   }
   return text;
 }
 
-const DeviceInfo* best(const std::vector<DeviceInfo>& devices, bool gpu) {
-  const DeviceInfo* found = nullptr;
-  for (const DeviceInfo& device : devices) {
+const Device* best(const std::vector<Device>& devices, bool gpu) {
+  const Device* found = nullptr;
+  for (const Device& device : devices) {
     if (device.is_gpu != gpu) continue;
     if (found == nullptr || device.compute_units > found->compute_units) found = &device;
   }
@@ -67,8 +67,8 @@ const DeviceInfo* best(const std::vector<DeviceInfo>& devices, bool gpu) {
 
 }  // namespace
 
-std::vector<DeviceInfo> list_devices() {
-  std::vector<DeviceInfo> infos;
+std::vector<Device> list_devices() {
+  std::vector<Device> infos;
   std::vector<cl::Platform> platforms;
   try {
     cl::Platform::get(&platforms);
@@ -89,11 +89,11 @@ std::vector<DeviceInfo> list_devices() {
   return infos;
 }
 
-std::vector<DeviceInfo> all_devices(const std::vector<DeviceInfo>& devices) {
+std::vector<Device> all_devices(const std::vector<Device>& devices) {
   const bool any_gpu = std::any_of(devices.begin(), devices.end(),
-                                   [](const DeviceInfo& device) { return device.is_gpu; });
-  std::vector<DeviceInfo> chosen;
-  for (const DeviceInfo& device : devices) {
+                                   [](const Device& device) { return device.is_gpu; });
+  std::vector<Device> chosen;
+  for (const Device& device : devices) {
     if (device.is_gpu == any_gpu) chosen.push_back(device);
   }
   if (chosen.empty()) {
@@ -103,19 +103,19 @@ std::vector<DeviceInfo> all_devices(const std::vector<DeviceInfo>& devices) {
   return chosen;
 }
 
-const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const std::string& spec) {
+const Device& choose_device(const std::vector<Device>& devices, const std::string& spec) {
   if (devices.empty()) {
     throw OpenClError("no OpenCL device found", "--device " + spec,
                       "install a GPU driver with OpenCL, or pocl-opencl-icd for the CPU");
   }
   const std::string wanted = lower(spec);
   if (wanted == "auto") {
-    const DeviceInfo* gpu = best(devices, true);
-    const DeviceInfo* cpu = best(devices, false);
+    const Device* gpu = best(devices, true);
+    const Device* cpu = best(devices, false);
     return gpu != nullptr ? *gpu : cpu != nullptr ? *cpu : devices.front();
   }
   if (wanted == "cpu" || wanted == "gpu") {
-    if (const DeviceInfo* found = best(devices, wanted == "gpu")) return *found;
+    if (const Device* found = best(devices, wanted == "gpu")) return *found;
     throw OpenClError("no OpenCL device of the kind " + wanted, "--device " + spec,
                       "there is " + names(devices));
   }
@@ -126,7 +126,7 @@ const DeviceInfo& choose_device(const std::vector<DeviceInfo>& devices, const st
       return devices[static_cast<std::size_t>(index)];
     }
   } else if (!wanted.empty()) {
-    for (const DeviceInfo& device : devices) {
+    for (const Device& device : devices) {
       if (lower(device.name + " " + device.platform).find(wanted) != std::string::npos) {
         return device;
       }

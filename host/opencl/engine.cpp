@@ -27,7 +27,7 @@ std::string build_options(const Defines& defines) {
 
 }  // namespace
 
-Engine::Shared::Shared(const DeviceInfo& info, EngineOptions asked)
+Engine::Shared::Shared(const Device& info, EngineOptions asked)
     : options(std::move(asked)), device(info), cache(options.cache_dir), profiler(options.profile) {
   if (options.kernel_dir.empty()) {
     if (const char* folder = std::getenv("IMPACTDIC_KERNEL_DIR")) options.kernel_dir = folder;

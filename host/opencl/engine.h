@@ -42,7 +42,7 @@ class Engine {
   // runs beside what the other does.
   std::unique_ptr<Engine> beside() const;
 
-  const DeviceInfo& device() const { return shared_->device; }
+  const Device& device() const { return shared_->device; }
   const cl::Context& context() const { return shared_->context; }
   // The in-order queue on which everything runs unless a caller has made its own.
   const cl::CommandQueue& queue() const { return queue_; }
@@ -69,13 +69,13 @@ class Engine {
   // What all engines beside each other have in common.
   struct Shared {
     EngineOptions options;
-    DeviceInfo device;
+    Device device;
     cl::Context context;
     ProgramCache cache;
     Profiler profiler;
     std::mutex mutex;
     std::map<std::string, cl::Program> programs;
-    Shared(const DeviceInfo& info, EngineOptions asked);
+    Shared(const Device& info, EngineOptions asked);
   };
   explicit Engine(std::shared_ptr<Shared> shared);
   cl::Program program(const std::string& file, const std::string& options);

@@ -45,7 +45,7 @@ struct Measured {
 using FramePtr = std::shared_ptr<const Frame>;
 
 // The region's pixels as the mask of a registration.
-dic::BallOptions region_options(const CorrelateOptions& options, const video::VideoInfo& clip) {
+dic::BallOptions region_options(const CorrelateOptions& options, const ClipInfo& clip) {
   dic::BallOptions region;
   region.min_correlation = options.field.min_correlation;
   region.min_texture = options.field.min_texture;
@@ -62,7 +62,7 @@ dic::BallOptions region_options(const CorrelateOptions& options, const video::Vi
 // Frames on a device of its own queue, and what measures between them.
 class Lane {
  public:
-  Lane(const opencl::Engine& engine, const CorrelateOptions& options, const video::VideoInfo& clip)
+  Lane(const opencl::Engine& engine, const CorrelateOptions& options, const ClipInfo& clip)
       : engine_(engine.beside()),
         correlator_(dic::make_opencl_correlator(*engine_, options.field, kSlots)) {
     if (options.motion == RegionMotion::region) {
@@ -104,8 +104,8 @@ struct CorrelateStages {
 // and while one is, the next one travels to the device.
 class RegionCorrelator {
  public:
-  RegionCorrelator(opencl::Engine& engine, const CorrelateOptions& options,
-                   const video::VideoInfo& clip, const CorrelateStages& stages)
+  RegionCorrelator(opencl::Engine& engine, const CorrelateOptions& options, const ClipInfo& clip,
+                   const CorrelateStages& stages)
       : options_(options),
         stages_(stages),
         coarse_(engine, options.field),
@@ -296,9 +296,8 @@ std::vector<Window> region_grid(const CorrelateOptions& options) {
   return windows;
 }
 
-void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
-                    const CorrelateOptions& options, const CorrelateSink& sink,
-                    const ProgressFn& progress) {
+void correlate_clip(FrameSource& source, opencl::Engine& engine, const CorrelateOptions& options,
+                    const CorrelateSink& sink, const ProgressFn& progress) {
   constexpr int kBatch = 8, kBatchesAhead = 8;
   options.field.validate();
   CorrelateStages stages;
@@ -312,7 +311,9 @@ void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
   RegionCorrelator region(engine, options, source.info(), stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
   BatchReader reader(source, options.frames, 0, whole, kBatch);
+  const auto is_cancelled = [&] { return options.cancelled && options.cancelled(); };
   std::exception_ptr error;
+  bool stopped = false;
   std::int64_t done = 0;
   const auto write = [&](Measured& measured) {
     const StageTimes::Scope timed(options.times, stages.write);
@@ -325,7 +326,7 @@ void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
   tbb::parallel_pipeline(
       kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-                       Read batch = reader.next();
+                       Read batch = is_cancelled() ? nullptr : reader.next();
                        if (!batch) control.stop();
                        return batch;
                      }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
@@ -337,6 +338,8 @@ void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
                        if (error) return results;
                        error = batch->error;
                        for (std::size_t i = 0; i < batch->frames.size(); ++i) {
+                         stopped = stopped || is_cancelled();
+                         if (stopped) break;
                          auto measured =
                              region.take(FramePtr(batch, &batch->frames[i]),
                                          batch->first_index + static_cast<std::int64_t>(i));

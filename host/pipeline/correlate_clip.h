@@ -2,6 +2,8 @@
 // region about its centre.
 #pragma once
 
+#include <impactdic/correlate.h>
+
 #include <functional>
 #include <optional>
 #include <span>
@@ -22,14 +24,6 @@ class Engine;
 
 namespace impactdic::pipeline {
 
-enum class ReferenceFrame { first, previous };
-
-// How the region's rigid motion is measured.
-enum class RegionMotion {
-  windows,  // robust fit to the windows' displacements
-  region,   // one registration of all its pixels, about where the windows say: for rigid bodies
-};
-
 struct CorrelateOptions {
   dic::FieldOptions field;
   int spacing_px = 0;  // 0: half a window, rounded up
@@ -41,6 +35,8 @@ struct CorrelateOptions {
   double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
   int lanes = 0;                // pictures on the device at a time, 1 or 2; 0: as suits the device
   StageTimes* times = nullptr;  // gets the stages' times where given
+  // As TrackOptions::cancelled.
+  std::function<bool()> cancelled;
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }
@@ -63,8 +59,7 @@ struct CorrelatedFrame {
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;
 
 // Called in order, once a frame. Reading and writing run beside the measurement.
-void correlate_clip(video::FrameSource& source, opencl::Engine& engine,
-                    const CorrelateOptions& options, const CorrelateSink& sink,
-                    const ProgressFn& progress);
+void correlate_clip(FrameSource& source, opencl::Engine& engine, const CorrelateOptions& options,
+                    const CorrelateSink& sink, const ProgressFn& progress);
 
 }  // namespace impactdic::pipeline

@@ -25,7 +25,7 @@ int lanes_of(const opencl::Engine& engine) {
   return engine.device().is_gpu ? kLanesOfGpu : kLanesOfCpu;
 }
 
-int slots_of(const opencl::DeviceInfo& device, int lanes, int width, int height, int batch) {
+int slots_of(const opencl::Device& device, int lanes, int width, int height, int batch) {
   const double pixels = static_cast<double>(width) * height;
   const double by_memory = kMemoryShare * static_cast<double>(device.global_memory_bytes) /
                            (pixels * kBytesPerPixel * lanes);

@@ -6,10 +6,10 @@
 
 namespace impactdic::pipeline {
 
-BatchReader::BatchReader(video::FrameSource& source, const FrameRange& range,
-                         std::int64_t first_index, const Roi& roi, int batch)
+BatchReader::BatchReader(FrameSource& source, const FrameRange& range, std::int64_t first_index,
+                         const Roi& roi, int batch)
     : source_(source), range_(range), next_(first_index), roi_(roi), batch_(batch) {
-  const video::VideoInfo& info = source.info();
+  const ClipInfo& info = source.info();
   whole_ = roi.x == 0 && roi.y == 0 && roi.width == info.width && roi.height == info.height;
 }
 
@@ -50,7 +50,7 @@ void BatchReader::decode(FrameBatch& batch) {
   }
 }
 
-void for_each_batch(video::FrameSource& source, const FrameRange& range, std::int64_t first_index,
+void for_each_batch(FrameSource& source, const FrameRange& range, std::int64_t first_index,
                     const Roi& roi, int batch, const std::function<void(FrameBatch&)>& consume) {
   constexpr std::size_t kBatchesInFlight = 3;
   using Item = std::shared_ptr<FrameBatch>;

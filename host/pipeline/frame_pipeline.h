@@ -26,7 +26,7 @@ struct FrameBatch {
 class BatchReader {
  public:
   // `batch` frames each, from analysed frame `first_index` on. `source` must outlive the reader.
-  BatchReader(video::FrameSource& source, const FrameRange& range, std::int64_t first_index,
+  BatchReader(FrameSource& source, const FrameRange& range, std::int64_t first_index,
               const Roi& roi, int batch);
 
   // The next batch, not yet decoded; nullptr at the end. Not for several threads at once.
@@ -40,7 +40,7 @@ class BatchReader {
     std::mutex mutex;
     std::vector<std::unique_ptr<FrameBatch>> free;
   };
-  video::FrameSource& source_;
+  FrameSource& source_;
   FrameRange range_;
   std::int64_t next_;
   Roi roi_;
@@ -52,7 +52,7 @@ class BatchReader {
 // Calls `consume` with every batch in order, on one thread at a time; up to `batch` frames each,
 // from analysed frame `first_index` on. Two batches are decoded ahead. An error of the reader
 // comes out of this call after the frames before it have been consumed.
-void for_each_batch(video::FrameSource& source, const FrameRange& range, std::int64_t first_index,
+void for_each_batch(FrameSource& source, const FrameRange& range, std::int64_t first_index,
                     const Roi& roi, int batch, const std::function<void(FrameBatch&)>& consume);
 
 }  // namespace impactdic::pipeline

@@ -31,7 +31,7 @@ int frames_in_batch(const TrackOptions& options, int bits) {
       std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
 }
 
-Frame read_frame(video::FrameSource& source, const TrackOptions& options, std::int64_t index) {
+Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
   Frame whole, frame;
   source.read(options.frames.at(index), whole);
   crop(whole, options.roi, frame);
@@ -42,7 +42,7 @@ Frame read_frame(video::FrameSource& source, const TrackOptions& options, std::i
 // of the frames.
 class ClipTracker {
  public:
-  ClipTracker(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+  ClipTracker(FrameSource& source, std::span<opencl::Engine* const> engines,
               const TrackOptions& options, int batch, const GridSink& grid_ready,
               const TrackSink& sink, const ProgressFn& progress)
       : source_(source),
@@ -71,10 +71,11 @@ class ClipTracker {
   }
 
   int read_stage() const { return read_stage_; }
+  bool is_cancelled() const { return options_.cancelled && options_.cancelled(); }
 
   // Follows the ball through the frames. nullptr behind a frame that could not be read.
   Batch locate(std::shared_ptr<FrameBatch> own) {
-    if (error_) return nullptr;
+    if (error_ || is_cancelled()) return nullptr;
     error_ = own->error;
     if (own->frames.empty()) return nullptr;
     const StageTimes::Scope timed(options_.times, lead_stage_);
@@ -105,7 +106,11 @@ class ClipTracker {
 
   // Hands the batch to a device; returns one that is done, or nullptr.
   Batch measure(Batch batch) {
-    if (!batch || !options_.with_field) return batch;
+    if (!batch || dropped_ || is_cancelled()) {
+      dropped_ = true;  // none of those behind it either: rows have no gaps
+      return nullptr;
+    }
+    if (!options_.with_field) return batch;
     if (!lanes_) open_lanes(*batch);
     if (!lanes_) return batch;  // no ball so far: no pairs
     return lanes_->submit(std::move(batch));
@@ -233,7 +238,7 @@ class ClipTracker {
     sink_({row, *batch.frames[i], pair});
   }
 
-  video::FrameSource& source_;
+  FrameSource& source_;
   std::span<opencl::Engine* const> engines_;
   const TrackOptions& options_;
   int batch_;
@@ -248,6 +253,7 @@ class ClipTracker {
   circle::CircleFit last_fit_;
   std::exception_ptr error_;
   // Of `measure`.
+  bool dropped_ = false;
   std::unique_ptr<DeviceLanes> lanes_;
   // Of `write`.
   std::atomic<bool> grid_is_new_ = false;
@@ -257,7 +263,7 @@ class ClipTracker {
 
 }  // namespace
 
-void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
                 const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
                 const ProgressFn& progress) {
   options.estimator.validate();
@@ -279,7 +285,7 @@ void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> eng
   tbb::parallel_pipeline(
       kBatchesAhead,
       tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-        Read batch = reader.next();
+        Read batch = tracker.is_cancelled() ? nullptr : reader.next();
         if (!batch) control.stop();
         return batch;
       }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {

@@ -31,6 +31,9 @@ struct TrackOptions {
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.
   std::optional<ResumePoint> from;
+  // Asked once a batch of frames and, more often, while batches wait; true ends the run soon, as
+  // if the clip ended there. Called from several threads at once.
+  std::function<bool()> cancelled;
   // Called between rows whenever such a point is reached: all rows before it are with the sink.
   std::function<void(const ResumePoint&)> checkpoint;
 };
@@ -51,7 +54,7 @@ using GridSink = std::function<void(std::span<const Window> grid, double radius_
 // Runs the whole clip on all `engines`; none are needed without field. Errors of the reader come
 // out after every row that could still be measured has gone to `sink`. Neither the number of
 // threads nor that of equal devices changes a result.
-void track_clip(video::FrameSource& source, std::span<opencl::Engine* const> engines,
+void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
                 const TrackOptions& options, const GridSink& grid_ready, const TrackSink& sink,
                 const ProgressFn& progress);
 

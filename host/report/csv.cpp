@@ -143,17 +143,11 @@ MotionCsv::MotionCsv(std::filesystem::path path)
   file_ << kMotionCsvHeader << "\n";
 }
 
-void MotionCsv::add(const pipeline::CorrelatedFrame& frame) {
-  const dic::RigidMotion& m = frame.motion;
-  Line line(std::to_string(frame.frame));
-  line.add(frame.time_s).add_text(frame.is_reference ? "reference" : to_string(frame.status));
-  if (m.ok) {
-    line.add(m.dx_px, m.dy_px, m.rot_rad * kDegPerRad, m.dx_sd_px, m.dy_sd_px,
-             m.rot_sd_rad * kDegPerRad);
-  } else {
-    line.add_text(",,,,,");
-  }
-  line.add_text(std::to_string(m.used));
+void MotionCsv::add(const MotionRow& row) {
+  Line line(std::to_string(row.frame));
+  line.add(row.time_s).add_text(row.is_reference ? "reference" : to_string(row.status));
+  line.add(row.dx_px, row.dy_px, row.rot_deg, row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg);
+  line.add_text(std::to_string(row.windows));
   file_ << line.text() << std::endl;
   check(file_, path_);
 }

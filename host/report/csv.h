@@ -2,12 +2,13 @@
 // measured. Headers are part of the interface and never change order.
 #pragma once
 
+#include <impactdic/correlate.h>
+
 #include <filesystem>
 #include <fstream>
 #include <vector>
 
 #include "host/clip/track_row.h"
-#include "host/pipeline/correlate_clip.h"
 
 namespace impactdic::report {
 
@@ -41,7 +42,7 @@ std::vector<TrackRow> read_track_csv(const std::filesystem::path& path);
 class MotionCsv {
  public:
   explicit MotionCsv(std::filesystem::path path);
-  void add(const pipeline::CorrelatedFrame& frame);
+  void add(const MotionRow& row);
 
  private:
   std::filesystem::path path_;

@@ -2,169 +2,151 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "host/report/words.h"
 
 namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kGravity_m_s2 = 9.81;
-// Drag on a ball and rounded angles: the fall may differ by this part without meaning anything.
-constexpr double kFallTolerance = 0.05;
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
-json figure(const impact::Measured& m, double unit = 1) {
-  if (!std::isfinite(m.value * unit)) return nullptr;
-  return {{"value", m.value * unit},
-          {"sd", std::isfinite(m.sd) ? json(m.sd * std::abs(unit)) : json(nullptr)}};
+json figure(const Measured& m) {
+  if (!std::isfinite(m.value)) return nullptr;
+  return {{"value", m.value}, {"sd", number(m.sd)}};
 }
 
-const char* explain(impact::ImpactStatus status) {
-  constexpr std::array kTexts = {
-      "impact found", "no impact in these frames",
-      "the ball turns on the other side of the surface: add 180 to --surface-angle-deg",
-      "an impact, but fewer than 6 frames of free flight before or after it",
-      "an impact whose contact is too short or too noisy for its start and end to be measured"};
-  return kTexts[static_cast<std::size_t>(status)];
+json instant(const ImpactInstant& at) {
+  if (!at.known()) return nullptr;
+  return {{"frame", at.frame},
+          {"sd_frames", at.sd_frames},
+          {"time_s", number(at.time_s)},
+          {"sd_s", number(at.sd_s)}};
 }
 
-const char* explain(impact::ClosureVerdict verdict) {
-  constexpr std::array kTexts = {
-      "the spin does not change enough to tell, or was not measured",
-      "the tangential impulse accounts for the change of spin",
-      "spin and tangential velocity change the wrong way round: is an axis or the surface's angle "
-      "flipped?",
-      "off by less than a quarter: the force may act nearer to or farther from the centre than the "
-      "radius, as for a flattened ball",
-      "off by more than a quarter: is the radius, the rotation or the inertia factor right?"};
-  return kTexts[static_cast<std::size_t>(verdict)];
+json edge(const ImpactInstant& at, const Measured& exponent, bool law_holds) {
+  json result = instant(at);
+  if (result.is_null()) return result;
+  result["onset_exponent"] = figure(exponent);
+  result["onset_law_holds"] = law_holds;
+  return result;
 }
 
-class ImpactWriter {
- public:
-  ImpactWriter(const impact::ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
-               const SiScale& scale)
-      : impact_(impact), scale_(scale) {
-    if (!rows.empty()) first_ = static_cast<double>(rows[0].frame);
-    if (rows.size() > 1) step_ = static_cast<double>(rows[1].frame - rows[0].frame);
-    si_ = scale.metre_per_px > 0 && scale.fps > 0;
-    length_ = scale.metre_per_px > 0 ? scale.metre_per_px : kNotMeasured;
-  }
+json motion(const ImpactMotion& m, bool in_si) {
+  if (!m.known) return nullptr;
+  const std::string unit = in_si ? "_m_s" : "_px_per_frame";
+  return {{"frames_used", {m.first_frame, m.last_frame}},
+          {"vx" + unit, figure(m.vx)},
+          {"vy" + unit, figure(m.vy)},
+          {"vt" + unit, figure(m.vt)},
+          {"vn" + unit, figure(m.vn)},
+          {in_si ? "omega_rad_s" : "omega_rad_per_frame", figure(m.spin)}};
+}
 
-  json instant(const impact::Measured& m) const {
-    if (!std::isfinite(m.value)) return nullptr;
-    json result = {{"frame", first_ + step_ * m.value}, {"sd_frames", step_ * m.sd}};
-    result["time_s"] = scale_.fps > 0 ? json(m.value / scale_.fps) : json(nullptr);
-    result["sd_s"] = scale_.fps > 0 ? json(m.sd / scale_.fps) : json(nullptr);
-    return result;
-  }
-  json edge(const impact::ContactEdgeResult& edge) const {
-    json result = instant(edge.instant);
-    if (result.is_null()) return result;
-    result["onset_exponent"] = figure(edge.exponent);
-    result["onset_law_holds"] = edge.law_holds;
-    return result;
-  }
-  json motion(const impact::FlightMotion& m) const {
-    if (m.last == 0) return nullptr;
-    const double speed = si_ ? scale_.metre_per_px * scale_.fps : 1;
-    const std::string unit = si_ ? "_m_s" : "_px_per_frame";
-    return {{"frames_used",
-             {first_ + step_ * static_cast<double>(m.first),
-              first_ + step_ * static_cast<double>(m.last)}},
-            {"vx" + unit, figure(m.vx, speed)},
-            {"vy" + unit, figure(m.vy, speed)},
-            {"vt" + unit, figure(m.vt, speed)},
-            {"vn" + unit, figure(m.vn, speed)},
-            {si_ ? "omega_rad_s" : "omega_rad_per_frame", figure(m.spin, si_ ? scale_.fps : 1)}};
-  }
-  json closure(const std::optional<double>& inertia) const {
-    const impact::ImpulseClosure& c = impact_.closure;
-    return {{"ratio", figure(c.ratio)},
-            {"inertia_factor_that_closes", figure(c.inertia_factor)},
-            {"inertia_factor_given", inertia ? json(*inertia) : json(nullptr)},
-            {"verdict", impact::to_string(c.verdict)},
-            {"explanation", explain(c.verdict)}};
-  }
-  json fall() const {
-    const double unit = si_ ? scale_.metre_per_px * scale_.fps * scale_.fps : kNotMeasured;
-    json result = {{"measured_m_s2", figure(impact_.fall, unit)}};
-    const double off = std::abs(impact_.fall.value * unit - kGravity_m_s2);
-    const double allowed = 3 * impact_.fall.sd * unit + kFallTolerance * kGravity_m_s2;
-    result["agrees_with_9_81"] = std::isfinite(off) ? json(off <= allowed) : json(nullptr);
-    return result;
-  }
-  json length(const impact::Measured& m) const { return figure(m, length_); }
-  json seconds(const impact::Measured& m) const {
-    return figure(m, scale_.fps > 0 ? 1 / scale_.fps : kNotMeasured);
-  }
-  const char* units() const { return si_ ? "si" : "px_and_frames"; }
+json closure(const ImpactFigures& impact) {
+  const ImpulseClosure& c = impact.closure;
+  return {{"ratio", figure(c.ratio)},
+          {"inertia_factor_that_closes", figure(c.inertia_factor)},
+          {"inertia_factor_given",
+           impact.inertia_factor ? json(*impact.inertia_factor) : json(nullptr)},
+          {"verdict", to_string(c.verdict)},
+          {"explanation", explain(c.verdict)}};
+}
 
- private:
-  const impact::ImpactAnalysis& impact_;
-  const SiScale& scale_;
-  double first_ = 0, step_ = 1, length_ = 1;
-  bool si_ = false;
-};
+// What is missing or null stays as it is.
+void read_number(const json& from, const std::string& pointer, double& to) {
+  const json::json_pointer path(pointer);
+  if (from.contains(path) && from.at(path).is_number()) to = from.at(path).get<double>();
+}
+
+void read_figure(const json& from, const std::string& pointer, Measured& to) {
+  read_number(from, pointer + "/value", to.value);
+  read_number(from, pointer + "/sd", to.sd);
+}
+
+void read_instant(const json& from, const std::string& pointer, ImpactInstant& to) {
+  read_number(from, pointer + "/frame", to.frame);
+  read_number(from, pointer + "/sd_frames", to.sd_frames);
+  read_number(from, pointer + "/time_s", to.time_s);
+  read_number(from, pointer + "/sd_s", to.sd_s);
+}
+
+void read_motion(const json& from, const std::string& pointer, ImpactMotion& to) {
+  to.known = from.contains(json::json_pointer(pointer)) &&
+             from.at(json::json_pointer(pointer)).is_object();
+  read_figure(from, pointer + "/vx_m_s", to.vx);
+  read_figure(from, pointer + "/vy_m_s", to.vy);
+  read_figure(from, pointer + "/vt_m_s", to.vt);
+  read_figure(from, pointer + "/vn_m_s", to.vn);
+  read_figure(from, pointer + "/omega_rad_s", to.spin);
+}
+
+template <typename Word, std::size_t n>
+void read_word(const json& from, const std::string& pointer, const std::array<Word, n>& words,
+               Word& to) {
+  const json::json_pointer path(pointer);
+  if (!from.contains(path)) return;
+  for (const Word word : words) {
+    if (from.at(path) == to_string(word)) to = word;
+  }
+}
 
 }  // namespace
 
-impact::ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup) {
-  impact::ImpactOptions options;
-  options.surface_angle_rad = scale.surface_angle_rad;
-  options.gravity_angle_rad = setup.gravity_angle_rad;
-  options.inertia_factor = setup.inertia_factor;
-  if (scale.metre_per_px > 0 && scale.fps > 0) {
-    options.gravity = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
-  }
-  return options;
-}
-
-json describe_impact(const impact::ImpactAnalysis& impact, const std::vector<TrackRow>& rows,
-                     const SiScale& scale, const ImpactSetup& setup) {
-  json result = {{"found", impact.status == impact::ImpactStatus::found ||
-                               impact.status == impact::ImpactStatus::not_resolved},
-                 {"status", impact::to_string(impact.status)},
+json describe_impact(const ImpactFigures& impact) {
+  json result = {{"found", impact.found()},
+                 {"status", to_string(impact.status)},
                  {"explanation", explain(impact.status)}};
-  if (!result["found"].get<bool>()) return result;
-  const ImpactWriter write(impact, rows, scale);
-  result["units"] = write.units();
-  result["t0"] = write.edge(impact.start);
-  result["t_max_compression"] = write.instant(impact.turn);
-  result["t_end"] = write.edge(impact.end);
-  result["contact_frames"] = figure(impact.duration);
-  result["contact_s"] = write.seconds(impact.duration);
-  result["before"] = write.motion(impact.before);
-  result["after"] = write.motion(impact.after);
+  if (!impact.found()) return result;
+  result["units"] = impact.in_si ? "si" : "px_and_frames";
+  result["t0"] = edge(impact.t0, impact.start_exponent, impact.start_law_holds);
+  result["t_max_compression"] = instant(impact.t_max_compression);
+  result["t_end"] = edge(impact.t_end, impact.end_exponent, impact.end_law_holds);
+  result["contact_frames"] = figure(impact.contact_frames);
+  result["contact_s"] = figure(impact.contact_s);
+  result["before"] = motion(impact.before, impact.in_si);
+  result["after"] = motion(impact.after, impact.in_si);
   result["restitution"] = figure(impact.restitution);
   result["friction"] = {{"eq_3_12", figure(impact.friction_published)},
                         {"gravity_corrected", figure(impact.friction)},
                         {"rolling_cap", figure(impact.rolling_cap)}};
-  result["max_deflection_px"] = figure(impact.max_deflection);
-  result["max_deflection_m"] = write.length(impact.max_deflection);
-  result["impulse_closure"] = write.closure(setup.inertia_factor);
-  result["gravity"] = write.fall();
-  result["centre_against_motion_px_per_frame"] = figure({impact.disagreement, 0})["value"];
-  result["scatter_over_stated"] = {{"centre", figure({impact.position_scatter, 0})["value"]},
-                                   {"motion", figure({impact.step_scatter, 0})["value"]}};
+  result["max_deflection_px"] = figure(impact.max_deflection_px);
+  result["max_deflection_m"] = figure(impact.max_deflection_m);
+  result["impulse_closure"] = closure(impact);
+  result["gravity"] = {
+      {"measured_m_s2", figure(impact.gravity_m_s2)},
+      {"agrees_with_9_81", impact.gravity_agrees ? json(*impact.gravity_agrees) : json(nullptr)}};
+  result["centre_against_motion_px_per_frame"] = number(impact.centre_against_motion_px_per_frame);
+  result["scatter_over_stated"] = {{"centre", number(impact.centre_scatter)},
+                                   {"motion", number(impact.motion_scatter)}};
   return result;
 }
 
-std::string impact_in_a_line(const json& impact) {
-  std::string line = impact["explanation"];
-  if (!impact["found"].get<bool>()) return line;
-  char text[160];
-  const auto add = [&](const json& value, const char* key, const char* sd, const char* format) {
-    if (value.is_null()) return;
-    std::snprintf(text, sizeof text, format, value[key].get<double>(), value[sd].get<double>());
-    line += text;
-  };
-  add(impact["t0"], "frame", "sd_frames", "; contact from frame %.2f +- %.2f");
-  add(impact["t_end"], "frame", "sd_frames", " to %.2f +- %.2f");
-  add(impact["restitution"], "value", "sd", "; restitution %.4f +- %.4f");
-  add(impact["friction"]["gravity_corrected"], "value", "sd", "; friction %.4f +- %.4f");
-  return line;
+ImpactFigures read_impact(const json& described) {
+  ImpactFigures impact;
+  read_word(described, "/status",
+            std::array{ImpactStatus::found, ImpactStatus::none, ImpactStatus::wrong_side,
+                       ImpactStatus::flight_too_short, ImpactStatus::not_resolved},
+            impact.status);
+  read_word(described, "/impulse_closure/verdict",
+            std::array{ClosureVerdict::undetermined, ClosureVerdict::closes, ClosureVerdict::signs,
+                       ClosureVerdict::lever_arm, ClosureVerdict::scale},
+            impact.closure.verdict);
+  impact.in_si = described.value("units", "") == "si";
+  read_instant(described, "/t0", impact.t0);
+  read_instant(described, "/t_max_compression", impact.t_max_compression);
+  read_instant(described, "/t_end", impact.t_end);
+  read_figure(described, "/contact_s", impact.contact_s);
+  read_motion(described, "/before", impact.before);
+  read_motion(described, "/after", impact.after);
+  read_figure(described, "/restitution", impact.restitution);
+  read_figure(described, "/friction/eq_3_12", impact.friction_published);
+  read_figure(described, "/friction/gravity_corrected", impact.friction);
+  read_figure(described, "/friction/rolling_cap", impact.rolling_cap);
+  read_figure(described, "/max_deflection_m", impact.max_deflection_m);
+  return impact;
 }
 
 }  // namespace impactdic::report

@@ -1,32 +1,18 @@
 // The object `impact` of summary.json.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
-#include <optional>
-#include <string>
-#include <vector>
+#include <impactdic/impact.h>
 
-#include "host/impact/impact_phases.h"
+#include <nlohmann/json_fwd.hpp>
 
 namespace impactdic::report {
 
-// What of the request matters to the impact, beside the scale.
-struct ImpactSetup {
-  double gravity_angle_rad = -kPi / 2;
-  std::optional<double> inertia_factor;
-};
+// Every figure is {"value", "sd"}; null where it was not measured. Velocities are in m/s and rad/s,
+// or in px/frame and rad/frame where the scale or the rate is unknown (`units` says which).
+nlohmann::json describe_impact(const ImpactFigures& impact);
 
-// Gravity in the track's units where scale and frame rate are known.
-impact::ImpactOptions impact_options(const SiScale& scale, const ImpactSetup& setup);
-
-// Instants in frames of the stored file and in seconds of the track's clock; velocities in m/s and
-// rad/s, or in px/frame and rad/frame where the scale or the rate is unknown (`units` says which).
-// Every figure is {"value", "sd"}; null where it was not measured.
-nlohmann::json describe_impact(const impact::ImpactAnalysis& impact,
-                               const std::vector<TrackRow>& rows, const SiScale& scale,
-                               const ImpactSetup& setup);
-
-// The same in one line for the terminal.
-std::string impact_in_a_line(const nlohmann::json& impact);
+// Back from there, as far as shots.csv needs it: status, instants, velocities, figures and verdict.
+// Throws nlohmann::json::exception where `described` is nothing of the kind.
+ImpactFigures read_impact(const nlohmann::json& described);
 
 }  // namespace impactdic::report

@@ -3,10 +3,12 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/base/parse.h"
+#include "host/report/impact_json.h"
 
 namespace impactdic::report {
 namespace {
@@ -22,16 +24,12 @@ std::string plain(std::string text) {
   return text;
 }
 
-// The number at a path of keys; empty where it is missing or null.
-std::string number(const json& from, const std::string& pointer) {
-  const json::json_pointer path(pointer);
-  if (!from.contains(path) || !from.at(path).is_number()) return "";
-  return shortest(from.at(path).get<double>());
-}
+std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
 
-std::string text(const json& from, const std::string& pointer) {
-  const json::json_pointer path(pointer);
-  return from.contains(path) && from.at(path).is_string() ? from.at(path).get<std::string>() : "";
+void add(std::vector<std::string>& cells, const Measured& m) {
+  const bool known = std::isfinite(m.value);
+  cells.push_back(cell(m.value));
+  cells.push_back(known ? cell(m.sd) : "");
 }
 
 }  // namespace
@@ -45,36 +43,63 @@ const char* const kShotsCsvHeader =
     "restitution,restitution_sd,friction_eq_3_12,friction_eq_3_12_sd,friction,friction_sd,"
     "rolling_cap,rolling_cap_sd,max_deflection_m,max_deflection_sd_m,impulse_closure";
 
-std::string shots_csv_line(const ShotEntry& shot, const json& summary) {
-  double frames_ok = 0;
-  for (const char* status : {"ok", "last_frame"}) {
-    if (summary.contains("frames_by_status")) {
-      frames_ok += summary["frames_by_status"].value(status, 0);
+double as_given_deg(double angle_rad) { return std::round(angle_rad * kDegPerRad * 1e9) / 1e9; }
+
+void fill_shot(ShotResult& shot, const TrackResult& measured) {
+  shot.surface_angle_deg = as_given_deg(measured.scale.surface_angle_rad);
+  shot.frames = static_cast<std::int64_t>(measured.rows.size());
+  shot.frames_ok = measured.frames_ok;
+  shot.metre_per_px = measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px : kNotMeasured;
+  shot.impact = measured.impact_si;
+}
+
+void read_shot(ShotResult& shot, const std::filesystem::path& summary) {
+  try {
+    std::ifstream file(summary);
+    const json read = json::parse(file);
+    const auto number = [&](const char* key) {
+      return read.contains(key) && read[key].is_number() ? read[key].get<double>() : kNotMeasured;
+    };
+    shot.surface_angle_deg = number("surface_angle_deg");
+    shot.metre_per_px = number("scale_m_per_px");
+    shot.frames = read.at("frames_analysed").get<std::int64_t>();
+    shot.frames_ok = 0;
+    for (const char* status : {"ok", "last_frame"}) {
+      shot.frames_ok += read.at("frames_by_status").value(status, 0);
     }
+    shot.impact = read_impact(read.at("impact"));
+  } catch (const json::exception&) {
+    throw FormatError(summary.string(), -1, "the summary is damaged",
+                      "delete the shot's folder, --resume measures it again");
   }
+}
+
+std::string shots_csv_line(const ShotResult& shot) {
+  const ImpactFigures& impact = shot.impact;
   std::vector<std::string> cells = {plain(shot.file),
                                     plain(shot.name),
                                     shot.done ? "ok" : "failed",
                                     plain(shot.reason),
-                                    number(summary, "/surface_angle_deg"),
+                                    shot.done ? cell(shot.surface_angle_deg) : "",
                                     plain(shot.drop_height_mm),
                                     plain(shot.notes),
-                                    number(summary, "/frames_analysed"),
-                                    shot.done ? shortest(frames_ok) : "",
-                                    number(summary, "/scale_m_per_px"),
-                                    text(summary, "/impact/status")};
-  for (const char* instant : {"t0", "t_max_compression", "t_end"}) {
-    cells.push_back(number(summary, std::string("/impact/") + instant + "/time_s"));
-    cells.push_back(number(summary, std::string("/impact/") + instant + "/sd_s"));
+                                    shot.done ? std::to_string(shot.frames) : "",
+                                    shot.done ? std::to_string(shot.frames_ok) : "",
+                                    shot.done ? cell(shot.metre_per_px) : "",
+                                    shot.done ? to_string(impact.status) : ""};
+  for (const ImpactInstant& instant : {impact.t0, impact.t_max_compression, impact.t_end}) {
+    add(cells, {instant.time_s, instant.sd_s});
   }
-  for (const char* figure :
-       {"contact_s", "before/vt_m_s", "before/vn_m_s", "after/vt_m_s", "after/vn_m_s",
-        "before/omega_rad_s", "after/omega_rad_s", "restitution", "friction/eq_3_12",
-        "friction/gravity_corrected", "friction/rolling_cap", "max_deflection_m"}) {
-    cells.push_back(number(summary, std::string("/impact/") + figure + "/value"));
-    cells.push_back(number(summary, std::string("/impact/") + figure + "/sd"));
+  // Velocities in px and frames have no place here.
+  const auto motion = [&](const ImpactMotion& m) { return impact.in_si ? m : ImpactMotion(); };
+  const ImpactMotion before = motion(impact.before), after = motion(impact.after);
+  for (const Measured& figure :
+       {impact.contact_s, before.vt, before.vn, after.vt, after.vn, before.spin, after.spin,
+        impact.restitution, impact.friction_published, impact.friction, impact.rolling_cap,
+        impact.max_deflection_m}) {
+    add(cells, figure);
   }
-  cells.push_back(text(summary, "/impact/impulse_closure/verdict"));
+  cells.push_back(shot.done && impact.found() ? to_string(impact.closure.verdict) : "");
   std::string line = cells[0];
   for (std::size_t i = 1; i < cells.size(); ++i) line += "," + cells[i];
   return line;

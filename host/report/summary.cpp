@@ -7,6 +7,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "host/report/shots_csv.h"
+
 namespace impactdic::report {
 namespace {
 
@@ -26,7 +28,7 @@ struct Mean {
 
 }  // namespace
 
-json describe_input(const video::VideoInfo& info, const video::ClipDigest& digest) {
+json describe_input(const ClipInfo& info, const video::ClipDigest& digest) {
   const auto or_null = [](const std::string& text) {
     return text.empty() ? json(nullptr) : json(text);
   };
@@ -76,8 +78,7 @@ json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale) {
         {"windows", number(windows.value())}}},
       {"scale_m_per_px", number(metres ? scale.metre_per_px : kNotMeasured)},
       {"analysed_fps", number(scale.fps > 0 ? scale.fps : kNotMeasured)},
-      // As it was given: back from radians 30 would read 29.999999999999996.
-      {"surface_angle_deg", std::round(scale.surface_angle_rad * kDegPerRad * 1e9) / 1e9},
+      {"surface_angle_deg", as_given_deg(scale.surface_angle_rad)},
   };
 }
 

@@ -12,7 +12,7 @@
 namespace impactdic::report {
 
 // The input as it describes itself, with its SHA-256 (null where `digest` is empty).
-nlohmann::json describe_input(const video::VideoInfo& info, const video::ClipDigest& digest);
+nlohmann::json describe_input(const ClipInfo& info, const video::ClipDigest& digest);
 
 // Frames by status, mean speed, ball, scale. Figures that were not measured are null.
 nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale);

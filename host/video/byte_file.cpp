@@ -65,7 +65,7 @@ class ByteFile::Mapping {
   std::size_t low_ = size_, high_ = 0, given_back_ = 0;
 };
 
-ByteFile::ByteFile(const std::string& path) : path_(path) {
+ByteFile::ByteFile(const std::string& path, bool lends) : path_(path) {
   descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0) throw FileError("cannot open the file", path, std::strerror(errno));
   struct stat facts {};
@@ -74,7 +74,7 @@ ByteFile::ByteFile(const std::string& path) : path_(path) {
     throw FileError("not a regular file", path);
   }
   size_ = facts.st_size;
-  mapping_ = Mapping::of(descriptor_, size_);
+  if (lends) mapping_ = Mapping::of(descriptor_, size_);
 }
 
 ByteFile::~ByteFile() {

@@ -15,8 +15,9 @@ inline constexpr std::int64_t kMaxFrameBytes = std::int64_t{2} << 30;
 // Read-only file; `read_at` may be called from several threads at once (pread).
 class ByteFile {
  public:
-  // Throws FileError where `path` is absent, unreadable or no regular file.
-  explicit ByteFile(const std::string& path);
+  // `lends`: whether `lend` may be used. Throws FileError where `path` is absent, unreadable or no
+  // regular file.
+  explicit ByteFile(const std::string& path, bool lends = false);
   ~ByteFile();
   ByteFile(ByteFile&& other) noexcept;
   ByteFile& operator=(ByteFile&&) = delete;
@@ -30,9 +31,9 @@ class ByteFile {
   // Exactly `count` bytes. Throws FormatError beyond the end, FileError where the disk fails.
   void read_at(std::int64_t offset, void* out, std::size_t count) const;
   // The same bytes where the system keeps the file, without a copy: half of the time of one, and of
-  // what passes through the processor's caches. nullptr where the file system cannot lend them or
-  // the bytes cannot be read: `read_at` says why. A file must not become shorter while its bytes
-  // are lent (SIGBUS).
+  // what passes through the processor's caches. nullptr where the file does not lend, the file
+  // system cannot, or the bytes cannot be read: `read_at` says why. A file must not become shorter
+  // while its bytes are lent (SIGBUS): whoever asks for lending answers for that.
   std::shared_ptr<const std::uint8_t[]> lend(std::int64_t offset, std::size_t count) const;
   std::vector<std::uint8_t> bytes_at(std::int64_t offset, std::size_t count) const;
   // At most `count` bytes from `offset`, fewer at the end of the file.
@@ -43,7 +44,7 @@ class ByteFile {
   std::string path_;
   int descriptor_ = -1;
   std::int64_t size_ = 0;
-  std::shared_ptr<Mapping> mapping_;  // nullptr: the file cannot be mapped
+  std::shared_ptr<Mapping> mapping_;  // nullptr: the file does not lend
 };
 
 // Throws FormatError unless 1 ≤ width, height ≤ 2^20 and the picture fits kMaxFrameBytes.

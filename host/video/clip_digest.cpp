@@ -41,7 +41,7 @@ std::string digest_of_file(const std::string& path, std::uint64_t piece_bytes) {
 
 }  // namespace
 
-ClipDigest digest_of(const VideoInfo& info, std::uint64_t piece_bytes) {
+ClipDigest digest_of(const ClipInfo& info, std::uint64_t piece_bytes) {
   ClipDigest digest;
   if (!info.header_path.empty()) digest.header_sha256 = sha256_of_file(info.header_path);
   if (info.files.empty()) {

@@ -20,6 +20,6 @@ struct ClipDigest {
 inline constexpr std::uint64_t kDigestPiece = std::uint64_t{1} << 30;  // bytes
 
 // Reads the whole clip once more, on a few threads of its own. Throws FileError.
-ClipDigest digest_of(const VideoInfo& info, std::uint64_t piece_bytes = kDigestPiece);
+ClipDigest digest_of(const ClipInfo& info, std::uint64_t piece_bytes = kDigestPiece);
 
 }  // namespace impactdic::video

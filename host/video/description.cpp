@@ -9,14 +9,14 @@ namespace {
 constexpr const char* kMark = "impactdic ";
 }
 
-std::string describe(const VideoInfo& info) {
+std::string describe(const ClipInfo& info) {
   std::string text = kMark + std::string("bits=") + std::to_string(info.bits);
   if (info.fps) text += " fps=" + shortest(*info.fps);
   if (info.exposure_s) text += " exposure_s=" + shortest(*info.exposure_s);
   return text;
 }
 
-void read_description(const std::string& text, VideoInfo& info) {
+void read_description(const std::string& text, ClipInfo& info) {
   if (!text.starts_with(kMark)) return;
   for (const std::string& fact : split(text, ' ')) {
     const auto equals = fact.find('=');

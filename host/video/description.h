@@ -8,8 +8,8 @@
 
 namespace impactdic::video {
 
-std::string describe(const VideoInfo& info);
+std::string describe(const ClipInfo& info);
 // Takes the facts over into `info`; text that is not ours changes nothing.
-void read_description(const std::string& text, VideoInfo& info);
+void read_description(const std::string& text, ClipInfo& info);
 
 }  // namespace impactdic::video

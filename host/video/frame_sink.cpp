@@ -54,7 +54,7 @@ std::string sink_extension(SinkFormat format) {
   return "";
 }
 
-void check_frame(const Frame& frame, const VideoInfo& info) {
+void check_frame(const Frame& frame, const ClipInfo& info) {
   if (frame.width() != info.width || frame.height() != info.height) {
     throw InvalidArgument("a frame of " + std::to_string(frame.width()) + " x " +
                               std::to_string(frame.height()) + " pixels for a clip of " +
@@ -69,8 +69,8 @@ void check_frame(const Frame& frame, const VideoInfo& info) {
 }
 
 std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
-                                     const VideoInfo& asked, const OpenCodecSink& open_codec) {
-  VideoInfo info = asked;
+                                     const ClipInfo& asked, const OpenCodecSink& open_codec) {
+  ClipInfo info = asked;
   info.path = path;
   if (info.bits < 1 || info.bits > 16) {
     throw InvalidArgument("no clip of " + std::to_string(info.bits) + " bits", path, "1 to 16");

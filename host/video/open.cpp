@@ -13,10 +13,10 @@ namespace {
 std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptions& options) {
   switch (tell_file_kind(path)) {
     case FileKind::cine:
-      return open_cine(path, options.phantom_codes);
+      return open_cine(path, options.phantom_codes, options.lend_file_memory);
     case FileKind::mraw:
     case FileKind::cih:
-      return open_mraw(path);
+      return open_mraw(path, options.lend_file_memory);
     case FileKind::tiff:
       return open_tiff(path);
     case FileKind::picture:
@@ -42,7 +42,7 @@ std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
   if (inputs.empty()) throw InvalidArgument("no video is named");
   if (options.raw) {
     if (inputs.size() > 1) throw InvalidArgument("raw pixels come in one file", inputs[1]);
-    return open_raw(inputs[0], *options.raw);
+    return open_raw(inputs[0], *options.raw, options.lend_file_memory);
   }
   if (inputs.size() > 1) return open_image_sequence(inputs, options);
   const std::string& input = inputs[0];

@@ -114,7 +114,7 @@ TEST(Advice, RegionMovesBeyondTheSearch) {
 TEST(Advice, Interlaced) {
   const Clip clip("--size 160x160 --radius-px 50 --velocity-px 4,0");
   const auto source = video::open_video({clip.path().string()}, {});
-  video::VideoInfo info = source->info();
+  ClipInfo info = source->info();
   const std::string woven = (clip.path().parent_path() / "woven.tif").string();
   info.path = woven;
   const auto sink = video::open_sink(woven, video::SinkFormat::tiff, info, {});

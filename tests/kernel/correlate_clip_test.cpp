@@ -30,8 +30,7 @@ struct Row {
   std::string bits;
 };
 
-std::vector<Row> correlate(video::FrameSource& clip, pipeline::ReferenceFrame reference,
-                           int lanes) {
+std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int lanes) {
   pipeline::CorrelateOptions options;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {40, 44, 60, 60};
@@ -56,7 +55,7 @@ std::vector<Row> correlate(video::FrameSource& clip, pipeline::ReferenceFrame re
   return rows;
 }
 
-class CorrelateClip : public ::testing::TestWithParam<pipeline::ReferenceFrame> {};
+class CorrelateClip : public ::testing::TestWithParam<ReferenceFrame> {};
 
 TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
   MemoryClip clip(jumping_frames());
@@ -69,21 +68,20 @@ TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
     EXPECT_EQ(plain[k].status, TrackStatus::ok) << k;
     // Of the region's centre, which is not the ball's.
     const double turn = 0.4 * M_PI / 180, from_centre = 73.5 - 74;
-    const double step = GetParam() == pipeline::ReferenceFrame::first ? k : k == 0 ? 0 : 1;
-    const double jump = GetParam() == pipeline::ReferenceFrame::first ? k >= 13 : k == 13;
+    const double step = GetParam() == ReferenceFrame::first ? k : k == 0 ? 0 : 1;
+    const double jump = GetParam() == ReferenceFrame::first ? k >= 13 : k == 13;
     EXPECT_NEAR(plain[k].dx_px, 0.37 * step + 17 * jump + from_centre * turn * step, 0.08) << k;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(References, CorrelateClip,
-                         ::testing::Values(pipeline::ReferenceFrame::first,
-                                           pipeline::ReferenceFrame::previous));
+                         ::testing::Values(ReferenceFrame::first, ReferenceFrame::previous));
 
 // A clip whose later frames cannot be read.
-class BrokenClip : public video::FrameSource {
+class BrokenClip : public FrameSource {
  public:
   explicit BrokenClip(std::vector<Frame> frames) : clip_(std::move(frames)) {}
-  const video::VideoInfo& info() const override { return clip_.info(); }
+  const ClipInfo& info() const override { return clip_.info(); }
   void read(std::int64_t index, Frame& frame) override {
     if (index >= 11) throw FormatError("clip", index, "this frame is damaged");
     clip_.read(index, frame);

@@ -64,7 +64,7 @@ std::string bits(const pipeline::TrackedFrame& frame) {
   return text;
 }
 
-Outcome run(video::FrameSource& clip, motion::Estimator estimator, int batch,
+Outcome run(FrameSource& clip, motion::Estimator estimator, int batch,
             const std::optional<pipeline::ResumePoint>& from) {
   pipeline::TrackOptions options;
   options.estimator.estimator = estimator;

@@ -69,7 +69,7 @@ TEST_F(Tuning, AnotherDriverOrADamagedFileLeavesTheDefault) {
 }
 
 TEST_F(Tuning, MatrixUnitsAreOfferedWhereThereAreSome) {
-  opencl::DeviceInfo device = engine_.device();
+  opencl::Device device = engine_.device();
   device.is_gpu = true;
   device.vendor = "NVIDIA Corporation";
   device.local_memory_bytes = 48 << 10;
@@ -93,7 +93,7 @@ TEST_F(Tuning, MatrixUnitsAreOfferedWhereThereAreSome) {
 // 32 KB of local memory, 128 work-items a group.
 TEST_F(Tuning, SmallDevicesAreOfferedWhatFits) {
   for (const bool is_gpu : {false, true}) {
-    opencl::DeviceInfo device = engine_.device();
+    opencl::Device device = engine_.device();
     device.is_gpu = is_gpu;
     device.local_memory_bytes = 32 << 10;
     device.max_work_group = 128;

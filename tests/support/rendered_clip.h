@@ -11,7 +11,7 @@
 
 namespace impactdic::testing {
 
-class RenderedClip : public video::FrameSource {
+class RenderedClip : public FrameSource {
  public:
   RenderedClip(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
                std::vector<sim::speckle::BallPose> poses)
@@ -22,7 +22,7 @@ class RenderedClip : public video::FrameSource {
     info_.bits = scene.bits;
     info_.frame_count = static_cast<std::int64_t>(poses_.size());
   }
-  const video::VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     renderer_.render(poses_[static_cast<std::size_t>(index)], index, frame);
   }
@@ -31,10 +31,10 @@ class RenderedClip : public video::FrameSource {
  private:
   sim::speckle::BallRenderer renderer_;
   std::vector<sim::speckle::BallPose> poses_;
-  video::VideoInfo info_;
+  ClipInfo info_;
 };
 
-class MemoryClip : public video::FrameSource {
+class MemoryClip : public FrameSource {
  public:
   explicit MemoryClip(std::vector<Frame> frames) : frames_(std::move(frames)) {
     info_.format = "memory";
@@ -43,18 +43,18 @@ class MemoryClip : public video::FrameSource {
     info_.bits = frames_[0].bits;
     info_.frame_count = static_cast<std::int64_t>(frames_.size());
   }
-  const video::VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     frame = frames_[static_cast<std::size_t>(index)];
   }
 
  private:
   std::vector<Frame> frames_;
-  video::VideoInfo info_;
+  ClipInfo info_;
 };
 
 // The rows of `track` with this estimator.
-inline std::vector<TrackRow> track(video::FrameSource& clip, motion::Estimator estimator) {
+inline std::vector<TrackRow> track(FrameSource& clip, motion::Estimator estimator) {
   pipeline::TrackOptions options;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};

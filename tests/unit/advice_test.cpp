@@ -56,7 +56,7 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
   const dic::BallBound want = dic::PictureSlopes(floats.view(), 0).disc(100, 100, 76, noise);
   advice::TextureRequest request;
   request.circle = circle::Circle{100, 100, 80};
-  const advice::TextureAdvice advice = advice::advise_texture(frame, request);
+  const TextureAdvice advice = advice::advise_texture(frame, request);
   ASSERT_TRUE(advice.ball.has_value());
   EXPECT_NEAR(advice.ball->dx_sd_px, want.dx_sd_px, 0.08 * want.dx_sd_px);
   EXPECT_NEAR(advice.ball->rot_sd_rad, want.rot_sd_rad, 0.08 * want.rot_sd_rad);
@@ -65,8 +65,8 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
   // Larger windows do better, about as one over their side.
   ASSERT_GE(advice.sizes.size(), 5u);
   EXPECT_NEAR(advice.sizes[2].error_px / advice.sizes[4].error_px, 31.0 / 15, 0.4);
-  EXPECT_EQ(advice::window_reaching(advice, advice.sizes[3].error_px), 21);
-  EXPECT_EQ(advice::window_reaching(advice, 1e-6), 0);
+  EXPECT_EQ(window_reaching(advice, advice.sizes[3].error_px), 21);
+  EXPECT_EQ(window_reaching(advice, 1e-6), 0);
 }
 
 TEST(TextureAdvice, APlainBallHasNoUsableWindow) {
@@ -75,7 +75,7 @@ TEST(TextureAdvice, APlainBallHasNoUsableWindow) {
   const Frame frame = testing::render_frames(plain, scene(2), {pose(100, 100, 0)}).front();
   advice::TextureRequest request;
   request.circle = circle::Circle{100, 100, 80};
-  const advice::TextureAdvice advice = advice::advise_texture(frame, request);
+  const TextureAdvice advice = advice::advise_texture(frame, request);
   EXPECT_EQ(advice.asked.usable, 0);
   EXPECT_TRUE(std::isnan(advice.asked.error_px));
 }

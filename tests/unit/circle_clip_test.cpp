@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kClip = "mraw/ball_12bit.cihx";
 
-std::vector<circle::CircleFit> track_all(video::FrameSource& clip) {
+std::vector<circle::CircleFit> track_all(FrameSource& clip) {
   circle::BallTracker tracker;
   std::vector<circle::CircleFit> fits;
   Frame frame;

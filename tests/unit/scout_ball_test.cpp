@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kRadius = 60;
 
-class PictureList : public video::FrameSource {
+class PictureList : public FrameSource {
  public:
   explicit PictureList(std::vector<Frame> frames) : frames_(std::move(frames)) {
     info_.width = frames_[0].width();
     info_.height = frames_[0].height();
     info_.frame_count = static_cast<std::int64_t>(frames_.size());
   }
-  const video::VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     if (index == damaged) throw FileError("a damaged frame", "test");
     frame = frames_[static_cast<std::size_t>(index)];
@@ -33,7 +33,7 @@ class PictureList : public video::FrameSource {
   std::int64_t damaged = -1;
 
  private:
-  video::VideoInfo info_;
+  ClipInfo info_;
   std::vector<Frame> frames_;
 };
 

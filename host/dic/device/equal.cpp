@@ -24,7 +24,7 @@ std::string EqualVariant::name() const {
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
-std::vector<EqualVariant> equal_variants(const opencl::DeviceInfo& device, int window_px) {
+std::vector<EqualVariant> equal_variants(const opencl::Device& device, int window_px) {
   std::vector<EqualVariant> variants;
   const auto offer = [&](const EqualVariant& variant) {
     if (variant.vector <= window_px / 2 &&

@@ -28,7 +28,7 @@ struct EqualVariant {
 };
 
 // Every variant that the device allows, the one to take without tuning first. window_px: 16 or 32.
-std::vector<EqualVariant> equal_variants(const opencl::DeviceInfo& device, int window_px);
+std::vector<EqualVariant> equal_variants(const opencl::Device& device, int window_px);
 
 // Real operations of a window, transforms counted as 5 N log2 N.
 double equal_flops(int window_px);

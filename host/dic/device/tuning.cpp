@@ -29,7 +29,7 @@ Json rows_of(const std::filesystem::path& path) {
   return rows;
 }
 
-bool is_of(const Json& row, const opencl::DeviceInfo& device, const std::string& work) {
+bool is_of(const Json& row, const opencl::Device& device, const std::string& work) {
   return row["platform"] == device.platform && row["device"] == device.name &&
          row["driver"] == device.driver && row["work"] == work;
 }
@@ -61,7 +61,7 @@ std::filesystem::path tuning_file(const opencl::Engine& engine) {
 void store_tuning(const opencl::Engine& engine, const std::vector<TunedKernel>& kernels) {
   const std::filesystem::path path = tuning_file(engine);
   if (path.empty()) throw FileError("there is no cache folder to keep the result", "tuning.json");
-  const opencl::DeviceInfo& device = engine.device();
+  const opencl::Device& device = engine.device();
   Json rows = Json::array();
   for (const Json& row : rows_of(path)) {
     const bool is_replaced = std::any_of(kernels.begin(), kernels.end(), [&](const auto& kernel) {

@@ -18,8 +18,7 @@ constexpr std::size_t kMostPeaks = std::size_t{1} << 18;
 int area_px(const FieldOptions& options) { return options.window_px + 2 * options.search_px; }
 int lags(const FieldOptions& options) { return 2 * options.search_px + 1; }
 
-bool fits(const ZnccVariant& variant, const FieldOptions& options,
-          const opencl::DeviceInfo& device) {
+bool fits(const ZnccVariant& variant, const FieldOptions& options, const opencl::Device& device) {
   if (variant.path == ZnccPath::bytes && (options.window_px > 31 || lags(options) > 33))
     return false;
   return area_px(options) <= variant.fft_px &&
@@ -123,8 +122,7 @@ std::string ZnccVariant::name() const {
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
 
-std::vector<ZnccVariant> zncc_variants(const opencl::DeviceInfo& device,
-                                       const FieldOptions& options) {
+std::vector<ZnccVariant> zncc_variants(const opencl::Device& device, const FieldOptions& options) {
   std::vector<ZnccVariant> variants;
   const auto offer = [&](const ZnccVariant& variant) {
     if (fits(variant, options, device)) variants.push_back(variant);

@@ -38,8 +38,7 @@ struct ZnccVariant {
 };
 
 // Every variant that the device and the options allow, the one to take without tuning first.
-std::vector<ZnccVariant> zncc_variants(const opencl::DeviceInfo& device,
-                                       const FieldOptions& options);
+std::vector<ZnccVariant> zncc_variants(const opencl::Device& device, const FieldOptions& options);
 
 // Real operations of a window: one complex transform there and one back, 5 N log2 N each (the usual
 // count).

@@ -21,7 +21,7 @@ std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths);
 // For open_sink: SinkFormat::png (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
 // Throws InvalidArgument (more than 8 bits for a container), FileError.
 std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
-                                           const VideoInfo& info);
+                                           const ClipInfo& info);
 
 // A colour MP4 for looking at, such as an overlay. Width and height must be even.
 class Mp4Writer {

@@ -47,7 +47,7 @@ class ContainerSource : public FrameSource {
     fill_info();
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -175,7 +175,7 @@ class ContainerSource : public FrameSource {
     open_decoder();
   }
 
-  VideoInfo info_;
+  ClipInfo info_;
   std::mutex mutex_;
   cv::VideoCapture capture_;
   bool intra_only_ = false;

@@ -80,14 +80,14 @@ class PictureSource : public FrameSource {
     info_.frame_count = 1;
     if (is_colored(picture)) info_.warnings.push_back("colour pictures: read as luminance");
   }
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, 1);
     frame = frame_;
   }
 
  private:
-  VideoInfo info_;
+  ClipInfo info_;
   Frame frame_;
 };
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 class PngSink : public FrameSink {
  public:
-  PngSink(const std::string& folder, const VideoInfo& info) : info_(info) {
+  PngSink(const std::string& folder, const ClipInfo& info) : info_(info) {
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) throw FileError("cannot make the folder", folder, error.message());
@@ -39,7 +39,7 @@ class PngSink : public FrameSink {
   void finish() override {}
 
  private:
-  VideoInfo info_;
+  ClipInfo info_;
   std::int64_t written_ = 0;
 };
 
@@ -119,7 +119,7 @@ void state_avi_rate(const std::string& path, double fps) {
 
 class ContainerSink : public FrameSink {
  public:
-  ContainerSink(const std::string& path, const char* fourcc, const VideoInfo& info)
+  ContainerSink(const std::string& path, const char* fourcc, const ClipInfo& info)
       : info_(info),
         is_avi_(fs::path(path).extension() == ".avi"),
         encoder_(path, fourcc, info.width, info.height,
@@ -134,7 +134,7 @@ class ContainerSink : public FrameSink {
   }
 
  private:
-  VideoInfo info_;
+  ClipInfo info_;
   bool is_avi_;
   Encoder encoder_;
 };
@@ -142,8 +142,8 @@ class ContainerSink : public FrameSink {
 }  // namespace
 
 std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
-                                           const VideoInfo& asked) {
-  VideoInfo info = asked;
+                                           const ClipInfo& asked) {
+  ClipInfo info = asked;
   info.path = path;
   if (format == SinkFormat::png) return std::make_unique<PngSink>(path, info);
   if (info.bits != 8) {

@@ -30,14 +30,14 @@ std::string iso_utc(std::uint64_t ticks) {
 
 class CineSource : public FrameSource {
  public:
-  CineSource(const std::string& path, bool phantom_codes)
-      : file_(path), header_(read_cine_header(file_)) {
+  CineSource(const std::string& path, bool phantom_codes, bool lend)
+      : file_(path, lend), header_(read_cine_header(file_)) {
     linearise_ = header_.packing == Packing::packed10 && !phantom_codes;
     fill_info();
     compare_rate_with_times();
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -190,13 +190,13 @@ class CineSource : public FrameSource {
   ByteFile file_;
   CineHeader header_;
   bool linearise_ = false;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_codes) {
-  return std::make_unique<CineSource>(path, phantom_codes);
+std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_codes, bool lend) {
+  return std::make_unique<CineSource>(path, phantom_codes, lend);
 }
 
 }  // namespace impactdic::video

@@ -38,13 +38,13 @@ class ImageSequence : public FrameSource {
     info_.extra.emplace_back("last_file", paths_.back());
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
     const std::string& path = paths_[static_cast<std::size_t>(index)];
     const auto picture = open_picture(path, options_);
-    const VideoInfo& its = picture->info();
+    const ClipInfo& its = picture->info();
     if (its.width != info_.width || its.height != info_.height || its.bits != info_.bits) {
       throw FormatError(path, -1,
                         "a picture of " + std::to_string(its.width) + " x " +
@@ -59,7 +59,7 @@ class ImageSequence : public FrameSource {
  private:
   std::vector<std::string> paths_;
   VideoOptions options_;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace

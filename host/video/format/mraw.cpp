@@ -65,11 +65,11 @@ Packing packing_of(const std::string& path, const CihFacts& facts) {
 
 class MrawSource : public FrameSource {
  public:
-  MrawSource(const MrawPair& pair, const CihFacts& facts)
+  MrawSource(const MrawPair& pair, const CihFacts& facts, bool lend)
       : facts_(facts),
         packing_(packing_of(pair.header, facts)),
         frame_bytes_(packed_bytes(packing_, facts.width * facts.height)),
-        pixels_(pair.pixels) {
+        pixels_(pair.pixels, lend) {
     const int stored = stored_bits(packing_);
     bits_ = stored;
     if (facts.effective_depth > 0 && facts.effective_depth < stored) {
@@ -82,7 +82,7 @@ class MrawSource : public FrameSource {
     fill_info(pair);
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -140,12 +140,12 @@ class MrawSource : public FrameSource {
   std::int64_t frame_bytes_;
   ByteFile pixels_;
   int bits_ = 8, shift_ = 0;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_mraw(const std::string& path) {
+std::unique_ptr<FrameSource> open_mraw(const std::string& path, bool lend) {
   MrawPair pair = find_pair(path);
   const ByteFile header(pair.header);
   const auto start = header.head(1);
@@ -162,7 +162,7 @@ std::unique_ptr<FrameSource> open_mraw(const std::string& path) {
                       "pixels and header must lie in one folder under one name");
     }
   }
-  return std::make_unique<MrawSource>(pair, facts);
+  return std::make_unique<MrawSource>(pair, facts, lend);
 }
 
 }  // namespace impactdic::video

@@ -27,8 +27,8 @@ Packing packing_for(int bits) {
 
 class RawSource : public FrameSource {
  public:
-  RawSource(const std::string& path, const RawLayout& layout)
-      : file_(path), packing_(packing_for(layout.bits)) {
+  RawSource(const std::string& path, const RawLayout& layout, bool lend)
+      : file_(path, lend), packing_(packing_for(layout.bits)) {
     check_frame_size(path, layout.width, layout.height, 2);
     frame_bytes_ = packed_bytes(packing_, std::int64_t{layout.width} * layout.height);
     info_.path = path;
@@ -48,7 +48,7 @@ class RawSource : public FrameSource {
     }
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -60,31 +60,44 @@ class RawSource : public FrameSource {
   ByteFile file_;
   Packing packing_;
   std::int64_t frame_bytes_ = 0;
-  VideoInfo info_;
+  ClipInfo info_;
 };
 
 }  // namespace
+
+std::string to_text(const RawLayout& layout) {
+  return std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
+         std::to_string(layout.bits);
+}
+
+void check_raw_layout(const RawLayout& layout) {
+  constexpr int kMaxSide = 1 << 20;
+  for (const int side : {layout.width, layout.height}) {
+    if (side < 1 || side > kMaxSide) {
+      throw InvalidArgument("\"" + to_text(layout) + "\" is no raw layout", "--raw",
+                            "width and height from 1 to " + std::to_string(kMaxSide));
+    }
+  }
+  packing_for(layout.bits);
+}
 
 RawLayout parse_raw_layout(const std::string& text) {
   const auto parts = split(text, 'x');
   if (parts.size() != 3) {
     throw InvalidArgument("\"" + text + "\" is no raw layout", "--raw", "WIDTHxHEIGHTxBITS");
   }
-  constexpr std::int64_t kMaxSide = 1 << 20;
-  std::int64_t numbers[3];
+  int numbers[3];
   for (int i = 0; i < 3; ++i) {
-    numbers[i] = parse_int(parts[static_cast<std::size_t>(i)], "--raw");
-    if (numbers[i] < 1 || numbers[i] > kMaxSide) {
-      throw InvalidArgument("\"" + text + "\" is no raw layout", "--raw",
-                            "width and height from 1 to " + std::to_string(kMaxSide));
-    }
+    const std::int64_t number = parse_int(parts[static_cast<std::size_t>(i)], "--raw");
+    numbers[i] = static_cast<int>(std::clamp<std::int64_t>(number, 0, 1 << 30));
   }
-  packing_for(static_cast<int>(numbers[2]));
-  return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), static_cast<int>(numbers[2])};
+  const RawLayout layout{numbers[0], numbers[1], numbers[2]};
+  check_raw_layout(layout);
+  return layout;
 }
 
-std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout) {
-  return std::make_unique<RawSource>(path, layout);
+std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout, bool lend) {
+  return std::make_unique<RawSource>(path, layout, lend);
 }
 
 }  // namespace impactdic::video

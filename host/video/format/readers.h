@@ -9,13 +9,16 @@
 
 namespace impactdic::video {
 
+// `lend`: see OpenOptions::lend_file_memory.
 // Each throws FileError (absent, unreadable) or FormatError (damaged, not supported).
-std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_codes);
+std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_codes,
+                                       bool lend = false);
 // `path` is a .cih, .cihx or .mraw; the other file lies beside it under the same name.
-std::unique_ptr<FrameSource> open_mraw(const std::string& path);
+std::unique_ptr<FrameSource> open_mraw(const std::string& path, bool lend = false);
 // Multi-page TIFF: one page, one frame.
 std::unique_ptr<FrameSource> open_tiff(const std::string& path);
-std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout);
+std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout,
+                                      bool lend = false);
 // Pictures in the given order, one frame each.
 std::unique_ptr<FrameSource> open_image_sequence(const std::vector<std::string>& paths,
                                                  const VideoOptions& options);

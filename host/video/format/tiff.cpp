@@ -23,7 +23,7 @@ class TiffSource : public FrameSource {
     fill_info(path);
   }
 
-  const VideoInfo& info() const override { return info_; }
+  const ClipInfo& info() const override { return info_; }
 
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
@@ -82,7 +82,7 @@ class TiffSource : public FrameSource {
                              " pictures, the file has one page");
   }
 
-  VideoInfo info_;
+  ClipInfo info_;
   TiffPage page_;
   std::int64_t size_ = 0;
   std::vector<std::uint64_t> offsets_;

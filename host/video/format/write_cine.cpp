@@ -22,7 +22,7 @@ void store_text(std::vector<std::uint8_t>& bytes, std::size_t at, const std::str
 
 class CineSink : public FrameSink {
  public:
-  CineSink(const std::string& path, Packing packing, const VideoInfo& info)
+  CineSink(const std::string& path, Packing packing, const ClipInfo& info)
       : info_(info), packing_(packing) {
     check_depth();
     if (info.frame_count < 1 || info.frame_count > 0x7fffffff) {
@@ -184,7 +184,7 @@ class CineSink : public FrameSink {
     return codes_;
   }
 
-  VideoInfo info_;
+  ClipInfo info_;
   Packing packing_;
   std::int64_t frame_bytes_ = 0, table_at_ = 0, written_ = 0;
   std::unique_ptr<OutputFile> file_;
@@ -196,7 +196,7 @@ class CineSink : public FrameSink {
 }  // namespace
 
 std::unique_ptr<FrameSink> open_cine_sink(const std::string& path, Packing packing,
-                                          const VideoInfo& info) {
+                                          const ClipInfo& info) {
   return std::make_unique<CineSink>(path, packing, info);
 }
 

@@ -16,7 +16,7 @@ constexpr std::size_t kXmlAt = 316;
 
 class MrawSink : public FrameSink {
  public:
-  MrawSink(const std::string& path, Packing packing, const VideoInfo& info)
+  MrawSink(const std::string& path, Packing packing, const ClipInfo& info)
       : info_(info), packing_(packing), pixels_(path) {
     if (packing == Packing::packed12 && info.bits != 12) {
       throw InvalidArgument(
@@ -94,7 +94,7 @@ class MrawSink : public FrameSink {
     return text.str();
   }
 
-  VideoInfo info_;
+  ClipInfo info_;
   Packing packing_;
   OutputFile pixels_;
   std::int64_t written_ = 0;
@@ -104,7 +104,7 @@ class MrawSink : public FrameSink {
 }  // namespace
 
 std::unique_ptr<FrameSink> open_mraw_sink(const std::string& path, Packing packing,
-                                          const VideoInfo& info) {
+                                          const ClipInfo& info) {
   return std::make_unique<MrawSink>(path, packing, info);
 }
 

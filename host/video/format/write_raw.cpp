@@ -6,7 +6,7 @@ namespace {
 
 class RawSink : public FrameSink {
  public:
-  RawSink(const std::string& path, const VideoInfo& info) : info_(info), file_(path) {}
+  RawSink(const std::string& path, const ClipInfo& info) : info_(info), file_(path) {}
 
   void write(const Frame& frame) override {
     check_frame(frame, info_);
@@ -16,14 +16,14 @@ class RawSink : public FrameSink {
   void finish() override { file_.finish(); }
 
  private:
-  VideoInfo info_;
+  ClipInfo info_;
   OutputFile file_;
   std::vector<std::uint8_t> stored_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSink> open_raw_sink(const std::string& path, const VideoInfo& info) {
+std::unique_ptr<FrameSink> open_raw_sink(const std::string& path, const ClipInfo& info) {
   return std::make_unique<RawSink>(path, info);
 }
 

@@ -20,7 +20,7 @@ int keep_error(TIFF*, void* text, const char*, const char* format, va_list argum
 
 class TiffSink : public FrameSink {
  public:
-  TiffSink(const std::string& path, const VideoInfo& info) : info_(info) {
+  TiffSink(const std::string& path, const ClipInfo& info) : info_(info) {
     constexpr std::int64_t kClassicLimit = 4000000000;
     const std::int64_t frame_bytes = std::int64_t{info.width} * info.height * 2;
     const bool big = frame_bytes * std::max<std::int64_t>(info.frame_count, 1) > kClassicLimit;
@@ -74,7 +74,7 @@ class TiffSink : public FrameSink {
   }
 
  private:
-  VideoInfo info_;
+  ClipInfo info_;
   std::string error_;
   TIFF* handle_ = nullptr;
   bool first_ = true;
@@ -82,7 +82,7 @@ class TiffSink : public FrameSink {
 
 }  // namespace
 
-std::unique_ptr<FrameSink> open_tiff_sink(const std::string& path, const VideoInfo& info) {
+std::unique_ptr<FrameSink> open_tiff_sink(const std::string& path, const ClipInfo& info) {
   return std::make_unique<TiffSink>(path, info);
 }
 

@@ -12,12 +12,12 @@
 
 namespace impactdic::video {
 
-std::unique_ptr<FrameSink> open_tiff_sink(const std::string& path, const VideoInfo& info);
-std::unique_ptr<FrameSink> open_raw_sink(const std::string& path, const VideoInfo& info);
+std::unique_ptr<FrameSink> open_tiff_sink(const std::string& path, const ClipInfo& info);
+std::unique_ptr<FrameSink> open_raw_sink(const std::string& path, const ClipInfo& info);
 std::unique_ptr<FrameSink> open_cine_sink(const std::string& path, Packing packing,
-                                          const VideoInfo& info);
+                                          const ClipInfo& info);
 std::unique_ptr<FrameSink> open_mraw_sink(const std::string& path, Packing packing,
-                                          const VideoInfo& info);
+                                          const ClipInfo& info);
 
 // A file being written: it vanishes again unless finish() is reached.
 class OutputFile {

@@ -63,7 +63,7 @@ long resident_file_kB() {
 }
 
 TEST_F(LentBytes, AreThoseOfTheFile) {
-  const video::ByteFile file(write(20000));
+  const video::ByteFile file(write(20000), true);
   for (const std::size_t offset : {0u, 4096u, 4999u, 19990u}) {
     const auto lent = file.lend(static_cast<std::int64_t>(offset), 10);
     ASSERT_TRUE(lent);
@@ -76,7 +76,7 @@ TEST_F(LentBytes, AreThoseOfTheFile) {
 TEST_F(LentBytes, OutliveTheFile) {
   std::shared_ptr<const std::uint8_t[]> lent;
   {
-    video::ByteFile file(write(5000));
+    video::ByteFile file(write(5000), true);
     const video::ByteFile moved(std::move(file));
     lent = moved.lend(4100, 100);
   }
@@ -86,18 +86,18 @@ TEST_F(LentBytes, OutliveTheFile) {
 
 TEST_F(LentBytes, AreNotThoseOfAFileThatBecameShorter) {
   const std::string path = write(100000);
-  const video::ByteFile file(path);
+  const video::ByteFile file(path, true);
   std::filesystem::resize_file(path, 50000);
   EXPECT_EQ(file.lend(60000, 1000), nullptr);
   std::vector<std::uint8_t> out(1000);
   EXPECT_THROW(file.read_at(60000, out.data(), out.size()), FormatError);
 }
 
-TEST_F(LentBytes, AnEmptyFileHasNone) { EXPECT_EQ(video::ByteFile(write(0)).lend(0, 1), nullptr); }
+TEST_F(LentBytes, AnEmptyFileHasNone) { EXPECT_EQ(video::ByteFile(write(0), true).lend(0, 1), nullptr); }
 
 TEST_F(LentBytes, DoNotStayResident) {
   constexpr std::size_t kPiece = 250000, kPieces = 400;  // 100 MB
-  const video::ByteFile file(write(kPiece * kPieces));
+  const video::ByteFile file(write(kPiece * kPieces), true);
   const long before = resident_file_kB();
   std::vector<std::shared_ptr<const std::uint8_t[]>> held(3);
   for (std::size_t i = 0; i < kPieces; ++i) {
@@ -109,7 +109,7 @@ TEST_F(LentBytes, DoNotStayResident) {
 }
 
 TEST_F(LentBytes, AreCopiedWhenAPictureChangesThem) {
-  const video::ByteFile file(write(6000));
+  const video::ByteFile file(write(6000), true);
   auto lent = file.lend(0, 6000);
   ASSERT_TRUE(lent);
   Image<std::uint8_t> image;

@@ -23,7 +23,7 @@ video::VideoOptions with_codec() {
   return options;
 }
 
-std::unique_ptr<video::FrameSource> open_clip(const std::string& path) {
+std::unique_ptr<FrameSource> open_clip(const std::string& path) {
   return video::open_video({path}, with_codec());
 }
 
@@ -100,7 +100,7 @@ TEST(AviClips, AnyOrderGivesTheSameFrames) {
 
 std::string write_clip(const ScratchFolder& folder, video::SinkFormat format, int bits, int frames,
                        double fps = 10000) {
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = 62;
   info.height = 38;
   info.bits = bits;
@@ -158,7 +158,7 @@ TEST(CodecSinks, PngFolderKeepsEveryLevel) {
 
 TEST(CodecSinks, RefuseWhatTheyCannotStore) {
   const ScratchFolder folder;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = 63;
   info.height = 38;
   info.bits = 8;

@@ -17,7 +17,7 @@ namespace {
 
 using testing::data_path;
 
-std::unique_ptr<video::FrameSource> open_data(const std::string& name, bool phantom_codes = false) {
+std::unique_ptr<FrameSource> open_data(const std::string& name, bool phantom_codes = false) {
   video::VideoOptions options;
   options.phantom_codes = phantom_codes;
   return video::open_video({data_path(name).string()}, options);
@@ -100,7 +100,7 @@ void expect_as_ffmpeg(const std::string& path) {
   video::VideoOptions options;
   options.phantom_codes = true;  // ffmpeg does not linearise
   const auto clip = video::open_video({path}, options);
-  const video::VideoInfo& info = clip->info();
+  const ClipInfo& info = clip->info();
   const auto expected = ffmpeg_pixels(path);
   const std::size_t pixels = static_cast<std::size_t>(info.width) * info.height;
   ASSERT_EQ(expected.size(), pixels * static_cast<std::size_t>(info.frame_count));
@@ -129,7 +129,7 @@ TEST(WrittenCine, IsReadByFfmpegBitForBit) {
   for (const auto& [format, bits] : {std::pair{video::SinkFormat::cine, 8},
                                      {video::SinkFormat::cine, 12},
                                      {video::SinkFormat::cine_packed10, 10}}) {
-    video::VideoInfo info;
+    ClipInfo info;
     info.width = 64;
     info.height = 48;
     info.bits = bits;
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Files, CineOracle,
 TEST(CineClips, FactsOfTheHeader) {
   IMPACTDIC_NEED_DATA("cine");
   const auto clip = open_data("cine/dice_phantom_v7_raw_16bpp.cine");
-  const video::VideoInfo& info = clip->info();
+  const ClipInfo& info = clip->info();
   EXPECT_EQ(info.format, "Phantom cine");
   EXPECT_EQ(info.storage, "16-bit little-endian");
   EXPECT_EQ(info.bits, 12);
@@ -217,7 +217,7 @@ TEST(MrawClips, BallIs12BitPacked) {
   IMPACTDIC_NEED_DATA("mraw/ball_12bit.mraw");
   for (const char* name : {"mraw/ball_12bit.cihx", "mraw/ball_12bit.mraw"}) {
     const auto clip = open_data(name);
-    const video::VideoInfo& info = clip->info();
+    const ClipInfo& info = clip->info();
     EXPECT_EQ(info.width, 384);
     EXPECT_EQ(info.height, 384);
     EXPECT_EQ(info.bits, 12);

@@ -69,7 +69,7 @@ struct Victim {
 
 // Four frames of random pixels.
 void write_clip(const std::string& path, video::SinkFormat format, int bits) {
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = 48;
   info.height = 20;
   info.bits = bits;

@@ -35,7 +35,7 @@ class RoundTrip : public ::testing::TestWithParam<Case> {};
 TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   const Case& it = GetParam();
   const ScratchFolder folder;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = it.width;
   info.height = it.height;
   info.bits = it.bits;
@@ -53,10 +53,10 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   video::VideoOptions options;
   options.phantom_codes = true;  // the 10-bit codes as they are
   if (it.format == video::SinkFormat::raw) {
-    options.raw = video::RawLayout{it.width, it.height, it.bits <= 8 ? 8 : 16};
+    options.raw = RawLayout{it.width, it.height, it.bits <= 8 ? 8 : 16};
   }
   const auto clip = video::open_video({path}, options);
-  const video::VideoInfo& read = clip->info();
+  const ClipInfo& read = clip->info();
   EXPECT_EQ(read.frame_count, 5);
   EXPECT_EQ(read.width, it.width);
   EXPECT_EQ(read.height, it.height);
@@ -141,7 +141,7 @@ TEST(Unpack, TransferCurveGrowsAndInverts) {
 
 TEST(CineSink, Linear12BitsThroughTheTransferCurveErrByHalfAStep) {
   const ScratchFolder folder;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = 64;
   info.height = 48;
   info.bits = 12;
@@ -164,7 +164,7 @@ TEST(CineSink, Linear12BitsThroughTheTransferCurveErrByHalfAStep) {
 
 TEST(FrameSink, AnUnfinishedClipLeavesNoFile) {
   const ScratchFolder folder;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = info.height = 16;
   info.frame_count = 2;
   for (const video::SinkFormat format : {video::SinkFormat::tiff, video::SinkFormat::raw,
@@ -182,7 +182,7 @@ TEST(FrameSink, AnUnfinishedClipLeavesNoFile) {
 
 TEST(FrameSink, RefusesWhatItCannotStore) {
   const ScratchFolder folder;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = info.height = 16;
   info.frame_count = 2;
   info.bits = 8;
@@ -209,7 +209,7 @@ class ManyThreads : public ::testing::TestWithParam<video::SinkFormat> {};
 TEST_P(ManyThreads, ReadTheSamePixels) {
   const ScratchFolder folder;
   constexpr int kFrames = 24, kThreads = 4;
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = 61;
   info.height = 37;
   info.bits = 12;
@@ -242,7 +242,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, ManyThreads,
                                            video::SinkFormat::mraw_packed12));
 
 std::string write_clip(const std::string& path, video::SinkFormat format, std::uint32_t seed) {
-  video::VideoInfo info;
+  ClipInfo info;
   info.width = info.height = 8;
   info.frame_count = 2;
   info.fps = 1000;

@@ -1,4 +1,4 @@
-#include "host/app/key_frames.h"
+#include "host/report/key_frames.h"
 
 #include <impactdic/error.h>
 
@@ -11,7 +11,7 @@
 #include "host/clip/roi.h"
 #include "host/report/png.h"
 
-namespace impactdic::app {
+namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
@@ -32,19 +32,16 @@ const TrackRow* nearest(const std::vector<const TrackRow*>& rows, double frame) 
   });
 }
 
-std::vector<KeyFrame> choose(const std::vector<TrackRow>& rows, const json& impact) {
+std::vector<KeyFrame> choose(const std::vector<TrackRow>& rows, const ImpactFigures& impact) {
   std::vector<const TrackRow*> with_ball;
   for (const TrackRow& row : rows) {
     if (row.circle_ok) with_ball.push_back(&row);
   }
   if (with_ball.empty()) return {};
-  const auto instant = [&](const char* key) { return impact.value(key, json()); };
-  const json start = instant("t0"), turn = instant("t_max_compression"), end = instant("t_end");
-  if (start.is_object() && turn.is_object() && end.is_object()) {
-    const auto at = [](const json& i) { return i["frame"].get<double>(); };
-    return {{"before", nearest(with_ball, std::floor(at(start))), {}},
-            {"during", nearest(with_ball, at(turn)), {}},
-            {"after", nearest(with_ball, std::ceil(at(end))), {}}};
+  if (impact.t0.known() && impact.t_max_compression.known() && impact.t_end.known()) {
+    return {{"before", nearest(with_ball, std::floor(impact.t0.frame)), {}},
+            {"during", nearest(with_ball, impact.t_max_compression.frame), {}},
+            {"after", nearest(with_ball, std::ceil(impact.t_end.frame)), {}}};
   }
   return {{"first", with_ball.front(), {}},
           {"middle", with_ball[with_ball.size() / 2], {}},
@@ -74,8 +71,8 @@ float brightest(const Image<float>& picture) {
 
 }  // namespace
 
-json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& rows,
-                      const json& impact, const std::filesystem::path& folder) {
+json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows,
+                      const ImpactFigures& impact, const std::filesystem::path& folder) {
   json list = json::array();
   std::vector<KeyFrame> frames = choose(rows, impact);
   std::erase_if(frames, [&](KeyFrame& key) {
@@ -104,7 +101,7 @@ json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& r
     char name[48];
     std::snprintf(name, sizeof name, "key_frames/frame_%06lld.png",
                   static_cast<long long>(frames[i].row->frame));
-    report::write_png_grey(folder / name, box.width, box.height, grey);
+    write_png_grey(folder / name, box.width, box.height, grey);
     list.push_back({{"moment", frames[i].moment},
                     {"frame", frames[i].row->frame},
                     {"picture", name},
@@ -114,4 +111,4 @@ json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& r
   return list;
 }
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

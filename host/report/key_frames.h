@@ -2,22 +2,22 @@
 // without the clip.
 #pragma once
 
+#include <impactdic/clip.h>
+#include <impactdic/track.h>
+
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "host/clip/track_row.h"
-#include "host/video/frame_source.h"
-
-namespace impactdic::app {
+namespace impactdic::report {
 
 // Writes key_frames/frame_NNNNNN.png into `folder`: the last frame before the contact, the one
-// nearest to the maximum compression and the first one after the contact; without an impact
-// (`impact` as in summary.json) the first, middle and last frame with a ball. All are cut to one
+// nearest to the maximum compression and the first one after the contact; without an impact the
+// first, middle and last frame with a ball. All are cut to one
 // box around the ball, and stretched to 8 bits by one factor. Returns their list for summary.json:
 // moment, frame, picture (path in `folder`), x_px, y_px (of the picture's first pixel). A frame
 // that cannot be read is left out. Throws FileError where a picture cannot be written.
-nlohmann::json write_key_frames(video::FrameSource& source, const std::vector<TrackRow>& rows,
-                                const nlohmann::json& impact, const std::filesystem::path& folder);
+nlohmann::json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows,
+                                const ImpactFigures& impact, const std::filesystem::path& folder);
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

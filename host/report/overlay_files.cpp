@@ -1,21 +1,18 @@
-#include "host/app/overlay_output.h"
+#include "host/report/overlay_files.h"
 
 #include <impactdic/error.h>
 
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "host/report/png.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
 #endif
 
-namespace impactdic::app {
+namespace impactdic::report {
 namespace {
-
-using nlohmann::json;
 
 constexpr double kUsualRate = 25, kHighestRate = 60;  // frames/s of the video
 
@@ -38,7 +35,7 @@ Playback playback(const OverlayOptions& options, double fps) {
 class Video {
  public:
   Video(std::filesystem::path path, double rate) : path_(std::move(path)), rate_(rate) {}
-  void add(const report::ColourPicture& picture) {
+  void add(const ColourPicture& picture) {
     if (!writer_) {
       writer_ =
           std::make_unique<video::Mp4Writer>(path_.string(), picture.width, picture.height, rate_);
@@ -70,19 +67,18 @@ std::string print(const char* format, Numbers... numbers) {
   return text;
 }
 
-const char* phase_of(const TrackRow& row, const json& impact) {
-  const auto passed = [&](const char* key) {
-    return static_cast<double>(row.frame) >= impact[key]["frame"].get<double>();
+const char* phase_of(const TrackRow& row, const ImpactFigures& impact) {
+  if (!impact.t0.known() || !impact.t_max_compression.known() || !impact.t_end.known()) return "";
+  const auto passed = [&](const ImpactInstant& instant) {
+    return static_cast<double>(row.frame) >= instant.frame;
   };
-  for (const char* key : {"t0", "t_max_compression", "t_end"}) {
-    if (!impact.contains(key) || impact[key].is_null()) return "";
-  }
-  if (passed("t_end")) return "after the contact";
-  if (passed("t_max_compression")) return "restitution";
-  return passed("t0") ? "compression" : "before the contact";
+  if (passed(impact.t_end)) return "after the contact";
+  if (passed(impact.t_max_compression)) return "restitution";
+  return passed(impact.t0) ? "compression" : "before the contact";
 }
 
-std::vector<std::string> label(const TrackRow& row, const SiScale& scale, const json& impact) {
+std::vector<std::string> label(const TrackRow& row, const SiScale& scale,
+                               const ImpactFigures& impact) {
   std::vector<std::string> lines(2);
   if (scale.fps > 0) lines[0] = print("%.2f ms  ", 1e3 * row.time_s);
   lines[0] += phase_of(row, impact);
@@ -97,8 +93,8 @@ std::vector<std::string> label(const TrackRow& row, const SiScale& scale, const 
 
 }  // namespace
 
-OverlayOutput::OverlayOutput(std::filesystem::path folder, const OverlayOptions& options,
-                             const Roi& roi, std::span<const TrackRow> earlier)
+OverlayFiles::OverlayFiles(std::filesystem::path folder, const OverlayOptions& options,
+                           const Roi& roi, std::span<const TrackRow> earlier)
     : folder_(std::move(folder)),
       options_(options),
       painter_(options.arrow_scale, roi.x, roi.y, earlier) {
@@ -107,36 +103,35 @@ OverlayOutput::OverlayOutput(std::filesystem::path folder, const OverlayOptions&
   if (error) throw FileError("cannot make the folder", (folder_ / "overlay").string());
 }
 
-std::filesystem::path OverlayOutput::picture_of(const TrackRow& row) const {
+std::filesystem::path OverlayFiles::picture_of(const TrackRow& row) const {
   return folder_ / "overlay" / print("frame_%06lld.png", static_cast<long long>(row.frame));
 }
 
-void OverlayOutput::add(const pipeline::TrackedFrame& frame, int window_px) {
+void OverlayFiles::add(const pipeline::TrackedFrame& frame, int window_px) {
   std::span<const Window> windows;
   std::span<const WindowMotion> field;
   if (frame.pair != nullptr) {
     windows = frame.pair->windows;
     field = frame.pair->field;
   }
-  const report::ColourPicture picture =
-      painter_.paint(frame.frame, frame.row, windows, field, window_px);
-  report::write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
+  const ColourPicture picture = painter_.paint(frame.frame, frame.row, windows, field, window_px);
+  write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
 }
 
-void OverlayOutput::finish(const std::vector<TrackRow>& rows, const SiScale& scale,
-                           const json& impact) const {
+void OverlayFiles::finish(const std::vector<TrackRow>& rows, const SiScale& scale,
+                          const ImpactFigures& impact) const {
   const Playback play = playback(options_, scale.fps);
   Video video(folder_ / "overlay.mp4", play.rate);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::filesystem::path path = picture_of(rows[i]);
     if (!std::filesystem::exists(path)) continue;  // of a run without overlay that was resumed
-    report::ColourPicture picture;
-    picture.bgr = report::read_png_bgr(path, picture.width, picture.height);
-    report::write_label(picture, label(rows[i], scale, impact));
-    report::write_png_bgr(path, picture.width, picture.height, picture.bgr);
+    ColourPicture picture;
+    picture.bgr = read_png_bgr(path, picture.width, picture.height);
+    write_label(picture, label(rows[i], scale, impact));
+    write_png_bgr(path, picture.width, picture.height, picture.bgr);
     if (i % play.step == 0) video.add(picture);
   }
   video.finish();
 }
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

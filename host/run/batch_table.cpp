@@ -1,4 +1,4 @@
-#include "host/app/batch_table.h"
+#include "host/run/batch_table.h"
 
 #include <impactdic/error.h>
 
@@ -8,9 +8,10 @@
 #include <set>
 
 #include "host/base/csv_table.h"
+#include "host/base/parse.h"
 #include "host/video/natural_order.h"
 
-namespace impactdic::app {
+namespace impactdic::run {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,10 +94,11 @@ void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
       throw InvalidArgument("the clip '" + files[row] + "' stands twice", table.where(row));
     }
     shot->listed = true;
-    shot->surface_angle_deg = cell("surface_angle_deg", row);
+    const std::string angle = cell("surface_angle_deg", row);
+    if (!angle.empty()) shot->surface_angle_deg = parse_double(angle, table.where(row));
     shot->drop_height_mm = cell("drop_height_mm", row);
     shot->notes = cell("notes", row);
   }
 }
 
-}  // namespace impactdic::app
+}  // namespace impactdic::run

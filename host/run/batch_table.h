@@ -2,15 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-namespace impactdic::app {
+namespace impactdic::run {
 
 struct BatchShot {
   std::filesystem::path clip;
-  std::string name;               // of the folder of its results
-  std::string surface_angle_deg;  // as the table has it; empty: as the job says
+  std::string name;                         // of the folder of its results
+  std::optional<double> surface_angle_deg;  // as the table has it; else as the job says
   std::string drop_height_mm, notes;
   bool listed = false;  // stands in the table
 };
@@ -25,4 +26,4 @@ std::vector<BatchShot> shots_in_folder(const std::filesystem::path& folder);
 // unknown column, or a value that is no number.
 void read_shot_table(const std::filesystem::path& table, std::vector<BatchShot>& shots);
 
-}  // namespace impactdic::app
+}  // namespace impactdic::run

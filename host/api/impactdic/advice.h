@@ -1,0 +1,69 @@
+// A quick look at a clip before a long run: what its texture lets be measured, and what a person
+// will want to know of it before it is.
+#pragma once
+
+#include <impactdic/circle.h>
+#include <impactdic/clip.h>
+#include <impactdic/field.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace impactdic {
+
+// The Cramér–Rao bound of a whole ball's motion between two pictures: one standard deviation.
+struct BallBound {
+  double dx_sd_px = 0, dy_sd_px = 0, rot_sd_rad = 0;
+};
+
+// Windows of one size, over the surface that was looked at.
+struct SizeAdvice {
+  int window_px = 0;
+  int windows = 0, usable = 0;
+  double error_px = 0;  // median over the usable ones, per axis; NaN where there is none
+  double contrast = 0;  // median over all, rms, grey levels of 255
+  double usable_share() const { return windows > 0 ? static_cast<double>(usable) / windows : 0; }
+};
+
+struct TextureAdvice {
+  double noise = 0;               // standard deviation, grey levels of 255
+  SizeAdvice asked;               // the window size asked for
+  std::vector<SizeAdvice> sizes;  // others, ascending
+  std::optional<BallBound> ball;  // of the ball as a whole
+};
+
+struct ClipAdvice {
+  int frames = 0, frames_with_ball = 0;  // of those looked at
+  std::optional<Circle> ball;            // in whole-picture pixels, in the frame judged
+  std::optional<TextureAdvice> texture;  // nullopt where there was no ball to judge
+  std::optional<double> edge_px;         // how sharp the ball's edge is, 10 to 90 %
+  std::optional<double> turn_deg;        // largest seen, per frame
+  std::vector<std::string> warnings;     // one useful sentence each
+};
+
+// The smallest window by which at least nine in ten are usable and err by at most `error_px`; 0
+// where none does.
+int window_reaching(const TextureAdvice& advice, double error_px);
+
+struct InspectRequest {
+  ClipRequest clip;
+  FieldOptions field;     // window size and thresholds that the texture is judged by
+  void validate() const;  // throws InvalidArgument
+};
+
+// What the command `info` says of a clip.
+struct Inspection {
+  ClipInfo clip;
+  std::optional<double> last_frame_time_s;  // by the camera's own clock, since frame 0
+  // The ball's texture; that of the whole picture where there is no ball.
+  ClipAdvice advice;
+  // Of the file's header (its doubtful frame rate not where the request gives one), then of the
+  // look.
+  std::vector<std::string> warnings;
+};
+
+// Needs no device. Throws InvalidArgument, FileError, FormatError.
+Inspection inspect(const InspectRequest& request);
+
+}  // namespace impactdic

@@ -1,0 +1,51 @@
+// `track` for every clip of a folder, and one table.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace impactdic {
+
+struct BatchRequest {
+  std::string folder;     // of clips, or of folders of pictures
+  std::string table;      // CSV: file, surface_angle_deg, drop_height_mm, notes; "": none
+  TrackRequest track;     // of every shot; its clip's paths and source are those of the shot
+  TrackFolder output;     // the batch's own folder, and how shots are written; `resume` keeps the
+                          // shots that an earlier run measured
+  int clips = 0;          // measured at a time, 0 … 64; 0: as many as threads, up to 4
+  void validate() const;  // throws InvalidArgument
+};
+
+// One shot of a batch.
+struct ShotResult {
+  std::string file, name;  // of the clip, and of the folder of its results
+  bool listed = false;     // stands in the table
+  bool done = false;
+  bool measured_now = false;          // false: taken over from an earlier run
+  std::string reason;                 // why it failed, one line
+  std::string drop_height_mm, notes;  // as the table has them
+  double surface_angle_deg = kNotMeasured;
+  std::int64_t frames = 0, frames_ok = 0;
+  double metre_per_px = kNotMeasured;
+  ImpactFigures impact;
+};
+
+struct BatchResult {
+  std::vector<ShotResult> shots;  // in natural order of their files
+  std::size_t failed = 0;
+  std::string table;  // path of shots.csv
+  std::vector<std::string> warnings;
+  bool cancelled = false;  // shots without `done` and `reason` were not tried
+};
+
+// Writes shots/NAME/ with what track_to_folder writes of each clip, quarantine/NAME/reason.txt of
+// those that failed, and shots.csv with a row for each. A shot is measured in a folder ending in
+// .part that gets its name when it is complete: a run that was killed leaves no half result.
+// Throws InvalidArgument before anything is measured; OpenClError where the device fails; FileError
+// where the disk does; Error where none of the shots could be measured.
+BatchResult batch(const BatchRequest& request, Session& session, const RunControl& control = {});
+
+}  // namespace impactdic

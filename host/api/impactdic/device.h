@@ -1,0 +1,70 @@
+// OpenCL devices, and a session that holds what several runs share.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace impactdic {
+
+struct DeviceInfo {
+  int index = 0;  // as `SessionOptions::device` takes it
+  std::string platform, name, vendor, driver, version, c_version;
+  bool is_gpu = false;
+  bool multiplies_bytes = false;  // an NVIDIA device with units for matrices of bytes (PTX's mma)
+  std::size_t global_memory_bytes = 0, local_memory_bytes = 0, max_allocation_bytes = 0;
+  std::size_t max_work_group = 0;
+  unsigned compute_units = 0;
+};
+
+// Every device of every platform, platform by platform. Empty where no driver is installed.
+std::vector<DeviceInfo> list_devices();
+
+// The index that `device` stands for (see SessionOptions). Throws OpenClError where there is no
+// device at all or none of that kind, InvalidArgument for an index or name that no device has.
+int choose_device(const std::string& device);
+
+struct SessionOptions {
+  // auto (the GPU with the most compute units, else the CPU), cpu, gpu, an index, a part of the
+  // device's or platform's name (case does not matter), or all (every GPU, else every CPU).
+  std::string device = "auto";
+  // Host threads; 0 takes all cores. A limit holds for all of the process's work with oneTBB while
+  // the session lives (tbb::global_control): of several sessions the lowest one counts.
+  int threads = 0;
+  bool profile = false;   // keep the times of stages and kernels; see Session::profile
+  void validate() const;  // throws InvalidArgument
+};
+
+// Devices, compiled programs and the thread limit. Several runs may share a session, one after the
+// other or at once from several threads. A run without a field needs no device: they are opened
+// when the first run needs them, or by `open`.
+class Session {
+ public:
+  // Throws InvalidArgument for options that are wrong whatever the machine is.
+  explicit Session(SessionOptions options = {});
+  ~Session();
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  const SessionOptions& options() const;
+  // Opens the devices unless they are open. Throws OpenClError; InvalidArgument as choose_device.
+  void open();
+  // Those that are open: none before the first run that needs one.
+  std::vector<DeviceInfo> devices() const;
+  // With SessionOptions::profile, a table for a terminal: device time of every kernel so far.
+  std::string profile();
+
+  // What it holds, for the library's own runs.
+  struct Impl;
+  Impl& impl() { return *impl_; }
+  const Impl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace impactdic

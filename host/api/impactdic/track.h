@@ -1,0 +1,179 @@
+// The main job: a ball's centre, motion and field in every frame of a clip, and its impact.
+//
+// Image axes: x right, y down, pixel centres at integers, (0, 0) the centre of the top-left pixel.
+// Rotation is positive counter-clockwise as seen on the screen. A motion in row k leads from frame
+// k to the next analysed frame.
+#pragma once
+
+#include <impactdic/advice.h>
+#include <impactdic/clip.h>
+#include <impactdic/control.h>
+#include <impactdic/device.h>
+#include <impactdic/field.h>
+#include <impactdic/impact.h>
+#include <impactdic/units.h>
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace impactdic {
+
+// How the ball's motion is measured.
+enum class Estimator {
+  field,  // interrogation windows on the ball, robust rigid fit to their displacements
+  ring,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
+  ball,   // one registration of the whole ball; affine while it is compressed; poses without drift
+};
+const char* to_string(Estimator estimator);
+Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
+
+enum class TrackStatus {
+  ok,
+  no_ball,          // no circle was found in this frame, or in the next one
+  no_texture,       // too few windows have contrast enough to be correlated
+  low_correlation,  // too few windows were found again in the next frame
+  out_of_view,      // the ball has left the picture
+  last_frame,       // the circle is measured; there is no next frame to move to
+};
+const char* to_string(TrackStatus status);
+// Throws InvalidArgument for a word that is no status.
+TrackStatus parse_track_status(const std::string& word);
+
+// Where a ball is and how far it has turned since frame `origin`, by registration against frame
+// `keyframe` (frames of the stored file in a TrackRow): the place of the material point that was
+// the circle's centre in frame `origin`, and the angle, not wrapped, counter-clockwise on screen.
+// Standard deviations are of the pose against that of frame `origin`.
+struct BodyPose {
+  bool ok = false;
+  double x_px = kNotMeasured, y_px = kNotMeasured, angle_rad = kNotMeasured;
+  double x_sd_px = kNotMeasured, y_sd_px = kNotMeasured, angle_sd_rad = kNotMeasured;
+  std::int64_t origin = -1, keyframe = -1;
+};
+
+// One frame. Pixels in image axes (x right, y down); the motion is from this frame to the next
+// analysed one. Fields that were not measured are NaN (see `circle_ok` and `motion_ok`). Units are
+// those of track.csv: a row that is read back is the same to the last bit.
+struct TrackRow {
+  std::int64_t frame = 0;  // in the stored file
+  double time_s = 0;       // since the first analysed frame
+  TrackStatus status = TrackStatus::no_ball;
+  bool circle_ok = false, motion_ok = false;
+  double cx_px = kNotMeasured, cy_px = kNotMeasured, r_px = kNotMeasured;
+  double cx_sd_px = kNotMeasured, cy_sd_px = kNotMeasured, r_sd_px = kNotMeasured;
+  double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
+  double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;
+  // The displacement field interpolated at the centroid, the dissertation's velocity of the centre.
+  double centre_u_px = kNotMeasured, centre_v_px = kNotMeasured;
+  double centre_u_sd_px = kNotMeasured, centre_v_sd_px = kNotMeasured;
+  int windows = 0;  // interrogation windows that carried the motion
+  BodyPose pose;    // where keyframes are kept
+};
+
+// From pixels and frames to metres and seconds. World axes: x right, y up, origin at the centre
+// of the bottom-left pixel. Local axes: t along the surface, n out of it.
+struct SiScale {
+  double metre_per_px = 0;
+  double fps = 0;                // analysed frames a second
+  double surface_angle_rad = 0;  // of the surface, counter-clockwise from image-right
+  int image_height = 0;
+};
+
+struct SiRow {
+  double x_m, y_m, vx_m_s, vy_m_s, vt_m_s, vn_m_s, omega_rad_s;
+  double vx_sd_m_s, vy_sd_m_s, omega_sd_rad_s;
+};
+
+// Every figure NaN that has no source; lengths all NaN where `scale.metre_per_px` is 0, rates all
+// NaN where `scale.fps` is 0.
+SiRow to_si(const TrackRow& row, const SiScale& scale);
+
+// Bounds of a radius, px.
+struct RadiusRange {
+  double low_px = 0, high_px = 0;
+};
+
+// Everything that decides a number of the result.
+struct TrackRequest {
+  ClipRequest clip;
+  FrameRange frames = {0, kToTheEnd, 1};  // of the stored file; the part that it has
+  std::optional<Roi> roi;                 // the rectangle that is looked at; all of the picture
+  std::optional<RadiusRange> radius_px;   // of the ball; from the picture's size
+  Estimator estimator = Estimator::ball;
+  FieldOptions field;
+  int spacing_px = 0;      // of the windows' centres; 0: half a window, rounded up
+  bool with_field = true;  // false: circles alone, no device needed
+  // Scale: one of both, or neither for results in px alone. With the diameter the scale is that
+  // over twice the median radius of all rows.
+  double ball_diameter_mm = 0, mm_per_px = 0;
+  // Both counter-clockwise from image-right: the surface's inclination, and where gravity points.
+  double surface_angle_deg = 0, gravity_angle_deg = -90;
+  double inertia_factor = 0;  // I / (m R^2): 2/3 hollow, 2/5 solid, 0.01 … 1; 0: not known
+  // Throws InvalidArgument naming the setting, by its name on the command line.
+  void validate() const;
+};
+
+struct TrackResult {
+  ClipInfo clip;
+  FrameRange frames;           // analysed
+  Roi roi;                     // looked at
+  std::vector<TrackRow> rows;  // one a frame measured, in order
+  SiScale scale;               // for to_si
+  double grid_radius_px = 0;   // of the ball that the windows' grid was made for; 0: no grid
+  std::size_t windows = 0;     // of that grid
+  ImpactAnalysis impact;       // in px and frames
+  ImpactFigures impact_si;     // the same in SI
+  ClipAdvice advice;
+  std::vector<std::string> warnings;  // one line each
+  std::int64_t frames_ok = 0;         // rows with a circle and, but for the last, its motion
+  double seconds = 0;                 // that the measuring took
+  double frames_per_s = 0;
+  bool cancelled = false;  // `rows` end where the run was stopped
+};
+
+// One frame as it comes. Everything is valid during the call only.
+struct TrackedFrame {
+  const TrackRow& row;
+  const Frame& picture;    // cut to the result's `roi`
+  const FieldView& field;  // towards the next frame; empty where there is none
+};
+// Called once a frame, in order, from one thread at a time.
+using TrackSink = std::function<void(const TrackedFrame&)>;
+
+// Opens the clip, looks at its texture and noise, measures, scales, analyses the impact and
+// collects warnings: all that decides a number, the same bits for every caller. Throws
+// InvalidArgument before anything is measured; FileError, FormatError, OpenClError, BuildError also
+// later.
+TrackResult track(const TrackRequest& request, Session& session, const RunControl& control = {},
+                  const TrackSink& sink = {});
+
+// The same into `result`, which holds what was measured also where this throws.
+void track(const TrackRequest& request, Session& session, const RunControl& control,
+           const TrackSink& sink, TrackResult& result);
+
+struct OverlayOptions {
+  bool wanted = false;
+  double slow_motion = 0;  // how many times slower than life the video plays; 0: 25 frames/s
+  double arrow_scale = 5;  // of displacements
+};
+
+// What `track_to_folder` writes, and how.
+struct TrackFolder {
+  std::string folder;
+  bool force = false;    // also into a folder that holds files
+  bool resume = false;   // go on where an earlier run into the folder ended
+  bool checksum = true;  // the clip's SHA-256, which reads all of it once more
+  int compression = 0;   // deflate fields.h5 at this level, 1 … 9; 0: not at all
+  OverlayOptions overlay;
+  void validate() const;  // throws InvalidArgument
+};
+
+// `track` with files: track.csv, pose.csv, fields.h5, summary.json, job.toml, key_frames/ and,
+// where wanted, overlay/ and overlay.mp4 (docs/file-formats.md). What was measured before an error,
+// or before the run was cancelled, is on the disk. Throws also FileError where the disk refuses.
+TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& folder,
+                            Session& session, const RunControl& control = {});
+
+}  // namespace impactdic

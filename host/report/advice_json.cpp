@@ -1,0 +1,42 @@
+#include "host/report/advice_json.h"
+
+#include <impactdic/units.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace impactdic::report {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+json describe(const SizeAdvice& size) {
+  return {{"window_px", size.window_px},
+          {"windows", size.windows},
+          {"usable", size.usable},
+          {"expected_error_px", number(size.error_px)},
+          {"contrast", number(size.contrast)}};
+}
+
+}  // namespace
+
+json describe_advice(const ClipAdvice& advice) {
+  json out = {{"frames_looked_at", advice.frames}, {"frames_with_ball", advice.frames_with_ball}};
+  out["edge_width_px"] = number(advice.edge_px.value_or(kNotMeasured));
+  out["turn_deg_per_frame"] = number(advice.turn_deg.value_or(kNotMeasured));
+  if (!advice.texture) return out;
+  const TextureAdvice& texture = *advice.texture;
+  out["noise"] = texture.noise;
+  out["windows"] = describe(texture.asked);
+  for (const SizeAdvice& size : texture.sizes) out["window_sizes"].push_back(describe(size));
+  if (texture.ball) {
+    out["ball"] = {{"dx_sd_px", number(texture.ball->dx_sd_px)},
+                   {"dy_sd_px", number(texture.ball->dy_sd_px)},
+                   {"rot_sd_deg", number(texture.ball->rot_sd_rad * kDegPerRad)}};
+  }
+  return out;
+}
+
+}  // namespace impactdic::report

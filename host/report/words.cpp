@@ -1,0 +1,61 @@
+// Results in a line for people.
+#include "host/report/words.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace impactdic::report {
+namespace {
+
+template <typename... Values>
+std::string say(const char* format, Values... values) {
+  char text[240];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+}  // namespace
+
+std::string in_words(const SizeAdvice& size) {
+  std::string text = say("%d windows of %d px, %.0f %% usable", size.windows, size.window_px,
+                         100 * size.usable_share());
+  if (size.usable > 0) text += say(", %.4f px expected of each", size.error_px);
+  return text;
+}
+
+const char* explain(ImpactStatus status) {
+  constexpr std::array kTexts = {
+      "impact found", "no impact in these frames",
+      "the ball turns on the other side of the surface: add 180 to --surface-angle-deg",
+      "an impact, but fewer than 6 frames of free flight before or after it",
+      "an impact whose contact is too short or too noisy for its start and end to be measured"};
+  return kTexts[static_cast<std::size_t>(status)];
+}
+
+const char* explain(ClosureVerdict verdict) {
+  constexpr std::array kTexts = {
+      "the spin does not change enough to tell, or was not measured",
+      "the tangential impulse accounts for the change of spin",
+      "spin and tangential velocity change the wrong way round: is an axis or the surface's angle "
+      "flipped?",
+      "off by less than a quarter: the force may act nearer to or farther from the centre than the "
+      "radius, as for a flattened ball",
+      "off by more than a quarter: is the radius, the rotation or the inertia factor right?"};
+  return kTexts[static_cast<std::size_t>(verdict)];
+}
+
+std::string in_words(const ImpactFigures& impact) {
+  std::string line = explain(impact.status);
+  if (!impact.found()) return line;
+  const auto add = [&](double value, double sd, const char* format) {
+    if (std::isfinite(value)) line += say(format, value, sd);
+  };
+  add(impact.t0.frame, impact.t0.sd_frames, "; contact from frame %.2f +- %.2f");
+  add(impact.t_end.frame, impact.t_end.sd_frames, " to %.2f +- %.2f");
+  add(impact.restitution.value, impact.restitution.sd, "; restitution %.4f +- %.4f");
+  add(impact.friction.value, impact.friction.sd, "; friction %.4f +- %.4f");
+  return line;
+}
+
+}  // namespace impactdic::report

@@ -1,0 +1,41 @@
+// What the runs that write a folder share.
+#pragma once
+
+#include <impactdic/clip.h>
+#include <impactdic/device.h>
+
+#include <filesystem>
+#include <future>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "host/report/fields_file.h"
+#include "host/video/clip_digest.h"
+
+namespace impactdic::run {
+
+// Makes DIR ready for results: creates it; refuses one that holds files unless `force`. Throws
+// InvalidArgument or FileError.
+std::filesystem::path prepare_folder(const std::string& folder, bool force);
+
+// Version, device, driver, source (its digest comes later) and axes, for fields.h5.
+report::Attributes attributes_of(const Session& session, const ClipInfo& info);
+
+// The device for summary.json; null where none is open.
+nlohmann::json describe_device(const Session& session);
+
+// The digest of a clip's files, made beside a run: that of a long clip takes longer than a fast
+// device. A clip from memory has none.
+class DigestBeside {
+ public:
+  DigestBeside(const ClipRequest& request, const ClipInfo& info, bool wanted);
+  bool wanted() const { return wanted_; }
+  // Waits for it; empty where it is not wanted. Throws FileError. Once.
+  video::ClipDigest get();
+
+ private:
+  bool wanted_;
+  std::future<video::ClipDigest> digest_;
+};
+
+}  // namespace impactdic::run

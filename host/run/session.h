@@ -1,0 +1,27 @@
+// What a session holds; see api/impactdic/device.h.
+#pragma once
+
+#include <impactdic/device.h>
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "host/opencl/engine.h"
+
+namespace impactdic {
+
+struct Session::Impl {
+  SessionOptions options;
+  std::optional<tbb::global_control> thread_limit;
+  mutable std::mutex mutex;  // of what follows
+  std::vector<std::unique_ptr<opencl::Engine>> engines;
+
+  // Opens them where that is still to be done. A run that enqueues work itself does so on an engine
+  // beside one of these.
+  std::vector<opencl::Engine*> open_engines();
+};
+
+}  // namespace impactdic

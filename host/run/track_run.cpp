@@ -1,0 +1,200 @@
+#include "host/run/track_run.h"
+
+#include <impactdic/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/advice/clip_advice.h"
+#include "host/base/parse.h"
+#include "host/base/stopwatch.h"
+#include "host/clip/frame_range.h"
+#include "host/clip/roi.h"
+#include "host/report/words.h"
+#include "host/run/impact_figures.h"
+#include "host/run/open_clip.h"
+#include "host/run/session.h"
+
+namespace impactdic {
+namespace {
+
+void check(bool good, const std::string& must, double value, const char* setting) {
+  if (!good || !std::isfinite(value)) {
+    throw InvalidArgument("must be " + must + ", not " + shortest(value), setting);
+  }
+}
+
+std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
+  return std::count_if(rows.begin(), rows.end(), [](const TrackRow& row) {
+    return row.status == TrackStatus::ok || row.status == TrackStatus::last_frame;
+  });
+}
+
+}  // namespace
+
+void TrackRequest::validate() const {
+  clip.validate();
+  field.validate();
+  if (static_cast<unsigned>(estimator) > static_cast<unsigned>(Estimator::ball)) {
+    throw InvalidArgument("this is no estimator", "--estimator", "there are field, ring and ball");
+  }
+  run::check_spacing(spacing_px);
+  if (radius_px && !(radius_px->low_px > 0 && radius_px->high_px > radius_px->low_px &&
+                     std::isfinite(radius_px->high_px))) {
+    throw InvalidArgument("'" + shortest(radius_px->low_px) + ":" + shortest(radius_px->high_px) +
+                              "' is not LO:HI with 0 < LO < HI",
+                          "--radius-px");
+  }
+  run::check_frames(frames);
+  if (roi) run::check_rectangle(*roi);
+  check(ball_diameter_mm >= 0, "positive", ball_diameter_mm, "--ball-diameter-mm");
+  check(mm_per_px >= 0, "positive", mm_per_px, "--mm-per-px");
+  check(true, "a finite number", surface_angle_deg, "--surface-angle-deg");
+  check(true, "a finite number", gravity_angle_deg, "--gravity-angle-deg");
+  check(inertia_factor == 0 || (inertia_factor >= 0.01 && inertia_factor <= 1),
+        "between 0.01 and 1", inertia_factor, "--inertia-factor");
+  if (ball_diameter_mm > 0 && mm_per_px > 0) {
+    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
+  }
+}
+
+namespace run {
+
+TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller,
+                   TrackResult& result, const std::string& needs_rate)
+    : request_(request), session_(session), caller_(caller), result_(result) {
+  request.validate();
+  if (request.with_field) session.open();
+  source_ = open_requested(request.clip);
+  result_ = {};
+  result_.clip = info();
+  options_.estimator.estimator = request.estimator;
+  options_.estimator.field = request.field;
+  options_.estimator.field.noise = 0;
+  options_.estimator.spacing_px = request.spacing_px;
+  if (request.radius_px) {
+    options_.ball.circle.radius_range_px = {request.radius_px->low_px, request.radius_px->high_px};
+  }
+  options_.frames = result_.frames = resolve(request.frames, info().frame_count);
+  options_.roi = request.roi.value_or(Roi{0, 0, info().width, info().height});
+  check_roi(options_.roi, info().width, info().height);
+  result_.roi = options_.roi;
+  options_.with_field = request.with_field;
+  const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0;
+  options_.fps = resolve_fps(request.clip, info(), si ? "a velocity in m/s" : needs_rate);
+  options_.cancelled = [this] { return caller_.cancelled(); };
+  // As far as it is known before the ball is.
+  result_.scale.metre_per_px = request.mm_per_px * 1e-3;
+  result_.scale.fps = options_.fps / static_cast<double>(options_.frames.step);
+  result_.scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
+  result_.scale.image_height = info().height;
+}
+
+void TrackRun::look() {
+  advice::AdviceRequest request;
+  request.frames = options_.frames;
+  request.roi = options_.roi;
+  request.circle = options_.ball.circle;
+  request.estimator = options_.estimator.estimator;
+  request.field = options_.estimator.field;
+  request.with_field = options_.with_field;
+  request.rim_margin_px = options_.estimator.rim_margin_px;
+  result_.advice = advice::advise_clip(*source_, request);
+  if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
+  result_.warnings = all_warnings(request_.clip, info(), result_.advice);
+  if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0) {
+    result_.warnings.push_back(
+        "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
+        "metres");
+  }
+  if (result_.advice.texture) {
+    caller_.say(MessageKind::note, "texture: " + report::in_words(result_.advice.texture->asked));
+  }
+  for (const std::string& warning : result_.warnings) caller_.say(MessageKind::warning, warning);
+}
+
+void TrackRun::measure(const Outputs& outputs) {
+  std::vector<opencl::Engine*> engines;
+  if (options_.with_field) engines = session_.impl().open_engines();
+  StageTimes times;
+  if (session_.options().profile) options_.times = &times;
+  options_.from = outputs.from;
+  options_.checkpoint = outputs.checkpoint;
+  if (outputs.from && outputs.from->grid_radius_px) {
+    result_.grid_radius_px = *outputs.from->grid_radius_px;
+  }
+  const std::size_t before = result_.rows.size();
+  const Stopwatch watch;
+  const auto note_speed = [&] {
+    result_.seconds = watch.seconds();
+    result_.frames_per_s = static_cast<double>(result_.rows.size() - before) / result_.seconds;
+    result_.cancelled = caller_.cancelled() &&
+                        static_cast<std::int64_t>(result_.rows.size()) < options_.frames.count();
+  };
+  try {
+    pipeline::track_clip(
+        *source_, engines, options_,
+        [&](std::span<const Window> grid, double radius_px) {
+          result_.windows = grid.size();
+          result_.grid_radius_px = radius_px;
+          if (outputs.grid) outputs.grid(grid, radius_px);
+        },
+        [&](const pipeline::TrackedFrame& frame) {
+          result_.rows.push_back(frame.row);
+          if (outputs.frame) outputs.frame(frame);
+        },
+        [&](std::int64_t done, std::int64_t total) { caller_.progress("track", done, total); });
+  } catch (...) {
+    note_speed();
+    throw;
+  }
+  note_speed();
+  const auto measured = static_cast<std::int64_t>(result_.rows.size() - before);
+  if (options_.times != nullptr && !times.rows().empty()) {
+    caller_.say(MessageKind::timing, times.table(result_.seconds, measured));
+  }
+}
+
+void TrackRun::conclude() {
+  const auto radius_px = median_radius_px(result_.rows);
+  if (request_.ball_diameter_mm > 0 && radius_px) {
+    result_.scale.metre_per_px = request_.ball_diameter_mm * 1e-3 / (2 * *radius_px);
+  }
+  result_.frames_ok = frames_ok(result_.rows);
+  analyse_impact(request_, result_.rows, result_.scale, result_.impact, result_.impact_si);
+}
+
+}  // namespace run
+
+void track(const TrackRequest& request, Session& session, const RunControl& control,
+           const TrackSink& sink, TrackResult& result) {
+  run::Caller caller(control);
+  run::TrackRun run(request, session, caller, result);
+  run.look();
+  run::TrackRun::Outputs outputs;
+  if (sink) {
+    outputs.frame = [&](const pipeline::TrackedFrame& frame) {
+      FieldView field;
+      if (frame.pair != nullptr) {
+        field = FieldView(frame.pair->windows, frame.pair->field, request.field.window_px);
+      }
+      sink({frame.row, frame.frame, field});
+    };
+  }
+  try {
+    run.measure(outputs);
+  } catch (...) {
+    run.conclude();
+    throw;
+  }
+  run.conclude();
+}
+
+TrackResult track(const TrackRequest& request, Session& session, const RunControl& control,
+                  const TrackSink& sink) {
+  TrackResult result;
+  track(request, session, control, sink, result);
+  return result;
+}
+
+}  // namespace impactdic

@@ -1,0 +1,50 @@
+// One run of `track`, in its steps: what `track` and `track_to_folder` share.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <functional>
+#include <memory>
+
+#include "host/base/stage_times.h"
+#include "host/pipeline/track_clip.h"
+#include "host/run/control.h"
+
+namespace impactdic::run {
+
+class TrackRun {
+ public:
+  // Checks the request, opens the clip and, where the field is measured, the devices. Everything
+  // must outlive the run; `needs_rate`: what asks for a frame rate beside the scale, or "".
+  TrackRun(const TrackRequest& request, Session& session, Caller& caller, TrackResult& result,
+           const std::string& needs_rate = "");
+
+  const ClipInfo& info() const { return source_->info(); }
+  FrameSource& source() { return *source_; }
+  const pipeline::TrackOptions& options() const { return options_; }
+
+  // Looks at the texture: the noise that windows are judged by, and the warnings.
+  void look();
+
+  // What gets the frames, beside the result.
+  struct Outputs {
+    pipeline::GridSink grid;                                       // may be empty
+    pipeline::TrackSink frame;                                     // may be empty
+    std::function<void(const pipeline::ResumePoint&)> checkpoint;  // may be empty
+    std::optional<pipeline::ResumePoint> from;  // with its rows already in the result
+  };
+  // Measures. What was measured before an error is in the result.
+  void measure(const Outputs& outputs);
+  // Scale and impact of the rows measured.
+  void conclude();
+
+ private:
+  const TrackRequest& request_;
+  Session& session_;
+  Caller& caller_;
+  TrackResult& result_;
+  std::shared_ptr<FrameSource> source_;
+  pipeline::TrackOptions options_;
+};
+
+}  // namespace impactdic::run

@@ -1,0 +1,123 @@
+// `track` with files at its edge.
+#include <impactdic/error.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/base/parse.h"
+#include "host/base/stopwatch.h"
+#include "host/report/advice_json.h"
+#include "host/report/impact_json.h"
+#include "host/report/key_frames.h"
+#include "host/report/summary.h"
+#include "host/run/folder.h"
+#include "host/run/job_file.h"
+#include "host/run/open_clip.h"
+#include "host/run/track_files.h"
+#include "host/run/track_run.h"
+
+namespace impactdic {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string what_needs_the_rate(const TrackFolder& folder) {
+  return folder.overlay.wanted && folder.overlay.slow_motion > 0 ? "--slow-motion" : "";
+}
+
+run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFolder& folder,
+                                     const TrackResult& result) {
+  run::TrackFilesOptions options;
+  options.scale = result.scale;
+  options.window_px = request.field.window_px;
+  options.compression = folder.compression;
+  options.with_field = request.with_field;
+  options.with_poses = request.with_field && request.estimator == Estimator::ball;
+  options.overlay = folder.overlay;
+  options.resume = folder.resume;
+  options.roi = result.roi;
+  return options;
+}
+
+nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
+                         const Session& session) {
+  nlohmann::json summary = report::summarise_track(result.rows, result.scale);
+  summary["impact"] = report::describe_impact(result.impact_si);
+  summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
+  summary["advice"] = report::describe_advice(result.advice);
+  summary["warnings"] = result.warnings;
+  summary["frames_per_s"] = result.frames_per_s;
+  summary["gravity_angle_deg"] = request.gravity_angle_deg;
+  if (result.cancelled) summary["cancelled"] = true;
+  return summary;
+}
+
+}  // namespace
+
+void TrackFolder::validate() const {
+  if (folder.empty()) throw InvalidArgument("the output folder has no name", "--output");
+  run::check_compression(compression);
+  if (!(overlay.slow_motion >= 0) || !std::isfinite(overlay.slow_motion)) {
+    throw InvalidArgument("must be 0 or more, not " + shortest(overlay.slow_motion),
+                          "--slow-motion");
+  }
+  if (!(overlay.arrow_scale > 0) || !std::isfinite(overlay.arrow_scale)) {
+    throw InvalidArgument("must be positive, not " + shortest(overlay.arrow_scale),
+                          "--arrow-scale");
+  }
+}
+
+TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& folder,
+                            Session& session, const RunControl& control) {
+  folder.validate();
+  run::Caller caller(control);
+  TrackResult result;
+  run::TrackRun run(request, session, caller, result, what_needs_the_rate(folder));
+  const fs::path path = run::prepare_folder(folder.folder, folder.force || folder.resume);
+  run::SettingWriter settings;
+  run::visit_track(settings, request, folder);
+  run::TrackFilesOptions options = files_options(request, folder, result);
+  options.folder = path;
+  options.attributes = run::attributes_of(session, run.info());
+  settings.describe(options.attributes);
+  run::visit_session(settings, session.options());
+  if (folder.resume && fs::exists(path / "resume.json")) {
+    run::require_same_job(path / "job.toml", settings);
+  }
+  run::write_job_file(path / "job.toml", "track", settings.values());
+  run.look();
+
+  run::TrackFiles files(std::move(options));
+  run::DigestBeside digest(request.clip, run.info(), folder.checksum);
+  result.rows = files.earlier_rows();
+  run::TrackRun::Outputs outputs;
+  outputs.from = files.resume_point();
+  outputs.grid = [&](std::span<const Window> grid, double radius_px) {
+    files.set_grid(grid, radius_px);
+  };
+  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files.add(frame); };
+  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files.reach(point); };
+  const auto finish = [&] {
+    run.conclude();
+    files.finish(result);
+    nlohmann::json summary = summarise(request, result, session);
+    const Stopwatch waiting;
+    const video::ClipDigest found = digest.get();
+    if (digest.wanted()) files.set_source_digest(found);
+    summary["checksum_wait_s"] = waiting.seconds();
+    summary["input"] = report::describe_input(run.info(), found);
+    summary["key_frames"] =
+        report::write_key_frames(run.source(), result.rows, result.impact_si, path);
+    report::write_json(path / "summary.json", summary);
+  };
+  try {
+    run.measure(outputs);
+  } catch (...) {
+    finish();  // what was measured is kept
+    throw;
+  }
+  finish();
+  return result;
+}
+
+}  // namespace impactdic
