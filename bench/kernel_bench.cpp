@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   impactdic::bench::BenchOptions options;
   options.only = argument(3);
   options.every_variant = argument(4) == "all";
-  if (argument(5) == "log") spdlog::set_level(spdlog::level::debug);
+  if (argument(5) == "log") impactdic::set_log_verbosity(2);
   try {
     impactdic::opencl::EngineOptions settings;
     settings.profile = argument(5) == "log";

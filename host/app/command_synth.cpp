@@ -10,8 +10,8 @@
 #include "host/app/job.h"
 #include "host/app/run_context.h"
 #include "host/app/synth_motion.h"
+#include "host/app/terminal_progress.h"
 #include "host/base/parse.h"
-#include "host/base/progress.h"
 #include "host/video/frame_sink.h"
 #include "sim/speckle/clip.h"
 #ifdef IMPACTDIC_WITH_CODECS

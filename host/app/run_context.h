@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/app/command.h"
-#include "host/base/progress.h"
+#include "host/app/terminal_progress.h"
 #include "host/base/stopwatch.h"
 #include "host/opencl/engine.h"
 

@@ -6,18 +6,20 @@
 
 namespace impactdic {
 
+spdlog::logger& library_log() {
+  static spdlog::logger logger("impactdic");  // without a place to write to
+  return logger;
+}
+
 void set_log_verbosity(int verbosity) {
-  static const auto logger = [] {
-    auto made = std::make_shared<spdlog::logger>("impactdic",
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
-    made->set_pattern("impactdic: %l: %v");
-    spdlog::set_default_logger(made);
-    return made;
-  }();
-  logger->set_level(verbosity < 0    ? spdlog::level::err
-                    : verbosity == 0 ? spdlog::level::warn
-                    : verbosity == 1 ? spdlog::level::info
-                                     : spdlog::level::debug);
+  if (library_log().sinks().empty()) {
+    library_log().sinks().push_back(std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    library_log().set_pattern("impactdic: %l: %v");
+  }
+  library_log().set_level(verbosity < 0    ? spdlog::level::err
+                          : verbosity == 0 ? spdlog::level::warn
+                          : verbosity == 1 ? spdlog::level::info
+                                           : spdlog::level::debug);
 }
 
 }  // namespace impactdic

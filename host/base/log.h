@@ -1,11 +1,15 @@
-// The library's log: silent until the command line sets a level. Goes to stderr.
+// What the library has to say to whoever looks for a fault in it.
 #pragma once
 
 #include <spdlog/spdlog.h>
 
 namespace impactdic {
 
-// -1: errors only; 0: warnings; 1: information; 2: debugging.
+// Silent unless the program asks for it with `set_log_verbosity`; spdlog's own default logger is
+// left alone.
+spdlog::logger& library_log();
+
+// On stderr: below 0 errors, 0 warnings, 1 facts, 2 details. For the command line alone.
 void set_log_verbosity(int verbosity);
 
 }  // namespace impactdic

@@ -51,6 +51,9 @@ void FieldOptions::validate() const {
   check_range(min_texture, 0, 255, "the lowest contrast", "--min-texture");
   check_range(noise, 0, 255, "the noise", "--noise");
   check_range(max_sd_px, 0.001, 1000, "the largest expected deviation", "--max-sd");
+  if (static_cast<unsigned>(method) > static_cast<unsigned>(FieldMethod::icgn)) {
+    throw InvalidArgument("there is no such method", "--method", "published, zncc and icgn exist");
+  }
   if (spline_degree != 3 && spline_degree != 5 && spline_degree != 7) {
     throw InvalidArgument(
         "the spline's degree must be 3, 5 or 7, not " + std::to_string(spline_degree),

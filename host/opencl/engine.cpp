@@ -138,7 +138,7 @@ cl::Program Engine::load_or_build(const std::string& source, const std::string& 
     throw BuildError("kernel does not compile: " + log,
                      "kernels/" + file + " on " + shared_->device.name + " with " + options);
   }
-  spdlog::debug("compiled kernels/{} {} {}", file, options,
+  library_log().debug("compiled kernels/{} {} {}", file, options,
                 program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle));
   const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
   if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);

@@ -65,7 +65,7 @@ void ProgramCache::store(const std::string& key, const std::vector<unsigned char
     std::ofstream file(temporary, std::ios::binary);
     file << entry_of(key, binary) << std::flush;
     if (!file) {
-      spdlog::warn("the kernel cache {} cannot be written", folder_.string());
+      library_log().warn("the kernel cache {} cannot be written", folder_.string());
       std::filesystem::remove(temporary, error);
       return;
     }

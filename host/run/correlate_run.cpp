@@ -118,6 +118,12 @@ void CorrelateRequest::validate() const {
   field.validate();
   run::check_spacing(spacing_px);
   run::check_frames(frames);
+  if (static_cast<std::size_t>(reference) >= kReferences.size()) {
+    throw InvalidArgument("this is no reference", "--reference", "first or previous");
+  }
+  if (static_cast<std::size_t>(motion) >= kMotions.size()) {
+    throw InvalidArgument("this is no way to measure the motion", "--motion", "windows or region");
+  }
   if (roi) run::check_rectangle(*roi);
   if (!polygon.empty() && polygon.size() < 3) {
     throw InvalidArgument("a polygon has at least three corners", "--polygon");

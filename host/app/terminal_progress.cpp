@@ -1,10 +1,10 @@
-#include "host/base/progress.h"
+#include "host/app/terminal_progress.h"
 
 #include <unistd.h>
 
 #include <cstdio>
 
-namespace impactdic {
+namespace impactdic::app {
 
 TerminalProgress::TerminalProgress(std::string label, bool quiet)
     : label_(std::move(label)),
@@ -32,4 +32,4 @@ void TerminalProgress::operator()(std::int64_t done, std::int64_t total) {
   std::fflush(stderr);
 }
 
-}  // namespace impactdic
+}  // namespace impactdic::app
