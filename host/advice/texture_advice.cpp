@@ -13,7 +13,6 @@ namespace impactdic::advice {
 namespace {
 
 constexpr int kSizes[] = {9, 11, 15, 21, 31, 41};
-constexpr double kMostUsable = 0.9;
 
 // The part of the frame that is looked at.
 Roi extent(const TextureRequest& request, const Frame& frame) {
@@ -100,6 +99,7 @@ TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request) 
 namespace impactdic {
 
 int window_reaching(const TextureAdvice& advice, double error_px) {
+  constexpr double kMostUsable = 0.9;
   for (const SizeAdvice& size : advice.sizes) {
     if (size.usable_share() >= kMostUsable && size.error_px <= error_px) return size.window_px;
   }

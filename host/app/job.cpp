@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "host/run/job_file.h"
+#include "host/run/settings/job_file.h"
 
 namespace impactdic::app {
 namespace {

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "host/run/setting_value.h"
-#include "host/run/settings.h"
+#include "host/run/settings/setting_value.h"
+#include "host/run/settings/settings.h"
 
 namespace impactdic::app {
 

@@ -15,7 +15,7 @@
 #include "host/run/batch_table.h"
 #include "host/run/control.h"
 #include "host/run/folder.h"
-#include "host/run/job_file.h"
+#include "host/run/settings/job_file.h"
 
 namespace impactdic {
 namespace {

@@ -9,8 +9,8 @@
 #include "host/report/summary.h"
 #include "host/run/correlate_run.h"
 #include "host/run/folder.h"
-#include "host/run/job_file.h"
 #include "host/run/open_clip.h"
+#include "host/run/settings/job_file.h"
 
 namespace impactdic {
 

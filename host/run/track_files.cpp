@@ -4,7 +4,7 @@
 
 #include "host/base/stopwatch.h"
 #include "host/report/csv.h"
-#include "host/report/overlay_files.h"
+#include "host/report/picture/overlay_files.h"
 #include "host/report/pose_csv.h"
 #include "host/report/resume_file.h"
 

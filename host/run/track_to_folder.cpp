@@ -8,11 +8,11 @@
 #include "host/base/stopwatch.h"
 #include "host/report/advice_json.h"
 #include "host/report/impact_json.h"
-#include "host/report/key_frames.h"
+#include "host/report/picture/key_frames.h"
 #include "host/report/summary.h"
 #include "host/run/folder.h"
-#include "host/run/job_file.h"
 #include "host/run/open_clip.h"
+#include "host/run/settings/job_file.h"
 #include "host/run/track_files.h"
 #include "host/run/track_run.h"
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-#include "host/run/job_file.h"
+#include "host/run/settings/job_file.h"
 #include "tests/support/scratch.h"
 
 namespace impactdic {

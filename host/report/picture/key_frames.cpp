@@ -1,4 +1,4 @@
-#include "host/report/key_frames.h"
+#include "host/report/picture/key_frames.h"
 
 #include <impactdic/error.h>
 
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/clip/roi.h"
-#include "host/report/png.h"
+#include "host/report/picture/png.h"
 
 namespace impactdic::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/report/overlay.h"
+#include "host/report/picture/overlay.h"
 
 #include <cmath>
 #include <cstring>

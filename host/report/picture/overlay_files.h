@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/pipeline/track_clip.h"
-#include "host/report/overlay.h"
+#include "host/report/picture/overlay.h"
 
 namespace impactdic::report {
 

@@ -1,4 +1,4 @@
-#include "host/report/png.h"
+#include "host/report/picture/png.h"
 
 #include <impactdic/error.h>
 #include <png.h>

@@ -1,4 +1,4 @@
-#include "host/run/setting_value.h"
+#include "host/run/settings/setting_value.h"
 
 #include <impactdic/error.h>
 

@@ -1,4 +1,4 @@
-#include "host/run/job_file.h"
+#include "host/run/settings/job_file.h"
 
 #include <impactdic/error.h>
 #include <toml++/toml.h>

@@ -1,4 +1,4 @@
-#include "host/report/overlay_files.h"
+#include "host/report/picture/overlay_files.h"
 
 #include <impactdic/error.h>
 
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "host/report/png.h"
+#include "host/report/picture/png.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
 #endif

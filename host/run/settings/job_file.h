@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host/report/fields_file.h"
-#include "host/run/setting_value.h"
-#include "host/run/settings.h"
+#include "host/run/settings/setting_value.h"
+#include "host/run/settings/settings.h"
 
 namespace impactdic::run {
 
