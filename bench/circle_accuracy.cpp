@@ -114,7 +114,7 @@ Measured measure(const Frame& frame, int seed, const Condition& condition) {
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
     prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
     prior.bright = fit.bright;
-    prior.look = fit.look;
+    prior.rim_model = fit.rim_model;
     fit = circle::measure_circle(frame, prior, {});
   }
   return {{fit.circle.cx_px - pose.cx_px, fit.circle.cy_px - pose.cy_px,

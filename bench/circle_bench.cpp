@@ -34,10 +34,10 @@ Clip make_clip(const std::string& pattern, double radius_px) {
   return clip;
 }
 
-// What is known of the ball beforehand: its place to a fraction of a pixel; and the look of its
-// rim, as in the middle of a clip; and its place to a few hundredths, from frames before and
+// What is known of the ball beforehand: its place to a fraction of a pixel; and its rim
+// model, as in the middle of a clip; and its place to a few hundredths, from frames before and
 // behind.
-enum class Known { place, look, between };
+enum class Known { place, model, between };
 
 circle::CirclePrior near(const sim::speckle::BallPose& pose, double radius_px, Known known,
                          circle::CirclePrior prior) {
@@ -57,7 +57,7 @@ void measure(benchmark::State& state, const std::string& pattern, double radius_
   prior.bright = true;
   if (known != Known::place) {
     const circle::CirclePrior first = near(clip.poses[0], radius_px, Known::place, prior);
-    prior.look = circle::measure_circle(clip.frames[0], first, {}).look;
+    prior.rim_model = circle::measure_circle(clip.frames[0], first, {}).rim_model;
   }
   for (auto _ : state) {
     const int k = static_cast<int>(n % kFrames);
@@ -86,18 +86,18 @@ void find(benchmark::State& state, const std::string& pattern) {
   state.counters["worst_error_px"] = worst;
 }
 
-BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, between_a1, "a1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, between_b1, "b1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, between_d3, "d3", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, between_e1, "e1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, Known::look)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, alone_a1, "a1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, alone_b1, "b1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(measure, alone_d3, "d3", kUsual, Known::place)->Unit(benchmark::kMicrosecond);

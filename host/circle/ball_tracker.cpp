@@ -9,29 +9,16 @@
 #include <utility>
 #include <vector>
 
+#include "host/circle/settings/judgement.h"
+
 namespace impactdic::circle {
 namespace {
-
-constexpr std::size_t kRadii = 101;  // frames over which the radius is learnt
-constexpr std::size_t kLeastRadii = 3;
-constexpr double kWholeRim = 0.3;         // share of the rim that a radius is learnt from
-constexpr double kSteady_px = 0.3;        // scatter of a prediction from two frames
-constexpr double kSteadyOfStep = 0.05;    // and of the velocity, an impact apart
-constexpr std::int64_t kLongestGap = 5;   // frames without a ball before the picture is searched
-constexpr double kRadiusTolerance = 0.2;  // of the radius: another circle, not this ball
-
-// Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
-constexpr std::size_t kRun = 16, kShortestRun = 4;
-// From the prediction; the frames between then lie within an eighth of it from the line, if what
-// bends it is steady.
-constexpr double kStraight_px = 2.5;
-constexpr double kBetween_px = 0.05;       // scatter of the line between two measured frames
-constexpr std::int64_t kLearnEvery = 256;  // frames
 
 // The circle is the ball's as far as its radius tells.
 bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
   return fit.status == CircleStatus::ok &&
-         (!radius_px || std::abs(fit.circle.r_px - *radius_px) < kRadiusTolerance * *radius_px);
+         (!radius_px ||
+          std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
 }
 
 // On the line between two measured frames, the second `off_px` from where it was predicted.
@@ -47,10 +34,10 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
   prior.bright = b.bright;
   prior.inked = b.inked;
-  prior.look = b.look;
+  prior.rim_model = b.rim_model;
   prior.learn = false;
-  prior.centre_sd_px = std::hypot(kBetween_px, off_px / 8);
-  prior.rim_sd_px = std::max(0.3, 0.005 * prior.predicted.r_px);
+  prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * off_px);
+  prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * prior.predicted.r_px);
   return prior;
 }
 
@@ -69,23 +56,23 @@ BallTracker::BallTracker(BallTrackerOptions options) : options_(std::move(option
 }
 
 std::optional<double> BallTracker::radius_px() const {
-  if (memory_.radii_px.size() < kLeastRadii) return std::nullopt;
+  if (memory_.radii_px.size() < kTracking.least_radii) return std::nullopt;
   return median({memory_.radii_px.begin(), memory_.radii_px.end()});
 }
 
 double BallTracker::radius_sd_px() const {
-  if (memory_.radii_px.size() < kLeastRadii) return 0;
+  if (memory_.radii_px.size() < kTracking.least_radii) return 0;
   const double centre = *radius_px();
   std::vector<double> off;
   for (double r : memory_.radii_px) off.push_back(std::abs(r - centre));
   // The ball's distance from the camera may change a little: not below a thousandth of a radius.
-  return std::hypot(1.48 * median(off), 2e-4 * centre);
+  return std::hypot(kTracking.mad * median(off), kTracking.radius_sd_of_r * centre);
 }
 
 std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
   if (memory_.seen.empty()) return std::nullopt;
   const double gap = static_cast<double>(std::abs(index - memory_.seen.back().index));
-  if (gap > kLongestGap) return std::nullopt;
+  if (gap > kTracking.longest_gap) return std::nullopt;
   CirclePrior prior = prior_ahead(index);
   prior.centre_sd_px *= std::max(gap, 1.0);
   if (prior.rim_sd_px) *prior.rim_sd_px *= std::max(gap, 1.0);
@@ -99,13 +86,13 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   prior.predicted = last.fit.circle;
   prior.bright = last.fit.bright;
   prior.inked = last.fit.inked;
-  prior.look = last.fit.look;
+  prior.rim_model = last.fit.rim_model;
   prior.learn = index >= memory_.next_learning;
   prior.e1_px = last.fit.e1_px;
   prior.e2_px = last.fit.e2_px;
   const double r = last.fit.circle.r_px;
   // Without a velocity the ball may have gone far; with one, an impact may have changed it.
-  prior.centre_sd_px = std::max(3.0, 0.05 * r);
+  prior.centre_sd_px = std::max(kTracking.first_px, kTracking.first_of_r * r);
   if (memory_.seen.size() > 1) {
     const Seen& before = memory_.seen[memory_.seen.size() - 2];
     const double steps = static_cast<double>(last.index - before.index);
@@ -114,8 +101,8 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
     const double ahead = static_cast<double>(index - last.index);
     prior.predicted.cx_px += vx * ahead;
     prior.predicted.cy_px += vy * ahead;
-    prior.centre_sd_px = kSteady_px + kSteadyOfStep * std::hypot(vx, vy);
-    prior.rim_sd_px = std::max(0.3, 0.005 * r);
+    prior.centre_sd_px = kTracking.steady_px + kTracking.steady_of_step * std::hypot(vx, vy);
+    prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * r);
   }
   if (const auto radius = radius_px()) {
     prior.radius_px = *radius;
@@ -131,18 +118,18 @@ BallTracker::Radius BallTracker::radius() const {
 }
 
 void BallTracker::learn_radius(const CircleFit& fit) {
-  if (fit.ellipse || fit.rim_fraction <= kWholeRim) return;
+  if (fit.ellipse || fit.rim_fraction <= kTracking.whole_rim) return;
   memory_.radii_px.push_back(fit.circle.r_px);
-  if (memory_.radii_px.size() > kRadii) memory_.radii_px.pop_front();
+  if (memory_.radii_px.size() > kTracking.radii) memory_.radii_px.pop_front();
 }
 
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
   memory_.seen.push_back({index, fit});
   if (memory_.seen.size() > 2) memory_.seen.pop_front();
-  // Where the look could not be learnt it is tried again, but not in every frame.
-  if (fit.look == nullptr && index >= memory_.next_learning) {
-    memory_.next_learning = index + kLearnEvery;
+  // Where the rim model could not be learnt it is tried again, but not in every frame.
+  if (fit.rim_model == nullptr && index >= memory_.next_learning) {
+    memory_.next_learning = index + kTracking.learn_every;
   }
   learn_radius(fit);
 }
@@ -150,14 +137,14 @@ void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
 CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
   CircleOptions options = options_.circle;
   if (radius.rough_px && !options.radius_range_px) {
-    options.radius_range_px = {(1 - kRadiusTolerance) * *radius.rough_px,
-                               (1 + kRadiusTolerance) * *radius.rough_px};
+    options.radius_range_px = {(1 - kTracking.radius_tolerance) * *radius.rough_px,
+                               (1 + kTracking.radius_tolerance) * *radius.rough_px};
   }
   const auto found = find_ball(frame, options);
   if (!found) return {};
   CirclePrior prior;
   prior.predicted = *found;
-  prior.centre_sd_px = 1;
+  prior.centre_sd_px = kTracking.found_sd_px;
   if (radius.px) {
     prior.radius_px = radius.px;
     prior.radius_sd_px = radius.sd_px;
@@ -173,9 +160,9 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
   if (prior) {
     CircleFit fit = measure_circle(frame, *prior, options_.circle);
     if (!plausible(fit, radius.rough_px) && fit.status != CircleStatus::out_of_view) {
-      // A stronger change than predicted: look farther before looking everywhere.
+      // A stronger change than predicted: search farther before searching everywhere.
       CirclePrior wide = *prior;
-      wide.centre_sd_px = std::max(3.0, 3 * prior->centre_sd_px);
+      wide.centre_sd_px = std::max(kTracking.lost_px, kTracking.lost_factor * prior->centre_sd_px);
       wide.rim_sd_px.reset();
       fit = measure_circle(frame, wide, options_.circle);
     }
@@ -203,8 +190,8 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
                                     std::span<CircleFit> fits) {
   Plan plan;
   plan.first_index = first_index;
-  for (std::size_t begin = 0; begin < frames.size(); begin += kRun) {
-    lead_run(frames, begin, std::min(begin + kRun, frames.size()), fits, plan);
+  for (std::size_t begin = 0; begin < frames.size(); begin += kTracking.run) {
+    lead_run(frames, begin, std::min(begin + kTracking.run, frames.size()), fits, plan);
   }
   plan.radius = radius();
   return plan;
@@ -213,11 +200,11 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
 void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
                            std::span<CircleFit> fits, Plan& plan) {
   const std::int64_t first = plan.first_index + static_cast<std::int64_t>(begin);
-  if (memory_.seen.empty() || first - memory_.seen.back().index > kLongestGap) {
+  if (memory_.seen.empty() || first - memory_.seen.back().index > kTracking.longest_gap) {
     search_run(frames, plan.first_index, begin, end, fits);
-  } else if (look_ahead(frames, begin, end, fits, plan)) {
+  } else if (measure_ahead(frames, begin, end, fits, plan)) {
     return;
-  } else if (end - begin > kShortestRun) {
+  } else if (end - begin > kTracking.shortest_run) {
     const std::size_t middle = (begin + end) / 2;
     lead_run(frames, begin, middle, fits, plan);
     lead_run(frames, middle, end, fits, plan);
@@ -228,16 +215,16 @@ void BallTracker::lead_run(std::span<const Frame> frames, std::size_t begin, std
   }
 }
 
-bool BallTracker::look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
-                             std::span<CircleFit> fits, Plan& plan) {
-  if (memory_.seen.size() < 2 || memory_.radii_px.size() < kLeastRadii) return false;
+bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                                std::span<CircleFit> fits, Plan& plan) {
+  if (memory_.seen.size() < 2 || memory_.radii_px.size() < kTracking.least_radii) return false;
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
   if (!plausible(fit, prior.radius_px)) return false;
   const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
                                    fit.circle.cy_px - prior.predicted.cy_px);
-  if (off_px > kStraight_px) return false;
+  if (off_px > kTracking.straight_px) return false;
   fits[end - 1] = fit;
   for (std::size_t i = begin; i + 1 < end; ++i) {
     plan.left.push_back({i, memory_.seen.back(), {index, fit}, off_px});

@@ -39,7 +39,7 @@ class BallTracker {
   struct Memory {
     std::deque<Seen> seen;           // the last measured frames, newest last
     std::deque<double> radii_px;     // of the last frames in which the ball was round and whole
-    std::int64_t next_learning = 0;  // frame from which on the rim's look is learnt
+    std::int64_t next_learning = 0;  // frame from which on the rim model is learnt
   };
   const Memory& memory() const { return memory_; }
   // Goes on as the tracker would whose memory this was.
@@ -86,8 +86,8 @@ class BallTracker {
   // The steps of `lead`, for the run of frames [begin, end).
   void lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
                 std::span<CircleFit> fits, Plan& plan);
-  bool look_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
-                  std::span<CircleFit> fits, Plan& plan);
+  bool measure_ahead(std::span<const Frame> frames, std::size_t begin, std::size_t end,
+                     std::span<CircleFit> fits, Plan& plan);
   void search_run(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
                   std::size_t end, std::span<CircleFit> fits);
 

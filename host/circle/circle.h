@@ -37,9 +37,9 @@ struct CircleFit {
   double residual_px = 0;   // scatter of the rim points that no ink disturbs
   int rim_points = 0;       // accepted
   double rim_fraction = 0;  // share of the full rim that carried the fit, 0 … 1
-  // How the rim looks: the edge's width and the ink beside it. None where the picture does not
-  // follow the model of it.
-  std::shared_ptr<const RimModel> look;
+  // The edge's width and the ink beside it, as learnt from this frame or followed from an earlier
+  // one. None where the picture does not follow such a model.
+  std::shared_ptr<const RimModel> rim_model;
 };
 
 struct CircleOptions {
@@ -60,9 +60,9 @@ struct CirclePrior {
   // where absent.
   std::optional<double> rim_sd_px;
   std::optional<bool> bright;                     // tried both ways where absent
-  bool inked = false;                             // as in CircleFit: spares a first look
-  std::shared_ptr<const RimModel> look;           // as in CircleFit: spares the learning
-  bool learn = true;                              // a look, where there is none
+  bool inked = false;                             // as in CircleFit: spares a trace
+  std::shared_ptr<const RimModel> rim_model;      // as in CircleFit: spares the learning
+  bool learn = true;                              // a rim model, where there is none
   std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
   std::optional<double> compression_axis_rad;     // image axes, y down
 };

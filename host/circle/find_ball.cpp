@@ -9,14 +9,10 @@
 #include <vector>
 
 #include "host/circle/circle.h"
+#include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
 namespace {
-
-constexpr int kHoughSize = 320;         // the picture is reduced to this for the transform
-constexpr double kProved = 0.5;         // share of the rim that leaves no doubt
-constexpr int kCandidates = 8;          // tried per prepared picture
-constexpr double kCandidateSd = 0.025;  // scatter of a Hough centre, of the radius, at least 2 px
 
 // A circle that the transform proposes, in pixels of the frame.
 using Candidates = std::vector<Circle>;
@@ -37,11 +33,10 @@ cv::Mat prepare(const Frame& frame, int shrink) {
 
 // Threshold and boundary of section 3.2.1: black and white, then specks and holes smaller than
 // `size` closed or opened away, so that a speckled or glinting ball becomes one blob.
-cv::Mat blob(const cv::Mat& grey, bool bright, int size) {
+cv::Mat blob(const cv::Mat& grey, int threshold, int size) {
   cv::Mat smooth, binary;
-  cv::GaussianBlur(grey, smooth, {}, 1.0);
-  cv::threshold(smooth, binary, 0, 255,
-                (bright ? cv::THRESH_BINARY : cv::THRESH_BINARY_INV) | cv::THRESH_OTSU);
+  cv::GaussianBlur(grey, smooth, {}, kBallSearch.blur_blob_px);
+  cv::threshold(smooth, binary, 0, 255, threshold | cv::THRESH_OTSU);
   const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * size + 1, 2 * size + 1});
   cv::morphologyEx(binary, binary, cv::MORPH_CLOSE, disc);
   std::vector<std::vector<cv::Point>> outlines;
@@ -53,12 +48,15 @@ cv::Mat blob(const cv::Mat& grey, bool bright, int size) {
 
 void propose(const cv::Mat& picture, int shrink, double low, double high, Candidates& out) {
   cv::Mat smooth;
-  cv::GaussianBlur(picture, smooth, {}, 1.2);
+  cv::GaussianBlur(picture, smooth, {}, kBallSearch.blur_hough_px);
   std::vector<cv::Vec3f> circles;
-  cv::HoughCircles(smooth, circles, cv::HOUGH_GRADIENT, 1, std::max(4.0, low / shrink / 2), 80, 12,
-                   static_cast<int>(low / shrink), static_cast<int>(std::ceil(high / shrink)));
+  const double apart =
+      std::max(kBallSearch.least_apart_px, kBallSearch.apart_of_r * (low / shrink));
+  cv::HoughCircles(smooth, circles, cv::HOUGH_GRADIENT, 1, apart, kBallSearch.canny,
+                   kBallSearch.votes, static_cast<int>(low / shrink),
+                   static_cast<int>(std::ceil(high / shrink)));
   const double half = 0.5 * (shrink - 1);  // centre of the first reduced pixel
-  for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), kCandidates); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), kBallSearch.candidates); ++i) {
     out.push_back({circles[i][0] * shrink + half, circles[i][1] * shrink + half,
                    static_cast<double>(circles[i][2]) * shrink});
   }
@@ -72,10 +70,11 @@ struct Proof {
 // Measures around the candidate. The score is the length of rim that carried the fit, so that of
 // two concentric circles the larger wins.
 Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) {
-  options.rays = 360;
+  options.rays = kBallSearch.rays;
   CirclePrior prior;
   prior.predicted = candidate;
-  prior.centre_sd_px = std::max(2.0, kCandidateSd * candidate.r_px);
+  prior.centre_sd_px =
+      std::max(kBallSearch.least_candidate_sd_px, kBallSearch.candidate_sd_of_r * candidate.r_px);
   prior.rim_sd_px = prior.centre_sd_px;
   prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
@@ -85,7 +84,7 @@ Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) 
 
 bool seen(const std::vector<Circle>& tried, const Circle& circle) {
   return std::any_of(tried.begin(), tried.end(), [&](const Circle& other) {
-    const double near = std::max(1.0, 0.015 * circle.r_px);
+    const double near = std::max(kBallSearch.same_px, kBallSearch.same_of_r * circle.r_px);
     return std::hypot(other.cx_px - circle.cx_px, other.cy_px - circle.cy_px) < near &&
            std::abs(other.r_px - circle.r_px) < near;
   });
@@ -96,31 +95,34 @@ bool seen(const std::vector<Circle>& tried, const Circle& circle) {
 std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options) {
   options.validate();
   const int shorter = std::min(frame.width(), frame.height());
-  if (shorter < 16) return std::nullopt;
-  const double low =
-      options.radius_range_px ? options.radius_range_px->first : std::max(6.0, 0.03 * shorter);
-  const double high = options.radius_range_px ? options.radius_range_px->second : 0.6 * shorter;
+  if (shorter < kBallSearch.least_side_px) return std::nullopt;
+  const double low = options.radius_range_px
+                         ? options.radius_range_px->first
+                         : std::max(kBallSearch.least_r_px, kBallSearch.least_r_of_side * shorter);
+  const double high = options.radius_range_px ? options.radius_range_px->second
+                                              : kBallSearch.most_r_of_side * shorter;
   const int shrink = std::clamp(
       static_cast<int>(std::min(
-          std::ceil(std::max(frame.width(), frame.height()) / double(kHoughSize)), low / 5)),
-      1, 16);
+          std::ceil(std::max(frame.width(), frame.height()) / double(kBallSearch.hough_side_px)),
+          low / kBallSearch.least_hough_r_px)),
+      1, kBallSearch.most_shrink);
   const cv::Mat grey = prepare(frame, shrink);
 
   // The blobs first: on them the transform sees the ball's outline and nothing else.
   Proof best;
   std::vector<Circle> tried;
-  const int sizes[] = {2, 5};
-  for (int stage = 0; stage < 5 && best.rim_fraction < kProved; ++stage) {
+  for (int stage = 0; stage < 5 && best.rim_fraction < kBallSearch.proved; ++stage) {
     cv::Mat picture;
     if (stage < 4) {
-      picture = blob(grey, stage % 2 == 0, sizes[stage / 2]);
+      picture = blob(grey, stage % 2 == 0 ? cv::THRESH_BINARY : cv::THRESH_BINARY_INV,
+                     kBallSearch.disc_px[stage / 2]);
     } else {
-      cv::medianBlur(grey, picture, 5);
+      cv::medianBlur(grey, picture, kBallSearch.median_px);
     }
     Candidates candidates;
     propose(picture, shrink, low, high, candidates);
     for (const Circle& candidate : candidates) {
-      if (candidate.r_px < 3 || seen(tried, candidate)) continue;
+      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried, candidate)) continue;
       tried.push_back(candidate);
       const Proof proof = prove(frame, candidate, options);
       if (proof.score > best.score) best = proof;

@@ -8,13 +8,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/circle/settings/search.h"
+
 namespace impactdic::circle {
 namespace {
-
-constexpr std::int64_t kFirstLook = 12, kLastLook = 48;  // frames
-constexpr double kSameRadius = 0.05;                     // of the radius
-constexpr double kWellSeen = 0.3;                        // share of the rim
-constexpr int kAgree = 3;                                // frames that settle the question
 
 struct Sighting {
   double radius_px = 0;
@@ -23,8 +20,8 @@ struct Sighting {
   double score() const { return rim_fraction * radius_px; }
 };
 
-Sighting look(FrameSource& source, std::int64_t index, const Roi& roi,
-              const CircleOptions& options) {
+Sighting sight(FrameSource& source, std::int64_t index, const Roi& roi,
+               const CircleOptions& options) {
   Frame whole, frame;
   try {
     source.read(index, whole);
@@ -36,14 +33,14 @@ Sighting look(FrameSource& source, std::int64_t index, const Roi& roi,
   if (!found) return {};
   CirclePrior prior;
   prior.predicted = *found;
-  prior.centre_sd_px = 1;
+  prior.centre_sd_px = kScout.found_sd_px;
   const CircleFit fit = measure_circle(frame, prior, options);
-  if (fit.status != CircleStatus::ok || fit.rim_fraction < kWellSeen) return {};
+  if (fit.status != CircleStatus::ok || fit.rim_fraction < kScout.well_seen) return {};
   return {fit.circle.r_px, fit.rim_fraction};
 }
 
 bool same_radius(const Sighting& a, const Sighting& b) {
-  return std::abs(a.radius_px - b.radius_px) < kSameRadius * b.radius_px;
+  return std::abs(a.radius_px - b.radius_px) < kScout.same_radius * b.radius_px;
 }
 
 // Those that agree with the sighting that most rim speaks for.
@@ -79,25 +76,25 @@ double median_radius_px(std::vector<Sighting> sightings) {
 std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
                                       const CircleOptions& options) {
   std::vector<Sighting> sightings;
-  std::vector<std::int64_t> looked_at;
+  std::vector<std::int64_t> sighted;
   std::vector<Sighting> best;
-  for (std::int64_t looks = kFirstLook; looks <= kLastLook; looks *= 2) {
-    const std::int64_t n = std::min(looks, range.count());
+  for (std::int64_t wanted = kScout.first_frames; wanted <= kScout.most_frames; wanted *= 2) {
+    const std::int64_t n = std::min(wanted, range.count());
     std::vector<std::int64_t> frames;
     for (std::int64_t k = 0; k < n; ++k) {
       const std::int64_t index = range.at((2 * k + 1) * range.count() / (2 * n));
-      if (std::find(looked_at.begin(), looked_at.end(), index) == looked_at.end()) {
+      if (std::find(sighted.begin(), sighted.end(), index) == sighted.end()) {
         frames.push_back(index);
       }
     }
     const std::size_t before = sightings.size();
     sightings.resize(before + frames.size());
     tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
-      sightings[before + k] = look(source, frames[k], roi, options);
+      sightings[before + k] = sight(source, frames[k], roi, options);
     });
-    looked_at.insert(looked_at.end(), frames.begin(), frames.end());
+    sighted.insert(sighted.end(), frames.begin(), frames.end());
     best = agreed(sightings);
-    if (static_cast<int>(best.size()) >= kAgree || n == range.count()) break;
+    if (static_cast<int>(best.size()) >= kScout.agree || n == range.count()) break;
   }
   if (best.empty()) return std::nullopt;
   return median_radius_px(std::move(best));

@@ -1,4 +1,4 @@
-// A look at a few frames spread over a clip, before the run.
+// The ball in a few frames spread over a clip, before the run.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,8 @@ namespace impactdic::circle {
 // frame shows a ball well enough. A ball that enters the picture shows blobs of speckle before it
 // shows its rim: whoever knows the radius is not taken in by them.
 //
-// Looks at 12 frames of the range, at more (48 at most) where these do not agree. Reads and
-// searches on several threads. A frame that cannot be read shows no ball.
+// Takes 12 frames of the range, more (48 at most) where these do not agree. Reads and searches on
+// several threads. A frame that cannot be read shows no ball.
 std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
                                       const CircleOptions& options);
 

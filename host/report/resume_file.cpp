@@ -111,7 +111,8 @@ json describe(const circle::BallTracker::Memory& tracker) {
   for (const circle::BallTracker::Seen& seen : tracker.seen) {
     json& item = described["seen"].emplace_back(json{{"index", seen.index}});
     each_of_fit(Writer{item}, seen.fit);
-    if (seen.fit.look) item["look"] = seen.fit.look->numbers();
+    // The key of older versions, which this one reads too.
+    if (seen.fit.rim_model) item["look"] = seen.fit.rim_model->numbers();
   }
   for (const double radius : tracker.radii_px) described["radii_px"].push_back(number(radius));
   return described;
@@ -124,7 +125,7 @@ circle::BallTracker::Memory tracker_of(const json& described) {
     seen.index = item.at("index").get<std::int64_t>();
     each_of_fit(Reader{item}, seen.fit);
     if (item.contains("look")) {
-      seen.fit.look =
+      seen.fit.rim_model =
           std::make_shared<circle::RimModel>(item.at("look").get<std::vector<double>>());
     }
   }

@@ -102,7 +102,7 @@ TEST(CircleAccuracy, FineInkAllAlongTheRim) {
   const Errors errors = measure_balls("a3", {});
   EXPECT_LE(errors.radius_rms_px, 0.04);
   EXPECT_LE(errors.rms_px, 0.015);
-  // What the look misplaces is common to the whole rim; all else is four times too small.
+  // What the rim model misplaces is common to the whole rim; all else is four times too small.
   EXPECT_GT(std::sqrt(errors.radius_normalised), 0.5);
   EXPECT_LT(std::sqrt(errors.radius_normalised), 1.6);
 }
@@ -151,7 +151,7 @@ TEST(CircleAccuracy, NoDeviationIsNothing) {
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, kRadius + 0.1};
     prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
     prior.bright = before.bright;
-    prior.look = before.look;
+    prior.rim_model = before.rim_model;
     for (const Frame* frame : {&first, &second}) {
       const circle::CircleFit fit = circle::measure_circle(*frame, prior, {});
       ASSERT_EQ(fit.status, circle::CircleStatus::ok) << seed;

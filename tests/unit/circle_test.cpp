@@ -146,27 +146,27 @@ TEST(MeasureCircle, TheSameOnEveryCall) {
   EXPECT_EQ(first.cx_sd_px, second.cx_sd_px);
 }
 
-TEST(MeasureCircle, FollowsByTheLookOfTheFrameBefore) {
+TEST(MeasureCircle, FollowsByTheRimModelOfTheFrameBefore) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("b1", 3, kRadius);
   const sim::speckle::BallPose first{118.3, 101.8}, second{119.1, 103.2, 20};
   const circle::CircleFit before = circle::measure_circle(picture(ball, small_scene(), first),
                                                           {.predicted = {119, 101, 60}}, {});
-  ASSERT_TRUE(before.look);
+  ASSERT_TRUE(before.rim_model);
   circle::CirclePrior prior;
   prior.predicted = {119.3, 103.0, before.circle.r_px};
   prior.centre_sd_px = 0.3;
   prior.rim_sd_px = 0.3;
   prior.bright = before.bright;
-  prior.look = before.look;
+  prior.rim_model = before.rim_model;
   const circle::CircleFit fit =
       circle::measure_circle(picture(ball, small_scene(), second), prior, {});
   ASSERT_EQ(fit.status, circle::CircleStatus::ok);
-  EXPECT_EQ(fit.look, before.look);
+  EXPECT_EQ(fit.rim_model, before.rim_model);
   EXPECT_LT(miss(fit.circle, second), 0.02);
-  // Where the ball is elsewhere, it is searched and its look learnt anew.
+  // Where the ball is elsewhere, it is searched and its rim model learnt anew.
   const circle::CircleFit far =
       circle::measure_circle(picture(ball, small_scene(), {122.9, 106.5}), prior, {});
-  EXPECT_NE(far.look, before.look);
+  EXPECT_NE(far.rim_model, before.rim_model);
 }
 
 // Little ink and little noise: a third of a pixel off, bare paint looks like anything but that.
@@ -184,14 +184,14 @@ TEST(MeasureCircle, FollowsSparseInkFromAThirdOfAPixel) {
                          kRadius + 0.1};
       const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
       ASSERT_EQ(fit.status, circle::CircleStatus::ok);
-      ASSERT_TRUE(fit.look);
+      ASSERT_TRUE(fit.rim_model);
       EXPECT_LT(miss(fit.circle, pose), 0.02) << pattern << k;
       if (k == 0) {
         prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
         prior.bright = fit.bright;
-        prior.look = fit.look;
+        prior.rim_model = fit.rim_model;
       } else {
-        EXPECT_EQ(fit.look, prior.look) << pattern << k;
+        EXPECT_EQ(fit.rim_model, prior.rim_model) << pattern << k;
       }
     }
   }
@@ -207,11 +207,11 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
     renderer.render(sim::speckle::BallPose{118.3, 101.8}, 0, frame);
     const circle::CircleFit before =
         circle::measure_circle(frame, {.predicted = {119, 101, kRadius}}, {});
-    ASSERT_TRUE(before.look);
+    ASSERT_TRUE(before.rim_model);
     circle::CirclePrior prior;
     prior.rim_sd_px = 0.3;
     prior.bright = before.bright;
-    prior.look = before.look;
+    prior.rim_model = before.rim_model;
     for (int k = 1; k < 9; ++k) {
       const double compression = 0.002 * k, e = kRadius * compression / 2;
       const sim::speckle::BallPose pose{118.3 + 0.37 * k, 101.8 - 0.21 * k, 15.0 * k, compression,
@@ -227,7 +227,7 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
         EXPECT_NEAR(fit.circle.r_px, kRadius - e, 0.1) << pattern << k << expected;
         EXPECT_LT(std::hypot(fit.e1_px - e, fit.e2_px), 0.1) << pattern << k << expected;
         if (expected) {
-          EXPECT_EQ(fit.look, before.look) << pattern << k;
+          EXPECT_EQ(fit.rim_model, before.rim_model) << pattern << k;
         }
       }
     }
@@ -255,7 +255,7 @@ TEST(MeasureCircle, TakesNoEllipseForAnInkedCircle) {
     prior.predicted = {pose_at(0).cx_px + 1.3, pose_at(0).cy_px - 0.9, kLarge};
     const circle::CircleFit before = circle::measure_circle(frame, prior, {});
     prior.bright = before.bright;
-    prior.look = before.look;
+    prior.rim_model = before.rim_model;
     prior.centre_sd_px = prior.rim_sd_px.emplace(0.3);
     prior.learn = false;
     prior.radius_px = before.circle.r_px;

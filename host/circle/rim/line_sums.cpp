@@ -1,11 +1,14 @@
 // Sums over lines, eight at a time.
 #include "host/circle/rim/line_sums.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <span>
+
+#include "host/circle/settings/line_fit.h"
 
 namespace impactdic::circle {
 namespace {
@@ -97,6 +100,75 @@ static_assert(kKinds == 8);
   }
 }
 
+// The sums lane by lane.
+struct LaneSums {
+  Lanes scores[kJacobian] = {}, curvatures[kWaves] = {}, hessians[kWaves] = {};
+  Lanes kinds[kKinds] = {}, scatter{}, lines{}, far{};
+};
+
+// What eight lines say at some corrections: ∂ ln p, −∂² ln p and the same were the kinds known, by
+// the excess in steps; the chance that they have nothing to do with the rim.
+struct BlockSays {
+  Lanes score, hessian, information, other;
+};
+
+// `off`: how far the corrections move the rim from where the evidence is exact, line by line.
+[[gnu::always_inline]] inline BlockSays ask(const RimModel::Evidence& e, const Lanes& off,
+                                            const KindShares& shares, float stray, LaneSums& sums) {
+  const Lanes half = 0.5f * off;
+  Lanes share[kKinds], slope[kKinds];
+  BlockSays says;
+  for (int k = 0; k < kKinds; ++k) {
+    slope[k] = e.slope[k] - off * e.information[k];
+    share[k] = e.value[k] + shares[k] + half * (e.slope[k] + slope[k]);
+  }
+  chances(stray, e.present, share, says.other);
+  Lanes first[kKinds], second[kKinds], known[kKinds];
+  for (int k = 0; k < kKinds; ++k) {
+    first[k] = share[k] * slope[k];
+    second[k] = first[k] * slope[k];
+    known[k] = share[k] * e.information[k];
+    sums.kinds[k] += share[k];
+  }
+  says.score = sum_of(first);
+  says.information = sum_of(known);
+  says.hessian = says.information - sum_of(second) + says.score * says.score;
+  const Lanes error = slope[0] / e.information[0];
+  sums.scatter += share[0] * error * error;
+  return says;
+}
+
+// Adds what eight lines say, by the waves of their angles.
+[[gnu::always_inline]] inline void add_waves(const BlockSays& says, const Lanes& c, const Lanes& s,
+                                             const Lanes& c2, const Lanes& s2, LaneSums& sums) {
+  const Lanes waves[kWaves] = {
+      Lanes{} + 1, c, s, c2, s2, c * c2 - s * s2, s * c2 + c * s2, c2 * c2 - s2 * s2, 2 * c2 * s2};
+  for (int m = 0; m < kJacobian; ++m) sums.scores[m] += says.score * waves[m];
+  for (int m = 0; m < kWaves; ++m) {
+    sums.curvatures[m] += says.information * waves[m];
+    sums.hessians[m] += says.hessian * waves[m];
+  }
+}
+
+// Totals of all lanes, by px instead of steps.
+void total(const LaneSums& lanes, double step_px, LineSums& s) {
+  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
+  for (int b = 0; b < kRimSectors; ++b) {
+    s.sectors.score[b] *= per_step;
+    s.sectors.information[b] *= per_step_sq;
+    s.points += s.sectors.points[b];
+  }
+  s.curvature = products(lanes.curvatures, per_step_sq);
+  s.hessian = products(lanes.hessians, per_step_sq);
+  s.hessian_sum = s.hessian(2, 2);
+  const int order[kJacobian] = {1, 2, 0, 3, 4};
+  for (int m = 0; m < kJacobian; ++m) s.score[m] = per_step * total_of(lanes.scores[order[m]]);
+  for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(lanes.kinds[k]);
+  s.scatter = total_of(lanes.scatter);
+  s.lines = total_of(lanes.lines);
+  for (int lane = 0; lane < kLanes; ++lane) s.far = std::max(s.far, lanes.far[lane]);
+}
+
 }  // namespace
 
 RimModel::Shift shift_of(const Vector5& delta, double step_px) {
@@ -105,67 +177,48 @@ RimModel::Shift shift_of(const Vector5& delta, double step_px) {
   return shift;
 }
 
-void to_chances(float stray, const Lanes& present, Lanes (&value)[kKinds], Lanes& other) {
-  chances(stray, present, value, other);
-}
-
 IMPACTDIC_WIDE LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& delta,
                                   double step_px, const KindShares& shares, float stray,
                                   int every) {
   const RimModel::Shift d = shift_of(delta, step_px);
-  Lanes scores[kJacobian] = {}, curvatures[kWaves] = {}, hessians[kWaves] = {};
-  Lanes kinds[kKinds] = {}, scatter{}, lines{}, far{};
-  LineSums s;
+  LaneSums lanes;
+  LineSums sums;
   for (std::size_t block = 0; block < blocks.size(); block += static_cast<std::size_t>(every)) {
     const RimModel::Evidence& e = blocks[block];
-    const Lanes c = e.cos, sn = e.sin, c2 = c * c - sn * sn, s2 = 2 * c * sn;
-    const Lanes off = c * d[0] + sn * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
-    far = off > far ? off : -off > far ? -off : far;
-    lines += e.present;
-    const Lanes half = 0.5f * off;
-    Lanes share[kKinds], slope[kKinds], other;
-    for (int k = 0; k < kKinds; ++k) {
-      slope[k] = e.slope[k] - off * e.information[k];
-      share[k] = e.value[k] + shares[k] + half * (e.slope[k] + slope[k]);
-    }
-    chances(stray, e.present, share, other);
-    Lanes first[kKinds], second[kKinds], known[kKinds];
-    for (int k = 0; k < kKinds; ++k) {
-      first[k] = share[k] * slope[k];
-      second[k] = first[k] * slope[k];
-      known[k] = share[k] * e.information[k];
-      kinds[k] += share[k];
-    }
-    const Lanes score = sum_of(first), square = sum_of(second), information = sum_of(known);
-    const Lanes hessian = information - square + score * score;
-    const Lanes error = slope[0] / e.information[0];
-    scatter += share[0] * error * error;
-    const Lanes waves[kWaves] = {
-        Lanes{} + 1,       c,          sn, c2, s2, c * c2 - sn * s2, sn * c2 + c * s2,
-        c2 * c2 - s2 * s2, 2 * c2 * s2};
-    for (int m = 0; m < kJacobian; ++m) scores[m] += score * waves[m];
-    for (int m = 0; m < kWaves; ++m) {
-      curvatures[m] += information * waves[m];
-      hessians[m] += hessian * waves[m];
-    }
-    add_to_sectors(e.sector, score, hessian, other < 0.5f ? e.present : Lanes{}, s.sectors);
+    const Lanes c = e.cos, s = e.sin, c2 = c * c - s * s, s2 = 2 * c * s;
+    const Lanes off = c * d[0] + s * d[1] + d[2] + c2 * d[3] + s2 * d[4] - e.at;
+    lanes.far = off > lanes.far ? off : -off > lanes.far ? -off : lanes.far;
+    lanes.lines += e.present;
+    const BlockSays says = ask(e, off, shares, stray, lanes);
+    add_waves(says, c, s, c2, s2, lanes);
+    add_to_sectors(e.sector, says.score, says.hessian, says.other < 0.5f ? e.present : Lanes{},
+                   sums.sectors);
   }
-  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
-  for (int b = 0; b < kRimSectors; ++b) {
-    s.sectors.score[b] *= per_step;
-    s.sectors.information[b] *= per_step_sq;
-    s.points += s.sectors.points[b];
+  total(lanes, step_px, sums);
+  return sums;
+}
+
+double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel::Evidence> widths,
+                  float stray) {
+  Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * kLineFit.width_prior;
+  double slope = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    RimModel::Evidence& e = blocks[i];
+    Lanes other;
+    chances(stray, e.present, e.value, other);
+    Lanes by_place{}, by_width{};
+    for (int k = 0; k < kKinds; ++k) {
+      by_place += e.value[k] * e.slope[k];
+      by_width += e.value[k] * widths[i].slope[k];
+    }
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Eigen::Vector4d s{by_place[lane] * e.cos[lane], by_place[lane] * e.sin[lane],
+                              by_place[lane], by_width[lane]};
+      square.noalias() += s * s.transpose();
+      slope += by_width[lane];
+    }
   }
-  s.curvature = products(curvatures, per_step_sq);
-  s.hessian = products(hessians, per_step_sq);
-  s.hessian_sum = s.hessian(2, 2);
-  const int order[kJacobian] = {1, 2, 0, 3, 4};
-  for (int m = 0; m < kJacobian; ++m) s.score[m] = per_step * total_of(scores[order[m]]);
-  for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(kinds[k]);
-  s.scatter = total_of(scatter);
-  s.lines = total_of(lines);
-  for (int lane = 0; lane < kLanes; ++lane) s.far = std::max(s.far, far[lane]);
-  return s;
+  return square.ldlt().solve(Eigen::Vector4d{0, 0, 0, slope})[3];
 }
 
 }  // namespace impactdic::circle

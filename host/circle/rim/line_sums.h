@@ -1,4 +1,4 @@
-// What all lines across a rim say at some corrections of it. Internal to host/track.
+// What all lines across a rim say at some corrections of it. Internal to host/circle.
 #pragma once
 
 #include <array>
@@ -10,15 +10,17 @@
 
 namespace impactdic::circle {
 
+// j is (cos φ, sin φ, 1, cos 2φ, sin 2φ), ∂ by a line's excess in px, p the mixture of all kinds
+// and of lines that have nothing to do with the rim.
 struct LineSums {
   Matrix5 curvature = Matrix5::Zero();  // Σ −∂² ln p j jᵀ, were the kinds known
   Matrix5 hessian = Matrix5::Zero();    // Σ −∂² ln p j jᵀ
   Vector5 score = Vector5::Zero();      // Σ ∂ ln p j
-  double hessian_sum = 0;
-  SectorSums sectors;
-  int points = 0;
-  double scatter = 0;
-  std::array<float, kKinds> kinds{};  // lines of each
+  double hessian_sum = 0;               // Σ −∂² ln p
+  SectorSums sectors;                   // ∂ ln p, −∂² ln p and the points among the lines
+  int points = 0;                       // lines that have to do with the rim, more likely than not
+  double scatter = 0;                   // Σ squared distance of bare lines, steps of the trace
+  std::array<float, kKinds> kinds{};    // lines of each
   float lines = 0;
   float far = 0;  // of a line from where its evidence is exact, at most; steps of the trace
 };
@@ -26,11 +28,14 @@ struct LineSums {
 // In steps of the trace.
 RimModel::Shift shift_of(const Vector5& delta, double step_px);
 
-// Of every `every`th block; `shares` as in LineFit; `stray` is the model's.
+// Of every `every`th block, at the corrections `delta` (px); `shares` as in LineFit; `stray` is the
+// model's. Single precision, exponentials to 4e-5.
 LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& delta, double step_px,
                    const KindShares& shares, float stray, int every);
 
-// Chances of the kinds from their ln p, and that of none of them; 0 where no line is present.
-void to_chances(float stray, const Lanes& present, Lanes (&value)[kKinds], Lanes& other);
+// Change of ln σ of the edge that the lines ask for, with x, y and R free beside it. `widths` are
+// the blocks with RimModel::width_slopes; `blocks` get the chances of the kinds in place of ln p.
+double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel::Evidence> widths,
+                  float stray);
 
 }  // namespace impactdic::circle

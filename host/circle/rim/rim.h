@@ -1,4 +1,4 @@
-// The rim of a ball in a picture: what measure_circle's three steps share. Internal to host/track.
+// The rim of a ball in a picture: what measure_circle's three steps share. Internal to host/circle.
 //
 //   search_rim  rays over a wide range, strong edges, a robust first rim      (rim_search.cpp)
 //   trace_rim   rays close to that rim, the sub-pixel edge of each            (rim_edge.cpp)
@@ -29,14 +29,37 @@ struct Rim {
   }
 };
 
+inline Rim rim_of(const CirclePrior& prior) {
+  const Circle& c = prior.predicted;
+  return {c.cx_px, c.cy_px, c.r_px, prior.e1_px, prior.e2_px};
+}
+
+// What may be fitted, and what is.
+enum class Shapes { circle, circle_or_ellipse };
+enum class Shape { circle, ellipse };
+
+// Of the ball against what lies behind it.
+enum class Polarity { bright, dark };
+inline Polarity polarity_of(bool bright) { return bright ? Polarity::bright : Polarity::dark; }
+inline Polarity opposite(Polarity p) {
+  return p == Polarity::bright ? Polarity::dark : Polarity::bright;
+}
+// Of grey levels, so that every ball is bright.
+inline float sign_of(Polarity p) { return p == Polarity::bright ? 1.0f : -1.0f; }
+
 // The value below which the share `q` of `values`, one at least, lies.
 inline float quantile(std::span<const float> values, double q) {
   const auto rank = static_cast<std::size_t>(q * static_cast<double>(values.size()));
   return order_statistic(values, std::min(rank, values.size() - 1));
 }
 
-// A bilinear and a bicubic look at a picture. The point must lie inside by one pixel (bilinear) or
-// two (bicubic).
+// A cubic kernel over 4×4 pixels. Smooth: the B-spline itself, a blur of σ² = 1/3 px² that makes an
+// edge's place independent of the pixels' phase. Sharp: the cubic of Mitchell and Netravali (1988),
+// B = C = 1/3, which errs with the phase but mixes less of the neighbourhood into an edge.
+enum class Kernel { smooth, sharp };
+
+// A picture between its pixels, bilinear and bicubic. The point must lie inside by one pixel
+// (bilinear) or two (bicubic).
 template <typename T>
 class Sampler {
  public:
@@ -52,15 +75,11 @@ class Sampler {
     return top + fy * (bottom - top);
   }
 
-  // A cubic kernel over 4×4 pixels. Smooth: the B-spline itself, a blur of σ² = 1/3 px² that makes
-  // an edge's place independent of the pixels' phase. Sharp: the cubic of Mitchell and Netravali
-  // (1988), B = C = 1/3, which errs with the phase but mixes less of the neighbourhood into an
-  // edge.
-  template <bool kSharp>
+  template <Kernel kKernel>
   float bicubic(float x, float y) const {
     const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-    const Float4 wx = weights<kSharp>(x - static_cast<float>(ix));
-    const Float4 wy = weights<kSharp>(y - static_cast<float>(iy));
+    const Float4 wx = weights<kKernel>(x - static_cast<float>(ix));
+    const Float4 wy = weights<kKernel>(y - static_cast<float>(iy));
     const T* row = picture_.data + (iy - 1) * picture_.pitch + (ix - 1);
     Float4 column = wy[0] * four(row);
     column += wy[1] * four(row + picture_.pitch);
@@ -94,10 +113,10 @@ class Sampler {
     std::memcpy(&p, pixels, sizeof(p));
     return __builtin_convertvector(p, Float4);
   }
-  template <bool kSharp>
+  template <Kernel kKernel>
   static Float4 weights(float t) {
     constexpr float k = 1.0f / 18;
-    if constexpr (kSharp) {
+    if constexpr (kKernel == Kernel::sharp) {
       return ((Float4{-7, 21, -21, 7} * k * t + Float4{15, -36, 27, -6} * k) * t +
               Float4{-9, 0, 9, 0} * k) *
                  t +
@@ -111,11 +130,14 @@ class Sampler {
   ImageView<const T> picture_;
 };
 
+// Sectors of the rim in which levels are found, and in which its points and lines are counted.
+inline constexpr int kLevelSectors = 24, kRimSectors = 48;
+
 // The robust first rim.
 struct RimSearch {
   bool found = false;
   Rim rim;
-  bool bright = true;
+  Polarity polarity = Polarity::bright;
   double support = 0;  // share of the rays in view that have a strong edge within 1 px of the rim
   double in_view = 0;  // share of the full rim whose rays lie in the picture
   double blur_px = 1;  // scale of the edge: contrast / steepest slope / √(2π)
@@ -129,17 +151,21 @@ struct RimPoint {
   float weight;  // usual error over this point's, from the contrast
   int sector;    // 0 … kRimSectors − 1, by the angle
 };
-inline constexpr int kRimSectors = 48;
 struct RimTrace {
   std::vector<RimPoint> points;  // accepted only, in the order of the angle
   int rays_in_view = 0;
   double noise_px = 0;       // what the camera noise alone would scatter a crossing
   double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
 };
-// Casts options.rays rays across `rim` and keeps the clean edges: ball inside, background outside,
+struct RayRequest {
+  Polarity polarity = Polarity::bright;
+  double blur_px = 1;  // of the edge, as in RimSearch
+  Kernel kernel = Kernel::smooth;
+  int rays = 720;  // all around the rim
+};
+// Casts rays across `rim` and keeps the clean edges: ball inside, background outside,
 // and the usual shape between them. `trace` keeps its memory from call to call.
-void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, bool sharp,
-               int rays, RimTrace& trace);
+void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, RimTrace& trace);
 
 // The fit through traced points.
 struct RimFit {
@@ -152,6 +178,6 @@ struct RimFit {
   int points = 0;          // with a weight of at least one half
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
 };
-RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, bool allow_ellipse);
+RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, Shapes shapes);
 
 }  // namespace impactdic::circle

@@ -6,13 +6,15 @@
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "host/circle/settings/levels.h"
 
 namespace impactdic::circle {
 namespace {
 
 static_assert(kSamples < kLanes && kDeep == kLanes);
-constexpr float kLastTurn = 0.99999f;  // of a quarter
 
 [[gnu::always_inline]] inline void to_root(Lanes& v) {
   float x[kLanes];
@@ -92,7 +94,7 @@ IMPACTDIC_WIDE void lay(const Quarter& q, float step, Courses& courses, CastLine
     const Lanes per = q.side / slope;
     const Lanes bend = 0.5f * per_outside * (1 - slope * slope) * per * per * per;
     Lanes turn = 0.5f + 0.5f * order * q.side * x / y;
-    turn = turn < 0 ? Lanes{} : turn > kLastTurn ? Lanes{} + kLastTurn : turn;
+    turn = turn < 0 ? Lanes{} : turn > kLine.last_turn ? Lanes{} + kLine.last_turn : turn;
     store(y - q.v0, courses.at, i);
     store(per, courses.per, i);
     store(bend, courses.bend, i);
@@ -190,65 +192,100 @@ IMPACTDIC_WIDE void sample(const std::uint16_t* pixels, int stride, const Course
   take(pixels, stride, courses, excess, sign, s, out);
 }
 
+enum class Along { columns, rows };
+
+// A picture and a rim with lines along v, one every so many u; columns: v is y.
+struct Axes {
+  Conic conic;        // u for X, v for Y
+  double u0, v0;      // the centre
+  int width, height;  // of the picture, along u and v
+  int to_u, to_v;     // elements from a pixel to the next one along u and v
+
+  template <typename T>
+  Axes(ImageView<const T> picture, const Rim& rim, Along along) : conic(rim) {
+    const int pitch = static_cast<int>(picture.pitch);
+    u0 = rim.cx, v0 = rim.cy;
+    width = picture.width, height = picture.height;
+    to_u = 1, to_v = pitch;
+    if (along == Along::columns) return;
+    conic = conic.transposed();
+    std::swap(u0, v0);
+    std::swap(width, height);
+    std::swap(to_u, to_v);
+  }
+};
+
 template <typename T>
 class Caster {
  public:
-  Caster(ImageView<const T> picture, const Rim& rim, float sign, const Casting& how,
-         CastLines& lines)
-      : picture_(picture), rim_(rim), sign_(sign), how_(how), lines_(lines) {}
+  Caster(ImageView<const T> picture, const Rim& rim, const Casting& how, CastLines& lines)
+      : picture_(picture), rim_(rim), sign_(sign_of(how.polarity)), how_(how), lines_(lines) {}
 
-  // Columns: v is y. `side` is the sign of v, `order` that of u from line to line.
-  void quarter(int turn, bool columns, int side, int order) {
-    const Conic conic = columns ? Conic(rim_) : Conic(rim_).transposed();
-    const double u0 = columns ? rim_.cx : rim_.cy, v0 = columns ? rim_.cy : rim_.cx;
-    const int width = columns ? picture_.width : picture_.height;
-    const int height = columns ? picture_.height : picture_.width;
-    const int pitch = static_cast<int>(picture_.pitch);
-    const int to_u = columns ? 1 : pitch, to_v = columns ? pitch : 1;
+  // The lines of quarter `turn`; `side` is the sign of v, `order` that of u from line to line.
+  void cast(int turn, Along along, int side, int order) {
+    const Axes at(picture_, rim_, along);
+    const Conic& conic = at.conic;
+    const auto [start, n, step] = lines_in_view(at, side, order);
+    if (n == 0) return;
+
+    // v is told from a pixel so far out that it is positive, and small as numbers go.
+    const double reach = rim_.r + std::hypot(rim_.e1, rim_.e2) + 2 * kOutside * how_.step_px + 4;
+    const int from = static_cast<int>(std::floor(at.v0 - reach));
+    static thread_local Scratch scratch;  // memory only
+    const int first = static_cast<int>(lines_.level.size());
+    scratch.courses.resize(n);
+    lines_.resize(first + n);
+    const Quarter q = {static_cast<float>(conic.a),
+                       static_cast<float>(conic.b),
+                       static_cast<float>(conic.c),
+                       static_cast<float>(start - at.u0),
+                       static_cast<float>(from - at.v0),
+                       static_cast<float>(step),
+                       static_cast<float>(side),
+                       turn,
+                       kLine.least_v_px - static_cast<float>(from),
+                       static_cast<float>(at.height - from) - kLine.most_v_px,
+                       start * at.to_u + from * at.to_v,
+                       step * at.to_u};
+    lay(q, static_cast<float>(how_.step_px), scratch.courses, lines_, first);
+    lines_.resize(first + scratch.courses.n);
+    const Lanes inwards = {-3, -2, -1, 0, 1, 2, 3, 3};
+    static_assert(kInside == 3 && kOutside == 3);
+    sample(picture_.data, at.to_v, scratch.courses, inwards * static_cast<float>(how_.step_px),
+           sign_, scratch, lines_.level.data() + first);
+    if (how_.deep_every > 0) deepen(q, first, at.to_v, scratch);
+  }
+
+ private:
+  // Lines from u = first on, `step` apart.
+  struct Range {
+    int first, n, step;
+  };
+  Range lines_in_view(const Axes& at, int side, int order) {
+    const Conic& conic = at.conic;
     // The normal lies along v rather than along u between the points where it does so by 45°.
     const auto end = [&](int sign) {
       const double det = conic.a * conic.c - conic.b * conic.b;
       return (conic.c * sign - conic.b * side) /
              std::sqrt(det * (conic.a + conic.c - 2 * conic.b * side * sign));
     };
-    const int low = static_cast<int>(std::ceil(u0 + end(-1)));
-    const int high = static_cast<int>(std::floor(u0 + end(1)));
-    if (high < low) return;
+    const int low = static_cast<int>(std::ceil(at.u0 + end(-1)));
+    const int high = static_cast<int>(std::floor(at.u0 + end(1)));
+    if (high < low) return {0, 0, 0};
     const int stride =
         std::max(1, static_cast<int>(std::ceil(4 * std::sqrt(2.0) * rim_.r / how_.most_lines)));
     const int all = (high - low) / stride + 1, step = order * stride;
     lines_.cast += all;
     int start = order > 0 ? low : high, n = all;
-    const auto in = [&](int u) { return u >= 0 && u < width; };
+    const auto in = [&](int u) { return u >= 0 && u < at.width; };
     for (; n > 0 && !in(start); --n) start += step;
     while (n > 0 && !in(start + (n - 1) * step)) --n;
-    if (n == 0) return;
-
-    // v is told from a pixel so far out that it is positive, and small as numbers go.
-    const double reach = rim_.r + std::hypot(rim_.e1, rim_.e2) + 2 * kOutside * how_.step_px + 4;
-    const int from = static_cast<int>(std::floor(v0 - reach));
-    static thread_local Scratch scratch;  // memory only
-    const int first = static_cast<int>(lines_.level.size());
-    scratch.courses.resize(n);
-    lines_.resize(first + n);
-    const Quarter q = {static_cast<float>(conic.a),   static_cast<float>(conic.b),
-                       static_cast<float>(conic.c),   static_cast<float>(start - u0),
-                       static_cast<float>(from - v0), static_cast<float>(step),
-                       static_cast<float>(side),      turn,
-                       static_cast<float>(1 - from),  static_cast<float>(height - from) - 2.01f,
-                       start * to_u + from * to_v,    step * to_u};
-    lay(q, static_cast<float>(how_.step_px), scratch.courses, lines_, first);
-    lines_.resize(first + scratch.courses.n);
-    const Lanes inwards = {-3, -2, -1, 0, 1, 2, 3, 3};
-    static_assert(kInside == 3 && kOutside == 3);
-    sample(picture_.data, to_v, scratch.courses, inwards * static_cast<float>(how_.step_px), sign_,
-           scratch, lines_.level.data() + first);
-    if (how_.deep_every > 0) deepen(q, first, to_v, scratch);
+    return {start, n, step};
   }
 
- private:
   void deepen(const Quarter& q, int first, int to_v, Scratch& scratch) {
-    const float step = std::min(static_cast<float>(how_.step_px), static_cast<float>(rim_.r) / 24);
+    const float step =
+        std::min(static_cast<float>(how_.step_px), static_cast<float>(rim_.r) / kLine.deep_per_r);
     const Courses& all = scratch.courses;
     Courses& deep = scratch.deep;
     const auto before = lines_.deep_line.size();
@@ -286,13 +323,12 @@ class Caster {
 };
 
 template <typename T>
-void cast(ImageView<const T> picture, const Rim& rim, bool bright, const Casting& how,
-          CastLines& lines) {
-  Caster<T> caster(picture, rim, bright ? 1.0f : -1.0f, how, lines);
-  caster.quarter(0, false, 1, 1);
-  caster.quarter(1, true, 1, -1);
-  caster.quarter(2, false, -1, -1);
-  caster.quarter(3, true, -1, 1);
+void cast(ImageView<const T> picture, const Rim& rim, const Casting& how, CastLines& lines) {
+  Caster<T> caster(picture, rim, how, lines);
+  caster.cast(0, Along::rows, 1, 1);
+  caster.cast(1, Along::columns, 1, -1);
+  caster.cast(2, Along::rows, -1, -1);
+  caster.cast(3, Along::columns, -1, 1);
 }
 
 }  // namespace
@@ -305,8 +341,7 @@ void CastLines::resize(int lines) {
   level.resize(static_cast<std::size_t>(lines));
 }
 
-void cast_lines(const Frame& frame, const Rim& rim, bool bright, const Casting& how,
-                CastLines& lines) {
+void cast_lines(const Frame& frame, const Rim& rim, const Casting& how, CastLines& lines) {
   lines.cast = 0;
   lines.resize(0);
   lines.deep_line.clear();
@@ -314,9 +349,9 @@ void cast_lines(const Frame& frame, const Rim& rim, bool bright, const Casting& 
   lines.deep_y.clear();
   lines.deep_level.clear();
   if (frame.type == PixelType::u8) {
-    cast(frame.u8.view(), rim, bright, how, lines);
+    cast(frame.u8.view(), rim, how, lines);
   } else {
-    cast(frame.u16.view(), rim, bright, how, lines);
+    cast(frame.u16.view(), rim, how, lines);
   }
 }
 

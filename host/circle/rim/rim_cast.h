@@ -1,4 +1,4 @@
-// Grey levels along lines across a rim. Internal to host/track; rim_lines makes shares of the
+// Grey levels along lines across a rim. Internal to host/circle; rim_lines makes shares of the
 // contrast of them.
 #pragma once
 
@@ -32,12 +32,12 @@ struct CastLines {
 };
 
 struct Casting {
+  Polarity polarity;
   double step_px;
   int most_lines;
   int deep_every;  // lines from one that reaches deep to the next; 0: none does
 };
 // `lines` keeps its memory from call to call.
-void cast_lines(const Frame& frame, const Rim& rim, bool bright, const Casting& how,
-                CastLines& lines);
+void cast_lines(const Frame& frame, const Rim& rim, const Casting& how, CastLines& lines);
 
 }  // namespace impactdic::circle

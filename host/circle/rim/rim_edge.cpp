@@ -8,19 +8,16 @@
 #include <vector>
 
 #include "host/circle/rim/rim.h"
+#include "host/circle/rim/rim_levels.h"
+#include "host/circle/settings/crossings.h"
+#include "host/circle/settings/levels.h"
 
 namespace impactdic::circle {
 namespace {
 
-constexpr int kSectors = 24;  // of the rim, in which levels are found
-constexpr int kHalf = 3;      // a profile is 2·kHalf + 1 samples about the expected rim
+constexpr int kSectors = kLevelSectors;
+constexpr int kHalf = 3;  // a profile is 2·kHalf + 1 samples about the expected rim
 constexpr int kLength = 2 * kHalf + 1;
-constexpr int kLevelsEvery = 3;        // rays from one that looks for levels to the next
-constexpr double kSharpest_px = 0.75;  // a wider edge is sampled on proportionally wider steps
-constexpr int kBeside = 3;  // rays beside one with an obstacle that the obstacle's blur reaches
-constexpr float kPhase_px[2] = {0.006f, 0.02f};  // error with the pixels' phase, smooth and sharp
-constexpr float kLeastContrast = 0.2f;           // of the usual contrast
-constexpr float kGroundTolerance = 0.06f;        // of the contrast, two steps outside the crossing
 
 struct Rays {
   std::vector<float> cos, sin;                      // all rays in view
@@ -53,7 +50,7 @@ float sample_noise(Rays& rays, int n) {
   for (int i = 3; i < n; i += 3) {
     rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i - 3)[kLength - 1]));
   }
-  return 1.4826f / std::sqrt(2.0f) * quantile(rays.scratch, 0.5);
+  return noise_of_steps(rays.scratch);
 }
 
 // The background's level by sector: the median of what lies 2 … 4 steps outside, over three
@@ -71,12 +68,10 @@ std::array<float, kSectors> ground_levels(Rays& rays) {
   return levels;
 }
 
-// The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
-// quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of
-// samples 3 … 13 steps inside. It starts from what one sample in twenty exceeds in each sector,
-// since on a densely inked ball little more shows the bare paint, and settles on what lies within
-// a window about it that shrinks to the noise.
-class BallLight {
+// The paint's level (see rim_levels.h) through the upper crowd of samples 3 … 13 steps inside. It
+// starts from what one sample in twenty exceeds in each sector, and settles on what lies within a
+// window about it that shrinks to the noise.
+class RayLight {
  public:
   static constexpr int kDepths = 6;
   // Samples of one ray, 3, 5 … 13 steps inside; (x, y) is the place of their middle, in radii from
@@ -95,41 +90,10 @@ class BallLight {
 
   // `ground` is the background's level.
   void fit(float ground, float noise, int rays, std::vector<float>& scratch) {
-    std::array<Bright, kSectors> bright;
-    int sectors = 0;
-    std::size_t first = 0;
-    for (int sector = 0; sector < kSectors; ++sector) {  // columns come in the order of the rays
-      scratch.clear();
-      const std::size_t begin = first;
-      while (first < columns_.size() && columns_[first].ray * kSectors / rays == sector) {
-        const auto& level = columns_[first++].level;
-        scratch.insert(scratch.end(), level.begin(), level.end());
-      }
-      if (scratch.size() < 8) continue;
-      const Column& middle = columns_[(begin + first) / 2];
-      bright[sectors++] = {middle.x, middle.y, quantile(scratch, 0.95)};
-    }
-    // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
-    w_.setZero();
-    for (int pass = 0; pass < 6; ++pass) {
-      Matrix5 a = Matrix5::Identity() * 1e-6;
-      for (int m = 1; m < 5; ++m) a(m, m) = m < 3 ? 0.1 : 1;  // no shading unless it shows
-      Vector5 b = Vector5::Zero();
-      for (int k = 0; k < sectors; ++k) {
-        const Vector5 j = basis(bright[k].x, bright[k].y);
-        const double off = bright[k].level - w_.dot(j);
-        const double weight = pass == 0 || off > -0.02 * (w_[0] - ground) ? 1 : 0.03;
-        a.noalias() += weight * j * j.transpose();
-        b.noalias() += weight * bright[k].level * j;
-      }
-      w_ = a.ldlt().solve(b);
-    }
+    find_bright(rays, scratch);
+    find_envelope(ground);
     const float contrast = static_cast<float>(w_[0]) - ground;
-    const float last = std::max(2.5f * noise, 0.015f * contrast);
-    for (const float window :
-         {std::max(0.08f * contrast, last), std::max(0.04f * contrast, last), last}) {
-      settle(window);
-    }
+    for (const float window : settling_windows(contrast, noise)) settle(window);
   }
   float at(float c, float s) const { return static_cast<float>(w_.dot(basis(c, s))); }
 
@@ -141,10 +105,45 @@ class BallLight {
   };
   static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
 
+  // What one sample in twenty exceeds, by sector.
+  void find_bright(int rays, std::vector<float>& scratch) {
+    sectors_ = 0;
+    std::size_t first = 0;
+    for (int sector = 0; sector < kSectors; ++sector) {  // columns come in the order of the rays
+      scratch.clear();
+      const std::size_t begin = first;
+      while (first < columns_.size() && columns_[first].ray * kSectors / rays == sector) {
+        const auto& level = columns_[first++].level;
+        scratch.insert(scratch.end(), level.begin(), level.end());
+      }
+      if (scratch.size() < kCrossing.sector_samples) continue;
+      const Column& middle = columns_[(begin + first) / 2];
+      bright_[sectors_++] = {middle.x, middle.y, quantile(scratch, kLevels.bright)};
+    }
+  }
+
+  // Upper envelope of the sectors.
+  void find_envelope(float ground) {
+    w_.setZero();
+    for (int pass = 0; pass < kLevels.envelope_passes; ++pass) {
+      Matrix5 a = Matrix5::Zero();
+      for (int m = 0; m < 5; ++m) a(m, m) = no_shading(m);
+      Vector5 b = Vector5::Zero();
+      for (int k = 0; k < sectors_; ++k) {
+        const Vector5 j = basis(bright_[k].x, bright_[k].y);
+        const double off = bright_[k].level - w_.dot(j);
+        const bool above = pass == 0 || off > -kLevels.below * (w_[0] - ground);
+        const double weight = above ? 1 : kLevels.below_weight;
+        a.noalias() += weight * j * j.transpose();
+        b.noalias() += weight * bright_[k].level * j;
+      }
+      w_ = a.ldlt().solve(b);
+    }
+  }
+
   void settle(float window) {
-    // A handful of samples at the present level, so that sectors without bare paint keep theirs.
     Matrix5 a = Matrix5::Zero();
-    for (int m = 0; m < 5; ++m) a(m, m) = 5;
+    for (int m = 0; m < 5; ++m) a(m, m) = kLevels.held;
     Vector5 b = a * w_;
     for (const Column& column : columns_) {
       const Vector5 j = basis(column.x, column.y);
@@ -169,17 +168,53 @@ class BallLight {
   }
 
   std::vector<Column> columns_;
+  std::array<Bright, kSectors> bright_;
+  int sectors_ = 0;
   Vector5 w_ = Vector5::Zero();
 };
 
+// A ray that crosses the expected rim at (x, y) in the direction (ux, uy), `radius` px from the
+// centre; samples lie `step` px apart.
+struct Crossing {
+  float x, y, ux, uy, radius;
+  float step;
+  int ray, sector;
+};
+
+// The levels outside and deep inside at a ray.
+template <typename T>
+void take_levels(const Sampler<T>& sampler, const Crossing& at, float sign, double r_px, Rays& rays,
+                 RayLight& light) {
+  const float dx = at.step * at.ux, dy = at.step * at.uy;
+  const auto level = [&](float out_px) {
+    return sign * sampler.bilinear(at.x + out_px * at.ux, at.y + out_px * at.uy);
+  };
+  const float margin = kCrossing.margin_px;
+  for (int k = kCrossing.ground_from; k <= kCrossing.ground_to; ++k) {
+    if (!sampler.inside(at.x + k * dx, at.y + k * dy, margin)) break;
+    rays.ground[at.sector].push_back(level(k * at.step));
+  }
+  // The steps are shorter on a ball so small that they would reach its centre.
+  const float inward = std::min(at.step, static_cast<float>(r_px) / kCrossing.per_r);
+  const float deepest = RayLight::depth(RayLight::kDepths - 1) * inward;
+  if (!sampler.inside(at.x - deepest * at.ux, at.y - deepest * at.uy, margin)) return;
+  const float per_radius = 1 / static_cast<float>(r_px);
+  const float middle = per_radius * (at.radius - RayLight::kMiddle * inward);
+  RayLight::Column column{middle * at.ux, middle * at.uy, inward * per_radius,
+                          1 / middle,     at.ray,         {}};
+  for (int k = 0; k < RayLight::kDepths; ++k) {
+    column.level[k] = level(-RayLight::depth(k) * inward);
+  }
+  light.add(column);
+}
+
 // Casts the rays; returns how many lie in the picture. `sign` makes every ball bright.
-template <bool kSharp, typename T>
+template <Kernel kKernel, typename T>
 int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int count, Rays& rays,
-         BallLight& light) {
+         RayLight& light) {
   const Sampler<T> sampler(picture);
   rays.resize(count);
   const double turn_c = std::cos(2 * kPi / count), turn_s = std::sin(2 * kPi / count);
-  const float per_radius = 1 / static_cast<float>(rim.r);
   double c = 1, s = 0;
   int n = 0;
   for (int i = 0; i < count; ++i) {
@@ -192,30 +227,13 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
       float* p = rays.profile.data() + static_cast<std::size_t>(n) * kLength;
       for (int k = -kHalf; k <= kHalf; ++k) {
         const float px = x + static_cast<float>(k) * dx, py = y + static_cast<float>(k) * dy;
-        p[k + kHalf] = sign * sampler.template bicubic<kSharp>(px, py);
+        p[k + kHalf] = sign * sampler.template bicubic<kKernel>(px, py);
       }
-      if (i % kLevelsEvery == 0) {
-        const float ux = static_cast<float>(c), uy = static_cast<float>(s);
-        const auto level = [&](float out_px) {
-          return sign * sampler.bilinear(x + out_px * ux, y + out_px * uy);
-        };
-        for (int k = 2; k <= 4; ++k) {
-          if (!sampler.inside(x + k * dx, y + k * dy, 1.5f)) break;
-          rays.ground[i * kSectors / count].push_back(level(k * step));
-        }
-        // The steps are shorter on a ball so small that they would reach its centre.
-        const float inward = std::min(step, static_cast<float>(rim.r) / 26);
-        const float deepest = BallLight::depth(BallLight::kDepths - 1) * inward;
-        if (sampler.inside(x - deepest * ux, y - deepest * uy, 1.5f)) {
-          const float middle =
-              per_radius * (static_cast<float>(radius) - BallLight::kMiddle * inward);
-          BallLight::Column column{middle * ux, middle * uy, inward * per_radius,
-                                   1 / middle,  i,           {}};
-          for (int k = 0; k < BallLight::kDepths; ++k) {
-            column.level[k] = level(-BallLight::depth(k) * inward);
-          }
-          light.add(column);
-        }
+      if (i % kCrossing.levels_every == 0) {
+        const Crossing at{
+            x,    y, static_cast<float>(c), static_cast<float>(s), static_cast<float>(radius),
+            step, i, i * kSectors / count};
+        take_levels(sampler, at, sign, rim.r, rays, light);
       }
       rays.cos[n] = static_cast<float>(c);
       rays.sin[n] = static_cast<float>(s);
@@ -229,16 +247,14 @@ int cast(ImageView<const T> picture, const Rim& rim, float sign, float step, int
   return n;
 }
 
-// The background at a ray whose samples outside read `seen`: linear between the middles of the
-// sectors, or where an obstacle ends between them the nearer of the two.
+// The background at a ray whose samples outside read `seen`.
 float ground_at(const std::array<float, kSectors>& levels, int ray, int count, float seen,
                 float contrast) {
   const float at = static_cast<float>(ray) * kSectors / static_cast<float>(count) - 0.5f;
   const int b = static_cast<int>(std::floor(at));
   const float t = at - static_cast<float>(b);
   const float a = levels[(b + kSectors) % kSectors], c = levels[(b + 1) % kSectors];
-  if (std::abs(a - c) < kGroundTolerance * contrast) return a + t * (c - a);
-  return std::abs(seen - a) < std::abs(seen - c) ? a : c;
+  return ground_between(a, c, t, seen, contrast);
 }
 
 // Where the profile falls through `level`, in steps from the expected rim; outermost, within two
@@ -252,7 +268,7 @@ bool cross(const float* p, float level, float& at) {
     const float c2 = a / 2 - b + c / 2;
     const float c3 = -a / 6 + b / 2 - c / 2 + d / 6;
     float t = (b - level) / (b - c);
-    for (int pass = 0; pass < 3; ++pass) {
+    for (int pass = 0; pass < kCrossing.newton; ++pass) {
       const float f = b - level + t * (c1 + t * (c2 + t * c3));
       const float slope = c1 + t * (2 * c2 + t * 3 * c3);
       if (!(slope < 0)) return false;
@@ -274,10 +290,11 @@ float profile_at(const float* p, float at) {
 }
 
 // The crossings of the rays that show the background outside as their neighbourhood has it: drops
-// the bar and whatever else lies in front of both. `relative_noise` gets the noise of a sample over
-// the contrast.
-void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge>& edges,
+// the bar and whatever else hides the ball or the background. `relative_noise` gets the noise of a
+// sample over the contrast.
+void find_edges(Rays& rays, RayLight& light, int n, int count, std::vector<Edge>& edges,
                 float& relative_noise) {
+  constexpr int kBeside = kClear.beside;
   edges.clear();
   const float noise = sample_noise(rays, n);
   const auto grounds = ground_levels(rays);
@@ -293,16 +310,16 @@ void find_edges(Rays& rays, BallLight& light, int n, int count, std::vector<Edge
         ground_at(grounds, rays.ray[i], count, p[kLength - 1], std::max(usual, 1e-6f));
     const float contrast = ball - outside;
     Edge edge{i, 0, 0, contrast / usual};
-    const bool seen = contrast > kLeastContrast * usual && contrast > 6 * noise &&
-                      std::abs(p[kLength - 1] - outside) < kGroundTolerance * contrast + 4 * noise;
-    if (!seen) {
+    if (!is_clear(contrast, usual, p[kLength - 1], outside, noise)) {
       blocked = i;
       while (!edges.empty() && edges.back().index >= i - kBeside) edges.pop_back();
       continue;
     }
     if (i - blocked <= kBeside || !cross(p, outside + 0.5f * contrast, edge.at)) continue;
-    const float beyond = profile_at(p, edge.at + 2) - outside;
-    if (std::abs(beyond) > kGroundTolerance * contrast + 3 * noise) continue;
+    const float beyond = profile_at(p, edge.at + kCrossing.beyond_steps) - outside;
+    if (std::abs(beyond) > kClear.ground_tolerance * contrast + kCrossing.beyond_noise * noise) {
+      continue;
+    }
     edge.fall = (profile_at(p, edge.at - 1) - profile_at(p, edge.at + 1)) / contrast;
     edges.push_back(edge);
   }
@@ -313,9 +330,10 @@ double edge_sigma(const std::vector<Edge>& edges, std::vector<float>& scratch, d
   scratch.clear();
   for (const Edge& edge : edges) scratch.push_back(edge.fall);
   if (scratch.empty()) return 0;
-  const double fall = std::clamp(static_cast<double>(quantile(scratch, 0.5)), 0.3, 0.999);
-  double low = 0.1, high = 3;
-  for (int pass = 0; pass < 20; ++pass) {
+  const double fall = std::clamp(static_cast<double>(quantile(scratch, 0.5)), kCrossing.least_fall,
+                                 kCrossing.most_fall);
+  double low = kCrossing.least_sigma, high = kCrossing.most_sigma;
+  for (int pass = 0; pass < kCrossing.sigma_halvings; ++pass) {
     const double middle = 0.5 * (low + high);
     (std::erf(1 / (middle * std::sqrt(2.0))) > fall ? low : high) = middle;
   }
@@ -324,30 +342,31 @@ double edge_sigma(const std::vector<Edge>& edges, std::vector<float>& scratch, d
 
 }  // namespace
 
-void trace_rim(const Frame& frame, const Rim& rim, bool bright, double blur_px, bool sharp,
-               int count, RimTrace& trace) {
+void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, RimTrace& trace) {
   thread_local Rays rays;  // memory only
   thread_local std::vector<Edge> edges;
-  thread_local BallLight light;
+  thread_local RayLight light;
   light.clear();
-  const float step = static_cast<float>(std::clamp(blur_px / kSharpest_px, 1.0, rim.r / 8));
-  const float sign = bright ? 1.0f : -1.0f;
+  const int count = request.rays;
+  const bool sharp = request.kernel == Kernel::sharp;
+  const float step = static_cast<float>(step_px_of(request.blur_px, rim.r));
+  const float sign = sign_of(request.polarity);
   const auto cast_on = [&](const auto& view) {
-    return sharp ? cast<true>(view, rim, sign, step, count, rays, light)
-                 : cast<false>(view, rim, sign, step, count, rays, light);
+    return sharp ? cast<Kernel::sharp>(view, rim, sign, step, count, rays, light)
+                 : cast<Kernel::smooth>(view, rim, sign, step, count, rays, light);
   };
   const int n = frame.type == PixelType::u8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
   trace.points.clear();
   trace.rays_in_view = n;
   trace.edge_sigma_px = 0;
-  if (n < 16) return;
+  if (n < kCrossing.least_rays) return;
   float relative_noise = 0;
   find_edges(rays, light, n, count, edges, relative_noise);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
   const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.
   const auto error = [&](double contrast) {
-    return std::hypot(noise / contrast, kPhase_px[sharp]);
+    return std::hypot(noise / contrast, kCrossing.phase_px[sharp]);
   };
   const double usual = error(1);
   trace.noise_px = usual;

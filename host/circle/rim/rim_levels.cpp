@@ -11,7 +11,7 @@
 namespace impactdic::circle {
 namespace {
 
-constexpr int kSectors = LineTrace::Levels::kSectors;
+constexpr int kSectors = kLevelSectors;
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
@@ -64,7 +64,7 @@ float sample_noise(const std::vector<float>& outermost) {
   for (std::size_t i = 1; i < outermost.size(); i += 2) {
     steps.push_back(std::abs(outermost[i] - outermost[i - 1]));
   }
-  return 1.4826f / std::sqrt(2.0f) * quantile(steps, 0.5);
+  return noise_of_steps(steps);
 }
 
 // Sum and number of the values near a middle.
@@ -85,23 +85,24 @@ IMPACTDIC_WIDE void sum_near(const float* values, int n, float middle, float win
 // the neighbours'.
 std::array<float, kSectors> ground_levels(const CastLines& lines,
                                           const std::vector<float>& outermost, float noise) {
-  // Lines of each sector, with the last one in front of the first, and the first behind the last.
+  // Lines of each sector, with the last one before the first, and the first after the last.
   std::array<int, kSectors> count{};
   for (int i = 0; i < lines.size(); ++i) ++count[lines.sector(i, kSectors)];
-  const int n = lines.size(), in_front = count[kSectors - 1], behind = count[0];
+  const int n = lines.size(), before = count[kSectors - 1], after = count[0];
   thread_local std::vector<float> around, own;  // memory only
-  make_room(around, static_cast<std::size_t>(in_front + n + behind));
-  std::copy(outermost.end() - in_front, outermost.end(), around.begin());
-  std::copy(outermost.begin(), outermost.end(), around.begin() + in_front);
-  std::copy(outermost.begin(), outermost.begin() + behind, around.begin() + in_front + n);
+  make_room(around, static_cast<std::size_t>(before + n + after));
+  std::copy(outermost.end() - before, outermost.end(), around.begin());
+  std::copy(outermost.begin(), outermost.end(), around.begin() + before);
+  std::copy(outermost.begin(), outermost.begin() + after, around.begin() + before + n);
 
-  const float window = 3 * noise + 0.5f;
+  const float window = kLineLevels.ground_noise * noise + kLineLevels.ground_least;
   std::array<float, kSectors> medians{};
-  for (int b = 0, from = in_front; b < kSectors; from += count[b++]) {
+  for (int b = 0, from = before; b < kSectors; from += count[b++]) {
     if (count[b] == 0) continue;
     make_room(own, static_cast<std::size_t>(count[b]));
     std::copy_n(around.begin() + from, count[b], own.begin());
-    medians[b] = near_quantile(own.data(), static_cast<std::size_t>(count[b]), 0.5f, window / 8);
+    medians[b] = near_quantile(own.data(), static_cast<std::size_t>(count[b]), 0.5f,
+                               kLineLevels.ground_tolerance * window);
   }
   std::array<float, kSectors> levels{};
   for (int b = 0, from = 0; b < kSectors; ++b) {
@@ -120,13 +121,13 @@ std::array<float, kSectors> ground_levels(const CastLines& lines,
       sum_near(around.data() + from, among, middle, window, sum, near);
       levels[b] = middle + sum / std::max(near, 1.0f);
     }
-    from += b == 0 ? in_front : count[b - 1];
+    from += b == 0 ? before : count[b - 1];
   }
   return levels;
 }
 
 // Leaves only the deep lines that show the ball: something inside that is brighter than outside.
-void drop_deep_in_front(CastLines& lines) {
+void drop_hidden_deep_lines(CastLines& lines) {
   const auto rise = [](const Profile& p) { return std::max({p[0], p[1], p[2]}) - p[kSamples - 1]; };
   thread_local std::vector<float> rises;  // memory only
   const auto n = static_cast<std::size_t>(lines.size() + 1) / 2;
@@ -136,7 +137,8 @@ void drop_deep_in_front(CastLines& lines) {
     rises[i] = rise(lines.level[2 * i].v);
     most = std::max(most, rises[i]);
   }
-  const float least = kNothing * near_quantile(rises.data(), n, 0.9f, 0.01f * most);
+  const float least = kClear.nothing * near_quantile(rises.data(), n, kLineLevels.rise_rank,
+                                                     kLineLevels.rise_tolerance * most);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < lines.deep_line.size(); ++i) {
     if (!(rise(lines.level[lines.deep_line[i]].v) > least)) continue;
@@ -168,12 +170,10 @@ IMPACTDIC_WIDE void sum_near_light(const CastLines& lines, int begin, int end,
   sum = total_of(off_sum);
 }
 
-// The ball's own level around the rim (the paint's, not the ink's): the light on the ball as a
-// quadratic in the place, w0 + w1 x + w2 y + w3 (x² − y²) + w4 2xy, through the upper crowd of the
-// samples inside. It starts from what one sample in twenty exceeds in each sector, since on a
-// densely inked ball little more shows the bare paint, and settles on what lies within a window
-// about it that shrinks to the noise.
-class BallLight {
+// The paint's level (see rim_levels.h) through the upper crowd of the deep samples. It starts from
+// what one sample in twenty exceeds in each sector, and settles on what lies within a window about
+// it that shrinks to the noise.
+class LineLight {
  public:
   // `ground` is the background's level.
   void fit(const CastLines& lines, float ground, float noise) {
@@ -187,17 +187,15 @@ class BallLight {
       const auto samples = static_cast<std::size_t>((end - begin) * kDeep);
       make_room(samples_, samples);
       std::memcpy(samples_.data(), &lines.deep_level[begin], samples * sizeof(float));
-      const float bright = near_quantile(samples_.data(), samples, 0.95f, 0.25f * noise + 0.02f);
+      const float bright =
+          near_quantile(samples_.data(), samples, static_cast<float>(kLevels.bright),
+                        kLineLevels.bright_noise * noise + kLineLevels.bright_least);
       parts_[sectors_++] = {begin, end, {1, x, y, x * x - y * y, 2 * x * y}, bright};
       begin = end;
     }
     find_envelope(ground);
     const float contrast = static_cast<float>(w_[0]) - ground;
-    const float last = std::max(2.5f * noise, 0.015f * contrast);
-    for (const float window :
-         {std::max(0.08f * contrast, last), std::max(0.04f * contrast, last), last}) {
-      settle(lines, window);
-    }
+    for (const float window : settling_windows(contrast, noise)) settle(lines, window);
   }
   std::array<float, 5> coefficients() const {
     std::array<float, 5> w;
@@ -223,24 +221,22 @@ class BallLight {
     Vector5 solution() const { return a.llt().solve(b); }
   };
 
-  // Upper envelope of the sectors (expectile regression): a bar darkens whole sectors.
+  // Upper envelope of the sectors.
   void find_envelope(float ground) {
     w_.setZero();
     std::array<bool, kSectors> below{};
-    for (int pass = 0; pass < 6; ++pass) {
+    for (int pass = 0; pass < kLevels.envelope_passes; ++pass) {
       Normal normal;
-      for (int m = 0; m < 5; ++m) {
-        normal.a(m, m) = m == 0 ? 1e-6 : m < 3 ? 0.1 : 1;  // no shading unless it shows
-      }
+      for (int m = 0; m < 5; ++m) normal.a(m, m) = no_shading(m);
       bool same = pass > 0;
       for (int k = 0; k < sectors_; ++k) {
         const Part& part = parts_[k];
         double off = part.level;
         for (int m = 0; m < 5; ++m) off -= w_[m] * part.basis[m];
-        const bool is_below = pass > 0 && off <= -0.02 * (w_[0] - ground);
+        const bool is_below = pass > 0 && off <= -kLevels.below * (w_[0] - ground);
         same = same && is_below == below[k];
         below[k] = is_below;
-        const double weight = is_below ? 0.03 : 1;
+        const double weight = is_below ? kLevels.below_weight : 1;
         normal.add(part.basis, weight, weight * part.level);
       }
       if (same) return;
@@ -249,10 +245,9 @@ class BallLight {
   }
 
   void settle(const CastLines& lines, float window) {
-    // A handful of samples at the present level, so that sectors without bare paint keep theirs.
     const std::array<float, 5> w = coefficients();
     Normal normal;
-    normal.a.diagonal().setConstant(5);
+    normal.a.diagonal().setConstant(kLevels.held);
     for (int k = 0; k < sectors_; ++k) {
       const Part& part = parts_[k];
       float n, sum;
@@ -271,18 +266,18 @@ class BallLight {
 }  // namespace
 
 IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {
-  drop_deep_in_front(lines);
-  if (lines.deep_line.size() < 5) return false;
+  drop_hidden_deep_lines(lines);
+  if (lines.deep_line.size() < kLineLevels.least_deep) return false;
   thread_local std::vector<float> outermost;  // memory only
   outermost.clear();
   for (const Eight& level : lines.level) outermost.push_back(level.v[kSamples - 1]);
   levels.noise = sample_noise(outermost);
   levels.ground = ground_levels(lines, outermost, levels.noise);
   const float ground = quantile(levels.ground, 0.5);
-  thread_local BallLight light;  // memory only
+  thread_local LineLight light;  // memory only
   light.fit(lines, ground, levels.noise);
   levels.light = light.coefficients();
-  levels.usual = std::max(levels.light[0] - ground, 1e-6f);
+  levels.usual = std::max(levels.light[0] - ground, kLineLevels.least_contrast);
   return true;
 }
 

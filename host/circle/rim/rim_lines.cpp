@@ -1,6 +1,7 @@
 // From lines across the rim to profiles: shares of the local contrast.
 #include "host/circle/rim/rim_lines.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,33 +9,85 @@
 
 #include "host/circle/rim/rim_cast.h"
 #include "host/circle/rim/rim_levels.h"
-#include "host/circle/rim/rim_model.h"
+#include "host/circle/rim/rim_texture.h"
+#include "host/circle/settings/levels.h"
 
 namespace impactdic::circle {
 namespace {
 
-constexpr int kSectors = LineTrace::Levels::kSectors;
-constexpr int kDeepEvery = 4;  // lines from one that reaches deep to the next, where many are cast
-constexpr int kBeside = 3;     // lines beside one with an obstacle that the obstacle's blur reaches
-constexpr float kLeastContrast = 0.2f;  // of the usual contrast
-
-// The background at lines from their outermost samples: linear between the middles of the sectors,
-// or where an obstacle ends between them the nearer of the two.
-void grounds_at(const CastLines& lines, const std::array<float, kSectors>& levels, float contrast,
-                std::vector<float>& out) {
+// The background at lines from their outermost samples.
+void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
+                float contrast, std::vector<float>& out) {
   const int n = lines.size();
   out.resize(static_cast<std::size_t>(n));
   for (int b = -1, i = 0; i < n; ++b) {
-    const float a = levels[b < 0 ? kSectors - 1 : b], c = levels[b + 1 < kSectors ? b + 1 : 0];
-    const bool alike = std::abs(a - c) < kGroundTolerance * contrast;
+    const float a = levels[b < 0 ? kLevelSectors - 1 : b];
+    const float c = levels[b + 1 < kLevelSectors ? b + 1 : 0];
     const float from = static_cast<float>(b) + 0.5f, to = from + 1;
-    for (; i < n && lines.turn[i] * (kSectors / 4) < to; ++i) {
-      const float seen = lines.level[i].v[kSamples - 1];
-      out[i] = alike ? a + (lines.turn[i] * (kSectors / 4) - from) * (c - a)
-               : std::abs(seen - a) < std::abs(seen - c) ? a
-                                                         : c;
+    for (; i < n && lines.turn[i] * (kLevelSectors / 4) < to; ++i) {
+      const float t = lines.turn[i] * (kLevelSectors / 4) - from;
+      out[i] = ground_between(a, c, t, lines.level[i].v[kSamples - 1], contrast);
     }
   }
+}
+
+// Windows of the ball's inside at one line, from the innermost of its deep samples to the innermost
+// of its profile.
+void add_texture(const CastLines& lines, std::size_t deep_line, float ground, float noise,
+                 const LineTrace::Levels& levels, TextureSums& texture) {
+  const Lanes& deep = lines.deep_level[deep_line].v;
+  const float paint = light_at(levels.light, lines.deep_x[deep_line], lines.deep_y[deep_line]);
+  const float per = 1 / (paint - ground);
+  float b[kDeep];
+  for (int k = 0; k < kDeep; ++k) b[k] = (deep[kDeep - 1 - k] - ground) * per;
+  for (int k = 0; k + kTexture <= kDeep; ++k) texture.add(b + k, noise);
+}
+
+// Keeps the lines that show background outside and ball inside, as shares of their contrast.
+// `grounds`: the background at each line.
+IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<float>& grounds,
+                                     TextureSums* texture, LineTrace& trace) {
+  const LineTrace::Levels& levels = trace.levels;
+  const float noise = levels.noise, usual = levels.usual;
+  const int n = lines.size();
+  constexpr int kBeside = kClear.beside;
+  thread_local std::vector<int> kept;  // number of each line kept; memory only
+  kept.resize(static_cast<std::size_t>(n));
+  RimLines& out = trace.lines;
+  out.make_room(static_cast<std::size_t>(n));
+  int count = 0;
+  int blocked = -kBeside - 1;  // the last line with something else outside
+  std::size_t next_deep = 0;
+  for (int i = 0; i < n; ++i) {
+    const Profile& level = lines.level[i].v;
+    const float ground = grounds[i];
+    const float contrast = light_at(levels.light, lines.cos[i], lines.sin[i]) - ground;
+    if (!is_clear(contrast, usual, level[kSamples - 1], ground, noise)) {
+      blocked = i;
+      while (count > 0 && kept[count - 1] >= i - kBeside) --count;
+      continue;
+    }
+    if (i - blocked <= kBeside) continue;
+    // Ink, or an obstacle across the rim.
+    const float inside = std::max({level[0], level[1], level[2]}) - ground;
+    if (inside < std::max(kClear.nothing * contrast, kClear.nothing_noise * noise)) continue;
+    const float relative = contrast / usual;
+    out.profile[count].v = (level - ground) * (1 / contrast);
+    out.profile[count].v[kSamples] = 0;
+    out.cos[count] = lines.cos[i];
+    out.sin[count] = lines.sin[i];
+    out.weight[count] = relative * relative;
+    out.sector[count] = lines.sector(i, kRimSectors);
+    kept[count++] = i;
+    if (texture == nullptr) continue;
+    const std::size_t deeps = lines.deep_line.size();
+    while (next_deep < deeps && lines.deep_line[next_deep] < i) ++next_deep;
+    if (next_deep < deeps && lines.deep_line[next_deep] == i) {
+      const float line_noise = static_cast<float>(trace.noise) / relative;
+      add_texture(lines, next_deep, ground, line_noise, levels, *texture);
+    }
+  }
+  out.keep(static_cast<std::size_t>(count));
 }
 
 }  // namespace
@@ -59,74 +112,47 @@ void RimLines::keep(std::size_t lines) {
   }
 }
 
-IMPACTDIC_WIDE void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px,
-                                int most_lines, const LineWants& wants, LineTrace& trace) {
-  thread_local CastLines lines;  // memory only
+void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request, LineTrace& trace) {
+  thread_local CastLines lines;            // memory only
+  thread_local std::vector<float> ground;  // memory only
+  const bool anew = request.levels == LineRequest::Levels::found_anew;
   // A texture wants all that it can get, the light a hundred lines or two.
-  const int deep_every = wants.texture ? 1 : !wants.levels ? 0 : most_lines > 400 ? kDeepEvery : 1;
-  cast_lines(frame, rim, bright, {step_px, most_lines, deep_every}, lines);
+  const bool many = request.most_lines > kLine.deep_all_up_to;
+  const int deep_every = request.texture ? 1 : !anew ? 0 : many ? kLine.deep_every : 1;
+  cast_lines(frame, rim, {request.polarity, request.step_px, request.most_lines, deep_every},
+             lines);
   trace.cast = lines.cast;
   trace.in_view = lines.size();
-  trace.step_px = step_px;
-  if (lines.size() < 16 || (wants.levels && !find_levels(lines, trace.levels))) {
+  trace.step_px = request.step_px;
+  if (lines.size() < kLine.least_lines || (anew && !find_levels(lines, trace.levels))) {
     trace.lines.keep(0);
     return;
   }
-  const float noise = trace.levels.noise;
-  const auto& light = trace.levels.light;
-  const float usual = trace.levels.usual;
-  trace.noise = std::max(noise / usual, 0.003f);
+  const LineTrace::Levels& levels = trace.levels;
+  trace.noise = std::max(levels.noise / levels.usual, kLine.least_noise);
+  grounds_at(lines, levels.ground, levels.usual, ground);
+  keep_clear_lines(lines, ground, request.texture, trace);
+}
 
-  const int n = lines.size();
-  thread_local std::vector<float> ground;  // memory only
-  thread_local std::vector<int> kept;      // number of each line kept
-  grounds_at(lines, trace.levels.ground, usual, ground);
-  kept.resize(static_cast<std::size_t>(n));
-  RimLines& out = trace.lines;
-  out.make_room(static_cast<std::size_t>(n));
-  int count = 0;
-  int blocked = -kBeside - 1;  // the last line with something else outside
-  std::size_t next_deep = 0;
-  for (int i = 0; i < n; ++i) {
-    const Profile& level = lines.level[i].v;
-    const float seen = level[kSamples - 1];
-    const float ball = light_at(light, lines.cos[i], lines.sin[i]);
-    const float outside = ground[i], contrast = ball - outside;
-    const bool clear = contrast > kLeastContrast * usual && contrast > 6 * noise &&
-                       std::abs(seen - outside) < kGroundTolerance * contrast + 4 * noise;
-    if (!clear) {
-      blocked = i;
-      while (count > 0 && kept[count - 1] >= i - kBeside) --count;
-      continue;
-    }
-    if (i - blocked <= kBeside) continue;
-    // Ink, or an obstacle across the rim.
-    const float inside = std::max({level[0], level[1], level[2]}) - outside;
-    if (inside < std::max(kNothing * contrast, 5 * noise)) continue;
-    out.profile[count].v = (level - outside) * (1 / contrast);
-    out.profile[count].v[kSamples] = 0;
-    const float relative = contrast / usual;
-    out.cos[count] = lines.cos[i];
-    out.sin[count] = lines.sin[i];
-    out.weight[count] = relative * relative;
-    out.sector[count] = lines.sector(i, kRimSectors);
-    kept[count++] = i;
-    if (!wants.texture) continue;
-    const std::size_t deeps = lines.deep_line.size();
-    while (next_deep < deeps && lines.deep_line[next_deep] < i) ++next_deep;
-    if (next_deep < deeps && lines.deep_line[next_deep] == i) {
-      // From the innermost of the deep samples to the innermost of the profile.
-      const Lanes& deep = lines.deep_level[next_deep].v;
-      const float per =
-          1 / (light_at(light, lines.deep_x[next_deep], lines.deep_y[next_deep]) - outside);
-      float b[kDeep];
-      for (int k = 0; k < kDeep; ++k) b[k] = (deep[kDeep - 1 - k] - outside) * per;
-      for (int k = 0; k + kTexture <= kDeep; ++k) {
-        wants.texture->add(b + k, static_cast<float>(trace.noise) / relative);
-      }
-    }
+// The sum over a line is what the ball's mean level makes of its length inside the rim, wherever
+// the ink is.
+Rim rim_by_area(const LineTrace& trace, const Rim& rim) {
+  const RimLines& lines = trace.lines;
+  double inside = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    inside += lines.profile[i].v[0] + lines.profile[i].v[1];
+  const double per_level = 2.0 * static_cast<double>(lines.size()) / std::max(inside, 1e-3);
+  Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    double sum = 0;
+    for (int k = 0; k < kSamples; ++k) sum += lines.profile[i].v[k];
+    const Eigen::Vector3d j{lines.cos[i], lines.sin[i], 1};
+    a.noalias() += j * j.transpose();
+    b.noalias() += (sum * per_level - kInside - 0.5) * trace.step_px * j;
   }
-  out.keep(static_cast<std::size_t>(count));
+  const Eigen::Vector3d move = a.ldlt().solve(b);
+  return {rim.cx + move[0], rim.cy + move[1], rim.r + move[2], rim.e1, rim.e2};
 }
 
 }  // namespace impactdic::circle

@@ -1,26 +1,17 @@
-// The rim of a ball by its look: lines across the rim, and the fit that makes them likeliest. More
-// exact than the crossings of rim.h where the ball looks at the rim as it does farther inside, and
-// quicker once the look is known. Internal to host/track.
+// The rim of a ball by its rim model (the ink beside the edge, and the edge): lines across the rim,
+// and the fit that makes them likeliest. More exact than the crossings of rim.h where the ball is
+// at the rim as it is farther inside, and quicker once the model is known. Internal to host/circle.
 //
 //   trace_lines  short lines across a rim known to a pixel               (rim_lines.cpp)
-//   RimModel     the look, and what a line says under it                 (rim_model.cpp)
+//   RimModel     ink and edge, and what a line says under them           (rim_model.cpp)
 //   fit_lines    circle or ellipse of the greatest likelihood            (line_fit.cpp)
 #pragma once
 
 #include <array>
-#include <cstring>
 #include <vector>
 
+#include "host/circle/rim/lanes.h"
 #include "host/circle/rim/rim.h"
-
-// A function of vectors, compiled for AVX-512 too and chosen when the program starts; sanitizers
-// are not ready by then.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v4", "default")))
-#else
-#define IMPACTDIC_WIDE
-#endif
 
 namespace impactdic::circle {
 
@@ -30,26 +21,7 @@ namespace impactdic::circle {
 // bare paint).
 inline constexpr int kInside = 3, kOutside = 3;
 inline constexpr int kSamples = kInside + 1 + kOutside;
-// Aligned as in functions compiled for wider vectors, whatever the others are compiled for.
-typedef float Lanes __attribute__((vector_size(32), aligned(32)));
-typedef int IntLanes __attribute__((vector_size(32), aligned(32)));
-inline constexpr int kLanes = 8;
-inline constexpr Lanes kCount = {0, 1, 2, 3, 4, 5, 6, 7};
-inline float total_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[1] + v[5])) + ((v[2] + v[6]) + (v[3] + v[7]));
-}
-// kLanes of them from memory.
-template <typename Vector, typename T>
-[[gnu::always_inline]] inline void load(const T* from, Vector& v) {
-  static_assert(sizeof(Vector) == kLanes * sizeof(T));
-  std::memcpy(&v, from, sizeof(v));
-}
-
 typedef Lanes Profile;  // kSamples and a zero
-// For containers, which would lose the alignment of bare ones.
-struct Eight {
-  Lanes v;
-};
 // In the order of the angle.
 struct RimLines {
   std::vector<Eight> profile;   // see Profile
@@ -69,13 +41,11 @@ struct RimLines {
 };
 
 struct LineTrace {
-  // Grey levels, every ball made bright: noise, the background by sector of the rim, the bare paint
-  // as a quadratic in the place.
+  // Grey levels, every ball made bright: see rim_levels.h.
   struct Levels {
-    static constexpr int kSectors = 24;
-    float noise = 0;
+    float noise = 0;  // of a sample
     float usual = 1;  // contrast
-    std::array<float, kSectors> ground{};
+    std::array<float, kLevelSectors> ground{};
     std::array<float, 5> light{};
   } levels;
   RimLines lines;  // that show the background outside
@@ -85,16 +55,16 @@ struct LineTrace {
   double noise = 0;  // of a sample, share of the usual contrast
 };
 class TextureSums;
-// What a trace has to find beside the profiles: the levels are found anew, or those of the trace
-// before are right (the same frame); `texture`, if there is one, gets what the ball looks like
-// inside.
-struct LineWants {
-  bool levels = true;
-  TextureSums* texture = nullptr;
+struct LineRequest {
+  Polarity polarity = Polarity::bright;
+  double step_px = 1;
+  int most_lines = 720;
+  // The levels of the trace before are right (the same frame), or they are found anew.
+  enum class Levels { found_anew, as_before } levels = Levels::found_anew;
+  TextureSums* texture = nullptr;  // gets what the ball looks like inside, if there is one
 };
-// Casts at most `most_lines` lines across `rim`. `trace` keeps its memory from call to call.
-void trace_lines(const Frame& frame, const Rim& rim, bool bright, double step_px, int most_lines,
-                 const LineWants& wants, LineTrace& trace);
+// Casts lines across `rim`. `trace` keeps its memory from call to call.
+void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request, LineTrace& trace);
 
 // The fit to the traced lines.
 class RimModel;
@@ -105,8 +75,8 @@ struct LineFit {
   bool ok = false;
   Rim rim;
   bool ellipse = false;
-  double sd[5] = {};  // cx, cy, r, e1, e2, were the look exactly the model's
-  // Their variances from lines all misplaced by the look, where its place_sd_px is 1 px.
+  double sd[5] = {};  // cx, cy, r, e1, e2, were ink and edge exactly the model's
+  // Their variances from lines all misplaced by the model, where its place_sd_px is 1 px.
   double misplaced[5] = {};
   double residual_px = 0;  // scatter of the clean lines
   int points = 0;          // that have to do with the rim
@@ -115,14 +85,18 @@ struct LineFit {
   // Where wanted: change of ln σ of the edge that the lines ask for, and RimModel::misfit.
   double width = 0, misfit = 0;
 };
-enum class Thoroughness { roughly, finely, with_width };
+enum class Thoroughness {
+  preview,     // to a few hundredths of a step, from farther away
+  finely,      // one frame of many that share a model
+  with_width,  // for what many frames share: no step is saved, and the width is asked for
+};
 struct LineStart {
   Thoroughness how = Thoroughness::finely;
   const Rim* from = nullptr;           // near the fit
   const KindShares* shares = nullptr;  // of a fit to the same frame
 };
 LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
-                  const CirclePrior& prior, bool allow_ellipse, const LineStart& start);
+                  const CirclePrior& prior, Shapes shapes, const LineStart& start);
 // A rough fit from farther away, by the area that the ball covers.
 Rim rim_by_area(const LineTrace& trace, const Rim& rim);
 

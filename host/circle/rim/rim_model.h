@@ -1,4 +1,4 @@
-// What one line across the rim says of where the rim is. Internal to host/track.
+// What one line across the rim says of where the rim is. Internal to host/circle.
 //
 // A profile is p(x) = B(x) C(x − δ) + noise, x from the expected rim outwards: B the ball's paint
 // and ink, C the blurred edge, δ the excess wanted. B is of one of a few kinds (bare paint; ink
@@ -8,6 +8,7 @@
 // the half-way level alike, and how it scatters is known.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <memory>
@@ -16,36 +17,11 @@
 #include <vector>
 
 #include "host/circle/rim/rim_lines.h"
+#include "host/circle/rim/rim_texture.h"
 
 namespace impactdic::circle {
 
-// Moments of the ball's look over kTexture samples from the innermost on, kind by kind.
-inline constexpr int kTexture = kInside + 2;
-// Kind 0 is bare paint throughout; the others go by the middle and the outer end.
-struct RimTexture {
-  struct Kind {
-    double share;
-    double mean[kTexture];
-    double covariance[kTexture][kTexture];
-  };
-  std::array<Kind, kKinds> kinds;
-};
-
-// Learns a texture from windows of the ball's inside.
-class TextureSums {
- public:
-  // kTexture samples from the innermost on, 0 background, 1 bare paint.
-  void add(const float* samples, float noise);
-  RimTexture result() const;
-
- private:
-  struct Sums {
-    double n = 0;
-    double sum[kTexture] = {}, product[kTexture][kTexture] = {};
-  };
-  double windows_ = 0;
-  std::array<Sums, kKinds> kinds_;
-};
+struct BlurredEdge;
 
 class RimModel {
  public:
@@ -59,11 +35,12 @@ class RimModel {
   double edge_sigma_px() const { return edge_sigma_px_; }
   double step_px() const { return step_px_; }
   double noise() const { return noise_; }
-  // How far all lines together may place the rim wrongly because the look is not quite this one.
+  // How far all lines together may place the rim wrongly because ink and edge there are not quite
+  // the model's.
   double place_sd_px() const { return place_sd_px_; }
   void set_place_sd_px(double sd) { place_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
-  // The same look through more noise: its likelihood has no maxima beside the rim's, so that it
+  // The same model through more noise: its likelihood has no maxima beside the rim's, so that it
   // finds the rim from farther away, and less exactly.
   const RimModel& blurred() const { return *blurred_; }
 
@@ -92,8 +69,9 @@ class RimModel {
  private:
   static constexpr float kPerStep = 0.5f / kNear;  // excesses with a table, per step of the trace
   static constexpr int kReach = 8;                 // tables on either side of 0
-  // By kind: (constant + linear·p + pᵀ matrix p) times the line's weight, + offset. The numbers in
-  // the order constant, then for each i linear[i] and matrix[i][0 … i].
+  // By kind: constant + linear·p + pᵀ matrix p, of kind 0 times the line's weight, + offset. The
+  // numbers in the order constant, then for each i linear[i] and matrix[i][0 … i], those off the
+  // diagonal twice.
   static constexpr int kNumbers = 1 + kSamples + kSamples * (kSamples + 1) / 2;
   struct Quadratic {
     float number[kNumbers][kKinds], offset[kKinds];
@@ -102,16 +80,18 @@ class RimModel {
     Quadratic value, slope, width;  // ln p, ∂/∂δ, ∂/∂ ln σ
     float information[kKinds];
   };
-  struct Edge;
   struct Monomials;
   enum class Blurred { no, yes };
   RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px, Blurred);
-  static Edge edge_at(double excess, double sigma, double kernel);
   void fill(int place) const;
-  void fill(const Edge& edge, int kind, Table& table) const;
+  void fill(const BlurredEdge& edge, int kind, Table& table) const;
   // Makes the tables of all excesses up to this one; safe on several threads.
   void reach(float excess) const;
-  static int place_of(float excess);
+  // Which table is nearest to an excess, or the last one on that side.
+  static int place_of(float excess) {
+    constexpr float kMost = kReach;
+    return static_cast<int>(std::clamp(excess * kPerStep, -kMost, kMost) + (kMost + 0.5f));
+  }
   template <typename Use>
   void for_each_place(const Evidence& e, const Use& use) const;
   static void form(const Quadratic& q, const Monomials& p, const Lanes& weight,

@@ -3,39 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/circle/settings/line_fit.h"
+
 namespace impactdic::circle {
-namespace {
-
-constexpr double kTransverse = 0.3;  // of |e|: how far a squashed ball may widen or shrink
-constexpr double kRound_px = 0.05;
-constexpr double kAxisTilt = 0.1;  // of |e|: shape across the given compression axis
-
-}  // namespace
 
 void Knowledge::add(const Vector5& direction, double value, double sd) {
   precision += direction * direction.transpose() / (sd * sd);
   pull += direction * (value / (sd * sd));
 }
 
-Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, bool ellipse,
+Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, Shape shape,
                     double shrink_px) {
+  const bool ellipse = shape == Shape::ellipse;
   Knowledge k;
   const double e1 = rim.e1 + delta[3], e2 = rim.e2 + delta[4];
   const double e = std::hypot(e1, e2);
   if (!ellipse) {
-    k.add(Vector5::Unit(3), -rim.e1, 1e-6);
-    k.add(Vector5::Unit(4), -rim.e2, 1e-6);
+    k.add(Vector5::Unit(3), -rim.e1, kPrior.circle_sd_px);
+    k.add(Vector5::Unit(4), -rim.e2, kPrior.circle_sd_px);
   }
   // Unit vector (in e1, e2) of the long axis: across the compression.
   // Without a given axis it fades out where the shape is too round to have one.
-  double u1 = e1 / (e + kRound_px), u2 = e2 / (e + kRound_px);
+  double u1 = e1 / (e + kPrior.round_px), u2 = e2 / (e + kPrior.round_px);
   if (ellipse && prior.compression_axis_rad) {
     u1 = -std::cos(2 * *prior.compression_axis_rad);
     u2 = -std::sin(2 * *prior.compression_axis_rad);
     Vector5 across = Vector5::Zero();
     across[3] = -u2;
     across[4] = u1;
-    k.add(across, u2 * rim.e1 - u1 * rim.e2, kAxisTilt * e + 0.02);
+    k.add(across, u2 * rim.e1 - u1 * rim.e2, kPrior.axis_tilt * e + kPrior.axis_px);
   }
   if (prior.radius_px && prior.radius_sd_px) {
     Vector5 long_axis = Vector5::Unit(2);
@@ -44,9 +40,9 @@ Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& pri
       long_axis[3] = u1;
       long_axis[4] = u2;
       value -= u1 * rim.e1 + u2 * rim.e2;
-      sd = std::hypot(sd, kTransverse * e);
+      sd = std::hypot(sd, kPrior.transverse * e);
     }
-    k.add(long_axis, value, std::max(sd, 1e-4));
+    k.add(long_axis, value, std::max(sd, kPrior.least_radius_sd_px));
   }
   return k;
 }

@@ -1,5 +1,5 @@
 // What both fits of a rim share: prior knowledge, tests of its shape, errors that neighbours share.
-// Internal to host/track; corrections are (x, y, dR, de1, de2).
+// Internal to host/circle; corrections are (x, y, dR, de1, de2).
 #pragma once
 
 #include <Eigen/Dense>
@@ -13,10 +13,6 @@ namespace impactdic::circle {
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
-inline constexpr double kSignificant =
-    18.4;  // χ² with 2 degrees of freedom exceeds it once in 10 000
-inline constexpr double kPlainlyOval = 0.004;  // e/R of a rim that no circle need be tried for
-
 // What is known beforehand of the corrections, as a quadratic: precision·delta = pull.
 struct Knowledge {
   Matrix5 precision = Matrix5::Zero();
@@ -25,8 +21,9 @@ struct Knowledge {
   void add(const Vector5& direction, double value, double sd);
 };
 
-// The uncompressed ball's radius and the axis of its compression, for the shape at `delta`.
-Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, bool ellipse,
+// The uncompressed ball's radius and the axis of its compression, for the rim at `delta`. A
+// circle's e1 and e2 are known to be none.
+Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, Shape shape,
                     double shrink_px);
 
 // χ² of an ellipse against the circle fitted: the score that e1 and e2 have there (Rao's test).

@@ -13,17 +13,13 @@
 #include <vector>
 
 #include "host/circle/rim/rim.h"
+#include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
 namespace {
 
-constexpr int kEdgesPerRay = 3;  // the outermost strong edges of each ray
-constexpr double kStrong = 0.3;  // of the strength that a fifth of the rays exceed
-constexpr double kInlier_px = 1.0;
-constexpr double kTrusted = 0.55;  // support at which the prediction needs no hypotheses
-constexpr int kHypotheses = 240;
-constexpr double kRimSdOfRadius = 0.025;
-constexpr double kEdge_px = 0.3;  // scatter of a coarse edge, against the prior's figures
+constexpr int kEdgesPerRay = 3;  // room for the outermost strong edges of each ray
+constexpr const RimSearchSettings& kSearch = kRimSearch;
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
@@ -84,11 +80,11 @@ void sample_rays(ImageView<const T> picture, const Rim& rim, double inward, doub
     const float y0 = static_cast<float>(rim.cy + (rim_at + p.first) * ray.sin);
     const float x_rim = static_cast<float>(rim.cx + rim_at * ray.cos);
     const float y_rim = static_cast<float>(rim.cy + rim_at * ray.sin);
-    if (sampler.inside(x_rim, y_rim, 3)) ++p.in_view;
-    if (!sampler.inside(x0, y0, 1.5f)) continue;
-    const float reach = sampler.reach(x0, y0, dx, dy, 1.5f);
+    if (sampler.inside(x_rim, y_rim, kSearch.in_view_px)) ++p.in_view;
+    if (!sampler.inside(x0, y0, kSearch.margin_px)) continue;
+    const float reach = sampler.reach(x0, y0, dx, dy, kSearch.margin_px);
     const int valid = std::min(p.length, static_cast<int>(std::min(reach, 1e6f)) + 1);
-    if (valid < 5) continue;
+    if (valid < kSearch.least_samples) continue;
     float* out = p.samples.data() + p.rays.size() * p.length;
     for (int k = 0; k < valid; ++k) {
       const float t = static_cast<float>(k);
@@ -100,7 +96,7 @@ void sample_rays(ImageView<const T> picture, const Rim& rim, double inward, doub
 }
 
 // Does the ball look brighter than its surroundings? Inner against outer half of most rays.
-bool looks_bright(Profiles& p) {
+Polarity likely_polarity(const Profiles& p) {
   int votes = 0;
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
     const float* s = p.samples.data() + i * p.length;
@@ -112,12 +108,12 @@ bool looks_bright(Profiles& p) {
     }
     votes += in > out ? 1 : -1;
   }
-  return votes >= 0;
+  return votes >= 0 ? Polarity::bright : Polarity::dark;
 }
 
 // Finds the strong edges of each ray that fall (ball bright) or rise (dark) outwards.
-void find_edges(Profiles& p, const Rim& rim, bool bright) {
-  const float sign = bright ? 1.0f : -1.0f;
+void find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
+  const float sign = sign_of(polarity);
   p.scratch.clear();
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
     const float* s = p.samples.data() + i * p.length;
@@ -128,9 +124,11 @@ void find_edges(Profiles& p, const Rim& rim, bool bright) {
     p.scratch.push_back(strongest);
   }
   if (p.scratch.empty()) return;
-  const auto rank = p.scratch.begin() + static_cast<std::ptrdiff_t>(0.8 * p.scratch.size());
+  const auto rank =
+      p.scratch.begin() + static_cast<std::ptrdiff_t>(kSearch.strong_rank * p.scratch.size());
   std::nth_element(p.scratch.begin(), rank, p.scratch.end());
-  const float threshold = std::max(static_cast<float>(kStrong) * *rank, 1e-3f);
+  const float threshold =
+      std::max(static_cast<float>(kSearch.strong) * *rank, kSearch.least_strength);
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
     Ray& ray = p.rays[i];
     ray.edges = 0;
@@ -152,6 +150,14 @@ struct Regular {
   Vector5 mean, weight;
 };
 
+// What is searched for, the same for both polarities.
+struct Task {
+  Rim start;       // as predicted
+  double wide_px;  // how far from there the rim may lie
+  Shapes shapes;
+  Regular prior;
+};
+
 Vector5 optimise(const Profiles& p, Vector5 model, double tolerance, const Regular& prior) {
   for (;;) {
     Matrix5 a = prior.weight.asDiagonal();
@@ -165,8 +171,8 @@ Vector5 optimise(const Profiles& p, Vector5 model, double tolerance, const Regul
       b.noalias() += w * (ray.model(model) + u * tolerance) * j;
     }
     model = a.ldlt().solve(b);
-    if (tolerance <= kInlier_px) return model;
-    tolerance = std::max(kInlier_px, 0.6 * tolerance);
+    if (tolerance <= kSearch.inlier_px) return model;
+    tolerance = std::max(kSearch.inlier_px, kSearch.tighten * tolerance);
   }
 }
 
@@ -182,7 +188,9 @@ double cost(const Profiles& p, const Vector5& model, double tolerance) {
 
 double support(const Profiles& p, const Vector5& model) {
   int agree = 0;
-  for (const Ray& ray : p.rays) agree += std::abs(ray.residual(model, 2)) < kInlier_px;
+  for (const Ray& ray : p.rays) {
+    agree += std::abs(ray.residual(model, kSearch.near_px)) < kSearch.inlier_px;
+  }
   return p.in_view > 0 ? std::min(1.0, static_cast<double>(agree) / p.in_view) : 0;
 }
 
@@ -195,7 +203,8 @@ struct Lottery {
   }
 };
 
-// Circles of the prior's shape through three edges, or ellipses through five.
+// A circle of the prior's shape through three edges, or an ellipse through five. False where the
+// rays drawn have none, or the prior does not allow it.
 bool hypothesis(const Profiles& p, const Regular& prior, int edges, Lottery& lottery,
                 Vector5& model) {
   Matrix5 a = Matrix5::Zero();
@@ -211,33 +220,38 @@ bool hypothesis(const Profiles& p, const Regular& prior, int edges, Lottery& lot
     a.noalias() += j * j.transpose();
     b.noalias() += ray.rho[lottery.below(ray.edges)] * j;
   }
-  const double weak = 1e-6;
   for (int i = 0; i < 5; ++i) {
-    const double w = i >= 3 && edges == 3 ? 1e6 : weak * prior.weight[i];
+    const bool fixed = i >= 3 && edges == 3;
+    const double w = fixed ? kSearch.seed_shape : kSearch.seed_prior * prior.weight[i];
     a(i, i) += w;
     b[i] += w * prior.mean[i];
   }
   model = a.ldlt().solve(b);
   for (int i = 0; i < 5; ++i) {
-    const double deviations = (model[i] - prior.mean[i]) * std::sqrt(prior.weight[i]) / kEdge_px;
-    if (!(std::abs(deviations) < 4)) return false;
+    const double deviations =
+        (model[i] - prior.mean[i]) * std::sqrt(prior.weight[i]) / kSearch.edge_sd_px;
+    if (!(std::abs(deviations) < kSearch.seed_sds)) return false;
   }
   return true;
 }
 
-Vector5 consensus(const Profiles& p, const Regular& prior, double wide, bool ellipse) {
-  Vector5 best = optimise(p, prior.mean, wide, prior);
-  if (support(p, best) > kTrusted || p.rays.size() < 15) return best;
-  double lowest = cost(p, best, kInlier_px), lowest_seed = cost(p, best, 0.25 * wide + kInlier_px);
+Vector5 consensus(const Profiles& p, const Task& task) {
+  const Regular& prior = task.prior;
+  Vector5 best = optimise(p, prior.mean, task.wide_px, prior);
+  if (support(p, best) > kSearch.trusted || p.rays.size() < kSearch.least_drawn_from) return best;
+  const double seed_px = kSearch.seed_wide * task.wide_px + kSearch.inlier_px;
+  const double refine_px = kSearch.seed_refine * task.wide_px + kSearch.inlier_px;
+  double lowest = cost(p, best, kSearch.inlier_px), lowest_seed = cost(p, best, seed_px);
   Lottery lottery;
-  for (int trial = 0; trial < kHypotheses; ++trial) {
+  for (int trial = 0; trial < kSearch.hypotheses; ++trial) {
     Vector5 seed;
-    if (!hypothesis(p, prior, ellipse && trial % 2 ? 5 : 3, lottery, seed)) continue;
-    const double seed_cost = cost(p, seed, 0.25 * wide + kInlier_px);
-    if (seed_cost > 1.02 * lowest_seed) continue;
+    const bool oval = task.shapes == Shapes::circle_or_ellipse && trial % 2 == 1;
+    if (!hypothesis(p, prior, oval ? 5 : 3, lottery, seed)) continue;
+    const double seed_cost = cost(p, seed, seed_px);
+    if (seed_cost > kSearch.seed_slack * lowest_seed) continue;
     lowest_seed = std::min(lowest_seed, seed_cost);
-    const Vector5 model = optimise(p, seed, 0.5 * wide + kInlier_px, prior);
-    const double model_cost = cost(p, model, kInlier_px);
+    const Vector5 model = optimise(p, seed, refine_px, prior);
+    const double model_cost = cost(p, model, kSearch.inlier_px);
     if (model_cost < lowest) {
       lowest = model_cost;
       best = model;
@@ -247,76 +261,84 @@ Vector5 consensus(const Profiles& p, const Regular& prior, double wide, bool ell
 }
 
 // The edge's width: contrast over steepest slope. The median over the rays that agree.
-double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, bool bright) {
+double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, Polarity polarity) {
+  constexpr int kHalf = kSearch.blur_half_px, kNear = kSearch.blur_near_px;
   p.scratch.clear();
-  const float sign = bright ? 1.0f : -1.0f;
+  const float sign = sign_of(polarity);
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
     const Ray& ray = p.rays[i];
-    if (std::abs(ray.residual(model, 2)) > kInlier_px) continue;
+    if (std::abs(ray.residual(model, kSearch.near_px)) > kSearch.inlier_px) continue;
     const float* s = p.samples.data() + i * p.length;
     const double at = ray.model(model) - rim.radius_at(ray.cos2, ray.sin2) - p.first;
     const int k = static_cast<int>(std::lround(at));
-    if (k < 4 || k + 4 >= p.valid[i]) continue;
+    if (k < kHalf || k + kHalf >= p.valid[i]) continue;
     float steepest = 0;
-    for (int m = k - 2; m < k + 2; ++m) steepest = std::max(steepest, sign * (s[m] - s[m + 1]));
-    const float contrast = sign * (s[k - 4] - s[k + 4]);
+    for (int m = k - kNear; m < k + kNear; ++m) {
+      steepest = std::max(steepest, sign * (s[m] - s[m + 1]));
+    }
+    const float contrast = sign * (s[k - kHalf] - s[k + kHalf]);
     if (steepest > 0 && contrast > 0) p.scratch.push_back(contrast / steepest);
   }
-  if (p.scratch.size() < 8) return 1;
+  if (p.scratch.size() < kSearch.blur_least_rays) return 1;
   const auto middle = p.scratch.begin() + static_cast<std::ptrdiff_t>(p.scratch.size() / 2);
   std::nth_element(p.scratch.begin(), middle, p.scratch.end());
   return *middle / std::sqrt(2 * kPi);
 }
 
-RimSearch search_one(Profiles& p, const Rim& start, const Regular& prior, double wide, bool bright,
-                     bool ellipse) {
+RimSearch search_one(Profiles& p, const Task& task, Polarity polarity) {
+  const Rim& start = task.start;
   RimSearch result;
-  result.bright = bright;
+  result.polarity = polarity;
   result.in_view = static_cast<double>(p.in_view) / p.cast;
-  find_edges(p, start, bright);
-  if (p.rays.size() < 12) return result;
-  const Vector5 model = consensus(p, prior, wide, ellipse);
+  find_edges(p, start, polarity);
+  if (p.rays.size() < static_cast<std::size_t>(kSearch.least_rays)) return result;
+  const Vector5 model = consensus(p, task);
   result.support = support(p, model);
   // The linear model's second order: a circle d away from the rays' centre is d²/4R larger.
   const double d_sq = model[0] * model[0] + model[1] * model[1];
   result.rim = {start.cx + model[0], start.cy + model[1], model[2] + d_sq / (4 * start.r), model[3],
                 model[4]};
-  result.found = result.rim.r > 2 && result.support > 0.08 &&
-                 std::hypot(model[3], model[4]) < 0.3 * result.rim.r;
-  if (result.found) result.blur_px = edge_blur(p, start, model, bright);
+  result.found = result.rim.r > kSearch.least_r_px && result.support > kSearch.least_support &&
+                 std::hypot(model[3], model[4]) < kSearch.most_oval * result.rim.r;
+  if (result.found) result.blur_px = edge_blur(p, start, model, polarity);
   return result;
+}
+
+Task task_of(const CirclePrior& prior, const CircleOptions& options) {
+  const double radius = prior.predicted.r_px;
+  const double rim_sd = prior.rim_sd_px.value_or(kSearch.rim_sd_of_r * radius);
+  Task task;
+  task.start = rim_of(prior);
+  task.wide_px = kSearch.sds * std::hypot(prior.centre_sd_px, rim_sd) + kSearch.inlier_px;
+  task.shapes = options.allow_ellipse ? Shapes::circle_or_ellipse : Shapes::circle;
+  task.prior.mean << 0, 0, radius, prior.e1_px, prior.e2_px;
+  const double centre = kSearch.edge_sd_px / std::max(prior.centre_sd_px, kSearch.least_sd_px);
+  const double shape = kSearch.edge_sd_px / std::max(rim_sd, kSearch.least_sd_px);
+  const double oval = options.allow_ellipse ? shape : kSearch.fixed_weight;
+  task.prior.weight << centre * centre, centre * centre, shape * shape, oval * oval, oval * oval;
+  return task;
 }
 
 }  // namespace
 
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
-  const double radius = prior.predicted.r_px;
-  const Rim start{prior.predicted.cx_px, prior.predicted.cy_px, radius, prior.e1_px, prior.e2_px};
-  const double rim_sd = prior.rim_sd_px.value_or(kRimSdOfRadius * radius);
-  // Far enough for three deviations of everything, and for two levels beside the edge.
-  const double wide = 3 * std::hypot(prior.centre_sd_px, rim_sd) + kInlier_px;
-  const double outward = wide + 4;
-  const double inward = std::min(wide + 4, radius - 1);
-  const int count = std::max(90, options.rays / 4);
+  const Task task = task_of(prior, options);
+  // Far enough for levels on both sides of the edge.
+  const double outward = task.wide_px + kSearch.beside_px;
+  const double inward = std::min(outward, task.start.r - 1);
+  const int count = std::max(kSearch.rays, options.rays / kSearch.of_usual_rays);
 
   thread_local Profiles profiles;  // memory only
   if (frame.type == PixelType::u8) {
-    sample_rays(frame.u8.view(), start, inward, outward, count, profiles);
+    sample_rays(frame.u8.view(), task.start, inward, outward, count, profiles);
   } else {
-    sample_rays(frame.u16.view(), start, inward, outward, count, profiles);
+    sample_rays(frame.u16.view(), task.start, inward, outward, count, profiles);
   }
 
-  Regular regular;
-  regular.mean << 0, 0, radius, prior.e1_px, prior.e2_px;
-  const double centre = kEdge_px / std::max(prior.centre_sd_px, 0.05);
-  const double shape = kEdge_px / std::max(rim_sd, 0.05);
-  const double fixed = options.allow_ellipse ? shape : 1e3;
-  regular.weight << centre * centre, centre * centre, shape * shape, fixed * fixed, fixed * fixed;
-
-  const bool bright = prior.bright.value_or(looks_bright(profiles));
-  RimSearch first = search_one(profiles, start, regular, wide, bright, options.allow_ellipse);
-  if (prior.bright || first.support > kTrusted) return first;
-  RimSearch second = search_one(profiles, start, regular, wide, !bright, options.allow_ellipse);
+  const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
+  RimSearch first = search_one(profiles, task, likely);
+  if (prior.bright || first.support > kSearch.trusted) return first;
+  RimSearch second = search_one(profiles, task, opposite(likely));
   return second.support > first.support ? second : first;
 }
 

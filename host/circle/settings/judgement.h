@@ -1,0 +1,67 @@
+// Numbers by which a measured circle is believed or measured again, in one frame and over frames.
+// Marks in brackets: README.md in this folder.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace impactdic::circle {
+
+// measure_circle.
+struct JudgementSettings {
+  double in_view = 0.35;    // less of the rim than this in the picture: out of view [hand]
+  double least_arc = 0.12;  // share of the rim's sectors that must hold points [hand]
+  int least_points = 24;    // [hand]
+  // By the crossings.
+  int traces = 4;           // at most [hand]
+  double dense = 0.6;       // share of inked points from which a sharp kernel is better [hand]
+  double retrace_px = 0.1;  // a fit farther from its rays' rim is traced again: what is linear
+                            // then errs by 4e-5 px at R = 115 px [definition]
+  int preview_of_rays = 3,
+      preview_rays = 64;         // one of so many rays, and at least, in a preview [hand]
+  double least_search_px = 0.3;  // scatter of a prediction that has to be searched about [hand]
+  double on_rim_px = 3;          // crossings so near show the rim [hand]
+  double gap_deg = 20;           // gaps that ink makes are narrower [hand]
+  // By the rim model; steps are those of the lines.
+  int follow_traces = 3;        // at most [hand]
+  double retrace_steps = 0.2;   // a fit farther from its lines' rim is traced again [hand]
+  double followed_steps = 1.5;  // a rim farther from its prediction is searched [hand]
+  int preview_of_lines = 3;     // of so many lines one is enough for a preview [hand]
+  double close_steps = 0.8;     // that a prediction may scatter to be followed … [hand]
+  double near_steps = 0.15;     // … and to need no preview [hand]
+  double followed_oval = 0.01;  // e/R of a prediction, no more: a ball under strong compression
+                                // changes its shape from frame to frame [hand]
+  double noisier = 2;           // than when the model was learnt: learn again [hand]
+  double followable = 0.9;      // share of the lines that must have to do with the rim where no
+                                // search confirms it [hand]
+};
+inline constexpr JudgementSettings kJudge;
+
+// BallTracker.
+struct TrackingSettings {
+  std::size_t radii = 101;       // frames over which the radius is learnt [hand]
+  std::size_t least_radii = 3;   // [hand]
+  double whole_rim = 0.3;        // share of the rim that a radius is learnt from [hand]
+  double mad = 1.48;             // σ over the median of a normal deviate's size [definition]
+  double radius_sd_of_r = 2e-4;  // the ball's distance from the camera may change a little [hand]
+  // Scatter of a prediction: px, and of the velocity (an impact apart).
+  double steady_px = 0.3, steady_of_step = 0.05;     // from two frames [hand]
+  double first_px = 3, first_of_r = 0.05;            // from one [hand]
+  double rim_px = 0.3, rim_of_r = 0.005;             // of the shape [hand]
+  double between_px = 0.05, between_of_off = 0.125;  // on the line between two frames; the share
+                                                     // is that of a parabola's middle over its end
+  double lost_px = 3, lost_factor = 3;               // before the whole picture is searched [hand]
+  double found_sd_px = 1;                            // of find_ball's circle [hand]
+  std::int64_t longest_gap = 5;   // frames without a ball before the picture is searched [hand]
+  double radius_tolerance = 0.2;  // of the radius: another circle, not this ball [hand]
+  // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
+  std::size_t run = 16, shortest_run = 4;  // [hand]
+  // From the prediction, px; the frames between then lie within an eighth of it from the line, if
+  // what bends it is steady.
+  double straight_px = 2.5;  // [hand]
+  std::int64_t learn_every =
+      256;  // frames from one vain attempt to learn the rim to the next [hand]
+};
+inline constexpr TrackingSettings kTracking;
+
+}  // namespace impactdic::circle

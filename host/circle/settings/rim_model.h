@@ -1,0 +1,62 @@
+// Numbers of the rim model (ink and edge) and of how it is learnt. Marks in brackets: README.md in
+// this folder.
+#pragma once
+
+namespace impactdic::circle {
+
+// RimTexture: moments of the ball's ink, kind by kind. Levels are shares of the contrast: 0 the
+// background, 1 bare paint.
+struct TextureSettings {
+  float dark = 0.3f, bright = 0.85f;  // levels apart [hand]
+  float bare_noise = 3.5f,
+        bare_least = 0.02f;          // bare paint lies so near 1: noises, plus level [hand]
+  float least = -0.3f, most = 1.5f;  // levels beyond are cut off: glints and dead pixels [hand]
+  // What a kind looks like before any window was seen: inner and outer level, and a covariance
+  // typical_variance · exp(−decay · samples apart). Kinds as in kKindOf.
+  double inner[8] = {1, 0.4, 0.95, 0.15, 0.6, 0.95, 0.5, 0.95};  // [hand]
+  double outer[8] = {1, 0.15, 0.15, 0.6, 0.6, 0.6, 0.95, 0.95};  // [hand]
+  double variance = 0.03, decay = 0.4;                           // [hand]
+  double worth = 8;  // windows whose worth the typical counts [hand]
+  double bare_worth = 4, kind_worth = 0.5,
+         all_worth = 8;    // the same of the shares [definition]:
+                           // half of the windows are bare, a 16th of each other kind
+  double paint_sd = 0.01;  // of the level of bare paint from place to place [hand]
+};
+inline constexpr TextureSettings kInk;
+
+// RimModel: what a line's samples scatter by beside ink and noise.
+struct RimModelSettings {
+  double ground_sd = 0.004;  // of the background's level, share of the contrast [hand]
+  double width_sd = 0.08;    // of ln σ of the edge from line to line [hand]
+  double stray = 0.01;       // share of lines that have nothing to do with the rim [hand]
+  double blurred = 0.06;     // noise through which a rim is found from afar, of the contrast [hand]
+  double kernel_px = 0.9;  // along the normal for one along a row or column [definition]: the mean
+                           // of cos φ from 0 to 45°, to a hundredth
+};
+inline constexpr RimModelSettings kRimModel;
+
+// learn_rim: texture and width of the edge from a rim that is known already.
+struct LearningSettings {
+  int traces = 6, widths = 5;  // at most [hand]
+  // First σ from the search's: that mixes the steepest slope with noise and ink.
+  double sigma_of_blur = 0.8, least_sigma_px = 0.6;  // [hand]
+  double most_change = 0.3;                          // of ln σ from trace to trace [hand]
+  double most_asked = 0.2;                           // of ln σ from fit to fit [hand]
+  double overshoot = 1.5;  // of the change asked for: it asks for less than is missing [hand]
+  double settled = 0.01;   // of ln σ [hand]
+  // Whether the model holds.
+  double misfit = 20;       // RimModel::misfit at most; 7 where the model holds exactly [hand]
+  double explained = 0.7;   // share of the lines that must have to do with the rim [hand]
+  double agree_sds = 5;     // of the crossings, between the two kinds of fit … [hand]
+  double apart_px = 0.015;  // … and so much beyond [hand]
+  double most_shift = 0.4;  // of σ: what ink may shift the crossings [hand]
+  // How far the model misplaces the rim. The ball is foreshortened towards its rim, so that its ink
+  // there is finer than where the model is learnt. That misplaces the rim about as a misjudged
+  // width of the edge would, by so much of ln σ.
+  double model_error = 0.06;         // [measured] on seeds 1 to 4: docs/accuracy.md, Circle
+  double least_place_sd_px = 0.001;  // [hand]
+  double wider = 0.05;  // of ln σ, to see what the width does [definition]: a difference
+};
+inline constexpr LearningSettings kLearning;
+
+}  // namespace impactdic::circle

@@ -1,0 +1,89 @@
+// Numbers of the search for a ball: in a whole picture, by the scouts before a run, and of the
+// first rim. Marks in brackets: README.md in this folder.
+#pragma once
+
+#include <cstdint>
+
+namespace impactdic::circle {
+
+// find_ball: the Hough transform on prepared pictures, candidates proved by their rim.
+struct BallSearchSettings {
+  int least_side_px = 16;       // of a picture in which a ball is looked for [hand]
+  int hough_side_px = 320;      // the longer side of the picture that is transformed [hand]
+  int most_shrink = 16;         // full pixels to one of that picture [hand]
+  double least_hough_r_px = 5;  // least radius in that picture [hand]
+  // Range of the radius where the user gives none: least in px, then shares of the shorter side.
+  double least_r_px = 6, least_r_of_side = 0.03, most_r_of_side = 0.6;  // [hand]
+  double blur_blob_px = 1.0;   // σ of the blur before the threshold (Otsu) [hand]
+  double blur_hough_px = 1.2;  // σ of the blur before the transform [hand]
+  int median_px = 5;           // side of the median filter of the last stage [hand]
+  int disc_px[2] = {2, 5};     // radii of the discs that close and open blobs, tried in turn [hand]
+  double canny = 80;           // upper threshold of OpenCV's Hough transform, grey levels [hand]
+  double votes = 12;           // and its least number of votes for a centre [hand]
+  double least_apart_px = 4;   // between two centres, in the reduced picture [hand]
+  double apart_of_r = 0.5;     // and as a share of the least radius [hand]
+  int candidates = 8;          // tried per prepared picture, at most [hand]
+  double same_px = 1;          // two candidates that lie so near are one … [hand]
+  double same_of_r = 0.015;    // … or so near as a share of the radius [hand]
+  double least_candidate_r_px = 3;  // in full pixels; as CircleOptions::radius_range_px
+  // Of the proof by measure_circle.
+  int rays = 360;                    // half of the usual: a proof need not be exact [hand]
+  double candidate_sd_of_r = 0.025;  // scatter of a Hough centre, share of the radius [hand]
+  double least_candidate_sd_px = 2;  // and at least [hand]
+  double proved = 0.5;               // share of the rim that leaves no doubt [hand]
+};
+inline constexpr BallSearchSettings kBallSearch;
+
+// scout_radius_px: the radius that several frames of a clip agree on.
+struct ScoutSettings {
+  std::int64_t first_frames = 12, most_frames = 48;  // doubled until they agree [hand]
+  double same_radius = 0.05;  // radii that agree lie so near, share of the radius [hand]
+  double well_seen = 0.3;     // share of the rim that a frame must show to count [hand]
+  int agree = 3;              // frames that settle the question [hand]
+  double found_sd_px = 1;     // scatter of find_ball's circle [hand]
+};
+inline constexpr ScoutSettings kScout;
+
+// search_rim: strong edges along rays, and the circle or ellipse that most rays agree on.
+struct RimSearchSettings {
+  int rays = 90;               // at least [hand]
+  int of_usual_rays = 4;       // and one for so many of CircleOptions::rays [hand]
+  int least_rays = 12;         // in the picture, or nothing is found [hand]
+  int least_samples = 5;       // of a ray in the picture: a slope has two neighbours on either side
+  float margin_px = 1.5f;      // that samples keep from the picture's edge [definition]: bilinear
+  float in_view_px = 3;        // a rim so far inside the picture is in view [hand]
+  double sds = 3;              // deviations of the prediction that the rays cover [hand]
+  double beside_px = 4;        // and so far beyond, for a level on either side of an edge [hand]
+  double rim_sd_of_r = 0.025;  // scatter of the rim's shape where nobody says more [hand]
+  double least_sd_px = 0.05;   // of a prediction, however exact it claims to be [hand]
+  double edge_sd_px = 0.3;     // scatter of a coarse edge, against the prior's figures [hand]
+  double fixed_weight = 1e3;   // edge_sd_px over the scatter of a shape that must stay [definition]
+  // Edges.
+  double strong_rank = 0.8;      // the strength that a fifth of the rays exceed … [hand]
+  double strong = 0.3;           // … and the share of it that makes an edge strong [hand]
+  float least_strength = 1e-3f;  // grey levels: a flat picture has no edges [definition]
+  // Agreement.
+  double inlier_px = 1.0;  // a ray agrees whose edge lies so near [hand]
+  double near_px = 2;      // edges farther off do not count as a ray's [hand]
+  double tighten = 0.6;    // of the tolerance from one fit to the next (Chum et al., 2003) [hand]
+  double trusted = 0.55;   // support at which the prediction needs no hypotheses [hand]
+  int hypotheses = 240;    // at most [hand]
+  std::size_t least_drawn_from = 15;  // rays: three in each of five sectors [hand]
+  double seed_wide = 0.25;   // tolerance of a hypothesis' cost, share of the search's width [hand]
+  double seed_refine = 0.5;  // and of the first fit to it [hand]
+  double seed_slack = 1.02;  // a hypothesis may cost so much of the cheapest to be refined [hand]
+  double seed_sds = 4;       // deviations from the prediction, at most [hand]
+  double seed_prior = 1e-6;  // weight of the prior in a hypothesis: settles what is undetermined
+  double seed_shape = 1e6;   // weight of the prior's shape in a circle's hypothesis [definition]
+  // What is found.
+  double least_r_px = 2;        // [hand]
+  double least_support = 0.08;  // share of the rays in view [hand]
+  double most_oval = 0.3;       // |e| / R [hand]
+  // The edge's width.
+  int blur_half_px = 4;             // levels are read so far beside the edge [hand]
+  int blur_near_px = 2;             // the steepest slope lies so near [hand]
+  std::size_t blur_least_rays = 8;  // or the width is taken as 1 px [hand]
+};
+inline constexpr RimSearchSettings kRimSearch;
+
+}  // namespace impactdic::circle

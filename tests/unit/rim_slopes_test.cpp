@@ -1,0 +1,397 @@
+// Every analytic slope that the fits of a rim follow against central finite differences, and the
+// vectorised sums over lines against plain ones in double precision.
+#include <gtest/gtest.h>
+#include <impactdic/units.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "host/circle/rim/blurred_edge.h"
+#include "host/circle/rim/crossing_density.h"
+#include "host/circle/rim/line_sums.h"
+#include "host/circle/rim/rim_cast.h"
+#include "host/circle/rim/rim_levels.h"
+#include "host/circle/rim/rim_model.h"
+#include "tests/support/rim_reference.h"
+
+namespace impactdic {
+namespace {
+
+using circle::kKinds;
+using circle::kSamples;
+using circle::Vector5;
+
+constexpr double kStep_px = 1.3, kSigma_px = 1.1, kNoise = 0.05;
+constexpr double kKernel = circle::kRimModel.kernel_px / kStep_px;
+
+// As of a ball with some ink: every kind is there.
+circle::RimTexture inked_texture() {
+  circle::TextureSums sums;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<float> level(0, 1);
+  for (int window = 0; window < 400; ++window) {
+    float samples[circle::kTexture];
+    float ink = level(random);
+    for (float& sample : samples) {
+      if (level(random) < 0.3f) ink = level(random);
+      sample = window % 3 == 0 ? 1 : ink < 0.5f ? 1 - 0.1f * ink : 0.2f + 0.2f * ink;
+    }
+    sums.add(samples, 0.01f);
+  }
+  return sums.result();
+}
+
+circle::BlurredEdge edge_at(double excess, double log_sigma) {
+  return circle::blurred_edge(excess, kSigma_px / kStep_px * std::exp(log_sigma), kKernel);
+}
+
+// Lines of bare paint, ink and nothing like a rim, a few more than fill whole blocks.
+circle::LineTrace lines_about_a_rim(int n) {
+  circle::LineTrace trace;
+  trace.step_px = kStep_px;
+  trace.noise = kNoise;
+  trace.lines.make_room(static_cast<std::size_t>(n));
+  std::mt19937_64 random(11);
+  std::normal_distribution<double> noise(0, kNoise);
+  std::uniform_real_distribution<double> level(0, 1);
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * kPi * i / n, ink = i % 4 == 1 ? 0.3 : i % 4 == 2 ? level(random) : 1;
+    const circle::BlurredEdge edge = edge_at(0.2 * std::cos(angle) - 0.1, 0);
+    circle::Profile profile{};
+    for (int k = 0; k < kSamples; ++k) {
+      const double seen = i % 17 == 5 ? level(random) : edge.level[k] * (k > 2 ? ink : 1);
+      profile[k] = static_cast<float>(seen + noise(random));
+    }
+    trace.lines.profile[i].v = profile;
+    trace.lines.cos[i] = static_cast<float>(std::cos(angle));
+    trace.lines.sin[i] = static_cast<float>(std::sin(angle));
+    trace.lines.weight[i] = static_cast<float>(0.6 + 0.8 * level(random));
+    trace.lines.sector[i] = i * circle::kRimSectors / n;
+  }
+  trace.lines.keep(static_cast<std::size_t>(n));
+  return trace;
+}
+
+TEST(RimSlopes, OfTheEdgeByItsPlaceAndWidth) {
+  constexpr double h = 1e-4;
+  for (const double excess : {-0.9, -0.25, 0.0, 0.4}) {
+    const circle::BlurredEdge edge = edge_at(excess, 0);
+    const circle::BlurredEdge out = edge_at(excess + h, 0), in = edge_at(excess - h, 0);
+    const circle::BlurredEdge wide = edge_at(excess, h), narrow = edge_at(excess, -h);
+    for (int k = 0; k < kSamples; ++k) {
+      EXPECT_NEAR(edge.shift[k], (out.level[k] - in.level[k]) / (2 * h), 1e-7) << excess << k;
+      EXPECT_NEAR(edge.wider[k], (wide.level[k] - narrow.level[k]) / (2 * h), 1e-7) << excess << k;
+    }
+  }
+}
+
+// The kernel's few nodes against its integral.
+TEST(RimSlopes, TheEdgeIsTheIntegralOverTheKernel) {
+  constexpr int kFine = 4000;
+  const circle::BlurredEdge edge = edge_at(0.3, 0);
+  const double sigma = kSigma_px / kStep_px;
+  for (int k = 0; k < kSamples; ++k) {
+    double sum = 0;
+    for (int i = 0; i < kFine; ++i) {
+      const double u = (i + 0.5) * 4 / kFine - 2, d = std::abs(u);
+      const double h =
+          d < 1 ? 1.5 * d * d * d - 2.5 * d * d + 1 : -0.5 * d * d * d + 2.5 * d * d - 4 * d + 2;
+      const double z = (k - circle::kInside - 0.3 - kKernel * u) / sigma;
+      sum += h * 0.5 * std::erfc(z / std::sqrt(2.0)) * 4 / kFine;
+    }
+    EXPECT_NEAR(edge.level[k], sum, 2e-3) << k;
+  }
+}
+
+// ln p, its slopes and its information, kind by kind, of every line.
+TEST(RimSlopes, OfTheRimModelByPlaceAndWidth) {
+  const circle::RimTexture texture = inked_texture();
+  const circle::RimModel model(texture, kNoise, kSigma_px, kStep_px);
+  const circle::LineTrace trace = lines_about_a_rim(43);
+  std::vector<circle::RimModel::Evidence> room;
+  const auto blocks = model.evidence(trace, {0.3f, -0.2f, 0.1f, 0.05f, -0.1f}, 1, room);
+  std::vector<circle::RimModel::Evidence> widths(blocks.begin(), blocks.end());
+  model.width_slopes(widths);
+  double all_shares = circle::kRimModel.stray;
+  for (const auto& kind : texture.kinds) all_shares += kind.share;
+  constexpr double h = 1e-4;
+  double steepest = 0, steepest_width = 0;
+  for (std::size_t i = 0; i < trace.lines.size(); ++i) {
+    const std::size_t block = i / circle::kLanes, lane = i % circle::kLanes;
+    const auto& e = blocks[block];
+    const double at = e.at[lane], weight = trace.lines.weight[i];
+    Eigen::VectorXd samples(kSamples);
+    for (int k = 0; k < kSamples; ++k) samples[k] = trace.lines.profile[i].v[k];
+    const circle::BlurredEdge here = edge_at(at, 0);
+    for (int k = 0; k < kKinds; ++k) {
+      const double share = texture.kinds[k].share / all_shares;
+      // The scatter of the width from line to line is taken as it is here.
+      const auto density = [&](double excess, double log_sigma) {
+        return reference::kind_density(texture.kinds[k], edge_at(excess, log_sigma), here, kNoise);
+      };
+      const auto value = [&](double excess, double log_sigma) {
+        return reference::log_density(density(excess, log_sigma), samples, weight, k, share);
+      };
+      const double slope = (value(at + h, 0) - value(at - h, 0)) / (2 * h);
+      const double width = (value(at, h) - value(at, -h)) / (2 * h);
+      const double exact = value(at, 0);
+      EXPECT_NEAR(e.value[k][lane], exact, 2e-3 + 1e-4 * std::abs(exact)) << i << ' ' << k;
+      EXPECT_NEAR(e.slope[k][lane], slope, 5e-3 + 1e-4 * std::abs(slope)) << i << ' ' << k;
+      EXPECT_NEAR(widths[block].slope[k][lane], width, 5e-3 + 1e-4 * std::abs(width)) << i << k;
+      steepest = std::max(steepest, std::abs(slope));
+      steepest_width = std::max(steepest_width, std::abs(width));
+      const auto out = density(at + h, 0), in = density(at - h, 0), middle = density(at, 0);
+      const Eigen::VectorXd dm = (out.mean - in.mean) / (2 * h);
+      const Eigen::MatrixXd ds = (out.covariance - in.covariance) / (2 * h);
+      const Eigen::MatrixXd p = middle.covariance.inverse();
+      const double information = dm.dot(p * dm) + 0.5 * (p * ds * p * ds).trace();
+      EXPECT_NEAR(e.information[k][lane], (k == 0 ? weight : 1) * information, 1e-4 * information);
+    }
+  }
+  EXPECT_GT(steepest, 10);
+  EXPECT_GT(steepest_width, 10);
+}
+
+// A mixture of lines at some corrections, with which the sums are compared.
+class LineSums : public ::testing::Test {
+ protected:
+  LineSums()
+      : trace_(lines_about_a_rim(203)), model_(inked_texture(), kNoise, kSigma_px, kStep_px) {
+    const Vector5 about{0.05, -0.1, 0.08, 0.03, 0.02};
+    blocks_ = model_.evidence(trace_, circle::shift_of(about, kStep_px), 1, room_);
+  }
+  circle::LineTrace trace_;
+  circle::RimModel model_;
+  std::vector<circle::RimModel::Evidence> room_;
+  std::span<circle::RimModel::Evidence> blocks_;
+  Vector5 delta_{0.11, -0.02, 0.03, -0.04, 0.07};
+  circle::KindShares shares_{0.1f, -0.3f, 0.2f, 0.0f, -0.1f, 0.4f, -0.2f, 0.3f};
+};
+
+TEST_F(LineSums, AreThoseOfDoublesLineByLine) {
+  for (const int every : {1, 2, 3}) {
+    const circle::LineSums sums =
+        circle::sum_lines(blocks_, delta_, kStep_px, shares_, model_.stray(), every);
+    const auto lines = reference::lines_of(blocks_, static_cast<std::size_t>(every));
+    const circle::LineSums exact =
+        reference::sum_lines(lines, delta_, kStep_px, shares_, model_.stray());
+    const double size = exact.curvature(2, 2);
+    ASSERT_GT(size, 1000);
+    EXPECT_LT((sums.curvature - exact.curvature).cwiseAbs().maxCoeff(), 1e-3 * size) << every;
+    EXPECT_LT((sums.hessian - exact.hessian).cwiseAbs().maxCoeff(), 2e-3 * size) << every;
+    EXPECT_LT((sums.score - exact.score).cwiseAbs().maxCoeff(), 1e-3 * std::sqrt(size) * 10)
+        << every;
+    EXPECT_NEAR(sums.hessian_sum, exact.hessian_sum, 2e-3 * size);
+    EXPECT_NEAR(sums.scatter, exact.scatter, 1e-3 * exact.scatter);
+    EXPECT_EQ(sums.points, exact.points);
+    EXPECT_LT(exact.points, exact.lines);  // some have nothing to do with the rim
+    EXPECT_EQ(sums.lines, exact.lines);
+    EXPECT_NEAR(sums.far, exact.far, 1e-5);
+    for (int k = 0; k < kKinds; ++k) EXPECT_NEAR(sums.kinds[k], exact.kinds[k], 5e-3) << k;
+    for (int b = 0; b < circle::kRimSectors; ++b) {
+      EXPECT_EQ(sums.sectors.points[b], exact.sectors.points[b]) << b;
+      EXPECT_NEAR(sums.sectors.score[b], exact.sectors.score[b], 0.05) << b;
+      EXPECT_NEAR(sums.sectors.information[b], exact.sectors.information[b], 1e-3 * size) << b;
+    }
+  }
+}
+
+TEST_F(LineSums, ScoreAndHessianAreSlopesOfTheLikelihood) {
+  const circle::LineSums sums =
+      circle::sum_lines(blocks_, delta_, kStep_px, shares_, model_.stray(), 1);
+  const auto lines = reference::lines_of(blocks_, 1);
+  constexpr double h = 1e-4;
+  for (int m = 0; m < 5; ++m) {
+    const Vector5 more = delta_ + h * Vector5::Unit(m), less = delta_ - h * Vector5::Unit(m);
+    const auto likelihood = [&](const Vector5& at) {
+      return reference::log_likelihood(lines, at, kStep_px, shares_, model_.stray());
+    };
+    const auto score = [&](const Vector5& at) {
+      return reference::sum_lines(lines, at, kStep_px, shares_, model_.stray()).score;
+    };
+    const double slope = (likelihood(more) - likelihood(less)) / (2 * h);
+    EXPECT_NEAR(sums.score[m], slope, 0.2 + 1e-3 * std::abs(slope)) << m;
+    const Vector5 bend = (score(less) - score(more)) / (2 * h);
+    EXPECT_LT((sums.hessian.col(m) - bend).cwiseAbs().maxCoeff(), 2e-3 * sums.curvature(2, 2)) << m;
+  }
+}
+
+TEST_F(LineSums, TheWidthAskedForIsThatOfDoubles) {
+  std::vector<circle::RimModel::Evidence> widths(blocks_.begin(), blocks_.end());
+  model_.width_slopes(widths);
+  const auto lines = reference::lines_of(blocks_, 1), by_width = reference::lines_of(widths, 1);
+  Eigen::Matrix4d square = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d slope = Eigen::Vector4d::Zero();
+  std::array<double, kKinds + 1> chance;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    reference::chances(lines[i], 0, {}, model_.stray(), chance);
+    double place = 0, width = 0;
+    for (int k = 0; k < kKinds; ++k) {
+      place += chance[k] * lines[i].slope[k];
+      width += chance[k] * by_width[i].slope[k];
+    }
+    const Eigen::Vector4d s{place * lines[i].cos, place * lines[i].sin, place, width};
+    square += s * s.transpose();
+    slope[3] += width;
+  }
+  const double exact = square.ldlt().solve(slope)[3];
+  ASSERT_GT(std::abs(exact), 1e-3);
+  EXPECT_NEAR(circle::sum_widths(blocks_, widths, model_.stray()), exact,
+              1e-3 * std::abs(exact) + 1e-5);
+}
+
+// ln p of a crossing in closed form, without the table of the ratio of normal densities.
+double log_density(const circle::Mixture& m, double r) {
+  const double ratio = m.sigma / m.tau, z = r / m.sigma;
+  const double normal = std::exp(-0.5 * z * z) / (m.sigma * std::sqrt(2 * kPi));
+  const double tail = 0.5 * std::erfc((z + ratio) / std::sqrt(2.0));
+  const double skewed = std::exp(ratio * (z + 0.5 * ratio)) * tail / m.tau;
+  const double strays = (1 - m.clean - m.inked) * circle::kCrossingFit.strays_per_px;
+  return std::log(m.clean * normal + m.inked * skewed + strays);
+}
+
+TEST(RimSlopes, OfACrossingsDensity) {
+  constexpr double h = 1e-4;
+  const circle::Mixture both{.clean = 0.6, .inked = 0.35, .sigma = 0.08, .tau = 0.4};
+  const circle::Mixture clean{.clean = 1, .inked = 0, .sigma = 0.08, .tau = 0.4};
+  const circle::Mixture inked{.clean = 0, .inked = 1, .sigma = 0.08, .tau = 0.4};
+  for (const double r : {-0.9, -0.3, -0.11, -0.02, 0.0, 0.05, 0.13, 0.3}) {
+    const circle::CrossingDensity density(both);
+    const double exact = log_density(both, r);
+    const double score = -(log_density(both, r + h) - log_density(both, r - h)) / (2 * h);
+    EXPECT_NEAR(std::log(density(r).total), exact, 1e-3) << r;
+    EXPECT_NEAR(density(r).score, score, 1e-3 + 1e-3 * std::abs(score)) << r;
+    // Of one kind alone: were it known which kind the point is.
+    for (const circle::Mixture& kind : {clean, inked}) {
+      if (std::abs(r) > 0.5 && kind.inked == 0) continue;  // a density of nothing
+      const auto log_p = [&](double at) { return log_density(kind, at); };
+      const circle::ResidualEvidence e = circle::CrossingDensity(kind)(r);
+      const double slope = -(log_p(r + h) - log_p(r - h)) / (2 * h);
+      const double bend = -(log_p(r + h) - 2 * log_p(r) + log_p(r - h)) / (h * h);
+      EXPECT_NEAR(e.score, slope, 2e-3 + 1e-3 * std::abs(slope)) << r << ' ' << kind.inked;
+      EXPECT_NEAR(e.curvature, bend, 0.05 + 2e-3 * std::abs(bend)) << r << ' ' << kind.inked;
+    }
+  }
+}
+
+// Distance from the old centre to a rim in the direction `angle`.
+double distance_to(const circle::Rim& rim, double angle) {
+  double low = 0.5 * rim.r, high = 2 * rim.r;
+  for (int pass = 0; pass < 60; ++pass) {
+    const double at = 0.5 * (low + high);
+    const double x = at * std::cos(angle) - rim.cx, y = at * std::sin(angle) - rim.cy;
+    const double way = std::atan2(y, x);
+    (std::hypot(x, y) < rim.radius_at(std::cos(2 * way), std::sin(2 * way)) ? low : high) = at;
+  }
+  return low;
+}
+
+TEST(RimSlopes, OfTheRimByItsFiveParameters) {
+  constexpr double h = 1e-3;
+  for (double angle = 0.1; angle < 6.2; angle += 0.7) {
+    const double slopes[5] = {std::cos(angle), std::sin(angle), 1, std::cos(2 * angle),
+                              std::sin(2 * angle)};
+    for (int m = 0; m < 5; ++m) {
+      circle::Rim more{0, 0, 60}, less = more;
+      double circle::Rim::*const parts[5] = {&circle::Rim::cx, &circle::Rim::cy, &circle::Rim::r,
+                                             &circle::Rim::e1, &circle::Rim::e2};
+      more.*parts[m] += h;
+      less.*parts[m] -= h;
+      EXPECT_NEAR((distance_to(more, angle) - distance_to(less, angle)) / (2 * h), slopes[m], 1e-6)
+          << angle << m;
+    }
+  }
+}
+
+constexpr int kSide = 200;
+
+// A 16-bit picture of something that changes with the place.
+template <typename Level>
+Frame picture(const Level& level) {
+  Frame frame;
+  frame.type = PixelType::u16;
+  frame.u16 = Image<std::uint16_t>(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      frame.u16.view()(x, y) = static_cast<std::uint16_t>(std::lround(level(x, y)));
+    }
+  }
+  return frame;
+}
+
+// On a picture whose grey is the distance from the rim, a line reads the excesses of its samples.
+// Their places are right to second order of the excess: x³/R² is left.
+TEST(RimSlopes, OfALinesPlacesByTheExcess) {
+  for (const double e : {0.0, 1.5}) {
+    const circle::Rim rim{98.3, 101.7, 70, e, -0.4 * e};
+    const Frame frame = picture([&](int x, int y) {
+      const double dx = x - rim.cx, dy = y - rim.cy, angle = std::atan2(dy, dx);
+      const double radial =
+          std::hypot(dx, dy) - rim.radius_at(std::cos(2 * angle), std::sin(2 * angle));
+      // The normal's distance is shorter by the cosine of its angle to the ray.
+      const double turn =
+          2 * (-rim.e1 * std::sin(2 * angle) + rim.e2 * std::cos(2 * angle)) / rim.r;
+      return 30000 + 400 * radial * std::cos(turn);
+    });
+    const auto third_order = [&](double excess) {
+      return 0.003 + 1.3 * std::abs(excess * excess * excess) / (rim.r * rim.r);
+    };
+    circle::CastLines lines;
+    circle::cast_lines(frame, rim, {circle::Polarity::bright, kStep_px, 2000, 1}, lines);
+    ASSERT_GT(lines.size(), 300);
+    for (int i = 0; i < lines.size(); ++i) {
+      for (int k = 0; k < kSamples; ++k) {
+        const double excess = (k - circle::kInside) * kStep_px;
+        EXPECT_NEAR((lines.level[i].v[k] - 30000) / 400, excess, third_order(excess))
+            << i << ' ' << k;
+      }
+    }
+    ASSERT_GT(lines.deep_line.size(), 300u);
+    for (std::size_t i = 0; i < lines.deep_line.size(); ++i) {
+      for (int k = 0; k < circle::kDeep; ++k) {
+        const double excess = -(circle::kInside + 1 + k) * kStep_px;
+        EXPECT_NEAR((lines.deep_level[i].v[k] - 30000) / 400, excess, third_order(excess))
+            << i << ' ' << k;
+      }
+    }
+  }
+}
+
+// Each coefficient of the paint's level by itself, on a ball that shows it.
+TEST(RimSlopes, OfTheLevelsByTheirCoefficients) {
+  const circle::Rim rim{98.3, 101.7, 70};
+  const double base[5] = {30000, 0, 0, 0, 0};
+  const auto levels_of = [&](const double(&w)[5]) {
+    const Frame frame = picture([&](int x, int y) {
+      const double u = (x - rim.cx) / rim.r, v = (y - rim.cy) / rim.r;
+      const double paint = w[0] + w[1] * u + w[2] * v + w[3] * (u * u - v * v) + w[4] * 2 * u * v;
+      const double inside = 0.5 * std::erfc((std::hypot(u, v) - 1) * rim.r / std::sqrt(2.0));
+      return 4000 + inside * (paint - 4000);
+    });
+    circle::LineTrace trace;
+    circle::trace_lines(frame, rim, {circle::Polarity::bright, 1, 720}, trace);
+    EXPECT_GT(trace.lines.size(), 300u);
+    return trace.levels;
+  };
+  const auto plain = levels_of(base);
+  for (const float ground : plain.ground) EXPECT_NEAR(ground, 4000, 60);
+  for (int m = 0; m < 5; ++m) {
+    double more[5] = {30000, 0, 0, 0, 0};
+    more[m] += 1500;
+    const auto levels = levels_of(more);
+    for (int n = 0; n < 5; ++n) {
+      EXPECT_NEAR((levels.light[n] - plain.light[n]) / 1500, m == n ? 1 : 0, 0.05) << m << n;
+    }
+    // And the level at places is linear in the coefficient.
+    std::array<float, 5> only{};
+    only[m] = 1;
+    for (const auto& [x, y] : {std::pair{0.9f, 0.1f}, {-0.4f, 0.7f}, {0.2f, -0.8f}}) {
+      const float basis[5] = {1, x, y, x * x - y * y, 2 * x * y};
+      EXPECT_FLOAT_EQ(circle::light_at(only, x, y), basis[m]) << m;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace impactdic
