@@ -197,6 +197,24 @@ TEST_F(LineSums, AreThoseOfDoublesLineByLine) {
   }
 }
 
+// Bare paint or nothing: the chance of the first is 1 / (1 + e^x).
+TEST(LineSumsExponential, IsAsExactAsStated) {
+  circle::RimModel::Evidence e{};
+  for (int k = 0; k < kKinds; ++k) {
+    e.value[k] = circle::Lanes{} - (k == 0 ? 0.0f : 1000.0f);
+    e.information[k] = circle::Lanes{} + 1;
+  }
+  e.present[0] = 1;
+  double worst = 0;
+  for (float x = -4; x <= 0; x += 0.01f) {
+    const circle::LineSums sums =
+        circle::sum_lines({&e, 1}, Vector5::Zero(), 1, circle::KindShares{}, x, 1);
+    const double power = 1 / static_cast<double>(sums.kinds[0]) - 1;
+    worst = std::max(worst, std::abs(power / std::exp(static_cast<double>(x)) - 1));
+  }
+  EXPECT_LT(worst, 6e-5);
+}
+
 TEST_F(LineSums, ScoreAndHessianAreSlopesOfTheLikelihood) {
   const circle::LineSums sums =
       circle::sum_lines(blocks_, delta_, kStep_px, shares_, model_.stray(), 1);
@@ -321,7 +339,7 @@ Frame picture(const Level& level) {
 }
 
 // On a picture whose grey is the distance from the rim, a line reads the excesses of its samples.
-// Their places are right to second order of the excess: x³/R² is left.
+// Their places are right to second order of the excess: x³/R² is left, and less of higher order.
 TEST(RimSlopes, OfALinesPlacesByTheExcess) {
   for (const double e : {0.0, 1.5}) {
     const circle::Rim rim{98.3, 101.7, 70, e, -0.4 * e};
@@ -335,7 +353,8 @@ TEST(RimSlopes, OfALinesPlacesByTheExcess) {
       return 30000 + 400 * radial * std::cos(turn);
     });
     const auto third_order = [&](double excess) {
-      return 0.003 + 1.3 * std::abs(excess * excess * excess) / (rim.r * rim.r);
+      const double x = std::abs(excess) / rim.r;
+      return 0.006 + rim.r * x * x * x * (1.3 + x);
     };
     circle::CastLines lines;
     circle::cast_lines(frame, rim, {circle::Polarity::bright, kStep_px, 2000, 1}, lines);
@@ -381,7 +400,7 @@ TEST(RimSlopes, OfTheLevelsByTheirCoefficients) {
     more[m] += 1500;
     const auto levels = levels_of(more);
     for (int n = 0; n < 5; ++n) {
-      EXPECT_NEAR((levels.light[n] - plain.light[n]) / 1500, m == n ? 1 : 0, 0.05) << m << n;
+      EXPECT_NEAR((levels.light[n] - plain.light[n]) / 1500, m == n ? 1 : 0, 0.08) << m << n;
     }
     // And the level at places is linear in the coefficient.
     std::array<float, 5> only{};

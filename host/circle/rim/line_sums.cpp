@@ -44,7 +44,7 @@ Matrix5 products(const Lanes (&waves)[kWaves], float per_step_sq) {
   return m;
 }
 
-// e^x for x <= 0, to 4e-5 of it; e^−30 below −30.
+// e^x for x <= 0, to 6e-5 of it; e^−30 below −30.
 [[gnu::always_inline]] inline void exponential(Lanes& x) {
   Lanes y = x * 1.44269504f;
   y = y < -43.0f ? Lanes{} - 43.0f : y;

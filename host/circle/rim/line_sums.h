@@ -29,7 +29,7 @@ struct LineSums {
 RimModel::Shift shift_of(const Vector5& delta, double step_px);
 
 // Of every `every`th block, at the corrections `delta` (px); `shares` as in LineFit; `stray` is the
-// model's. Single precision, exponentials to 4e-5.
+// model's. Single precision, exponentials to 6e-5.
 LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& delta, double step_px,
                    const KindShares& shares, float stray, int every);
 

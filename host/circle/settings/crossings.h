@@ -9,7 +9,7 @@ struct CrossingSettings {
   int levels_every = 3;  // rays from one that looks for levels to the next [hand]
   // The sharper of the two kernels errs more with the pixels' phase, the smoother mixes more ink
   // into an edge; px, smooth and sharp.
-  float phase_px[2] = {0.006f, 0.02f};  // [matters] of what the kernels do to a slanting edge
+  float phase_px[2] = {0.006f, 0.02f};  // [hand]
   int least_rays = 16;                  // in view, or nothing is traced [hand]
   float margin_px = 1.5f;  // that samples keep from the picture's edge [definition]: bilinear
   int ground_from = 2, ground_to = 4;  // steps outside the rim that show the background [hand]
