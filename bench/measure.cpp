@@ -6,6 +6,7 @@
 #include <ctime>
 #include <random>
 
+#include "host/base/statistics.h"
 #include "host/opencl/arguments.h"
 #include "host/opencl/buffer.h"
 #include "sim/speckle/speckle_field.h"
@@ -66,10 +67,9 @@ void measure_time(BenchRow& row, double seconds, const std::function<void()>& ru
   }
   row.cpu_s =
       static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC / static_cast<double>(times.size());
-  std::sort(times.begin(), times.end());
   row.runs = static_cast<int>(times.size());
-  row.median_s = times[times.size() / 2];
-  row.least_s = times.front();
+  row.median_s = upper_median(times);
+  row.least_s = *std::min_element(times.begin(), times.end());
 }
 
 ShiftedPictures make_shifted_pictures(int count, int width, int height, double largest_px) {

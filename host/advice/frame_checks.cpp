@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::advice {
 namespace {
 
@@ -21,12 +23,6 @@ cv::Mat as_floats(const Frame& frame) {
 }
 
 cv::Rect as_rect(const Roi& region) { return {region.x, region.y, region.width, region.height}; }
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Grey levels along a ray, `per_px` of them a pixel, from `reach_px` inside the rim to as far
 // outside; empty where the ray leaves the picture.
@@ -118,7 +114,7 @@ std::optional<double> edge_width_px(const Frame& frame, const circle::Circle& ba
     }
   }
   if (widths.size() < kFewest) return std::nullopt;
-  return median(widths);
+  return upper_median(widths);
 }
 
 bool is_interlaced(const Frame& frame, const Roi& region) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/statistics.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/field.h"
 #include "host/dic/frame_noise.h"
@@ -35,13 +36,6 @@ std::vector<Window> windows_on(const TextureRequest& request, const Roi& part, i
                         window_px, spacing);
 }
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return kNotMeasured;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 SizeAdvice advise_size(const dic::PictureSlopes& slopes, const TextureRequest& request,
                        const Roi& part, int window_px, double noise, double level) {
   SizeAdvice advice;
@@ -62,8 +56,8 @@ SizeAdvice advise_size(const dic::PictureSlopes& slopes, const TextureRequest& r
     ++advice.usable;
     errors.push_back(error);
   }
-  advice.error_px = median(errors);
-  advice.contrast = median(contrasts);
+  advice.error_px = upper_median(std::move(errors));
+  advice.contrast = upper_median(std::move(contrasts));
   return advice;
 }
 

@@ -1,11 +1,17 @@
 // Medians and quantiles of many short lists, which stay as they are.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 namespace impactdic {
 
@@ -51,8 +57,69 @@ inline float order_statistic(std::span<const float> values, std::size_t rank) {
   return to_float(answer);
 }
 
-inline float median(std::span<const float> values) {
+// The upper one of the two middle values.
+inline float upper_median(std::span<const float> values) {
   return order_statistic(values, values.size() / 2);
 }
+
+// The same of values that are given away; NaN of none.
+template <typename T>
+T upper_median(std::vector<T> values) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (values.empty()) return std::numeric_limits<T>::quiet_NaN();
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The mean of the two middle values; NaN of none.
+inline double median(std::vector<double> values) {
+  if (values.size() % 2 == 1 || values.empty()) return upper_median(std::move(values));
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return (*std::max_element(values.begin(), middle) + *middle) / 2;
+}
+
+// The value below which the share `q` of `values`, one at least, lies.
+inline float quantile(std::span<const float> values, double q) {
+  const auto rank = static_cast<std::size_t>(q * static_cast<double>(values.size()));
+  return order_statistic(values, std::min(rank, values.size() - 1));
+}
+
+// The upper median of up to six values, by exchanges that need no branches: which of them are
+// needed is chance.
+template <typename T>
+class UpperMedianOfSix {
+ public:
+  // `endless`: infinity.
+  explicit UpperMedianOfSix(const T& endless) { values_.fill(endless); }
+  void add(const T& value) { values_[count_++] = value; }
+  T median() {
+    for (const auto& [low, high] : kNetwork) {
+      const T a = values_[low], b = values_[high];
+      values_[low] = b < a ? b : a;
+      values_[high] = a < b ? b : a;
+    }
+    return values_[count_ / 2];
+  }
+
+ private:
+  // Sorts six (Knuth, The Art of Computer Programming, volume 3, section 5.3.4).
+  static constexpr std::pair<int, int> kNetwork[] = {{0, 5}, {1, 3}, {2, 4}, {1, 2},
+                                                     {3, 4}, {0, 3}, {2, 5}, {0, 1},
+                                                     {2, 3}, {4, 5}, {1, 2}, {3, 4}};
+  std::array<T, 6> values_;
+  std::size_t count_ = 0;
+};
+
+// Those that were measured.
+inline std::vector<double> finite(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  return values;
+}
+
+// Standard deviation of a normal distribution over the median of its distances from the middle.
+inline constexpr double kSdOfMad = 1.4826;
 
 }  // namespace impactdic

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/statistics.h"
 #include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
@@ -41,12 +42,6 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   return prior;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 void BallTrackerOptions::validate() const { circle.validate(); }
@@ -57,7 +52,7 @@ BallTracker::BallTracker(BallTrackerOptions options) : options_(std::move(option
 
 std::optional<double> BallTracker::radius_px() const {
   if (memory_.radii_px.size() < kTracking.least_radii) return std::nullopt;
-  return median({memory_.radii_px.begin(), memory_.radii_px.end()});
+  return upper_median(std::vector<double>(memory_.radii_px.begin(), memory_.radii_px.end()));
 }
 
 double BallTracker::radius_sd_px() const {
@@ -66,7 +61,7 @@ double BallTracker::radius_sd_px() const {
   std::vector<double> off;
   for (double r : memory_.radii_px) off.push_back(std::abs(r - centre));
   // The ball's distance from the camera may change a little: not below a thousandth of a radius.
-  return std::hypot(kTracking.mad * median(off), kTracking.radius_sd_of_r * centre);
+  return std::hypot(kTracking.mad * upper_median(off), kTracking.radius_sd_of_r * centre);
 }
 
 std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/base/statistics.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -64,13 +65,6 @@ std::vector<Sighting> agreed(const std::vector<Sighting>& sightings) {
   return best;
 }
 
-double median_radius_px(std::vector<Sighting> sightings) {
-  const auto middle = sightings.begin() + static_cast<std::ptrdiff_t>(sightings.size() / 2);
-  std::nth_element(sightings.begin(), middle, sightings.end(),
-                   [](const Sighting& a, const Sighting& b) { return a.radius_px < b.radius_px; });
-  return middle->radius_px;
-}
-
 }  // namespace
 
 std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
@@ -97,7 +91,9 @@ std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& ran
     if (static_cast<int>(best.size()) >= kScout.agree || n == range.count()) break;
   }
   if (best.empty()) return std::nullopt;
-  return median_radius_px(std::move(best));
+  std::vector<double> radii_px;
+  for (const Sighting& one : best) radii_px.push_back(one.radius_px);
+  return upper_median(std::move(radii_px));
 }
 
 }  // namespace impactdic::circle

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/statistics.h"
+
 namespace impactdic {
 
 namespace {
@@ -47,9 +49,7 @@ std::optional<double> median_radius_px(const std::vector<TrackRow>& rows) {
     if (row.circle_ok) radii.push_back(row.r_px);
   }
   if (radii.empty()) return std::nullopt;
-  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-  std::nth_element(radii.begin(), middle, radii.end());
-  return *middle;
+  return upper_median(std::move(radii));
 }
 
 }  // namespace impactdic

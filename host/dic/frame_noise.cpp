@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::dic {
 namespace {
 
@@ -55,11 +57,13 @@ double estimate_noise(ImageView<const float> picture, double full_scale) {
       1, static_cast<std::ptrdiff_t>(kFlattest * static_cast<double>(places.size())));
   std::nth_element(places.begin(), places.begin() + (flat - 1), places.end(),
                    [](const Place& p, const Place& q) { return p.steepness < q.steepness; });
-  const auto middle = places.begin() + flat / 2;
-  std::nth_element(places.begin(), middle, places.begin() + flat,
-                   [](const Place& p, const Place& q) { return p.difference < q.difference; });
+  std::vector<float> differences;
+  differences.reserve(static_cast<std::size_t>(flat));
+  for (auto place = places.begin(); place != places.begin() + flat; ++place) {
+    differences.push_back(place->difference);
+  }
   // The mask's squares sum to 36.
-  return std::max(kRounding, middle->difference / (6 * kNormalMedian));
+  return std::max(kRounding, upper_median(std::move(differences)) / (6 * kNormalMedian));
 }
 
 }  // namespace impactdic::dic

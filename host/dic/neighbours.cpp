@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::dic {
 namespace {
 
@@ -44,33 +46,7 @@ bool is_lost(const WindowMotion& motion) {
          status == WindowStatus::not_converged;
 }
 
-// Upper medians of up to kNearest values, by exchanges that need no branches: which of them are
-// needed is chance.
-template <typename T>
-class Few {
- public:
-  // `endless`: infinity.
-  explicit Few(const T& endless) { values_.fill(endless); }
-  void add(const T& value) { values_[count_++] = value; }
-  T median() {
-    static_assert(kNearest == 6);
-    for (const auto& [low, high] : kNetwork) {
-      const T a = values_[low], b = values_[high];
-      values_[low] = b < a ? b : a;
-      values_[high] = a < b ? b : a;
-    }
-    return values_[count_ / 2];
-  }
-
- private:
-  // Sorts six (Knuth, The Art of Computer Programming, volume 3, section 5.3.4).
-  static constexpr std::pair<int, int> kNetwork[] = {{0, 5}, {1, 3}, {2, 4}, {1, 2},
-                                                     {3, 4}, {0, 3}, {2, 5}, {0, 1},
-                                                     {2, 3}, {4, 5}, {1, 2}, {3, 4}};
-  std::array<T, kNearest> values_;
-  std::size_t count_ = 0;
-};
-
+static_assert(kNearest <= 6);  // UpperMedianOfSix
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 
 // What a window's neighbours say of it: displacement and, of the turn, the tangent; one more for
@@ -205,7 +181,7 @@ class Neighbours::Front {
 
   // The median of what those near say of window i.
   Saying consensus(Index i, const WindowPlaces::Nearest& near) const {
-    Few<Saying> all(Saying{} + kEndless);
+    UpperMedianOfSix<Saying> all(Saying{} + kEndless);
     for (std::size_t k = 0; k < near.count; ++k) {
       const WindowMotion& m = motions_[near.index[k]];
       const Shift shift = carried(near.index[k], i);
@@ -226,7 +202,7 @@ class Neighbours::Front {
     }
     if (2 * agree > near.count) return;
     const Saying middle = consensus(i, near);
-    Few<float> apart(kEndless);
+    UpperMedianOfSix<float> apart(kEndless);
     for (std::size_t k = 0; k < near.count; ++k) {
       const Shift shift = carried(near.index[k], i);
       apart.add(std::max(std::abs(shift.u - middle[0]), std::abs(shift.v - middle[1])));

@@ -55,8 +55,8 @@ struct PointColumns {
   }
 };
 
-inline float median(const Eigen::ArrayXf& values) {
-  return impactdic::median(std::span(values.data(), static_cast<std::size_t>(values.size())));
+inline float upper_median(const Eigen::ArrayXf& values) {
+  return impactdic::upper_median(std::span(values.data(), static_cast<std::size_t>(values.size())));
 }
 
 // Tukey's biweight (Beaton and Tukey 1974) of squared residuals over the squared cut: an

@@ -22,7 +22,7 @@ constexpr double kSmallestScale = 1e-3;
 // Median of the residuals' lengths in units of the points' deviations.
 float median_residual(const AffineMotion& motion, const PointColumns& points) {
   const ArrayXf squares = points.residuals_sq(motion) * points.per_variance;
-  return std::sqrt(median(squares));
+  return std::sqrt(upper_median(squares));
 }
 
 // Least median of residuals over rigid motions through two points each (Rousseeuw 1984): right

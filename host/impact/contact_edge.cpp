@@ -6,15 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <unsupported/Eigen/NonLinearOptimization>
 #include <vector>
+
+#include "host/base/statistics.h"
+#include "host/impact/least_squares.h"
+#include "host/impact/onset_motion.h"
 
 namespace impactdic::impact {
 namespace {
 
 using Vector = Eigen::VectorXd;
-using Matrix = Eigen::MatrixXd;
 
 // What the track says of the height: centres at instants, or steps between two.
 struct Observation {
@@ -27,7 +28,7 @@ struct Observation {
 std::vector<Observation> observations(const ImpactSeries& s, double from, double to,
                                       double position_scale, double step_scale) {
   std::vector<Observation> result;
-  const double usual = median_of(s.from_circle ? s.position_sd : s.step_sd);
+  const double usual = upper_median(finite(s.from_circle ? s.position_sd : s.step_sd));
   for (std::size_t i = 0; i < s.size(); ++i) {
     const double at = static_cast<double>(i), next = s.from_circle ? at : at + 1;
     if (at < from || next > to) continue;
@@ -40,144 +41,18 @@ std::vector<Observation> observations(const ImpactSeries& s, double from, double
   return result;
 }
 
-// As MINPACK's Levenberg-Marquardt wants it.
-struct Problem {
-  using Scalar = double;
-  using InputType = Vector;
-  using ValueType = Vector;
-  using JacobianType = Matrix;
-  static constexpr int InputsAtCompileTime = Eigen::Dynamic;
-  static constexpr int ValuesAtCompileTime = Eigen::Dynamic;
-
-  std::function<void(const Vector&, Vector&)> residuals;
-  int unknowns = 0, count = 0;
-
-  int inputs() const { return unknowns; }
-  int values() const { return count; }
-  int operator()(const Vector& x, Vector& r) const {
-    residuals(x, r);
-    return r.allFinite() ? 0 : -1;
-  }
-  // Central differences; the unknowns are scaled to about one.
-  int df(const Vector& x, Matrix& jacobian) const {
-    Vector plus(count), minus(count);
-    for (int i = 0; i < unknowns; ++i) {
-      const double step = 1e-5 * std::max(1e-2, std::abs(x[i]));
-      Vector moved = x;
-      moved[i] += step;
-      residuals(moved, plus);
-      moved[i] -= 2 * step;
-      residuals(moved, minus);
-      jacobian.col(i) = (plus - minus) / (2 * step);
-    }
-    return jacobian.allFinite() ? 0 : -1;
-  }
-};
-
-struct Solution {
-  bool ok = false;
-  Vector x, sd;
-  double chi_square = 0;
-  int freedom = 0;
-};
-
-Solution solve(Problem& problem, Vector start) {
-  Solution solution;
-  if (problem.count <= problem.unknowns) return solution;
-  Eigen::LevenbergMarquardt<Problem> search(problem);
-  search.parameters.maxfev = 200;
-  search.parameters.xtol = search.parameters.ftol = 1e-11;
-  if (search.minimize(start) == Eigen::LevenbergMarquardtSpace::UserAsked) return solution;
-  Vector r(problem.count);
-  problem.residuals(start, r);
-  Matrix jacobian(problem.count, problem.unknowns);
-  if (problem.df(start, jacobian) != 0 || !r.allFinite()) return solution;
-  const Eigen::ColPivHouseholderQR<Matrix> qr(jacobian.transpose() * jacobian);
-  if (!qr.isInvertible()) return solution;
-  solution.x = start;
-  solution.sd = qr.inverse().diagonal().cwiseMax(0.0).cwiseSqrt();
-  solution.chi_square = r.squaredNorm();
-  solution.freedom = problem.count - problem.unknowns;
-  solution.ok = solution.sd.allFinite();
-  return solution;
-}
-
-// Whether the misfit is what chance makes of it.
-bool holds(const Solution& s) {
-  return s.chi_square < s.freedom + 3.5 * std::sqrt(2.0 * s.freedom);
-}
-
-// The height before and after the touch at `touch`, in a time that runs from flight into contact.
-class OnsetMotion {
- public:
-  // What is added to the power law; v is the speed, v0 that at the touch.
-  enum class Damper {
-    striking,  // A v/v0
-    fading,    // B (1 - v/v0)
-    dragging,  // as fading, on a surface that is still dented where the force has faded: the power
-               // law's deflection then counts from where K x^p = B
-  };
-  struct Law {
-    double touch, height, speed;          // speed towards the surface, at the touch
-    double stiffness, exponent, damping;  // in units of the scales below
-    Damper damper;
-    double gravity, deflection_scale, acceleration_scale;
-  };
-  OnsetMotion(const Law& law, double until) : law_(law) {
-    if (law.damper == Damper::dragging && law.damping > 0 && law.stiffness > 0) {
-      dent_ = std::pow(law.damping / law.stiffness, 1 / law.exponent);
-    }
-    // Enough for 1e-6 of the deflection at the deepest point.
-    constexpr int kSteps = 64;
-    step_ = std::max(until - law.touch, 1e-3) / kSteps;
-    nodes_.reserve(kSteps + 1);
-    Eigen::Vector2d y(0, law.speed);  // deflection and its rate
-    nodes_.push_back(y);
-    for (int i = 0; i < kSteps; ++i) {
-      const Eigen::Vector2d k1 = rate(y), k2 = rate(y + step_ / 2 * k1),
-                            k3 = rate(y + step_ / 2 * k2), k4 = rate(y + step_ * k3);
-      y += step_ / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-      nodes_.push_back(y);
-    }
-  }
-  double height(double time) const {
-    const double since = time - law_.touch;
-    if (since <= 0) {
-      return law_.height - law_.speed * since + law_.gravity * since * since / 2;
-    }
-    // Cubic Hermite between the nodes.
-    const auto last = static_cast<double>(nodes_.size() - 2);
-    const double cell = std::min(std::floor(since / step_), last);
-    const auto i = static_cast<std::size_t>(cell);
-    const double u = since / step_ - cell, w = 1 - u;
-    const Eigen::Vector2d &a = nodes_[i], &b = nodes_[i + 1];
-    const double x = w * w * (1 + 2 * u) * a[0] + u * u * (3 - 2 * u) * b[0] +
-                     step_ * u * w * (w * a[1] - u * b[1]);
-    return law_.height - x;
-  }
-
- private:
-  Eigen::Vector2d rate(const Eigen::Vector2d& y) const {
-    const double x = std::max(y[0], 0.0) / law_.deflection_scale;
-    const double slow = y[1] / law_.speed;
-    double force = law_.stiffness * std::pow(x + dent_, law_.exponent);
-    if (dent_ > 0) {
-      force -= law_.damping * slow;
-    } else {
-      force += law_.damping * (law_.damper == Damper::striking ? slow : 1 - slow);
-    }
-    return {y[1], -law_.gravity - law_.acceleration_scale * force};
-  }
-
-  Law law_;
-  double step_ = 0, dent_ = 0;
-  std::vector<Eigen::Vector2d> nodes_;
-};
+// Centres alone seldom tell touch, exponent and damper apart. What the laws of contact have in
+// common is then part of the data: a power between the linear spring's 1 and Hertz's 1.5, and a
+// damper of less than the peak force.
+constexpr double kTolerance = 1e-11, kKnownTolerance = 1e-8;
+constexpr double kUsualExponent = 1.25, kExponentSd = 0.25;
+constexpr double kUsualDamping = 0.15, kDampingSd = 0.3;
+constexpr double kPushingSd = 0.02;  // a damper does not push
 
 class EdgeFit {
  public:
   EdgeFit(const ImpactSeries& series, const EdgeRequest& request)
-      : request_(request), sign_(request.end ? -1 : 1) {
+      : request_(request), sign_(request.end ? -1 : 1), known_laws_(series.from_circle) {
     const double inner = request.turn, outer = static_cast<double>(request.from);
     for (const Observation& o : observations(series, std::min(inner, outer), std::max(inner, outer),
                                              request.position_scale, request.step_scale)) {
@@ -209,13 +84,12 @@ class EdgeFit {
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    using Damper = OnsetMotion::Damper;
     Solution s = least(data, until, request_.end ? Damper::fading : Damper::striking, starts_);
     ContactEdge edge;
     if (!s.ok) return edge;
     if (request_.end) s = averaged(s, least(data, until, Damper::dragging, {s.x}));
     // Touch, height and exponent do not depend on the damper.
-    const OnsetMotion::Law found = law(s.x, Damper::striking);
+    const OnsetLaw<double> found = law(s.x.data(), Damper::striking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);
@@ -230,29 +104,36 @@ class EdgeFit {
   }
 
  private:
-  Solution least(const std::vector<Observation>& data, double until, OnsetMotion::Damper damper,
+  static constexpr int kUnknowns = 6;
+
+  Solution least(const std::vector<Observation>& data, double until, Damper damper,
                  const std::vector<Vector>& starts) const {
-    Problem problem;
-    problem.unknowns = 6;
-    problem.count = static_cast<int>(data.size()) + 2;
-    problem.residuals = [&](const Vector& x, Vector& r) {
-      const OnsetMotion::Law l = law(x, damper);
-      const OnsetMotion motion(l, until);
-      for (std::size_t i = 0; i < data.size(); ++i) {
-        const Observation& o = data[i];
-        const double model =
-            o.from == o.to ? motion.height(o.from) : motion.height(o.to) - motion.height(o.from);
-        r[static_cast<Eigen::Index>(i)] = (o.value - model) / o.sd;
+    const auto residuals = [&]<typename T>(const T* x, T* r) {
+      const OnsetLaw<T> l = law(x, damper);
+      const OnsetMotion<T> motion(l, until);
+      for (const Observation& o : data) {
+        const T model =
+            o.from == o.to ? motion.height(o.from) : T(motion.height(o.to) - motion.height(o.from));
+        *r++ = (o.value - model) / o.sd;
       }
-      r.tail<2>() = whiten_ * (flight_at(l) - flight_);
+      const std::array<T, 2> flight = flight_at(l);
+      const T height = flight[0] - flight_[0], speed = flight[1] - flight_[1];
+      *r++ = whiten_(0, 0) * height + whiten_(0, 1) * speed;
+      *r++ = whiten_(1, 1) * speed;
+      if (!known_laws_) return;
+      *r++ = (x[4] - kUsualExponent) / kExponentSd;
+      *r++ = (x[5] - kUsualDamping) / kDampingSd;
+      *r++ = std::min(T(0.0), x[5]) / kPushingSd;
     };
+    const int count = static_cast<int>(data.size()) + (known_laws_ ? 5 : 2);
     Solution s;
     for (const Vector& start : starts) {
-      const Solution next = solve(problem, start);
+      const Solution next =
+          solve<kUnknowns>(residuals, count, start, known_laws_ ? kKnownTolerance : kTolerance);
       // The flight that was fitted ends where the data begin: nothing touches before.
       if (!next.ok || touch_ + next.x[0] < sign_ * static_cast<double>(request_.from)) continue;
       if (!s.ok || next.chi_square < s.chi_square) s = next;
-      if (s.ok && holds(s)) break;
+      if (s.ok && holds(s) && !known_laws_) break;
     }
     return s;
   }
@@ -272,36 +153,70 @@ class EdgeFit {
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts
   // of the speed), stiffness, exponent, damping.
-  OnsetMotion::Law law(const Vector& x, OnsetMotion::Damper damper) const {
-    const double speed = std::max(speed_ * (1 + 0.1 * x[1]), 0.1 * speed_);
-    OnsetMotion::Law l{touch_ + x[0],
-                       0,
-                       speed,
-                       x[3],
-                       std::clamp(x[4], 0.3, 4.0),
-                       x[5],
-                       damper,
-                       request_.gravity_n,
-                       deflection_scale_,
-                       request_.peak_acceleration};
-    const double since = l.touch - sign_ * request_.flight.at;
-    l.height = flight_[0] + flight_[1] * since + l.gravity * since * since / 2 + speed_ * x[2];
+  template <typename T>
+  OnsetLaw<T> law(const T* x, Damper damper) const {
+    const T speed = std::max(T(speed_ * (1.0 + 0.1 * x[1])), T(0.1 * speed_));
+    OnsetLaw<T> l{touch_ + x[0],
+                  T(0.0),
+                  speed,
+                  x[3],
+                  std::clamp(x[4], T(0.3), T(4.0)),
+                  x[5],
+                  damper,
+                  request_.gravity_n,
+                  deflection_scale_,
+                  request_.peak_acceleration};
+    const T since = l.touch - sign_ * request_.flight.at;
+    l.height = flight_[0] + flight_[1] * since + l.gravity * since * since / 2.0 + speed_ * x[2];
     return l;
   }
   // Height and velocity of the law's free flight where the measured one is given.
-  Eigen::Vector2d flight_at(const OnsetMotion::Law& l) const {
-    const double since = sign_ * request_.flight.at - l.touch;
-    return {l.height - l.speed * since + l.gravity * since * since / 2,
+  template <typename T>
+  std::array<T, 2> flight_at(const OnsetLaw<T>& l) const {
+    const T since = sign_ * request_.flight.at - l.touch;
+    return {l.height - l.speed * since + l.gravity * since * since / 2.0,
             -l.speed + l.gravity * since};
   }
 
   EdgeRequest request_;
   double sign_, touch_ = 0;
+  bool known_laws_;
   std::vector<Observation> data_;
   double speed_ = 0, deflection_scale_ = 1;
   Eigen::Vector2d flight_;
   Eigen::Matrix2d whiten_;
   std::vector<Vector> starts_;
+};
+
+// Height about the turn at x[0], in `reach`: line, parabola and its two-sided part of the velocity;
+// of centres also the level.
+template <bool kCentres>
+struct TurnResiduals {
+  static constexpr int kUnknowns = kCentres ? 5 : 4;
+  const std::vector<Observation>& data;
+  double guess, reach, peak_acceleration, base;
+
+  template <typename T>
+  T height(const T* x, double time) const {
+    using std::abs;
+    const T s = (time - guess - x[0]) / reach;
+    T change = reach * reach * s * s * (x[1] / 2.0 + x[2] * s / 3.0 + x[3] * abs(s) / 3.0);
+    if constexpr (kCentres) change += x[4];
+    return peak_acceleration * change + base;
+  }
+  template <typename T>
+  void operator()(const T* x, T* r) const {
+    for (const Observation& o : data) {
+      T model = height(x, o.to);
+      if constexpr (!kCentres) model -= height(x, o.from);
+      *r++ = (o.value - model) / o.sd;
+    }
+  }
+  Solution solved() const {
+    Vector start = Vector::Zero(kUnknowns);
+    start[1] = 1;
+    return solve<kUnknowns>(*this, static_cast<int>(data.size()), start, kTolerance);
+  }
 };
 
 }  // namespace
@@ -323,31 +238,20 @@ TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach,
       observations(series, guess - reach, guess + reach, position_scale, step_scale);
   TurnInstant turn;
   if (data.size() < 6) return turn;
-  // Height about the turn at x[0]: line, parabola and its two-sided part of the velocity.
-  const bool centres = series.from_circle;
-  Problem problem;
-  problem.unknowns = centres ? 5 : 4;
-  problem.count = static_cast<int>(data.size());
-  const double base = centres ? data[data.size() / 2].value : 0.0;
-  problem.residuals = [&](const Vector& x, Vector& r) {
-    const auto height = [&](double time) {
-      const double s = (time - guess - x[0]) / reach;
-      const double change = s * s * (x[1] / 2 + x[2] * s / 3 + x[3] * std::abs(s) / 3);
-      return peak_acceleration * (reach * reach * change + (centres ? x[4] : 0.0)) + base;
-    };
-    for (std::size_t i = 0; i < data.size(); ++i) {
-      const Observation& o = data[i];
-      const double model = centres ? height(o.from) : height(o.to) - height(o.from);
-      r[static_cast<Eigen::Index>(i)] = (o.value - model) / o.sd;
-    }
-  };
-  Vector start = Vector::Zero(problem.unknowns);
-  start[1] = 1;
-  const Solution s = solve(problem, start);
+  const double base = series.from_circle ? data[data.size() / 2].value : 0.0;
+  const Solution s =
+      series.from_circle
+          ? TurnResiduals<true>{data, guess, reach, peak_acceleration, base}.solved()
+          : TurnResiduals<false>{data, guess, reach, peak_acceleration, base}.solved();
   if (!s.ok || std::abs(s.x[0]) > reach) return turn;
   turn.ok = true;
   turn.instant = guess + s.x[0];
-  turn.sd = s.sd[0] * (holds(s) ? 1 : std::sqrt(s.chi_square / s.freedom));
+  const double inflation = holds(s) ? 1 : std::sqrt(s.chi_square / s.freedom);
+  turn.sd = s.sd[0] * inflation;
+  if (series.from_circle) {
+    turn.height = base + peak_acceleration * s.x[4];
+    turn.height_sd = std::abs(peak_acceleration) * s.sd[4] * inflation;
+  }
   return turn;
 }
 

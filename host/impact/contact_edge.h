@@ -48,6 +48,7 @@ ContactEdge fit_edge(const ImpactSeries& series, const EdgeRequest& request);
 struct TurnInstant {
   bool ok = false;
   double instant = 0, sd = 0;
+  double height = kNotMeasured, height_sd = kNotMeasured;  // there; from centres alone
 };
 TurnInstant fit_turn(const ImpactSeries& series, double guess, double reach,
                      double peak_acceleration, double position_scale, double step_scale);

@@ -6,12 +6,13 @@
 #include <cmath>
 #include <vector>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::impact {
 namespace {
 
 constexpr int kGravityColumn = kFlightStates;
-constexpr double kOutlier = 5;  // deviations
-constexpr double kSdOfMad = 1.4826;
+constexpr double kOutlier = 5;   // deviations
 constexpr int kFewestData = 12;  // of two flights, both axes
 constexpr double kLeastSd_px = 1e-7;
 constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
@@ -88,7 +89,7 @@ class FlightSolver {
       for (const Datum& d : data_) {
         if (d.is_step == steps && d.sd > kLeastSd_px) stated.push_back(d.sd);
       }
-      const double usual = stated.empty() ? 1e-2 : median_of(stated);
+      const double usual = stated.empty() ? 1e-2 : upper_median(finite(stated));
       for (Datum& d : data_) {
         if (d.is_step == steps && !(d.sd > kLeastSd_px)) d.sd = usual;
       }
@@ -162,7 +163,7 @@ class FlightSolver {
     }
     if (series_.from_circle || stated.empty()) return;
     const double share = common_share(scale_[1], stated.size());
-    const double usual = median_of(stated);
+    const double usual = upper_median(finite(stated));
     for (const int velocity : kVelocities) {
       fit.covariance(velocity, velocity) += share * usual * usual;
     }
@@ -219,7 +220,7 @@ class FlightSolver {
   bool reject() {
     std::vector<double> sizes;
     for (const Datum& d : data_) sizes.push_back(std::abs(residual(d)) / sd(d));
-    const double limit = kOutlier * std::max(kSdOfMad * median_of(sizes), 1e-9);
+    const double limit = kOutlier * std::max(kSdOfMad * upper_median(finite(sizes)), 1e-9);
     bool changed = false;
     for (std::size_t i = 0; i < data_.size(); ++i) {
       const bool use = sizes[i] <= limit;

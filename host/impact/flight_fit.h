@@ -21,8 +21,11 @@ enum FlightState { kN0, kVn0, kT0, kVt0, kN1, kVn1, kT1, kVt1, kFlightStates };
 
 struct FlightFit {
   bool ok = false;
-  Eigen::Matrix<double, kFlightStates, 1> state;  // px, px/frame; 0 before, 1 after
-  Eigen::Matrix<double, kFlightStates, kFlightStates> covariance;
+  // NaN, zero where it is not ok.
+  Eigen::Matrix<double, kFlightStates, 1> state = Eigen::Matrix<double, kFlightStates, 1>::Constant(
+      kNotMeasured);  // px, px/frame; 0 before, 1 after
+  Eigen::Matrix<double, kFlightStates, kFlightStates> covariance =
+      Eigen::Matrix<double, kFlightStates, kFlightStates>::Zero();
   double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
   double position_scale = 1;           // scatter over the deviations that the track states
   double step_scale = 1;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/impact/impulse_figures.h"
+
 namespace impactdic::impact {
 namespace {
 
@@ -21,20 +23,27 @@ class Figures {
   double vt1(const Vector& x) const { return x[kVt1] + gt() * (x[kEnd] - s_.after.at); }
 
   // Impulses of the surface over the mass: gravity's taken off.
-  double impulse_n(const Vector& x) const { return vn1(x) - vn0(x) - gn() * (x[kEnd] - x[kStart]); }
-  double impulse_t(const Vector& x) const { return vt1(x) - vt0(x) - gt() * (x[kEnd] - x[kStart]); }
+  double impulse_n(const Vector& x) const {
+    return surface_impulse(vn0(x), vn1(x), gn() * (x[kEnd] - x[kStart]));
+  }
+  double impulse_t(const Vector& x) const {
+    return surface_impulse(vt0(x), vt1(x), gt() * (x[kEnd] - x[kStart]));
+  }
+  double ratio(const Vector& x) const { return impulse_ratio(impulse_t(x), impulse_n(x)); }
+  double published_ratio(const Vector& x) const {
+    return impulse_ratio(surface_impulse(vt0(x), vt1(x)), surface_impulse(vn0(x), vn1(x)));
+  }
   // Velocity of the ball's contact point along the surface.
   double tip(const Vector& x) const {
     const double spin = std::isfinite(x[kSpin0]) ? x[kSpin0] : 0.0;
-    return vt0(x) + radius_ * spin;
+    return tip_velocity(vt0(x), spin, radius_);
   }
-  double restitution(const Vector& x) const { return -vn1(x) / vn0(x); }
+  double restitution(const Vector& x) const { return impact::restitution(vn0(x), vn1(x)); }
   double rolling_cap(const Vector& x) const {
-    const double normal = (1 + restitution(x)) * std::abs(vn0(x));
-    return std::abs(tip(x)) / ((1 + 1 / *options_.inertia_factor) * normal);
+    return impact::rolling_cap(tip(x), *options_.inertia_factor, surface_impulse(vn0(x), vn1(x)));
   }
   double closing_inertia(const Vector& x) const {
-    return impulse_t(x) / (radius_ * (x[kSpin1] - x[kSpin0]));
+    return impact::closing_inertia(impulse_t(x), radius_, x[kSpin1] - x[kSpin0]);
   }
 
  private:
@@ -91,6 +100,14 @@ ImpulseClosure close(const ImpactSources& s, const Figures& f, const ImpactOptio
 
 }  // namespace
 
+double crossing_of(const ImpactSources& s, const Vector& x) {
+  // n + v (t - at) + g (t - at)^2 / 2 on both sides; g t^2 / 2 is the same.
+  const double g = s.gravity * s.direction.n;
+  const auto offset = [&](int n, int v, double at) { return x[n] - x[v] * at + g * at * at / 2; };
+  const double apart = offset(kN0, kVn0, s.before.at) - offset(kN1, kVn1, s.after.at);
+  return apart / (x[kVn1] - g * s.after.at - x[kVn0] + g * s.before.at);
+}
+
 Measured propagate(const ImpactSources& s, const std::function<double(const Vector&)>& figure) {
   Measured result;
   result.value = figure(s.value);
@@ -125,11 +142,10 @@ void fill_figures(const ImpactSources& s, const ImpactOptions& options, ImpactAn
   result.after = motion(s, s.after, spin(kSpin1), angle, vt1, vn1);
   result.restitution = propagate(s, [&](const Vector& x) { return f.restitution(x); });
   // Friction opposes the slip of the contact point.
-  const double against = f.tip(s.value) > 0 ? -1 : 1;
-  result.friction_published = propagate(
-      s, [&](const Vector& x) { return against * (f.vt1(x) - f.vt0(x)) / (f.vn1(x) - f.vn0(x)); });
-  result.friction =
-      propagate(s, [&](const Vector& x) { return against * f.impulse_t(x) / f.impulse_n(x); });
+  const double against = against_slip(f.tip(s.value));
+  result.friction_published =
+      propagate(s, [&](const Vector& x) { return against * f.published_ratio(x); });
+  result.friction = propagate(s, [&](const Vector& x) { return against * f.ratio(x); });
   if (options.inertia_factor) {
     result.rolling_cap = propagate(s, [&](const Vector& x) { return f.rolling_cap(x); });
   }

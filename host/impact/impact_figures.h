@@ -28,6 +28,9 @@ struct ImpactSources {
 void fill_figures(const ImpactSources& sources, const ImpactOptions& options,
                   ImpactAnalysis& result);
 
+// When the flight before and the flight after, carried on, are at the same height.
+double crossing_of(const ImpactSources& sources, const ImpactSources::Vector& x);
+
 // First-order propagation of the covariance through `figure`.
 Measured propagate(const ImpactSources& sources,
                    const std::function<double(const ImpactSources::Vector&)>& figure);

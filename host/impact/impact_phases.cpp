@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
+#include "host/base/statistics.h"
 #include "host/impact/contact_edge.h"
+#include "host/impact/contact_guess.h"
 #include "host/impact/flight_fit.h"
 #include "host/impact/impact_figures.h"
 #include "host/impact/impact_series.h"
@@ -50,10 +53,13 @@ class Analysis {
   }
   bool is_impact() const;
   void find_contact();
+  void refit(double length);
   void find_edges(double start_guess, double end_guess);
   ContactEdge edge(bool end, double near) const;
   Measured spin(const FlightRange& range) const;
-  Measured deflection(const ImpactSources& sources) const;
+  using Instant = std::function<double(const ImpactSources::Vector&)>;
+  Measured above_lowest(const ImpactSources& sources, const Instant& instant) const;
+  void place(const ImpactSources& sources, bool timed);
   void finish();
 
   ImpactOptions options_;
@@ -109,7 +115,7 @@ void Analysis::trim(FlightRange& range, bool before) const {
       const std::size_t i = before ? range.last - 1 - k : range.first + k;
       steps.push_back(series_.step_n[i] - gravity * (static_cast<double>(i) - range.at));
     }
-    return median_of(steps);
+    return upper_median(finite(steps));
   };
   const std::size_t count = range.last - range.first;
   for (std::size_t first = kBlock; first + kBlock <= count; first += kBlock) {
@@ -158,9 +164,36 @@ void Analysis::find_edges(double start_guess, double end_guess) {
   end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;
 }
 
+// Flights up to the contact, and the edges once more; those known so far where that fails.
+void Analysis::refit(double length) {
+  struct Flights {
+    FlightRange before, after;
+    FlightFit fit;
+  };
+  const Flights known{before_, after_, flights_};
+  // No farther than half a contact, though: an edge that is not known better bounds no flight.
+  const double in = start_.instant - std::min(3 * start_.sd, length / 2) - 1;
+  const double out = end_.instant + std::min(3 * end_.sd, length / 2) + 1;
+  before_.at = start_.instant;
+  after_.at = end_.instant;
+  const auto first = static_cast<double>(before_.first + kFewestFlightFrames);
+  const auto last = static_cast<double>(after_.last - kFewestFlightFrames);
+  before_.last = static_cast<std::size_t>(std::max(std::floor(in), first));
+  after_.first = static_cast<std::size_t>(std::min(std::ceil(out), last));
+  limit_flights();
+  fit_both();
+  if (flights_.ok) {
+    find_edges(start_.instant, end_.instant);
+  } else {
+    before_ = known.before, after_ = known.after, flights_ = known.fit;
+  }
+}
+
 void Analysis::find_contact() {
   const double length = static_cast<double>(guess_.last - guess_.first);
-  turn_ = fit_turn(series_, guess_.turn, std::max(4.0, length / 10), guess_.peak_acceleration,
+  // Centres tell an acceleration worse than steps do.
+  const double reach = length / (series_.from_circle ? 5 : 10);
+  turn_ = fit_turn(series_, guess_.turn, std::max(4.0, reach), guess_.peak_acceleration,
                    flights_.position_scale, flights_.step_scale);
   if (!turn_.ok) turn_.instant = guess_.turn;
   if (!turn_.ok || guess_.last - guess_.first < kFewestContactFrames) {
@@ -168,20 +201,8 @@ void Analysis::find_contact() {
     return;
   }
   find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
-  if (start_.ok && end_.ok) {
-    // Flights up to the contact, and once more.
-    const double in = start_.instant - 3 * start_.sd - 1, out = end_.instant + 3 * end_.sd + 1;
-    before_.at = start_.instant;
-    after_.at = end_.instant;
-    const auto first = static_cast<double>(before_.first + kFewestFlightFrames);
-    const auto last = static_cast<double>(after_.last - kFewestFlightFrames);
-    before_.last = static_cast<std::size_t>(std::max(std::floor(in), first));
-    after_.first = static_cast<std::size_t>(std::min(std::ceil(out), last));
-    limit_flights();
-    fit_both();
-    if (flights_.ok) find_edges(start_.instant, end_.instant);
-  }
-  if (!flights_.ok || !start_.ok || !end_.ok) result_.status = ImpactStatus::not_resolved;
+  if (start_.ok && end_.ok) refit(length);
+  if (!start_.ok || !end_.ok) result_.status = ImpactStatus::not_resolved;
 }
 
 // Weighted mean of the turns, its deviation from their scatter and from what they may have in
@@ -195,10 +216,10 @@ Measured Analysis::spin(const FlightRange& range) const {
     }
   }
   if (turns.size() < 3) return {};
-  const double usual = median_of(sds), centre = median_of(turns);
+  const double usual = upper_median(finite(sds)), centre = upper_median(finite(turns));
   std::vector<double> off;
   for (double turn : turns) off.push_back(std::abs(turn - centre));
-  const double limit = 5 * 1.4826 * median_of(off) + 1e-12;
+  const double limit = 5 * kSdOfMad * upper_median(finite(off)) + 1e-12;
   double weights = 0, sum = 0, squares = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < turns.size(); ++i) {
@@ -218,30 +239,61 @@ Measured Analysis::spin(const FlightRange& range) const {
   return {mean, std::sqrt(scatter_sq / weights + common)};
 }
 
-// From the flight's height at the touch down to the turn: the flight carried to the touch, less
-// the steps that were measured since.
-Measured Analysis::deflection(const ImpactSources& sources) const {
+// From the flight before, carried on to `instant`, down to the turn: less the steps that were
+// measured since, or the height of the centres there.
+Measured Analysis::above_lowest(const ImpactSources& sources, const Instant& instant) const {
   const std::size_t from = before_.last;
   const auto to = static_cast<std::size_t>(std::floor(turn_.instant));
+  const double g = flights_.gravity * direction_.n;
+  if (series_.from_circle) {
+    Measured depth = propagate(sources, [&](const ImpactSources::Vector& x) {
+      const double since = instant(x) - before_.at;
+      return x[kN0] + x[kVn0] * since + g * since * since / 2 - turn_.height;
+    });
+    depth.sd = std::hypot(depth.sd, turn_.height_sd);
+    return depth;
+  }
   double path = 0, variance = 0;
   for (std::size_t i = from; i < to; ++i) {
     path += series_.step_n[i];
     variance += std::pow(series_.step_sd[i] * flights_.step_scale, 2);
   }
-  if (series_.from_circle) {  // differences telescope: only the two ends count
-    variance = 2 * std::pow(median_of(series_.position_sd) * flights_.position_scale, 2);
-  }
   const double rest = turn_.instant - static_cast<double>(to);
   path -= (guess_.peak_acceleration + flights_.gravity * direction_.n) * rest * rest / 2;
-  const double g = flights_.gravity * direction_.n;
   Measured depth = propagate(sources, [&](const ImpactSources::Vector& x) {
-    const double since = static_cast<double>(from) - before_.at, touch = x[kStart] - before_.at;
+    const double since = static_cast<double>(from) - before_.at, touch = instant(x) - before_.at;
     const double flown = x[kVn0] * (touch - since) + g * (touch * touch - since * since) / 2;
     return flown - path;
   });
   if (!std::isfinite(path)) return {};
   depth.sd = std::sqrt(depth.sd * depth.sd + variance);
   return depth;
+}
+
+// What needs no edges: where the flights cross; and what follows from the touch.
+void Analysis::place(const ImpactSources& s, bool timed) {
+  const Instant crossing = [&](const ImpactSources::Vector& x) { return crossing_of(s, x); };
+  result_.crossing = propagate(s, crossing);
+  if (turn_.ok) {
+    result_.turn = {turn_.instant, turn_.sd};
+    result_.crossing_above_lowest = above_lowest(s, crossing);
+  }
+  const double since = s.value[kStart] - s.before.at;
+  const auto at_touch = [&](int place, int speed, double pull) {
+    return s.value[place] + s.value[speed] * since + s.gravity * pull * since * since / 2;
+  };
+  const double t = at_touch(kT0, kVt0, direction_.t), n = at_touch(kN0, kVn0, direction_.n);
+  const double c = std::cos(options_.surface_angle_rad), up = std::sin(options_.surface_angle_rad);
+  result_.touch_x = c * t - up * n;
+  result_.touch_y = up * t + c * n;
+  if (!timed) return;
+  result_.start = {
+      {start_.instant, start_.sd}, {start_.exponent, start_.exponent_sd}, start_.law_holds};
+  result_.end = {{end_.instant, end_.sd}, {end_.exponent, end_.exponent_sd}, end_.law_holds};
+  result_.duration =
+      propagate(s, [](const ImpactSources::Vector& x) { return x[kEnd] - x[kStart]; });
+  result_.max_deflection =
+      above_lowest(s, [](const ImpactSources::Vector& x) { return x[kStart]; });
 }
 
 void Analysis::finish() {
@@ -266,15 +318,7 @@ void Analysis::finish() {
   put(kSpin0, spin0.value, spin0.sd);
   put(kSpin1, spin1.value, spin1.sd);
   fill_figures(s, options_, result_);
-  if (turn_.ok) result_.turn = {turn_.instant, turn_.sd};
-  if (timed) {
-    result_.start = {
-        {start_.instant, start_.sd}, {start_.exponent, start_.exponent_sd}, start_.law_holds};
-    result_.end = {{end_.instant, end_.sd}, {end_.exponent, end_.exponent_sd}, end_.law_holds};
-    result_.duration =
-        propagate(s, [](const ImpactSources::Vector& x) { return x[kEnd] - x[kStart]; });
-    result_.max_deflection = deflection(s);
-  }
+  place(s, timed);
   const FlightFit fall = fit_flights(series_, before_, after_, direction_, std::nullopt);
   if (fall.ok) result_.fall = {fall.gravity, fall.gravity_sd};
   result_.position_scatter = flights_.position_scale;

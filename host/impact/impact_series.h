@@ -22,21 +22,6 @@ struct ImpactSeries {
 // `surface_angle_rad` counter-clockwise from image-right.
 ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad);
 
-// Where the motion turns from towards the surface to away from it, and about how long the surface
-// acts. Coarse: it seeds the fits.
-struct ContactGuess {
-  bool found = false;
-  double turn = 0;                  // the instant at which the normal velocity changes sign
-  std::size_t first = 0, last = 0;  // instants within which the surface acts
-  double peak_acceleration = 0;     // px/frame^2
-  double step_noise = 0;            // px, from the scatter of second differences
-};
-// `gravity_n`: normal acceleration of free flight, px/frame^2 (0 where it is unknown).
-ContactGuess guess_contact(const ImpactSeries& series, double gravity_n);
-
-// Median of the finite values; NaN where there is none.
-double median_of(std::vector<double> values);
-
 // `count` values that scatter by `scatter` of the deviation which each of them states: the share of
 // its square that they must have in common, beyond chance (three deviations). A steady ball meets
 // the same fraction of a pixel in every frame, with the same bias of the interpolation: a mean over

@@ -64,7 +64,7 @@ using Eigen::ArrayXf;
 // One component's scatter from the squared lengths of two-dimensional residuals.
 float scatter_of(const ArrayXf& squares) {
   constexpr float kRayleighMedian = 1.1774F;
-  return std::max(std::sqrt(dic::median(squares)) / kRayleighMedian, 1e-6F);
+  return std::max(std::sqrt(dic::upper_median(squares)) / kRayleighMedian, 1e-6F);
 }
 
 // Tukey's weights, cut off at six times the scatter.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::opencl {
 
 namespace {
@@ -38,10 +40,8 @@ std::vector<ProfileRow> Profiler::rows() {
     for (const cl::Event& event : entry.pending) event.wait();
     settle(entry);
     ProfileRow row{name, entry.seconds.size(), 0, 0, entry.bytes, entry.flops};
-    std::vector<double> sorted = entry.seconds;
-    std::sort(sorted.begin(), sorted.end());
-    if (!sorted.empty()) row.median_s = sorted[sorted.size() / 2];
-    for (double s : sorted) row.total_s += s;
+    if (!entry.seconds.empty()) row.median_s = upper_median(entry.seconds);
+    for (double s : entry.seconds) row.total_s += s;
     rows.push_back(row);
   }
   std::sort(rows.begin(), rows.end(),

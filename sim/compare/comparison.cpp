@@ -38,7 +38,7 @@ contact::ImpactJob job_for(const contact::ImpactJob& laws, FrictionSource source
 // measured, go in.
 void compare_path(const fit::MeasuredShot& measured, const contact::ImpactJob& path_job,
                   std::size_t calibrated, ModelOutcome& outcome) {
-  const fit::ShotModel path(measured.track, measured.shot, path_job, {}, {});
+  const fit::ShotModel path(measured.track, measured.timed, path_job, {}, {});
   std::vector<double> values;
   for (const fit::Unknown& u : path.unknowns()) values.push_back(u.start);
   std::vector<double> residuals(path.residuals());
@@ -63,7 +63,7 @@ double final_chi_square(const ModelPrediction& p, const shot::Flight& after) {
 
 ModelOutcome compare_model(const CompareJob& job, const CompareResult& result,
                            const fit::MeasuredShot& measured, const ComparedModel& model) {
-  const shot::Shot& shot = measured.shot;
+  const shot::Shot& shot = measured.timed;
   const std::size_t calibrated = result.calibration.pooled.size();
   const contact::ImpactJob run = job_for(result.laws, job.friction_source, shot);
   ModelOutcome outcome;
@@ -155,7 +155,8 @@ CompareResult compare(const CompareJob& job, int threads) {
     const bool tracked = i < job.shots.size();
     const fit::MeasuredShot measured =
         tracked ? fit::load_shot(job.shots[i], result.laws, job.calibration.flight_frames)
-                : fit::MeasuredShot{{}, rows[i - job.shots.size()].shot};
+                : fit::MeasuredShot{
+                      {}, rows[i - job.shots.size()].shot, rows[i - job.shots.size()].shot};
     const std::string name = tracked ? measured.shot.file : rows[i - job.shots.size()].name;
     result.shots[i].shot = measured.shot;
     for (const ComparedModel& model : job.models) {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "host/base/parse.h"
+#include "host/impact/impulse_figures.h"
 #include "sim/contact/contact_integration.h"
 
 namespace impactdic::sim::contact {
@@ -263,11 +264,12 @@ EffectiveFriction effective_friction(const Body& body, const PlaneState& before,
   const double dvt = after.vt_m_s - before.vt_m_s, dvn = after.vn_m_s - before.vn_m_s;
   const double gravity_s = gravity_m_s2 * contact_s;
   EffectiveFriction friction;
-  friction.published = dvt / dvn;
-  friction.sound = (dvt + gravity_s * std::sin(angle)) / (dvn + gravity_s * std::cos(angle));
-  // Rolling stops the contact point; (1 + e)|vn0| = dvn for any e.
-  const double tip = before.vt_m_s + body.radius_m() * before.omega_rad_s;
-  friction.rolling_cap = std::abs(tip) / ((1 + 1 / body.inertia_factor()) * dvn);
+  friction.published = impact::impulse_ratio(dvt, dvn);
+  friction.sound = impact::impulse_ratio(
+      impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
+      impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
+  const double tip = impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m());
+  friction.rolling_cap = impact::rolling_cap(tip, body.inertia_factor(), dvn);
   return friction;
 }
 

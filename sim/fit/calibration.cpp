@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
 #include "sim/fit/parallel.h"
 #include "sim/fit/restitution_duration.h"
@@ -15,12 +16,6 @@ namespace impactdic::sim::fit {
 namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 ShotFit fit_restitution_duration(const shot::Shot& shot, const FitJob& job) {
   const contact::ImpactJob impact = job_of_shot(job.impact, shot);
@@ -84,7 +79,7 @@ PooledEstimate pool(const FitResult& result, std::size_t index, double outlier_s
   const double middle = median(values);
   std::vector<double> off;
   for (double v : values) off.push_back(std::abs(v - middle));
-  const double spread = 1.4826 * median(off);
+  const double spread = kSdOfMad * median(off);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double own = result.shots[i].parameters[index].sd;
     const double allowed = std::hypot(spread, std::isnan(own) ? 0 : own);
@@ -197,7 +192,7 @@ void time_contact(shot::Shot& shot, const contact::ImpactJob& laws) {
 }
 
 MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, int flight_frames) {
-  MeasuredShot measured{shot::read_track(source.track), {}};
+  MeasuredShot measured{shot::read_track(source.track), {}, {}};
   double angle = source.surface_angle_deg;
   if (std::isnan(angle)) angle = measured.track.surface_angle_deg;
   if (std::isnan(angle)) {
@@ -206,7 +201,8 @@ MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, in
   }
   measured.shot =
       shot::measure_shot(measured.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
-  time_contact(measured.shot, laws);
+  measured.timed = measured.shot;
+  time_contact(measured.timed, laws);
   return measured;
 }
 
@@ -222,16 +218,18 @@ FitResult calibrate(const FitJob& job, int threads) {
   result.shots.resize(job.shots.size());
   if (job.method == FitMethod::kPublishedGrid) result.surfaces.resize(job.shots.size());
   parallel_for(job.shots.size(), threads, [&](std::size_t i) {
-    const auto [track, shot] = load_shot(job.shots[i], job.impact, job.flight_frames);
+    const auto [track, shot, timed] = load_shot(job.shots[i], job.impact, job.flight_frames);
     switch (job.method) {
       case FitMethod::kTrajectory:
-        result.shots[i] = fit_trajectory(track, shot, job);
+        result.shots[i] = fit_trajectory(track, timed, job);
+        result.shots[i].shot = shot;
         break;
       case FitMethod::kPublishedGrid:
-        result.shots[i] = fit_grid(track, shot, job, result.surfaces[i]);
+        result.shots[i] = fit_grid(track, timed, job, result.surfaces[i]);
+        result.shots[i].shot = shot;
         break;
       case FitMethod::kRestitutionDuration:
-        result.shots[i] = fit_restitution_duration(shot, job);
+        result.shots[i] = fit_restitution_duration(timed, job);
         break;
     }
   });

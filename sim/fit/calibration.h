@@ -74,6 +74,8 @@ struct DerivedFigure {
 };
 
 struct ShotFit {
+  // As measured without a model; of restitution_duration with the times and velocities that the
+  // laws give it (time_contact), from which its parameters follow.
   shot::Shot shot;
   std::vector<ParameterEstimate> parameters;  // laws, then unknowns
   std::vector<DerivedFigure> derived;         // trajectory only
@@ -119,10 +121,11 @@ struct FitResult {
 // spring of `laws` gives to the path (restitution_duration.h); other laws leave the shot as it is.
 void time_contact(shot::Shot& shot, const contact::ImpactJob& laws);
 
-// A track and what it measures, its contact timed by the laws. Throws as calibrate.
+// A track and what it measures: without a model, as `track` has it, and with its contact timed by
+// the laws, which is what they are fitted and compared with. Throws as calibrate.
 struct MeasuredShot {
   shot::Track track;
-  shot::Shot shot;
+  shot::Shot shot, timed;
 };
 MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, int flight_frames);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::sim::rod {
 namespace {
 
@@ -89,9 +91,7 @@ double frame_noise(const std::vector<double>& value, double least) {
     if (!std::isnan(d)) third.push_back(std::abs(d));
   }
   if (third.empty()) return least;
-  const auto middle = third.begin() + static_cast<std::ptrdiff_t>(third.size() / 2);
-  std::nth_element(third.begin(), middle, third.end());
-  return std::max(least, *middle / 0.6745 / std::sqrt(20.0));
+  return std::max(least, upper_median(std::move(third)) / 0.6745 / std::sqrt(20.0));
 }
 
 bool FreeFlight::continues(std::size_t first, std::size_t last, std::size_t frame) const {

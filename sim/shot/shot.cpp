@@ -3,329 +3,190 @@
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 
+#include "host/base/statistics.h"
+#include "host/clip/track_row.h"
+#include "host/impact/impact_phases.h"
+#include "host/impact/impulse_figures.h"
 #include "sim/rod/free_flight.h"
 
 namespace impactdic::sim::shot {
 namespace {
 
-constexpr std::size_t kSeed = 6;    // frames that start a flight
-constexpr std::size_t kGuard = 12;  // the touch bends the path slowly: so many frames are given up
-constexpr std::size_t kFewestContactFrames = 5;
+using impact::ImpactStatus;
+using impact::Measured;
+
 constexpr double kLeastNoise_m = 1e-9;
+constexpr int kFewestFlightFrames = 8;
 
-double square(double x) { return x * x; }
-
-// The track turned into the surface's axes.
-class ShotAnalysis {
+// The track as `track` had it: lengths in the pixels of its table, times in frames.
+class TrackImpact {
  public:
-  ShotAnalysis(const Track& track, const ShotOptions& options)
-      : track_(track), options_(options), time_(track.time_s) {}
+  TrackImpact(const Track& track, const ShotOptions& options)
+      : track_(track), options_(options), unit_m_(track.metre_per_px) {}
 
-  Shot run();
+  Shot run() {
+    fill_rows();
+    impact::ImpactOptions options;
+    options.surface_angle_rad = options_.surface_angle_deg * kRadPerDeg;
+    options.gravity = options_.gravity_m_s2 * track_.interval_s * track_.interval_s / unit_m_;
+    options.inertia_factor = options_.body.inertia_factor();
+    options.flight_frames = std::max(options_.flight_frames, kFewestFlightFrames);
+    found_ = impact::analyse_impact(rows_, options);
+    refuse();
+    return shot();
+  }
 
  private:
-  [[noreturn]] void fail(const std::string& what, const std::string& hint = "") const {
-    throw FormatError(track_.file, -1, what, hint);
+  void fill_rows();
+  void refuse() const;
+  Shot shot() const;
+  void time(Shot& shot) const;
+
+  Estimate length(const Measured& m) const { return {m.value * unit_m_, m.sd * unit_m_}; }
+  Estimate duration(const Measured& m) const {
+    return {m.value * track_.interval_s, m.sd * track_.interval_s};
   }
-  void rotate();
-  std::size_t lowest_frame() const;
-  void find_flights();
-  void limit_flights();
-  void extend_flights();
-  void fit_flights();
-  void find_touch();
-  struct Onset {
-    double cost, end_s;
-  };
-  Onset onset(double start_s) const;
-  void fill_flight(Flight& flight, const rod::PolynomialFit& t, const rod::PolynomialFit& n,
-                   double instant);
-  Estimate spin(const Flight& flight) const;
-  double normal_at(const rod::PolynomialFit& flat, double time) const {
-    return flat.at(time) - gn_ / 2 * square(time - time_[0]);
+  Estimate instant(const Measured& m) const {
+    return {track_.time_s[0] + m.value * track_.interval_s, m.sd * track_.interval_s};
   }
-  double normal_velocity(const rod::PolynomialFit& flat, double time) const {
-    return flat.slope_at(time) - gn_ * (time - time_[0]);
+  Flight flight(const impact::FlightMotion& m) const {
+    const double speed = unit_m_ / track_.interval_s, rate = 1 / track_.interval_s;
+    return {m.first,
+            m.last,
+            {m.vt.value * speed, m.vt.sd * speed},
+            {m.vn.value * speed, m.vn.sd * speed},
+            {m.spin.value * rate, m.spin.sd * rate}};
   }
 
   const Track& track_;
   const ShotOptions& options_;
-  const std::vector<double>& time_;
-  std::vector<double> qt_, qn_;          // positions in local axes
-  std::vector<double> flat_t_, flat_n_;  // gravity taken off: straight in flight
-  double gt_ = 0, gn_ = 0;               // gravity pulls along -t and -n by these
-  rod::PolynomialFit before_t_, before_n_, after_t_, after_n_;
-  std::size_t lowest_ = 0;
-  Shot shot_;
+  double unit_m_;
+  std::vector<TrackRow> rows_;
+  impact::ImpactAnalysis found_;
 };
 
-void ShotAnalysis::rotate() {
-  const double angle = options_.surface_angle_deg * kRadPerDeg;
-  const double c = std::cos(angle), s = std::sin(angle);
-  gt_ = options_.gravity_m_s2 * s;
-  gn_ = options_.gravity_m_s2 * c;
-  for (std::size_t i = 0; i < time_.size(); ++i) {
-    const double fall = square(time_[i] - time_[0]) / 2;
-    qt_.push_back(c * track_.x_m[i] + s * track_.y_m[i]);
-    qn_.push_back(-s * track_.x_m[i] + c * track_.y_m[i]);
-    flat_t_.push_back(qt_[i] + gt_ * fall);
-    flat_n_.push_back(qn_[i] + gn_ * fall);
-  }
-  shot_.noise_m =
-      std::max(rod::frame_noise(qt_, kLeastNoise_m), rod::frame_noise(qn_, kLeastNoise_m));
-}
-
-// Where the ball is nearest to the surface; it must come and go.
-std::size_t ShotAnalysis::lowest_frame() const {
-  std::size_t lowest = qn_.size();
-  for (std::size_t i = 0; i < qn_.size(); ++i) {
-    if (!std::isnan(qn_[i]) && (lowest == qn_.size() || qn_[i] < qn_[lowest])) lowest = i;
-  }
-  const auto rise = [&](std::size_t end) { return qn_[end] - qn_[lowest]; };
-  std::size_t first = 0, last = qn_.size() - 1;
-  while (std::isnan(qn_[first])) ++first;
-  while (std::isnan(qn_[last])) --last;
-  if (lowest < first + kSeed || lowest + kSeed > last || rise(first) < 10 * shot_.noise_m ||
-      rise(last) < 10 * shot_.noise_m) {
-    fail("the track shows no contact: the ball does not come to the surface and leave it again",
-         "is the surface angle right?");
-  }
-  return lowest;
-}
-
-void ShotAnalysis::find_flights() {
-  const rod::FreeFlight flight(time_, {{flat_t_, shot_.noise_m}, {flat_n_, shot_.noise_m}});
-  std::size_t start = 0, end = time_.size() - 1;
-  while (std::isnan(qn_[start])) ++start;
-  while (std::isnan(qn_[end])) --end;
-  Flight& before = shot_.before;
-  before.first = start;
-  before.last = start + kSeed - 1;
-  flight.widen_up(before.first, before.last, lowest_ - 1);
-  before.last = std::max(before.last - std::min(before.last, kGuard), start + kSeed - 1);
-  // The way back takes about as long as the way in: from there outwards, then inwards.
-  Flight& after = shot_.after;
-  after.first = std::min(lowest_ + (lowest_ - before.last) * 3 / 2 + kSeed, end + 1 - kSeed);
-  after.last = after.first + kSeed - 1;
-  if (after.first <= lowest_ + 1) fail("too few frames after the impact");
-  flight.widen_up(after.first, after.last, end);
-  flight.widen_down(after.first, after.last, lowest_ + 1);
-  after.first = std::min(after.first + kGuard, after.last + 1 - kSeed);
-  limit_flights();
-  if (after.first < before.last + kFewestContactFrames) {
-    fail("fewer than 5 frames show the contact", "a higher frame rate would");
+// Where no deviation of a centre is stated, it is the scatter from frame to frame.
+void TrackImpact::fill_rows() {
+  const double scatter_px = std::max(rod::frame_noise(track_.x_m, kLeastNoise_m),
+                                     rod::frame_noise(track_.y_m, kLeastNoise_m)) /
+                            unit_m_;
+  rows_.resize(track_.time_s.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    TrackRow& row = rows_[i];
+    row.frame = static_cast<std::int64_t>(i);
+    row.time_s = track_.time_s[i];
+    row.circle_ok = std::isfinite(track_.x_m[i]) && std::isfinite(track_.y_m[i]);
+    row.motion_ok = std::isfinite(track_.dx_m[i]) && std::isfinite(track_.dy_m[i]);
+    row.r_px = options_.body.radius_m() / unit_m_;
+    // Image axes have y down.
+    row.cx_px = track_.x_m[i] / unit_m_, row.cy_px = -track_.y_m[i] / unit_m_;
+    const double sd = track_.position_sd_m[i] / unit_m_;
+    row.cx_sd_px = row.cy_sd_px = std::isnan(sd) ? scatter_px : sd;
+    row.dx_px = track_.dx_m[i] / unit_m_, row.dy_px = -track_.dy_m[i] / unit_m_;
+    row.dx_sd_px = row.dy_sd_px = track_.motion_sd_m[i] / unit_m_;
+    row.rot_deg = track_.turn_rad[i] * kDegPerRad;
+    row.rot_sd_deg = track_.turn_sd_rad[i] * kDegPerRad;
   }
 }
 
-void ShotAnalysis::limit_flights() {
-  const auto longest = static_cast<std::size_t>(std::max(options_.flight_frames, 8));
-  Flight& before = shot_.before;
-  Flight& after = shot_.after;
-  if (before.last - before.first + 1 > longest) before.first = before.last + 1 - longest;
-  if (after.last - after.first + 1 > longest) after.last = after.first + longest - 1;
-}
-
-// The flights up to the touch and from the separation on, once these are known.
-void ShotAnalysis::extend_flights() {
-  Flight& before = shot_.before;
-  Flight& after = shot_.after;
-  while (before.last + 1 < lowest_ &&
-         time_[before.last + 1] <= shot_.contact_start_s.value - shot_.contact_start_s.sd) {
-    ++before.last;
-  }
-  while (after.first > lowest_ + 1 &&
-         time_[after.first - 1] >= shot_.contact_end_s.value + shot_.contact_end_s.sd) {
-    --after.first;
-  }
-  limit_flights();
-}
-
-void ShotAnalysis::fit_flights() {
-  const auto line = [&](const std::vector<double>& v, const Flight& f) {
-    const rod::PolynomialFit fit =
-        rod::fit_polynomial(time_, v, f.first, f.last, 1, time_[lowest_]);
-    if (fit.count < kSeed) fail("fewer than 6 centres are known in a flight");
-    return fit;
+void TrackImpact::refuse() const {
+  const auto fail = [&](const char* what, const char* hint) {
+    throw FormatError(track_.file, -1, what, hint);
   };
-  before_t_ = line(flat_t_, shot_.before), before_n_ = line(flat_n_, shot_.before);
-  after_t_ = line(flat_t_, shot_.after), after_n_ = line(flat_n_, shot_.after);
-  if (!(normal_velocity(before_n_, time_[lowest_]) < 0)) {
-    fail("the ball does not approach the surface", "is the surface angle right?");
+  switch (found_.status) {
+    case ImpactStatus::none:
+      fail("the track shows no contact: the ball does not come to the surface and leave it again",
+           "is the surface angle right?");
+      break;
+    case ImpactStatus::wrong_side:
+      fail("the track shows no contact on this side of the surface, but one on the other",
+           "add 180 degrees to the surface angle");
+      break;
+    case ImpactStatus::flight_too_short:
+      fail("the track shows fewer than 6 frames of free flight before or after the contact",
+           "start the clip earlier or end it later");
+      break;
+    case ImpactStatus::found:
+    case ImpactStatus::not_resolved:
+      break;
   }
-  if (!(normal_velocity(after_n_, time_[lowest_]) > 0)) fail("the ball does not leave the surface");
+  if (!std::isfinite(found_.turn.value) || !std::isfinite(found_.crossing_above_lowest.value)) {
+    fail("too few frames show the contact", "a higher frame rate would");
+  }
 }
 
-// Sum of squares of the onset polynomials on both sides for a touch at `start_s`; the separation is
-// where the flight after is as high as the flight before was at the touch.
-ShotAnalysis::Onset ShotAnalysis::onset(double start_s) const {
-  const double height = normal_at(before_n_, start_s);
-  // Flight after, solved for that height from the lowest frame on.
-  double end = time_[lowest_];
-  for (int i = 0; i < 30; ++i) {
-    end += (height - normal_at(after_n_, end)) / normal_velocity(after_n_, end);
+// The ends of a contact that is too short to be seen lie anywhere between flight and turn.
+void TrackImpact::time(Shot& shot) const {
+  if (found_.status == ImpactStatus::found) {
+    shot.contact_start_s = instant(found_.start.instant);
+    shot.contact_end_s = instant(found_.end.instant);
+    shot.contact_s = duration(found_.duration);
+    return;
   }
-  Onset result{0, end};
-  const double middle = time_[lowest_];
-  if (!(end > middle) || !(start_s < middle)) {
-    return {std::numeric_limits<double>::infinity(), end};
-  }
-  const auto side = [&](const rod::PolynomialFit& flight, double edge, double reach, int power) {
-    // Frames from well inside the flight to half way to the deepest point.
-    std::vector<double> tau, off;
-    for (std::size_t i = 0; i < time_.size(); ++i) {
-      const double inside = (time_[i] - edge) / reach;  // 0 at the edge, 1 at the deepest
-      if (inside < -0.5 || inside > 0.6 || std::isnan(qn_[i])) continue;
-      tau.push_back(std::max(0.0, inside));
-      off.push_back(qn_[i] - normal_at(flight, time_[i]));
-    }
-    Eigen::MatrixXd design(static_cast<Eigen::Index>(tau.size()), 3);
-    Eigen::VectorXd target(design.rows());
-    for (Eigen::Index i = 0; i < design.rows(); ++i) {
-      const double x = tau[static_cast<std::size_t>(i)];
-      const double onset = std::pow(x, power);
-      design.row(i) << onset, onset * x, onset * x * x;
-      target[i] = off[static_cast<std::size_t>(i)];
-    }
-    if (design.rows() < 4) return std::numeric_limits<double>::infinity();
-    const Eigen::VectorXd a = design.colPivHouseholderQr().solve(target);
-    return (design * a - target).squaredNorm() / static_cast<double>(design.rows());
+  const auto between = [](double a, double b) {
+    return Measured{(a + b) / 2, std::abs(b - a) / std::sqrt(12.0)};
   };
-  result.cost =
-      side(before_n_, start_s, middle - start_s, 2) + side(after_n_, end, middle - end, 3);
-  return result;
+  const double turn = found_.turn.value;
+  const Measured start = between(static_cast<double>(found_.before.last), turn);
+  const Measured end = between(turn, static_cast<double>(found_.after.first));
+  shot.contact_start_s = instant(start);
+  shot.contact_end_s = instant(end);
+  shot.contact_s = duration({end.value - start.value, std::hypot(start.sd, end.sd)});
 }
 
-void ShotAnalysis::find_touch() {
-  // From a little before the flight's last frame to well before the deepest: a scan, a parabola.
-  const double from = time_[shot_.before.last] - 6 * track_.interval_s;
-  const double to = time_[lowest_] - 0.3 * (time_[lowest_] - from);
-  constexpr int kSteps = 200;
-  const double step = (to - from) / kSteps;
-  int best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kSteps; ++i) {
-    const double cost = onset(from + i * step).cost;
-    if (cost < least) least = cost, best = i;
+Shot TrackImpact::shot() const {
+  Shot shot;
+  shot.file = track_.file;
+  shot.surface_angle_deg = options_.surface_angle_deg;
+  shot.before = flight(found_.before), shot.after = flight(found_.after);
+  time(shot);
+  shot.t_max_compression_s = instant(found_.turn).value - shot.contact_start_s.value;
+  shot.max_deflection_m = length(found_.max_deflection);
+  shot.touch_x_m = found_.touch_x * unit_m_, shot.touch_y_m = found_.touch_y * unit_m_;
+  std::vector<double> stated;
+  for (const TrackRow& row : rows_) {
+    if (row.circle_ok) stated.push_back(row.cx_sd_px);
   }
-  double start = from + best * step, curvature = 0;
-  if (best > 0 && best < kSteps) {
-    const double left = onset(start - step).cost, right = onset(start + step).cost;
-    const double bend = left - 2 * least + right;
-    if (bend > 0) start += std::clamp((left - right) / 2 / bend, -1.0, 1.0) * step;
-  }
-  const double reach = 10 * step;  // wide enough not to see single frames enter the sums
-  const double low = onset(start - reach).cost, high = onset(start + reach).cost;
-  if (std::isfinite(low) && std::isfinite(high)) {
-    curvature = (low - 2 * least + high) / square(reach);
-  }
-  // The cost is a mean of squares over some frames of noise: its curvature tells the deviation. The
-  // onset is no exact polynomial, which costs about a frame.
-  const double frames = std::max(4.0, (time_[lowest_] - start) / track_.interval_s);
-  const double noise = curvature > 0 ? shot_.noise_m * std::sqrt(2 / curvature / frames) : 0;
-  const double sd = std::hypot(noise, track_.interval_s);
-  const double end = onset(start).end_s;
-  const double ratio = -normal_velocity(before_n_, start) / normal_velocity(after_n_, end);
-  shot_.contact_start_s = {start, sd};
-  shot_.contact_end_s = {end, sd * ratio};
-  shot_.contact_s = {end - start, sd * (1 + ratio)};
+  shot.noise_m = found_.position_scatter * median(std::move(stated)) * unit_m_;
+  shot.restitution = {found_.restitution.value, found_.restitution.sd};
+  shot.friction = {found_.friction_published.value, found_.friction.value,
+                   found_.rolling_cap.value};
+  shot.friction_sd = found_.friction.sd;
+  shot.crossing_s = instant(found_.crossing).value;
+  shot.crossing_above_lowest_m = length(found_.crossing_above_lowest);
+  return shot;
 }
 
-Estimate ShotAnalysis::spin(const Flight& flight) const {
-  double sum = 0, squares = 0, count = 0;
-  for (std::size_t i = flight.first; i < flight.last; ++i) {
-    if (std::isnan(track_.turn_rad[i])) continue;
-    const double omega = track_.turn_rad[i] / track_.interval_s;
-    sum += omega, squares += omega * omega, ++count;
-  }
-  if (count < 3) return {kNotMeasured, kNotMeasured};
-  const double mean = sum / count;
-  return {mean, std::sqrt(std::max(0.0, squares / count - mean * mean) / (count - 1))};
-}
-
-void ShotAnalysis::fill_flight(Flight& flight, const rod::PolynomialFit& t,
-                               const rod::PolynomialFit& n, double instant) {
-  const auto sd = [&](const rod::PolynomialFit& fit) {
-    return std::max(fit.rms, shot_.noise_m) * std::sqrt(fit.cofactor_at(1, 1));
-  };
-  flight.vt_m_s = {t.slope_at(instant) - gt_ * (instant - time_[0]), sd(t)};
-  flight.vn_m_s = {normal_velocity(n, instant), sd(n)};
-  flight.omega_rad_s = spin(flight);
-}
-
-Shot ShotAnalysis::run() {
-  shot_.file = track_.file;
-  shot_.surface_angle_deg = options_.surface_angle_deg;
-  rotate();
-  lowest_ = lowest_frame();
-  find_flights();
-  fit_flights();
-  find_touch();
-  extend_flights();
-  fit_flights();
-  find_touch();
-  const double start = shot_.contact_start_s.value, end = shot_.contact_end_s.value;
-  fill_flight(shot_.before, before_t_, before_n_, start);
-  fill_flight(shot_.after, after_t_, after_n_, end);
-
-  // The deepest point: a parabola through the frames around the lowest.
-  const auto reach =
-      static_cast<std::size_t>(std::clamp((end - start) / track_.interval_s / 8, 2.0, 50.0));
-  const rod::PolynomialFit deep =
-      rod::fit_polynomial(time_, qn_, lowest_ - reach, lowest_ + reach, 2, time_[lowest_]);
-  const double turn = -deep.coefficients[1] / 2 / deep.coefficients[2];
-  const double deepest = deep.at(time_[lowest_] + turn);
-  const double height = normal_at(before_n_, start);
-  shot_.t_max_compression_s = time_[lowest_] + turn - start;
-  shot_.max_deflection_m = {height - deepest,
-                            std::hypot(shot_.noise_m * std::sqrt(deep.leverage(time_[lowest_])),
-                                       shot_.before.vn_m_s.value * shot_.contact_start_s.sd)};
-  const double cross =
-      time_[lowest_] + (before_n_.at(time_[lowest_]) - after_n_.at(time_[lowest_])) /
-                           (after_n_.slope_at(0) - before_n_.slope_at(0));
-  const auto carried = [&](const rod::PolynomialFit& flight) {
-    return std::max(flight.rms, shot_.noise_m) * std::sqrt(flight.leverage(cross));
-  };
-  shot_.crossing_s = cross;
-  shot_.crossing_above_lowest_m = {
-      normal_at(before_n_, cross) - deepest,
-      std::hypot(carried(before_n_), carried(after_n_),
-                 shot_.noise_m * std::sqrt(deep.leverage(time_[lowest_] + turn)))};
-
-  const double angle = options_.surface_angle_deg * kRadPerDeg;
-  const double touch_t = before_t_.at(start) - gt_ / 2 * square(start - time_[0]);
-  shot_.touch_x_m = std::cos(angle) * touch_t - std::sin(angle) * height;
-  shot_.touch_y_m = std::sin(angle) * touch_t + std::cos(angle) * height;
-
-  derive(shot_, options_.body, options_.gravity_m_s2);
-  return shot_;
+// The velocity at an instant that is known to `sd_s` instead of `old_sd_s`.
+double moved_sd(double sd, double pull, double old_sd_s, double sd_s) {
+  return std::sqrt(std::max(0.0, sd * sd - std::pow(pull * old_sd_s, 2)) +
+                   std::pow(pull * sd_s, 2));
 }
 
 }  // namespace
 
 void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
-  const double pull = gravity_m_s2 * std::cos(shot.surface_angle_deg * kRadPerDeg);
   const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
-  const double in_sd = std::hypot(in.sd, pull * shot.contact_start_s.sd);
-  const double out_sd = std::hypot(out.sd, pull * shot.contact_end_s.sd);
-  shot.restitution = {-out.value / in.value,
-                      std::hypot(out_sd / in.value, out.value / square(in.value) * in_sd)};
+  const double e = impact::restitution(in.value, out.value);
+  shot.restitution = {e, std::hypot(out.sd, e * in.sd) / std::abs(in.value)};
   const auto state = [](const Flight& flight) {
     contact::PlaneState s;
     s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
     return s;
   };
-  shot.friction =
-      contact::effective_friction(body, state(shot.before), state(shot.after), shot.contact_s.value,
-                                  gravity_m_s2, shot.surface_angle_deg);
+  const contact::PlaneState before = state(shot.before);
+  shot.friction = contact::effective_friction(body, before, state(shot.after), shot.contact_s.value,
+                                              gravity_m_s2, shot.surface_angle_deg);
+  const double against = impact::against_slip(
+      impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m()));
+  shot.friction.published *= against;
+  shot.friction.sound *= against;
   shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,
-                                shot.friction.sound * std::hypot(in_sd, out_sd)) /
+                                shot.friction.sound * std::hypot(in.sd, out.sd)) /
                      (out.value - in.value);
 }
 
@@ -344,16 +205,24 @@ void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_
   const double after = start_s.value + duration_s.value - shot.contact_end_s.value;
   shot.after.vt_m_s.value -= gravity_m_s2 * s * after;
   shot.after.vn_m_s.value -= gravity_m_s2 * c * after;
+  const Estimate end = {start_s.value + duration_s.value, std::max(start_s.sd, duration_s.sd)};
+  const auto move = [&](Estimate& velocity, double pull, double old_sd_s, double sd_s) {
+    velocity.sd = moved_sd(velocity.sd, pull, old_sd_s, sd_s);
+  };
+  move(shot.before.vt_m_s, gravity_m_s2 * s, shot.contact_start_s.sd, start_s.sd);
+  move(shot.before.vn_m_s, gravity_m_s2 * c, shot.contact_start_s.sd, start_s.sd);
+  move(shot.after.vt_m_s, gravity_m_s2 * s, shot.contact_end_s.sd, end.sd);
+  move(shot.after.vn_m_s, gravity_m_s2 * c, shot.contact_end_s.sd, end.sd);
   shot.contact_start_s = start_s;
   shot.contact_s = duration_s;
-  shot.contact_end_s = {start_s.value + duration_s.value, std::max(start_s.sd, duration_s.sd)};
+  shot.contact_end_s = end;
   shot.t_max_compression_s -= later;
   shot.max_deflection_m = {shot.max_deflection_m.value + along_n, std::abs(vn) * start_s.sd};
   derive(shot, body, gravity_m_s2);
 }
 
 Shot measure_shot(const Track& track, const ShotOptions& options) {
-  return ShotAnalysis(track, options).run();
+  return TrackImpact(track, options).run();
 }
 
 }  // namespace impactdic::sim::shot

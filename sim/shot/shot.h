@@ -1,5 +1,5 @@
-// What a track tells of its impact without any model: the flights on both sides, when the contact
-// begins and ends, restitution and effective friction.
+// What a track tells of its impact: the flights on both sides, when the contact begins and ends,
+// restitution and effective friction. The analysis is that of `track` (host/impact), in SI units.
 #pragma once
 
 #include <string>
@@ -30,7 +30,8 @@ struct Shot {
   double touch_x_m = 0, touch_y_m = 0;  // the centre at the first touch, world axes
   double noise_m = 0;                   // of one centre, one coordinate
   Estimate restitution;
-  contact::EffectiveFriction friction;  // impact.h: Eq. 3.12, with gravity, rolling cap
+  // Eq. 3.12, with gravity, rolling cap; positive where friction opposes the slip.
+  contact::EffectiveFriction friction;
   double friction_sd = 0;
   // The normal position where both flights, carried on, cross, above the lowest one measured. With
   // the restitution it fixes a law's time scale, and needs no sight of the instant of touch.
@@ -54,11 +55,11 @@ void derive(Shot& shot, const contact::Body& body, double gravity_m_s2);
 void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s,
                   const contact::Body& body, double gravity_m_s2);
 
-// Least-squares flights (gravity known), grown while frames agree within five standard deviations.
-// The touch and the separation lie where the normal deflection's onset polynomials (second to
-// fourth power of the time in contact) fit best, under the condition that both happen at the same
-// height. Throws FormatError naming the file where the track shows no contact, or too few frames of
-// it or of a flight.
+// The impact as host/impact/impact_phases.h finds it, with gravity and the body's radius known. A
+// centre without a stated deviation is taken for as good as its scatter from frame to frame. Where
+// the contact is too short for its ends to be seen they are between flight and turn, and their
+// deviations say so. Throws FormatError naming the file where the track shows no contact, or too
+// few frames of it or of a flight.
 Shot measure_shot(const Track& track, const ShotOptions& options);
 
 }  // namespace impactdic::sim::shot

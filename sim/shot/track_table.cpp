@@ -112,6 +112,7 @@ Track read_track(const std::filesystem::path& file) {
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw FormatError(table.file(), -1, "the ball does not move");
   }
+  track.metre_per_px = scale;
   track.position_sd_m = joint_sd(table, "cx_sd_px", "cy_sd_px", scale);
   track.dx_m = times(table.numbers("dx_px"), scale);
   track.dy_m = times(table.numbers("dy_px"), -scale);  // pixel rows count downwards

@@ -16,6 +16,7 @@ struct Track {
   std::vector<double> dx_m, dy_m, motion_sd_m;  // rigid motion of the surface pattern
   std::vector<double> turn_rad, turn_sd_rad;    // rotation of that motion
   double interval_s = 0;
+  double metre_per_px = 0;  // of the table's pixels
   // Of the axes of vt_m_s, vn_m_s in the table; NaN where it has none.
   double surface_angle_deg = 0;
 };

@@ -42,7 +42,7 @@ std::string fit_job(bool oblique) {
 }
 
 struct ClosedLoop {
-  Json simulated, fitted;
+  Json simulated, tracked, fitted;
 };
 
 ClosedLoop close_loop(bool oblique) {
@@ -54,10 +54,11 @@ ClosedLoop close_loop(bool oblique) {
        " --pattern f1 --noise 2 --size 330x400 --frames 130 --touch-frame 32.37 -o " +
        quoted(folder / "clip"));
   must("track " + quoted(folder / "clip/video.tif") + " --fps 10000 --ball-diameter-mm 67" +
-       " --spacing 12 --inertia-factor 0.667 --surface-angle-deg " + (oblique ? "30" : "0") +
-       " -o " + quoted(folder / "track"));
+       " --spacing 12 --inertia-factor 0.66666666666666667 --surface-angle-deg " +
+       (oblique ? "30" : "0") + " -o " + quoted(folder / "track"));
   must("fit " + quoted(folder / "fit.toml") + " -o " + quoted(folder / "fit"));
   return {read_json(folder / "sim/summary.json"),
+          read_json(folder / "track/summary.json")["impact"],
           read_json(folder / "fit/summary.json")["shots"][0]};
 }
 
@@ -68,8 +69,40 @@ void expect_found(const Json& estimate, double truth, double tolerance) {
   EXPECT_NEAR(value, truth, 3 * sd) << estimate;
 }
 
+// What `fit` reads from a table is what `track` has measured, but for the rounding of the table.
+void expect_same(const Json& fitted, const Json& tracked, const std::string& what) {
+  const double value = tracked["value"], sd = tracked["sd"];
+  EXPECT_NEAR(fitted["value"].get<double>(), value, 1e-3 * sd + 1e-9) << what;
+  EXPECT_NEAR(fitted["sd"].get<double>(), sd, 1e-3 * sd) << what;
+}
+
+void expect_one_analysis(const Json& shot, const Json& impact) {
+  ASSERT_EQ(impact["status"], "found");
+  for (const char* side : {"before", "after"}) {
+    EXPECT_EQ(shot[side]["frames"].get<std::vector<double>>(),
+              impact[side]["frames_used"].get<std::vector<double>>());
+    for (const char* key : {"vt_m_s", "vn_m_s", "omega_rad_s"}) {
+      expect_same(shot[side][key], impact[side][key], std::string(side) + " " + key);
+    }
+  }
+  EXPECT_NEAR(shot["contact_start_s"]["value"].get<double>(), impact["t0"]["time_s"].get<double>(),
+              1e-3 * impact["t0"]["sd_s"].get<double>());
+  expect_same(shot["contact_s"], impact["contact_s"], "contact_s");
+  expect_same(shot["max_deflection_m"], impact["max_deflection_m"], "max_deflection_m");
+  expect_same(shot["restitution"], impact["restitution"], "restitution");
+  const Json &mine = shot["effective_friction"], &theirs = impact["friction"];
+  expect_same({{"value", mine["with_gravity"]}, {"sd", mine["sd"]}}, theirs["gravity_corrected"],
+              "friction");
+  const auto near = [](const Json& a, const Json& b) {
+    EXPECT_NEAR(a.get<double>(), b["value"].get<double>(), 1e-3 * b["sd"].get<double>());
+  };
+  near(mine["published"], theirs["eq_3_12"]);
+  near(mine["rolling_cap"], theirs["rolling_cap"]);
+}
+
 void expect_truth(bool oblique) {
-  const auto [simulated, fitted] = close_loop(oblique);
+  const auto [simulated, tracked, fitted] = close_loop(oblique);
+  expect_one_analysis(fitted["shot"], tracked);
   const Json& parameters = fitted["parameters"];
   expect_found(parameters["stiffness_n_per_m"], kStiffness, 0.005 * kStiffness);
   expect_found(parameters["damping_n_s_per_m"], kDamping, 0.005 * kDamping);

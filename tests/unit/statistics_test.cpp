@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace impactdic {
@@ -31,9 +32,40 @@ TEST(OrderStatistic, TakesExtremes) {
   const std::vector<float> values = {kMost, -kMost, 0.0f, -kTiny, 3e38f};
   EXPECT_EQ(order_statistic(values, 0), -kMost);
   EXPECT_EQ(order_statistic(values, 1), -kTiny);
-  EXPECT_EQ(median(values), 0.0f);
+  EXPECT_EQ(upper_median(std::span<const float>(values)), 0.0f);
   EXPECT_EQ(order_statistic(values, 3), 3e38f);
   EXPECT_EQ(order_statistic(values, 4), kMost);
+}
+
+TEST(Median, OfAnEvenCountIsTheMeanOrTheUpperOfBothMiddleValues) {
+  EXPECT_EQ(median({4, 1, 3, 2}), 2.5);
+  EXPECT_EQ(upper_median(std::vector<double>{4, 1, 3, 2}), 3);
+  EXPECT_EQ(median({5, 1, 3}), 3);
+  EXPECT_EQ(upper_median(std::vector<double>{5, 1, 3}), 3);
+  EXPECT_EQ(median({7}), 7);
+  EXPECT_EQ(upper_median(std::vector<std::int64_t>{9, 2}), 9);
+  EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_TRUE(std::isnan(upper_median(std::vector<double>{})));
+}
+
+TEST(Median, OfSixIsThatOfTheList) {
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal(0, 10);
+  for (std::size_t count = 1; count <= 6; ++count) {
+    std::vector<float> values(count);
+    UpperMedianOfSix<float> few(std::numeric_limits<float>::infinity());
+    for (float& value : values) few.add(value = std::round(normal(random)));
+    EXPECT_EQ(few.median(), upper_median(values)) << count;
+  }
+}
+
+TEST(Quantile, IsTheValueThatTheShareLiesBelow) {
+  const std::vector<float> values = {5, 1, 4, 2, 3};
+  EXPECT_EQ(quantile(values, 0), 1);
+  EXPECT_EQ(quantile(values, 0.5), 3);
+  EXPECT_EQ(quantile(values, 0.8), 5);
+  EXPECT_EQ(quantile(values, 1), 5);
+  EXPECT_EQ(finite({1, std::nan(""), 2}), (std::vector<double>{1, 2}));
 }
 
 }  // namespace

@@ -71,6 +71,11 @@ struct ImpactAnalysis {
   Measured friction;            // the same with gravity's impulse taken off
   Measured rolling_cap;         // the friction that just brings the ball to roll; needs the inertia
   Measured max_deflection;      // of the centre, from the touch to the maximum compression
+  double touch_x = kNotMeasured,
+         touch_y = kNotMeasured;  // the centre at the touch, px, global axes
+  // Where both flights, carried on, cross, and how far above the lowest centre that is, px. With
+  // the restitution it fixes the time scale of a law of force without any sight of the touch.
+  Measured crossing, crossing_above_lowest;
   ImpulseClosure closure;
   Measured fall;  // gravity as the flights show it, px/frame^2: a check of scale and frame rate
   double radius_px = kNotMeasured;

@@ -47,12 +47,6 @@ inline Polarity opposite(Polarity p) {
 // Of grey levels, so that every ball is bright.
 inline float sign_of(Polarity p) { return p == Polarity::bright ? 1.0f : -1.0f; }
 
-// The value below which the share `q` of `values`, one at least, lies.
-inline float quantile(std::span<const float> values, double q) {
-  const auto rank = static_cast<std::size_t>(q * static_cast<double>(values.size()));
-  return order_statistic(values, std::min(rank, values.size() - 1));
-}
-
 // A cubic kernel over 4×4 pixels. Smooth: the B-spline itself, a blur of σ² = 1/3 px² that makes an
 // edge's place independent of the pixels' phase. Sharp: the cubic of Mitchell and Netravali (1988),
 // B = C = 1/3, which errs with the phase but mixes less of the neighbourhood into an edge.

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/base/statistics.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/settings/search.h"
 
@@ -280,9 +281,7 @@ double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, Polarity pol
     if (steepest > 0 && contrast > 0) p.scratch.push_back(contrast / steepest);
   }
   if (p.scratch.size() < kSearch.blur_least_rays) return 1;
-  const auto middle = p.scratch.begin() + static_cast<std::ptrdiff_t>(p.scratch.size() / 2);
-  std::nth_element(p.scratch.begin(), middle, p.scratch.end());
-  return *middle / std::sqrt(2 * kPi);
+  return upper_median(p.scratch) / std::sqrt(2 * kPi);
 }
 
 RimSearch search_one(Profiles& p, const Task& task, Polarity polarity) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/base/statistics.h"
 #include "host/dic/frames/bspline.h"
 #include "host/dic/frames/spline_taps.h"
 
@@ -37,12 +38,6 @@ Disc cut_disc(const BSplineImage& picture, const Vector2d& centre, double radius
     }
   }
   return disc;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 class Registration {
@@ -134,7 +129,7 @@ class Registration {
     if (!(light_(1) > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
     moved = compose(solution.tail(columns() - kLight) / light_(1));
     if (options_.robust && moved < 0.5) {
-      scale_ = std::max(1.4826 * median(std::move(sizes)), smallest_scale_);
+      scale_ = std::max(kSdOfMad * upper_median(std::move(sizes)), smallest_scale_);
     }
     return true;
   }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "host/base/parse.h"
+#include "host/base/statistics.h"
 #include "host/video/format/cine_header.h"
 #include "host/video/format/readers.h"
 
@@ -136,10 +137,8 @@ class CineSource : public FrameSource {
   double median_interval_s() const {
     auto intervals = stamps(0, std::min<std::int64_t>(info_.frame_count, 1001));
     std::adjacent_difference(intervals.begin(), intervals.end(), intervals.begin());
-    const auto first = intervals.begin() + 1;  // what stands before is no difference
-    const auto middle = first + (intervals.end() - first) / 2;
-    std::nth_element(first, middle, intervals.end());
-    return static_cast<double>(*middle) / kStampsPerSecond;
+    intervals.erase(intervals.begin());  // no difference
+    return static_cast<double>(upper_median(std::move(intervals))) / kStampsPerSecond;
   }
 
   // The first frame whose stamp lies before its neighbour's or absurdly far after it; −1: none.

@@ -9,6 +9,8 @@
 #include <random>
 #include <utility>
 
+#include "host/base/statistics.h"
+
 namespace impactdic {
 namespace {
 
@@ -213,10 +215,6 @@ class PlainWalk {
   }
 
  private:
-  static float median(std::vector<float> values) {
-    std::ranges::sort(values);
-    return values[values.size() / 2];
-  }
   float u_of(std::size_t from, std::size_t to) const {
     const WindowMotion& m = motions_[from];
     const auto dx = static_cast<float>(windows_[to].x0 - windows_[from].x0);
@@ -268,7 +266,7 @@ class PlainWalk {
     for (const std::size_t k : near_) {
       apart.push_back(std::max(std::abs(u_of(k, i) - middle.u), std::abs(v_of(k, i) - middle.v)));
     }
-    return differs(middle.u, middle.v, 0.5F + 3 * median(apart));
+    return differs(middle.u, middle.v, 0.5F + 3 * upper_median(apart));
   }
   WindowMotion seed(std::size_t i, Window* window) const {
     std::vector<float> us, vs, turns;
@@ -278,10 +276,10 @@ class PlainWalk {
       vs.push_back(v_of(k, i));
       turns.push_back((m.uy - m.vx) / (2 + m.ux + m.vy));
     }
-    if (window != nullptr) window->guess_rot_rad = std::atan(median(turns));
+    if (window != nullptr) window->guess_rot_rad = std::atan(upper_median(turns));
     WindowMotion start{};
-    start.u = median(us);
-    start.v = median(vs);
+    start.u = upper_median(us);
+    start.v = upper_median(vs);
     return start;
   }
 
