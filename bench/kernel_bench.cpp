@@ -6,27 +6,27 @@
 #include <cstdio>
 #include <memory>
 
-#include "bench/table.h"
-#include "bench/tune.h"
 #include "host/base/log.h"
+#include "host/benchmark/table.h"
+#include "host/benchmark/tune.h"
 
 namespace {
 
 int tune(impactdic::opencl::Engine& engine) {
-  const impactdic::bench::TuneSink sink = [](const impactdic::bench::TunedVariant& tried) {
+  const impactdic::benchmark::TuneSink sink = [](const impactdic::benchmark::TunedVariant& tried) {
     std::printf("%s, %s: %.4g windows/s, %.1e px %s\n", tried.kernel.work.c_str(),
                 tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
                 tried.rejected.c_str());
   };
   impactdic::dic::FieldOptions field;
   field.method = impactdic::dic::FieldMethod::zncc;
-  impactdic::bench::tune_zncc(engine, field, {}, sink);
+  impactdic::benchmark::tune_zncc(engine, field, {}, sink);
   field.window_px = 31;
   field.search_px = 16;
-  impactdic::bench::tune_zncc(engine, field, {}, sink);
+  impactdic::benchmark::tune_zncc(engine, field, {}, sink);
   field.window_px = 32;
   field.min_correlation = 0.3;
-  impactdic::bench::tune_equal(engine, field, {}, sink);
+  impactdic::benchmark::tune_equal(engine, field, {}, sink);
   return 0;
 }
 
@@ -34,7 +34,7 @@ int tune(impactdic::opencl::Engine& engine) {
 
 int main(int argc, char** argv) {
   const auto argument = [&](int k) { return std::string(argc > k ? argv[k] : ""); };
-  impactdic::bench::BenchOptions options;
+  impactdic::benchmark::BenchOptions options;
   options.only = argument(3);
   options.every_variant = argument(4) == "all";
   if (argument(5) == "log") impactdic::set_log_verbosity(2);
@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
     std::vector<impactdic::opencl::Engine*> engines;
     for (const auto& engine : own) engines.push_back(engine.get());
     if (options.only == "tune") return tune(*engines.front());
-    impactdic::bench::print_bench_table(engines, options, argument(2));
+    impactdic::benchmark::print_bench_table(engines, options, argument(2));
     if (settings.profile) std::printf("%s", engines.front()->profiler().table().c_str());
   } catch (const impactdic::Error& error) {
     std::fprintf(stderr, "kernel_bench: %s\n", error.line().c_str());

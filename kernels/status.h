@@ -1,4 +1,5 @@
-// WindowStatus of host/dic/field.h, for the kernels.
+// Why a window has no displacement, or that it has one: WindowStatus for the kernels, whose meaning
+// stands there. host/dic/field.cpp does not compile where the two differ.
 #ifndef IMPACTDIC_KERNELS_STATUS_H_
 #define IMPACTDIC_KERNELS_STATUS_H_
 

@@ -1,22 +1,22 @@
 // impactdic bench: speed of the kernels with their error beside it.
 #include <memory>
 
-#include "bench/table.h"
 #include "host/app/command.h"
 #include "host/app/run_context.h"
+#include "host/benchmark/table.h"
 
 namespace impactdic::app {
 namespace {
 
 struct Options {
   Common common;
-  bench::BenchOptions bench;
+  benchmark::BenchOptions bench;
   std::string json;
 };
 
 void run_bench(const Options& options) {
   RunContext context(options.common);
-  bench::print_bench_table(context.engines(), options.bench, options.json);
+  benchmark::print_bench_table(context.engines(), options.bench, options.json);
 }
 
 }  // namespace

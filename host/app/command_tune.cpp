@@ -2,16 +2,16 @@
 #include <cstdio>
 #include <memory>
 
-#include "bench/tune.h"
 #include "host/app/command.h"
 #include "host/app/run_context.h"
+#include "host/benchmark/tune.h"
 
 namespace impactdic::app {
 namespace {
 
 struct Options {
   Common common;
-  bench::TuneOptions tune;
+  benchmark::TuneOptions tune;
   int window_px = 0, search_px = 8;  // 0: the usual sizes
 };
 
@@ -40,7 +40,7 @@ void run_tune(const Options& options) {
   RunContext context(options.common);
   opencl::Engine& engine = context.engine();
   std::printf("%s, driver %s\n", engine.device().name.c_str(), engine.device().driver.c_str());
-  const bench::TuneSink sink = [](const bench::TunedVariant& tried) {
+  const benchmark::TuneSink sink = [](const benchmark::TunedVariant& tried) {
     std::printf("%-16s %-48s %11.4g windows/s  %.1e px  %s\n", tried.kernel.work.c_str(),
                 tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
                 tried.rejected.c_str());
@@ -49,13 +49,13 @@ void run_tune(const Options& options) {
   dic::store_tuning(engine, {});  // fails at once where nothing can be kept
   std::vector<dic::TunedKernel> best;
   for (const dic::FieldOptions& field : sizes_of(options)) {
-    best.push_back(bench::tune_zncc(engine, field, options.tune, sink));
+    best.push_back(benchmark::tune_zncc(engine, field, options.tune, sink));
   }
   if (options.window_px == 0) {
     dic::FieldOptions field;
     field.window_px = 32;
     field.min_correlation = 0.3;
-    best.push_back(bench::tune_equal(engine, field, options.tune, sink));
+    best.push_back(benchmark::tune_equal(engine, field, options.tune, sink));
   }
   dic::store_tuning(engine, best);
   for (const dic::TunedKernel& kernel : best) {

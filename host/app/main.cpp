@@ -42,10 +42,8 @@ void add_commands(CLI::App& app) {
   add_info_command(app);
   add_track_command(app);
   add_batch_command(app);
-#ifdef IMPACTDIC_WITH_BENCH
   add_bench_command(app);
   add_tune_command(app);
-#endif
   add_correlate_command(app);
   add_fit_command(app);
   add_compare_command(app);

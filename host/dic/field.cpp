@@ -7,9 +7,22 @@
 #include <string>
 
 #include "host/base/parse.h"
+#include "kernels/status.h"
 
 namespace impactdic {
 namespace {
+
+// What the kernels write is what the host reads.
+constexpr bool is_kernels(WindowStatus status, int of_kernels) {
+  return static_cast<int>(status) == of_kernels;
+}
+static_assert(is_kernels(WindowStatus::ok, STATUS_OK));
+static_assert(is_kernels(WindowStatus::masked, STATUS_MASKED));
+static_assert(is_kernels(WindowStatus::no_texture, STATUS_NO_TEXTURE));
+static_assert(is_kernels(WindowStatus::low_correlation, STATUS_LOW_CORRELATION));
+static_assert(is_kernels(WindowStatus::at_search_edge, STATUS_AT_SEARCH_EDGE));
+static_assert(is_kernels(WindowStatus::not_converged, STATUS_NOT_CONVERGED));
+static_assert(is_kernels(WindowStatus::out_of_view, STATUS_OUT_OF_VIEW));
 
 void check_range(double value, double low, double high, const char* what, const char* option) {
   // The negated form also refuses NaN.
@@ -28,6 +41,8 @@ const char* to_string(FieldMethod method) {
       return "published";
     case FieldMethod::zncc:
       return "zncc";
+    case FieldMethod::equal:
+      return "equal";
     case FieldMethod::icgn:
       return "icgn";
   }
@@ -35,11 +50,12 @@ const char* to_string(FieldMethod method) {
 }
 
 FieldMethod parse_field_method(const std::string& name) {
-  for (const auto method : {FieldMethod::published, FieldMethod::zncc, FieldMethod::icgn}) {
+  for (const auto method :
+       {FieldMethod::published, FieldMethod::zncc, FieldMethod::equal, FieldMethod::icgn}) {
     if (name == to_string(method)) return method;
   }
   throw InvalidArgument("there is no method '" + name + "'", "--method",
-                        "published, zncc and icgn exist");
+                        "published, zncc, equal and icgn exist");
 }
 
 void FieldOptions::validate() const {
@@ -58,6 +74,10 @@ void FieldOptions::validate() const {
     throw InvalidArgument(
         "the spline's degree must be 3, 5 or 7, not " + std::to_string(spline_degree),
         "--spline-degree");
+  }
+  if (method == FieldMethod::equal && window_px != 16 && window_px != 32) {
+    throw InvalidArgument("equal windows are 16 or 32 px wide, not " + std::to_string(window_px),
+                          "--window", "use --window 32, or --method zncc or icgn");
   }
   // The published method's matrices grow with the cube of the window.
   if (method == FieldMethod::published && window_px > 65) {

@@ -1,6 +1,10 @@
 #include "host/dic/window_correlator.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/dic/device/tuning.h"
+#include "host/dic/reference/zncc.h"
 #include "host/dic/seed_options.h"
 
 namespace impactdic::dic {
@@ -10,6 +14,11 @@ WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& o
   options.validate();
   if (options.method == FieldMethod::published) {
     published_.emplace(engine, options);
+  } else if (options.method == FieldMethod::equal) {
+    // Which pictures follow each other is not known here.
+    EqualVariant variant = choose_equal_variant(engine, options.window_px, false);
+    variant.width_known = false;
+    equal_.emplace(engine, options, variant);
   } else {
     const FieldOptions seed = seed_options(options);
     ZnccVariant variant = choose_zncc_variant(engine, seed);
@@ -78,10 +87,15 @@ void WindowCorrelator::set_disc(int slot, double cx_px, double cy_px, double rad
 void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> windows,
                               std::span<WindowMotion> motions, bool refined) {
   if (windows.empty()) return;
+  if (equal_ && std::min(frames.width(), frames.height()) < window_px_) {
+    std::ranges::fill(motions, without_motion(WindowStatus::out_of_view, std::nan("")));
+    return;
+  }
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
   windows_.write_later(engine_, windows);
   if (published_) published_->run(frames, windows_, windows.size(), motions_);
+  if (equal_) equal_->run(frames, windows_, windows.size(), motions_);
   if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
   if (refined) icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "host/dic/device/equal.h"
 #include "host/dic/device/icgn.h"
 #include "host/dic/device/published.h"
 #include "host/dic/device/zncc.h"
@@ -48,6 +49,7 @@ class WindowCorrelator {
   int window_px_;
   // What the method takes; the others stay empty.
   std::optional<PublishedOpencl> published_;
+  std::optional<EqualOpencl> equal_;
   std::optional<ZnccOpencl> zncc_;
   std::optional<IcgnRefiner> icgn_;
   opencl::Buffer<Window> windows_;

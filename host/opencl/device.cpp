@@ -39,6 +39,7 @@ Device describe(const cl::Platform& platform, const cl::Device& device, int inde
   info.is_gpu = (device.getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
   const bool is_nvidia = info.vendor.find("NVIDIA") != std::string::npos;
   info.multiplies_bytes = info.is_gpu && is_nvidia && compute_capability(device) >= 8;
+  info.keeps_programs = info.platform == "Portable Computing Language";
   info.global_memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
   info.local_memory_bytes = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
   info.max_allocation_bytes = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();

@@ -12,6 +12,9 @@ namespace impactdic::opencl {
 
 // A device and what is said of it.
 struct Device : DeviceInfo {
+  // PoCL: its driver compiles a kernel when it first runs, for its group's size, and keeps it on
+  // disk.
+  bool keeps_programs = false;
   cl::Device handle;
 };
 

@@ -28,7 +28,12 @@ std::string build_options(const Defines& defines) {
 }  // namespace
 
 Engine::Shared::Shared(const Device& info, EngineOptions asked)
-    : options(std::move(asked)), device(info), cache(options.cache_dir), profiler(options.profile) {
+    : options(std::move(asked)),
+      device(info),
+      cache(options.cache_dir),
+      profiler(options.profile),
+      compiling(std::make_shared<CompileWatch>(options.on_compile)),
+      keeps_binaries(options.keep_programs.value_or(!info.keeps_programs)) {
   if (options.kernel_dir.empty()) {
     if (const char* folder = std::getenv("IMPACTDIC_KERNEL_DIR")) options.kernel_dir = folder;
   }
@@ -98,38 +103,61 @@ void Engine::wait(const cl::Event& event) const {
 cl::Kernel Engine::kernel(const std::string& file, const std::string& name, const Defines& defines,
                           const std::string& options) {
   try {
-    const std::string separator = options.empty() ? "" : " ";
-    return cl::Kernel(program(file, build_options(defines) + separator + options), name.c_str());
+    const std::string all = build_options(defines) + (options.empty() ? "" : " " + options);
+    const Program made = program(file, all);
+    cl::Kernel kernel(made.program, name.c_str());
+    if (made.to_compile) {
+      shared_->compiling->await(kernel, file + ":" + name + "\n" + all, file + ":" + name);
+    }
+    return kernel;
   } catch (const cl::Error& error) {
     throw OpenClError(std::string(error.what()) + " " + file + ":" + name, error.err());
   }
 }
 
-cl::Program Engine::program(const std::string& file, const std::string& options) {
+Engine::Program Engine::program(const std::string& file, const std::string& options) {
   const std::string key = file + "\n" + options;
   const std::lock_guard<std::mutex> lock(shared_->mutex);
   const auto found = shared_->programs.find(key);
   if (found != shared_->programs.end()) return found->second;
-  const cl::Program made =
+  const Program made =
       load_or_build(kernel_source(file, shared_->options.kernel_dir), options, file);
   shared_->programs.emplace(key, made);
   return made;
 }
 
-cl::Program Engine::load_or_build(const std::string& source, const std::string& options,
-                                  const std::string& file) {
+Engine::Program Engine::load_or_build(const std::string& source, const std::string& options,
+                                      const std::string& file) {
   const std::string key = shared_->device.platform + "\n" + shared_->device.name + "\n" +
                           shared_->device.version + "\n" + shared_->device.driver + "\n" + options +
                           "\n" + source;
-  if (auto binary = shared_->cache.load(key)) {
+  const auto binary = shared_->cache.load(key);
+  if (!shared_->keeps_binaries) {
+    // The entry only says that this machine has met the program: asked for a binary, PoCL would
+    // compile all of its kernels a second time, for groups of any size.
+    const Program made = {build(source, options, file), !binary};
+    if (!binary) shared_->cache.store(key, {1});
+    return made;
+  }
+  if (binary) {
     try {
       cl::Program cached(shared_->context, {shared_->device.handle}, {*binary});
       cached.build(options.c_str());
-      return cached;
+      return {cached};
     } catch (const cl::Error&) {
       shared_->cache.remove(key);  // the driver does not take it: compile afresh below
     }
   }
+  shared_->compiling->begin(file);
+  const Program made = {build(source, options, file)};
+  shared_->compiling->end(file);
+  const auto binaries = made.program.getInfo<CL_PROGRAM_BINARIES>();
+  if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
+  return made;
+}
+
+cl::Program Engine::build(const std::string& source, const std::string& options,
+                          const std::string& file) {
   cl::Program program(shared_->context, source);
   try {
     program.build(options.c_str());
@@ -139,9 +167,7 @@ cl::Program Engine::load_or_build(const std::string& source, const std::string& 
                      "kernels/" + file + " on " + shared_->device.name + " with " + options);
   }
   library_log().debug("compiled kernels/{} {} {}", file, options,
-                program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle));
-  const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
-  if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
+                      program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle));
   return program;
 }
 
@@ -153,6 +179,7 @@ void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
   try {
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, global, local, nullptr, &event);
+    shared_->compiling->launched(kernel, event);
     if (shared_->profiler.enabled()) shared_->profiler.add(name(), event, work.bytes, work.flops);
   } catch (const cl::Error& error) {
     throw OpenClError(std::string(error.what()) + " " + name(), error.err());

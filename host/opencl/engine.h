@@ -4,11 +4,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "host/opencl/cl.h"
+#include "host/opencl/compile_watch.h"
 #include "host/opencl/device.h"
 #include "host/opencl/profiler.h"
 #include "host/opencl/program_cache.h"
@@ -21,6 +23,11 @@ struct EngineOptions {
   // where that is set, else the embedded sources.
   std::string kernel_dir;
   std::filesystem::path cache_dir = ProgramCache::default_folder();
+  // Whether compiled programs are kept there. Without a value: unless the driver keeps them itself
+  // (DeviceInfo::keeps_programs).
+  std::optional<bool> keep_programs = std::nullopt;
+  // Told how far the compiler is, where there is something to compile.
+  CompileFn on_compile = nullptr;
 };
 
 // -D macros of a program, in order. Every macro is described in kernels/config.h.
@@ -66,6 +73,10 @@ class Engine {
               const cl::NDRange& local, WorkCount work = {});
 
  private:
+  struct Program {
+    cl::Program program;
+    bool to_compile = false;  // its driver compiles its kernels when they first run
+  };
   // What all engines beside each other have in common.
   struct Shared {
     EngineOptions options;
@@ -74,13 +85,16 @@ class Engine {
     ProgramCache cache;
     Profiler profiler;
     std::mutex mutex;
-    std::map<std::string, cl::Program> programs;
+    std::map<std::string, Program> programs;
+    std::shared_ptr<CompileWatch> compiling;
+    bool keeps_binaries = true;
     Shared(const Device& info, EngineOptions asked);
   };
   explicit Engine(std::shared_ptr<Shared> shared);
-  cl::Program program(const std::string& file, const std::string& options);
-  cl::Program load_or_build(const std::string& source, const std::string& options,
-                            const std::string& file);
+  Program program(const std::string& file, const std::string& options);
+  Program load_or_build(const std::string& source, const std::string& options,
+                        const std::string& file);
+  cl::Program build(const std::string& source, const std::string& options, const std::string& file);
 
   std::shared_ptr<Shared> shared_;
   cl::CommandQueue queue_;

@@ -27,6 +27,7 @@ std::vector<opencl::Engine*> Session::Impl::open_engines() {
   if (engines.empty()) {
     opencl::EngineOptions engine_options;
     engine_options.profile = options.profile;
+    engine_options.on_compile = options.on_compile;
     if (options.device != "all") {
       engines.push_back(std::make_unique<opencl::Engine>(options.device, engine_options));
     } else {

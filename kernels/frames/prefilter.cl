@@ -88,14 +88,21 @@ __kernel void prefilter_rows(__global const float* images, __global float* rows,
 }
 #endif
 
+// On a CPU the compiler cannot unroll the loop over mirrored rows, and says so.
+#if VECTOR == 1
+#define UNROLL_MIRRORED _Pragma("unroll")
+#else
+#define UNROLL_MIRRORED
+#endif
+
 // Adds the rows `at`, of j = −RADIUS …, to the sums of PREFILTER_DOWN rows.
-#define FILTER_COLUMN(at)                                                     \
-  _Pragma("unroll") for (int j = -RADIUS; j < RADIUS + PREFILTER_DOWN; ++j) { \
-    const REAL pixel = LOAD_REAL(from + (size_t)(at)*pitch);                  \
-    _Pragma("unroll") for (int k = 0; k < PREFILTER_DOWN; ++k) {              \
-      const int distance = abs(j - k);                                        \
-      if (distance <= RADIUS) sums[k] += taps[distance] * pixel;              \
-    }                                                                         \
+#define FILTER_COLUMN(unroll, at)                                  \
+  unroll for (int j = -RADIUS; j < RADIUS + PREFILTER_DOWN; ++j) { \
+    const REAL pixel = LOAD_REAL(from + (size_t)(at)*pitch);       \
+    _Pragma("unroll") for (int k = 0; k < PREFILTER_DOWN; ++k) {   \
+      const int distance = abs(j - k);                             \
+      if (distance <= RADIUS) sums[k] += taps[distance] * pixel;   \
+    }                                                              \
   }
 
 // Along y. coefficients: from element `offset` on (slots, height + 2·SPLINE_PAD, pitch); pixel (x,
@@ -115,9 +122,9 @@ __kernel void prefilter_columns(__global const float* rows, __global float* coef
   for (int k = 0; k < PREFILTER_DOWN; ++k) sums[k] = 0.0f;
   // Apart: finding a mirrored row takes longer than what is done with it.
   if (y >= RADIUS && y + PREFILTER_DOWN + RADIUS <= height) {
-    FILTER_COLUMN(y + j)
+    FILTER_COLUMN(_Pragma("unroll"), y + j)
   } else {
-    FILTER_COLUMN(mirrored(y + j, height))
+    FILTER_COLUMN(UNROLL_MIRRORED, mirrored(y + j, height))
   }
   const int lines = height + 2 * SPLINE_PAD;
   __global float* to =

@@ -2,6 +2,7 @@
 #include "kernels/linalg.h"
 #include "kernels/reduce.h"
 #include "kernels/spline.h"
+#include "kernels/status.h"
 #include "kernels/types.h"
 #include "kernels/warp.h"
 
@@ -30,19 +31,12 @@
 // some direction. A hundred roundings.
 #define SMALLEST_PIVOT 1e-5f
 #define ROUNDING_VARIANCE (1.0f / 12.0f) /* of a pixel, grey levels */
-// kInterpolationPx of host/dic/spline_taps.h.
+// kInterpolationPx of host/dic/frames/spline_taps.h.
 #define INTERPOLATION_PX 0.02f
 // Mean square of a pixel's place along an axis in a whole window, over HALF_PX.
 #define MEAN_SQUARE ((WINDOW_PX + 1.0f) / (3.0f * (WINDOW_PX - 1.0f)))
 
-// WindowStatus of host/dic/field.h.
-#define STATUS_OK 0
-#define STATUS_MASKED 1
-#define STATUS_NO_TEXTURE 2
-#define STATUS_LOW_CORRELATION 3
-#define STATUS_AT_SEARCH_EDGE 4
-#define STATUS_NOT_CONVERGED 5
-#define STATUS_OUT_OF_VIEW 6
+// Of a window that is still at work.
 #define STATUS_RUNNING (-1)
 #define STATUS_NO_SEED (-2) /* the window stays as it is */
 #define STATUS_LOST (-3)    /* the same, unless there is nothing that could have been found */

@@ -46,6 +46,7 @@ TEST(Errors, WrongRequestsExitTwo) {
   expect_one_line("track " + clip + out + " --device 77", 2, "--device");
   expect_one_line("track " + clip + out + " --estimator guess", 2, "--estimator");
   expect_one_line("track " + clip + out + " --method guess", 2, "--method");
+  expect_one_line("track " + clip + out + " --method equal", 2, "16 or 32 px");
   expect_one_line("track " + clip + out + " --fps -3", 2, "--fps");
   expect_one_line("track " + clip + out + " --mm-per-px 0.5 --ball-diameter-mm 5 --fps 9", 2,
                   "one of");

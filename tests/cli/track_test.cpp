@@ -61,6 +61,15 @@ TEST(Track, MeasuresMotionInTwoDirectionsWithSpin) {
   expect_mean_error(clip, "rot_deg", 0.02);
 }
 
+// The quickest method: its windows' pull towards their guess leaves no trace in the ball's motion.
+TEST(Track, MeasuresWithEqualWindows) {
+  const SyntheticClip& clip = turning_clip();
+  ASSERT_EQ(clip.track("out", "--force --estimator field --method equal --window 32").status, 0);
+  expect_mean_error(clip, "dx_px", 0.05);
+  expect_mean_error(clip, "dy_px", 0.05);
+  expect_mean_error(clip, "rot_deg", 0.05);
+}
+
 // Neither windows nor the last frame's spin reach so far: rings have to find it.
 TEST(Track, FindsASpinOfSeventyDegreesAFrameUnseeded) {
   const SyntheticClip clip(

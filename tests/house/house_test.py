@@ -61,7 +61,8 @@ def wrong_arrows(root, names):
         elif user.startswith("sim/"):
             right = used in GROUND_FLOOR or (used in sim and sim.index(used) < sim.index(user))
         else:
-            right = used.startswith("sim/") and user in ("host/study", "host/run", "host/report", "host/app")
+            right = used.startswith("sim/") and user in (
+                "host/study", "host/benchmark", "host/run", "host/report", "host/app")
         if not right:
             wrong += where
     return wrong

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <set>
 
-#include "host/dic/device/equal_stream.h"
+#include "host/benchmark/equal_stream.h"
+#include "host/dic/correlator.h"
 #include "host/dic/device/tuning.h"
 #include "host/dic/reference/equal.h"
 #include "sim/speckle/speckle_field.h"
@@ -175,7 +177,8 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
         .run(frames, opencl::make_buffer<Window>(engine, windows), windows.size(), motions);
     return motions.to_vector(engine);
   };
-  dic::EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 2);
+  benchmark::EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0},
+                                windows, 2);
   const auto start = [&](int lane, std::size_t first) {
     const auto bytes = stream.pictures(lane);
     ASSERT_EQ(bytes.size(), 2 * clip[0].byte_count());
@@ -206,9 +209,108 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
   check(1, 3);
   check(0, 2);
   windows.back().second = 2;
-  EXPECT_THROW(
-      dic::EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0}, windows, 1),
-      InvalidArgument);
+  EXPECT_THROW(benchmark::EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0},
+                                      windows, 1),
+               InvalidArgument);
+}
+
+// `--method equal`, device and reference through the interface that every method has.
+std::vector<WindowMotion> measure_as_method(dic::Correlator& correlator, const Frame& first,
+                                            const Frame& second,
+                                            const std::vector<Window>& windows) {
+  correlator.set_frame(0, first);
+  correlator.set_frame(1, second);
+  correlator.set_disc(0, 70, 60, 30);  // no matter to this method
+  return correlator.correlate(windows);
+}
+
+TEST(EqualMethod, AgreesWithTheReferenceWindowByWindow) {
+  dic::FieldOptions options;
+  options.method = dic::FieldMethod::equal;
+  options.window_px = 16;
+  options.min_correlation = 0.6;
+  Frame first = field().render(kWidth, kHeight, 0, 0, 0, 0, 0, 8, 2, 1);
+  const Frame second = field().render(kWidth, kHeight, 3.3, -2.6, 0, 0, 0, 8, 2, 2);
+  for (int y = 60; y < 90; ++y) {
+    for (int x = 60; x < 90; ++x) first.u8(x, y) = 137;
+  }
+  std::vector<Window> windows;
+  std::set<int> statuses;
+  for (Window window : dic::rectangle_grid(0, 0, kWidth, kHeight, 16, 7)) {
+    window.second = 1;
+    // With the right guess, none, and one so wrong that other speckles lie there.
+    const std::size_t k = windows.size() % 3;
+    window.guess_u = k == 0 ? 3 : k == 1 ? 0 : 30;
+    window.guess_v = k == 0 ? -3 : 0;
+    windows.push_back(window);
+  }
+  const auto device = dic::make_opencl_correlator(shared_engine(), options, 2);
+  const auto reference = dic::make_reference_correlator(options, 2);
+  const auto got = measure_as_method(*device, first, second, windows);
+  const auto want = measure_as_method(*reference, first, second, windows);
+  ASSERT_EQ(got.size(), want.size());
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    ASSERT_EQ(got[i].status, want[i].status) << i;
+    statuses.insert(got[i].status);
+    if (got[i].status != static_cast<int>(dic::WindowStatus::ok)) {
+      EXPECT_TRUE(std::isnan(got[i].u) && std::isnan(got[i].u_sd)) << i;
+      continue;
+    }
+    EXPECT_NEAR(got[i].u, want[i].u, 1e-4) << i;
+    EXPECT_NEAR(got[i].v, want[i].v, 1e-4) << i;
+    EXPECT_NEAR(got[i].u_sd, want[i].u_sd, 1e-4) << i;
+  }
+  for (const auto status : {dic::WindowStatus::ok, dic::WindowStatus::no_texture,
+                            dic::WindowStatus::low_correlation, dic::WindowStatus::out_of_view}) {
+    EXPECT_EQ(statuses.count(static_cast<int>(status)), 1U) << dic::to_string(status);
+  }
+}
+
+// Pixels that leave the window pull its displacement towards the guess; a guess that moves it along
+// takes the pull away. Both figures stand in docs/performance.md's terms: a fifth of the window.
+TEST(EqualMethod, PullsTowardsTheGuess) {
+  dic::FieldOptions options;
+  options.method = dic::FieldMethod::equal;
+  options.window_px = 32;
+  options.min_correlation = 0.3;
+  constexpr double kShift = 6.4;
+  const Frame first = field().render(kWidth, kHeight, 0, 0);
+  const Frame second = field().render(kWidth, kHeight, kShift, 0);
+  const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
+  const auto mean_error = [&](int guess) {
+    std::vector<Window> windows = dic::rectangle_grid(0, 0, kWidth - 16, kHeight, 32, 8);
+    for (Window& window : windows) {
+      window.second = 1;
+      window.guess_u = guess;
+    }
+    double sum = 0;
+    int ok = 0;
+    for (const WindowMotion& motion : measure_as_method(*correlator, first, second, windows)) {
+      if (motion.status != static_cast<int>(dic::WindowStatus::ok)) continue;
+      sum += motion.u - kShift;
+      ++ok;
+    }
+    EXPECT_GT(ok, static_cast<int>(windows.size()) * 9 / 10);
+    return sum / ok;
+  };
+  const double far = mean_error(0), near = mean_error(6);
+  std::printf("equal 32: mean error %.4f px unguessed, %.4f px guessed\n", far, near);
+  EXPECT_LT(far, -0.01);
+  EXPECT_GT(far, -0.2);
+  EXPECT_LT(std::abs(near), 0.3 * std::abs(far));
+}
+
+TEST(EqualMethod, SaysWhichWindowsThereAreAndThatAPictureIsTooSmall) {
+  dic::FieldOptions options;
+  options.method = dic::parse_field_method("equal");
+  EXPECT_THROW(options.validate(), InvalidArgument);  // 15 px
+  options.window_px = 32;
+  EXPECT_NO_THROW(options.validate());
+  const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
+  const Frame small = field().render(31, 64, 0, 0);
+  const auto motions = measure_as_method(*correlator, small, small, {{0, 1, 0, 0, 0, 0, 0}});
+  ASSERT_EQ(motions.size(), 1U);
+  EXPECT_EQ(motions[0].status, static_cast<int>(dic::WindowStatus::out_of_view));
 }
 
 TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {

@@ -1,17 +1,22 @@
 // The OpenCL layer itself: devices, sources, cache, buffers, profiler, clFFT plans.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <complex>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <thread>
 
+#include "host/opencl/arguments.h"
 #include "host/opencl/buffer.h"
 #include "host/opencl/fft_plan.h"
 #include "host/opencl/kernel_source.h"
 #include "tests/support/engine.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
@@ -99,19 +104,100 @@ TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(ProgramCache, CompiledProgramsComeBackInANewEngine) {
-  const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test_engine";
-  std::filesystem::remove_all(folder);
-  opencl::EngineOptions options;
-  options.cache_dir = folder;
-  for (int round = 0; round < 2; ++round) {
-    opencl::Engine engine(std::to_string(shared_engine().device().index), options);
-    EXPECT_NO_THROW(engine.kernel("frames/unpack.cl", "unpack"));
+// Runs `unpack` on a few pixels.
+void run_unpack(opencl::Engine& engine, cl::Kernel kernel) {
+  auto pixels = opencl::make_buffer<unsigned char>(engine, std::vector<unsigned char>(64, 7));
+  const opencl::Buffer<float> image(engine, 64);
+  const opencl::Buffer<unsigned char> kept(engine, 64);
+  opencl::set_arguments(kernel, pixels.get(), image.get(), kept.get(), cl_ulong{64}, cl_ulong{0});
+  engine.launch(engine.queue(), kernel, cl::NDRange(64), cl::NDRange(64));
+  engine.queue().finish();
+}
+
+// What an engine told about its compiler; OpenCL calls from threads of its own.
+class Compiling {
+ public:
+  opencl::CompileFn teller() {
+    return [this](const opencl::CompileProgress& progress) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      told_.push_back(std::to_string(progress.done) + " of " + std::to_string(progress.known) +
+                      " " + progress.kernel);
+    };
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder),
-                          std::filesystem::directory_iterator()),
-            1);
-  std::filesystem::remove_all(folder);
+  // All that was told, of which `count` or more is to come within seconds.
+  std::vector<std::string> wait_for(std::size_t count) {
+    for (int i = 0; i < 500; ++i) {
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (told_.size() >= count) return told_;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return told_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::string> told_;
+};
+
+class EngineCache : public ::testing::Test {
+ protected:
+  std::size_t entries() const {
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_.string()),
+                      std::filesystem::directory_iterator()));
+  }
+  std::unique_ptr<opencl::Engine> engine(bool keep_programs, Compiling* compiling) {
+    opencl::EngineOptions options;
+    options.cache_dir = folder_.string();
+    options.keep_programs = keep_programs;
+    options.on_compile = compiling->teller();
+    return std::make_unique<opencl::Engine>(std::to_string(shared_engine().device().index),
+                                            options);
+  }
+  testing::ScratchFolder folder_;
+};
+
+TEST_F(EngineCache, CompiledProgramsComeBackInANewEngine) {
+  Compiling first, second;
+  const auto compiles = engine(true, &first);
+  run_unpack(*compiles, compiles->kernel("frames/unpack.cl", "unpack"));
+  EXPECT_EQ(first.wait_for(2),
+            (std::vector<std::string>{"0 of 1 frames/unpack.cl", "1 of 1 frames/unpack.cl"}));
+  EXPECT_EQ(entries(), 1U);
+  const auto reads = engine(true, &second);
+  run_unpack(*reads, reads->kernel("frames/unpack.cl", "unpack"));
+  EXPECT_TRUE(second.wait_for(0).empty());
+  EXPECT_EQ(entries(), 1U);
+}
+
+// A driver that keeps programs itself compiles a kernel when it first runs. No binary is asked for,
+// which would compile it once more; the entry is a note.
+TEST_F(EngineCache, OfADriverThatKeepsProgramsThereIsANote) {
+  Compiling first, second;
+  const auto compiles = engine(false, &first);
+  const auto lane = compiles->beside();
+  const cl::Kernel kernel = compiles->kernel("frames/unpack.cl", "unpack");
+  const cl::Kernel of_lane = lane->kernel("frames/unpack.cl", "unpack");
+  EXPECT_EQ(first.wait_for(1), std::vector<std::string>{"0 of 1 frames/unpack.cl:unpack"});
+  run_unpack(*lane, of_lane);
+  run_unpack(*compiles, kernel);
+  EXPECT_EQ(first.wait_for(2), (std::vector<std::string>{"0 of 1 frames/unpack.cl:unpack",
+                                                         "1 of 1 frames/unpack.cl:unpack"}));
+  ASSERT_EQ(entries(), 1U);
+  EXPECT_LT(std::filesystem::file_size(*std::filesystem::directory_iterator(folder_.string())),
+            20'000U);
+  const auto knows = engine(false, &second);
+  run_unpack(*knows, knows->kernel("frames/unpack.cl", "unpack"));
+  EXPECT_TRUE(second.wait_for(0).empty());
+  // The note is no program: an engine that keeps programs compiles, and replaces it.
+  Compiling third;
+  const auto keeps = engine(true, &third);
+  run_unpack(*keeps, keeps->kernel("frames/unpack.cl", "unpack"));
+  EXPECT_EQ(third.wait_for(2).size(), 2U);
+  EXPECT_EQ(entries(), 1U);
 }
 
 TEST(Profiler, CountsCallsBytesAndFlops) {

@@ -1,5 +1,5 @@
 // The search for the quickest right variant.
-#include "bench/tune.h"
+#include "host/benchmark/tune.h"
 
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
@@ -14,14 +14,15 @@ TEST(Tune, TakesTheQuickestOfTheRightVariants) {
   field.method = dic::FieldMethod::zncc;
   field.window_px = 9;
   field.search_px = 3;
-  bench::TuneOptions options;
+  benchmark::TuneOptions options;
   options.seconds = 0.01;
-  std::vector<bench::TunedVariant> tried;
-  const auto keep = [&](const bench::TunedVariant& variant) { tried.push_back(variant); };
-  const dic::TunedKernel best = bench::tune_zncc(testing::shared_engine(), field, options, keep);
+  std::vector<benchmark::TunedVariant> tried;
+  const auto keep = [&](const benchmark::TunedVariant& variant) { tried.push_back(variant); };
+  const dic::TunedKernel best =
+      benchmark::tune_zncc(testing::shared_engine(), field, options, keep);
   EXPECT_EQ(best.work, "zncc 9 in 15");
   ASSERT_EQ(tried.size(), dic::zncc_variants(testing::shared_engine().device(), field).size());
-  for (const bench::TunedVariant& variant : tried) {
+  for (const benchmark::TunedVariant& variant : tried) {
     EXPECT_EQ(variant.rejected, "") << variant.kernel.variant;
     EXPECT_LE(variant.kernel.per_second, best.per_second);
     EXPECT_LT(variant.kernel.difference_px, 1e-4) << variant.kernel.variant;
@@ -30,8 +31,8 @@ TEST(Tune, TakesTheQuickestOfTheRightVariants) {
   // No single-precision kernel equals the reference to the last bit.
   tried.clear();
   options.largest_difference_px = 0;
-  EXPECT_THROW(bench::tune_zncc(testing::shared_engine(), field, options, keep), Error);
-  for (const bench::TunedVariant& variant : tried) {
+  EXPECT_THROW(benchmark::tune_zncc(testing::shared_engine(), field, options, keep), Error);
+  for (const benchmark::TunedVariant& variant : tried) {
     EXPECT_EQ(variant.rejected, "differs from the reference") << variant.kernel.variant;
   }
 }

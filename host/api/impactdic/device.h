@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,16 @@ std::vector<DeviceInfo> list_devices();
 // device at all or none of that kind, InvalidArgument for an index or name that no device has.
 int choose_device(const std::string& device);
 
+struct CompileProgress {
+  std::string kernel;  // file and name of the one asked for or done, "zncc/peak.cl:zncc_subpixel"
+  int done = 0;
+  int known = 0;  // asked for so far: it grows while a run finds out what it needs
+};
+
+// Called when a kernel to be compiled is asked for, and again when it is there: from any thread,
+// one call at a time. It must be quick, must not throw and must not call the session.
+using CompileFn = std::function<void(const CompileProgress&)>;
+
 struct SessionOptions {
   // auto (the GPU with the most compute units, else the CPU), cpu, gpu, an index, a part of the
   // device's or platform's name (case does not matter), or all (every GPU, else every CPU).
@@ -33,7 +44,9 @@ struct SessionOptions {
   // Host threads; 0 takes all cores. A limit holds for all of the process's work with oneTBB while
   // the session lives (tbb::global_control): of several sessions the lowest one counts.
   int threads = 0;
-  bool profile = false;   // keep the times of stages and kernels; see Session::profile
+  bool profile = false;  // keep the times of stages and kernels; see Session::profile
+  // Told while kernels are compiled that this machine has not compiled before, which takes seconds.
+  CompileFn on_compile = nullptr;
   void validate() const;  // throws InvalidArgument
 };
 

@@ -21,6 +21,11 @@ enum class FieldMethod : std::uint8_t {
   // Template window in a larger search area, ZNCC (Lewis 1995) with the numerator by FFT, peak of
   // the spline through the correlation map. Unbiased.
   zncc,
+  // Equal windows of 16 or 32 px, the classic interrogation of particle images: circular
+  // cross-correlation by FFT, each value over the share of the windows that overlaps at its lag,
+  // Gaussian through the peak (Westerweel 1997). Finds displacements below half a window about the
+  // guess, whatever search_px. The quickest; what leaves the window pulls it towards the guess.
+  equal,
   // ZNCC seed, then inverse-compositional Gauss–Newton on an affine warp with B-spline
   // interpolation (Pan, Li and Tong 2013).
   icgn,
@@ -30,7 +35,7 @@ FieldMethod parse_field_method(const std::string& name);  // throws InvalidArgum
 
 struct FieldOptions {
   FieldMethod method = FieldMethod::icgn;
-  int window_px = 15;       // interrogation window (subset), odd or even, 5 … 129
+  int window_px = 15;       // interrogation window (subset), odd or even, 5 … 129; equal: 16, 32
   int search_px = 8;        // largest displacement searched about the guess, each way, 1 … 128
   int interp_points = 5;    // spline points between pixels of the published method, 0 … 9
   int spline_degree = 5;    // B-spline of the IC-GN warp: 3, 5 or 7

@@ -22,18 +22,22 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
       options_((options.validate(), options)),
       tiling_(choose_tiling(engine, tiling, 512)) {
   const auto taps = gaussian_taps(options.presmooth_sigma_px);
-  kernel_ = engine.kernel("ball/rigid.cl", "register_balls",
-                          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
-                           {"VECTOR", std::to_string(tiling_.vector)},
-                           {"GROUP", std::to_string(tiling_.group)},
-                           {"PARAMETERS", options.affine ? "6" : "3"},
-                           {"SMOOTH_RADIUS", std::to_string(taps.size() - 1)},
-                           {"MASKED", options.mask.size() > 0 ? "1" : "0"}});
   smooth_taps_ = opencl::make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
   const auto noise = interpolation_noise(options.spline_degree, options.presmooth_sigma_px);
   const double at_pixel = noise[0] + noise[1] + noise[2];
   noise_ = {{static_cast<float>(noise[0]), static_cast<float>(noise[1]),
              static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
+}
+
+void BallRegistration::compile() {
+  if (kernel_() != nullptr) return;
+  kernel_ = engine_.kernel("ball/rigid.cl", "register_balls",
+                           {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
+                            {"VECTOR", std::to_string(tiling_.vector)},
+                            {"GROUP", std::to_string(tiling_.group)},
+                            {"PARAMETERS", options_.affine ? "6" : "3"},
+                            {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
+                            {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
 }
 
 void BallRegistration::write_mask(const SplineFrames& splines) {
@@ -60,6 +64,7 @@ void BallRegistration::write_mask(const SplineFrames& splines) {
 std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                                                   std::span<const BallTask> tasks) {
   if (tasks.empty()) return {};
+  compile();
   double pixels = 0;
   for (const BallTask& task : tasks) {
     for (const int slot : {task.first, task.second}) {

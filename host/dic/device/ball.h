@@ -44,6 +44,7 @@ class BallRegistration {
   BallOptions options_;
   Tiling tiling_;
   cl::Kernel kernel_;
+  void compile();  // what the first ball needs
   void write_mask(const SplineFrames& splines);
   opencl::Buffer<float> smooth_taps_, mask_;
   float mask_area_ = 0;

@@ -5,6 +5,7 @@
 #include "host/dic/discs.h"
 #include "host/dic/frames/frame_slots.h"
 #include "host/dic/neighbours.h"
+#include "host/dic/reference/equal.h"
 #include "host/dic/reference/icgn.h"
 #include "host/dic/reference/published.h"
 #include "host/dic/reference/zncc.h"
@@ -66,6 +67,9 @@ class ReferenceCorrelator final : public Correlator {
     const auto first = frames_[static_cast<std::size_t>(window.first)].view();
     const auto second = frames_[static_cast<std::size_t>(window.second)].view();
     if (published_) return published_->measure(first, second, window, full_scale_);
+    if (options_.method == FieldMethod::equal) {
+      return equal_reference(first, second, window, options_, full_scale_);
+    }
     const WindowMotion seed =
         zncc_reference(first, second, window, seed_options(options_), full_scale_);
     return icgn_ ? icgn_->refine(window, seed) : seed;

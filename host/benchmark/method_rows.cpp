@@ -3,11 +3,11 @@
 #include <future>
 #include <memory>
 
-#include "bench/measure.h"
+#include "host/benchmark/equal_stream.h"
+#include "host/benchmark/measure.h"
 #include "host/dic/correlator.h"
-#include "host/dic/device/equal_stream.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 constexpr int kSide = 512;
@@ -44,7 +44,7 @@ constexpr int kStreamPictures = 8;
 
 // A device's stream with its pictures in place: `pairs` pairs a batch.
 struct DeviceStream {
-  dic::EqualStream stream;
+  benchmark::EqualStream stream;
 
   DeviceStream(const opencl::Engine& engine, const dic::FieldOptions& field,
                const ShiftedPictures& pictures, const std::vector<Window>& windows, int pairs,
@@ -136,4 +136,4 @@ void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions&
   bench_stream(engines, options, sink);
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

@@ -1,14 +1,14 @@
-#include "bench/tune.h"
+#include "host/benchmark/tune.h"
 
 #include <impactdic/error.h>
 
 #include <cmath>
 
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 #include "host/dic/reference/equal.h"
 #include "host/dic/reference/zncc.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 constexpr int kSide = 512;
@@ -137,4 +137,4 @@ dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& fie
               });
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

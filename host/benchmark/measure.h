@@ -1,4 +1,4 @@
-// Speed with the error beside it: what `impactdic bench` and the programs in this folder measure.
+// Speed with the error beside it: what `impactdic bench` and `impactdic tune` measure.
 #pragma once
 
 #include <impactdic/image.h>
@@ -11,7 +11,7 @@
 #include "host/dic/field.h"
 #include "host/opencl/engine.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 
 struct BenchRow {
   std::string work, variant;
@@ -69,4 +69,4 @@ void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions&
 void bench_references(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 #endif
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

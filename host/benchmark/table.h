@@ -1,9 +1,9 @@
 // The table of `impactdic bench`.
 #pragma once
 
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 
 // Measures the rows that `options` want, on the first of the engines unless a row is about all of
 // them, and prints each on stdout when it is done; with `json` the table goes to that file too.
@@ -11,4 +11,4 @@ namespace impactdic::bench {
 void print_bench_table(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                        const std::string& json);
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

@@ -1,14 +1,14 @@
 // Correlation of interrogation windows, frames already on the device.
 #include <cmath>
 
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 #include "host/dic/device/equal.h"
 #include "host/dic/device/icgn.h"
 #include "host/dic/device/tuning.h"
 #include "host/dic/device/zncc.h"
 #include "host/dic/frames/spline_frames.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 constexpr int kSide = 512;
@@ -177,4 +177,4 @@ void bench_icgn(opencl::Engine& engine, const BenchOptions& options, const RowSi
   }
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

@@ -1,4 +1,4 @@
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,7 +11,7 @@
 #include "host/opencl/buffer.h"
 #include "sim/speckle/speckle_field.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 double now_s() {
@@ -115,4 +115,4 @@ void put_errors(BenchRow& row, const ShiftedPictures& pictures, std::span<const 
   row.rms_px = ok > 0 ? std::sqrt(squares / (2.0 * static_cast<double>(ok))) : 0;
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

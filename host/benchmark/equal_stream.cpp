@@ -1,9 +1,9 @@
-#include "host/dic/device/equal_stream.h"
+#include "host/benchmark/equal_stream.h"
 
 #include "host/dic/device/tuning.h"
 #include "host/opencl/pinned.h"
 
-namespace impactdic::dic {
+namespace impactdic::benchmark {
 
 // One batch with a queue of its own: what the queues of several lanes hold runs side by side.
 struct EqualStream::Lane {
@@ -13,19 +13,20 @@ struct EqualStream::Lane {
   opencl::Buffer<unsigned char> pixels;
   opencl::Buffer<Window> windows;
   opencl::Buffer<WindowMotion> results;
-  EqualOpencl equal;
+  dic::EqualOpencl equal;
   cl::Event done;
 
-  Lane(const opencl::Engine& parent, const FieldOptions& options, const Shape& of,
+  Lane(const opencl::Engine& parent, const dic::FieldOptions& options, const Shape& of,
        std::span<const Window> list)
       : engine(parent.beside()),
         shape(of),
         pictures(*engine, bytes_of(of)),
         motions(*engine, list.size_bytes() / sizeof(Window) * sizeof(WindowMotion)),
-        pixels(*engine, bytes_of(of) + kBytesBehind, CL_MEM_READ_ONLY),
+        pixels(*engine, bytes_of(of) + dic::kBytesBehind, CL_MEM_READ_ONLY),
         windows(opencl::make_buffer<Window>(*engine, list)),
         results(*engine, list.size()),
-        equal(*engine, options, choose_equal_variant(*engine, options.window_px, of.period > 0)) {}
+        equal(*engine, options,
+              dic::choose_equal_variant(*engine, options.window_px, of.period > 0)) {}
 
   static std::size_t bytes_of(const Shape& shape) {
     return static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height) *
@@ -62,7 +63,7 @@ struct EqualStream::Lane {
   }
 };
 
-EqualStream::EqualStream(const opencl::Engine& engine, const FieldOptions& options,
+EqualStream::EqualStream(const opencl::Engine& engine, const dic::FieldOptions& options,
                          const Shape& shape, std::span<const Window> windows, int lanes) {
   for (const Window& window : windows) {
     if (std::min(window.first, window.second) < 0 ||
@@ -93,4 +94,4 @@ std::span<const WindowMotion> EqualStream::wait(int lane) {
   return lanes_.at(static_cast<std::size_t>(lane))->wait();
 }
 
-}  // namespace impactdic::dic
+}  // namespace impactdic::benchmark

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <complex>
 
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 #include "host/dic/correlator.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 constexpr int kSide = 512, kWindow = 32, kPoints = kWindow * kWindow;
@@ -138,4 +138,4 @@ void bench_references(opencl::Engine& engine, const BenchOptions& options, const
   if (is_wanted("seed + icgn 31x31")) bench_double_icgn(options, sink);
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

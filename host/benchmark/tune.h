@@ -6,7 +6,7 @@
 
 #include "host/dic/device/tuning.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 
 // A variant as it was tried.
 struct TunedVariant {
@@ -29,4 +29,4 @@ dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& fiel
 dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& field,
                             const TuneOptions& options, const TuneSink& sink);
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

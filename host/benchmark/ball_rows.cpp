@@ -3,12 +3,12 @@
 #include <numbers>
 #include <random>
 
-#include "bench/measure.h"
+#include "host/benchmark/measure.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/frames/spline_frames.h"
 #include "sim/speckle/render.h"
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 constexpr double kRadius = 115, kDegree = std::numbers::pi / 180;
@@ -94,4 +94,4 @@ void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSi
   sink(row);
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

@@ -8,7 +8,7 @@
 
 #include "host/dic/device/equal.h"
 
-namespace impactdic::dic {
+namespace impactdic::benchmark {
 
 class EqualStream {
  public:
@@ -17,12 +17,12 @@ class EqualStream {
     PixelType type = PixelType::u8;
     double full_scale = 255;  // grey level of white
     int pictures = 0;         // of a batch
-    std::size_t period = 0;   // of its windows, see EqualOpencl::run
+    std::size_t period = 0;   // of its windows, see dic::EqualOpencl::run
   };
   // `lanes` batches are under way at a time. `windows`: of a batch, their slots its pictures. The
-  // options are those of EqualOpencl. `engine` must outlive the object. Throws InvalidArgument,
-  // OpenClError.
-  EqualStream(const opencl::Engine& engine, const FieldOptions& options, const Shape& shape,
+  // options are those of dic::EqualOpencl. `engine` must outlive the object. Throws
+  // InvalidArgument, OpenClError.
+  EqualStream(const opencl::Engine& engine, const dic::FieldOptions& options, const Shape& shape,
               std::span<const Window> windows, int lanes);
   ~EqualStream();
 
@@ -40,4 +40,4 @@ class EqualStream {
   std::vector<std::unique_ptr<Lane>> lanes_;
 };
 
-}  // namespace impactdic::dic
+}  // namespace impactdic::benchmark

@@ -1,4 +1,4 @@
-#include "bench/table.h"
+#include "host/benchmark/table.h"
 
 #include <impactdic/error.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-namespace impactdic::bench {
+namespace impactdic::benchmark {
 namespace {
 
 nlohmann::json to_json(const BenchRow& row, const Roofline& roofline) {
@@ -79,4 +79,4 @@ void print_bench_table(std::span<opencl::Engine* const> engines, const BenchOpti
   if (!file.flush()) throw FileError("cannot be written", json);
 }
 
-}  // namespace impactdic::bench
+}  // namespace impactdic::benchmark

@@ -1,0 +1,127 @@
+// What the parts of a ball's registration (rigid.cl) share: its columns and sums, the limits of its
+// steps, the state of a group, and the pixels of the disc in the order in which they are seen.
+#ifndef IMPACTDIC_KERNELS_BALL_REGISTRATION_H_
+#define IMPACTDIC_KERNELS_BALL_REGISTRATION_H_
+
+#include "kernels/config.h"
+#include "kernels/linalg.h"
+#include "kernels/reduce.h"
+#include "kernels/spline.h"
+#include "kernels/status.h"
+#include "kernels/types.h"
+#include "kernels/warp.h"
+
+#define LIGHT 4                         /* 1, f, f X/R, f Y/R */
+#define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
+#define COLUMNS (REGRESSORS + 1)        /* and r */
+#define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
+#define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
+#define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
+#define SUMS (PRODUCTS + 2)
+#define BINS 256
+#define PART_BINS 16
+#define ROUNDING_VARIANCE (1.0f / 12.0f)
+
+// A step after which no pixel is further than this from where further ones would take it is the
+// last: far below what noise of one grey level does to a ball. What is left of a step is taken to
+// be its share that the step before it had left, at least the first of these, and the second where
+// there was no such step.
+#define LEFT_PX 6e-5f
+#define SMALLEST_PACE 0.01f
+#define UNKNOWN_PACE 0.2f
+#define SHORTEST_STEP_PX 3e-4f /* what remains of a step below this says nothing about pace */
+// The first steps of a large disc see one row in so many, and of those one unit in so many, until
+// they are this small.
+#define COARSE_ROWS 4
+#define COARSE_UNITS 2
+#define COARSE_RADIUS_PX 64.0f
+#define COARSE_PX 0.02f
+// Steps above this are still far from the minimum: outliers cannot be told yet.
+#define NEAR_PX 0.5f
+// Residuals of this many scales have no weight: 98 % efficient on normal noise.
+#define TUKEY 6.0f
+// A pass whose weights had this much another scale than its residuals (logarithm) is not the last
+// one. Below, what the weights' sums would be with the other scale follows to first order.
+#define SAME_SCALE 0.06f
+// With weights that are held, each step leaves the same share of the way; Newton's, which tells how
+// they change, is longer. At most so much, since it need not be positive where most are outliers.
+#define LONGEST_STRETCH 1.3f
+// The scale is not taken to be smaller than this, grey levels of 255: where there is no noise,
+// rounding and interpolation are largest at the edges, which must not look like outliers.
+#define SMALLEST_SCALE 1.0f
+#define SMALLEST_PIVOT 1e-6f
+#define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
+
+#define STATUS_RUNNING (-1) /* of a ball that is still at work */
+
+// What the work-items of a group share about their ball.
+typedef struct Shared {
+  float warp[6];
+  float origin;                 // grey level taken off both pictures
+  float light[LIGHT];           // coefficients of the light's regressors so far
+  float scale;                  // of the weights, 0: all equal
+  float bin;                    // width of a bin of the histogram, 0: none is made
+  float correlation, variance;  // at the last step
+  float carried;                // sum of weights
+  float moved, pace;            // of the last step, px; see LEFT_PX
+  int coarse;                   // not 0: the next pass does not see all pixels
+  int status, steps;
+  float sums[SUMS];
+  float solution[REGRESSORS];
+  float noise[NOISE_PLACES * NOISE_PLACES];
+  float smoothed[2];
+  int histogram[BINS];
+  int parts[BINS / PART_BINS];
+} Shared;
+
+// What is compared has this area, px: the disc, or the mask's pixels in it.
+static inline float compared_area(const BallTask task, const BallLimits limits) {
+  return limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+}
+
+// Work-items side by side take a tile of this many columns and rows: where the ball has turned, a
+// row of pixels lies across as many cache lines of the second picture.
+#if VECTOR == 1
+#define TILE_X 8
+#define TILE_Y 4
+#else
+#define TILE_X 1
+#define TILE_Y 1
+#endif
+
+// The disc's bounding box within the first picture, in units of VECTOR pixels.
+typedef struct Box {
+  int x0, y0, x1, y1;  // half open
+  int rows, apart;     // every how many-th row is seen, and first pixel to first pixel of a unit
+  int tiles;           // across
+} Box;
+
+static inline Box disc_box(const BallTask task, const int coarse, const int width,
+                           const int height) {
+  Box box;
+  box.x0 = max(0, (int)ceil(task.cx - task.radius));
+  box.y0 = max(0, (int)ceil(task.cy - task.radius));
+  box.x1 = min(width, (int)floor(task.cx + task.radius) + 1);
+  box.y1 = min(height, (int)floor(task.cy + task.radius) + 1);
+  box.rows = coarse ? COARSE_ROWS : 1;
+  box.apart = (coarse ? COARSE_UNITS : 1) * VECTOR;
+  const int across = TILE_X * box.apart;
+  box.tiles = max(0, (box.x1 - box.x0 + across - 1) / across);
+  return box;
+}
+
+// Those of the last tiles may lie beyond the box.
+static inline int unit_count(const Box box) {
+  const int down = max(0, (box.y1 - box.y0 + box.rows - 1) / box.rows);
+  return (down + TILE_Y - 1) / TILE_Y * box.tiles * TILE_X * TILE_Y;
+}
+// First pixel of a unit.
+static inline int unit_x(const Box box, const int unit) {
+  return box.x0 + (unit / (TILE_X * TILE_Y) % box.tiles * TILE_X + unit % TILE_X) * box.apart;
+}
+static inline int unit_y(const Box box, const int unit) {
+  return box.y0 +
+         box.rows * (unit / (TILE_X * TILE_Y) / box.tiles * TILE_Y + unit / TILE_X % TILE_Y);
+}
+
+#endif  // IMPACTDIC_KERNELS_BALL_REGISTRATION_H_
