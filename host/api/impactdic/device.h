@@ -1,13 +1,15 @@
 // OpenCL devices, and a session that holds what several runs share.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct DeviceInfo {
   int index = 0;  // as `SessionOptions::device` takes it
