@@ -8,46 +8,48 @@
 #include <cstdlib>
 #include <vector>
 
+namespace idic = impactdic;
+
 int main(int count, char** arguments) try {
   if (count != 4) {
     std::fprintf(stderr, "usage: track_from_memory CLIP FRAMES_PER_SECOND BALL_DIAMETER_MM\n");
     return 2;
   }
   // Your pictures. Here they come from a file; frames of one size and depth from anywhere will do.
-  const auto file = impactdic::open_clip({arguments[1]});
-  std::vector<impactdic::Frame> pictures(file->info().frame_count);
+  const auto file = idic::open_clip({arguments[1]});
+  std::vector<idic::Frame> pictures(file->info().frame_count);
   for (std::size_t i = 0; i < pictures.size(); ++i) file->read(i, pictures[i]);
 
   // A clip of borrowed pictures: nothing is copied, so they must stay until the run is over.
-  impactdic::MemoryClip memory;
+  idic::MemoryClip memory;
   memory.width = file->info().width;
   memory.height = file->info().height;
   memory.bits = file->info().bits;
-  for (const impactdic::Frame& picture : pictures) memory.frames.push_back(picture.bytes());
+  for (const idic::Frame& picture : pictures) memory.frames.push_back(picture.bytes());
 
-  impactdic::TrackRequest request;
-  request.clip.source = impactdic::clip_from_memory(memory);
+  idic::TrackRequest request;
+  request.clip.source = idic::clip_from_memory(memory);
   request.clip.fps = std::atof(arguments[2]);
   request.ball_diameter_mm = std::atof(arguments[3]);
 
-  impactdic::Session session;  // the best OpenCL device and all cores; several runs may share it
-  const impactdic::TrackResult result = impactdic::track(request, session);
+  idic::Session session;  // the best OpenCL device and all cores; several runs may share it
+  const idic::TrackResult result = idic::track(request, session);
 
   std::printf("frame cx_px cx_sd_px dx_px dx_sd_px rot_deg rot_sd_deg vx_m_s omega_rad_s\n");
-  for (const impactdic::TrackRow& row : result.rows) {
+  for (const idic::TrackRow& row : result.rows) {
     if (!row.motion_ok) continue;
-    const impactdic::SiRow si = impactdic::to_si(row, result.scale);
+    const idic::SiRow si = idic::to_si(row, result.scale);
     std::printf("%lld %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g\n", (long long)row.frame, row.cx_px,
                 row.cx_sd_px, row.dx_px, row.dx_sd_px, row.rot_deg, row.rot_sd_deg, si.vx_m_s,
                 si.omega_rad_s);
   }
-  const impactdic::ImpactFigures& impact = result.impact_si;
-  std::printf("impact: %s\n", impactdic::to_string(impact.status));
+  const idic::ImpactFigures& impact = result.impact_si;
+  std::printf("impact: %s\n", idic::to_string(impact.status));
   if (impact.found()) {
     std::printf("restitution %.9g sd %.9g\n", impact.restitution.value, impact.restitution.sd);
   }
   for (const std::string& warning : result.warnings) std::printf("warning: %s\n", warning.c_str());
-} catch (const impactdic::Error& error) {
+} catch (const idic::Error& error) {
   std::fprintf(stderr, "%s\n", error.line().c_str());  // WHAT (WHERE): HINT
   return 1;
 }
