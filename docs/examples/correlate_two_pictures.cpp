@@ -14,7 +14,7 @@ int main(int count, char** arguments) try {
   }
   idic::CorrelateRequest request;
   request.clip.paths = {arguments[1], arguments[2]};
-  request.field.window_px = 21;
+  request.field.window_px = 15;
   request.spacing_px = 16;
 
   // Windows come frame by frame and are gone after the call: take what you need.

@@ -7,10 +7,36 @@ import re
 import shutil
 import unittest
 
-from installed import CMAKE, PREFIX, SOURCE, compilers, empty, run
+from installed import CMAKE, PREFIX, compilers, empty, run
 
 FPS, DIAMETER_MM = 10000, 67
 DIGITS = 9  # as the examples print
+# The impact that simulate_and_fit.cpp has in its source.
+MODEL = """
+normal = "linear_spring_damper"
+friction = "coulomb"
+preset = "sound"
+[body]
+shape = "hollow_sphere"
+mass_kg = 0.0567
+diameter_m = 0.067
+[contact]
+friction_kinetic = 0.1
+"""
+IMPACT = MODEL + """stiffness_n_per_m = 13385.0
+damping_n_s_per_m = 5.36
+[surface]
+angle_deg = 0.0
+[initial]
+vt_m_s = -1.2
+vn_m_s = -3.0
+omega_rad_s = 0.0
+"""
+FIT = """tracks = ["track/track.csv"]
+""" + MODEL + """[fit]
+method = "trajectory"
+parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
+"""
 
 
 def same_digits(number):
@@ -25,17 +51,22 @@ class Examples(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         program, cls.folder = PREFIX / "bin" / "impactdic", empty("examples")
+        job = cls.folder / "impact.toml"
+        job.write_text(IMPACT)
+        run(program, "simulate", "-q", job, "-o", cls.folder / "simulate")
         cls.clip = cls.folder / "impact" / "video.tif"
-        run(program, "synth", "-q", "-o", cls.clip.parent, "--simulate",
-            SOURCE / "sim/jobs/racket_30.toml", "--size", "160x160", "--radius-px", 45)
+        run(program, "synth", "-q", "-o", cls.clip.parent, "--simulate", job, "--size", "160x160",
+            "--radius-px", 45)
         cls.track = cls.folder / "track"
         run(program, "track", "-q", cls.clip, "-o", cls.track, "--fps", FPS, "--ball-diameter-mm",
             DIAMETER_MM)
+        (cls.folder / "fit.toml").write_text(FIT)
+        run(program, "fit", "-q", cls.folder / "fit.toml", "-o", cls.folder / "fit")
         run(program, "synth", "-q", "-o", cls.folder / "pair", "--frames", 2, "--format", "png",
             "--size", "160x160", "--radius-px", 60, "--velocity-px", "1.3,-0.7")
         cls.pair = sorted((cls.folder / "pair").rglob("*.png"))
         cls.correlate = cls.folder / "correlate"
-        run(program, "correlate", "-q", *cls.pair, "-o", cls.correlate, "--window", 21, "--spacing",
+        run(program, "correlate", "-q", *cls.pair, "-o", cls.correlate, "--window", 15, "--spacing",
             16)
         cls.built = {name: cls.build(name, path) for name, path in compilers(cls.__name__)}
 
@@ -67,8 +98,7 @@ class Examples(unittest.TestCase):
         for row, line in zip(rows, lines[1:]):
             self.assertEqual(numbers(line.split()), numbers(row[column] for column in columns))
         rest = lines[1 + len(rows):]
-        summary = json.loads((self.track / "summary.json").read_text(encoding="utf-8"))
-        restitution = summary["impact"]["restitution"]
+        restitution = self.summary("track")["impact"]["restitution"]
         self.assertEqual(rest[0], "impact: found")
         self.assertEqual(numbers(rest[1].split()[1::2]),
                          numbers([restitution["value"], restitution["sd"]]))
@@ -86,6 +116,31 @@ class Examples(unittest.TestCase):
         for _, _, u, _, v, _ in windows:  # the ball's, which moved by this
             self.assertAlmostEqual(u, 1.3, delta=0.1)
             self.assertAlmostEqual(v, -0.7, delta=0.1)
+
+    def summary(self, job):
+        return json.loads((self.folder / job / "summary.json").read_text(encoding="utf-8"))
+
+    def test_simulate_and_fit(self):
+        simulated, *fitted = self.runs("simulate_and_fit", self.track / "track.csv")
+        summary = self.summary("simulate")
+        self.assertEqual(numbers(simulated.split()[2::2]),
+                         numbers([summary["restitution"], summary["contact_s"]]))
+        self.check_fit(fitted, self.summary("fit"))
+
+    def check_fit(self, lines, summary):
+        parameters = summary["shots"][0]["parameters"]
+        self.assertEqual([line.split()[1] for line in lines], list(parameters))
+        for line, one in zip(lines, parameters.values()):
+            self.assertEqual(numbers(line.split()[2::2]), numbers([one["value"], one["sd"]]))
+
+    def test_fit_of_the_simulated_track(self):
+        """What went in comes out again, within four of the stated deviations."""
+        truth = {"stiffness_n_per_m": 13385, "damping_n_s_per_m": 5.36}
+        found = {line.split()[1]: numbers(line.split()[2::2])
+                 for line in self.runs("simulate_and_fit")[1:]}
+        for key, value in truth.items():
+            self.assertLess(abs(found[key][0] - value), 4 * found[key][1], key)
+            self.assertLess(found[key][1], 0.1 * value, key)
 
     def test_a_request_that_is_wrong_is_one_line(self):
         for folder in self.built.values():
