@@ -18,9 +18,11 @@ COMPILERS = {"GCC": os.environ.get("IMPACTDIC_GCC", "g++"),
 
 def run(*command, status=0, **keywords):
     """What the command prints; another exit status than `status` is a failure with its output."""
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **keywords)
+    words = [str(word) for word in command]
+    done = subprocess.run(words, capture_output=True, text=True, **keywords)
     if done.returncode != status:
-        raise AssertionError(f"{' '.join(map(str, command))}\n{done.returncode}: {done.stdout}{done.stderr}")
+        raise AssertionError(f"{' '.join(words)}\n{done.returncode}: "
+                             f"{done.stdout}{done.stderr}")
     return done.stdout
 
 

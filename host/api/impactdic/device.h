@@ -61,7 +61,7 @@ class Session {
   std::string profile();
 
   // What it holds, for the library's own runs.
-  struct Impl;
+  struct IMPACTDIC_PRIVATE Impl;
   Impl& impl() { return *impl_; }
   const Impl& impl() const { return *impl_; }
 
