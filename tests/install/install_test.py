@@ -123,6 +123,12 @@ class Headers(unittest.TestCase):
                 if line.lstrip().startswith("#include"):
                     self.assertRegex(line, ALLOWED_INCLUDE, header)
 
+    def test_what_they_declare_is_shown(self):
+        for header in headers():
+            for line in header.read_text().splitlines():
+                if line.startswith("namespace"):
+                    self.assertEqual(line, "namespace IMPACTDIC_PUBLIC impactdic {", header)
+
     def test_each_compiles_alone_without_a_warning(self):
         jobs = [(name, path, header, STANDARDS[0]) for name, path in compilers(self.id())
                 for header in headers()]
