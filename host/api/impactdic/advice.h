@@ -4,13 +4,14 @@
 
 #include <impactdic/circle.h>
 #include <impactdic/clip.h>
+#include <impactdic/export.h>
 #include <impactdic/field.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // The Cramér–Rao bound of a whole ball's motion between two pictures: one standard deviation.
 struct BallBound {

@@ -1,13 +1,14 @@
 // `track` for every clip of a folder, and one table.
 #pragma once
 
+#include <impactdic/export.h>
 #include <impactdic/track.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct BatchRequest {
   std::string folder;     // of clips, or of folders of pictures

@@ -1,7 +1,9 @@
 // A ball's outline in a picture.
 #pragma once
 
-namespace impactdic {
+#include <impactdic/export.h>
+
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // Centre and radius, px, x right, y down.
 struct Circle {

@@ -3,6 +3,7 @@
 // Pictures are grey, row-major, x right, y down, pixel centres at integers; see image.h.
 #pragma once
 
+#include <impactdic/export.h>
 #include <impactdic/image.h>
 
 #include <cstddef>
@@ -14,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // What a clip says of itself. Absent facts are absent, never guessed.
 struct ClipInfo {

@@ -2,11 +2,13 @@
 // comes through here.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstdint>
 #include <functional>
 #include <string>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct Progress {
   const char* phase = "";  // "track", "correlate", "shots"

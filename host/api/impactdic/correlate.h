@@ -2,6 +2,7 @@
 // region about its centre. Axes as in track.h.
 #pragma once
 
+#include <impactdic/export.h>
 #include <impactdic/track.h>
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // What displacements are measured against.
 enum class ReferenceFrame { first, previous };

@@ -1,6 +1,8 @@
 // OpenCL devices, and a session that holds what several runs share.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -8,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct DeviceInfo {
   int index = 0;  // as `SessionOptions::device` takes it
@@ -72,7 +74,7 @@ class Session {
   std::string profile();
 
   // What it holds, for the library's own runs.
-  struct Impl;
+  struct IMPACTDIC_PRIVATE Impl;
   Impl& impl() { return *impl_; }
   const Impl& impl() const { return *impl_; }
 

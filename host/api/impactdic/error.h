@@ -2,11 +2,13 @@
 // turns each of these into one line on stderr and an exit status (see host/app/main.cpp).
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // Base of every error of ours: WHAT went wrong, WHERE (a file, a byte, an option), a HINT.
 class Error : public std::runtime_error {

@@ -1,13 +1,15 @@
 // Displacement fields: what is asked for, and what comes back of each interrogation window.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct Window;        // of the kernels; see FieldView
 struct WindowMotion;  // the same

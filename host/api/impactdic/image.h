@@ -2,13 +2,15 @@
 // centres at integers. Pitch is counted in elements, not bytes.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 template <typename T>
 struct ImageView {

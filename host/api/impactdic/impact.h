@@ -5,13 +5,14 @@
 // NaN.
 #pragma once
 
+#include <impactdic/export.h>
 #include <impactdic/units.h>
 
 #include <cmath>
 #include <cstddef>
 #include <optional>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 struct Measured {
   double value = kNotMeasured;

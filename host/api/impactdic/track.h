@@ -9,6 +9,7 @@
 #include <impactdic/clip.h>
 #include <impactdic/control.h>
 #include <impactdic/device.h>
+#include <impactdic/export.h>
 #include <impactdic/field.h>
 #include <impactdic/impact.h>
 #include <impactdic/units.h>
@@ -19,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 // How the ball's motion is measured.
 enum class Estimator {

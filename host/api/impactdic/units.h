@@ -1,10 +1,12 @@
 // Constants and conversions between the file's units (px, frame, degrees) and SI.
 #pragma once
 
+#include <impactdic/export.h>
+
 #include <limits>
 #include <numbers>
 
-namespace impactdic {
+namespace IMPACTDIC_PUBLIC impactdic {
 
 inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kDegPerRad = 180.0 / kPi;

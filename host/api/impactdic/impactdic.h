@@ -1,0 +1,18 @@
+// All of the library.
+#pragma once
+
+#include <impactdic/advice.h>
+#include <impactdic/batch.h>
+#include <impactdic/circle.h>
+#include <impactdic/clip.h>
+#include <impactdic/control.h>
+#include <impactdic/correlate.h>
+#include <impactdic/device.h>
+#include <impactdic/error.h>
+#include <impactdic/export.h>
+#include <impactdic/field.h>
+#include <impactdic/image.h>
+#include <impactdic/impact.h>
+#include <impactdic/track.h>
+#include <impactdic/units.h>
+#include <impactdic/version.h>
