@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "sim/contact/impact.h"
 #include "sim/rod/free_flight.h"
 
 namespace impactdic::sim::shot {
@@ -308,7 +309,7 @@ Shot ShotAnalysis::run() {
 
 }  // namespace
 
-void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
+void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2) {
   const double pull = gravity_m_s2 * std::cos(shot.surface_angle_deg * kRadPerDeg);
   const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
   const double in_sd = std::hypot(in.sd, pull * shot.contact_start_s.sd);
@@ -316,7 +317,7 @@ void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
   shot.restitution = {-out.value / in.value,
                       std::hypot(out_sd / in.value, out.value / square(in.value) * in_sd)};
   const auto state = [](const Flight& flight) {
-    contact::PlaneState s;
+    PlaneState s;
     s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
     return s;
@@ -330,7 +331,7 @@ void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
 }
 
 void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s,
-                  const contact::Body& body, double gravity_m_s2) {
+                  const ImpactBody& body, double gravity_m_s2) {
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
   const double later = start_s.value - shot.contact_start_s.value;

@@ -93,10 +93,10 @@ struct RodMeasurement {
 struct RodRequest {
   MarkerTable markers;
   RodMeasureOptions measure;
-  double flat_young_pa = 200e9;     // Young's modulus of the flat
-  double poisson = 0.29;            // of rod and flat
-  double yield_strength_pa = 300e6;  // of the weaker
-  double modal_damping = 0.002;     // fraction of critical, every mode
+  double flat_young_pa = 200e9;              // Young's modulus of the flat
+  double poisson = 0.29;                     // of rod and flat
+  double yield_strength_pa = 300e6;          // of the weaker
+  double modal_damping = 0.002;              // fraction of critical, every mode
   std::vector<DeformationRow> deformations;  // what the models are to be set against; may be none
   int threads = 0;                           // deformations at a time; 0: all cores
 
