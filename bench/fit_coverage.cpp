@@ -78,7 +78,8 @@ void run(unsigned count, unsigned first) {
         std::pair{FitMethod::kRestitutionDuration, "restitution_duration"}}) {
     job.method = method;
     const auto begin = std::chrono::steady_clock::now();
-    const FitResult result = sim::fit::calibrate(job, 2);
+    job.threads = 2;
+    const FitResult result = sim::fit::calibrate(job);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     report(name, result, took.count());
   }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sim/contact/impact.h"
-#include "sim/fit/parallel.h"
+#include "host/base/parallel.h"
 #include "sim/job/source_jobs.h"
 
 namespace impactdic::bench {
@@ -20,7 +20,7 @@ void run_grid(const char* name, const ImpactJob& job, int threads) {
   std::vector<long> evaluations(kStiffness * kDamping * kFriction);
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu = std::clock();
-  sim::fit::parallel_for(evaluations.size(), threads, [&](std::size_t i) {
+  parallel_for(evaluations.size(), threads, [&](std::size_t i) {
     const int n = static_cast<int>(i);
     ImpactJob point = job;
     point.contact.stiffness *= 0.5 + (n / (kDamping * kFriction)) / 20.0;

@@ -47,6 +47,14 @@ void add_linear(std::vector<VerifyCase>& cases) {
                      contact::damped_restitution(zeta, damping), kIntegrated,
                      [damped] { return contact::simulate_impact(damped).restitution; }});
   }
+}
+
+// Stiffness and damping back from the restitution and the duration that they give.
+void add_linear_inverse(std::vector<VerifyCase>& cases) {
+  const std::string group = "linear spring-damper, no gravity";
+  const ImpactJob job = weightless(job::racket_job());
+  const contact::LinearImpact exact = contact::linear_impact(
+      job.body.mass_kg, job.contact.stiffness, job.contact.damping_n_s_per_m, -job.initial.vn_m_s);
   const auto inverse = [job, exact] {
     return contact::linear_parameters(job.body.mass_kg, exact.restitution, exact.contact_s);
   };
@@ -205,6 +213,7 @@ void add_partial_slip(std::vector<VerifyCase>& cases) {
 std::vector<VerifyCase> closed_form_cases() {
   std::vector<VerifyCase> cases;
   add_linear(cases);
+  add_linear_inverse(cases);
   add_hertz(cases);
   add_rebounds(cases);
   add_partial_slip(cases);

@@ -144,8 +144,8 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   EXPECT_NEAR(errors.window_px.rms(), 0.01 / std::sqrt(2), 1e-6);
 }
 
-PatternStudyRow row(const std::string& pattern, const std::string& estimator,
-                           double error_px, double error_deg, int failed = 0) {
+PatternStudyRow row(const std::string& pattern, const std::string& estimator, double error_px,
+                    double error_deg, int failed = 0) {
   PatternStudyRow made;
   made.pattern = pattern;
   made.estimator = estimator;
@@ -173,8 +173,8 @@ TEST(PatternReport, BestIsTheLeastErrorOfThoseThatLoseNothing) {
   EXPECT_NE(findings.finding.find("Paint pattern e1"), std::string::npos);
   ASSERT_EQ(findings.estimators.size(), 3u);
   EXPECT_EQ(findings.estimators[0].estimator, "icgn5");
-  EXPECT_NEAR(findings.estimators[0].all.motion_rms_px,
-              std::sqrt((0.02 * 0.02 + 0.01 * 0.01) / 2), 1e-12);
+  EXPECT_NEAR(findings.estimators[0].all.motion_rms_px, std::sqrt((0.02 * 0.02 + 0.01 * 0.01) / 2),
+              1e-12);
   // 0.02° at half the radius of 115 px.
   EXPECT_NEAR(study::pool(rows, "a1", "icgn5", 115).surface_rms_px,
               std::hypot(0.02, 0.02 * kRadPerDeg * 115 / 2), 1e-12);

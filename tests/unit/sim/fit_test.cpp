@@ -7,7 +7,9 @@
 #include <fstream>
 
 #include "sim/compare/comparison.h"
+#include "sim/fit/calibration.h"
 #include "sim/fit/restitution_duration.h"
+#include "sim/shot/track_table.h"
 #include "tests/support/scratch.h"
 #include "tests/support/synthetic_track.h"
 
@@ -108,7 +110,7 @@ TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
     write_track(track, folder / "track.csv");
     FitRequest job = fit_job(track.job, {folder / "track.csv"});
     job.method = FitMethod::kRestitutionDuration;
-    const ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+    const ShotFit fit = sim::fit::calibrate(job).shots[0];
     const double truth[] = {track.job.contact.stiffness, kDamping};
     for (std::size_t p = 0; p < 2; ++p) {
       EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
@@ -121,7 +123,7 @@ TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
   ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   write_track(track, folder / "track.csv");
-  const FitResult result = sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+  const FitResult result = sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}));
   EXPECT_NEAR(result.shots[0].parameters[0].value / kStiffness, 1, 1e-4);
   EXPECT_NEAR(result.shots[0].parameters[1].value / kDamping, 1, 1e-4);
   EXPECT_TRUE(result.shots[0].converged);
@@ -140,7 +142,7 @@ TEST(Fit, PublishedGridGivesThePublishedPair) {
   write_track(track, folder / "track.csv");
   FitRequest job = fit_job(track.job, {folder / "track.csv"});
   job.method = FitMethod::kPublishedGrid;
-  const FitResult result = sim::fit::calibrate(job, 1);
+  const FitResult result = sim::fit::calibrate(job);
   const ErrorSurface& s = result.surfaces[0];
   EXPECT_EQ(s.grid_stiffness, 13000);
   EXPECT_EQ(s.grid_damping, 7);
@@ -160,7 +162,7 @@ TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
     write_track(track, tracks.back());
   }
   const auto begin = std::chrono::steady_clock::now();
-  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 2);
+  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const double truth[] = {kStiffness, kDamping};
   for (std::size_t p = 0; p < 2; ++p) {
@@ -189,7 +191,7 @@ TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
   write_track(track, folder / "track.csv");
   FitRequest job = fit_job(track.job, {folder / "track.csv"});
   job.parameters.push_back(FitParameter::kFrictionKinetic);
-  const ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  const ShotFit fit = sim::fit::calibrate(job).shots[0];
   EXPECT_TRUE(fit.parameters[0].determined);
   EXPECT_FALSE(fit.parameters[2].determined);
   EXPECT_NE(fit.parameters[2].verdict.find("oblique"), std::string::npos)
@@ -206,7 +208,7 @@ TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
   write_track(track, folder / "track.csv");
   FitRequest job = fit_job(track.job, {folder / "track.csv"});
   job.parameters.push_back(FitParameter::kFrictionKinetic);
-  const ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  const ShotFit fit = sim::fit::calibrate(job).shots[0];
   const double truth[] = {kStiffness, kDamping, 0.12};
   for (std::size_t p = 0; p < 3; ++p) {
     EXPECT_TRUE(fit.parameters[p].determined) << fit.parameters[p].key;
@@ -226,7 +228,7 @@ TEST(Fit, AnOutlierIsNamed) {
     tracks.push_back(folder / (std::to_string(i) + ".csv"));
     write_track(track, tracks.back());
   }
-  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 0);
+  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks));
   ASSERT_EQ(result.pooled[0].outliers.size(), 1u);
   EXPECT_EQ(result.pooled[0].outliers[0], tracks[4].string());
 }
@@ -250,7 +252,7 @@ TEST(Compare, NormalImpactsPredictObliqueOnes) {
   }
   job.models = {FrictionModel::kCoulomb, FrictionModel::kNone};
   job.friction_source = FrictionSource::kEffectiveSound;
-  const CompareResult result = sim::compare::compare(job, 1);
+  const CompareResult result = sim::compare::compare_shots(job);
   for (const ComparedShot& c : result.shots) {
     const ModelOutcome& right = c.models[0];
     const ModelOutcome& wrong = c.models[1];
@@ -279,7 +281,7 @@ class BadTrack : public ::testing::Test {
     text.replace(at, from.size(), to);
     std::ofstream(folder / "track.csv") << text;
     try {
-      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}));
     } catch (const Error& error) {
       return error.line();
     }

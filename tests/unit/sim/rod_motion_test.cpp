@@ -12,6 +12,8 @@
 #include <random>
 
 #include "host/base/parse.h"
+#include "sim/rod/markers.h"
+#include "sim/rod/rod_impact.h"
 
 namespace impactdic {
 namespace {
