@@ -20,9 +20,9 @@ constexpr double kStiffness = 12526, kDamping = 6.85;
 
 testing::SyntheticTrack shot(unsigned seed) {
   testing::SyntheticTrack track;
-  track.job.normal = sim::contact::NormalModel::kLinearSpringDamper;
-  track.job.friction = sim::contact::FrictionModel::kNone;
-  track.job.body = {sim::contact::Shape::kHollowSphere, 0.0567, 0.067};
+  track.job.normal = NormalModel::kLinearSpringDamper;
+  track.job.friction = FrictionModel::kNone;
+  track.job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
   track.job.contact.stiffness = kStiffness;
   track.job.contact.damping_n_s_per_m = kDamping;
   track.job.initial.vn_m_s = -3.26;
@@ -31,8 +31,8 @@ testing::SyntheticTrack shot(unsigned seed) {
   return track;
 }
 
-void report(const char* method, const sim::fit::FitResult& result, double seconds) {
-  const auto truth_of = [](const sim::fit::ShotFit&, std::size_t p) {
+void report(const char* method, const FitResult& result, double seconds) {
+  const auto truth_of = [](const ShotFit&, std::size_t p) {
     const double truths[] = {kStiffness, kDamping, (100 + 0.37) / 10000};
     return truths[p];
   };
@@ -41,8 +41,8 @@ void report(const char* method, const sim::fit::FitResult& result, double second
   std::vector<double> spread;
   for (std::size_t p = 0; p < result.shots[0].parameters.size(); ++p) {
     double inside = 0, squares = 0, stated = 0, bias = 0;
-    for (const sim::fit::ShotFit& fit : result.shots) {
-      const sim::fit::ParameterEstimate& e = fit.parameters[p];
+    for (const ShotFit& fit : result.shots) {
+      const ParameterEstimate& e = fit.parameters[p];
       const double off = e.value - truth_of(fit, p);
       inside += e.ci95_low <= truth_of(fit, p) && truth_of(fit, p) <= e.ci95_high;
       squares += off * off, stated += e.sd, bias += off;
@@ -53,7 +53,7 @@ void report(const char* method, const sim::fit::FitResult& result, double second
                 stated / count, bias / count);
   }
   double product = 0, stated = 0;
-  for (const sim::fit::ShotFit& fit : result.shots) {
+  for (const ShotFit& fit : result.shots) {
     const std::size_t size = fit.parameters.size();
     product += (fit.parameters[0].value - kStiffness) * (fit.parameters[1].value - kDamping);
     stated += fit.covariance[1] / std::sqrt(fit.covariance[0] * fit.covariance[size + 1]);
@@ -64,21 +64,22 @@ void report(const char* method, const sim::fit::FitResult& result, double second
 
 void run(unsigned count, unsigned first) {
   const testing::ScratchFolder folder;
-  sim::fit::FitJob job;
+  FitRequest job;
   job.impact = shot(1).job;
   job.impact.contact.stiffness = job.impact.contact.damping_n_s_per_m = 0;
-  job.parameters = {sim::fit::FitParameter::kStiffness, sim::fit::FitParameter::kDamping};
+  job.parameters = {FitParameter::kStiffness, FitParameter::kDamping};
   for (unsigned seed = first; seed < first + count; ++seed) {
     const auto file = folder / (std::to_string(seed) + ".csv");
     write_track(shot(seed), file);
     job.shots.push_back({file, 0});
   }
   for (const auto& [method, name] :
-       {std::pair{sim::fit::FitMethod::kTrajectory, "trajectory"},
-        std::pair{sim::fit::FitMethod::kRestitutionDuration, "restitution_duration"}}) {
+       {std::pair{FitMethod::kTrajectory, "trajectory"},
+        std::pair{FitMethod::kRestitutionDuration, "restitution_duration"}}) {
     job.method = method;
     const auto begin = std::chrono::steady_clock::now();
-    const sim::fit::FitResult result = sim::fit::calibrate(job, 2);
+    job.threads = 2;
+    const FitResult result = sim::fit::calibrate(job);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     report(name, result, took.count());
   }

@@ -9,20 +9,20 @@
 #include <vector>
 
 #include "sim/contact/impact.h"
-#include "sim/fit/parallel.h"
+#include "host/base/parallel.h"
 #include "sim/job/source_jobs.h"
 
 namespace impactdic::bench {
 namespace {
 
-void run_grid(const char* name, const sim::contact::ImpactJob& job, int threads) {
+void run_grid(const char* name, const ImpactJob& job, int threads) {
   constexpr int kStiffness = 30, kDamping = 20, kFriction = 15;
   std::vector<long> evaluations(kStiffness * kDamping * kFriction);
   const auto begin = std::chrono::steady_clock::now();
   const std::clock_t cpu = std::clock();
-  sim::fit::parallel_for(evaluations.size(), threads, [&](std::size_t i) {
+  parallel_for(evaluations.size(), threads, [&](std::size_t i) {
     const int n = static_cast<int>(i);
-    sim::contact::ImpactJob point = job;
+    ImpactJob point = job;
     point.contact.stiffness *= 0.5 + (n / (kDamping * kFriction)) / 20.0;
     point.contact.damping_n_s_per_m *= 0.1 * (n / kFriction % kDamping);
     point.contact.friction_kinetic *= 0.1 + 0.13 * (n % kFriction);

@@ -1,5 +1,5 @@
 // What every command of the program shares. Each command lives in a file of its own,
-// command_NAME.cpp, and adds itself to the command line with add_NAME_command.
+// commands/NAME.cpp, and adds itself to the command line with add_NAME_command.
 #pragma once
 
 #include <impactdic/device.h>

@@ -1,26 +1,24 @@
 #include <impactdic/error.h>
+#include <impactdic/study.h>
 
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/run_context.h"
 #include "host/app/terminal_progress.h"
 #include "host/base/parse.h"
-#include "host/report/summary.h"
-#include "host/study/density_study.h"
-#include "host/study/pattern_report.h"
+#include "host/report/job/study_files.h"
 
 namespace impactdic::app {
 namespace {
 
-struct Request {
+struct Options {
   Common common;
   std::string what, output, patterns, estimators;
-  study::PatternStudyOptions options;
-  study::DensityStudyOptions density;
+  PatternStudyRequest pattern_study;
+  DensityStudyRequest density_study;
 };
 
 std::vector<std::string> list_of(const std::string& text) {
@@ -38,70 +36,63 @@ void print_figures(const std::filesystem::path& folder, const char* table, std::
               (folder / table).c_str(), folder.c_str(), figures);
 }
 
-void study_patterns(const CLI::App& command, Request request) {
-  study::PatternStudyOptions& options = request.options;
-  options.patterns = list_of(request.patterns);
-  if (!request.estimators.empty()) options.estimators = list_of(request.estimators);
-  options.validate();
-  RunContext run(request.common);
-  const auto folder = prepare_output_directory(request.output, request.common.force);
+// What both studies tell while they run.
+class StudyOutput {
+ public:
+  explicit StudyOutput(const Common& common) : progress_("study", common.quiet) {
+    control.progress = [this](const Progress& p) { progress_(p.done, p.total); };
+    control.message = [](const Message& m) {
+      if (m.kind == MessageKind::timing) std::fputs(m.text.c_str(), stderr);
+    };
+  }
+  RunControl control;
+
+ private:
+  TerminalProgress progress_;
+};
+
+void run_pattern_study(const CLI::App& command, const Options& options) {
+  PatternStudyRequest request = options.pattern_study;
+  request.patterns = list_of(options.patterns);
+  if (!options.estimators.empty()) request.estimators = list_of(options.estimators);
+  request.validate();
+  Session session = open_session(options.common);
+  const auto folder = prepare_output_directory(options.output, options.common.force);
   write_job(command, folder / "job.toml");
-  const Stopwatch watch;
-  std::vector<study::PatternStudyRow> rows;
-  {
-    TerminalProgress progress("study", request.common.quiet);
-    rows = study::run_pattern_study(run.engine(), options, std::ref(progress));
-  }
-  study::write_pattern_csv(folder / "patterns.csv", rows);
-  nlohmann::json summary = study::describe_patterns(rows, options);
-  summary["device"] = run.describe();
-  summary["seconds"] = watch.seconds();
-  report::write_json(folder / "summary.json", summary);
-  if (!request.common.quiet) {
-    std::printf("%s\n", summary["finding"].get<std::string>().c_str());
-    print_figures(folder, "patterns.csv", rows.size(), "2.4 to 2.7");
-  }
-  run.print_profile();
+  const PatternStudyResult result =
+      study_patterns(request, session, StudyOutput(options.common).control);
+  report::write_study(folder, request, result);
+  if (options.common.quiet) return;
+  std::printf("%s\n", result.findings.finding.c_str());
+  print_figures(folder, "patterns.csv", result.rows.size(), "2.4 to 2.7");
 }
 
-void study_density(const CLI::App& command, Request request) {
-  study::DensityStudyOptions& options = request.density;
-  const std::vector<std::string> patterns = list_of(request.patterns);
+void run_density_study(const CLI::App& command, const Options& options) {
+  DensityStudyRequest request = options.density_study;
+  const std::vector<std::string> patterns = list_of(options.patterns);
   if (patterns.size() > 1) {
     throw InvalidArgument("the density study takes one pattern", "--patterns");
   }
-  if (!patterns.empty()) options.pattern = patterns.front();
-  options.noise = request.options.noise;
-  options.seed = request.options.seed;
-  options.radius_px = request.options.radius_px;
-  options.validate();
-  RunContext run(request.common);
-  const auto folder = prepare_output_directory(request.output, request.common.force);
+  if (!patterns.empty()) request.pattern = patterns.front();
+  request.noise = options.pattern_study.noise;
+  request.seed = options.pattern_study.seed;
+  request.radius_px = options.pattern_study.radius_px;
+  request.validate();
+  Session session = open_session(options.common);
+  const auto folder = prepare_output_directory(options.output, options.common.force);
   write_job(command, folder / "job.toml");
-  study::DensityStudy study;
-  {
-    TerminalProgress progress("study", request.common.quiet);
-    study = study::run_density_study(run.engine(), options, std::ref(progress));
-  }
-  study::write_density_csv(folder / "density.csv", study.rows);
-  study::write_window_csv(folder / "window.csv", study.window, 1);
-  const double fine = static_cast<double>(study.window.width() - 1) /
-                      static_cast<double>(study.interpolated.width() - 1);
-  study::write_window_csv(folder / "window_spline.csv", study.interpolated, fine);
-  nlohmann::json summary = study::describe_density(study.rows, options.window_px);
-  summary["device"] = run.describe();
-  report::write_json(folder / "summary.json", summary);
-  if (!request.common.quiet) {
-    std::printf("%s\n", summary["finding"].get<std::string>().c_str());
-    print_figures(folder, "density.csv", study.rows.size(), "2.1 and 2.2");
-  }
-  run.print_profile();
+  const DensityStudyResult result =
+      study_density(request, session, StudyOutput(options.common).control);
+  report::write_study(folder, result);
+  if (options.common.quiet) return;
+  std::printf("%s\n", result.findings.finding.c_str());
+  print_figures(folder, "density.csv", result.rows.size(), "2.1 and 2.2");
 }
 
-void run_study(const CLI::App& command, const Request& request) {
-  if (request.what == "patterns") return study_patterns(command, request);
-  if (request.what == "density") return study_density(command, request);
-  throw InvalidArgument("there is no study '" + request.what + "'", "study", "patterns, density");
+void run_study(const CLI::App& command, const Options& options) {
+  if (options.what == "patterns") return run_pattern_study(command, options);
+  if (options.what == "density") return run_density_study(command, options);
+  throw InvalidArgument("there is no study '" + options.what + "'", "study", "patterns, density");
 }
 
 }  // namespace
@@ -109,38 +100,38 @@ void run_study(const CLI::App& command, const Request& request) {
 void add_study_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "study", "The speckle study: which pattern to paint, which method to take");
-  auto request = std::make_shared<Request>();
-  study::PatternStudyOptions& options = request->options;
-  command->add_option("what", request->what, "patterns or density")->required();
-  command->add_option("-o,--output", request->output, "Folder for the results")->required();
-  command->add_option("--patterns", request->patterns,
+  auto options = std::make_shared<Options>();
+  PatternStudyRequest& request = options->pattern_study;
+  command->add_option("what", options->what, "patterns or density")->required();
+  command->add_option("-o,--output", options->output, "Folder for the results")->required();
+  command->add_option("--patterns", options->patterns,
                       "patterns: which, as a1,e1,f2; without it, all sixteen");
-  command->add_option("--estimators", request->estimators,
+  command->add_option("--estimators", options->estimators,
                       "patterns: which of published (or published0 … published9), zncc, icgn3, "
                       "icgn5, icgn7, ring, ball; without it, all with published at 5 points");
-  command->add_option("--noise", options.noise, "Camera noise, grey levels of 255")
+  command->add_option("--noise", request.noise, "Camera noise, grey levels of 255")
       ->capture_default_str();
-  command->add_option("--seed", options.seed, "Of the patterns and of the noise")
+  command->add_option("--seed", request.seed, "Of the patterns and of the noise")
       ->capture_default_str();
-  command->add_option("--radius-px", options.radius_px, "The ball's radius, px")
+  command->add_option("--radius-px", request.radius_px, "The ball's radius, px")
       ->capture_default_str();
-  command->add_option("--pairs", options.pairs, "patterns: pairs of frames for each motion")
+  command->add_option("--pairs", request.pairs, "patterns: pairs of frames for each motion")
       ->capture_default_str();
-  study::DensityStudyOptions& density = request->density;
+  DensityStudyRequest& density = options->density_study;
   command->add_option("--windows", density.windows, "density: windows measured")
       ->capture_default_str();
   command
       ->add_option("--interp", density.most_points,
                    "density: up to how many spline points between pixels")
       ->capture_default_str();
-  add_common_options(*command, request->common);
+  add_common_options(*command, options->common);
   command->footer(
       "patterns: balls painted as in the source times eight motions times estimators; writes "
       "patterns.csv and summary.json.\n"
       "density: time and error against the spline points between pixels; writes density.csv, "
       "window.csv, window_spline.csv and summary.json.\n"
       "Example:\n  impactdic study patterns -o study --estimators icgn5,ball\n");
-  command->callback([command, request] { run_study(*command, *request); });
+  command->callback([command, options] { run_study(*command, *options); });
 }
 
 }  // namespace impactdic::app

@@ -1,19 +1,20 @@
 #include <impactdic/error.h>
+#include <impactdic/synth.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
+#include <memory>
 
 #include "host/app/command.h"
 #include "host/app/job.h"
 #include "host/app/run_context.h"
-#include "host/app/synth_motion.h"
 #include "host/app/terminal_progress.h"
 #include "host/base/parse.h"
 #include "host/video/frame_sink.h"
-#include "sim/speckle/clip.h"
+#include "sim/job/job_toml.h"
+#include "sim/speckle/motion.h"
 #ifdef IMPACTDIC_WITH_CODECS
 #include "host/video/codec/codec.h"
 #endif
@@ -21,16 +22,18 @@
 namespace impactdic::app {
 namespace {
 
-struct Request {
+constexpr const char* kUsualVelocity = "1,0";
+
+struct Options {
   Common common;
-  SynthMotionRequest motion;
-  sim::speckle::Scene scene;
-  std::string output, pattern = "e1", size = "512x512", format = "tiff";
-  double fps = 10000, radius_px = 115, exposure = 0, hidden = 0, bar_level = 90;
-  std::uint64_t seed = 1;
+  SynthRequest synth;
+  ConstantMotion step;
+  std::string output, size = "512x512", format = "tiff";
+  std::string start, velocity = kUsualVelocity, motion_file, impact_job;
+  double touch_frame = 25;  // of an impact
 };
 
-void parse_size(const std::string& text, sim::speckle::Scene& scene) {
+void parse_size(const std::string& text, SynthScene& scene) {
   const std::vector<double> sides = parse_doubles(text, 'x', 2, "--size");
   for (const double side : sides) {
     if (!(side >= 1 && side <= 32768 && side == std::floor(side))) {
@@ -42,31 +45,41 @@ void parse_size(const std::string& text, sim::speckle::Scene& scene) {
   scene.height = static_cast<int>(sides[1]);
 }
 
-sim::speckle::SpeckleBall make_ball(const Request& request) {
-  if (request.pattern != "none") {
-    return sim::speckle::paint_ball(request.pattern, request.seed, request.radius_px);
+// A file or a model says how the ball moves; options that say otherwise would be lost silently.
+void refuse_constant_motion(const Options& options, const std::string& source) {
+  if (options.velocity != kUsualVelocity || options.step.rotation_deg != 0 ||
+      options.step.compression_per_frame != 0) {
+    throw InvalidArgument("the motion is given twice", source,
+                          "leave out --velocity-px, --rotation-deg and --compression");
   }
-  sim::speckle::SpeckleBall plain;
-  plain.radius_px = request.radius_px;
-  return plain;
 }
 
-// The picture in which the ball first leaves the field of view, for a warning.
-std::optional<std::size_t> first_cut(const std::vector<sim::speckle::BallPose>& poses,
-                                     const Request& request) {
-  const double r = request.radius_px;
-  for (std::size_t k = 0; k < poses.size(); ++k) {
-    const sim::speckle::BallPose& p = poses[k];
-    if (p.cx_px < r || p.cy_px < r || p.cx_px > request.scene.width - 1 - r ||
-        p.cy_px > request.scene.height - 1 - r) {
-      return k;
-    }
+void read_motion(const Options& options, SynthRequest& request) {
+  if (!options.motion_file.empty() && !options.impact_job.empty()) {
+    throw InvalidArgument("the motion is given twice", "--motion, --simulate", "choose one");
   }
-  return std::nullopt;
+  if (!options.impact_job.empty()) {
+    refuse_constant_motion(options, "--simulate");
+    request.motion =
+        ImpactMotion{sim::job::read_simulate_job(options.impact_job).impact, options.touch_frame};
+  } else if (!options.motion_file.empty()) {
+    refuse_constant_motion(options, "--motion");
+    request.motion = sim::speckle::read_motion_csv(options.motion_file);
+  } else {
+    ConstantMotion motion = options.step;
+    const std::vector<double> step = parse_doubles(options.velocity, ',', 2, "--velocity-px");
+    motion.dx_px = step[0];
+    motion.dy_px = step[1];
+    request.motion = motion;
+  }
+  if (!options.start.empty()) {
+    const std::vector<double> at = parse_doubles(options.start, ',', 2, "--start-px");
+    request.start = StartPx{at[0], at[1]};
+  }
 }
 
 std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
-                                            video::SinkFormat format, const Request& request,
+                                            video::SinkFormat format, const SynthRequest& request,
                                             std::size_t frames) {
   ClipInfo info;
   info.width = request.scene.width;
@@ -84,48 +97,96 @@ std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
                           info, codec);
 }
 
-void run_synth(const CLI::App& command, Request request) {
-  const video::SinkFormat format = video::parse_sink_format(request.format);
-  parse_size(request.size, request.scene);
-  request.scene.noise_seed = request.seed;
-  const SynthMotion motion = make_motion(request.motion, request.scene.width, request.scene.height,
-                                         request.fps, request.radius_px);
-  if (request.hidden > 0) {
-    request.scene.bar = sim::speckle::bar_hiding(request.hidden, motion.poses[motion.bar_frame],
-                                                 request.radius_px, motion.surface_angle_deg);
-    request.scene.bar->level = request.bar_level;
-  }
-  const RunContext run(request.common, false);
-  const sim::speckle::BallRenderer renderer(make_ball(request), request.scene);
-  const auto folder = prepare_output_directory(request.output, request.common.force);
-  const auto sink = open_clip(folder, format, request, motion.poses.size());
-  write_job(command, folder / "job.toml");
-  sim::speckle::write_truth_csv(folder / "truth.csv", motion.poses, request.radius_px, request.fps);
-  if (std::any_of(motion.poses.begin(), motion.poses.end(),
-                  [](const sim::speckle::BallPose& pose) { return pose.compression != 0; })) {
-    sim::speckle::write_compression_csv(folder / "compression.csv", motion.poses);
-  }
-  if (const auto cut = first_cut(motion.poses, request); cut && !request.common.quiet) {
-    std::fprintf(stderr, "impactdic: warning: the ball reaches out of the picture in frame %zu\n",
-                 *cut);
-  }
-  const Stopwatch watch;
-  {
-    TerminalProgress progress("synth", request.common.quiet);
-    sim::speckle::render_clip(
-        renderer, motion.poses, request.exposure, [&](const Frame& frame) { sink->write(frame); },
-        std::ref(progress));
-  }
-  sink->finish();
-  if (!request.common.quiet) {
-    std::printf("%zu frames, %.1f frames/s; clip and truth in %s\n", motion.poses.size(),
-                static_cast<double>(motion.poses.size()) / watch.seconds(),
-                folder.string().c_str());
+// The truth stands beside the clip before the clip is rendered.
+void write_truth(const std::filesystem::path& folder, const SynthTruth& truth,
+                 const SynthRequest& request) {
+  sim::speckle::write_truth_csv(folder / "truth.csv", truth.poses, request.radius_px, request.fps);
+  if (std::any_of(truth.poses.begin(), truth.poses.end(),
+                  [](const BallPose& pose) { return pose.compression != 0; })) {
+    sim::speckle::write_compression_csv(folder / "compression.csv", truth.poses);
   }
 }
 
-void add_camera_options(CLI::App& command, Request& request) {
-  sim::speckle::Scene& scene = request.scene;
+SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool quiet) {
+  TerminalProgress progress("synth", quiet);
+  RunControl control;
+  control.progress = [&](const Progress& p) { progress(p.done, p.total); };
+  return synthesize(
+      request, [&](const Frame& frame) { sink.write(frame); }, control);
+}
+
+void run_synth(const CLI::App& command, const Options& options) {
+  const video::SinkFormat format = video::parse_sink_format(options.format);
+  SynthRequest request = options.synth;
+  parse_size(options.size, request.scene);
+  read_motion(options, request);
+  const RunContext run(options.common, false);
+  const SynthTruth truth = synth_truth(request);
+  const auto folder = prepare_output_directory(options.output, options.common.force);
+  const auto sink = open_clip(folder, format, request, truth.poses.size());
+  write_job(command, folder / "job.toml");
+  write_truth(folder, truth, request);
+  const bool quiet = options.common.quiet;
+  if (truth.leaves_view && !quiet) {
+    std::fprintf(stderr, "impactdic: warning: the ball reaches out of the picture in frame %zu\n",
+                 *truth.leaves_view);
+  }
+  const Stopwatch watch;
+  const SynthResult result = render(request, *sink, quiet);
+  sink->finish();
+  if (!quiet) {
+    std::printf("%zu frames, %.1f frames/s; clip and truth in %s\n", result.frames,
+                static_cast<double>(result.frames) / watch.seconds(), folder.string().c_str());
+  }
+}
+
+// A path that is the same wherever the program runs.
+std::string absolute_path(std::string path) { return std::filesystem::absolute(path).string(); }
+
+void add_motion_options(CLI::App& command, Options& options) {
+  command
+      .add_option("--frames", options.synth.frames,
+                  "How many frames; 0: 20, as many as the motion file has, 110 of an impact")
+      ->check(CLI::Range(0, 10000000))
+      ->capture_default_str();
+  command
+      .add_option("--velocity-px", options.velocity,
+                  "DX,DY: the centre's motion per frame, x right, y down, px")
+      ->capture_default_str();
+  command
+      .add_option("--rotation-deg", options.step.rotation_deg,
+                  "Rotation per frame, counter-clockwise on the screen")
+      ->capture_default_str();
+  command
+      .add_option("--compression", options.step.compression_per_frame,
+                  "Share of its diameter by which the ball gets shorter per frame")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command
+      .add_option("--compression-axis-deg", options.step.start.compression_axis_deg,
+                  "Axis of the compression, counter-clockwise from image-right")
+      ->capture_default_str();
+  command.add_option(
+      "--start-px", options.start,
+      "X,Y: the centre in frame 0; without it the path lies in the picture's middle");
+  command
+      .add_option("--motion", options.motion_file,
+                  "CSV with a row per frame: cx_px,cy_px or dx_px,dy_px, angle_deg or rot_deg, "
+                  "compression, compression_axis_deg; a truth.csv is such a file")
+      ->transform(absolute_path);
+  command
+      .add_option("--simulate", options.impact_job,
+                  "Job of impactdic simulate: the ball follows the integrated impact, compressed "
+                  "along the surface's normal; its diameter is twice --radius-px")
+      ->transform(absolute_path);
+  command
+      .add_option("--touch-frame", options.touch_frame,
+                  "With --simulate: the frame, fractions allowed, of the first touch")
+      ->capture_default_str();
+}
+
+void add_camera_options(CLI::App& command, SynthRequest& request) {
+  SynthScene& scene = request.scene;
   const auto number = [&command](const char* name, double& value, const char* help, double low,
                                  double high) {
     command.add_option(name, value, help)->check(CLI::Range(low, high))->capture_default_str();
@@ -152,8 +213,9 @@ void add_camera_options(CLI::App& command, Request& request) {
       ->capture_default_str();
 }
 
-void add_options(CLI::App& command, Request& request) {
-  command.add_option("-o,--output", request.output, "Folder for the clip and its truth")
+void add_options(CLI::App& command, Options& options) {
+  SynthRequest& request = options.synth;
+  command.add_option("-o,--output", options.output, "Folder for the clip and its truth")
       ->required();
   command
       .add_option("--pattern", request.pattern,
@@ -161,7 +223,7 @@ void add_options(CLI::App& command, Request& request) {
       ->capture_default_str();
   command.add_option("--seed", request.seed, "Of the pattern and of the noise")
       ->capture_default_str();
-  command.add_option("--size", request.size, "WIDTHxHEIGHT of the picture, px")
+  command.add_option("--size", options.size, "WIDTHxHEIGHT of the picture, px")
       ->capture_default_str();
   command.add_option("--fps", request.fps, "Frames a second")
       ->check(positive_number())
@@ -169,13 +231,13 @@ void add_options(CLI::App& command, Request& request) {
   command.add_option("--radius-px", request.radius_px, "The ball's radius, px")
       ->check(CLI::Range(20.0, 2000.0))
       ->capture_default_str();
-  add_motion_options(command, request.motion);
+  add_motion_options(command, options);
   add_camera_options(command, request);
   command
-      .add_option("--format", request.format,
+      .add_option("--format", options.format,
                   "tiff, png, avi, cine, mraw, raw; also cine10, cine12, mraw12 (packed) and mp4")
       ->capture_default_str();
-  add_common_options(command, request.common);
+  add_common_options(command, options.common);
 }
 
 }  // namespace
@@ -183,14 +245,14 @@ void add_options(CLI::App& command, Request& request) {
 void add_synth_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("synth", "Video of a speckled ball with exactly known motion");
-  auto request = std::make_shared<Request>();
-  add_options(*command, *request);
+  auto options = std::make_shared<Options>();
+  add_options(*command, *options);
   command->footer(
       "Writes video.*, truth.csv, job.toml and, where the ball is compressed, compression.csv.\n"
       "Row k of truth.csv is the motion from frame k to k + 1; dx, dy at the ball's centre.\n"
       "Example:\n"
       "  impactdic synth -o clip --velocity-px 0.37,-0.61 --rotation-deg 3 --noise 2\n");
-  command->callback([command, request] { run_synth(*command, *request); });
+  command->callback([command, options] { run_synth(*command, *options); });
 }
 
 }  // namespace impactdic::app

@@ -23,7 +23,7 @@ struct Scenery {
   std::vector<Window> windows;
 };
 
-Scenery make_scenery(const DensityStudyOptions& options) {
+Scenery make_scenery(const DensityStudyRequest& options) {
   constexpr double kMarginPx = 16;
   sim::speckle::Scene scene;
   scene.width = scene.height = static_cast<int>(std::ceil(2 * (options.radius_px + kMarginPx)));
@@ -47,7 +47,7 @@ Scenery make_scenery(const DensityStudyOptions& options) {
   return made;
 }
 
-dic::FieldOptions field_options(const DensityStudyOptions& options, dic::FieldMethod method,
+dic::FieldOptions field_options(const DensityStudyRequest& options, dic::FieldMethod method,
                                 int points) {
   dic::FieldOptions field;
   field.method = method;
@@ -71,7 +71,7 @@ double shortest_time(int repeats, const Measure& measure) {
 }
 
 DensityRow sum_up(const Motions& motions, const Motions& literal, const std::string& method,
-                  int points, double seconds, const DensityStudyOptions& options) {
+                  int points, double seconds, const DensityStudyRequest& options) {
   DensityRow row;
   row.points = points;
   row.method = method;
@@ -127,24 +127,17 @@ Image<double> with_points(const Image<double>& window, int points) {
 
 }  // namespace
 
-void DensityStudyOptions::validate() const {
-  sim::speckle::find_pattern(pattern);
-  if (most_points < 0 || most_points > 9) {
-    throw InvalidArgument("the number of spline points is out of range", "--interp", "0 … 9");
-  }
-  if (windows < 1 || repeats < 1) throw InvalidArgument("nothing to measure", "--windows");
-}
-
-DensityStudy run_density_study(opencl::Engine& engine, const DensityStudyOptions& options,
-                               const ProgressFn& progress) {
-  options.validate();
+DensityStudyResult run_density_study(opencl::Engine& engine, const DensityStudyRequest& options,
+                                     const RunControl& control) {
   const Scenery scenery = make_scenery(options);
   const Image<float> first = scenery.first.to_float(), second = scenery.second.to_float();
-  DensityStudy study;
+  DensityStudyResult study;
   constexpr int kFigurePoints = 5;
   study.window = cut(scenery.first, scenery.windows[scenery.windows.size() / 2], options.window_px);
   study.interpolated = with_points(study.window, kFigurePoints);
   for (int points = 0; points <= options.most_points; ++points) {
+    study.cancelled = control.is_cancelled();
+    if (study.cancelled) break;
     const dic::FieldOptions published = field_options(options, dic::FieldMethod::published, points);
     const dic::PublishedReference reference(published);
     Motions literal(scenery.windows.size());
@@ -166,7 +159,7 @@ DensityStudy run_density_study(opencl::Engine& engine, const DensityStudyOptions
           shortest_time(options.repeats, [&] { motions = correlator->correlate(scenery.windows); });
       study.rows.push_back(sum_up(motions, literal, dic::to_string(method), points, time, options));
     }
-    progress(points + 1, options.most_points + 1);
+    if (control.progress) control.progress({"study", points + 1, options.most_points + 1});
   }
   return study;
 }

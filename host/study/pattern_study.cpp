@@ -8,7 +8,9 @@
 
 #include "host/circle/ball_tracker.h"
 #include "host/dic/device/ball.h"
+#include "host/dic/error_bound.h"
 #include "host/dic/frames/device_frames.h"
+#include "host/study/motion_errors.h"
 #include "sim/speckle/render.h"
 
 namespace impactdic::study {
@@ -38,7 +40,7 @@ struct Clip {
 
 class PatternStudy {
  public:
-  PatternStudy(opencl::Engine& engine, const PatternStudyOptions& options)
+  PatternStudy(opencl::Engine& engine, const PatternStudyRequest& options)
       : options_(options), frames_(engine, options.pairs + 1) {
     for (const std::string& name : options.estimators) {
       estimators_.push_back(parse_study_estimator(name));
@@ -57,7 +59,9 @@ class PatternStudy {
       row.density = pattern.density;
       row.motion = motion;
       row.centre_px = clip.centre_px;
-      row.bound = clip.bound;
+      row.bound_dx_px = clip.bound.dx_sd_px;
+      row.bound_dy_px = clip.bound.dy_sd_px;
+      row.bound_rot_deg = clip.bound.rot_sd_rad * kDegPerRad;
       row.estimator = estimators_[k].name;
       // The first clip of all compiles and allocates: it is measured twice.
       if (rows.size() < runs_.size()) measure(estimators_[k], *runs_[k], clip);
@@ -142,7 +146,7 @@ class PatternStudy {
     return errors;
   }
 
-  const PatternStudyOptions& options_;
+  const PatternStudyRequest& options_;
   dic::DeviceFrames frames_;
   std::vector<StudyEstimator> estimators_;
   std::vector<std::unique_ptr<motion::MotionEstimator>> runs_;
@@ -150,25 +154,9 @@ class PatternStudy {
 
 }  // namespace
 
-void PatternStudyOptions::validate() const {
-  for (const std::string& name : patterns) sim::speckle::find_pattern(name);
-  for (const std::string& name : estimators) parse_study_estimator(name);
-  if (estimators.empty()) throw InvalidArgument("no estimator is given", "--estimators");
-  if (!(radius_px >= 20 && radius_px <= 1000)) {
-    throw InvalidArgument("the ball's radius is out of range", "--radius-px", "20 … 1000 px");
-  }
-  if (!(noise >= 0 && noise <= 100)) {
-    throw InvalidArgument("the noise is out of range", "--noise", "0 … 100 grey levels");
-  }
-  if (pairs < 1 || pairs > 100) {
-    throw InvalidArgument("the number of pairs is out of range", "--pairs", "1 … 100");
-  }
-}
-
 std::vector<PatternStudyRow> run_pattern_study(opencl::Engine& engine,
-                                               const PatternStudyOptions& options,
-                                               const ProgressFn& progress) {
-  options.validate();
+                                               const PatternStudyRequest& options,
+                                               const RunControl& control) {
   std::vector<const sim::speckle::PatternSpec*> patterns;
   for (const sim::speckle::PatternSpec& spec : sim::speckle::pattern_specs()) {
     const bool all = options.patterns.empty();
@@ -191,10 +179,12 @@ std::vector<PatternStudyRow> run_pattern_study(opencl::Engine& engine,
     const sim::speckle::SpeckleBall ball =
         sim::speckle::paint_ball(pattern->name, options.seed, options.radius_px);
     for (const StudyMotion& motion : study_motions()) {
+      if (control.is_cancelled()) return rows;
       // Noise of its own for every clip.
       scene.noise_seed = options.seed * 1000 + static_cast<std::uint64_t>(done);
       study.run(*pattern, sim::speckle::BallRenderer(ball, scene), motion, rows);
-      progress(++done, total);
+      ++done;
+      if (control.progress) control.progress({"study", done, total});
     }
   }
   return rows;

@@ -1,19 +1,14 @@
 // What the speckle study measures: motions and estimators by name.
 #pragma once
 
+#include <impactdic/study.h>
+
 #include <string>
 #include <vector>
 
 #include "host/motion/motion_estimator.h"
 
 namespace impactdic::study {
-
-// Motion from frame to frame: px, image axes; rotation counter-clockwise on screen.
-struct StudyMotion {
-  const char* name;
-  double dx_px, dy_px, rot_deg;
-  bool in_source;  // one of the four of section 2.3
-};
 
 // The source's four motions, and four that lie on no grid of spline points: at whole pixels a
 // method that takes its displacement from such a grid seems exact.

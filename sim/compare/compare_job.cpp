@@ -14,66 +14,51 @@ constexpr std::array<std::pair<FrictionSource, const char*>, 3> kFrictionSources
      {FrictionSource::kEffectivePublished, "effective_published"},
      {FrictionSource::kEffectiveSound, "effective_sound"}}};
 
-bool has(const CompareJob& job, const ComparedModel& model) {
+bool has(const CompareRequest& job, const ComparedModel& model) {
   return std::find(job.models.begin(), job.models.end(), model) != job.models.end();
 }
 
 // Coefficients that a model of the list needs and the job's own friction does not.
-void read_coefficients(job::StrictTable& root, CompareJob& job) {
-  contact::Contact& contact = job.calibration.impact.contact;
+void read_coefficients(job::StrictTable& root, CompareRequest& job) {
+  ContactParameters& contact = job.calibration.impact.contact;
   job::StrictTable& table = root.table("contact");
   const bool given = job.friction_source == FrictionSource::kJob;
   const bool some_friction =
       std::any_of(job.models.begin(), job.models.end(), [](const ComparedModel& model) {
-        return model != ComparedModel{contact::FrictionModel::kNone} &&
+        return model != ComparedModel{FrictionModel::kNone} &&
                model != ComparedModel{KelvinVoigt{}};
       });
   if (some_friction && given) contact.friction_kinetic = table.number("friction_kinetic");
-  if (has(job, contact::FrictionModel::kThreePhase) && (given || table.has("friction_static"))) {
+  if (has(job, FrictionModel::kThreePhase) && (given || table.has("friction_static"))) {
     contact.friction_static = table.number("friction_static");
   }
-  if (has(job, contact::FrictionModel::kMawBarberFawcett))
-    contact.poisson = table.number("poisson");
+  if (has(job, FrictionModel::kMawBarberFawcett)) contact.poisson = table.number("poisson");
 }
 
-void read_formula(job::StrictTable& root, CompareJob& job) {
+void read_formula(job::StrictTable& root, CompareRequest& job) {
   job::StrictTable& table = root.table("formula");
   if (table.has("restitution")) {
     job.formula.restitution = table.number("restitution");
-    if (!(job.formula.restitution >= 0 && job.formula.restitution <= 1)) {
-      throw InvalidArgument("must be from 0 to 1", table.place("restitution"));
-    }
   }
-  if (has(job, contact::ReboundModel::kCross) || table.has("tangential_restitution")) {
+  if (has(job, ReboundModel::kCross) || table.has("tangential_restitution")) {
     job.formula.tangential_restitution = table.number("tangential_restitution");
-    if (!(std::abs(job.formula.tangential_restitution) <= 1)) {
-      throw InvalidArgument("must be from -1 to 1", table.place("tangential_restitution"));
-    }
   }
 }
 
 }  // namespace
 
-CompareJob read_compare_job(const std::filesystem::path& file) {
+CompareRequest read_compare_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
   const std::filesystem::path folder = file.parent_path();
-  CompareJob job;
+  CompareRequest job;
   job.calibration = fit::read_fit_tables(root);
   const double angle = fit::surface_angle(root);
   job.shots = fit::shots_at(fit::read_paths(root, "tracks", folder), angle);
   job.tables = fit::read_paths(root, "shots", folder);
-  if (job.shots.empty() && job.tables.empty()) {
-    throw InvalidArgument("no tracks are named", root.place("tracks"),
-                          "or name tables of shots under shots");
-  }
   const std::string printed = root.text("printed", "");
   if (!printed.empty())
     job.printed = std::filesystem::absolute(folder / printed).lexically_normal();
   job.calibration.shots = fit::shots_at(fit::read_paths(root, "calibrate_on", folder), angle);
-  if (!job.calibration.shots.empty() && job.calibration.parameters.empty() &&
-      job.calibration.method == fit::FitMethod::kTrajectory) {
-    throw InvalidArgument("no parameters are named", root.table("fit").place("parameters"));
-  }
   for (const std::string& name : root.texts("models")) {
     try {
       job.models.push_back(parse_compared_model(name));
@@ -86,15 +71,13 @@ CompareJob read_compare_job(const std::filesystem::path& file) {
   read_coefficients(root, job);
   read_formula(root, job);
   root.finish();
-  fit::FitJob probe = job.calibration;
-  if (probe.shots.empty()) probe.parameters.clear(), probe.method = fit::FitMethod::kTrajectory;
-  fit::validate_fit(root, probe);
+  job::validate_in_file(job, root);
   return job;
 }
 
-std::string to_toml(const CompareJob& job) {
+std::string to_toml(const CompareRequest& job) {
   job::TomlText text;
-  const contact::ImpactJob& laws = job.calibration.impact;
+  const ImpactJob& laws = job.calibration.impact;
   fit::write_laws(text, laws);
   fit::write_tracks(text, "tracks", job.shots);
   std::vector<std::string> tables, models;

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <map>
 
-#include "sim/fit/parallel.h"
+#include "host/base/parallel.h"
+#include "sim/compare/compared_model.h"
+#include "sim/fit/calibration.h"
 #include "sim/fit/shot_model.h"
+#include "sim/shot/shot_table.h"
 
 namespace impactdic::sim::compare {
 namespace {
@@ -18,9 +21,8 @@ double relative(double predicted, double measured) {
 }
 
 // The shot with the friction that it is to be run with.
-contact::ImpactJob job_for(const contact::ImpactJob& laws, FrictionSource source,
-                           const shot::Shot& shot) {
-  contact::ImpactJob job = fit::job_of_shot(laws, shot);
+ImpactJob job_for(const ImpactJob& laws, FrictionSource source, const MeasuredShot& shot) {
+  ImpactJob job = fit::job_of_shot(laws, shot);
   job.friction = laws.friction;
   if (source == FrictionSource::kJob) return job;
   const double effective =
@@ -36,7 +38,7 @@ contact::ImpactJob job_for(const contact::ImpactJob& laws, FrictionSource source
 
 // The track against the prediction, nothing adjusted: only the motion before and the touch, both
 // measured, go in.
-void compare_path(const fit::MeasuredShot& measured, const contact::ImpactJob& path_job,
+void compare_path(const fit::LoadedShot& measured, const ImpactJob& path_job,
                   std::size_t calibrated, ModelOutcome& outcome) {
   const fit::ShotModel path(measured.track, measured.timed, path_job, {}, {});
   std::vector<double> values;
@@ -50,7 +52,7 @@ void compare_path(const fit::MeasuredShot& measured, const contact::ImpactJob& p
 }
 
 // Over those velocities after the impact whose deviation is known.
-double final_chi_square(const ModelPrediction& p, const shot::Flight& after) {
+double final_chi_square(const ModelPrediction& p, const ShotFlight& after) {
   double sum = 0, count = 0;
   for (const auto& [predicted, measured] :
        {std::pair{p.vt_m_s, after.vt_m_s}, std::pair{p.vn_m_s, after.vn_m_s},
@@ -61,11 +63,11 @@ double final_chi_square(const ModelPrediction& p, const shot::Flight& after) {
   return count > 0 ? sum : kNotMeasured;
 }
 
-ModelOutcome compare_model(const CompareJob& job, const CompareResult& result,
-                           const fit::MeasuredShot& measured, const ComparedModel& model) {
-  const shot::Shot& shot = measured.timed;
+ModelOutcome compare_model(const CompareRequest& job, const CompareResult& result,
+                           const fit::LoadedShot& measured, const ComparedModel& model) {
+  const MeasuredShot& shot = measured.timed;
   const std::size_t calibrated = result.calibration.pooled.size();
-  const contact::ImpactJob run = job_for(result.laws, job.friction_source, shot);
+  const ImpactJob run = job_for(result.laws, job.friction_source, shot);
   ModelOutcome outcome;
   outcome.model = model;
   outcome.friction_kinetic = run.contact.friction_kinetic;
@@ -83,8 +85,8 @@ ModelOutcome compare_model(const CompareJob& job, const CompareResult& result,
   return outcome;
 }
 
-shot::Estimate average(const std::vector<double>& values) {
-  shot::Estimate result{0, kNotMeasured};
+Measured average(const std::vector<double>& values) {
+  Measured result{0, kNotMeasured};
   const auto count = static_cast<double>(values.size());
   if (values.empty()) result.value = kNotMeasured;
   for (double v : values) result.value += v / count;
@@ -98,7 +100,7 @@ shot::Estimate average(const std::vector<double>& values) {
 
 std::vector<AngleAverage> averages(const std::vector<ComparedShot>& shots) {
   // Angles read from tracks differ in their last digits: tenths of a degree are one angle.
-  std::map<long, std::vector<const shot::Shot*>> groups;
+  std::map<long, std::vector<const MeasuredShot*>> groups;
   for (const ComparedShot& s : shots) {
     groups[std::lround(10 * s.shot.surface_angle_deg)].push_back(&s.shot);
   }
@@ -106,65 +108,75 @@ std::vector<AngleAverage> averages(const std::vector<ComparedShot>& shots) {
   for (const auto& [tenths, members] : groups) {
     const auto over = [&, &members = members](auto value) {
       std::vector<double> values;
-      for (const shot::Shot* shot : members) {
+      for (const MeasuredShot* shot : members) {
         if (!std::isnan(value(*shot))) values.push_back(value(*shot));
       }
       return average(values);
     };
     result.push_back({static_cast<double>(tenths) / 10, static_cast<int>(members.size()),
-                      over([](const shot::Shot& s) { return s.restitution.value; }),
-                      over([](const shot::Shot& s) { return s.friction.published; }),
-                      over([](const shot::Shot& s) { return s.friction.sound; }),
-                      over([](const shot::Shot& s) { return s.friction.rolling_cap; })});
+                      over([](const MeasuredShot& s) { return s.restitution.value; }),
+                      over([](const MeasuredShot& s) { return s.friction.published; }),
+                      over([](const MeasuredShot& s) { return s.friction.sound; }),
+                      over([](const MeasuredShot& s) { return s.friction.rolling_cap; })});
   }
   return result;
 }
 
-}  // namespace
-
-CompareResult compare(const CompareJob& job, int threads) {
-  if (job.shots.empty() && job.tables.empty()) {
-    throw InvalidArgument("no tracks are named", "tracks");
-  }
-  if (job.models.empty()) throw InvalidArgument("no models are named", "models");
-  CompareResult result;
-  result.laws = job.calibration.impact;
-  if (!job.calibration.shots.empty()) {
-    result.calibration = fit::calibrate(job.calibration, threads);
-    for (const fit::PooledEstimate& pooled : result.calibration.pooled) {
-      for (const fit::ParameterEstimate& p : result.calibration.shots[0].parameters) {
-        // The published calibration is the plain mean; it has no deviations to weigh by.
-        if (p.key == pooled.key) {
-          fit::set_law_parameter(result.laws, p.parameter,
-                                 std::isnan(pooled.value) ? pooled.mean : pooled.value);
-        }
+// The laws with the pooled values. The published calibration is the plain mean; it has no
+// deviations to weigh by.
+void take_calibrated(const FitResult& calibration, ImpactJob& laws) {
+  if (calibration.shots.empty()) return;
+  for (const PooledEstimate& pooled : calibration.pooled) {
+    for (const ParameterEstimate& p : calibration.shots[0].parameters) {
+      if (p.key == pooled.key) {
+        fit::set_law_parameter(laws, p.parameter,
+                               std::isnan(pooled.value) ? pooled.mean : pooled.value);
       }
     }
   }
-  std::vector<shot::PrintedRow> printed;
-  if (!job.printed.empty()) printed = shot::read_printed(job.printed);
+}
+
+}  // namespace
+
+CompareResult compare_shots(const CompareRequest& request, const RunControl& control) {
+  request.validate();
+  CompareResult result;
+  result.laws = request.calibration.impact;
+  if (!request.calibration.shots.empty()) {
+    FitRequest calibration = request.calibration;
+    calibration.threads = request.threads;
+    result.calibration = fit::calibrate(calibration, control);
+    take_calibrated(result.calibration, result.laws);
+    result.cancelled = result.calibration.cancelled;
+    if (result.cancelled) return result;
+  }
+  std::vector<PrintedFigures> printed;
+  if (!request.printed.empty()) printed = shot::read_printed(request.printed);
   std::vector<shot::TableShot> rows;
-  for (const auto& table : job.tables) {
+  for (const auto& table : request.tables) {
     for (const shot::TableShot& row :
          shot::read_shot_table(table, result.laws.body, result.laws.gravity_m_s2)) {
       rows.push_back(row);
     }
   }
-  result.shots.resize(job.shots.size() + rows.size());
-  fit::parallel_for(result.shots.size(), threads, [&](std::size_t i) {
-    const bool tracked = i < job.shots.size();
-    const fit::MeasuredShot measured =
-        tracked ? fit::load_shot(job.shots[i], result.laws, job.calibration.flight_frames)
-                : fit::MeasuredShot{
-                      {}, rows[i - job.shots.size()].shot, rows[i - job.shots.size()].shot};
-    const std::string name = tracked ? measured.shot.file : rows[i - job.shots.size()].name;
-    result.shots[i].shot = measured.shot;
-    for (const ComparedModel& model : job.models) {
-      ModelOutcome outcome = compare_model(job, result, measured, model);
+  result.shots.resize(request.shots.size() + rows.size());
+  const auto compare_one = [&](std::size_t i) {
+    const bool tracked = i < request.shots.size();
+    const fit::LoadedShot loaded =
+        tracked ? fit::load_shot(request.shots[i], result.laws, request.calibration.flight_frames)
+                : fit::LoadedShot{
+                      {}, rows[i - request.shots.size()].shot, rows[i - request.shots.size()].shot};
+    const std::string name = tracked ? loaded.shot.file : rows[i - request.shots.size()].name;
+    result.shots[i].shot = loaded.shot;
+    for (const ComparedModel& model : request.models) {
+      ModelOutcome outcome = compare_model(request, result, loaded, model);
       outcome.printed = shot::printed_for(printed, name, std::string(name_of(model)));
       result.shots[i].models.push_back(std::move(outcome));
     }
-  });
+  };
+  const std::vector<char> done =
+      parallel_pieces(result.shots.size(), request.threads, "compare", control, compare_one);
+  result.cancelled = keep_done(done, result.shots);
   result.angles = averages(result.shots);
   return result;
 }

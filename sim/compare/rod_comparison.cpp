@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/parallel.h"
 #include "sim/contact/rebound.h"
 #include "sim/fit/fit_tables.h"
-#include "sim/fit/parallel.h"
+#include "sim/rod/rod_impact.h"
+#include "sim/rod/rod_job.h"
+#include "sim/shot/shot_table.h"
 
 namespace impactdic::sim::compare {
 namespace {
@@ -23,12 +26,12 @@ double tip_vn(double vn, double omega, double length, double angle_rad) {
   return vn - known(omega) * length / 2 * std::cos(angle_rad);
 }
 
-RodOutcome integrated(const std::string& model, rod::RodJob rod, const shot::TableShot& row) {
+RodOutcome integrated(const std::string& model, RodJob rod, const shot::TableShot& row) {
   rod.angle_rad = row.rod_angle_deg * kRadPerDeg;
   rod.vt_m_s = row.shot.before.vt_m_s.value;
   rod.vn_m_s = row.shot.before.vn_m_s.value;
   rod.omega_rad_s = known(row.shot.before.omega_rad_s.value);
-  const rod::RodImpact impact = rod::simulate_rod(rod);
+  const RodImpact impact = rod::simulate_rod(rod);
   return {model,
           impact.restitution,
           impact.vt_m_s,
@@ -41,16 +44,16 @@ RodOutcome integrated(const std::string& model, rod::RodJob rod, const shot::Tab
           {}};
 }
 
-RodOutcome by_stronge(const RodCompareJob& job, const shot::TableShot& row) {
-  const rod::RodJob& rod = job.rigid.rod;
-  contact::ReboundJob rebound;
-  rebound.model = contact::ReboundModel::kStronge;
-  rebound.body = {contact::Shape::kRod, rod.body.mass_kg, 2 * rod.body.radius_m, rod.body.length_m};
+RodOutcome by_stronge(const RodCompareRequest& job, const shot::TableShot& row) {
+  const RodJob& rod = job.rigid.rod;
+  ReboundJob rebound;
+  rebound.model = ReboundModel::kStronge;
+  rebound.body = {BodyShape::kRod, rod.body.mass_kg, 2 * rod.body.radius_m, rod.body.length_m};
   rebound.restitution = job.energetic_restitution;
   rebound.friction_kinetic = rod.friction_kinetic;
   rebound.initial = {row.shot.before.vt_m_s.value, row.shot.before.vn_m_s.value,
                      known(row.shot.before.omega_rad_s.value), 0, row.rod_angle_deg};
-  const contact::ReboundResult result = contact::simulate_rebound(rebound);
+  const ReboundResult result = contact::simulate_rebound(rebound);
   return {kStronge,
           result.restitution,
           result.after.vt_m_s,
@@ -63,9 +66,9 @@ RodOutcome by_stronge(const RodCompareJob& job, const shot::TableShot& row) {
           {}};
 }
 
-ComparedBlow compare_blow(const RodCompareJob& job, const std::vector<shot::PrintedRow>& printed,
+ComparedBlow compare_blow(const RodCompareRequest& job, const std::vector<PrintedFigures>& printed,
                           const shot::TableShot& row) {
-  const shot::Shot& shot = row.shot;
+  const MeasuredShot& shot = row.shot;
   ComparedBlow blow{shot.file, row.rod_angle_deg, shot.before, shot.after, row.restitution, {}};
   const double length = job.rigid.rod.body.length_m, angle = row.rod_angle_deg * kRadPerDeg;
   const double after = tip_vn(shot.after.vn_m_s.value, shot.after.omega_rad_s.value, length, angle);
@@ -90,22 +93,13 @@ bool is_rod_compare_job(const std::filesystem::path& file) {
   return root.table("body").text("shape", "") == "rod";
 }
 
-RodCompareJob read_rod_compare_job(const std::filesystem::path& file) {
+RodCompareRequest read_rod_compare_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
   root.table("body").text("shape");
-  RodCompareJob job;
+  RodCompareRequest job;
   job.models = root.texts("models");
   if (job.models.empty()) job.models = {kRigid, kFlexible};
-  for (const std::string& model : job.models) {
-    if (model != kRigid && model != kFlexible && model != kStronge) {
-      throw InvalidArgument("'" + model + "' is no model of a rod", root.place("models"),
-                            "one of rigid_rod, flexible_rod, stronge");
-    }
-  }
   job.tables = fit::read_paths(root, "shots", file.parent_path());
-  if (job.tables.empty()) {
-    throw InvalidArgument("no tables of shots are named", root.place("shots"));
-  }
   const std::string printed = root.text("printed", "");
   if (!printed.empty()) {
     job.printed = std::filesystem::absolute(file.parent_path() / printed).lexically_normal();
@@ -119,10 +113,11 @@ RodCompareJob read_rod_compare_job(const std::filesystem::path& file) {
     job.energetic_restitution = root.table("formula").number("restitution");
   }
   root.finish();
+  job::validate_in_file(job, root);
   return job;
 }
 
-std::string to_toml(const RodCompareJob& job) {
+std::string to_toml(const RodCompareRequest& job) {
   job::TomlText text;
   std::vector<std::string> tables;
   for (const auto& table : job.tables) tables.push_back(table.string());
@@ -132,7 +127,7 @@ std::string to_toml(const RodCompareJob& job) {
   // Where the two differ, the job named neither preset nor residual: each model has its own.
   const bool both = job.flexible.flexible;
   const bool alike = !both || job.rigid.rod.residual == job.flexible.rod.residual;
-  if (alike) text.name("preset", contact::name_of(job.rigid.preset));
+  if (alike) text.name("preset", name_of(job.rigid.preset));
   rod::write_rod_tables(text, both ? job.flexible : job.rigid, alike);
   if (!std::isnan(job.energetic_restitution)) {
     text.table("formula");
@@ -141,15 +136,16 @@ std::string to_toml(const RodCompareJob& job) {
   return text.str();
 }
 
-std::vector<ComparedBlow> compare_rods(const RodCompareJob& job, int threads) {
-  std::vector<shot::PrintedRow> printed;
-  if (!job.printed.empty()) printed = shot::read_printed(job.printed);
+RodCompareResult compare_rods(const RodCompareRequest& request, const RunControl& control) {
+  request.validate();
+  std::vector<PrintedFigures> printed;
+  if (!request.printed.empty()) printed = shot::read_printed(request.printed);
   std::vector<shot::TableShot> rows;
-  const rod::RodBody& rod = job.rigid.rod.body;
-  const contact::Body body{contact::Shape::kRod, rod.mass_kg, 2 * rod.radius_m, rod.length_m};
-  for (const auto& table : job.tables) {
+  const RodBody& rod = request.rigid.rod.body;
+  const ImpactBody body{BodyShape::kRod, rod.mass_kg, 2 * rod.radius_m, rod.length_m};
+  for (const auto& table : request.tables) {
     for (const shot::TableShot& row :
-         shot::read_shot_table(table, body, job.rigid.rod.gravity_m_s2)) {
+         shot::read_shot_table(table, body, request.rigid.rod.gravity_m_s2)) {
       if (!(row.rod_angle_deg > 0 && row.rod_angle_deg < 180)) {
         throw FormatError(row.shot.file + ", column rod_angle_deg", -1,
                           "must be between 0 and 180");
@@ -157,10 +153,13 @@ std::vector<ComparedBlow> compare_rods(const RodCompareJob& job, int threads) {
       rows.push_back(row);
     }
   }
-  std::vector<ComparedBlow> blows(rows.size());
-  fit::parallel_for(rows.size(), threads,
-                    [&](std::size_t i) { blows[i] = compare_blow(job, printed, rows[i]); });
-  return blows;
+  RodCompareResult result;
+  result.blows.resize(rows.size());
+  const std::vector<char> done = parallel_pieces(
+      rows.size(), request.threads, "compare", control,
+      [&](std::size_t i) { result.blows[i] = compare_blow(request, printed, rows[i]); });
+  result.cancelled = keep_done(done, result.blows);
+  return result;
 }
 
 }  // namespace impactdic::sim::compare

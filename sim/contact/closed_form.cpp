@@ -50,31 +50,31 @@ void require_shot(double restitution, double lowest, double contact_s) {
 }
 
 // After an impulse along the surface on a ball: R d(omega) = d(vt) / kappa.
-ImpactVelocities with_tangential(const Body& ball, const ImpactVelocities& before,
+ImpactVelocities with_tangential(const ImpactBody& ball, const ImpactVelocities& before,
                                  double restitution, double dvt) {
   return {before.vt_m_s + dvt, -restitution * before.vn_m_s,
           before.omega_rad_s + dvt / (ball.inertia_factor() * ball.radius_m())};
 }
 
-double tip_velocity(const Body& ball, const ImpactVelocities& v) {
+double tip_velocity(const ImpactBody& ball, const ImpactVelocities& v) {
   return v.vt_m_s + ball.radius_m() * v.omega_rad_s;
 }
 
 }  // namespace
 
-ImpactVelocities cross_rebound(const Body& ball, const ImpactVelocities& before, double restitution,
-                               double tangential_restitution) {
+ImpactVelocities cross_rebound(const ImpactBody& ball, const ImpactVelocities& before,
+                               double restitution, double tangential_restitution) {
   const double kappa = ball.inertia_factor();
   const double dvt =
       -(1 + tangential_restitution) * tip_velocity(ball, before) * kappa / (1 + kappa);
   return with_tangential(ball, before, restitution, dvt);
 }
 
-ImpactVelocities garwin_rebound(const Body& ball, const ImpactVelocities& before) {
+ImpactVelocities garwin_rebound(const ImpactBody& ball, const ImpactVelocities& before) {
   return cross_rebound(ball, before, 1, 1);
 }
 
-ImpactVelocities walton_rebound(const Body& ball, const ImpactVelocities& before,
+ImpactVelocities walton_rebound(const ImpactBody& ball, const ImpactVelocities& before,
                                 double restitution, double friction,
                                 double tangential_restitution) {
   const double kappa = ball.inertia_factor(), tip = tip_velocity(ball, before);
@@ -83,8 +83,8 @@ ImpactVelocities walton_rebound(const Body& ball, const ImpactVelocities& before
   return with_tangential(ball, before, restitution, -sign(tip) * std::min(sliding, sticking));
 }
 
-ImpactVelocities brody_rebound(const Body& ball, const ImpactVelocities& before, double restitution,
-                               double friction) {
+ImpactVelocities brody_rebound(const ImpactBody& ball, const ImpactVelocities& before,
+                               double restitution, double friction) {
   return walton_rebound(ball, before, restitution, friction, 0);
 }
 
@@ -147,7 +147,7 @@ SpringDamperParameters hertz_parameters(double mass_kg, double speed_m_s, double
   ImpactJob job;  // unit mass, stiffness and speed: damping and time are then dimensionless
   job.normal = NormalModel::kHertzDamper;
   job.friction = FrictionModel::kNone;
-  job.body = {Shape::kSolidSphere, 1, 1};
+  job.body = {BodyShape::kSolidSphere, 1, 1};
   job.contact.stiffness = 1;
   job.contact.restitution_damping = damping;
   job.initial.vn_m_s = -1;

@@ -1,35 +1,28 @@
 // Impacts that have a formula: references for the integrated models, and start values for fits.
 #pragma once
 
-#include "sim/contact/body.h"
-#include "sim/contact/model.h"
+#include <impactdic/impact_model.h>
 
 namespace impactdic::sim::contact {
-
-// Velocities of the mass centre along and out of the surface (m/s) and spin (rad/s, positive
-// counter-clockwise; the contact point of a ball moves at vt + R omega).
-struct ImpactVelocities {
-  double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
-};
 
 // A ball whose normal velocity is multiplied by -restitution and the velocity of whose contact
 // point by -tangential_restitution. Cross (2002): vt'/vt = (1 - kappa e_x)/(1 + kappa) without
 // spin.
-ImpactVelocities cross_rebound(const Body& ball, const ImpactVelocities& before, double restitution,
-                               double tangential_restitution);
+ImpactVelocities cross_rebound(const ImpactBody& ball, const ImpactVelocities& before,
+                               double restitution, double tangential_restitution);
 // Garwin (1969): both are 1, a superball.
-ImpactVelocities garwin_rebound(const Body& ball, const ImpactVelocities& before);
+ImpactVelocities garwin_rebound(const ImpactBody& ball, const ImpactVelocities& before);
 // Sliding with J_t = mu (1 + e) m |vn| unless that would exceed what reaches
 // `tangential_restitution`. Walton (1993) with beta_0; Brody (1984) with 0: slide, else roll.
-ImpactVelocities walton_rebound(const Body& ball, const ImpactVelocities& before,
+ImpactVelocities walton_rebound(const ImpactBody& ball, const ImpactVelocities& before,
                                 double restitution, double friction, double tangential_restitution);
-ImpactVelocities brody_rebound(const Body& ball, const ImpactVelocities& before, double restitution,
-                               double friction);
+ImpactVelocities brody_rebound(const ImpactBody& ball, const ImpactVelocities& before,
+                               double restitution, double friction);
 
 // Stronge's energetic restitution (1990): the surface gives back e*^2 of the work that the normal
 // impulse did in compression; Coulomb friction slides, sticks or turns round as the impulse grows.
 // (arm_t, arm_n): the contact point seen from the mass centre, m.
-ImpactVelocities stronge_rebound(const Body& body, double arm_t_m, double arm_n_m,
+ImpactVelocities stronge_rebound(const ImpactBody& body, double arm_t_m, double arm_n_m,
                                  const ImpactVelocities& before, double energetic_restitution,
                                  double friction);
 

@@ -16,7 +16,7 @@ ContactDynamics::ContactDynamics(const ImpactJob& job, const NormalLaw& normal,
       inverse_inertia_(1 / job.body.inertia()),
       gravity_t_(-job.gravity_m_s2 * std::sin(job.surface_angle_deg * kRadPerDeg)),
       gravity_n_(-job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg)),
-      rod_(job.body.shape == Shape::kRod),
+      rod_(job.body.shape == BodyShape::kRod),
       reach_(rod_ ? job.body.length_m / 2 : job.body.radius_m()),
       start_angle_(job.initial.angle_deg * kRadPerDeg) {}
 

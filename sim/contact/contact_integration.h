@@ -20,7 +20,7 @@ struct ContactOutcome {
   double released_tangential_j = 0;
   double released_j = 0;
   long steps = 0;
-  std::vector<Phase> phases;
+  std::vector<ContactPhase> phases;
 };
 
 // The points of the trajectory that the caller wants, ascending.
@@ -32,10 +32,7 @@ class TrajectoryRequest {
   virtual void take(double time_s, const ImpactState& x) = 0;
 };
 
-// Integrates one contact that begins at `start_s` in state `start`: an adaptive Dormand-Prince 5(4)
-// (Boost.odeint); every switch of a mode is the root of a guard found with TOMS 748 on single
-// Runge-Kutta steps from the last accepted state, so that a switch is as exact as the method; the
-// integration restarts there.
+// Integrates one contact that begins at `start_s` in state `start` (event_integrator.h).
 ContactOutcome integrate_contact(const ImpactJob& job, const NormalLaw& normal,
                                  FrictionLaw& friction, ContactDynamics& dynamics, double start_s,
                                  const ImpactState& start, TrajectoryRequest& request);

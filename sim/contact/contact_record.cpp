@@ -7,8 +7,8 @@
 
 namespace impactdic::sim::contact {
 
-void ContactRecord::enter(PhaseKind kind, const char* name, const ContactInstant& now) {
-  int& open = kind == PhaseKind::kNormal ? open_normal_ : open_tangential_;
+void ContactRecord::enter(ContactPhaseKind kind, const char* name, const ContactInstant& now) {
+  int& open = kind == ContactPhaseKind::kNormal ? open_normal_ : open_tangential_;
   if (open >= 0) {
     if (std::string_view(outcome_.phases[open].name) == name) return;
     close(open, now);
@@ -18,9 +18,9 @@ void ContactRecord::enter(PhaseKind kind, const char* name, const ContactInstant
 }
 
 void ContactRecord::close(int open, const ContactInstant& now) {
-  Phase& phase = outcome_.phases[open];
+  ContactPhase& phase = outcome_.phases[open];
   phase.end_s = now.time_s;
-  phase.slip_j = phase.kind == PhaseKind::kTangential ? (*now.x)[kSlip] - phase.slip_j : 0;
+  phase.slip_j = phase.kind == ContactPhaseKind::kTangential ? (*now.x)[kSlip] - phase.slip_j : 0;
 }
 
 // A damper shifts the largest force before the largest deflection; it also makes the force fall at

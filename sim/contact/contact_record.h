@@ -21,14 +21,13 @@ class ContactRecord {
   }
 
   // Each of the two sequences of phases has one open at a time; the same name goes on with it.
-  void enter(PhaseKind kind, const char* name, const ContactInstant& now);
+  void enter(ContactPhaseKind kind, const char* name, const ContactInstant& now);
   // An accepted step in compression that ends with this force. `force_within(s)` is the force s
   // after the step before it began, which lasted `stretch_s` up to here.
   void step(double force_n, double stretch_s, const std::function<double(double)>& force_within);
   // The deflection turns from growing to falling.
   void turn(double time_s, const ContactPoint& at, double force_n);
   void count_step() { ++outcome_.steps; }
-  long steps() const { return outcome_.steps; }
 
   ContactOutcome finish(bool separated, const ContactInstant& now, const ContactPoint& at,
                         const ContactDynamics& dynamics, const NormalLaw& normal,

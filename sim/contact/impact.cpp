@@ -99,7 +99,7 @@ class ImpactRun final : public TrajectoryRequest {
     if (flight > 0) {
       const double touch_s = time_s_ + flight;
       record_flight(std::nextafter(touch_s, 0.0));
-      result_.phases.push_back({PhaseKind::kFlight, "flight", time_s_, touch_s, 0});
+      result_.phases.push_back({ContactPhaseKind::kFlight, "flight", time_s_, touch_s, 0});
       now_ = fly(now_, gravity_t(), gravity_n(), flight);
       now_[kQn] = 0;
       time_s_ = touch_s;
@@ -169,7 +169,7 @@ class ImpactRun final : public TrajectoryRequest {
 
   void warn(const ContactOutcome& outcome) {
     const double noise_j = 1e-9 * kinetic_j(start_);
-    for (const Phase& phase : outcome.phases) {
+    for (const ContactPhase& phase : outcome.phases) {
       if (phase.slip_j >= -noise_j) continue;
       result_.warnings.push_back("friction does positive work in phase '" +
                                  std::string(phase.name) + "': it feeds " +
@@ -257,7 +257,7 @@ ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording) {
   return ImpactRun(job, recording).run();
 }
 
-EffectiveFriction effective_friction(const Body& body, const PlaneState& before,
+EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& before,
                                      const PlaneState& after, double contact_s, double gravity_m_s2,
                                      double surface_angle_deg) {
   const double angle = surface_angle_deg * kRadPerDeg;

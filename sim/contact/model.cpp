@@ -1,14 +1,14 @@
-#include "sim/contact/model.h"
-
 #include <impactdic/error.h>
+#include <impactdic/simulate.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "host/base/parse.h"
 
-namespace impactdic::sim::contact {
+namespace impactdic {
 
 namespace {
 
@@ -28,17 +28,18 @@ constexpr Names<FrictionModel, 6> kFrictionModels{
      {FrictionModel::kFullSliding, "full_sliding"},
      {FrictionModel::kBrody, "brody"},
      {FrictionModel::kMawBarberFawcett, "maw_barber_fawcett"}}};
-constexpr Names<Preset, 2> kPresets{{{Preset::kPublished, "published"}, {Preset::kSound, "sound"}}};
+constexpr Names<ModelPreset, 2> kPresets{
+    {{ModelPreset::kPublished, "published"}, {ModelPreset::kSound, "sound"}}};
 constexpr Names<RestitutionDamping, 3> kRestitutionDampings{
     {{RestitutionDamping::kNone, "none"},
      {RestitutionDamping::kToZeroForce, "to_zero_force"},
      {RestitutionDamping::kToZeroDeflection, "to_zero_deflection"}}};
 constexpr Names<ResidualLaw, 2> kResidualLaws{
     {{ResidualLaw::kJackson, "jackson"}, {ResidualLaw::kKogutEtsion, "kogut_etsion"}}};
-constexpr Names<Shape, 4> kShapes{{{Shape::kHollowSphere, "hollow_sphere"},
-                                   {Shape::kSolidSphere, "solid_sphere"},
-                                   {Shape::kRod, "rod"},
-                                   {Shape::kOther, "other"}}};
+constexpr Names<BodyShape, 4> kShapes{{{BodyShape::kHollowSphere, "hollow_sphere"},
+                                       {BodyShape::kSolidSphere, "solid_sphere"},
+                                       {BodyShape::kRod, "rod"},
+                                       {BodyShape::kOther, "other"}}};
 
 template <typename Enum, std::size_t N>
 std::string_view find_name(const Names<Enum, N>& names, Enum value) {
@@ -71,7 +72,7 @@ void require_not_negative(double value, const char* key) {
 }
 
 void validate_normal(const ImpactJob& job) {
-  const Contact& contact = job.contact;
+  const ContactParameters& contact = job.contact;
   require_not_negative(contact.damping_n_s_per_m, "contact.damping_n_s_per_m");
   switch (job.normal) {
     case NormalModel::kLinearSpringDamper:
@@ -87,7 +88,7 @@ void validate_normal(const ImpactJob& job) {
 }
 
 void validate_friction(const ImpactJob& job) {
-  const Contact& contact = job.contact;
+  const ContactParameters& contact = job.contact;
   require_not_negative(contact.friction_kinetic, "contact.friction_kinetic");
   require_not_negative(contact.friction_static, "contact.friction_static");
   require(contact.friction_kinetic <= 100, "must be at most 100", "contact.friction_kinetic",
@@ -103,7 +104,7 @@ void validate_friction(const ImpactJob& job) {
     require(job.normal == NormalModel::kHertzDamper,
             "maw_barber_fawcett needs the pressure of a Hertz contact", "normal",
             "hertz_damper, or another friction");
-    require(job.body.shape != Shape::kRod, "maw_barber_fawcett is a law for balls", "friction");
+    require(job.body.shape != BodyShape::kRod, "maw_barber_fawcett is a law for balls", "friction");
   }
 }
 
@@ -111,12 +112,12 @@ void validate_friction(const ImpactJob& job) {
 
 std::string_view name_of(NormalModel model) { return find_name(kNormalModels, model); }
 std::string_view name_of(FrictionModel model) { return find_name(kFrictionModels, model); }
-std::string_view name_of(Preset preset) { return find_name(kPresets, preset); }
+std::string_view name_of(ModelPreset preset) { return find_name(kPresets, preset); }
 std::string_view name_of(RestitutionDamping damping) {
   return find_name(kRestitutionDampings, damping);
 }
 std::string_view name_of(ResidualLaw law) { return find_name(kResidualLaws, law); }
-std::string_view name_of(Shape shape) { return find_name(kShapes, shape); }
+std::string_view name_of(BodyShape shape) { return find_name(kShapes, shape); }
 
 NormalModel parse_normal_model(std::string_view name) {
   return find_value(kNormalModels, name, "normal");
@@ -125,14 +126,14 @@ FrictionModel parse_friction_model(std::string_view name) {
   if (name == "three_phase_friction") return FrictionModel::kThreePhase;  // its long name
   return find_value(kFrictionModels, name, "friction");
 }
-Preset parse_preset(std::string_view name) { return find_value(kPresets, name, "preset"); }
+ModelPreset parse_preset(std::string_view name) { return find_value(kPresets, name, "preset"); }
 RestitutionDamping parse_restitution_damping(std::string_view name) {
   return find_value(kRestitutionDampings, name, "contact.restitution_damping");
 }
 ResidualLaw parse_residual_law(std::string_view name) {
   return find_value(kResidualLaws, name, "contact.residual");
 }
-Shape parse_shape(std::string_view name) { return find_value(kShapes, name, "body.shape"); }
+BodyShape parse_shape(std::string_view name) { return find_value(kShapes, name, "body.shape"); }
 
 void ImpactJob::validate() const {
   body.validate();
@@ -152,7 +153,7 @@ void ImpactJob::validate() const {
   require(tolerance >= 1e-14 && tolerance <= 1e-3, "must be from 1e-14 to 1e-3",
           "solver.relative_tolerance");
   require(solver.contacts >= 1, "must be at least 1", "solver.contacts");
-  if (body.shape == Shape::kRod) {
+  if (body.shape == BodyShape::kRod) {
     require(initial.angle_deg > 0 && initial.angle_deg < 180,
             "the striking end must be the lower one: between 0 and 180", "initial.angle_deg");
     require(initial.gap_m == 0, "a rod must start in contact", "initial.gap_m");
@@ -160,4 +161,14 @@ void ImpactJob::validate() const {
   }
 }
 
-}  // namespace impactdic::sim::contact
+void SimulateRequest::validate() const {
+  impact.validate();
+  require(rate_hz >= 0 && std::isfinite(rate_hz), "must not be negative", "output.rate_hz");
+  require(rate_hz == 0 || times_s.empty(), "the points are given twice", "times_s",
+          "rate_hz or times_s");
+  require(std::all_of(times_s.begin(), times_s.end(), [](double t) { return std::isfinite(t); }) &&
+              std::is_sorted(times_s.begin(), times_s.end()),
+          "must be numbers that ascend", "times_s");
+}
+
+}  // namespace impactdic

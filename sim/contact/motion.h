@@ -1,9 +1,9 @@
 // The motion of an impact frame by frame, for the video renderer.
 #pragma once
 
-#include <vector>
+#include <impactdic/impact_model.h>
 
-#include "sim/contact/model.h"
+#include <vector>
 
 namespace impactdic::sim::contact {
 

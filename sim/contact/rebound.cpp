@@ -9,15 +9,10 @@
 #include <utility>
 
 #include "host/base/parse.h"
+#include "sim/contact/closed_form.h"
 
 namespace impactdic::sim::contact {
 namespace {
-
-constexpr std::array<std::pair<ReboundModel, std::string_view>, 4> kNames{
-    {{ReboundModel::kGarwin, "garwin"},
-     {ReboundModel::kCross, "cross"},
-     {ReboundModel::kWalton, "walton"},
-     {ReboundModel::kStronge, "stronge"}}};
 
 struct Arm {
   double t, n;
@@ -25,13 +20,13 @@ struct Arm {
 
 // The contact point seen from the mass centre.
 Arm arm_of(const ReboundJob& job) {
-  if (job.body.shape != Shape::kRod) return {0, -job.body.radius_m()};
+  if (job.body.shape != BodyShape::kRod) return {0, -job.body.radius_m()};
   const double axis = job.initial.angle_deg * kRadPerDeg, half = job.body.length_m / 2;
   return {-half * std::cos(axis), -half * std::sin(axis)};
 }
 
 ImpactVelocities rebound(const ReboundJob& job, const ImpactVelocities& before) {
-  const bool published = job.preset == Preset::kPublished;
+  const bool published = job.preset == ModelPreset::kPublished;
   switch (job.model) {
     case ReboundModel::kGarwin:
       if (published) return garwin_rebound(job.body, before);
@@ -52,6 +47,40 @@ ImpactVelocities rebound(const ReboundJob& job, const ImpactVelocities& before) 
   }
   return before;
 }
+
+}  // namespace
+
+ReboundResult simulate_rebound(const ReboundJob& job) {
+  job.validate();
+  ReboundResult result;
+  result.before = {job.initial.vt_m_s, job.initial.vn_m_s, job.initial.omega_rad_s};
+  result.after = rebound(job, result.before);
+  const double arm = arm_of(job).t;
+  const auto tip_vn = [arm](const ImpactVelocities& v) { return v.vn_m_s + v.omega_rad_s * arm; };
+  result.restitution = -tip_vn(result.after) / tip_vn(result.before);
+  const auto kinetic = [&job](const ImpactVelocities& v) {
+    return 0.5 * job.body.mass_kg * (v.vt_m_s * v.vt_m_s + v.vn_m_s * v.vn_m_s) +
+           0.5 * job.body.inertia() * v.omega_rad_s * v.omega_rad_s;
+  };
+  result.kinetic_before_j = kinetic(result.before);
+  result.kinetic_after_j = kinetic(result.after);
+  const double gain = result.kinetic_after_j - result.kinetic_before_j;
+  if (gain > 1e-12 * result.kinetic_before_j) {
+    result.warnings.push_back("the rule creates " + shortest(gain) + " J");
+  }
+  return result;
+}
+
+}  // namespace impactdic::sim::contact
+
+namespace impactdic {
+namespace {
+
+constexpr std::array<std::pair<ReboundModel, std::string_view>, 4> kNames{
+    {{ReboundModel::kGarwin, "garwin"},
+     {ReboundModel::kCross, "cross"},
+     {ReboundModel::kWalton, "walton"},
+     {ReboundModel::kStronge, "stronge"}}};
 
 }  // namespace
 
@@ -86,34 +115,13 @@ void ReboundJob::validate() const {
           "contact.tangential_restitution");
   require(friction_kinetic >= 0 && std::isfinite(friction_kinetic), "must not be negative",
           "contact.friction_kinetic");
-  const bool rod = body.shape == Shape::kRod;
+  const bool rod = body.shape == BodyShape::kRod;
   require(!rod || model == ReboundModel::kStronge, "only stronge knows rods", "body.shape");
   require(!rod || (initial.angle_deg > 0 && initial.angle_deg < 180),
           "the striking end must be the lower one: between 0 and 180", "initial.angle_deg");
-  require(initial.vn_m_s + initial.omega_rad_s * arm_of(*this).t < 0,
+  require(initial.vn_m_s + initial.omega_rad_s * sim::contact::arm_of(*this).t < 0,
           "the body does not approach the surface", "initial.vn_m_s",
           "the normal points out of the surface: vn_m_s must be negative");
 }
 
-ReboundResult simulate_rebound(const ReboundJob& job) {
-  job.validate();
-  ReboundResult result;
-  result.before = {job.initial.vt_m_s, job.initial.vn_m_s, job.initial.omega_rad_s};
-  result.after = rebound(job, result.before);
-  const double arm = arm_of(job).t;
-  const auto tip_vn = [arm](const ImpactVelocities& v) { return v.vn_m_s + v.omega_rad_s * arm; };
-  result.restitution = -tip_vn(result.after) / tip_vn(result.before);
-  const auto kinetic = [&job](const ImpactVelocities& v) {
-    return 0.5 * job.body.mass_kg * (v.vt_m_s * v.vt_m_s + v.vn_m_s * v.vn_m_s) +
-           0.5 * job.body.inertia() * v.omega_rad_s * v.omega_rad_s;
-  };
-  result.kinetic_before_j = kinetic(result.before);
-  result.kinetic_after_j = kinetic(result.after);
-  const double gain = result.kinetic_after_j - result.kinetic_before_j;
-  if (gain > 1e-12 * result.kinetic_before_j) {
-    result.warnings.push_back("the rule creates " + shortest(gain) + " J");
-  }
-  return result;
-}
-
-}  // namespace impactdic::sim::contact
+}  // namespace impactdic

@@ -7,7 +7,8 @@ namespace impactdic::sim::contact {
 ContactScales contact_scales(const ImpactJob& job, const NormalLaw& normal,
                              const ContactPoint& touch, const ImpactState& start) {
   const double speed_n = touch.rate_m_s;
-  const double reach = job.body.shape == Shape::kRod ? job.body.length_m / 2 : job.body.radius_m();
+  const double reach =
+      job.body.shape == BodyShape::kRod ? job.body.length_m / 2 : job.body.radius_m();
   const double speed = std::max({speed_n, std::abs(start[kVt]), std::abs(start[kOmega]) * reach});
   const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
   const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);

@@ -1,8 +1,6 @@
-// The step-size control of a contact's integration: Dormand-Prince 5(4) and what counts as an
-// error.
+// The step-size control of a contact's integration: what counts as an error.
 #pragma once
 
-#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <cmath>
 
@@ -47,7 +45,5 @@ class ScaledError {
  private:
   ImpactState inverse_{};
 };
-
-using ContactStepper = boost::numeric::odeint::controlled_runge_kutta<Dopri5, ScaledError>;
 
 }  // namespace impactdic::sim::contact

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/parallel.h"
 #include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
-#include "sim/fit/parallel.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/trajectory_fit.h"
 
@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
 
-ShotFit fit_restitution_duration(const shot::Shot& shot, const FitJob& job) {
-  const contact::ImpactJob impact = job_of_shot(job.impact, shot);
+ShotFit fit_restitution_duration(const MeasuredShot& shot, const FitRequest& job) {
+  const ImpactJob impact = job_of_shot(job.impact, shot);
   const double e = shot.restitution.value;
   const double duration = shot.contact_s.value;
   const contact::SpringDamperParameters pair = spring_and_damper(impact, e, duration);
@@ -92,33 +92,8 @@ PooledEstimate pool(const FitResult& result, std::size_t index, double outlier_s
 
 }  // namespace
 
-std::string key_of(FitParameter parameter, contact::NormalModel normal) {
-  switch (parameter) {
-    case FitParameter::kStiffness:
-      return normal == contact::NormalModel::kHertzDamper ? "stiffness_n_per_m1p5"
-                                                          : "stiffness_n_per_m";
-    case FitParameter::kDamping:
-      return "damping_n_s_per_m";
-    case FitParameter::kFrictionKinetic:
-      return "friction_kinetic";
-    case FitParameter::kFrictionStatic:
-      return "friction_static";
-    case FitParameter::kPoisson:
-      return "poisson";
-    case FitParameter::kYieldStrength:
-      return "yield_strength_pa";
-    case FitParameter::kContactTime:
-      return "contact_time_s";
-    case FitParameter::kSurfaceAngle:
-      return "surface_angle_deg";
-    case FitParameter::kScale:
-      return "scale";
-  }
-  return "";
-}
-
-double law_parameter(const contact::ImpactJob& job, FitParameter parameter) {
-  const contact::Contact& contact = job.contact;
+double law_parameter(const ImpactJob& job, FitParameter parameter) {
+  const ContactParameters& contact = job.contact;
   switch (parameter) {
     case FitParameter::kStiffness:
       return contact.stiffness;
@@ -137,7 +112,7 @@ double law_parameter(const contact::ImpactJob& job, FitParameter parameter) {
   }
 }
 
-void set_law_parameter(contact::ImpactJob& job, FitParameter parameter, double value) {
+void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
   switch (parameter) {
     case FitParameter::kStiffness:
       job.contact.stiffness = value;
@@ -162,8 +137,8 @@ void set_law_parameter(contact::ImpactJob& job, FitParameter parameter, double v
   }
 }
 
-contact::ImpactJob job_of_shot(const contact::ImpactJob& laws, const shot::Shot& shot) {
-  contact::ImpactJob job = laws;
+ImpactJob job_of_shot(const ImpactJob& laws, const MeasuredShot& shot) {
+  ImpactJob job = laws;
   job.surface_angle_deg = shot.surface_angle_deg;
   job.initial = {};
   job.initial.vt_m_s = shot.before.vt_m_s.value;
@@ -171,18 +146,17 @@ contact::ImpactJob job_of_shot(const contact::ImpactJob& laws, const shot::Shot&
   const double spin = shot.before.omega_rad_s.value;
   job.initial.omega_rad_s = std::isnan(spin) ? 0 : spin;
   // Without a coefficient Coulomb's law is no friction.
-  if (job.friction == contact::FrictionModel::kCoulomb && job.contact.friction_kinetic == 0) {
-    job.friction = contact::FrictionModel::kNone;
+  if (job.friction == FrictionModel::kCoulomb && job.contact.friction_kinetic == 0) {
+    job.friction = FrictionModel::kNone;
   }
   return job;
 }
 
-void time_contact(shot::Shot& shot, const contact::ImpactJob& laws) {
-  if (laws.normal != contact::NormalModel::kLinearSpringDamper &&
-      laws.normal != contact::NormalModel::kHertzDamper) {
+void time_contact(MeasuredShot& shot, const ImpactJob& laws) {
+  if (laws.normal != NormalModel::kLinearSpringDamper && laws.normal != NormalModel::kHertzDamper) {
     return;
   }
-  const shot::Estimate crossing = shot.crossing_above_lowest_m;
+  const Measured crossing = shot.crossing_above_lowest_m;
   const ContactTiming timing =
       timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),
                            crossing.value, shot.contact_s.value);
@@ -191,52 +165,52 @@ void time_contact(shot::Shot& shot, const contact::ImpactJob& laws) {
                      laws.body, laws.gravity_m_s2);
 }
 
-MeasuredShot load_shot(const FitShot& source, const contact::ImpactJob& laws, int flight_frames) {
-  MeasuredShot measured{shot::read_track(source.track), {}, {}};
+LoadedShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames) {
+  LoadedShot loaded{source.in_memory ? *source.in_memory : shot::read_track(source.track), {}, {}};
   double angle = source.surface_angle_deg;
-  if (std::isnan(angle)) angle = measured.track.surface_angle_deg;
+  if (std::isnan(angle)) angle = loaded.track.surface_angle_deg;
   if (std::isnan(angle)) {
-    throw InvalidArgument("the surface's angle is not known", source.track.string(),
+    throw InvalidArgument("the surface's angle is not known",
+                          source.in_memory ? loaded.track.file : source.track.string(),
                           "give surface.angle_deg, or track with --surface-angle-deg");
   }
-  measured.shot =
-      shot::measure_shot(measured.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
-  measured.timed = measured.shot;
-  time_contact(measured.timed, laws);
-  return measured;
+  loaded.shot =
+      shot::measure_shot(loaded.track, {laws.body, angle, laws.gravity_m_s2, flight_frames});
+  loaded.timed = loaded.shot;
+  time_contact(loaded.timed, laws);
+  return loaded;
 }
 
-FitResult calibrate(const FitJob& job, int threads) {
-  if (job.shots.empty()) throw InvalidArgument("no tracks are named", "tracks");
-  const bool spring = job.impact.normal == contact::NormalModel::kLinearSpringDamper ||
-                      job.impact.normal == contact::NormalModel::kHertzDamper;
-  if (!spring && job.method != FitMethod::kTrajectory) {
-    throw InvalidArgument("this method needs a law with stiffness and damping", "fit.method",
-                          "trajectory fits any law");
-  }
+FitResult calibrate(const FitRequest& request, const RunControl& control) {
+  request.validate();
   FitResult result;
-  result.shots.resize(job.shots.size());
-  if (job.method == FitMethod::kPublishedGrid) result.surfaces.resize(job.shots.size());
-  parallel_for(job.shots.size(), threads, [&](std::size_t i) {
-    const auto [track, shot, timed] = load_shot(job.shots[i], job.impact, job.flight_frames);
-    switch (job.method) {
-      case FitMethod::kTrajectory:
-        result.shots[i] = fit_trajectory(track, timed, job);
-        result.shots[i].shot = shot;
-        break;
-      case FitMethod::kPublishedGrid:
-        result.shots[i] = fit_grid(track, timed, job, result.surfaces[i]);
-        result.shots[i].shot = shot;
-        break;
-      case FitMethod::kRestitutionDuration:
-        result.shots[i] = fit_restitution_duration(timed, job);
-        break;
-    }
-  });
+  result.shots.resize(request.shots.size());
+  if (request.method == FitMethod::kPublishedGrid) result.surfaces.resize(request.shots.size());
+  const std::vector<char> done =
+      parallel_pieces(request.shots.size(), request.threads, "fit", control, [&](std::size_t i) {
+        const auto [track, shot, timed] =
+            load_shot(request.shots[i], request.impact, request.flight_frames);
+        switch (request.method) {
+          case FitMethod::kTrajectory:
+            result.shots[i] = fit_trajectory(track, timed, request);
+            result.shots[i].shot = shot;
+            break;
+          case FitMethod::kPublishedGrid:
+            result.shots[i] = fit_grid(track, timed, request, result.surfaces[i]);
+            result.shots[i].shot = shot;
+            break;
+          case FitMethod::kRestitutionDuration:
+            result.shots[i] = fit_restitution_duration(timed, request);
+            break;
+        }
+      });
+  result.cancelled = keep_done(done, result.shots);
+  if (!result.surfaces.empty()) keep_done(done, result.surfaces);
+  if (result.shots.empty()) return result;
   const std::size_t laws =
-      job.method == FitMethod::kTrajectory ? job.parameters.size() : std::size_t{2};
+      request.method == FitMethod::kTrajectory ? request.parameters.size() : std::size_t{2};
   for (std::size_t i = 0; i < laws; ++i) {
-    result.pooled.push_back(pool(result, i, job.outlier_sd));
+    result.pooled.push_back(pool(result, i, request.outlier_sd));
   }
   return result;
 }

@@ -17,7 +17,7 @@ constexpr std::array<const char*, kFigures> kKeys{"restitution", "contact_s", "t
                                                   "max_deflection_m"};
 
 std::array<double, kFigures> figures(const ShotModel& model, const std::vector<double>& values) {
-  const contact::ImpactResult impact = contact::simulate_impact(model.impact_of(values.data()));
+  const ImpactResult impact = contact::simulate_impact(model.impact_of(values.data()));
   return {impact.restitution, impact.contact_s, impact.t_max_compression_s,
           impact.max_deflection_m};
 }

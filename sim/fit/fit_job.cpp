@@ -6,20 +6,16 @@
 
 namespace impactdic::sim::fit {
 
-FitJob read_fit_job(const std::filesystem::path& file) {
+FitRequest read_fit_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
-  FitJob job = read_fit_tables(root);
+  FitRequest job = read_fit_tables(root);
   job.shots = shots_at(read_paths(root, "tracks", file.parent_path()), surface_angle(root));
-  if (job.shots.empty()) throw InvalidArgument("no tracks are named", root.place("tracks"));
-  if (job.parameters.empty() && job.method == FitMethod::kTrajectory) {
-    throw InvalidArgument("no parameters are named", root.table("fit").place("parameters"));
-  }
   root.finish();
-  validate_fit(root, job);
+  job::validate_in_file(job, root);
   return job;
 }
 
-std::string to_toml(const FitJob& job) {
+std::string to_toml(const FitRequest& job) {
   job::TomlText text;
   write_laws(text, job.impact);
   write_tracks(text, "tracks", job.shots);

@@ -34,19 +34,17 @@ auto choose(const Names& names, job::StrictTable& table, const std::string& key,
 
 // The laws and the tables body, contact, environment, solver, fit and grid. Neither finished nor
 // validated; surface.angle_deg is asked for by surface_angle.
-FitJob read_fit_tables(job::StrictTable& root);
+FitRequest read_fit_tables(job::StrictTable& root);
 // The files that `key` lists, relative to `folder`.
 std::vector<std::filesystem::path> read_paths(job::StrictTable& root, const std::string& key,
                                               const std::filesystem::path& folder);
 std::vector<FitShot> shots_at(const std::vector<std::filesystem::path>& tracks, double angle_deg);
 // surface.angle_deg, NaN without: each track knows its own.
 double surface_angle(job::StrictTable& root);
-// What is not fitted must be given, and be possible. Throws InvalidArgument naming file and key.
-void validate_fit(job::StrictTable& root, const FitJob& job);
 
-void write_laws(job::TomlText& text, const contact::ImpactJob& laws);
+void write_laws(job::TomlText& text, const ImpactJob& laws);
 void write_tracks(job::TomlText& text, const std::string& key, const std::vector<FitShot>& shots);
 // Everything after the lists of tracks.
-void write_fit_tables(job::TomlText& text, const FitJob& job, double angle_deg);
+void write_fit_tables(job::TomlText& text, const FitRequest& job, double angle_deg);
 
 }  // namespace impactdic::sim::fit

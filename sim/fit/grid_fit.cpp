@@ -22,7 +22,7 @@ struct Measured {
   double largest_m = 0, final_vn_m_s = 0;
 };
 
-Measured contact_of(const shot::Track& track, const shot::Shot& shot) {
+Measured contact_of(const MeasuredTrack& track, const MeasuredShot& shot) {
   Measured measured;
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double height = -std::sin(angle) * shot.touch_x_m + std::cos(angle) * shot.touch_y_m;
@@ -117,8 +117,8 @@ struct NodeError {
   double displacement, velocity;
 };
 
-NodeError node_error(const contact::ImpactJob& job, const Measured& measured) {
-  const contact::ImpactResult impact = contact::simulate_impact(job, {0, measured.time_s});
+NodeError node_error(const ImpactJob& job, const Measured& measured) {
+  const ImpactResult impact = contact::simulate_impact(job, {0, measured.time_s});
   NodeError error{0, 1};
   for (std::size_t i = 0; i < measured.time_s.size(); ++i) {
     // Out of contact the model's ball flies on: its "deflection" is then a height, as the camera's.
@@ -134,8 +134,8 @@ NodeError node_error(const contact::ImpactJob& job, const Measured& measured) {
 
 }  // namespace
 
-ErrorSurface error_surface(const shot::Track& track, const shot::Shot& shot,
-                           const contact::ImpactJob& laws, const FitGrid& grid) {
+ErrorSurface error_surface(const MeasuredTrack& track, const MeasuredShot& shot,
+                           const ImpactJob& laws, const FitGrid& grid) {
   const Measured measured = contact_of(track, shot);
   ErrorSurface s;
   for (int i = 0; i <= grid.stiffness_steps; ++i) {
@@ -144,7 +144,7 @@ ErrorSurface error_surface(const shot::Track& track, const shot::Shot& shot,
   for (int j = 0; j <= grid.damping_steps; ++j) {
     s.damping_n_s_per_m.push_back(grid.damping_max_n_s_per_m * j / grid.damping_steps);
   }
-  contact::ImpactJob job = job_of_shot(laws, shot);
+  ImpactJob job = job_of_shot(laws, shot);
   double least = std::numeric_limits<double>::infinity();
   std::size_t least_i = 0, least_j = 0;
   for (std::size_t i = 0; i < s.stiffness.size(); ++i) {
@@ -168,7 +168,7 @@ ErrorSurface error_surface(const shot::Track& track, const shot::Shot& shot,
   return s;
 }
 
-ShotFit fit_grid(const shot::Track& track, const shot::Shot& shot, const FitJob& job,
+ShotFit fit_grid(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job,
                  ErrorSurface& surface) {
   surface = error_surface(track, shot, job.impact, job.grid);
   ShotFit fit;

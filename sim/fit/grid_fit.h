@@ -10,10 +10,10 @@ namespace impactdic::sim::fit {
 // E_v = |v_model - v_measured| / v_measured of the normal velocity after (section 3.3.1). A node
 // whose ball does not leave within ten measured contacts has E_v = 1. Stiffness zero is no spring
 // at all: its column is computed at a thousandth of the first step.
-ErrorSurface error_surface(const shot::Track& track, const shot::Shot& shot,
-                           const contact::ImpactJob& laws, const FitGrid& grid);
+ErrorSurface error_surface(const MeasuredTrack& track, const MeasuredShot& shot,
+                           const ImpactJob& laws, const FitGrid& grid);
 
-ShotFit fit_grid(const shot::Track& track, const shot::Shot& shot, const FitJob& job,
+ShotFit fit_grid(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job,
                  ErrorSurface& surface);
 
 }  // namespace impactdic::sim::fit

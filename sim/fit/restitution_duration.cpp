@@ -16,19 +16,18 @@ struct Outcome {
   double log_restitution, log_duration;
 };
 
-Outcome outcome(contact::ImpactJob& job, double stiffness, double damping) {
+Outcome outcome(ImpactJob& job, double stiffness, double damping) {
   job.contact.stiffness = stiffness;
   job.contact.damping_n_s_per_m = damping;
-  const contact::ImpactResult impact = contact::simulate_impact(job);
+  const ImpactResult impact = contact::simulate_impact(job);
   return {std::log(std::max(impact.restitution, 1e-12)), std::log(impact.contact_s)};
 }
 
 // A start: the linear pair, and for Hertz the linear spring's force at the same deepest point.
-contact::SpringDamperParameters start(const contact::ImpactJob& job, double restitution,
-                                      double duration_s) {
+contact::SpringDamperParameters start(const ImpactJob& job, double restitution, double duration_s) {
   contact::SpringDamperParameters pair =
       contact::linear_parameters(job.body.mass_kg, restitution, duration_s);
-  if (job.normal == contact::NormalModel::kHertzDamper) {
+  if (job.normal == NormalModel::kHertzDamper) {
     const double speed = std::abs(job.initial.vn_m_s);
     const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
     pair.stiffness /= std::sqrt(depth);
@@ -38,15 +37,14 @@ contact::SpringDamperParameters start(const contact::ImpactJob& job, double rest
 
 }  // namespace
 
-contact::SpringDamperParameters spring_and_damper(contact::ImpactJob job, double restitution,
+contact::SpringDamperParameters spring_and_damper(ImpactJob job, double restitution,
                                                   double duration_s) {
-  if (job.normal != contact::NormalModel::kLinearSpringDamper &&
-      job.normal != contact::NormalModel::kHertzDamper) {
+  if (job.normal != NormalModel::kLinearSpringDamper && job.normal != NormalModel::kHertzDamper) {
     throw InvalidArgument("restitution_duration needs a law with stiffness and damping", "normal",
                           "linear_spring_damper or hertz_damper");
   }
   // The normal motion alone decides: no friction, no spin.
-  job.friction = contact::FrictionModel::kNone;
+  job.friction = FrictionModel::kNone;
   contact::SpringDamperParameters pair = start(job, restitution, duration_s);
   const double target_e = std::log(restitution), target_t = std::log(duration_s);
   // Newton in (ln k, b) with a Jacobian by differences; damping never below zero.
@@ -78,17 +76,17 @@ contact::SpringDamperParameters spring_and_damper(contact::ImpactJob job, double
                         "restitution_duration");
 }
 
-ContactTiming timing_from_crossing(const contact::ImpactJob& job, double restitution,
+ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
                                    double crossing_above_lowest_m, double start_s) {
-  contact::ImpactJob trial = job;
-  trial.friction = contact::FrictionModel::kNone;
+  ImpactJob trial = job;
+  trial.friction = FrictionModel::kNone;
   const double gravity = job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg);
   double duration = start_s;
   for (int i = 0; i < 50; ++i) {
     const contact::SpringDamperParameters pair = spring_and_damper(trial, restitution, duration);
     trial.contact.stiffness = pair.stiffness;
     trial.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
-    const contact::ImpactResult impact = contact::simulate_impact(trial);
+    const ImpactResult impact = contact::simulate_impact(trial);
     // Both flights with the fall taken out are straight lines.
     const double end = impact.contact_s;
     const double in = job.initial.vn_m_s, out = impact.final.vn_m_s + gravity * end;

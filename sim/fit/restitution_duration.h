@@ -1,15 +1,16 @@
 // Stiffness and damping from the restitution and the duration of an impact.
 #pragma once
 
+#include <impactdic/impact_model.h>
+
 #include "sim/contact/closed_form.h"
-#include "sim/contact/model.h"
 
 namespace impactdic::sim::fit {
 
 // For the law, surface, gravity and initial motion of `job` (its stiffness and damping are
 // ignored): the pair whose simulated impact has this restitution and duration, to 1e-10. Throws
 // InvalidArgument where the law has no stiffness and damping, or no pair gives these figures.
-contact::SpringDamperParameters spring_and_damper(contact::ImpactJob job, double restitution,
+contact::SpringDamperParameters spring_and_damper(ImpactJob job, double restitution,
                                                   double duration_s);
 
 struct ContactTiming {
@@ -21,7 +22,7 @@ struct ContactTiming {
 // and separation: the height, above the lowest point of the path, where the two flights carried on
 // would cross (negative: below it). At a given restitution that height grows with the duration, by
 // the shape of the law of `job`. `start_s` is a first guess. Throws as spring_and_damper.
-ContactTiming timing_from_crossing(const contact::ImpactJob& job, double restitution,
+ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
                                    double crossing_above_lowest_m, double start_s);
 
 }  // namespace impactdic::sim::fit

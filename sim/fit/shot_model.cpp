@@ -38,8 +38,8 @@ double upper_bound(FitParameter p) {
 
 }  // namespace
 
-ShotModel::ShotModel(const shot::Track& track, const shot::Shot& shot,
-                     const contact::ImpactJob& laws, const std::vector<FitParameter>& parameters,
+ShotModel::ShotModel(const MeasuredTrack& track, const MeasuredShot& shot, const ImpactJob& laws,
+                     const std::vector<FitParameter>& parameters,
                      const std::vector<FitParameter>& unknowns)
     : laws_(laws), shot_(shot), interval_s_(track.interval_s) {
   has_spin_ = !std::isnan(shot.before.omega_rad_s.value);
@@ -50,7 +50,7 @@ ShotModel::ShotModel(const shot::Track& track, const shot::Shot& shot,
   }
 }
 
-void ShotModel::build_rows(const shot::Track& track, const shot::Shot& shot) {
+void ShotModel::build_rows(const MeasuredTrack& track, const MeasuredShot& shot) {
   const std::size_t first = shot.before.first, last = shot.after.last;
   const auto sd_or = [](double sd, double otherwise, double least) {
     return std::max(std::isnan(sd) ? otherwise : sd, least);
@@ -80,7 +80,7 @@ void ShotModel::build_rows(const shot::Track& track, const shot::Shot& shot) {
   residuals_ = rows_.size();
 }
 
-void ShotModel::add_unknowns(const shot::Shot& shot, const std::vector<FitParameter>& parameters,
+void ShotModel::add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,
                              const std::vector<FitParameter>& unknowns) {
   const double speed = std::abs(shot.before.vn_m_s.value);
   for (FitParameter p : parameters) {
@@ -126,15 +126,15 @@ double ShotModel::value_or(FitParameter parameter, const double* values, double 
   return otherwise;
 }
 
-contact::ImpactJob ShotModel::impact_of(const double* values) const {
-  contact::ImpactJob laws = laws_;
+ImpactJob ShotModel::impact_of(const double* values) const {
+  ImpactJob laws = laws_;
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     const Unknown& u = unknowns_[i];
     if (u.kind == Unknown::Kind::kParameter && is_law(u.parameter)) {
       set_law_parameter(laws, u.parameter, values[i]);
     }
   }
-  contact::ImpactJob job = job_of_shot(laws, shot_);
+  ImpactJob job = job_of_shot(laws, shot_);
   job.surface_angle_deg = value_or(FitParameter::kSurfaceAngle, values, shot_.surface_angle_deg);
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     switch (unknowns_[i].kind) {
@@ -155,11 +155,11 @@ contact::ImpactJob ShotModel::impact_of(const double* values) const {
 }
 
 bool ShotModel::predict(const double* values, Prediction& p) const {
-  const contact::ImpactJob job = impact_of(values);
+  const ImpactJob job = impact_of(values);
   const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
   std::vector<double> times(time_s_);
   for (double& time : times) time -= start;
-  contact::ImpactResult impact;
+  ImpactResult impact;
   try {
     impact = contact::simulate_impact(job, {0, times});
   } catch (const Error&) {
@@ -175,7 +175,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
   const double c = std::cos(angle), s = std::sin(angle);
   for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy}) v->resize(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const contact::PlaneState& state = impact.trajectory[i].state;
+    const PlaneState& state = impact.trajectory[i].state;
     p.x[i] = x + c * state.qt_m - s * state.qn_m;
     p.y[i] = y + s * state.qt_m + c * state.qn_m;
     p.vx[i] = c * state.vt_m_s - s * state.vn_m_s;

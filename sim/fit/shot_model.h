@@ -34,7 +34,7 @@ using DeviationFactors = std::array<double, kMeasurementKinds>;
 class ShotModel {
  public:
   // Compares from the first frame of the flight before to the last of the flight after.
-  ShotModel(const shot::Track& track, const shot::Shot& shot, const contact::ImpactJob& laws,
+  ShotModel(const MeasuredTrack& track, const MeasuredShot& shot, const ImpactJob& laws,
             const std::vector<FitParameter>& parameters, const std::vector<FitParameter>& unknowns);
 
   // Parameters first, then unknowns, then the motion at the touch.
@@ -46,7 +46,7 @@ class ShotModel {
   bool evaluate(const double* values, double* residual, double* jacobian) const;
   // Root mean square distance of path and model, per coordinate, m.
   double path_rms_m(const double* values) const;
-  contact::ImpactJob impact_of(const double* values) const;
+  ImpactJob impact_of(const double* values) const;
   // The series that residual `row` belongs to; the rows of a series ascend in time.
   MeasurementSeries series_of(std::size_t row) const;
   // Weighs the measurements by their stated deviations times these factors. Where residuals in
@@ -66,13 +66,13 @@ class ShotModel {
   };
   bool predict(const double* values, Prediction& prediction) const;
   double value_or(FitParameter parameter, const double* values, double otherwise) const;
-  void build_rows(const shot::Track& track, const shot::Shot& shot);
-  void add_unknowns(const shot::Shot& shot, const std::vector<FitParameter>& parameters,
+  void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
+  void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,
                     const std::vector<FitParameter>& unknowns);
   double predicted(const Row& row, const Prediction& p) const;
 
-  contact::ImpactJob laws_;
-  shot::Shot shot_;
+  ImpactJob laws_;
+  MeasuredShot shot_;
   double interval_s_ = 0;
   bool has_spin_ = false;
   std::vector<double> time_s_;

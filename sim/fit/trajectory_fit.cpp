@@ -97,8 +97,8 @@ std::vector<double> start_values(const ShotModel& model) {
 }
 
 // The laws at the start: stiffness and damping from (e, T), friction from the impulses.
-contact::ImpactJob laws_at_start(const shot::Shot& shot, const FitJob& job) {
-  contact::ImpactJob laws = job.impact;
+ImpactJob laws_at_start(const MeasuredShot& shot, const FitRequest& job) {
+  ImpactJob laws = job.impact;
   const auto fits = [&](FitParameter p) {
     return std::find(job.parameters.begin(), job.parameters.end(), p) != job.parameters.end();
   };
@@ -189,7 +189,7 @@ double profile_end(const ShotModel& model, const Solution& best, std::size_t ind
 }
 
 ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::size_t index,
-                           double sd, double inflation, const FitJob& job) {
+                           double sd, double inflation, const FitRequest& job) {
   const Unknown& unknown = model.unknowns()[index];
   ParameterEstimate p;
   p.parameter = unknown.parameter;
@@ -247,8 +247,9 @@ Weighed solve_and_weigh(ShotModel& model) {
 
 }  // namespace
 
-ShotFit fit_trajectory(const shot::Track& track, const shot::Shot& shot, const FitJob& job) {
-  const contact::ImpactJob laws = laws_at_start(shot, job);
+ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
+                       const FitRequest& job) {
+  const ImpactJob laws = laws_at_start(shot, job);
   ShotModel model(track, shot, laws, job.parameters, job.unknowns);
   const auto [best, factors, stated_chi_square] = solve_and_weigh(model);
   if (!std::isfinite(best.chi_square)) {

@@ -9,6 +9,6 @@ namespace impactdic::sim::fit {
 // the covariance of the solution (times the reduced chi square where that exceeds one), and for
 // weakly determined parameters the profile likelihood. Throws InvalidArgument where the model has
 // no impact at the start values.
-ShotFit fit_trajectory(const shot::Track& track, const shot::Shot& shot, const FitJob& job);
+ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job);
 
 }  // namespace impactdic::sim::fit

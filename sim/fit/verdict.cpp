@@ -9,14 +9,14 @@
 namespace impactdic::sim::fit {
 namespace {
 
-bool slides_throughout(const contact::ImpactResult& impact) {
-  return std::none_of(impact.phases.begin(), impact.phases.end(), [](const contact::Phase& phase) {
+bool slides_throughout(const ImpactResult& impact) {
+  return std::none_of(impact.phases.begin(), impact.phases.end(), [](const ContactPhase& phase) {
     const std::string name = phase.name;
     return name == "sticking" || name == "rolling" || name == "partial_slip";
   });
 }
 
-std::string friction_words(const contact::ImpactJob& job, const contact::ImpactResult& impact) {
+std::string friction_words(const ImpactJob& job, const ImpactResult& impact) {
   const double tip = std::abs(impact.tip_vt_start_m_s);
   if (tip < 0.02 * std::abs(job.initial.vn_m_s)) {
     return "the ball arrives without tangential motion, so friction has nothing to act on; an "
@@ -31,8 +31,7 @@ std::string friction_words(const contact::ImpactJob& job, const contact::ImpactR
          "flight on both sides, or a track with rotation, would determine it";
 }
 
-std::string words(FitParameter parameter, const contact::ImpactJob& job,
-                  const contact::ImpactResult& impact) {
+std::string words(FitParameter parameter, const ImpactJob& job, const ImpactResult& impact) {
   switch (parameter) {
     case FitParameter::kStiffness:
       return "the motion during contact does not show it; more frames within the contact (a higher "
@@ -65,8 +64,8 @@ std::string words(FitParameter parameter, const contact::ImpactJob& job,
 
 }  // namespace
 
-void add_verdicts(ShotFit& fit, const contact::ImpactJob& solution) {
-  const contact::ImpactResult impact = contact::simulate_impact(solution);
+void add_verdicts(ShotFit& fit, const ImpactJob& solution) {
+  const ImpactResult impact = contact::simulate_impact(solution);
   for (ParameterEstimate& p : fit.parameters) {
     p.verdict = p.determined ? "determined by the data" : words(p.parameter, solution, impact);
   }

@@ -6,6 +6,6 @@
 namespace impactdic::sim::fit {
 
 // Fills the verdict of every parameter of `fit`, from the simulated impact of the solution.
-void add_verdicts(ShotFit& fit, const contact::ImpactJob& solution);
+void add_verdicts(ShotFit& fit, const ImpactJob& solution);
 
 }  // namespace impactdic::sim::fit

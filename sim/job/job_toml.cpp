@@ -10,13 +10,11 @@ namespace impactdic::sim::job {
 
 namespace {
 
-bool has_spring_damper(const contact::ImpactJob& job) {
-  return job.normal == contact::NormalModel::kLinearSpringDamper ||
-         job.normal == contact::NormalModel::kHertzDamper;
+bool has_spring_damper(const ImpactJob& job) {
+  return job.normal == NormalModel::kLinearSpringDamper || job.normal == NormalModel::kHertzDamper;
 }
-const char* stiffness_key(const contact::ImpactJob& job) {
-  return job.normal == contact::NormalModel::kHertzDamper ? "stiffness_n_per_m1p5"
-                                                          : "stiffness_n_per_m";
+const char* stiffness_key(const ImpactJob& job) {
+  return job.normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
 }
 
 // One of our enumerations, its error placed in the file.
@@ -36,43 +34,42 @@ double needed(StrictTable& table, const char* key, bool partial) {
   return partial ? table.number(key, 0) : table.number(key);
 }
 
-contact::Contact read_contact(StrictTable& table, const contact::ImpactJob& job, bool partial) {
-  contact::Contact contact;
+ContactParameters read_contact(StrictTable& table, const ImpactJob& job, bool partial) {
+  ContactParameters contact;
   if (has_spring_damper(job)) {
     contact.stiffness = needed(table, stiffness_key(job), partial);
     contact.damping_n_s_per_m = table.number("damping_n_s_per_m", 0);
     contact.restitution_damping =
-        choose(table, "restitution_damping", "none", contact::parse_restitution_damping);
-    const std::string takes =
-        std::string(contact::name_of(job.normal)) + " takes " + stiffness_key(job);
+        choose(table, "restitution_damping", "none", parse_restitution_damping);
+    const std::string takes = std::string(name_of(job.normal)) + " takes " + stiffness_key(job);
     table.hint("stiffness_n_per_m", takes);
     table.hint("stiffness_n_per_m1p5", takes);
   } else {
     contact.reduced_modulus_pa = needed(table, "reduced_modulus_pa", partial);
     contact.yield_strength_pa = needed(table, "yield_strength_pa", partial);
     contact.poisson = needed(table, "poisson", partial);
-    contact.residual = choose(table, "residual", "jackson", contact::parse_residual_law);
+    contact.residual = choose(table, "residual", "jackson", parse_residual_law);
   }
-  if (job.friction != contact::FrictionModel::kNone) {
+  if (job.friction != FrictionModel::kNone) {
     contact.friction_kinetic = needed(table, "friction_kinetic", partial);
   }
-  if (job.friction == contact::FrictionModel::kThreePhase) {
+  if (job.friction == FrictionModel::kThreePhase) {
     contact.friction_static = needed(table, "friction_static", partial);
   } else {
     table.hint("friction_static", "only three_phase has a static friction");
   }
-  if (job.friction == contact::FrictionModel::kMawBarberFawcett) {
+  if (job.friction == FrictionModel::kMawBarberFawcett) {
     contact.poisson = needed(table, "poisson", partial);
   }
   return contact;
 }
 
 // A Kelvin-Voigt contact: stiffness and damping as they stand, or from what they give.
-contact::Contact read_kelvin_voigt(StrictTable& table, const contact::ImpactJob& job) {
-  contact::Contact contact;
-  const bool published = job.preset == contact::Preset::kPublished;
-  contact.restitution_damping = published ? contact::RestitutionDamping::kToZeroDeflection
-                                          : contact::RestitutionDamping::kToZeroForce;
+ContactParameters read_kelvin_voigt(StrictTable& table, const ImpactJob& job) {
+  ContactParameters contact;
+  const bool published = job.preset == ModelPreset::kPublished;
+  contact.restitution_damping =
+      published ? RestitutionDamping::kToZeroDeflection : RestitutionDamping::kToZeroForce;
   if (table.has("restitution")) {
     const double restitution = table.number("restitution"), duration = table.number("contact_s");
     if (!(restitution > 0 && restitution <= 1)) {
@@ -88,10 +85,10 @@ contact::Contact read_kelvin_voigt(StrictTable& table, const contact::ImpactJob&
     contact.stiffness = table.number("stiffness_n_per_m");
     contact.damping_n_s_per_m = table.number("damping_n_s_per_m");
   }
-  if (job.friction != contact::FrictionModel::kNone) {
+  if (job.friction != FrictionModel::kNone) {
     contact.friction_kinetic = table.number("friction_kinetic");
   }
-  if (job.friction == contact::FrictionModel::kThreePhase) {
+  if (job.friction == FrictionModel::kThreePhase) {
     contact.friction_static = table.number("friction_static");
   }
   return contact;
@@ -111,18 +108,17 @@ std::string model_of_job(const std::filesystem::path& file) {
                         "other laws are chosen by normal and friction");
 }
 
-contact::Preset read_preset(StrictTable& root, contact::Preset fallback) {
-  return choose(root, "preset", std::string(contact::name_of(fallback)), contact::parse_preset);
+ModelPreset read_preset(StrictTable& root, ModelPreset fallback) {
+  return choose(root, "preset", std::string(name_of(fallback)), parse_preset);
 }
 
-contact::Body read_body(StrictTable& table, bool partial) {
-  contact::Body body;
+ImpactBody read_body(StrictTable& table, bool partial) {
+  ImpactBody body;
   const bool inertia_given = table.has("inertia_kg_m2");
-  body.shape =
-      choose(table, "shape", inertia_given ? "other" : "solid_sphere", contact::parse_shape);
+  body.shape = choose(table, "shape", inertia_given ? "other" : "solid_sphere", parse_shape);
   body.mass_kg = needed(table, "mass_kg", partial);
   body.diameter_m = needed(table, "diameter_m", partial);
-  if (body.shape == contact::Shape::kRod) body.length_m = needed(table, "length_m", partial);
+  if (body.shape == BodyShape::kRod) body.length_m = needed(table, "length_m", partial);
   body.inertia_kg_m2 = table.number("inertia_kg_m2", 0);
   if (inertia_given && !(body.inertia_kg_m2 > 0)) {
     throw InvalidArgument("must be positive", table.place("inertia_kg_m2"));
@@ -130,17 +126,17 @@ contact::Body read_body(StrictTable& table, bool partial) {
   return body;
 }
 
-contact::ImpactJob read_impact_tables(StrictTable& root, bool partial) {
-  contact::ImpactJob job;
+ImpactJob read_impact_tables(StrictTable& root, bool partial) {
+  ImpactJob job;
   const bool kelvin_voigt = root.text("model", "") == "kelvin_voigt";
   if (kelvin_voigt && root.has("normal")) {
     throw InvalidArgument("the model names the normal law already", root.place("normal"));
   }
   if (!kelvin_voigt) {
-    job.normal = choose(root, "normal", "linear_spring_damper", contact::parse_normal_model);
+    job.normal = choose(root, "normal", "linear_spring_damper", parse_normal_model);
   }
-  job.friction = choose(root, "friction", "coulomb", contact::parse_friction_model);
-  job.preset = read_preset(root, contact::Preset::kSound);
+  job.friction = choose(root, "friction", "coulomb", parse_friction_model);
+  job.preset = read_preset(root, ModelPreset::kSound);
   job.body = read_body(root.table("body"), partial);
   StrictTable& contact = root.table("contact");
   job.contact =
@@ -151,7 +147,7 @@ contact::ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   job.initial.vn_m_s = needed(initial, "vn_m_s", partial);
   job.initial.omega_rad_s = initial.number("omega_rad_s", 0);
   job.initial.gap_m = initial.number("gap_m", 0);
-  if (job.body.shape == contact::Shape::kRod)
+  if (job.body.shape == BodyShape::kRod)
     job.initial.angle_deg = needed(initial, "angle_deg", partial);
   job.gravity_m_s2 = root.table("environment").number("gravity_m_s2", 9.81);
   StrictTable& solver = root.table("solver");
@@ -161,9 +157,9 @@ contact::ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   return job;
 }
 
-SimulateJob read_simulate_job(const std::filesystem::path& file) {
+SimulateRequest read_simulate_job(const std::filesystem::path& file) {
   StrictTable root(file);
-  SimulateJob job;
+  SimulateRequest job;
   const std::string model = root.text("model", "");
   if (!model.empty() && model != "kelvin_voigt") {
     throw InvalidArgument("'" + model + "' has no integrated path of a ball", root.place("model"),
@@ -175,22 +171,17 @@ SimulateJob read_simulate_job(const std::filesystem::path& file) {
   job.impact = read_impact_tables(root, false);
   StrictTable& output = root.table("output");
   job.rate_hz = output.number("rate_hz", 0);
-  if (job.rate_hz < 0) throw InvalidArgument("must not be negative", output.place("rate_hz"));
   root.finish();
-  try {
-    job.impact.validate();
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
-  }
+  validate_in_file(job, root);
   return job;
 }
 
-std::string to_toml(const SimulateJob& job) {
-  const contact::ImpactJob& impact = job.impact;
+std::string to_toml(const SimulateRequest& job) {
+  const ImpactJob& impact = job.impact;
   TomlText text;
-  text.name("normal", contact::name_of(impact.normal));
-  text.name("friction", contact::name_of(impact.friction));
-  text.name("preset", contact::name_of(impact.preset));
+  text.name("normal", name_of(impact.normal));
+  text.name("friction", name_of(impact.friction));
+  text.name("preset", name_of(impact.preset));
   text.body(impact.body);
   write_contact(text, impact);
   text.table("surface");
@@ -200,7 +191,7 @@ std::string to_toml(const SimulateJob& job) {
   text.number("vn_m_s", impact.initial.vn_m_s);
   text.number("omega_rad_s", impact.initial.omega_rad_s);
   text.number("gap_m", impact.initial.gap_m);
-  if (impact.body.shape == contact::Shape::kRod) text.number("angle_deg", impact.initial.angle_deg);
+  if (impact.body.shape == BodyShape::kRod) text.number("angle_deg", impact.initial.angle_deg);
   text.table("environment");
   text.number("gravity_m_s2", impact.gravity_m_s2);
   text.table("solver");
@@ -211,27 +202,27 @@ std::string to_toml(const SimulateJob& job) {
   return text.str();
 }
 
-void write_contact(TomlText& text, const contact::ImpactJob& job) {
-  const contact::Contact& contact = job.contact;
+void write_contact(TomlText& text, const ImpactJob& job) {
+  const ContactParameters& contact = job.contact;
   text.table("contact");
   if (has_spring_damper(job)) {
     text.number(stiffness_key(job), contact.stiffness);
     text.number("damping_n_s_per_m", contact.damping_n_s_per_m);
-    text.name("restitution_damping", contact::name_of(contact.restitution_damping));
+    text.name("restitution_damping", name_of(contact.restitution_damping));
   } else {
     text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
     text.number("yield_strength_pa", contact.yield_strength_pa);
-    text.name("residual", contact::name_of(contact.residual));
+    text.name("residual", name_of(contact.residual));
   }
   // Beyond those of the job's own friction: what other models of a comparison need.
-  if (!has_spring_damper(job) || job.friction == contact::FrictionModel::kMawBarberFawcett ||
+  if (!has_spring_damper(job) || job.friction == FrictionModel::kMawBarberFawcett ||
       contact.poisson != 0) {
     text.number("poisson", contact.poisson);
   }
-  if (job.friction != contact::FrictionModel::kNone || contact.friction_kinetic != 0) {
+  if (job.friction != FrictionModel::kNone || contact.friction_kinetic != 0) {
     text.number("friction_kinetic", contact.friction_kinetic);
   }
-  if (job.friction == contact::FrictionModel::kThreePhase || contact.friction_static != 0) {
+  if (job.friction == FrictionModel::kThreePhase || contact.friction_static != 0) {
     text.number("friction_static", contact.friction_static);
   }
 }

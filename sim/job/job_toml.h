@@ -1,10 +1,10 @@
 // Impact jobs in TOML files. Every key carries its unit; an unknown key is an error.
 #pragma once
 
+#include <impactdic/simulate.h>
+
 #include <filesystem>
 #include <string>
-
-#include "sim/contact/model.h"
 
 namespace impactdic::sim::job {
 
@@ -16,26 +16,20 @@ class TomlText;
 // FormatError, or InvalidArgument for another name.
 std::string model_of_job(const std::filesystem::path& file);
 
-// A `simulate` job file: the impact and what to write of it.
-struct SimulateJob {
-  contact::ImpactJob impact;
-  double rate_hz = 0;  // rows of trajectory.csv per second; 0: 200 rows over the first contact
-};
-
 // Of laws that are integrated; `model = "kelvin_voigt"` (a spring and a damper that acts to the
 // end, given by stiffness and damping or by restitution and contact_s) is one. Throws FileError,
 // FormatError, or InvalidArgument naming file and key.
-SimulateJob read_simulate_job(const std::filesystem::path& file);
+SimulateRequest read_simulate_job(const std::filesystem::path& file);
 // The job with every default spelled out; reads back to the same job.
-std::string to_toml(const SimulateJob& job);
+std::string to_toml(const SimulateRequest& job);
 
 // For other kinds of job that contain an impact: the keys normal, friction, preset and the tables
 // body, contact, surface, initial, environment, solver of `root`, each optional where `partial`
 // (a fit finds them itself). Neither validated nor finished.
-contact::ImpactJob read_impact_tables(StrictTable& root, bool partial);
-contact::Body read_body(StrictTable& table, bool partial);
-contact::Preset read_preset(StrictTable& root, contact::Preset fallback);
+ImpactJob read_impact_tables(StrictTable& root, bool partial);
+ImpactBody read_body(StrictTable& table, bool partial);
+ModelPreset read_preset(StrictTable& root, ModelPreset fallback);
 // The table [contact].
-void write_contact(TomlText& text, const contact::ImpactJob& job);
+void write_contact(TomlText& text, const ImpactJob& job);
 
 }  // namespace impactdic::sim::job

@@ -16,24 +16,24 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-bool needs_restitution(const contact::ReboundJob& job) {
-  return job.model != contact::ReboundModel::kGarwin || job.preset == contact::Preset::kSound;
+bool needs_restitution(const ReboundJob& job) {
+  return job.model != ReboundModel::kGarwin || job.preset == ModelPreset::kSound;
 }
-bool needs_tangential(const contact::ReboundJob& job) {
-  return job.model == contact::ReboundModel::kCross || job.model == contact::ReboundModel::kWalton;
+bool needs_tangential(const ReboundJob& job) {
+  return job.model == ReboundModel::kCross || job.model == ReboundModel::kWalton;
 }
-bool needs_friction(const contact::ReboundJob& job) {
-  return job.preset == contact::Preset::kSound || job.model == contact::ReboundModel::kWalton ||
-         job.model == contact::ReboundModel::kStronge;
+bool needs_friction(const ReboundJob& job) {
+  return job.preset == ModelPreset::kSound || job.model == ReboundModel::kWalton ||
+         job.model == ReboundModel::kStronge;
 }
 
 }  // namespace
 
-contact::ReboundJob read_rebound_job(const std::filesystem::path& file) {
+ReboundJob read_rebound_job(const std::filesystem::path& file) {
   StrictTable root(file);
-  contact::ReboundJob job;
-  job.model = contact::parse_rebound_model(root.text("model"));
-  job.preset = read_preset(root, contact::Preset::kSound);
+  ReboundJob job;
+  job.model = parse_rebound_model(root.text("model"));
+  job.preset = read_preset(root, ModelPreset::kSound);
   job.body = read_body(root.table("body"), false);
   StrictTable& contact = root.table("contact");
   if (needs_restitution(job)) job.restitution = contact.number("restitution");
@@ -44,20 +44,16 @@ contact::ReboundJob read_rebound_job(const std::filesystem::path& file) {
   job.initial.vt_m_s = initial.number("vt_m_s", 0);
   job.initial.vn_m_s = initial.number("vn_m_s");
   job.initial.omega_rad_s = initial.number("omega_rad_s", 0);
-  if (job.body.shape == contact::Shape::kRod) job.initial.angle_deg = initial.number("angle_deg");
+  if (job.body.shape == BodyShape::kRod) job.initial.angle_deg = initial.number("angle_deg");
   root.finish();
-  try {
-    job.validate();
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
-  }
+  validate_in_file(job, root);
   return job;
 }
 
-std::string to_toml(const contact::ReboundJob& job) {
+std::string to_toml(const ReboundJob& job) {
   TomlText text;
-  text.name("model", contact::name_of(job.model));
-  text.name("preset", contact::name_of(job.preset));
+  text.name("model", name_of(job.model));
+  text.name("preset", name_of(job.preset));
   text.body(job.body);
   text.table("contact");
   if (needs_restitution(job)) text.number("restitution", job.restitution);
@@ -69,41 +65,39 @@ std::string to_toml(const contact::ReboundJob& job) {
   text.number("vt_m_s", job.initial.vt_m_s);
   text.number("vn_m_s", job.initial.vn_m_s);
   text.number("omega_rad_s", job.initial.omega_rad_s);
-  if (job.body.shape == contact::Shape::kRod) text.number("angle_deg", job.initial.angle_deg);
+  if (job.body.shape == BodyShape::kRod) text.number("angle_deg", job.initial.angle_deg);
   return text.str();
 }
 
-void write_rebound_trajectory(const std::filesystem::path& file,
-                              const contact::ReboundResult& result) {
+void write_rebound_trajectory(const std::filesystem::path& file, const ReboundResult& result) {
   std::string text =
       "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n\n";
-  for (const contact::ImpactVelocities& v : {result.before, result.after}) {
+  for (const ImpactVelocities& v : {result.before, result.after}) {
     text += "0,0,0,0," + shortest(v.vt_m_s) + "," + shortest(v.vn_m_s) + "," +
             shortest(v.omega_rad_s) + ",,\n";
   }
   write_text(file, text);
 }
 
-std::string rebound_summary_json(const contact::ReboundJob& job,
-                                 const contact::ReboundResult& result) {
-  const auto state = [](const contact::ImpactVelocities& v) {
+std::string rebound_summary_json(const ReboundJob& job, const ReboundResult& result) {
+  const auto state = [](const ImpactVelocities& v) {
     return Json{{"vt_m_s", v.vt_m_s}, {"vn_m_s", v.vn_m_s}, {"omega_rad_s", v.omega_rad_s}};
   };
-  const auto plane = [](const contact::ImpactVelocities& v) {
-    contact::PlaneState s;
+  const auto plane = [](const ImpactVelocities& v) {
+    PlaneState s;
     s.vt_m_s = v.vt_m_s, s.vn_m_s = v.vn_m_s, s.omega_rad_s = v.omega_rad_s;
     return s;
   };
   Json friction = nullptr;
-  if (job.body.shape != contact::Shape::kRod) {
+  if (job.body.shape != BodyShape::kRod) {
     // Without a duration gravity has no impulse: both forms are one.
-    const contact::EffectiveFriction f =
+    const EffectiveFriction f =
         contact::effective_friction(job.body, plane(result.before), plane(result.after), 0, 0, 0);
     friction = {{"published", f.published}, {"sound", f.sound}, {"rolling_cap", f.rolling_cap}};
   }
   const Json summary = {
-      {"model", contact::name_of(job.model)},
-      {"preset", contact::name_of(job.preset)},
+      {"model", name_of(job.model)},
+      {"preset", name_of(job.preset)},
       {"restitution", result.restitution},
       {"contact_s", nullptr},
       {"t_max_compression_s", nullptr},

@@ -9,16 +9,14 @@
 namespace impactdic::sim::job {
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
-contact::ReboundJob read_rebound_job(const std::filesystem::path& file);
+ReboundJob read_rebound_job(const std::filesystem::path& file);
 // With every default spelled out; reads back to the same job.
-std::string to_toml(const contact::ReboundJob& job);
+std::string to_toml(const ReboundJob& job);
 
 // Two rows, before and after, both at time 0: the columns of the other models' trajectories, empty
 // where a formula says nothing. Throws FileError.
-void write_rebound_trajectory(const std::filesystem::path& file,
-                              const contact::ReboundResult& result);
+void write_rebound_trajectory(const std::filesystem::path& file, const ReboundResult& result);
 // The keys of the other models' summaries; null where a formula says nothing.
-std::string rebound_summary_json(const contact::ReboundJob& job,
-                                 const contact::ReboundResult& result);
+std::string rebound_summary_json(const ReboundJob& job, const ReboundResult& result);
 
 }  // namespace impactdic::sim::job

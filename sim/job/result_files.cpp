@@ -13,12 +13,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json state_json(const contact::PlaneState& state) {
+Json state_json(const PlaneState& state) {
   return {{"qt_m", state.qt_m},     {"qn_m", state.qn_m},     {"angle_rad", state.angle_rad},
           {"vt_m_s", state.vt_m_s}, {"vn_m_s", state.vn_m_s}, {"omega_rad_s", state.omega_rad_s}};
 }
 
-Json energy_json(const contact::EnergyLedger& energy) {
+Json energy_json(const EnergyLedger& energy) {
   return {{"kinetic_start_j", energy.kinetic_start_j},
           {"gravity_j", energy.gravity_j},
           {"kinetic_j", energy.kinetic_j},
@@ -30,15 +30,15 @@ Json energy_json(const contact::EnergyLedger& energy) {
           {"residual_j", energy.residual_j}};
 }
 
-Json phases_json(const std::vector<contact::Phase>& phases) {
+Json phases_json(const std::vector<ContactPhase>& phases) {
   constexpr const char* kKinds[] = {"flight", "normal", "tangential"};
   Json list = Json::array();
-  for (const contact::Phase& phase : phases) {
+  for (const ContactPhase& phase : phases) {
     Json entry = {{"name", phase.name},
                   {"kind", kKinds[static_cast<int>(phase.kind)]},
                   {"start_s", phase.start_s},
                   {"end_s", phase.end_s}};
-    if (phase.kind == contact::PhaseKind::kTangential) entry["slip_j"] = phase.slip_j;
+    if (phase.kind == ContactPhaseKind::kTangential) entry["slip_j"] = phase.slip_j;
     list.push_back(entry);
   }
   return list;
@@ -47,14 +47,14 @@ Json phases_json(const std::vector<contact::Phase>& phases) {
 }  // namespace
 
 void write_trajectory_csv(const std::filesystem::path& file,
-                          const std::vector<contact::TrajectoryPoint>& trajectory) {
+                          const std::vector<TrajectoryPoint>& trajectory) {
   std::string text =
       "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,"
       "deflection_m,tip_vt_m_s,gravity_j,kinetic_j,normal_elastic_j,damping_j,"
       "tangential_elastic_j,slip_j,plastic_j,residual_j\n";
-  for (const contact::TrajectoryPoint& point : trajectory) {
-    const contact::PlaneState& state = point.state;
-    const contact::EnergyLedger& energy = point.energy;
+  for (const TrajectoryPoint& point : trajectory) {
+    const PlaneState& state = point.state;
+    const EnergyLedger& energy = point.energy;
     const double values[] = {point.time_s,
                              state.qt_m,
                              state.qn_m,
@@ -85,14 +85,14 @@ void write_trajectory_csv(const std::filesystem::path& file,
   write_text(file, text);
 }
 
-std::string summary_json(const contact::ImpactJob& job, const contact::ImpactResult& result) {
-  const contact::EffectiveFriction friction =
+std::string summary_json(const ImpactJob& job, const ImpactResult& result) {
+  const EffectiveFriction friction =
       contact::effective_friction(job.body, result.start, result.final, result.contact_s,
                                   job.gravity_m_s2, job.surface_angle_deg);
   const Json summary = {
-      {"normal", contact::name_of(job.normal)},
-      {"friction", contact::name_of(job.friction)},
-      {"preset", contact::name_of(job.preset)},
+      {"normal", name_of(job.normal)},
+      {"friction", name_of(job.friction)},
+      {"preset", name_of(job.preset)},
       {"separated", result.separated},
       {"restitution", result.restitution},
       {"contact_start_s", result.contact_start_s},

@@ -13,11 +13,11 @@ namespace impactdic::sim::job {
 // time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,
 // deflection_m,tip_vt_m_s and the energies of EnergyLedger, joules. Throws FileError.
 void write_trajectory_csv(const std::filesystem::path& file,
-                          const std::vector<contact::TrajectoryPoint>& trajectory);
+                          const std::vector<TrajectoryPoint>& trajectory);
 
 // The result as JSON text: restitution, contact_s, t_max_compression_s, max_deflection_m,
 // max_force_n, final, phases, energy, warnings and more. What does not exist is null.
-std::string summary_json(const contact::ImpactJob& job, const contact::ImpactResult& result);
+std::string summary_json(const ImpactJob& job, const ImpactResult& result);
 
 // Throws FileError.
 void write_text(const std::filesystem::path& file, const std::string& text);

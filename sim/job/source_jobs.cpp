@@ -6,12 +6,12 @@
 
 namespace impactdic::sim::job {
 
-contact::ImpactJob racket_job() {
-  contact::ImpactJob job;
-  job.preset = contact::Preset::kPublished;
-  job.normal = contact::NormalModel::kLinearSpringDamper;
-  job.friction = contact::FrictionModel::kCoulomb;
-  job.body = {contact::Shape::kHollowSphere, 0.0567, 0.067};
+ImpactJob racket_job() {
+  ImpactJob job;
+  job.preset = ModelPreset::kPublished;
+  job.normal = NormalModel::kLinearSpringDamper;
+  job.friction = FrictionModel::kCoulomb;
+  job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
   job.contact.stiffness = 13385;
   job.contact.damping_n_s_per_m = 5.36;
   job.contact.friction_kinetic = 0.0335;
@@ -21,12 +21,12 @@ contact::ImpactJob racket_job() {
   return job;
 }
 
-contact::ImpactJob wood_published_job() {
-  contact::ImpactJob job;
-  job.preset = contact::Preset::kPublished;
-  job.normal = contact::NormalModel::kHertzDamper;
-  job.friction = contact::FrictionModel::kThreePhase;
-  job.body = {contact::Shape::kSolidSphere, 0.14566, 0.06325};
+ImpactJob wood_published_job() {
+  ImpactJob job;
+  job.preset = ModelPreset::kPublished;
+  job.normal = NormalModel::kHertzDamper;
+  job.friction = FrictionModel::kThreePhase;
+  job.body = {BodyShape::kSolidSphere, 0.14566, 0.06325};
   job.contact.stiffness = 875000;
   job.contact.damping_n_s_per_m = 9.5;
   job.contact.friction_kinetic = 0.54;
@@ -37,10 +37,10 @@ contact::ImpactJob wood_published_job() {
   return job;
 }
 
-contact::ImpactJob wood_sound_job() {
-  contact::ImpactJob job = wood_published_job();
-  job.preset = contact::Preset::kSound;
-  job.friction = contact::FrictionModel::kMawBarberFawcett;
+ImpactJob wood_sound_job() {
+  ImpactJob job = wood_published_job();
+  job.preset = ModelPreset::kSound;
+  job.friction = FrictionModel::kMawBarberFawcett;
   job.contact.damping_n_s_per_m = 18;
   job.contact.friction_static = 0;
   job.contact.poisson = 0.49;

@@ -1,6 +1,7 @@
 // TOML tables of which every key must be known. Include it in .cpp files only: toml++ is heavy.
 #pragma once
 
+#include <impactdic/error.h>
 #include <toml++/toml.h>
 
 #include <filesystem>
@@ -50,5 +51,15 @@ class StrictTable {
   std::vector<std::pair<std::string, std::string>> hints_;
   std::vector<std::pair<std::string, std::unique_ptr<StrictTable>>> children_;
 };
+
+// Validates what a file says; its errors name the file beside the key. Throws InvalidArgument.
+template <typename Request>
+void validate_in_file(const Request& request, const StrictTable& root) {
+  try {
+    request.validate();
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
+  }
+}
 
 }  // namespace impactdic::sim::job

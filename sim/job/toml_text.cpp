@@ -1,7 +1,8 @@
 #include "sim/job/toml_text.h"
 
+#include <impactdic/impact_model.h>
+
 #include "host/base/parse.h"
-#include "sim/contact/model.h"
 
 namespace impactdic::sim::job {
 namespace {
@@ -39,12 +40,12 @@ void TomlText::names(std::string_view key, const std::vector<std::string>& value
   text_ += std::string(key) + " = [" + list + "]\n";
 }
 
-void TomlText::body(const contact::Body& body) {
+void TomlText::body(const ImpactBody& body) {
   table("body");
-  name("shape", contact::name_of(body.shape));
+  name("shape", name_of(body.shape));
   number("mass_kg", body.mass_kg);
   number("diameter_m", body.diameter_m);
-  if (body.shape == contact::Shape::kRod) number("length_m", body.length_m);
+  if (body.shape == BodyShape::kRod) number("length_m", body.length_m);
   if (body.inertia_kg_m2 != 0) number("inertia_kg_m2", body.inertia_kg_m2);
 }
 

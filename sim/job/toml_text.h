@@ -1,11 +1,11 @@
 // Writing a job as TOML text.
 #pragma once
 
+#include <impactdic/impact_model.h>
+
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "sim/contact/body.h"
 
 namespace impactdic::sim::job {
 
@@ -18,7 +18,7 @@ class TomlText {
   void integer(std::string_view key, long value);
   void names(std::string_view key, const std::vector<std::string>& values);
   // The table [body].
-  void body(const contact::Body& body);
+  void body(const ImpactBody& body);
 
   const std::string& str() const { return text_; }
 

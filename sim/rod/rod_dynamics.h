@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/contact/law/normal_elastoplastic.h"
 #include "sim/rod/rod_impact.h"
 
 namespace impactdic::sim::rod {

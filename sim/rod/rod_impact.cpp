@@ -3,34 +3,20 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
-#include <boost/numeric/odeint.hpp>
+#include <array>
 #include <cmath>
-#include <cstdint>
-#include <functional>
 #include <limits>
 
+#include "sim/contact/event_integrator.h"
 #include "sim/rod/rod_dynamics.h"
 
 namespace impactdic::sim::rod {
 namespace {
 
-namespace odeint = boost::numeric::odeint;
-using rod::Contact;
-using rod::Dynamics;
-using rod::Friction;
-using rod::Memory;
-using rod::State;
-
 constexpr double kStepsPerShortestPeriod = 20;
-constexpr int kMostEvents = 100000;
 // Below it a state counts as zero for the tolerance: deflections of the modes are some 1e-6 to 1e-4
 // m sqrt(kg), the compression as much in m.
 constexpr double kScale = 1e-6;
-
-void require(bool good, const char* key, const char* hint) {
-  if (!good) throw InvalidArgument("impossible value", key, hint);
-}
 
 const char* name(Friction friction) {
   switch (friction) {
@@ -44,27 +30,40 @@ const char* name(Friction friction) {
   return "";
 }
 
-// Integrates one blow; every member is the state of that integration.
+// One blow as the integrator sees it: phases of the contact and of the friction.
 class Blow {
  public:
+  using State = rod::State;
+
   explicit Blow(const RodJob& job)
       : job_(job), dynamics_(job), state_(dynamics_.start()), begin_(state_) {}
 
   RodImpact run();
 
+  enum Guard { kContactEnds, kReload, kFrictionEnds, kMostGuards };
+  void rates(const State& x, State& rate) const { dynamics_.rates(x, rate, memory_); }
+  int guards(const State& x, std::array<double, kMostGuards>& values) const;
+  void switch_mode(int guard, double time_s, const State& x);
+  bool finished() const { return over(); }
+  template <typename StateWithin>
+  void accepted(const contact::EventInstant<State>& next, double, const StateWithin&) {
+    state_ = next.x;
+    time_ = next.time_s;
+  }
+  double next_point_s() const;
+  void take_point(double time_s, const State& x);
+  // Stiffness jumps where a phase begins: from there on the step grows again.
+  double restart_step_s(double) const { return first_step(); }
+
  private:
-  using Stepper = odeint::result_of::make_dense_output<odeint::runge_kutta_dopri5<State>>::type;
   double longest_step() const;
-  bool integrate_to_event();
+  double first_step() const { return std::min(1e-8, longest_step()); }
   double contact_guard(const State& state) const;
   double reload_guard(const State& state) const;
   double friction_guard(const State& state) const;
-  State single_step(double length_s) const;
-  double locate(const std::function<double(const State&)>& guard, double from, double to) const;
   void switch_contact(bool reload);
   void choose_friction(bool reversing);
   bool over() const;
-  void sample_until(const Stepper* stepper, double time);
   void set_contact(Contact contact, const std::string& phase);
   void set_friction(Friction friction);
   void finish();
@@ -74,8 +73,7 @@ class Blow {
   State state_, begin_;
   Memory memory_;
   State separation_;  // at the last separation so far
-  double time_ = 0, contact_from_ = 0, next_sample_ = 0;
-  bool friction_event_ = false, reload_event_ = false;
+  double time_ = 0, contact_from_ = 0;
   RodImpact result_;
 };
 
@@ -115,75 +113,19 @@ double Blow::friction_guard(const State& state) const {
   return forward * dynamics_.tip_vt_m_s(state);
 }
 
-// From the last accepted state: as exact as the method, which the interpolant of a step is not.
-State Blow::single_step(double length_s) const {
-  const auto system = [this](const State& x, State& dxdt, double) {
-    dynamics_.rates(x, dxdt, memory_);
-  };
-  State rate(state_.size()), next_rate(state_.size()), next(state_.size());
-  dynamics_.rates(state_, rate, memory_);
-  odeint::runge_kutta_dopri5<State> method;
-  method.do_step(system, state_, rate, time_, next, next_rate, length_s);
-  return next;
+int Blow::guards(const State& x, std::array<double, kMostGuards>& values) const {
+  values = {contact_guard(x), reload_guard(x), friction_guard(x)};
+  return kMostGuards;
 }
 
-double Blow::locate(const std::function<double(const State&)>& guard, double from,
-                    double to) const {
-  const auto value = [&](double time) { return guard(single_step(time - from)); };
-  const double first = guard(state_), last = value(to);
-  if (first <= 0) return from;
-  if (last > 0) return to;
-  std::uintmax_t iterations = 100;
-  const auto bracket = boost::math::tools::toms748_solve(
-      value, from, to, first, last, boost::math::tools::eps_tolerance<double>(52), iterations);
-  return bracket.second;
-}
-
-// Steps until a guard fires or the longest time is reached; returns whether one fired.
-bool Blow::integrate_to_event() {
-  Stepper stepper =
-      odeint::make_dense_output(kScale * job_.relative_tolerance, job_.relative_tolerance,
-                                longest_step(), odeint::runge_kutta_dopri5<State>());
-  const auto system = [this](const State& x, State& dxdt, double) {
-    dynamics_.rates(x, dxdt, memory_);
-  };
-  stepper.initialize(state_, time_, std::min(1e-8, longest_step()));
-  const auto contact = [this](const State& s) { return contact_guard(s); };
-  const auto reload = [this](const State& s) { return reload_guard(s); };
-  const auto friction = [this](const State& s) { return friction_guard(s); };
-  double contact_before = contact(state_), reload_before = reload(state_);
-  double friction_before = friction(state_);
-  while (time_ < job_.longest_s) {
-    const auto [from, to] = stepper.do_step(system);
-    const double contact_now = contact(stepper.current_state());
-    const double reload_now = reload(stepper.current_state());
-    const double friction_now = friction(stepper.current_state());
-    double event_time = std::numeric_limits<double>::infinity();
-    int which = 0;
-    // A guard that begins a phase at or below zero is disarmed until it has been above.
-    const auto offer = [&](double before, double now, const auto& guard, int id) {
-      if (!(now <= 0) || (id == 2 && before <= 0)) return;
-      const double time = before > 0 ? locate(guard, from, to) : to;
-      if (time < event_time) event_time = time, which = id;
-    };
-    offer(contact_before, contact_now, contact, 1);
-    offer(reload_before, reload_now, reload, 2);
-    offer(friction_before, friction_now, friction, 3);
-    if (which != 0) {
-      sample_until(&stepper, event_time);
-      state_ = single_step(event_time - time_);
-      time_ = event_time;
-      friction_event_ = which == 3;
-      reload_event_ = which == 2;
-      return true;
-    }
-    sample_until(&stepper, to);
-    state_ = stepper.current_state();
-    time_ = to;
-    contact_before = contact_now, reload_before = reload_now, friction_before = friction_now;
-    if (over()) return false;
+void Blow::switch_mode(int guard, double time_s, const State& x) {
+  time_ = time_s;
+  state_ = x;
+  if (guard == kFrictionEnds) {
+    choose_friction(true);
+  } else {
+    switch_contact(guard == kReload);
   }
-  return false;
 }
 
 bool Blow::over() const {
@@ -193,18 +135,17 @@ bool Blow::over() const {
          dynamics_.vibration_reach_m(state_);
 }
 
-void Blow::sample_until(const Stepper* stepper, double time) {
-  if (!(job_.sample_rate_hz > 0)) return;
-  State at = state_;
-  while (next_sample_ <= time) {
-    if (stepper != nullptr) stepper->calc_state(next_sample_, at);
-    const rod::Forces f = dynamics_.forces(at, memory_);
-    result_.trajectory.push_back({next_sample_, at[0], at[1], at[2], at[dynamics_.rate(0)],
-                                  at[dynamics_.rate(1)], at[dynamics_.rate(2)], f.normal_n,
-                                  f.tangential_n, dynamics_.compression_m(at),
-                                  dynamics_.tip_vt_m_s(at), dynamics_.tip_vn_m_s(at)});
-    next_sample_ = static_cast<double>(result_.trajectory.size()) / job_.sample_rate_hz;
-  }
+double Blow::next_point_s() const {
+  if (!(job_.sample_rate_hz > 0)) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(result_.trajectory.size()) / job_.sample_rate_hz;
+}
+
+void Blow::take_point(double time_s, const State& at) {
+  const rod::Forces f = dynamics_.forces(at, memory_);
+  result_.trajectory.push_back({time_s, at[0], at[1], at[2], at[dynamics_.rate(0)],
+                                at[dynamics_.rate(1)], at[dynamics_.rate(2)], f.normal_n,
+                                f.tangential_n, dynamics_.compression_m(at),
+                                dynamics_.tip_vt_m_s(at), dynamics_.tip_vn_m_s(at)});
 }
 
 void Blow::set_contact(Contact contact, const std::string& phase) {
@@ -317,21 +258,37 @@ void Blow::finish() {
 RodImpact Blow::run() {
   memory_.contact = Contact::kFree;
   switch_contact(false);
-  int events = 0;
-  while (integrate_to_event()) {
-    if (friction_event_) {
-      choose_friction(true);
-    } else {
-      switch_contact(reload_event_);
-    }
-    if (++events > kMostEvents) {
-      throw Error("the rod's contact changes phase without end", "rod model",
-                  "loosen relative_tolerance or take fewer modes");
-    }
-    if (over()) break;
-  }
+  contact::EventLimits limits;
+  limits.longest_s = job_.longest_s;
+  limits.longest_step_s = longest_step();
+  limits.negligible_s = 1e-16;
+  limits.most_switches = 100000;
+  limits.most_steps = std::numeric_limits<long>::max();  // longest_s is the end
+  limits.hint = "loosen relative_tolerance or take fewer modes";
+  using Checker =
+      boost::numeric::odeint::default_error_checker<double, boost::numeric::odeint::range_algebra,
+                                                    boost::numeric::odeint::default_operations>;
+  const Checker checker(kScale * job_.relative_tolerance, job_.relative_tolerance);
+  contact::EventIntegrator<Blow, Checker> integrator(*this, checker, limits, 0, state_);
+  integrator.run(first_step());
   finish();
   return std::move(result_);
+}
+
+}  // namespace
+
+RodImpact simulate_rod(const RodJob& job) {
+  job.validate();
+  return Blow(job).run();
+}
+
+}  // namespace impactdic::sim::rod
+
+namespace impactdic {
+namespace {
+
+void require(bool good, const char* key, const char* hint) {
+  if (!good) throw InvalidArgument("impossible value", key, hint);
 }
 
 }  // namespace
@@ -354,22 +311,17 @@ void RodJob::validate() const {
   require(longest_s > 0, "longest_s", "must be positive");
   require(std::isfinite(vt_m_s) && std::isfinite(vn_m_s) && std::isfinite(omega_rad_s), "initial",
           "velocities must be numbers");
-  require(Dynamics(*this).rigid_tip_vn_m_s(Dynamics(*this).start()) < 0, "initial",
-          "the tip must approach the flat: vn_m_s - omega L/2 cos(angle) < 0");
+  require(sim::rod::Dynamics(*this).rigid_tip_vn_m_s(sim::rod::Dynamics(*this).start()) < 0,
+          "initial", "the tip must approach the flat: vn_m_s - omega L/2 cos(angle) < 0");
 }
 
 RodJob rigid_rod_preset() {
   RodJob job;
   job.axial_modes = job.bending_modes = 0;
-  job.residual = contact::ResidualLaw::kJackson;
+  job.residual = ResidualLaw::kJackson;
   return job;
 }
 
 RodJob flexible_rod_preset() { return RodJob{}; }
 
-RodImpact simulate_rod(const RodJob& job) {
-  job.validate();
-  return Blow(job).run();
-}
-
-}  // namespace impactdic::sim::rod
+}  // namespace impactdic

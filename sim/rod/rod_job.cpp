@@ -15,34 +15,31 @@
 namespace impactdic::sim::rod {
 namespace {
 
-contact::PlasticLoading loading_of(job::StrictTable& root) {
+PlasticLoading loading_of(job::StrictTable& root) {
   const std::string name = root.text("normal", "jackson_green");
-  if (name == contact::name_of(contact::NormalModel::kJacksonGreen))
-    return contact::PlasticLoading::kJacksonGreen;
-  if (name == contact::name_of(contact::NormalModel::kKogutEtsion))
-    return contact::PlasticLoading::kKogutEtsion;
-  if (name == contact::name_of(contact::NormalModel::kThornton))
-    return contact::PlasticLoading::kThornton;
+  if (name == name_of(NormalModel::kJacksonGreen)) return PlasticLoading::kJacksonGreen;
+  if (name == name_of(NormalModel::kKogutEtsion)) return PlasticLoading::kKogutEtsion;
+  if (name == name_of(NormalModel::kThornton)) return PlasticLoading::kThornton;
   throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
                         "jackson_green, kogut_etsion or thornton");
 }
 
-std::string_view name_of_loading(contact::PlasticLoading loading) {
+std::string_view name_of_loading(PlasticLoading loading) {
   switch (loading) {
-    case contact::PlasticLoading::kJacksonGreen:
-      return contact::name_of(contact::NormalModel::kJacksonGreen);
-    case contact::PlasticLoading::kKogutEtsion:
-      return contact::name_of(contact::NormalModel::kKogutEtsion);
-    case contact::PlasticLoading::kThornton:
-      return contact::name_of(contact::NormalModel::kThornton);
+    case PlasticLoading::kJacksonGreen:
+      return name_of(NormalModel::kJacksonGreen);
+    case PlasticLoading::kKogutEtsion:
+      return name_of(NormalModel::kKogutEtsion);
+    case PlasticLoading::kThornton:
+      return name_of(NormalModel::kThornton);
   }
   return "";
 }
 
-contact::ResidualLaw read_residual(job::StrictTable& table, contact::ResidualLaw fallback) {
-  const std::string text = table.text("residual", std::string(contact::name_of(fallback)));
+ResidualLaw read_residual(job::StrictTable& table, ResidualLaw fallback) {
+  const std::string text = table.text("residual", std::string(name_of(fallback)));
   try {
-    return contact::parse_residual_law(text);
+    return parse_residual_law(text);
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(error.what(), table.place("residual"), error.hint());
   }
@@ -50,19 +47,18 @@ contact::ResidualLaw read_residual(job::StrictTable& table, contact::ResidualLaw
 
 }  // namespace
 
-RodJobFile read_rod_tables(job::StrictTable& root, bool flexible) {
-  RodJobFile job;
+RodModel read_rod_tables(job::StrictTable& root, bool flexible) {
+  RodModel job;
   job.flexible = flexible;
   RodJob& rod = job.rod;
   rod = flexible ? flexible_rod_preset() : rigid_rod_preset();
   // Jackson's residual is the source's; Kogut and Etsion's comes nearer to its measurements.
-  job.preset =
-      job::read_preset(root, flexible ? contact::Preset::kSound : contact::Preset::kPublished);
-  rod.residual = job.preset == contact::Preset::kPublished ? contact::ResidualLaw::kJackson
-                                                           : contact::ResidualLaw::kKogutEtsion;
+  job.preset = job::read_preset(root, flexible ? ModelPreset::kSound : ModelPreset::kPublished);
+  rod.residual =
+      job.preset == ModelPreset::kPublished ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;
   rod.loading = loading_of(root);
   job::StrictTable& body = root.table("body");
-  const std::string shape(contact::name_of(contact::Shape::kRod));
+  const std::string shape(name_of(BodyShape::kRod));
   if (body.text("shape", shape) != shape) {
     throw InvalidArgument("the model is of a rod", body.place("shape"), "rod");
   }
@@ -89,9 +85,9 @@ RodJobFile read_rod_tables(job::StrictTable& root, bool flexible) {
   return job;
 }
 
-RodJobFile read_rod_job(const std::filesystem::path& file) {
+RodModel read_rod_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
-  RodJobFile job = read_rod_tables(root, root.text("model") == "flexible_rod");
+  RodModel job = read_rod_tables(root, root.text("model") == "flexible_rod");
   RodJob& rod = job.rod;
   job::StrictTable& initial = root.table("initial");
   rod.angle_rad = initial.number("angle_deg") * kRadPerDeg;
@@ -100,19 +96,15 @@ RodJobFile read_rod_job(const std::filesystem::path& file) {
   rod.omega_rad_s = initial.number("omega_rad_s", 0);
   rod.sample_rate_hz = root.table("output").number("rate_hz", 1e6);
   root.finish();
-  try {
-    rod.validate();
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument(error.what(), root.place(error.where()), error.hint());
-  }
+  job::validate_in_file(rod, root);
   return job;
 }
 
-void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_residual) {
+void write_rod_tables(job::TomlText& text, const RodModel& job, bool with_residual) {
   const RodJob& rod = job.rod;
   text.name("normal", name_of_loading(rod.loading));
   text.table("body");
-  text.name("shape", contact::name_of(contact::Shape::kRod));
+  text.name("shape", name_of(BodyShape::kRod));
   text.number("length_m", rod.body.length_m);
   text.number("diameter_m", 2 * rod.body.radius_m);
   text.number("mass_kg", rod.body.mass_kg);
@@ -126,7 +118,7 @@ void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_resi
   text.number("reduced_modulus_pa", rod.surface.effective_modulus_pa);
   text.number("yield_strength_pa", rod.surface.yield_strength_pa);
   text.number("poisson", rod.surface.poisson);
-  if (with_residual) text.name("residual", contact::name_of(rod.residual));
+  if (with_residual) text.name("residual", name_of(rod.residual));
   text.number("friction_kinetic", rod.friction_kinetic);
   text.table("environment");
   text.number("gravity_m_s2", rod.gravity_m_s2);
@@ -135,11 +127,11 @@ void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_resi
   text.number("longest_s", rod.longest_s);
 }
 
-std::string to_toml(const RodJobFile& job) {
+std::string to_toml(const RodModel& job) {
   const RodJob& rod = job.rod;
   job::TomlText text;
   text.name("model", job.flexible ? "flexible_rod" : "rigid_rod");
-  text.name("preset", contact::name_of(job.preset));
+  text.name("preset", name_of(job.preset));
   write_rod_tables(text, job, true);
   text.table("initial");
   text.number("angle_deg", rod.angle_rad * kDegPerRad);
@@ -169,7 +161,7 @@ void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& im
   if (!out) throw FileError("cannot write the file", file.string());
 }
 
-std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
+std::string rod_summary_json(const RodModel& job, const RodImpact& impact) {
   using Json = nlohmann::ordered_json;
   const auto phases = [](const std::vector<RodPhase>& list) {
     Json json = Json::array();
@@ -185,7 +177,7 @@ std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact) {
     if (p.name == "loading" && turn_s == 0) turn_s = p.end_s;
   }
   return Json{{"model", job.flexible ? "flexible_rod" : "rigid_rod"},
-              {"preset", contact::name_of(job.preset)},
+              {"preset", name_of(job.preset)},
               {"restitution", impact.restitution},
               {"contact_s", impact.contact_s},
               {"start_to_end_s", impact.start_to_end_s},

@@ -2,42 +2,33 @@
 // "flexible_rod".
 #pragma once
 
+#include <impactdic/rod_model.h>
+
 #include <filesystem>
 #include <string>
 
-#include "sim/rod/rod_impact.h"
-
 namespace impactdic::sim::job {
 class StrictTable;
-}  // namespace impactdic::sim::job
-namespace impactdic::sim::job {
 class TomlText;
 }  // namespace impactdic::sim::job
 
 namespace impactdic::sim::rod {
 
-struct RodJobFile {
-  bool flexible = false;
-  // Chooses the residual where the job names none: kPublished Jackson's, kSound Kogut and Etsion's.
-  contact::Preset preset = contact::Preset::kPublished;
-  RodJob rod;
-};
-
 // The preset, the normal law and the tables body, contact, environment and solver of a job; neither
 // finished nor validated.
-RodJobFile read_rod_tables(job::StrictTable& root, bool flexible);
+RodModel read_rod_tables(job::StrictTable& root, bool flexible);
 // The same but for the preset.
-void write_rod_tables(job::TomlText& text, const RodJobFile& job, bool with_residual);
+void write_rod_tables(job::TomlText& text, const RodModel& job, bool with_residual);
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
-RodJobFile read_rod_job(const std::filesystem::path& file);
+RodModel read_rod_job(const std::filesystem::path& file);
 // With every default spelled out; reads back to the same job.
-std::string to_toml(const RodJobFile& job);
+std::string to_toml(const RodModel& job);
 
 // trajectory.csv: the columns of the other models' trajectories, then compression_m and the contact
 // point's velocities. Throws FileError.
 void write_rod_trajectory(const std::filesystem::path& file, const RodImpact& impact);
 // summary.json of `simulate`.
-std::string rod_summary_json(const RodJobFile& job, const RodImpact& impact);
+std::string rod_summary_json(const RodModel& job, const RodImpact& impact);
 
 }  // namespace impactdic::sim::rod

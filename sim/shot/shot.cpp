@@ -10,6 +10,7 @@
 #include "host/clip/track_row.h"
 #include "host/impact/impact_phases.h"
 #include "host/impact/impulse_figures.h"
+#include "sim/contact/impact.h"
 #include "sim/rod/free_flight.h"
 
 namespace impactdic::sim::shot {
@@ -168,12 +169,12 @@ double moved_sd(double sd, double pull, double old_sd_s, double sd_s) {
 
 }  // namespace
 
-void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
+void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2) {
   const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
   const double e = impact::restitution(in.value, out.value);
   shot.restitution = {e, std::hypot(out.sd, e * in.sd) / std::abs(in.value)};
   const auto state = [](const Flight& flight) {
-    contact::PlaneState s;
+    PlaneState s;
     s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
     return s;
@@ -191,7 +192,7 @@ void derive(Shot& shot, const contact::Body& body, double gravity_m_s2) {
 }
 
 void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s,
-                  const contact::Body& body, double gravity_m_s2) {
+                  const ImpactBody& body, double gravity_m_s2) {
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
   const double later = start_s.value - shot.contact_start_s.value;

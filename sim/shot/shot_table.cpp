@@ -28,7 +28,7 @@ std::vector<double> optional_numbers(const CsvTable& table, const std::string& c
 
 }  // namespace
 
-std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const contact::Body& body,
+std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const ImpactBody& body,
                                        double gravity_m_s2) {
   const CsvTable table = CsvTable::read(file);
   refuse_unknown(table, {"shot", "surface_angle_deg", "vt_before_m_s", "vn_before_m_s",
@@ -80,7 +80,7 @@ std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const 
   return shots;
 }
 
-std::vector<PrintedRow> read_printed(const std::filesystem::path& file) {
+std::vector<PrintedFigures> read_printed(const std::filesystem::path& file) {
   const CsvTable table = CsvTable::read(file);
   refuse_unknown(table,
                  {"shot", "model", "vt_m_s", "vn_m_s", "omega_rad_s", "restitution", "source"});
@@ -88,16 +88,16 @@ std::vector<PrintedRow> read_printed(const std::filesystem::path& file) {
   const auto vt = optional_numbers(table, "vt_m_s"), vn = optional_numbers(table, "vn_m_s");
   const auto omega = optional_numbers(table, "omega_rad_s");
   const auto restitution = optional_numbers(table, "restitution");
-  std::vector<PrintedRow> rows;
+  std::vector<PrintedFigures> rows;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     rows.push_back({shot[i], model[i], vt[i], vn[i], omega[i], restitution[i]});
   }
   return rows;
 }
 
-PrintedRow printed_for(const std::vector<PrintedRow>& rows, const std::string& shot,
-                       const std::string& model) {
-  for (const PrintedRow& row : rows) {
+PrintedFigures printed_for(const std::vector<PrintedFigures>& rows, const std::string& shot,
+                           const std::string& model) {
+  for (const PrintedFigures& row : rows) {
     if (row.shot == shot && row.model == model) return row;
   }
   return {shot, model, kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured};

@@ -2,6 +2,8 @@
 // measured elsewhere.
 #pragma once
 
+#include <impactdic/compare.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,18 +23,14 @@ struct TableShot {
   double rod_angle_deg = 0;  // NaN without the column
   double restitution = 0;    // as the table states it; NaN without
 };
-std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const contact::Body& body,
+std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const ImpactBody& body,
                                        double gravity_m_s2);
 
 // What a paper prints for a model and shot, to stand beside what is computed. Columns: shot, model,
 // and any of vt_m_s, vn_m_s, omega_rad_s, restitution, source.
-struct PrintedRow {
-  std::string shot, model;
-  double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0, restitution = 0;  // NaN: not printed
-};
-std::vector<PrintedRow> read_printed(const std::filesystem::path& file);
+std::vector<PrintedFigures> read_printed(const std::filesystem::path& file);
 // The row of that shot and model; all NaN where there is none.
-PrintedRow printed_for(const std::vector<PrintedRow>& rows, const std::string& shot,
-                       const std::string& model);
+PrintedFigures printed_for(const std::vector<PrintedFigures>& rows, const std::string& shot,
+                           const std::string& model);
 
 }  // namespace impactdic::sim::shot

@@ -83,13 +83,13 @@ std::vector<BallPose> constant_motion(const ConstantMotion& motion, int frames) 
   return poses;
 }
 
-MotionTable read_motion_csv(const std::filesystem::path& file) {
+GivenMotion read_motion_csv(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw FileError("cannot read the motion", file.string(), "is the path right?");
   std::string line;
   if (!std::getline(in, line)) throw FormatError(file.string(), 0, "the file is empty");
   const auto columns = read_header(line, file.string());
-  MotionTable table;
+  GivenMotion table;
   table.placed = columns.count("cx_px") != 0;
   BallPose sum;  // where summed columns have led
   for (int number = 2; std::getline(in, line); ++number) {

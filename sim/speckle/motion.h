@@ -1,45 +1,30 @@
 // Where the ball is in every frame: the truth of a rendered clip.
 #pragma once
 
-#include <cstdint>
+#include <impactdic/synth.h>
+
 #include <filesystem>
 #include <span>
 #include <vector>
 
 namespace impactdic::sim::speckle {
 
-// Image axes: x right, y down, pixel centres at integers. Angles are positive counter-clockwise
-// as seen on the screen.
-struct BallPose {
-  double cx_px = 0, cy_px = 0;       // the ball's centre
-  double angle_deg = 0;              // turned from the pattern's own position
-  double compression = 0;            // 0 … 0.5: the ball is shorter by this share along the axis
-  double compression_axis_deg = 90;  // direction of that axis on the screen
-};
+using impactdic::BallPose;
+using impactdic::ConstantMotion;
 
 // The ball while the shutter is open: it moves straight from `open` to `middle` to `close`.
 struct ShutterPath {
   BallPose open, middle, close;
 };
 
-struct ConstantMotion {
-  BallPose start;
-  double dx_px = 0, dy_px = 0;  // per frame
-  double rotation_deg = 0;      // per frame
-  double compression_per_frame = 0;
-};
 // Poses of `frames` frames; frame k is the start plus k steps (no sum accumulates).
 std::vector<BallPose> constant_motion(const ConstantMotion& motion, int frames);
 
-struct MotionTable {
-  std::vector<BallPose> poses;
-  bool placed = false;  // positions were given; otherwise they are relative to the first frame's
-};
 // Reads poses from CSV with a header. Columns known: cx_px and cy_px, or dx_px and dy_px (each row
 // the motion to the next one; summed); angle_deg, or rot_deg (summed likewise); compression;
 // compression_axis_deg (90 where absent). Others (frame, time_s, r_px) are ignored, so a truth.csv
 // is such a file. Throws FileError, or FormatError naming the line.
-MotionTable read_motion_csv(const std::filesystem::path& file);
+GivenMotion read_motion_csv(const std::filesystem::path& file);
 
 // Writes exactly frame,time_s,cx_px,cy_px,r_px,dx_px,dy_px,rot_deg: row k's motion is from frame k
 // to k + 1, dx and dy at the ball's centre; the last row's motion is empty. Numbers read back as

@@ -1,4 +1,7 @@
-// Camera noise that depends only on (seed, frame, row), never on the order in which threads work.
+// Camera noise that depends only on (seed, frame, row), never on the order in which threads work:
+// a counter through a mixing function. An engine of <random> would have to be seeded anew for every
+// row, and its normal distribution differs from library to library, so that a clip would not be the
+// same to the bit on every machine.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,8 @@
 
 namespace impactdic::sim::speckle {
 
-// The same numbers on every platform: the engine is fixed by the C++ standard, the rest is ours.
+// The same numbers on every platform: the C++ standard fixes the engine, but neither the
+// distributions nor the rounding of std::generate_canonical, so these are ours.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream);

@@ -11,10 +11,9 @@
 // quadrature.
 #pragma once
 
-#include <impactdic/image.h>
+#include <impactdic/synth.h>
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "sim/speckle/blur.h"
@@ -23,31 +22,8 @@
 
 namespace impactdic::sim::speckle {
 
-// A straight static bar in front of the ball, endless along its direction.
-struct OccludingBar {
-  double x_px = 0, y_px = 0;  // a point on its centre line
-  double angle_deg = 0;       // direction, counter-clockwise from image-right
-  double width_px = 0;
-  double level = 90;
-};
-
-// Camera, light and surroundings. Grey levels and noise are of 255 at every bit depth.
-struct Scene {
-  int width = 512, height = 512;  // px
-  double white = 200, ink = 40, background = 30;
-  double psf_sigma_px = 0.6;  // the lens; 0.3 or more
-  double noise_sigma = 0;     // grey levels, independent in every pixel
-  std::uint64_t noise_seed = 1;
-  // Light on the ball falls linearly from 1 at the rim facing the lamp to 1 − shading at the rim
-  // opposite. Fixed to the lamp: it follows the centre and does not turn with the ball.
-  double shading = 0;     // 0 … 1
-  double lamp_deg = 135;  // where the lamp is, counter-clockwise from image-right
-  std::optional<OccludingBar> bar;
-  int bits = 8;  // of the frames: 8 … 16
-
-  // Throws InvalidArgument.
-  void validate() const;
-};
+using impactdic::OccludingBar;
+using Scene = SynthScene;
 
 // A bar that hides the share `fraction` (0 … 1) of the disc's area of a ball at this pose: all that
 // lies beyond a chord, on the lower side, as a racket does. `angle_deg` is the chord's direction,

@@ -13,14 +13,14 @@ namespace {
 
 struct NamedJob {
   std::string name;
-  contact::ImpactJob job;
+  ImpactJob job;
 };
 
-contact::ImpactJob steel_job(contact::NormalModel normal) {
-  contact::ImpactJob job;
+ImpactJob steel_job(NormalModel normal) {
+  ImpactJob job;
   job.normal = normal;
-  job.friction = contact::FrictionModel::kCoulomb;
-  job.body = {contact::Shape::kSolidSphere, 0.1, 0.02};
+  job.friction = FrictionModel::kCoulomb;
+  job.body = {BodyShape::kSolidSphere, 0.1, 0.02};
   job.contact.reduced_modulus_pa = 109.18e9;
   job.contact.yield_strength_pa = 300e6;
   job.contact.poisson = 0.3;
@@ -33,45 +33,40 @@ contact::ImpactJob steel_job(contact::NormalModel normal) {
 // Every normal law, every friction law, both presets.
 std::vector<NamedJob> every_model() {
   std::vector<NamedJob> jobs;
-  for (const contact::RestitutionDamping damping :
-       {contact::RestitutionDamping::kNone, contact::RestitutionDamping::kToZeroForce,
-        contact::RestitutionDamping::kToZeroDeflection}) {
-    contact::ImpactJob job = job::racket_job();
+  for (const RestitutionDamping damping :
+       {RestitutionDamping::kNone, RestitutionDamping::kToZeroForce,
+        RestitutionDamping::kToZeroDeflection}) {
+    ImpactJob job = job::racket_job();
     job.contact.restitution_damping = damping;
-    jobs.push_back({"linear_spring_damper, " + std::string(contact::name_of(damping)), job});
+    jobs.push_back({"linear_spring_damper, " + std::string(name_of(damping)), job});
   }
-  for (const contact::RestitutionDamping damping :
-       {contact::RestitutionDamping::kToZeroForce,
-        contact::RestitutionDamping::kToZeroDeflection}) {
-    contact::ImpactJob job = job::wood_sound_job();
+  for (const RestitutionDamping damping :
+       {RestitutionDamping::kToZeroForce, RestitutionDamping::kToZeroDeflection}) {
+    ImpactJob job = job::wood_sound_job();
     job.contact.restitution_damping = damping;
-    jobs.push_back({"maw_barber_fawcett, " + std::string(contact::name_of(damping)), job});
-    job.friction = contact::FrictionModel::kCoulomb;
+    jobs.push_back({"maw_barber_fawcett, " + std::string(name_of(damping)), job});
+    job.friction = FrictionModel::kCoulomb;
     job.contact.poisson = 0;
-    jobs.push_back({"hertz_damper, " + std::string(contact::name_of(damping)), job});
+    jobs.push_back({"hertz_damper, " + std::string(name_of(damping)), job});
   }
-  for (const contact::Preset preset : {contact::Preset::kPublished, contact::Preset::kSound}) {
-    for (const contact::FrictionModel friction :
-         {contact::FrictionModel::kNone, contact::FrictionModel::kCoulomb,
-          contact::FrictionModel::kThreePhase, contact::FrictionModel::kFullSliding,
-          contact::FrictionModel::kBrody}) {
-      contact::ImpactJob job = job::wood_published_job();
+  for (const ModelPreset preset : {ModelPreset::kPublished, ModelPreset::kSound}) {
+    for (const FrictionModel friction :
+         {FrictionModel::kNone, FrictionModel::kCoulomb, FrictionModel::kThreePhase,
+          FrictionModel::kFullSliding, FrictionModel::kBrody}) {
+      ImpactJob job = job::wood_published_job();
       job.preset = preset;
       job.friction = friction;
-      jobs.push_back(
-          {std::string(contact::name_of(friction)) + ", " + std::string(contact::name_of(preset)),
-           job});
+      jobs.push_back({std::string(name_of(friction)) + ", " + std::string(name_of(preset)), job});
     }
   }
   jobs.push_back({"maw_barber_fawcett", job::wood_sound_job()});
-  for (const contact::NormalModel normal :
-       {contact::NormalModel::kJacksonGreen, contact::NormalModel::kKogutEtsion,
-        contact::NormalModel::kThornton}) {
-    jobs.push_back({std::string(contact::name_of(normal)), steel_job(normal)});
-    contact::ImpactJob other = steel_job(normal);
-    other.contact.residual = contact::ResidualLaw::kKogutEtsion;
-    if (normal == contact::NormalModel::kThornton) continue;  // it has a residual of its own
-    jobs.push_back({std::string(contact::name_of(normal)) + ", residual kogut_etsion", other});
+  for (const NormalModel normal :
+       {NormalModel::kJacksonGreen, NormalModel::kKogutEtsion, NormalModel::kThornton}) {
+    jobs.push_back({std::string(name_of(normal)), steel_job(normal)});
+    ImpactJob other = steel_job(normal);
+    other.contact.residual = ResidualLaw::kKogutEtsion;
+    if (normal == NormalModel::kThornton) continue;  // it has a residual of its own
+    jobs.push_back({std::string(name_of(normal)) + ", residual kogut_etsion", other});
   }
   return jobs;
 }
@@ -80,7 +75,7 @@ void add_energy(std::vector<VerifyCase>& cases) {
   for (const NamedJob& named : every_model()) {
     cases.push_back({"energy", named.name + ": residual / initial kinetic energy", "conservation",
                      0, 1e-9, [job = named.job] {
-                       const contact::EnergyLedger energy = contact::simulate_impact(job).energy;
+                       const EnergyLedger energy = contact::simulate_impact(job).energy;
                        return energy.residual_j / energy.kinetic_start_j;
                      }});
   }
@@ -88,14 +83,14 @@ void add_energy(std::vector<VerifyCase>& cases) {
 
 void add_momentum(std::vector<VerifyCase>& cases) {
   for (const NamedJob& named : every_model()) {
-    contact::ImpactJob job = named.job;
+    ImpactJob job = named.job;
     job.gravity_m_s2 = 0;
     job.initial.omega_rad_s = 5;
     // Both forces go through the contact point.
     cases.push_back({"angular momentum about the contact", named.name + ", relative change",
                      "conservation", 0, 1e-9, [job] {
-                       const contact::ImpactResult r = contact::simulate_impact(job);
-                       const auto momentum = [&](const contact::PlaneState& s) {
+                       const ImpactResult r = contact::simulate_impact(job);
+                       const auto momentum = [&](const PlaneState& s) {
                          return job.body.inertia() * s.omega_rad_s -
                                 job.body.mass_kg * job.body.radius_m() * s.vt_m_s;
                        };
@@ -106,18 +101,18 @@ void add_momentum(std::vector<VerifyCase>& cases) {
 
 void add_limits(std::vector<VerifyCase>& cases) {
   const std::string group = "limits";
-  contact::ImpactJob job = job::wood_sound_job();
+  ImpactJob job = job::wood_sound_job();
   job.gravity_m_s2 = 0;
-  contact::ImpactJob elastic = job;
+  ImpactJob elastic = job;
   elastic.contact.damping_n_s_per_m = 0;
   cases.push_back({group, "no damping: restitution", "elastic", 1, 1e-9,
                    [elastic] { return contact::simulate_impact(elastic).restitution; }});
-  contact::ImpactJob smooth = job;
-  smooth.friction = contact::FrictionModel::kNone;
+  ImpactJob smooth = job;
+  smooth.friction = FrictionModel::kNone;
   cases.push_back({group, "no friction: tangential velocity kept, m/s", "frictionless",
                    smooth.initial.vt_m_s, 1e-13,
                    [smooth] { return contact::simulate_impact(smooth).final.vt_m_s; }});
-  contact::ImpactJob slippery = job;
+  ImpactJob slippery = job;
   slippery.contact.friction_kinetic = 1e-9;
   cases.push_back({group, "maw_barber_fawcett, friction to 0: as no friction, m/s", "frictionless",
                    job.initial.vt_m_s, 1e-8,
@@ -126,7 +121,7 @@ void add_limits(std::vector<VerifyCase>& cases) {
   // longer depends on it.
   cases.push_back({group, "maw_barber_fawcett, full grip: friction no longer matters, m/s", "grip",
                    0, 2e-3, [elastic] {
-                     contact::ImpactJob grip = elastic;
+                     ImpactJob grip = elastic;
                      const auto tip = [&grip](double friction) {
                        grip.contact.friction_kinetic = friction;
                        return contact::simulate_impact(grip).tip_vt_final_m_s;
@@ -134,25 +129,25 @@ void add_limits(std::vector<VerifyCase>& cases) {
                      return tip(30) - tip(100);
                    }});
   // Sliding throughout, friction stops nothing: the impulse formula holds for any normal law.
-  contact::ImpactJob sliding = job;
-  sliding.friction = contact::FrictionModel::kCoulomb;
+  ImpactJob sliding = job;
+  sliding.friction = FrictionModel::kCoulomb;
   sliding.contact.friction_kinetic = 0.02;
   cases.push_back(
       {group, "coulomb sliding: as Walton's formula, m/s", "Walton 1993", 0, 1e-9, [sliding] {
-         const contact::ImpactResult r = contact::simulate_impact(sliding);
-         const contact::ImpactVelocities exact = contact::walton_rebound(
+         const ImpactResult r = contact::simulate_impact(sliding);
+         const ImpactVelocities exact = contact::walton_rebound(
              sliding.body, {sliding.initial.vt_m_s, sliding.initial.vn_m_s, 0}, r.restitution,
              sliding.contact.friction_kinetic, 0);
          return r.final.vt_m_s - exact.vt_m_s;
        }});
-  contact::ImpactJob rolling = sliding;
+  ImpactJob rolling = sliding;
   rolling.contact.friction_kinetic = 0.54;
   cases.push_back({group, "coulomb rolling: contact point at rest, m/s", "Brody 1984", 0, 1e-9,
                    [rolling] { return contact::simulate_impact(rolling).tip_vt_final_m_s; }});
-  contact::ImpactJob racket = job::racket_job();
+  ImpactJob racket = job::racket_job();
   cases.push_back({group, "effective friction with gravity's impulse", "momentum",
                    racket.contact.friction_kinetic, 1e-10, [racket] {
-                     const contact::ImpactResult r = contact::simulate_impact(racket);
+                     const ImpactResult r = contact::simulate_impact(racket);
                      return contact::effective_friction(racket.body, r.start, r.final, r.contact_s,
                                                         racket.gravity_m_s2,
                                                         racket.surface_angle_deg)
@@ -160,14 +155,14 @@ void add_limits(std::vector<VerifyCase>& cases) {
                    }});
 }
 
-contact::ImpactResult at_tolerance(contact::ImpactJob job, double tolerance) {
+ImpactResult at_tolerance(ImpactJob job, double tolerance) {
   job.solver.relative_tolerance = tolerance;
   return contact::simulate_impact(job);
 }
 
 // The largest difference of a phase's limit from a run at 1e-13, s.
-double switch_error_s(const contact::ImpactJob& job, double tolerance) {
-  const contact::ImpactResult run = at_tolerance(job, tolerance), exact = at_tolerance(job, 1e-13);
+double switch_error_s(const ImpactJob& job, double tolerance) {
+  const ImpactResult run = at_tolerance(job, tolerance), exact = at_tolerance(job, 1e-13);
   if (run.phases.size() != exact.phases.size()) return std::nan("");
   double largest = 0;
   for (std::size_t i = 0; i < run.phases.size(); ++i) {
@@ -179,20 +174,20 @@ double switch_error_s(const contact::ImpactJob& job, double tolerance) {
 
 void add_convergence(std::vector<VerifyCase>& cases) {
   for (const NamedJob& named : every_model()) {
-    const contact::ImpactJob job = named.job;
+    const ImpactJob job = named.job;
     cases.push_back({"switch times", named.name + ": error at rtol 1e-10, s", "rtol 1e-13", 0,
                      1e-12, [job] { return switch_error_s(job, 1e-10); }});
   }
   cases.push_back({"convergence", "order of the method, linear spring-damper",
                    "Dormand & Prince 1980", 5, 0.6, [] {
-                     contact::ImpactJob job = job::racket_job();
+                     ImpactJob job = job::racket_job();
                      job.gravity_m_s2 = 0;
                      const double exact =
                          contact::linear_impact(job.body.mass_kg, job.contact.stiffness,
                                                 job.contact.damping_n_s_per_m, -job.initial.vn_m_s)
                              .restitution;
-                     const contact::ImpactResult coarse = at_tolerance(job, 1e-8);
-                     const contact::ImpactResult fine = at_tolerance(job, 1e-11);
+                     const ImpactResult coarse = at_tolerance(job, 1e-8);
+                     const ImpactResult fine = at_tolerance(job, 1e-11);
                      return std::log(std::abs(coarse.restitution - exact) /
                                      std::abs(fine.restitution - exact)) /
                             std::log(static_cast<double>(fine.steps) / coarse.steps);

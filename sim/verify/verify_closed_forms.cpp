@@ -16,41 +16,45 @@ namespace {
 constexpr double kIntegrated = 1e-9;  // relative accuracy asked of an integration
 constexpr double kRounding = 1e-12;
 
-contact::ImpactJob weightless(contact::ImpactJob job) {
+ImpactJob weightless(ImpactJob job) {
   job.gravity_m_s2 = 0;
   return job;
 }
 
 void add_linear(std::vector<VerifyCase>& cases) {
   const std::string group = "linear spring-damper, no gravity";
-  const contact::ImpactJob job = weightless(job::racket_job());
+  const ImpactJob job = weightless(job::racket_job());
   const double speed = -job.initial.vn_m_s;
   const contact::LinearImpact exact = contact::linear_impact(
       job.body.mass_kg, job.contact.stiffness, job.contact.damping_n_s_per_m, speed);
-  const auto row = [&](const char* name, double expected,
-                       double (*figure)(const contact::ImpactResult&)) {
+  const auto row = [&](const char* name, double expected, double (*figure)(const ImpactResult&)) {
     cases.push_back({group, name, "closed form", expected, kIntegrated * std::abs(expected),
                      [job, figure] { return figure(contact::simulate_impact(job)); }});
   };
-  row("restitution", exact.restitution,
-      [](const contact::ImpactResult& r) { return r.restitution; });
-  row("contact duration, s", exact.contact_s,
-      [](const contact::ImpactResult& r) { return r.contact_s; });
+  row("restitution", exact.restitution, [](const ImpactResult& r) { return r.restitution; });
+  row("contact duration, s", exact.contact_s, [](const ImpactResult& r) { return r.contact_s; });
   row("time of maximum compression, s", exact.t_max_compression_s,
-      [](const contact::ImpactResult& r) { return r.t_max_compression_s; });
+      [](const ImpactResult& r) { return r.t_max_compression_s; });
   row("maximum deflection, m", exact.max_deflection_m,
-      [](const contact::ImpactResult& r) { return r.max_deflection_m; });
+      [](const ImpactResult& r) { return r.max_deflection_m; });
   const double zeta =
       job.contact.damping_n_s_per_m / (2 * std::sqrt(job.contact.stiffness * job.body.mass_kg));
-  for (const contact::RestitutionDamping damping :
-       {contact::RestitutionDamping::kToZeroForce,
-        contact::RestitutionDamping::kToZeroDeflection}) {
-    contact::ImpactJob damped = job;
+  for (const RestitutionDamping damping :
+       {RestitutionDamping::kToZeroForce, RestitutionDamping::kToZeroDeflection}) {
+    ImpactJob damped = job;
     damped.contact.restitution_damping = damping;
-    cases.push_back({group, "restitution, damped " + std::string(contact::name_of(damping)),
-                     "closed form", contact::damped_restitution(zeta, damping), kIntegrated,
+    cases.push_back({group, "restitution, damped " + std::string(name_of(damping)), "closed form",
+                     contact::damped_restitution(zeta, damping), kIntegrated,
                      [damped] { return contact::simulate_impact(damped).restitution; }});
   }
+}
+
+// Stiffness and damping back from the restitution and the duration that they give.
+void add_linear_inverse(std::vector<VerifyCase>& cases) {
+  const std::string group = "linear spring-damper, no gravity";
+  const ImpactJob job = weightless(job::racket_job());
+  const contact::LinearImpact exact = contact::linear_impact(
+      job.body.mass_kg, job.contact.stiffness, job.contact.damping_n_s_per_m, -job.initial.vn_m_s);
   const auto inverse = [job, exact] {
     return contact::linear_parameters(job.body.mass_kg, exact.restitution, exact.contact_s);
   };
@@ -67,21 +71,21 @@ void add_linear(std::vector<VerifyCase>& cases) {
       {group, "Kelvin-Voigt damping, N s/m", "Dignall & Haake 2000", 5.3601, 5e-4, [] {
          return contact::kelvin_voigt_parameters(0.0567, 0.73559, 6.4967e-3).damping_n_s_per_m;
        }});
-  contact::ImpactJob force_free = job;
-  force_free.contact.restitution_damping = contact::RestitutionDamping::kToZeroForce;
+  ImpactJob force_free = job;
+  force_free.contact.restitution_damping = RestitutionDamping::kToZeroForce;
   cases.push_back({group, "stiffness from (e, T) damped to zero force, N/m", "closed form",
                    job.contact.stiffness, 1e-7 * job.contact.stiffness, [force_free] {
-                     const contact::ImpactResult r = contact::simulate_impact(force_free);
+                     const ImpactResult r = contact::simulate_impact(force_free);
                      return contact::force_free_parameters(force_free.body.mass_kg, r.restitution,
                                                            r.contact_s)
                          .stiffness;
                    }});
-  contact::ImpactJob kelvin_voigt = job;
-  kelvin_voigt.contact.restitution_damping = contact::RestitutionDamping::kToZeroDeflection;
+  ImpactJob kelvin_voigt = job;
+  kelvin_voigt.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
   cases.push_back({group, "Kelvin-Voigt stiffness from its own integration, N/m",
                    "Dignall & Haake 2000", job.contact.stiffness, 1e-7 * job.contact.stiffness,
                    [kelvin_voigt] {
-                     const contact::ImpactResult r = contact::simulate_impact(kelvin_voigt);
+                     const ImpactResult r = contact::simulate_impact(kelvin_voigt);
                      return contact::kelvin_voigt_parameters(kelvin_voigt.body.mass_kg,
                                                              r.restitution, r.contact_s)
                          .stiffness;
@@ -90,8 +94,8 @@ void add_linear(std::vector<VerifyCase>& cases) {
 
 void add_hertz(std::vector<VerifyCase>& cases) {
   const std::string group = "Hertz, no gravity";
-  contact::ImpactJob job = weightless(job::wood_published_job());
-  job.friction = contact::FrictionModel::kNone;
+  ImpactJob job = weightless(job::wood_published_job());
+  job.friction = FrictionModel::kNone;
   const double mass = job.body.mass_kg, stiffness = job.contact.stiffness;
   const double speed = -job.initial.vn_m_s;
   const double scale = std::pow(mass, 0.6) * std::pow(stiffness, 0.4) * std::pow(speed, 0.2);
@@ -100,7 +104,7 @@ void add_hertz(std::vector<VerifyCase>& cases) {
   };
   for (const Row& row :
        {Row{0.05, 0.95673}, Row{0.1, 0.91616}, Row{0.2, 0.84232}, Row{0.3, 0.77704}}) {
-    contact::ImpactJob damped = job;
+    ImpactJob damped = job;
     damped.contact.damping_n_s_per_m = row.damping * scale;
     cases.push_back({group, "restitution at b/(m^.6 k^.4 v^.2) = " + std::to_string(row.damping),
                      "dimensional analysis", row.restitution, 5e-6,
@@ -131,20 +135,20 @@ void add_hertz(std::vector<VerifyCase>& cases) {
                    }});
   cases.push_back(
       {group, "stiffness from (e, T), N/m^1.5", "inverse", stiffness, 1e-7 * stiffness, [=] {
-         contact::ImpactJob damped = job;
+         ImpactJob damped = job;
          damped.contact.damping_n_s_per_m = 9.5;
-         const contact::ImpactResult r = contact::simulate_impact(damped);
+         const ImpactResult r = contact::simulate_impact(damped);
          return contact::hertz_parameters(mass, speed, r.restitution, r.contact_s,
-                                          contact::RestitutionDamping::kNone)
+                                          RestitutionDamping::kNone)
              .stiffness;
        }});
 }
 
 void add_rebounds(std::vector<VerifyCase>& cases) {
   const std::string group = "rebound formulas";
-  const contact::Body solid{contact::Shape::kSolidSphere, 0.1, 0.05},
-      shell{contact::Shape::kHollowSphere, 0.1, 0.05};
-  const contact::ImpactVelocities before{1, -2, 0};
+  const ImpactBody solid{BodyShape::kSolidSphere, 0.1, 0.05},
+      shell{BodyShape::kHollowSphere, 0.1, 0.05};
+  const ImpactVelocities before{1, -2, 0};
   const auto row = [&](const char* name, const char* source, double expected,
                        std::function<double()> compute) {
     cases.push_back({group, name, source, expected, kRounding, std::move(compute)});
@@ -177,7 +181,7 @@ void add_rebounds(std::vector<VerifyCase>& cases) {
 
 // The rebound psi of the integration for an elastic solid sphere, nu 0.3.
 double integrated_psi(double psi) {
-  contact::ImpactJob job = weightless(job::wood_sound_job());
+  ImpactJob job = weightless(job::wood_sound_job());
   job.contact.damping_n_s_per_m = 0;
   job.contact.poisson = 0.3;
   const double friction = job.contact.friction_kinetic;
@@ -209,6 +213,7 @@ void add_partial_slip(std::vector<VerifyCase>& cases) {
 std::vector<VerifyCase> closed_form_cases() {
   std::vector<VerifyCase> cases;
   add_linear(cases);
+  add_linear_inverse(cases);
   add_hertz(cases);
   add_rebounds(cases);
   add_partial_slip(cases);

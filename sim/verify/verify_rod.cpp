@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/law/normal_elastoplastic.h"
+#include "sim/rod/rod_impact.h"
 #include "sim/rod/rod_motion.h"
 
 namespace impactdic::sim::verify {
@@ -12,31 +14,29 @@ namespace {
 
 constexpr double kHalfLastDigit = 0.5;
 
-rod::RodJob struck(rod::RodJob job, double angle_deg) {
+RodJob struck(RodJob job, double angle_deg) {
   job.angle_rad = angle_deg * kRadPerDeg;
   job.vn_m_s = -2.487;
   return job;
 }
 
 void add_contact_cases(std::vector<VerifyCase>& cases) {
-  const auto law = [](contact::PlasticLoading loading) {
-    return contact::ElasticPlasticLaw(rod::RodJob{}.surface, loading,
-                                      contact::ResidualLaw::kKogutEtsion);
+  const auto law = [](PlasticLoading loading) {
+    return contact::ElasticPlasticLaw(RodJob{}.surface, loading, ResidualLaw::kKogutEtsion);
   };
   const std::string group = "elastic-plastic contact";
-  cases.push_back(
-      {group, "critical compression, m", "Jackson & Green 2005", 4.213e-7, kHalfLastDigit * 1e-10,
-       [=] { return law(contact::PlasticLoading::kJacksonGreen).critical_compression_m(); }});
+  cases.push_back({group, "critical compression, m", "Jackson & Green 2005", 4.213e-7,
+                   kHalfLastDigit * 1e-10,
+                   [=] { return law(PlasticLoading::kJacksonGreen).critical_compression_m(); }});
   cases.push_back({group, "critical force, N", "Jackson & Green 2005", 3.7344,
                    kHalfLastDigit * 1e-4,
-                   [=] { return law(contact::PlasticLoading::kJacksonGreen).critical_force_n(); }});
+                   [=] { return law(PlasticLoading::kJacksonGreen).critical_force_n(); }});
   cases.push_back({group, "Thornton's restitution at twice the yield speed", "Thornton 1997",
                    0.930626, kHalfLastDigit * 1e-6,
                    [] { return contact::thornton_restitution(0.5); }});
   cases.push_back({group, "the same from the law's two energies", "energy",
                    contact::thornton_restitution(0.5), 1e-10, [=] {
-                     const contact::ElasticPlasticLaw thornton =
-                         law(contact::PlasticLoading::kThornton);
+                     const contact::ElasticPlasticLaw thornton = law(PlasticLoading::kThornton);
                      const double mass = 0.5784;
                      const double yield_energy =
                          0.4 * thornton.critical_force_n() * thornton.critical_compression_m();
@@ -44,12 +44,12 @@ void add_contact_cases(std::vector<VerifyCase>& cases) {
                    }});
   cases.push_back(
       {group, "Johnson's restitution, ratio at 16 times the speed", "Johnson 1985", 0.5, 1e-12, [] {
-         const contact::ElasticPlasticSurface surface = rod::RodJob{}.surface;
+         const ElasticPlasticSurface surface = RodJob{}.surface;
          return contact::johnson_restitution(surface, 1, 16) /
                 contact::johnson_restitution(surface, 1, 1);
        }});
   const auto jump = [=](double x) {
-    const contact::ElasticPlasticLaw kogut = law(contact::PlasticLoading::kKogutEtsion);
+    const contact::ElasticPlasticLaw kogut = law(PlasticLoading::kKogutEtsion);
     const double w = x * kogut.critical_compression_m();
     return kogut.loading_force_n(w * (1 + 1e-10)) / kogut.loading_force_n(w * (1 - 1e-10)) - 1;
   };
@@ -60,16 +60,16 @@ void add_contact_cases(std::vector<VerifyCase>& cases) {
 }
 
 // The largest difference of a phase's limit from a run at 1e-13, s; NaN where the phases differ.
-double switch_error_s(rod::RodJob job, double tolerance) {
+double switch_error_s(RodJob job, double tolerance) {
   job.relative_tolerance = tolerance;
-  const rod::RodImpact run = rod::simulate_rod(job);
+  const RodImpact run = rod::simulate_rod(job);
   job.relative_tolerance = 1e-13;
-  const rod::RodImpact exact = rod::simulate_rod(job);
+  const RodImpact exact = rod::simulate_rod(job);
   double largest = 0;
-  for (const auto phases : {&rod::RodImpact::normal_phases, &rod::RodImpact::friction_phases}) {
+  for (const auto phases : {&RodImpact::normal_phases, &RodImpact::friction_phases}) {
     if ((run.*phases).size() != (exact.*phases).size()) return kNotMeasured;
     for (std::size_t i = 0; i < (run.*phases).size(); ++i) {
-      const rod::RodPhase &a = (run.*phases)[i], &b = (exact.*phases)[i];
+      const RodPhase &a = (run.*phases)[i], &b = (exact.*phases)[i];
       largest = std::max({largest, std::abs(a.start_s - b.start_s), std::abs(a.end_s - b.end_s)});
     }
   }
@@ -85,8 +85,8 @@ void add_rod_cases(std::vector<VerifyCase>& cases) {
        {Row{false, 17, .290, -15.9}, Row{false, 45, .270, -16.5}, Row{false, 70, .242, -10.6},
         Row{true, 17, .647, -20.3}, Row{true, 45, .597, -20.8}, Row{true, 70, .142, -9.8}}) {
     const auto impact = [row] {
-      return rod::simulate_rod(struck(
-          row.flexible ? rod::flexible_rod_preset() : rod::rigid_rod_preset(), row.angle_deg));
+      return rod::simulate_rod(
+          struck(row.flexible ? flexible_rod_preset() : rigid_rod_preset(), row.angle_deg));
     };
     const std::string group = row.flexible ? "flexible rod" : "rigid rod";
     const std::string at = std::to_string(static_cast<int>(row.angle_deg)) + " deg, 2.487 m/s";
@@ -96,11 +96,11 @@ void add_rod_cases(std::vector<VerifyCase>& cases) {
                      row.omega_rad_s, kHalfLastDigit * 1.02e-1,
                      [=] { return impact().omega_rad_s; }});
     cases.push_back({group, "energy left unexplained at " + at, "energy", 0, 1e-9, [=] {
-                       const rod::RodEnergy energy = impact().energy;
+                       const RodEnergy energy = impact().energy;
                        return energy.residual_j / energy.kinetic_before_j;
                      }});
-    const rod::RodJob job =
-        struck(row.flexible ? rod::flexible_rod_preset() : rod::rigid_rod_preset(), row.angle_deg);
+    const RodJob job =
+        struck(row.flexible ? flexible_rod_preset() : rigid_rod_preset(), row.angle_deg);
     cases.push_back({group, "switch times, default tolerance, s, at " + at, "rtol 1e-13", 0, 1e-10,
                      [=] { return switch_error_s(job, job.relative_tolerance); }});
     cases.push_back({group, "switch times, rtol 1e-10, s, at " + at, "rtol 1e-13", 0, 1e-12,
@@ -110,11 +110,11 @@ void add_rod_cases(std::vector<VerifyCase>& cases) {
 
 void add_closure_cases(std::vector<VerifyCase>& cases) {
   const auto closure = [] {
-    rod::RodSide before, after;
+    RodSide before, after;
     before.vt_m_s.value = 0.067, before.vn_m_s.value = -2.487, before.omega_rad_s.value = 0.02;
     after.vt_m_s.value = -0.14, after.vn_m_s.value = -0.855, after.omega_rad_s.value = -19.67;
     before.angle_rad.value = after.angle_rad.value = kPi / 4;
-    return rod::close_impulses(rod::RodBody{}, 0.13, before, after);
+    return rod::close_impulses(RodBody{}, 0.13, before, after);
   };
   const std::string group = "impulse closure";
   cases.push_back({group, "45 deg shot, axis as printed, rad/s", "section 5.3", -25.8, 0.05,

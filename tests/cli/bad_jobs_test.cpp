@@ -35,9 +35,9 @@ const std::string kCompare = std::string(
 
 SyntheticTrack shot() {
   SyntheticTrack track;
-  track.job.normal = sim::contact::NormalModel::kLinearSpringDamper;
-  track.job.friction = sim::contact::FrictionModel::kNone;
-  track.job.body = {sim::contact::Shape::kHollowSphere, 0.0567, 0.067};
+  track.job.normal = NormalModel::kLinearSpringDamper;
+  track.job.friction = FrictionModel::kNone;
+  track.job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
   track.job.contact.stiffness = 12526;
   track.job.contact.damping_n_s_per_m = 6.85;
   track.job.initial.vn_m_s = -3.26;

@@ -35,10 +35,9 @@ void expect_one_line(const std::string& arguments, int status, const std::string
 
 void racket_shot(const std::filesystem::path& file, double angle_deg, unsigned seed) {
   SyntheticTrack track;
-  track.job.normal = sim::contact::NormalModel::kLinearSpringDamper;
-  track.job.friction =
-      angle_deg == 0 ? sim::contact::FrictionModel::kNone : sim::contact::FrictionModel::kCoulomb;
-  track.job.body.shape = sim::contact::Shape::kHollowSphere;
+  track.job.normal = NormalModel::kLinearSpringDamper;
+  track.job.friction = angle_deg == 0 ? FrictionModel::kNone : FrictionModel::kCoulomb;
+  track.job.body.shape = BodyShape::kHollowSphere;
   track.job.body.mass_kg = 0.0567;
   track.job.body.diameter_m = 0.067;
   track.job.contact.stiffness = 12526;
@@ -136,10 +135,10 @@ TEST(CompareCommand, CalibratesOnNormalShotsAndPredictsObliqueOnes) {
 
 std::string markers() {
   // The flexible rod's rebound at 45 degrees, 500 frames/s, marked at -0.12, 0, 0.12 m.
-  sim::rod::RodJob job = sim::rod::flexible_rod_preset();
+  RodJob job = flexible_rod_preset();
   job.angle_rad = 45 * kRadPerDeg;
   job.vn_m_s = -2;
-  const sim::rod::RodImpact impact = sim::rod::simulate_rod(job);
+  const RodImpact impact = sim::rod::simulate_rod(job);
   std::string text = "time_s,x1_m,y1_m,z1_m,x2_m,y2_m,z2_m,x3_m,y3_m,z3_m\n";
   for (int i = 0; i < 120; ++i) {
     const double time = i / 500.0, t = time - 0.1613;

@@ -13,7 +13,7 @@
 namespace impactdic::testing {
 
 struct FilmedImpact {
-  sim::contact::ImpactJob job;
+  ImpactJob job;
   double fps = 10000, metre_per_px = 0.29e-3;
   int frames_before = 110, frames = 300;
   double touch = 0.37;             // part of a frame that the touch comes after frames_before
@@ -37,7 +37,7 @@ struct FilmedImpact {
 // (chapters 3 and 4).
 inline FilmedImpact tennis_on_racket() {
   FilmedImpact f;
-  f.job.body = {sim::contact::Shape::kHollowSphere, 0.0567, 0.067};
+  f.job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
   f.job.contact.stiffness = 13385;
   f.job.contact.damping_n_s_per_m = 5.36;
   f.job.contact.friction_kinetic = 0.0335;
@@ -49,9 +49,9 @@ inline FilmedImpact tennis_on_racket() {
 
 inline FilmedImpact lacrosse_on_wood() {
   FilmedImpact f;
-  f.job.normal = sim::contact::NormalModel::kHertzDamper;
-  f.job.friction = sim::contact::FrictionModel::kCoulomb;
-  f.job.body = {sim::contact::Shape::kSolidSphere, 0.14566, 0.06325};
+  f.job.normal = NormalModel::kHertzDamper;
+  f.job.friction = FrictionModel::kCoulomb;
+  f.job.body = {BodyShape::kSolidSphere, 0.14566, 0.06325};
   f.job.contact.stiffness = 875000;
   f.job.contact.damping_n_s_per_m = 18;
   f.job.contact.friction_kinetic = 0.1;
@@ -63,29 +63,27 @@ inline FilmedImpact lacrosse_on_wood() {
 
 struct FilmedTruth {
   double start, turn, end;  // frames
-  sim::contact::PlaneState before, after;
+  PlaneState before, after;
   double deflection_px, restitution, friction, rolling_cap;
 };
 
 inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
   std::vector<double> times;
   for (int i = 0; i < f.frames; ++i) times.push_back((i - f.frames_before - f.touch) / f.fps);
-  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(f.job, {0, times});
+  const ImpactResult impact = sim::contact::simulate_impact(f.job, {0, times});
   const double angle = f.job.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
   std::mt19937_64 random(f.seed);
   std::normal_distribution<double> noise(0, 1);
   const double step_sd = f.speed(f.step_noise_m_s), turn_sd = f.spin_noise_rad_s / f.fps;
-  const auto x_px = [&](const sim::contact::PlaneState& p) {
-    return (c * p.qt_m - s * p.qn_m) / f.metre_per_px;
-  };
-  const auto y_px = [&](const sim::contact::PlaneState& p) {
+  const auto x_px = [&](const PlaneState& p) { return (c * p.qt_m - s * p.qn_m) / f.metre_per_px; };
+  const auto y_px = [&](const PlaneState& p) {
     return -(s * p.qt_m + c * p.qn_m) / f.metre_per_px;
   };
   rows.assign(static_cast<std::size_t>(f.frames), {});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     TrackRow& row = rows[i];
-    const sim::contact::PlaneState& here = impact.trajectory[i].state;
+    const PlaneState& here = impact.trajectory[i].state;
     row.frame = static_cast<std::int64_t>(i);
     row.time_s = static_cast<double>(i) / f.fps;
     row.status = TrackStatus::ok;
@@ -95,7 +93,7 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
     row.r_px = f.job.body.radius_m() / f.metre_per_px;
     row.cx_sd_px = row.cy_sd_px = row.r_sd_px = f.position_noise_px;
     if (!f.with_motion || i + 1 == rows.size()) continue;
-    const sim::contact::PlaneState& next = impact.trajectory[i + 1].state;
+    const PlaneState& next = impact.trajectory[i + 1].state;
     row.motion_ok = true;
     row.dx_px = x_px(next) - x_px(here) + step_sd * noise(random);
     row.dy_px = y_px(next) - y_px(here) + step_sd * noise(random);
@@ -113,7 +111,7 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
   truth.deflection_px = impact.max_deflection_m / f.metre_per_px;
   truth.restitution = -impact.final.vn_m_s / impact.start.vn_m_s;
   // An impulse ratio: less than the coefficient of friction where the ball stops slipping.
-  const sim::contact::EffectiveFriction friction =
+  const EffectiveFriction friction =
       sim::contact::effective_friction(f.job.body, impact.start, impact.final, impact.contact_s,
                                        f.job.gravity_m_s2, f.job.surface_angle_deg);
   truth.friction = std::abs(friction.sound);

@@ -16,7 +16,7 @@
 namespace impactdic::testing {
 
 struct SyntheticTrack {
-  sim::contact::ImpactJob job;
+  ImpactJob job;
   double fps = 10000;
   int frames_before = 100, frames_contact = 75, frames_after = 100;
   double touch = 0.37;          // part of a frame that the touch comes after frame `frames_before`
@@ -38,7 +38,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   const int count = s.frames_before + s.frames_contact + s.frames_after;
   std::vector<double> times;
   for (int i = 0; i < count; ++i) times.push_back((i - s.frames_before - s.touch) / s.fps);
-  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(s.job, {0, times});
+  const ImpactResult impact = sim::contact::simulate_impact(s.job, {0, times});
   const double angle = s.job.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), n = std::sin(angle);
   std::mt19937_64 random(s.seed);
@@ -47,7 +47,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   std::ofstream out(file);
   out << track_header();
   const auto position = [&](int i, bool vertical) {
-    const sim::contact::PlaneState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const PlaneState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
     return vertical ? n * p.qt_m + c * p.qn_m : c * p.qt_m - n * p.qn_m;
   };
   for (int i = 0; i < count; ++i) {
@@ -73,7 +73,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
     }
     // The velocities of the truth: a calibration takes only the direction of the local axes from
     // them.
-    const sim::contact::PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
     out << text(x) << ',' << text(y) << ',' << text(c * state.vt_m_s - n * state.vn_m_s) << ','
         << text(n * state.vt_m_s + c * state.vn_m_s) << ',' << text(state.vt_m_s) << ','
         << text(state.vn_m_s) << ",,,,\n";

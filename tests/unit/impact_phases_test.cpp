@@ -40,7 +40,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
   std::map<std::string, Score> scores;
   std::mt19937_64 random(2019);
   std::uniform_real_distribution<double> part(0, 1);
-  const sim::contact::InitialMotion preset = filmed.job.initial;
+  const InitialMotion preset = filmed.job.initial;
   int refused = 0;
   for (unsigned shot = 1; shot <= kShots; ++shot) {
     filmed.seed = shot;
@@ -125,7 +125,7 @@ TEST(ImpactPhases, LacrosseBallOnAWoodenFlat) {
 // The damper acts to the end and leaves the surface dented: no law of the fit's first family.
 TEST(ImpactPhases, LacrosseBallWithADamperToTheEnd) {
   FilmedImpact filmed = lacrosse_on_wood();
-  filmed.job.contact.restitution_damping = sim::contact::RestitutionDamping::kToZeroForce;
+  filmed.job.contact.restitution_damping = RestitutionDamping::kToZeroForce;
   auto scores = shoot(filmed);
   expect_accurate(scores, 1);
   expect_honest(scores);

@@ -3,12 +3,12 @@
 #include <impactdic/error.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "host/dic/error_bound.h"
 #include "host/study/density_study.h"
-#include "host/study/pattern_report.h"
+#include "host/study/motion_errors.h"
+#include "host/study/pattern_findings.h"
 
 namespace impactdic {
 namespace {
@@ -113,7 +113,7 @@ TEST(StudyCase, EstimatorsByName) {
 // A pair whose circle is 0.2 px beside the true centre, measured exactly: what `track` states is
 // wrong by the turn of that 0.2 px, the estimator is not.
 TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
-  const study::StudyMotion motion{"test", 1, -2, 3, false};
+  const StudyMotion motion{"test", 1, -2, 3, false};
   const double c = std::cos(3 * kRadPerDeg) - 1, s = std::sin(3 * kRadPerDeg);
   motion::PairMotion pair;
   pair.first = {100.2, 100, 50};
@@ -132,7 +132,7 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   pair.windows = {window, window, window};
   pair.field = {right, wrong, bare};
   const dic::PictureSlopes slopes(waves(200, 200).view(), 0);
-  study::MotionErrors errors;
+  MotionErrors errors;
   study::add_pair(pair, {100, 100, motion}, 15, slopes, 2, errors);
   EXPECT_NEAR(errors.dy_px.mean(), -s * 0.2, 1e-12);
   EXPECT_NEAR(errors.shift_px.rms(), 0, 1e-12);
@@ -144,9 +144,9 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   EXPECT_NEAR(errors.window_px.rms(), 0.01 / std::sqrt(2), 1e-6);
 }
 
-study::PatternStudyRow row(const std::string& pattern, const std::string& estimator,
-                           double error_px, double error_deg, int failed = 0) {
-  study::PatternStudyRow made;
+PatternStudyRow row(const std::string& pattern, const std::string& estimator, double error_px,
+                    double error_deg, int failed = 0) {
+  PatternStudyRow made;
   made.pattern = pattern;
   made.estimator = estimator;
   made.motion = study::study_motions().front();
@@ -162,35 +162,36 @@ study::PatternStudyRow row(const std::string& pattern, const std::string& estima
 }
 
 TEST(PatternReport, BestIsTheLeastErrorOfThoseThatLoseNothing) {
-  study::PatternStudyOptions options;
-  const std::vector<study::PatternStudyRow> rows = {
+  const std::vector<PatternStudyRow> rows = {
       row("a1", "icgn5", 0.02, 0.02),  row("e1", "icgn5", 0.01, 0.01),
       row("a1", "ball", 0.005, 0.004), row("e1", "ball", 0.003, 0.002),
       row("a1", "published", 0, 0, 1), row("e1", "published", 0, 0),
   };
-  const nlohmann::json summary = study::describe_patterns(rows, options);
-  EXPECT_EQ(summary["best_estimator"], "ball");
-  EXPECT_EQ(summary["best_pattern"], "e1");
-  EXPECT_NE(summary["finding"].get<std::string>().find("Paint pattern e1"), std::string::npos);
-  EXPECT_NEAR(summary["estimators"]["icgn5"]["all"]["motion_rms_px"].get<double>(),
-              std::sqrt((0.02 * 0.02 + 0.01 * 0.01) / 2), 1e-12);
+  const PatternFindings findings = study::find_patterns(rows, 115);
+  EXPECT_EQ(findings.best_estimator, "ball");
+  EXPECT_EQ(findings.best_pattern, "e1");
+  EXPECT_NE(findings.finding.find("Paint pattern e1"), std::string::npos);
+  ASSERT_EQ(findings.estimators.size(), 3u);
+  EXPECT_EQ(findings.estimators[0].estimator, "icgn5");
+  EXPECT_NEAR(findings.estimators[0].all.motion_rms_px, std::sqrt((0.02 * 0.02 + 0.01 * 0.01) / 2),
+              1e-12);
   // 0.02° at half the radius of 115 px.
   EXPECT_NEAR(study::pool(rows, "a1", "icgn5", 115).surface_rms_px,
               std::hypot(0.02, 0.02 * kRadPerDeg * 115 / 2), 1e-12);
 }
 
 TEST(DensityReport, GrowthOfAPerfectTransformIsOne) {
-  std::vector<study::DensityRow> rows;
+  std::vector<DensityRow> rows;
   for (int points = 0; points <= 9; ++points) {
     const double side = 14.0 * (points + 1) + 1;
     rows.push_back({points, "literal", 0.7 * side * side * std::log(side), 0.2, 0, 0, 1});
     rows.push_back({points, "published", 100.0 + points, 0.2, 0, 0, points == 4 ? 0.5 : 1.0});
     rows.push_back({points, "icgn", 10.0 + 0.1 * points, 0.005, 0, 0, kNotMeasured});
   }
-  const nlohmann::json summary = study::describe_density(rows, 15);
-  EXPECT_NEAR(summary["literal_growth"].get<double>(), 1, 1e-9);
-  EXPECT_NEAR(summary["default_spread"].get<double>(), 1.09, 1e-9);
-  EXPECT_NEAR(summary["same_lag_share"].get<double>(), 0.5, 1e-12);
+  const DensityFindings findings = study::find_density(rows, 15);
+  EXPECT_NEAR(findings.literal_growth.value(), 1, 1e-9);
+  EXPECT_NEAR(findings.default_spread, 1.09, 1e-9);
+  EXPECT_NEAR(findings.same_lag_share, 0.5, 1e-12);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <impactdic/export.h>
+#include <impactdic/measured.h>
 #include <impactdic/units.h>
 
 #include <cmath>
@@ -13,11 +14,6 @@
 #include <optional>
 
 namespace IMPACTDIC_PUBLIC impactdic {
-
-struct Measured {
-  double value = kNotMeasured;
-  double sd = kNotMeasured;  // one standard deviation
-};
 
 enum class ImpactStatus {
   found,

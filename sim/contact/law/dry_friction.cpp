@@ -30,9 +30,9 @@ class DryFriction final : public FrictionLaw {
     double scale = 1;
   };
 
-  DryFriction(Rule rule, Preset preset, const Contact& contact, Load load)
+  DryFriction(Rule rule, ModelPreset preset, const ContactParameters& contact, Load load)
       : rule_(rule),
-        published_(preset == Preset::kPublished),
+        published_(preset == ModelPreset::kPublished),
         kinetic_(contact.friction_kinetic),
         static_(std::max(contact.friction_static, contact.friction_kinetic)),
         load_(load) {}
@@ -215,7 +215,7 @@ Rule rule_of(const ImpactJob& job) {
       return Rule::kFrictionless;
     case FrictionModel::kThreePhase:
       // True sticking is Coulomb's law with a static limit.
-      return job.preset == Preset::kPublished ? Rule::kThreePhases : Rule::kCoulomb;
+      return job.preset == ModelPreset::kPublished ? Rule::kThreePhases : Rule::kCoulomb;
     case FrictionModel::kFullSliding:
       return Rule::kFullSliding;
     case FrictionModel::kBrody:
@@ -238,11 +238,11 @@ std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double spee
   const bool chapter4 = job.friction == FrictionModel::kThreePhase ||
                         job.friction == FrictionModel::kFullSliding ||
                         job.friction == FrictionModel::kBrody;
-  if (job.preset == Preset::kPublished && chapter4) {
+  if (job.preset == ModelPreset::kPublished && chapter4) {
     load.spring_only = true;
     load.scale = std::abs(speed_t_m_s) / std::hypot(speed_t_m_s, speed_n_m_s);
   }
-  Contact contact = job.contact;
+  ContactParameters contact = job.contact;
   if (job.friction != FrictionModel::kThreePhase) contact.friction_static = 0;
   return std::make_unique<DryFriction>(rule_of(job), job.preset, contact, load);
 }

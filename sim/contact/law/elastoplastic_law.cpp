@@ -87,7 +87,8 @@ class ElasticPlasticNormal final : public NormalLaw {
 
 }  // namespace
 
-std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model, const Contact& contact,
+std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model,
+                                                  const ContactParameters& contact,
                                                   double radius_m) {
   const ElasticPlasticSurface surface{radius_m, contact.reduced_modulus_pa,
                                       contact.yield_strength_pa, contact.poisson};

@@ -2,10 +2,10 @@
 // sticking, ...) that changes only at events.
 #pragma once
 
+#include <impactdic/impact_model.h>
+
 #include <array>
 #include <memory>
-
-#include "sim/contact/model.h"
 
 namespace impactdic::sim::contact {
 
@@ -57,6 +57,7 @@ class FrictionLaw {
 // published rules of chapter 4 scale with them).
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s);
-std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const Contact& contact, double radius_m);
+std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
+                                                     double radius_m);
 
 }  // namespace impactdic::sim::contact

@@ -66,7 +66,7 @@ Piece hermite_piece(double begin, double end, const Jet& from, const Jet& to) {
 
 class MawBarberFawcett final : public FrictionLaw {
  public:
-  MawBarberFawcett(const Contact& contact, double radius_m)
+  MawBarberFawcett(const ContactParameters& contact, double radius_m)
       : radius_(radius_m),
         friction_(contact.friction_kinetic),
         modulus_(0.75 * contact.stiffness / std::sqrt(radius_m)),
@@ -370,7 +370,8 @@ class MawBarberFawcett final : public FrictionLaw {
 
 }  // namespace
 
-std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const Contact& contact, double radius_m) {
+std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
+                                                     double radius_m) {
   return std::make_unique<MawBarberFawcett>(contact, radius_m);
 }
 

@@ -11,6 +11,26 @@
 #include <cstdint>
 #include <string>
 
+namespace impactdic {
+namespace {
+
+void require(bool good, const char* key, const char* hint) {
+  if (!good) throw InvalidArgument("impossible value", key, hint);
+}
+
+}  // namespace
+
+void ElasticPlasticSurface::validate() const {
+  require(radius_m > 0 && std::isfinite(radius_m), "radius_m", "must be a positive length");
+  require(effective_modulus_pa > 0 && std::isfinite(effective_modulus_pa), "reduced_modulus_pa",
+          "must be positive");
+  require(yield_strength_pa > 0 && std::isfinite(yield_strength_pa), "yield_strength_pa",
+          "must be positive");
+  require(poisson >= 0 && poisson <= 0.5, "poisson", "must lie in 0..0.5");
+}
+
+}  // namespace impactdic
+
 namespace impactdic::sim::contact {
 namespace {
 
@@ -18,10 +38,6 @@ namespace {
 constexpr double kHardnessOverYield = 2.8;
 // Jackson & Green: elastic below, in units of the critical compression.
 constexpr double kJacksonElasticLimit = 1.9;
-
-void require(bool good, const char* key, const char* hint) {
-  if (!good) throw InvalidArgument("impossible value", key, hint);
-}
 
 // Jackson & Green 2005, Eqs. 2.17-2.20: pressure falls as the contact circle nears the radius.
 double jackson_hardness_over_yield(double x, double yield_constant, double yield_over_modulus) {
@@ -50,15 +66,6 @@ double kogut_etsion(double x, double yield_constant) {
 double thornton(double x) { return x < 1 ? x * std::sqrt(x) : 1 + 1.5 * (x - 1); }
 
 }  // namespace
-
-void ElasticPlasticSurface::validate() const {
-  require(radius_m > 0 && std::isfinite(radius_m), "radius_m", "must be a positive length");
-  require(effective_modulus_pa > 0 && std::isfinite(effective_modulus_pa), "reduced_modulus_pa",
-          "must be positive");
-  require(yield_strength_pa > 0 && std::isfinite(yield_strength_pa), "yield_strength_pa",
-          "must be positive");
-  require(poisson >= 0 && poisson <= 0.5, "poisson", "must lie in 0..0.5");
-}
 
 double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa, double poisson2) {
   return 1 / ((1 - poisson1 * poisson1) / young1_pa + (1 - poisson2 * poisson2) / young2_pa);

@@ -8,25 +8,12 @@
 //   Thornton 1997 (loading, unloading, restitution), Johnson 1985 (restitution).
 #pragma once
 
-#include "sim/contact/model.h"
+#include <impactdic/rod_model.h>
 
 namespace impactdic::sim::contact {
 
-// The two bodies in contact. `yield_strength_pa` is that of the weaker one.
-struct ElasticPlasticSurface {
-  double radius_m = 0;              // of the tip; of curvature, sum of 1/R if both are curved
-  double effective_modulus_pa = 0;  // E*: 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2
-  double yield_strength_pa = 0;
-  double poisson = 0;  // of the weaker body
-
-  // Throws InvalidArgument naming the key of the first impossible value.
-  void validate() const;
-};
-
 // 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2, in pascal.
 double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa, double poisson2);
-
-enum class PlasticLoading { kJacksonGreen, kKogutEtsion, kThornton };
 
 // P(compression) on the way in and on the way out. Thornton's loading has its own residual and
 // ignores `residual`. Force and deformation are zero or positive.

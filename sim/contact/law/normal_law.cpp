@@ -37,7 +37,7 @@ namespace {
 // deflection the spring continues as an odd function, so that an integration step may overshoot.
 class SpringDamper final : public NormalLaw {
  public:
-  SpringDamper(bool hertz, const Contact& contact)
+  SpringDamper(bool hertz, const ContactParameters& contact)
       : hertz_(hertz),
         stiffness_(contact.stiffness),
         damping_(contact.damping_n_s_per_m),

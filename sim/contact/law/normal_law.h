@@ -1,9 +1,9 @@
 // The force along the normal as a function of the deflection, its rate and its history.
 #pragma once
 
-#include <memory>
+#include <impactdic/impact_model.h>
 
-#include "sim/contact/model.h"
+#include <memory>
 
 namespace impactdic::sim::contact {
 
@@ -50,7 +50,8 @@ std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job);
 
 // The elastic-plastic laws of sim/impact/normal_elastoplastic.cpp: jackson_green, kogut_etsion,
 // thornton. `radius_m` is the radius of the contact.
-std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model, const Contact& contact,
+std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model,
+                                                  const ContactParameters& contact,
                                                   double radius_m);
 
 }  // namespace impactdic::sim::contact

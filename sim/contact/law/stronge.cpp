@@ -58,7 +58,7 @@ class ImpulseProcess {
 
 }  // namespace
 
-ImpactVelocities stronge_rebound(const Body& body, double arm_t_m, double arm_n_m,
+ImpactVelocities stronge_rebound(const ImpactBody& body, double arm_t_m, double arm_n_m,
                                  const ImpactVelocities& before, double energetic_restitution,
                                  double friction) {
   const double per_mass = 1 / body.mass_kg, per_inertia = 1 / body.inertia();

@@ -10,12 +10,11 @@ namespace impactdic {
 namespace {
 
 // The rod and flat of Table 5.1.
-const sim::contact::ElasticPlasticSurface kSteel{
+const ElasticPlasticSurface kSteel{
     0.0088, sim::contact::effective_modulus_pa(200e9, 0.29, 200e9, 0.29), 300e6, 0.29};
 constexpr double kMass_kg = 0.5784;
 
-sim::contact::ElasticPlasticLaw law(sim::contact::PlasticLoading loading,
-                                    sim::contact::ResidualLaw residual) {
+sim::contact::ElasticPlasticLaw law(PlasticLoading loading, ResidualLaw residual) {
   return {kSteel, loading, residual};
 }
 
@@ -25,8 +24,7 @@ double yield_speed(const sim::contact::ElasticPlasticLaw& law) {
 }
 
 TEST(ElasticPlastic, CriticalPointOfTheSource) {
-  const auto l =
-      law(sim::contact::PlasticLoading::kJacksonGreen, sim::contact::ResidualLaw::kJackson);
+  const auto l = law(PlasticLoading::kJacksonGreen, ResidualLaw::kJackson);
   EXPECT_NEAR(kSteel.effective_modulus_pa, 109.18e9, 0.005e9);
   EXPECT_NEAR(l.critical_compression_m(), 4.213e-7, 0.0005e-7);
   EXPECT_NEAR(l.critical_force_n(), 3.7344, 0.00005);
@@ -34,9 +32,8 @@ TEST(ElasticPlastic, CriticalPointOfTheSource) {
 
 TEST(ElasticPlastic, EveryLawIsHertzBeforeYield) {
   for (auto loading :
-       {sim::contact::PlasticLoading::kJacksonGreen, sim::contact::PlasticLoading::kKogutEtsion,
-        sim::contact::PlasticLoading::kThornton}) {
-    const auto l = law(loading, sim::contact::ResidualLaw::kKogutEtsion);
+       {PlasticLoading::kJacksonGreen, PlasticLoading::kKogutEtsion, PlasticLoading::kThornton}) {
+    const auto l = law(loading, ResidualLaw::kKogutEtsion);
     const double w = 0.7 * l.critical_compression_m();
     const double hertz =
         4.0 / 3 * kSteel.effective_modulus_pa * std::sqrt(kSteel.radius_m) * std::pow(w, 1.5);
@@ -48,8 +45,7 @@ TEST(ElasticPlastic, EveryLawIsHertzBeforeYield) {
 }
 
 TEST(ElasticPlastic, KogutEtsionJumpsAsPrinted) {
-  const auto l =
-      law(sim::contact::PlasticLoading::kKogutEtsion, sim::contact::ResidualLaw::kKogutEtsion);
+  const auto l = law(PlasticLoading::kKogutEtsion, ResidualLaw::kKogutEtsion);
   const double w_c = l.critical_compression_m();
   const auto jump = [&](double x) {
     return l.loading_force_n(w_c * x * (1 + 1e-9)) / l.loading_force_n(w_c * x * (1 - 1e-9)) - 1;
@@ -64,7 +60,7 @@ TEST(ElasticPlastic, KogutEtsionJumpsAsPrinted) {
 TEST(ElasticPlastic, ThorntonIntegratesToItsClosedForm) {
   EXPECT_NEAR(sim::contact::thornton_restitution(0.5), 0.930626, 5e-7);
   EXPECT_EQ(sim::contact::thornton_restitution(1.5), 1);
-  const auto l = law(sim::contact::PlasticLoading::kThornton, sim::contact::ResidualLaw::kJackson);
+  const auto l = law(PlasticLoading::kThornton, ResidualLaw::kJackson);
   for (double ratio : {0.9, 0.5, 0.1, 0.01}) {
     EXPECT_NEAR(l.restitution(kMass_kg, yield_speed(l) / ratio),
                 sim::contact::thornton_restitution(ratio), 1e-10)
@@ -76,16 +72,15 @@ TEST(ElasticPlastic, JohnsonFallsWithTheQuarterPowerOfSpeed) {
   const double slow = sim::contact::johnson_restitution(kSteel, kMass_kg, 1);
   EXPECT_NEAR(sim::contact::johnson_restitution(kSteel, kMass_kg, 16) / slow, 0.5, 1e-12);
   // Thornton's law reaches the same exponent far past yield.
-  const auto l = law(sim::contact::PlasticLoading::kThornton, sim::contact::ResidualLaw::kJackson);
+  const auto l = law(PlasticLoading::kThornton, ResidualLaw::kJackson);
   const double fast = 1e4 * yield_speed(l);
   EXPECT_NEAR(l.restitution(kMass_kg, 16 * fast) / l.restitution(kMass_kg, fast), 0.5, 1e-4);
 }
 
 TEST(ElasticPlastic, EnergyIsTheAreaUnderTheCurve) {
   for (auto loading :
-       {sim::contact::PlasticLoading::kJacksonGreen, sim::contact::PlasticLoading::kKogutEtsion,
-        sim::contact::PlasticLoading::kThornton}) {
-    const auto l = law(loading, sim::contact::ResidualLaw::kKogutEtsion);
+       {PlasticLoading::kJacksonGreen, PlasticLoading::kKogutEtsion, PlasticLoading::kThornton}) {
+    const auto l = law(loading, ResidualLaw::kKogutEtsion);
     const double top = 300 * l.critical_compression_m();
     double in = 0, out = 0;
     constexpr int kSteps = 400000;
@@ -102,9 +97,8 @@ TEST(ElasticPlastic, EnergyIsTheAreaUnderTheCurve) {
 }
 
 TEST(ElasticPlastic, UnloadingStartsAtTheLoadingCurveAndEndsAtTheResidual) {
-  for (auto residual :
-       {sim::contact::ResidualLaw::kJackson, sim::contact::ResidualLaw::kKogutEtsion}) {
-    const auto l = law(sim::contact::PlasticLoading::kJacksonGreen, residual);
+  for (auto residual : {ResidualLaw::kJackson, ResidualLaw::kKogutEtsion}) {
+    const auto l = law(PlasticLoading::kJacksonGreen, residual);
     double before = -1;
     for (double x : {2.0, 5.0, 20.0, 100.0, 500.0}) {
       const double top = x * l.critical_compression_m();
@@ -118,11 +112,10 @@ TEST(ElasticPlastic, UnloadingStartsAtTheLoadingCurveAndEndsAtTheResidual) {
 }
 
 TEST(ElasticPlastic, ImpossibleSurfacesNameTheirKey) {
-  sim::contact::ElasticPlasticSurface bad = kSteel;
+  ElasticPlasticSurface bad = kSteel;
   bad.yield_strength_pa = -1;
   try {
-    sim::contact::ElasticPlasticLaw(bad, sim::contact::PlasticLoading::kThornton,
-                                    sim::contact::ResidualLaw::kJackson);
+    sim::contact::ElasticPlasticLaw(bad, PlasticLoading::kThornton, ResidualLaw::kJackson);
     FAIL();
   } catch (const InvalidArgument& error) {
     EXPECT_EQ(error.where(), "yield_strength_pa");

@@ -9,7 +9,9 @@
 #include <string>
 
 #include "sim/compare/comparison.h"
+#include "sim/fit/calibration.h"
 #include "sim/fit/restitution_duration.h"
+#include "sim/shot/track_table.h"
 #include "tests/support/scratch.h"
 #include "tests/support/synthetic_track.h"
 
@@ -23,12 +25,11 @@ using testing::write_track;
 // The tennis ball of chapter 3 with the pair that its Fig. 3.29 gives.
 constexpr double kStiffness = 12526, kDamping = 6.85;
 
-sim::contact::ImpactJob tennis(double angle_deg, double vt, double vn) {
-  sim::contact::ImpactJob job;
-  job.normal = sim::contact::NormalModel::kLinearSpringDamper;
-  job.friction =
-      vt == 0 ? sim::contact::FrictionModel::kNone : sim::contact::FrictionModel::kCoulomb;
-  job.body.shape = sim::contact::Shape::kHollowSphere;
+ImpactJob tennis(double angle_deg, double vt, double vn) {
+  ImpactJob job;
+  job.normal = NormalModel::kLinearSpringDamper;
+  job.friction = vt == 0 ? FrictionModel::kNone : FrictionModel::kCoulomb;
+  job.body.shape = BodyShape::kHollowSphere;
   job.body.mass_kg = 0.0567;
   job.body.diameter_m = 0.067;
   job.contact.stiffness = kStiffness;
@@ -39,19 +40,18 @@ sim::contact::ImpactJob tennis(double angle_deg, double vt, double vn) {
   return job;
 }
 
-sim::fit::FitJob fit_job(const sim::contact::ImpactJob& truth,
-                         const std::vector<std::filesystem::path>& tracks) {
-  sim::fit::FitJob job;
+FitRequest fit_job(const ImpactJob& truth, const std::vector<std::filesystem::path>& tracks) {
+  FitRequest job;
   job.impact = truth;
   job.impact.contact.stiffness = 0;  // what is fitted is not known beforehand
   job.impact.contact.damping_n_s_per_m = 0;
   for (const auto& track : tracks) job.shots.push_back({track, truth.surface_angle_deg});
-  job.parameters = {sim::fit::FitParameter::kStiffness, sim::fit::FitParameter::kDamping};
+  job.parameters = {FitParameter::kStiffness, FitParameter::kDamping};
   return job;
 }
 
 TEST(RestitutionDuration, WithoutGravityItIsTheClosedForm) {
-  sim::contact::ImpactJob job = tennis(0, 0, -3.26);
+  ImpactJob job = tennis(0, 0, -3.26);
   job.gravity_m_s2 = 0;
   const sim::contact::LinearImpact impact = sim::contact::linear_impact(0.0567, 13385, 5.36, 3.26);
   const sim::contact::SpringDamperParameters pair =
@@ -62,14 +62,13 @@ TEST(RestitutionDuration, WithoutGravityItIsTheClosedForm) {
 }
 
 TEST(RestitutionDuration, SimulatedPairsComeBack) {
-  for (sim::contact::NormalModel normal :
-       {sim::contact::NormalModel::kLinearSpringDamper, sim::contact::NormalModel::kHertzDamper}) {
+  for (NormalModel normal : {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper}) {
     for (double gravity : {0.0, 9.81}) {
-      sim::contact::ImpactJob job = tennis(0, 0, -3.26);
+      ImpactJob job = tennis(0, 0, -3.26);
       job.normal = normal;
       job.gravity_m_s2 = gravity;
-      job.contact.stiffness = normal == sim::contact::NormalModel::kHertzDamper ? 875000 : 12526;
-      const sim::contact::ImpactResult impact = sim::contact::simulate_impact(job);
+      job.contact.stiffness = normal == NormalModel::kHertzDamper ? 875000 : 12526;
+      const ImpactResult impact = sim::contact::simulate_impact(job);
       const sim::contact::SpringDamperParameters pair =
           sim::fit::spring_and_damper(job, impact.restitution, impact.contact_s);
       EXPECT_NEAR(pair.stiffness / job.contact.stiffness, 1, 1e-7);
@@ -159,16 +158,15 @@ TEST(Shot, OfEightFramesOfContactIsMeasured) {
 
 TEST(Fit, RestitutionAndDurationGiveThePairWithinItsDeviation) {
   ScratchFolder folder;
-  for (sim::contact::NormalModel normal :
-       {sim::contact::NormalModel::kLinearSpringDamper, sim::contact::NormalModel::kHertzDamper}) {
+  for (NormalModel normal : {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper}) {
     SyntheticTrack track{tennis(0, 0, -3.26)};
     track.job.normal = normal;
-    if (normal == sim::contact::NormalModel::kHertzDamper) track.job.contact.stiffness = 200000;
+    if (normal == NormalModel::kHertzDamper) track.job.contact.stiffness = 200000;
     track.position_noise_m = 20e-6;
     write_track(track, folder / "track.csv");
-    sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
-    job.method = sim::fit::FitMethod::kRestitutionDuration;
-    const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+    FitRequest job = fit_job(track.job, {folder / "track.csv"});
+    job.method = FitMethod::kRestitutionDuration;
+    const ShotFit fit = sim::fit::calibrate(job).shots[0];
     const double truth[] = {track.job.contact.stiffness, kDamping};
     for (std::size_t p = 0; p < 2; ++p) {
       EXPECT_NEAR(fit.parameters[p].value, truth[p], 4 * fit.parameters[p].sd);
@@ -181,14 +179,13 @@ TEST(Fit, TrajectoryRecoversTheTruthWithoutNoise) {
   ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   write_track(track, folder / "track.csv");
-  const sim::fit::FitResult result =
-      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+  const FitResult result = sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}));
   EXPECT_NEAR(result.shots[0].parameters[0].value / kStiffness, 1, 1e-4);
   EXPECT_NEAR(result.shots[0].parameters[1].value / kDamping, 1, 1e-4);
   EXPECT_TRUE(result.shots[0].converged);
   EXPECT_EQ(result.shots[0].parameters[0].key, "stiffness_n_per_m");
-  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(track.job);
-  const std::vector<sim::fit::DerivedFigure>& derived = result.shots[0].derived;
+  const ImpactResult impact = sim::contact::simulate_impact(track.job);
+  const std::vector<DerivedFigure>& derived = result.shots[0].derived;
   ASSERT_EQ(derived.size(), 4u);
   EXPECT_NEAR(derived[0].value, impact.restitution, 1e-5);
   EXPECT_NEAR(derived[1].value, impact.contact_s, 1e-6);
@@ -199,10 +196,10 @@ TEST(Fit, PublishedGridGivesThePublishedPair) {
   ScratchFolder folder;
   SyntheticTrack track{tennis(0, 0, -3.26)};
   write_track(track, folder / "track.csv");
-  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
-  job.method = sim::fit::FitMethod::kPublishedGrid;
-  const sim::fit::FitResult result = sim::fit::calibrate(job, 1);
-  const sim::fit::ErrorSurface& s = result.surfaces[0];
+  FitRequest job = fit_job(track.job, {folder / "track.csv"});
+  job.method = FitMethod::kPublishedGrid;
+  const FitResult result = sim::fit::calibrate(job);
+  const ErrorSurface& s = result.surfaces[0];
   EXPECT_EQ(s.grid_stiffness, 13000);
   EXPECT_EQ(s.grid_damping, 7);
   std::printf("spline minimum %.1f N/m, %.4f N s/m\n", s.spline_stiffness, s.spline_damping);
@@ -221,13 +218,13 @@ TEST(Fit, IntervalsHoldTheTruthAsOftenAsTheySay) {
     write_track(track, tracks.back());
   }
   const auto begin = std::chrono::steady_clock::now();
-  const sim::fit::FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 2);
+  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const double truth[] = {kStiffness, kDamping};
   for (std::size_t p = 0; p < 2; ++p) {
     int inside = 0;
-    for (const sim::fit::ShotFit& shot : result.shots) {
-      const sim::fit::ParameterEstimate& e = shot.parameters[p];
+    for (const ShotFit& shot : result.shots) {
+      const ParameterEstimate& e = shot.parameters[p];
       inside += e.ci95_low <= truth[p] && truth[p] <= e.ci95_high;
     }
     std::printf("%s: %d of 400 inside, pooled %.3f +- %.3f\n", result.pooled[p].key.c_str(), inside,
@@ -248,9 +245,9 @@ TEST(Fit, FrictionOfANormalImpactIsNotDetermined) {
   track.motion = true;
   track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
   write_track(track, folder / "track.csv");
-  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
-  job.parameters.push_back(sim::fit::FitParameter::kFrictionKinetic);
-  const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  FitRequest job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(FitParameter::kFrictionKinetic);
+  const ShotFit fit = sim::fit::calibrate(job).shots[0];
   EXPECT_TRUE(fit.parameters[0].determined);
   EXPECT_FALSE(fit.parameters[2].determined);
   EXPECT_NE(fit.parameters[2].verdict.find("oblique"), std::string::npos)
@@ -265,9 +262,9 @@ TEST(Fit, FrictionOfASlidingImpactIsDetermined) {
   track.motion = true;
   track.motion_noise_m = 2e-6, track.turn_noise_rad = 2e-4;
   write_track(track, folder / "track.csv");
-  sim::fit::FitJob job = fit_job(track.job, {folder / "track.csv"});
-  job.parameters.push_back(sim::fit::FitParameter::kFrictionKinetic);
-  const sim::fit::ShotFit fit = sim::fit::calibrate(job, 1).shots[0];
+  FitRequest job = fit_job(track.job, {folder / "track.csv"});
+  job.parameters.push_back(FitParameter::kFrictionKinetic);
+  const ShotFit fit = sim::fit::calibrate(job).shots[0];
   const double truth[] = {kStiffness, kDamping, 0.12};
   for (std::size_t p = 0; p < 3; ++p) {
     EXPECT_TRUE(fit.parameters[p].determined) << fit.parameters[p].key;
@@ -287,7 +284,7 @@ TEST(Fit, AnOutlierIsNamed) {
     tracks.push_back(folder / (std::to_string(i) + ".csv"));
     write_track(track, tracks.back());
   }
-  const sim::fit::FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks), 0);
+  const FitResult result = sim::fit::calibrate(fit_job(tennis(0, 0, -3.26), tracks));
   ASSERT_EQ(result.pooled[0].outliers.size(), 1u);
   EXPECT_EQ(result.pooled[0].outliers[0], tracks[4].string());
 }
@@ -295,7 +292,7 @@ TEST(Fit, AnOutlierIsNamed) {
 // Section 3.3.2's way: calibrate on normal impacts, predict oblique ones.
 TEST(Compare, NormalImpactsPredictObliqueOnes) {
   ScratchFolder folder;
-  sim::compare::CompareJob job;
+  CompareRequest job;
   SyntheticTrack normal{tennis(0, 0, -3.26)};
   normal.position_noise_m = 10e-6;
   write_track(normal, folder / "normal.csv");
@@ -309,12 +306,12 @@ TEST(Compare, NormalImpactsPredictObliqueOnes) {
     write_track(oblique, file);
     job.shots.push_back({file, angle});
   }
-  job.models = {sim::contact::FrictionModel::kCoulomb, sim::contact::FrictionModel::kNone};
-  job.friction_source = sim::compare::FrictionSource::kEffectiveSound;
-  const sim::compare::CompareResult result = sim::compare::compare(job, 1);
-  for (const sim::compare::ComparedShot& c : result.shots) {
-    const sim::compare::ModelOutcome& right = c.models[0];
-    const sim::compare::ModelOutcome& wrong = c.models[1];
+  job.models = {FrictionModel::kCoulomb, FrictionModel::kNone};
+  job.friction_source = FrictionSource::kEffectiveSound;
+  const CompareResult result = sim::compare::compare_shots(job);
+  for (const ComparedShot& c : result.shots) {
+    const ModelOutcome& right = c.models[0];
+    const ModelOutcome& wrong = c.models[1];
     EXPECT_LT(std::abs(right.vn_error), 0.005);
     EXPECT_LT(std::abs(right.vt_error), 0.01);
     EXPECT_GT(std::abs(wrong.vt_error), 5 * std::abs(right.vt_error));
@@ -340,7 +337,7 @@ class BadTrack : public ::testing::Test {
     text.replace(at, from.size(), to);
     std::ofstream(folder / "track.csv") << text;
     try {
-      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}), 1);
+      sim::fit::calibrate(fit_job(track.job, {folder / "track.csv"}));
     } catch (const Error& error) {
       return error.line();
     }

@@ -67,17 +67,17 @@ std::string error_of(const std::string& text) {
 }
 
 TEST(JobFile, ReadsAJob) {
-  const sim::contact::ImpactJob job = sim::job::read_simulate_job(write_job(kGood)).impact;
+  const ImpactJob job = sim::job::read_simulate_job(write_job(kGood)).impact;
   EXPECT_EQ(sim::contact::simulate_impact(job).final.vt_m_s,
             sim::contact::simulate_impact(sim::job::wood_published_job()).final.vt_m_s);
 }
 
 TEST(JobFile, ResolvedJobReadsBackToTheSame) {
-  for (const sim::contact::ImpactJob& impact :
+  for (const ImpactJob& impact :
        {sim::job::racket_job(), sim::job::wood_published_job(), sim::job::wood_sound_job()}) {
-    sim::job::SimulateJob job{impact, 12345.678};
+    SimulateRequest job{impact, 12345.678};
     const std::string text = sim::job::to_toml(job);
-    const sim::job::SimulateJob again = sim::job::read_simulate_job(write_job(text));
+    const SimulateRequest again = sim::job::read_simulate_job(write_job(text));
     EXPECT_EQ(sim::job::to_toml(again), text);
     EXPECT_EQ(sim::contact::simulate_impact(again.impact).final.vt_m_s,
               sim::contact::simulate_impact(impact).final.vt_m_s);
@@ -128,7 +128,7 @@ TEST(JobFile, ReadyJobsRun) {
     if (text.str().find("model = ") != std::string::npos) continue;
     if (entry.path().filename().string().starts_with("compare_")) continue;
     ++count;
-    const sim::contact::ImpactResult result =
+    const ImpactResult result =
         sim::contact::simulate_impact(sim::job::read_simulate_job(entry.path()).impact);
     EXPECT_TRUE(result.separated) << entry.path();
     EXPECT_GT(result.restitution, 0.7) << entry.path();
@@ -137,7 +137,7 @@ TEST(JobFile, ReadyJobsRun) {
 }
 
 TEST(ResultFiles, TrajectoryReadsBackExactly) {
-  const sim::contact::ImpactResult result =
+  const ImpactResult result =
       sim::contact::simulate_impact(sim::job::racket_job(), {.rate_hz = 10000});
   const fs::path file = fs::path(testing::TempDir()) / "impact_trajectory.csv";
   sim::job::write_trajectory_csv(file, result.trajectory);
@@ -149,7 +149,7 @@ TEST(ResultFiles, TrajectoryReadsBackExactly) {
                          0),
             0u);
   const auto columns = std::count(header.begin(), header.end(), ',');
-  for (const sim::contact::TrajectoryPoint& point : result.trajectory) {
+  for (const TrajectoryPoint& point : result.trajectory) {
     ASSERT_TRUE(std::getline(stream, line));
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);
     double time, qt, qn;
@@ -162,7 +162,7 @@ TEST(ResultFiles, TrajectoryReadsBackExactly) {
 }
 
 TEST(ResultFiles, SummaryHasTheKeysAndNullForWhatDoesNotExist) {
-  sim::contact::ImpactJob job = sim::job::racket_job();
+  ImpactJob job = sim::job::racket_job();
   const std::string summary = sim::job::summary_json(job, sim::contact::simulate_impact(job));
   for (const char* key :
        {"\"restitution\"", "\"contact_s\"", "\"t_max_compression_s\"", "\"max_deflection_m\"",
@@ -179,7 +179,7 @@ TEST(ResultFiles, SummaryHasTheKeysAndNullForWhatDoesNotExist) {
 }
 
 TEST(Motion, PosesFollowTheImpactInWorldAxes) {
-  const sim::contact::ImpactJob job = sim::job::racket_job();  // dropped vertically on 15 degrees
+  const ImpactJob job = sim::job::racket_job();  // dropped vertically on 15 degrees
   const double fps = 10000, touch = 20.25;
   const auto poses = sim::contact::simulate_motion(job, fps, 120, touch);
   ASSERT_EQ(poses.size(), 120u);
@@ -190,7 +190,7 @@ TEST(Motion, PosesFollowTheImpactInWorldAxes) {
   EXPECT_NEAR(poses[0].y_m, 2 * touch / fps - 0.5 * 9.81 * std::pow(touch / fps, 2), 1e-12);
   double deepest = 0;
   for (const sim::contact::FramePose& pose : poses) deepest = std::max(deepest, pose.compression);
-  const sim::contact::ImpactResult impact = sim::contact::simulate_impact(job);
+  const ImpactResult impact = sim::contact::simulate_impact(job);
   EXPECT_NEAR(deepest, impact.max_deflection_m / job.body.diameter_m, 2e-4);
   EXPECT_EQ(poses[10].compression, 0);
   EXPECT_EQ(poses[119].compression, 0);
@@ -207,32 +207,30 @@ TEST(ClosedForms, InversesRecoverParametersOverTheirRange) {
     EXPECT_NEAR(found.damping_n_s_per_m, b, 1e-8);
   }
   for (const double b : {0.0, 9.5, 18.0, 40.0}) {
-    sim::contact::ImpactJob job = sim::job::wood_published_job();
+    ImpactJob job = sim::job::wood_published_job();
     job.gravity_m_s2 = 0;
     job.contact.damping_n_s_per_m = b;
-    const sim::contact::ImpactResult shot = sim::contact::simulate_impact(job);
-    const auto found =
-        sim::contact::hertz_parameters(job.body.mass_kg, 1.69, shot.restitution, shot.contact_s,
-                                       sim::contact::RestitutionDamping::kNone);
+    const ImpactResult shot = sim::contact::simulate_impact(job);
+    const auto found = sim::contact::hertz_parameters(job.body.mass_kg, 1.69, shot.restitution,
+                                                      shot.contact_s, RestitutionDamping::kNone);
     EXPECT_NEAR(found.stiffness / 875000, 1, 1e-7);
     EXPECT_NEAR(found.damping_n_s_per_m, b, 1e-5);
   }
   EXPECT_THROW(sim::contact::linear_parameters(1, 1.2, 1e-3), InvalidArgument);
-  EXPECT_THROW(
-      sim::contact::hertz_parameters(1, 1, 0.9, -1, sim::contact::RestitutionDamping::kNone),
-      InvalidArgument);
+  EXPECT_THROW(sim::contact::hertz_parameters(1, 1, 0.9, -1, RestitutionDamping::kNone),
+               InvalidArgument);
 }
 
 TEST(ClosedForms, StrongeNeverCreatesEnergyForAnEccentricRod) {
-  const sim::contact::Body rod{sim::contact::Shape::kRod, 0.5, 0.01, 0.3};
+  const ImpactBody rod{BodyShape::kRod, 0.5, 0.01, 0.3};
   for (double angle = 10; angle <= 170; angle += 5) {
     const double radians = angle * 0.017453292519943295;
     for (const double friction : {0.0, 0.1, 0.5, 1.5}) {
       for (const double vt : {-2.0, 0.0, 2.0}) {
-        const sim::contact::ImpactVelocities before{vt, -1, 0};
+        const ImpactVelocities before{vt, -1, 0};
         const auto after = sim::contact::stronge_rebound(
             rod, -0.15 * std::cos(radians), -0.15 * std::sin(radians), before, 0.7, friction);
-        const auto energy = [&rod](const sim::contact::ImpactVelocities& v) {
+        const auto energy = [&rod](const ImpactVelocities& v) {
           return rod.mass_kg * (v.vt_m_s * v.vt_m_s + v.vn_m_s * v.vn_m_s) +
                  rod.inertia() * v.omega_rad_s * v.omega_rad_s;
         };

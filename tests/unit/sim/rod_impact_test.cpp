@@ -12,7 +12,7 @@
 namespace impactdic {
 namespace {
 
-sim::rod::RodJob at(sim::rod::RodJob job, double angle_deg, double speed_m_s = 2.487) {
+RodJob at(RodJob job, double angle_deg, double speed_m_s = 2.487) {
   job.angle_rad = angle_deg * kRadPerDeg;
   job.vn_m_s = -speed_m_s;
   return job;
@@ -27,8 +27,7 @@ constexpr double kHalfDigitE = 0.00051, kHalfDigitOmega = 0.051;
 
 TEST(Rod, RigidCheckValues) {
   for (const Printed& p : {Printed{17, .290, -15.9}, {45, .270, -16.5}, {70, .242, -10.6}}) {
-    const sim::rod::RodImpact impact =
-        sim::rod::simulate_rod(at(sim::rod::rigid_rod_preset(), p.angle_deg));
+    const RodImpact impact = sim::rod::simulate_rod(at(rigid_rod_preset(), p.angle_deg));
     EXPECT_NEAR(impact.restitution, p.restitution, kHalfDigitE) << p.angle_deg;
     EXPECT_NEAR(impact.omega_rad_s, p.omega_rad_s, kHalfDigitOmega) << p.angle_deg;
     EXPECT_EQ(impact.micro_impacts, 1);
@@ -37,28 +36,27 @@ TEST(Rod, RigidCheckValues) {
 
 TEST(Rod, FlexibleCheckValues) {
   for (const Printed& p : {Printed{17, .647, -20.3}, {45, .597, -20.8}, {70, .142, -9.8}}) {
-    const sim::rod::RodImpact impact =
-        sim::rod::simulate_rod(at(sim::rod::flexible_rod_preset(), p.angle_deg));
+    const RodImpact impact = sim::rod::simulate_rod(at(flexible_rod_preset(), p.angle_deg));
     EXPECT_NEAR(impact.restitution, p.restitution, kHalfDigitE) << p.angle_deg;
     EXPECT_NEAR(impact.omega_rad_s, p.omega_rad_s, kHalfDigitOmega) << p.angle_deg;
   }
-  EXPECT_GT(sim::rod::simulate_rod(at(sim::rod::flexible_rod_preset(), 17)).micro_impacts, 1);
+  EXPECT_GT(sim::rod::simulate_rod(at(flexible_rod_preset(), 17)).micro_impacts, 1);
 }
 
 // The reason for the flexible rod: the rigid one's e falls as V^(-1/4), the measured one does not.
 TEST(Rod, OnlyTheFlexibleRodHasARestitutionThatKeepsWithSpeed) {
-  const auto change = [](const sim::rod::RodJob& job) {
+  const auto change = [](const RodJob& job) {
     return sim::rod::simulate_rod(at(job, 17, 4)).restitution /
            sim::rod::simulate_rod(at(job, 17, 1)).restitution;
   };
-  EXPECT_LT(change(sim::rod::rigid_rod_preset()), 0.75);
-  EXPECT_GT(change(sim::rod::flexible_rod_preset()), 0.9);
+  EXPECT_LT(change(rigid_rod_preset()), 0.75);
+  EXPECT_GT(change(flexible_rod_preset()), 0.9);
 }
 
 TEST(Rod, LedgerClosesAndTightensWithTheTolerance) {
-  for (sim::rod::RodJob job : {sim::rod::rigid_rod_preset(), sim::rod::flexible_rod_preset()}) {
+  for (RodJob job : {rigid_rod_preset(), flexible_rod_preset()}) {
     for (double angle : {17.0, 45.0, 70.0}) {
-      const sim::rod::RodImpact impact = sim::rod::simulate_rod(at(job, angle));
+      const RodImpact impact = sim::rod::simulate_rod(at(job, angle));
       EXPECT_LT(std::abs(impact.energy.residual_j), 1e-9 * impact.energy.kinetic_before_j);
       EXPECT_GE(impact.energy.plastic_j, 0);
       EXPECT_GE(impact.energy.friction_j, 0);
@@ -69,8 +67,8 @@ TEST(Rod, LedgerClosesAndTightensWithTheTolerance) {
 }
 
 TEST(Rod, ImpulsesExplainTheRebound) {
-  const sim::rod::RodJob job = at(sim::rod::flexible_rod_preset(), 45);
-  const sim::rod::RodImpact impact = sim::rod::simulate_rod(job);
+  const RodJob job = at(flexible_rod_preset(), 45);
+  const RodImpact impact = sim::rod::simulate_rod(job);
   const double mass = job.body.mass_kg;
   EXPECT_NEAR(impact.normal_impulse_n_s - mass * job.gravity_m_s2 * impact.start_to_end_s,
               mass * (impact.vn_m_s - job.vn_m_s), 1e-9);
@@ -81,11 +79,11 @@ TEST(Rod, ImpulsesExplainTheRebound) {
 
 // Without yield, damping, friction and gravity nothing is lost.
 TEST(Rod, ElasticLimitKeepsTheEnergy) {
-  for (sim::rod::RodJob job : {sim::rod::rigid_rod_preset(), sim::rod::flexible_rod_preset()}) {
+  for (RodJob job : {rigid_rod_preset(), flexible_rod_preset()}) {
     job.surface.yield_strength_pa = 1e14;
     job.modal_damping = job.friction_kinetic = job.gravity_m_s2 = 0;
-    const sim::rod::RodImpact impact = sim::rod::simulate_rod(at(job, 30));
-    const sim::rod::RodEnergy& e = impact.energy;
+    const RodImpact impact = sim::rod::simulate_rod(at(job, 30));
+    const RodEnergy& e = impact.energy;
     EXPECT_NEAR((e.kinetic_after_j + e.vibration_after_j) / e.kinetic_before_j, 1, 1e-9);
     // The rigid rod turns by some 4 mrad during the blow, which moves the lever of its tip.
     if (job.axial_modes == 0) {
@@ -97,30 +95,28 @@ TEST(Rod, ElasticLimitKeepsTheEnergy) {
 
 // An upright rod is a bar meeting a flat: no bending, no rotation, its impulse along its axis.
 TEST(Rod, UprightRodDoesNotTurn) {
-  const sim::rod::RodImpact impact =
-      sim::rod::simulate_rod(at(sim::rod::flexible_rod_preset(), 90));
+  const RodImpact impact = sim::rod::simulate_rod(at(flexible_rod_preset(), 90));
   EXPECT_NEAR(impact.omega_rad_s, 0, 1e-9);
   EXPECT_NEAR(impact.vt_m_s, 0, 1e-9);
 }
 
 TEST(Rod, MirroredRodMirrorsTheRebound) {
-  const sim::rod::RodImpact left = sim::rod::simulate_rod(at(sim::rod::flexible_rod_preset(), 45));
-  const sim::rod::RodImpact right =
-      sim::rod::simulate_rod(at(sim::rod::flexible_rod_preset(), 135));
+  const RodImpact left = sim::rod::simulate_rod(at(flexible_rod_preset(), 45));
+  const RodImpact right = sim::rod::simulate_rod(at(flexible_rod_preset(), 135));
   EXPECT_NEAR(left.omega_rad_s, -right.omega_rad_s, 1e-6);
   EXPECT_NEAR(left.vt_m_s, -right.vt_m_s, 1e-7);
   EXPECT_NEAR(left.restitution, right.restitution, 1e-7);
 }
 
 TEST(Rod, ToleranceConverges) {
-  sim::rod::RodJob job = at(sim::rod::flexible_rod_preset(), 45);
+  RodJob job = at(flexible_rod_preset(), 45);
   const double e = sim::rod::simulate_rod(job).restitution;
   job.relative_tolerance = 1e-12;
   EXPECT_NEAR(sim::rod::simulate_rod(job).restitution, e, 1e-7);
 }
 
 TEST(Rod, ImpossibleJobsNameTheirKey) {
-  const auto key = [](const sim::rod::RodJob& job) {
+  const auto key = [](const RodJob& job) {
     try {
       sim::rod::simulate_rod(job);
     } catch (const InvalidArgument& error) {
@@ -128,10 +124,10 @@ TEST(Rod, ImpossibleJobsNameTheirKey) {
     }
     return std::string("accepted");
   };
-  sim::rod::RodJob job = at(sim::rod::rigid_rod_preset(), 45);
+  RodJob job = at(rigid_rod_preset(), 45);
   job.body.mass_kg = -1;
   EXPECT_EQ(key(job), "mass_kg");
-  job = at(sim::rod::rigid_rod_preset(), 45);
+  job = at(rigid_rod_preset(), 45);
   job.vn_m_s = 1;
   EXPECT_EQ(key(job), "initial");
 }

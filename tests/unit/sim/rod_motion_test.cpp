@@ -12,6 +12,8 @@
 #include <random>
 
 #include "host/base/parse.h"
+#include "sim/rod/markers.h"
+#include "sim/rod/rod_impact.h"
 
 namespace impactdic {
 namespace {
@@ -26,7 +28,7 @@ struct Drop {
   double noise_m = 0;
   unsigned seed = 1;
   double turn_rad = 0.4;  // of the plane of motion about the vertical
-  sim::rod::RodImpact rebound;
+  RodImpact rebound;
 };
 
 std::array<double, 3> centre_and_angle(const Drop& drop, double time) {
@@ -41,14 +43,14 @@ std::array<double, 3> centre_and_angle(const Drop& drop, double time) {
           angle + drop.rebound.omega_rad_s * t};
 }
 
-sim::rod::MarkerTable paint(Drop& drop) {
-  sim::rod::RodJob job = sim::rod::flexible_rod_preset();
+MarkerTable paint(Drop& drop) {
+  RodJob job = flexible_rod_preset();
   job.angle_rad = drop.angle_deg * kRadPerDeg;
   job.vn_m_s = -drop.speed_m_s;
   drop.rebound = sim::rod::simulate_rod(job);
   std::mt19937 random(drop.seed);
   std::normal_distribution<double> noise(0, 1);
-  sim::rod::MarkerTable table;
+  MarkerTable table;
   table.file = "painted";
   table.interval_s = 1 / kRate_hz;
   for (int i = 0; i / kRate_hz < drop.impact_s + drop.after_s; ++i) {
@@ -71,8 +73,8 @@ TEST(RodMotion, RecoversANoiselessDropExactly) {
   for (double angle : {17.0, 45.0, 70.0}) {
     Drop drop;
     drop.angle_deg = angle;
-    const sim::rod::MarkerTable table = paint(drop);
-    const sim::rod::RodMeasurement m = sim::rod::measure_rod(table, {});
+    const MarkerTable table = paint(drop);
+    const RodMeasurement m = sim::rod::measure_rod(table, {});
     EXPECT_NEAR(m.impact_s.value, drop.impact_s, 1e-6) << angle;
     EXPECT_NEAR(m.before.vn_m_s.value, -drop.speed_m_s, 1e-5);
     EXPECT_NEAR(m.after.vn_m_s.value, drop.rebound.vn_m_s, 1e-5);
@@ -92,7 +94,7 @@ TEST(RodMotion, RecoversANoiselessDropExactly) {
 TEST(RodMotion, TheFitStopsAtTheReleaseAndAtTheSecondImpact) {
   Drop drop;
   drop.noise_m = 5e-5;
-  const sim::rod::RodMeasurement m = sim::rod::measure_rod(paint(drop), {});
+  const RodMeasurement m = sim::rod::measure_rod(paint(drop), {});
   const double release = drop.impact_s - drop.speed_m_s / kGravity;
   // Free fall leaves the rest position by 5 noises within two or three frames.
   EXPECT_NEAR(static_cast<double>(m.before.first) / kRate_hz, release, 0.012);
@@ -106,8 +108,8 @@ TEST(RodMotion, UncertaintiesAreHonestAndLinesBeatDifferences) {
     Drop drop;
     drop.noise_m = 1e-4;
     drop.seed = seed;
-    const sim::rod::RodMeasurement m = sim::rod::measure_rod(paint(drop), {});
-    const auto add = [&](const sim::rod::Measured& measured, double truth) {
+    const RodMeasurement m = sim::rod::measure_rod(paint(drop), {});
+    const auto add = [&](const Measured& measured, double truth) {
       pull += std::pow((measured.value - truth) / measured.sd, 2);
       ++count;
     };
@@ -125,9 +127,9 @@ TEST(RodMotion, UncertaintiesAreHonestAndLinesBeatDifferences) {
 
 TEST(RodMotion, AHiddenMarkerIsNamedAndNotMadeUp) {
   Drop drop;
-  sim::rod::MarkerTable table = paint(drop);
+  MarkerTable table = paint(drop);
   for (std::size_t i = 100; i < 105; ++i) table.markers[1][i] = {NAN, NAN, NAN};
-  const sim::rod::RodMeasurement m = sim::rod::measure_rod(table, {});
+  const RodMeasurement m = sim::rod::measure_rod(table, {});
   EXPECT_EQ(m.frames[102].status, "marker_2_hidden");
   EXPECT_TRUE(std::isnan(m.frames[102].qn_m));
   EXPECT_FALSE(std::isnan(m.frames[102].angle_rad));
@@ -136,27 +138,26 @@ TEST(RodMotion, AHiddenMarkerIsNamedAndNotMadeUp) {
 
 TEST(RodMotion, TheVerticalAxisIsTheUsersChoice) {
   Drop drop;
-  sim::rod::MarkerTable table = paint(drop);
+  MarkerTable table = paint(drop);
   for (auto& marker : table.markers) {
     for (auto& p : marker) p = {p[0], p[2], -p[1]};
   }
-  sim::rod::RodMeasureOptions options;
+  RodMeasureOptions options;
   options.vertical_axis = 2;
   options.vertical_down = true;
-  const sim::rod::RodMeasurement m = sim::rod::measure_rod(table, options);
+  const RodMeasurement m = sim::rod::measure_rod(table, options);
   EXPECT_NEAR(m.after.omega_rad_s.value, drop.rebound.omega_rad_s, 1e-4);
   EXPECT_NEAR(m.after.vt_m_s.value, drop.rebound.vt_m_s, 1e-5);
 }
 
 // Section 5.3's 45 degree shot: its printed tangential axis is turned round.
 TEST(RodMotion, ClosureFindsTheFlippedAxisOfTheSource) {
-  sim::rod::RodSide before, after;
+  RodSide before, after;
   before.vt_m_s = {0.067, 0.005}, before.vn_m_s = {-2.487, 0.005};
   before.omega_rad_s = {0.02, 0.05}, before.angle_rad = {kPi / 4, 0};
   after.vt_m_s = {-0.14, 0.005}, after.vn_m_s = {-0.855, 0.005};
   after.omega_rad_s = {-19.67, 0.05}, after.angle_rad = {kPi / 4, 0};
-  const sim::rod::RodClosure closure =
-      sim::rod::close_impulses(sim::rod::RodBody{}, 0.13, before, after);
+  const RodClosure closure = sim::rod::close_impulses(RodBody{}, 0.13, before, after);
   EXPECT_NEAR(closure.omega_as_measured_rad_s.value, -25.8, 0.05);
   EXPECT_NEAR(closure.omega_axis_flipped_rad_s.value, -19.58, 0.005);
   EXPECT_EQ(closure.tangential_sign, -1);
@@ -166,7 +167,7 @@ TEST(RodMotion, ClosureFindsTheFlippedAxisOfTheSource) {
 
 TEST(RodMotion, ATableWithoutImpactIsRefused) {
   Drop drop;
-  sim::rod::MarkerTable table = paint(drop);
+  MarkerTable table = paint(drop);
   table.time_s.resize(150);
   for (auto& marker : table.markers) marker.resize(150);
   EXPECT_THROW(sim::rod::measure_rod(table, {}), FormatError);

@@ -173,7 +173,7 @@ TEST_F(MotionFile, TruthReadsBackAsTheSameMotion) {
 }
 
 TEST_F(MotionFile, StepsAreSummed) {
-  const sim::speckle::MotionTable table =
+  const GivenMotion table =
       sim::speckle::read_motion_csv(write("dx_px,dy_px,rot_deg,compression,compression_axis_deg\n"
                                           "1,2,3,0,80\n0.5,0,-1,0.01,80\n,,,0.02,80\n"));
   const auto& poses = table.poses;

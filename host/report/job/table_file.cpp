@@ -1,4 +1,4 @@
-#include "host/app/table_file.h"
+#include "host/report/job/table_file.h"
 
 #include <impactdic/error.h>
 
@@ -6,7 +6,7 @@
 
 #include "host/base/parse.h"
 
-namespace impactdic::app {
+namespace impactdic::report {
 
 TableFile::TableFile(const std::filesystem::path& file, const std::string& header)
     : file_(file), out_(file) {
@@ -31,7 +31,7 @@ void TableFile::close() {
   if (!out_) throw FileError("cannot write the file", file_.string());
 }
 
-void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
+void write_ordered_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
   std::ofstream out(file);
   out << json.dump(2) << '\n' << std::flush;
   if (!out) throw FileError("cannot write the file", file.string());
@@ -41,4 +41,4 @@ nlohmann::ordered_json json_number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

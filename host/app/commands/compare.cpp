@@ -1,11 +1,14 @@
 // impactdic compare JOB.toml -o DIR: models against measured tracks or tables of shots.
+#include <impactdic/compare.h>
+
 #include <cmath>
 #include <cstdio>
 
 #include "host/app/command.h"
-#include "host/app/compare_output.h"
 #include "host/app/job_command.h"
+#include "host/report/job/compare_files.h"
 #include "sim/compare/compare_job.h"
+#include "sim/compare/rod_comparison.h"
 #include "sim/job/result_files.h"
 
 namespace impactdic::app {
@@ -19,19 +22,19 @@ std::string cell(const char* format, double value, int width) {
   return text;
 }
 
-void print(const sim::compare::CompareResult& result) {
+void print(const CompareResult& result) {
   const auto line = [](const char* name, double vt, double vn, double omega) {
     std::printf("  %-20s vt %s  vn %s m/s  omega %s rad/s", name, cell("%8.4f", vt, 8).c_str(),
                 cell("%8.4f", vn, 8).c_str(), cell("%8.3f", omega, 8).c_str());
   };
-  for (const sim::compare::ComparedShot& c : result.shots) {
-    const sim::shot::Flight& after = c.shot.after;
+  for (const ComparedShot& c : result.shots) {
+    const ShotFlight& after = c.shot.after;
     std::printf("%s, %.1f deg\n", c.shot.file.c_str(), c.shot.surface_angle_deg);
     line("measured", after.vt_m_s.value, after.vn_m_s.value, after.omega_rad_s.value);
     std::printf("\n");
-    for (const sim::compare::ModelOutcome& m : c.models) {
-      const sim::compare::ModelPrediction& p = m.prediction;
-      line(std::string(sim::compare::name_of(m.model)).c_str(), p.vt_m_s, p.vn_m_s, p.omega_rad_s);
+    for (const ModelOutcome& m : c.models) {
+      const ModelPrediction& p = m.prediction;
+      line(std::string(name_of(m.model)).c_str(), p.vt_m_s, p.vn_m_s, p.omega_rad_s);
       if (!std::isnan(m.rms_m)) std::printf("  rms %.4f mm", 1e3 * m.rms_m);
       std::printf("\n");
       if (!std::isnan(m.printed.vt_m_s) || !std::isnan(m.printed.omega_rad_s)) {
@@ -42,12 +45,12 @@ void print(const sim::compare::CompareResult& result) {
   }
 }
 
-void print(const std::vector<sim::compare::ComparedBlow>& blows) {
-  for (const sim::compare::ComparedBlow& blow : blows) {
+void print(const RodCompareResult& result) {
+  for (const ComparedBlow& blow : result.blows) {
     std::printf("%s, rod at %.1f deg\n  %-14s e %s  omega %s rad/s\n", blow.file.c_str(),
                 blow.rod_angle_deg, "measured", cell("%7.4f", blow.restitution, 7).c_str(),
                 cell("%8.3f", blow.after.omega_rad_s.value, 8).c_str());
-    for (const sim::compare::RodOutcome& m : blow.models) {
+    for (const RodOutcome& m : blow.models) {
       std::printf("  %-14s e %7.4f  omega %8.3f rad/s", m.model.c_str(), m.restitution,
                   m.omega_rad_s);
       if (m.micro_impacts > 0) {
@@ -60,20 +63,21 @@ void print(const std::vector<sim::compare::ComparedBlow>& blows) {
 
 void run_compare(const JobOptions& options) {
   if (sim::compare::is_rod_compare_job(options.job)) {
-    const sim::compare::RodCompareJob job = sim::compare::read_rod_compare_job(options.job);
-    const std::vector<sim::compare::ComparedBlow> blows =
-        sim::compare::compare_rods(job, options.threads);
+    RodCompareRequest request = sim::compare::read_rod_compare_job(options.job);
+    request.threads = options.threads;
+    const RodCompareResult result = compare(request);
     const auto folder = prepare_output_directory(options.output, options.force);
-    write_rod_comparison(folder, job, blows);
-    sim::job::write_text(folder / "job.toml", sim::compare::to_toml(job));
-    if (!options.quiet) print(blows);
+    report::write_rod_comparison(folder, request, result);
+    sim::job::write_text(folder / "job.toml", sim::compare::to_toml(request));
+    if (!options.quiet) print(result);
     return;
   }
-  const sim::compare::CompareJob job = sim::compare::read_compare_job(options.job);
-  const sim::compare::CompareResult result = sim::compare::compare(job, options.threads);
+  CompareRequest request = sim::compare::read_compare_job(options.job);
+  request.threads = options.threads;
+  const CompareResult result = compare(request);
   const auto folder = prepare_output_directory(options.output, options.force);
-  write_comparison(folder, job, result);
-  sim::job::write_text(folder / "job.toml", sim::compare::to_toml(job));
+  report::write_comparison(folder, request, result);
+  sim::job::write_text(folder / "job.toml", sim::compare::to_toml(request));
   if (!options.quiet) print(result);
 }
 

@@ -1,26 +1,28 @@
 // impactdic fit JOB.toml -o DIR: calibrate a model's parameters on measured tracks.
+#include <impactdic/fit.h>
+
 #include <cmath>
 #include <cstdio>
 
 #include "host/app/command.h"
-#include "host/app/fit_output.h"
 #include "host/app/job_command.h"
+#include "host/report/job/fit_files.h"
 #include "sim/fit/fit_job.h"
 #include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
 
-void print(const sim::fit::FitResult& result) {
+void print(const FitResult& result) {
   if (result.shots.size() == 1) {
-    for (const sim::fit::ParameterEstimate& p : result.shots[0].parameters) {
+    for (const ParameterEstimate& p : result.shots[0].parameters) {
       std::printf("%-22s %.6g +- %.2g  95 %% in [%.6g, %.6g]%s%s\n", p.key.c_str(), p.value, p.sd,
                   p.ci95_low, p.ci95_high,
                   p.determined ? "" : "  NOT DETERMINED: ", p.determined ? "" : p.verdict.c_str());
     }
     return;
   }
-  for (const sim::fit::PooledEstimate& p : result.pooled) {
+  for (const PooledEstimate& p : result.pooled) {
     // The published grid gives no deviations to weigh by: its mean is all there is.
     if (!std::isnan(p.value)) {
       std::printf("%-22s pooled %.6g +- %.2g\n", p.key.c_str(), p.value, p.sd);
@@ -32,13 +34,14 @@ void print(const sim::fit::FitResult& result) {
 }
 
 void run_fit(const JobOptions& options) {
-  const sim::fit::FitJob job = sim::fit::read_fit_job(options.job);
-  const sim::fit::FitResult result = sim::fit::calibrate(job, options.threads);
+  FitRequest request = sim::fit::read_fit_job(options.job);
+  request.threads = options.threads;
+  const FitResult result = fit(request);
   const auto folder = prepare_output_directory(options.output, options.force);
-  write_fit(folder, job, result);
-  sim::job::write_text(folder / "job.toml", sim::fit::to_toml(job));
+  report::write_fit(folder, request, result);
+  sim::job::write_text(folder / "job.toml", sim::fit::to_toml(request));
   if (!options.quiet) print(result);
-  for (const sim::fit::ShotFit& fit : result.shots) print_warnings(fit.warnings, fit.shot.file);
+  for (const ShotFit& shot : result.shots) print_warnings(shot.warnings, shot.shot.file);
 }
 
 }  // namespace

@@ -1,72 +1,16 @@
-#include "host/study/pattern_report.h"
+#include "host/study/pattern_findings.h"
 
-#include <impactdic/error.h>
+#include <impactdic/units.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/base/parse.h"
 #include "sim/speckle/pattern.h"
 
 namespace impactdic::study {
 namespace {
-
-using nlohmann::json;
-
-constexpr const char* kHeader =
-    "pattern,density,motion,dx_px,dy_px,rot_deg,estimator,pairs,pairs_failed,"
-    "dx_mean_px,dy_mean_px,rot_mean_deg,dx_abs_px,dy_abs_px,rot_abs_deg,"
-    "dx_rms_px,dy_rms_px,rot_rms_deg,dx_sd_px,dy_sd_px,rot_sd_deg,"
-    "shift_rms_px,centre_rms_px,bound_dx_px,bound_dy_px,bound_rot_deg,"
-    "windows,no_texture_share,failed_share,wrong_share,window_rms_px,window_bound_px,"
-    "ms_per_pair";
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
-
-void write_row(std::ofstream& file, const PatternStudyRow& row) {
-  const MotionErrors& e = row.errors;
-  const double windows = e.windows;
-  file << row.pattern << ',' << shortest(row.density) << ',' << row.motion.name;
-  for (const double value : {row.motion.dx_px, row.motion.dy_px, row.motion.rot_deg}) {
-    file << ',' << shortest(value);
-  }
-  file << ',' << row.estimator << ',' << e.pairs << ',' << e.failed_pairs;
-  for (const auto part :
-       {&ErrorSums::mean, &ErrorSums::mean_abs, &ErrorSums::rms, &ErrorSums::sd}) {
-    for (const ErrorSums* sums : {&e.dx_px, &e.dy_px, &e.rot_deg}) {
-      file << ',' << cell((sums->*part)());
-    }
-  }
-  for (const double value :
-       {e.shift_px.rms(), row.centre_px.rms(), row.bound.dx_sd_px, row.bound.dy_sd_px,
-        row.bound.rot_sd_rad * kDegPerRad, windows / e.pairs, e.no_texture / windows,
-        e.failed / windows, e.wrong / windows, e.window_px.rms(), e.window_bound_px.rms(),
-        e.seconds * 1e3 / e.pairs}) {
-    file << ',' << cell(value);
-  }
-  file << '\n';
-}
-
-json describe(const PooledErrors& p) {
-  return {{"pairs", p.pairs},
-          {"pairs_failed", p.failed_pairs},
-          {"motion_rms_px", number(p.motion_rms_px)},
-          {"rot_rms_deg", number(p.rot_rms_deg)},
-          {"shift_rms_px", number(p.shift_rms_px)},
-          {"surface_rms_px", number(p.surface_rms_px)},
-          {"bound_px", number(p.bound_px)},
-          {"bound_deg", number(p.bound_deg)},
-          {"window_rms_px", number(p.window_rms_px)},
-          {"window_bound_px", number(p.window_bound_px)},
-          {"no_texture_share", number(p.no_texture_share)},
-          {"wrong_share", number(p.wrong_share)}};
-}
 
 // By what a pattern is judged: the motion of the ball as a whole and that of its windows alike.
 double score(const PooledErrors& p) { return p.surface_rms_px * p.window_rms_px; }
@@ -151,8 +95,8 @@ PooledErrors pool(std::span<const PatternStudyRow> rows, const std::string& patt
     pooled.wrong_share += e.wrong;
     windows += e.windows;
     ++clips;
-    bound += (std::pow(row.bound.dx_sd_px, 2) + std::pow(row.bound.dy_sd_px, 2)) / 2;
-    bound_rot += std::pow(row.bound.rot_sd_rad * kDegPerRad, 2);
+    bound += (std::pow(row.bound_dx_px, 2) + std::pow(row.bound_dy_px, 2)) / 2;
+    bound_rot += std::pow(row.bound_rot_deg, 2);
     if (const double n = e.dx_px.count(); n > 0) {
       motion += n * (std::pow(e.dx_px.rms(), 2) + std::pow(e.dy_px.rms(), 2)) / 2;
       rotation += n * std::pow(e.rot_deg.rms(), 2);
@@ -180,58 +124,50 @@ PooledErrors pool(std::span<const PatternStudyRow> rows, const std::string& patt
   return pooled;
 }
 
-void write_pattern_csv(const std::filesystem::path& path, std::span<const PatternStudyRow> rows) {
-  std::ofstream file(path);
-  file << kHeader << '\n';
-  for (const PatternStudyRow& row : rows) write_row(file, row);
-  file.flush();
-  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
-}
-
-json describe_patterns(std::span<const PatternStudyRow> rows, const PatternStudyOptions& options) {
+PatternFindings find_patterns(std::span<const PatternStudyRow> rows, double radius_px) {
   const auto patterns = names_of(rows, &PatternStudyRow::pattern);
   const auto estimators = names_of(rows, &PatternStudyRow::estimator);
   std::set<std::string> groups;
   for (const std::string& pattern : patterns) groups.insert(pattern.substr(0, 1));
   const auto pooled = [&](const std::string& prefix, const std::string& estimator) {
-    return pool(rows, prefix, estimator, options.radius_px);
+    return pool(rows, prefix, estimator, radius_px);
   };
-  json summary = {{"radius_px", options.radius_px},
-                  {"noise", options.noise},
-                  {"seed", options.seed},
-                  {"pairs_per_motion", options.pairs}};
-  std::string best_estimator = estimators.front();
+  PatternFindings findings;
+  findings.best_estimator = estimators.front();
   for (const std::string& estimator : estimators) {
-    const PooledErrors all = pooled("", estimator);
-    summary["estimators"][estimator]["all"] = describe(all);
+    EstimatorErrors errors{estimator, pooled("", estimator), {}, {}};
     for (const std::string& group : groups) {
-      summary["estimators"][estimator]["groups"][group] = describe(pooled(group, estimator));
+      errors.groups.emplace_back(group, pooled(group, estimator));
     }
     for (const std::string& pattern : patterns) {
-      summary["estimators"][estimator]["patterns"][pattern] = describe(pooled(pattern, estimator));
+      errors.patterns.emplace_back(pattern, pooled(pattern, estimator));
     }
-    if (is_better(all, pooled("", best_estimator))) best_estimator = estimator;
+    if (is_better(errors.all, pooled("", findings.best_estimator))) {
+      findings.best_estimator = estimator;
+    }
+    findings.estimators.push_back(std::move(errors));
   }
-  const auto order = [&](const std::string& a, const std::string& b) {
-    return is_better_pattern(pooled(a, best_estimator), pooled(b, best_estimator));
+  const auto of = [&](const std::string& pattern) {
+    return pooled(pattern, findings.best_estimator);
   };
-  const std::string best = *std::min_element(patterns.begin(), patterns.end(), order);
+  const auto order = [&](const std::string& a, const std::string& b) {
+    return is_better_pattern(of(a), of(b));
+  };
+  findings.best_pattern = *std::min_element(patterns.begin(), patterns.end(), order);
   const std::string worst = *std::max_element(patterns.begin(), patterns.end(), order);
   // An rms over n pairs and two axes is known to 1/√(4n); two such differ by chance up to twice it.
-  const PooledErrors first = pooled(best, best_estimator);
+  const PooledErrors first = of(findings.best_pattern);
   const double doubt = 1 + 2 / std::sqrt(4.0 * first.pairs);
-  std::vector<std::string> equals;
   for (const std::string& pattern : patterns) {
-    const PooledErrors other = pooled(pattern, best_estimator);
-    PooledErrors allowed = other;
+    PooledErrors allowed = of(pattern);
     allowed.surface_rms_px /= doubt;
-    if (pattern != best && !is_better_pattern(first, allowed)) equals.push_back(pattern);
+    if (pattern != findings.best_pattern && !is_better_pattern(first, allowed)) {
+      findings.as_good_patterns.push_back(pattern);
+    }
   }
-  summary["best_estimator"] = best_estimator;
-  summary["best_pattern"] = best;
-  summary["as_good_patterns"] = equals;
-  summary["finding"] = finding(first, best, equals, pooled(worst, best_estimator), worst);
-  return summary;
+  findings.finding =
+      finding(first, findings.best_pattern, findings.as_good_patterns, of(worst), worst);
+  return findings;
 }
 
 }  // namespace impactdic::study

@@ -1,26 +1,26 @@
-#include "host/app/fit_output.h"
+#include "host/report/job/fit_files.h"
 
 #include <nlohmann/json.hpp>
 
-#include "host/app/table_file.h"
+#include "host/report/job/table_file.h"
 
-namespace impactdic::app {
+namespace impactdic::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json estimate(const sim::shot::Estimate& e) {
+Json estimate(const Measured& e) {
   return {{"value", json_number(e.value)}, {"sd", json_number(e.sd)}};
 }
 
-Json flight(const sim::shot::Flight& f) {
+Json flight(const ShotFlight& f) {
   return {{"frames", {f.first, f.last}},
           {"vt_m_s", estimate(f.vt_m_s)},
           {"vn_m_s", estimate(f.vn_m_s)},
           {"omega_rad_s", estimate(f.omega_rad_s)}};
 }
 
-Json parameter(const sim::fit::ParameterEstimate& p) {
+Json parameter(const ParameterEstimate& p) {
   return {{"value", json_number(p.value)},
           {"sd", json_number(p.sd)},
           {"ci95", {json_number(p.ci95_low), json_number(p.ci95_high)}},
@@ -29,10 +29,10 @@ Json parameter(const sim::fit::ParameterEstimate& p) {
           {"verdict", p.verdict}};
 }
 
-Json fit_json(const sim::fit::ShotFit& fit) {
+Json fit_json(const ShotFit& fit) {
   Json json{{"shot", shot_json(fit.shot)}, {"parameters", Json::object()}};
   Json order = Json::array();
-  for (const sim::fit::ParameterEstimate& p : fit.parameters) {
+  for (const ParameterEstimate& p : fit.parameters) {
     json["parameters"][p.key] = parameter(p);
     order.push_back(p.key);
   }
@@ -48,7 +48,7 @@ Json fit_json(const sim::fit::ShotFit& fit) {
   json["measurements"] = fit.measurements;
   json["free_parameters"] = fit.free_parameters;
   json["reduced_chi_square"] = json_number(fit.reduced_chi_square);
-  for (const sim::fit::DerivedFigure& d : fit.derived) {
+  for (const DerivedFigure& d : fit.derived) {
     json["derived"][d.key] = {{"value", json_number(d.value)}, {"sd", json_number(d.sd)}};
   }
   if (!fit.deviation_factors.empty()) {
@@ -63,9 +63,9 @@ Json fit_json(const sim::fit::ShotFit& fit) {
   return json;
 }
 
-void write_surfaces(const std::filesystem::path& folder, const sim::fit::FitResult& result) {
+void write_surfaces(const std::filesystem::path& folder, const FitResult& result) {
   for (std::size_t n = 0; n < result.surfaces.size(); ++n) {
-    const sim::fit::ErrorSurface& s = result.surfaces[n];
+    const ErrorSurface& s = result.surfaces[n];
     const std::string key = result.shots[n].parameters[0].key;
     TableFile grid(folder / ("errors_" + std::to_string(n) + ".csv"),
                    key + ",damping_n_s_per_m,displacement_error,velocity_error,product,sum");
@@ -88,17 +88,17 @@ void write_surfaces(const std::filesystem::path& folder, const sim::fit::FitResu
   }
 }
 
-void write_parameters(const std::filesystem::path& file, const sim::fit::FitResult& result) {
+void write_parameters(const std::filesystem::path& file, const FitResult& result) {
   std::string header = "track,surface_angle_deg,vt_before_m_s,vn_before_m_s,restitution,contact_s";
-  for (const sim::fit::ParameterEstimate& p : result.shots[0].parameters) {
+  for (const ParameterEstimate& p : result.shots[0].parameters) {
     header += "," + p.key + "," + p.key + "_sd," + p.key + "_ci95_low," + p.key + "_ci95_high," +
               p.key + "_determined";
   }
   TableFile table(file, header + ",reduced_chi_square,rms_m");
-  for (const sim::fit::ShotFit& fit : result.shots) {
+  for (const ShotFit& fit : result.shots) {
     table << fit.shot.file << fit.shot.surface_angle_deg << fit.shot.before.vt_m_s.value
           << fit.shot.before.vn_m_s.value << fit.shot.restitution.value << fit.shot.contact_s.value;
-    for (const sim::fit::ParameterEstimate& p : fit.parameters) {
+    for (const ParameterEstimate& p : fit.parameters) {
       table << p.value << p.sd << p.ci95_low << p.ci95_high
             << std::string(p.determined ? "1" : "0");
     }
@@ -110,7 +110,7 @@ void write_parameters(const std::filesystem::path& file, const sim::fit::FitResu
 
 }  // namespace
 
-Json shot_json(const sim::shot::Shot& s) {
+Json shot_json(const MeasuredShot& s) {
   return {{"track", s.file},
           {"surface_angle_deg", s.surface_angle_deg},
           {"before", flight(s.before)},
@@ -128,9 +128,9 @@ Json shot_json(const sim::shot::Shot& s) {
           {"noise_m", json_number(s.noise_m)}};
 }
 
-Json pooled_json(const std::vector<sim::fit::PooledEstimate>& pooled) {
+Json pooled_json(const std::vector<PooledEstimate>& pooled) {
   Json json = Json::object();
-  for (const sim::fit::PooledEstimate& p : pooled) {
+  for (const PooledEstimate& p : pooled) {
     json[p.key] = {{"value", json_number(p.value)},
                    {"sd", json_number(p.sd)},
                    {"ci95",
@@ -145,11 +145,11 @@ Json pooled_json(const std::vector<sim::fit::PooledEstimate>& pooled) {
   return json;
 }
 
-Json fits_json(const sim::fit::FitResult& result) {
+Json fits_json(const FitResult& result) {
   Json shots = Json::array();
-  for (const sim::fit::ShotFit& fit : result.shots) shots.push_back(fit_json(fit));
+  for (const ShotFit& fit : result.shots) shots.push_back(fit_json(fit));
   for (std::size_t i = 0; i < result.surfaces.size(); ++i) {
-    const sim::fit::ErrorSurface& s = result.surfaces[i];
+    const ErrorSurface& s = result.surfaces[i];
     shots[i]["grid"] = {{"stiffness", s.grid_stiffness}, {"damping_n_s_per_m", s.grid_damping}};
     shots[i]["spline"] = {{"stiffness", s.spline_stiffness},
                           {"damping_n_s_per_m", s.spline_damping}};
@@ -157,10 +157,10 @@ Json fits_json(const sim::fit::FitResult& result) {
   return shots;
 }
 
-void write_fit(const std::filesystem::path& folder, const sim::fit::FitJob& job,
-               const sim::fit::FitResult& result) {
-  Json summary{{"normal", sim::contact::name_of(job.impact.normal)},
-               {"friction", sim::contact::name_of(job.impact.friction)},
+void write_fit(const std::filesystem::path& folder, const FitRequest& job,
+               const FitResult& result) {
+  Json summary{{"normal", name_of(job.impact.normal)},
+               {"friction", name_of(job.impact.friction)},
                {"parameters", Json::object()}};
   // One shot: its own figures. Several: the pooled ones.
   if (result.shots.size() == 1) {
@@ -170,9 +170,9 @@ void write_fit(const std::filesystem::path& folder, const sim::fit::FitJob& job,
     summary["parameters"] = pooled_json(result.pooled);
   }
   summary["shots"] = fits_json(result);
-  write_json(folder / "summary.json", summary);
+  write_ordered_json(folder / "summary.json", summary);
   write_parameters(folder / "parameters.csv", result);
   write_surfaces(folder, result);
 }
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

@@ -1,18 +1,13 @@
-#include <impactdic/error.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
-#include "host/base/parse.h"
 #include "host/study/density_study.h"
 
 namespace impactdic::study {
 namespace {
-
-std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
 
 std::vector<const DensityRow*> of_method(std::span<const DensityRow> rows,
                                          const std::string& method) {
@@ -46,44 +41,9 @@ double growth(const std::vector<const DensityRow*>& rows, int window_px) {
   return slope_of(x, y);
 }
 
-std::ofstream open(const std::filesystem::path& path) {
-  std::ofstream file(path);
-  if (!file) throw FileError("cannot write the file", path.string());
-  return file;
-}
-
-void close(std::ofstream& file, const std::filesystem::path& path) {
-  file.flush();
-  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
-}
-
 }  // namespace
 
-void write_density_csv(const std::filesystem::path& path, std::span<const DensityRow> rows) {
-  std::ofstream file = open(path);
-  file << "points,method,us_per_window,rms_px,bias_x_px,bias_y_px,same_lag_share\n";
-  for (const DensityRow& row : rows) {
-    file << row.points << ',' << row.method << ',' << cell(row.us_per_window) << ','
-         << cell(row.rms_px) << ',' << cell(row.bias_x_px) << ',' << cell(row.bias_y_px) << ','
-         << cell(row.same_lag_share) << '\n';
-  }
-  close(file, path);
-}
-
-void write_window_csv(const std::filesystem::path& path, const Image<double>& picture,
-                      double step_px) {
-  std::ofstream file = open(path);
-  file << "x_px,y_px,grey\n";
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) {
-      file << shortest(x * step_px) << ',' << shortest(y * step_px) << ','
-           << shortest(picture(x, y)) << '\n';
-    }
-  }
-  close(file, path);
-}
-
-nlohmann::json describe_density(std::span<const DensityRow> rows, int window_px) {
+DensityFindings find_density(std::span<const DensityRow> rows, int window_px) {
   const auto literal = of_method(rows, "literal"), ours = of_method(rows, "published"),
              plain = of_method(rows, "icgn");
   const auto quickest = [](const DensityRow* a, const DensityRow* b) {
@@ -93,12 +53,12 @@ nlohmann::json describe_density(std::span<const DensityRow> rows, int window_px)
   double same = 1, smallest = literal.front()->rms_px;
   for (const DensityRow* row : ours) same = std::min(same, row->same_lag_share);
   for (const DensityRow* row : literal) smallest = std::min(smallest, row->rms_px);
-  nlohmann::json summary = {
-      {"same_lag_share", same},
-      {"default_spread", (*most)->us_per_window / (*least)->us_per_window},
-      {"literal_slowdown", literal.back()->us_per_window / literal.front()->us_per_window},
-      {"published_slowdown", ours.back()->us_per_window / ours.front()->us_per_window}};
-  if (literal.size() > 2) summary["literal_growth"] = growth(literal, window_px);
+  DensityFindings findings;
+  findings.same_lag_share = same;
+  findings.default_spread = (*most)->us_per_window / (*least)->us_per_window;
+  findings.literal_slowdown = literal.back()->us_per_window / literal.front()->us_per_window;
+  findings.published_slowdown = ours.back()->us_per_window / ours.front()->us_per_window;
+  if (literal.size() > 2) findings.literal_growth = growth(literal, window_px);
   char text[400];
   std::snprintf(text, sizeof text,
                 "Spline points do not help the published method below %.3f px, its bias: at %d of "
@@ -107,8 +67,8 @@ nlohmann::json describe_density(std::span<const DensityRow> rows, int window_px)
                 smallest, literal.back()->points,
                 literal.back()->us_per_window / literal.front()->us_per_window,
                 plain.front()->rms_px);
-  summary["finding"] = text;
-  return summary;
+  findings.finding = text;
+  return findings;
 }
 
 }  // namespace impactdic::study

@@ -1,11 +1,11 @@
 // impactdic simulate JOB.toml -o DIR: integrate an impact model.
 #include <impactdic/error.h>
+#include <impactdic/simulate.h>
 
 #include <cstdio>
 
 #include "host/app/command.h"
 #include "host/app/job_command.h"
-#include "sim/contact/impact.h"
 #include "sim/job/job_toml.h"
 #include "sim/job/rebound_job.h"
 #include "sim/job/result_files.h"
@@ -14,35 +14,27 @@
 namespace impactdic::app {
 namespace {
 
-constexpr double kDefaultRows = 200;
-
-sim::contact::ImpactResult integrate(const sim::job::SimulateJob& job, const std::string& file) {
+ImpactResult integrate(const SimulateRequest& request, const std::string& file) {
   try {
-    double rate_hz = job.rate_hz;
-    if (rate_hz == 0) {
-      const sim::contact::ImpactResult first = sim::contact::simulate_impact(job.impact);
-      const double span_s = first.separated ? first.contact_s : first.phases.back().end_s;
-      rate_hz = kDefaultRows / span_s;
-    }
-    return sim::contact::simulate_impact(job.impact, {.rate_hz = rate_hz});
+    return simulate(request);
   } catch (const InvalidArgument& error) {
     throw InvalidArgument(error.what(), file + ": " + error.where(), error.hint());
   }
 }
 
-void print(const sim::contact::ImpactResult& result) {
+void print(const ImpactResult& result) {
   std::printf("restitution %.4f, contact %.4f ms, maximum deflection %.4f mm\n", result.restitution,
               1e3 * result.contact_s, 1e3 * result.max_deflection_m);
   std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.final.vt_m_s,
               result.final.vn_m_s, result.final.omega_rad_s);
-  for (const sim::contact::Phase& phase : result.phases) {
+  for (const ContactPhase& phase : result.phases) {
     std::printf("  %-16s %9.4f to %9.4f ms\n", phase.name, 1e3 * phase.start_s, 1e3 * phase.end_s);
   }
 }
 
 void run_rod_simulation(const JobOptions& options) {
-  const sim::rod::RodJobFile job = sim::rod::read_rod_job(options.job);
-  const sim::rod::RodImpact impact = sim::rod::simulate_rod(job.rod);
+  const RodModel job = sim::rod::read_rod_job(options.job);
+  const RodImpact impact = simulate(job.rod);
   const auto dir = prepare_output_directory(options.output, options.force);
   sim::rod::write_rod_trajectory(dir / "trajectory.csv", impact);
   sim::job::write_text(dir / "summary.json", sim::rod::rod_summary_json(job, impact));
@@ -57,8 +49,8 @@ void run_rod_simulation(const JobOptions& options) {
 }
 
 void run_formula(const JobOptions& options) {
-  const sim::contact::ReboundJob job = sim::job::read_rebound_job(options.job);
-  const sim::contact::ReboundResult result = sim::contact::simulate_rebound(job);
+  const ReboundJob job = sim::job::read_rebound_job(options.job);
+  const ReboundResult result = simulate(job);
   const auto dir = prepare_output_directory(options.output, options.force);
   sim::job::write_rebound_trajectory(dir / "trajectory.csv", result);
   sim::job::write_text(dir / "summary.json", sim::job::rebound_summary_json(job, result));
@@ -73,10 +65,10 @@ void run_formula(const JobOptions& options) {
 
 void run_simulate(const JobOptions& options) {
   const std::string model = sim::job::model_of_job(options.job);
-  if (sim::contact::is_rebound_model(model)) return run_formula(options);
+  if (is_rebound_model(model)) return run_formula(options);
   if (model == "rigid_rod" || model == "flexible_rod") return run_rod_simulation(options);
-  const sim::job::SimulateJob job = sim::job::read_simulate_job(options.job);
-  const sim::contact::ImpactResult result = integrate(job, options.job);
+  const SimulateRequest job = sim::job::read_simulate_job(options.job);
+  const ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);
   sim::job::write_trajectory_csv(dir / "trajectory.csv", result.trajectory);
   sim::job::write_text(dir / "summary.json", sim::job::summary_json(job.impact, result));

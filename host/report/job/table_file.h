@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace impactdic::app {
+namespace impactdic::report {
 
 class TableFile {
  public:
@@ -25,8 +25,8 @@ class TableFile {
 };
 
 // Throws FileError.
-void write_json(const std::filesystem::path& file, const nlohmann::ordered_json& json);
+void write_ordered_json(const std::filesystem::path& file, const nlohmann::ordered_json& json);
 // null where the value is not finite.
 nlohmann::ordered_json json_number(double value);
 
-}  // namespace impactdic::app
+}  // namespace impactdic::report

@@ -1,4 +1,4 @@
-#include "host/app/rod_output.h"
+#include "host/report/job/rod_files.h"
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>
@@ -9,18 +9,16 @@
 
 #include "host/base/parse.h"
 
-namespace impactdic::app {
+namespace impactdic::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json measured(const sim::rod::Measured& m) {
-  return Json{{"value", number(m.value)}, {"sd", number(m.sd)}};
-}
+Json measured(const Measured& m) { return Json{{"value", number(m.value)}, {"sd", number(m.sd)}}; }
 
-Json side(const sim::rod::RodSide& s) {
+Json side(const RodSide& s) {
   return Json{{"frames", {s.first, s.last}},
               {"vt_m_s", measured(s.vt_m_s)},
               {"vn_m_s", measured(s.vn_m_s)},
@@ -38,7 +36,7 @@ Json side(const sim::rod::RodSide& s) {
                 {"tilt_deg", number(s.gravity_tilt_deg)}}}};
 }
 
-Json closure(const sim::rod::RodClosure& c) {
+Json closure(const RodClosure& c) {
   return Json{{"normal_impulse_n_s", number(c.normal_impulse_n_s)},
               {"tangential_impulse_n_s", number(c.tangential_impulse_n_s)},
               {"omega_after_rad_s", measured(c.omega_as_measured_rad_s)},
@@ -50,7 +48,7 @@ Json closure(const sim::rod::RodClosure& c) {
 }
 
 Json prediction(const RodPrediction& p) {
-  const sim::rod::RodImpact& i = p.impact;
+  const RodImpact& i = p.impact;
   return Json{{"model", p.model},
               {"restitution", number(i.restitution)},
               {"vt_m_s", number(i.vt_m_s)},
@@ -79,14 +77,11 @@ void close(std::ofstream& stream, const std::filesystem::path& file) {
   if (!stream) throw FileError("cannot write the file", file.string());
 }
 
-}  // namespace
-
-void write_rod_motion(const std::filesystem::path& file,
-                      const sim::rod::RodMeasurement& measurement) {
+void write_rod_motion(const std::filesystem::path& file, const RodMeasurement& measurement) {
   std::ofstream out(file);
   out << "time_s,status,qt_m,qn_m,out_of_plane_m,angle_12_deg,angle_13_deg,angle_23_deg,angle_deg,"
          "vt_m_s,vn_m_s,omega_rad_s\n";
-  for (const sim::rod::RodFrame& f : measurement.frames) {
+  for (const RodFrame& f : measurement.frames) {
     out << shortest(f.time_s) << ',' << f.status << ',' << shortest(f.qt_m) << ','
         << shortest(f.qn_m) << ',' << shortest(f.out_of_plane_m);
     for (double angle : f.pair_angle_rad) out << ',' << shortest(angle * kDegPerRad);
@@ -97,8 +92,7 @@ void write_rod_motion(const std::filesystem::path& file,
 }
 
 void write_rod_summary(const std::filesystem::path& file, const std::string& input,
-                       const sim::rod::RodMeasureOptions& options,
-                       const sim::rod::RodMeasurement& m,
+                       const RodMeasureOptions& options, const RodMeasurement& m,
                        const std::vector<RodPrediction>& predictions) {
   Json root{{"input", input},
             {"rod",
@@ -138,4 +132,16 @@ void write_deformations(const std::filesystem::path& file,
   close(out, file);
 }
 
-}  // namespace impactdic::app
+}  // namespace
+
+void write_rod(const std::filesystem::path& folder, const RodRequest& request,
+               const RodResult& result) {
+  write_rod_motion(folder / "motion.csv", result.measurement);
+  write_rod_summary(folder / "summary.json", request.markers.file, request.measure,
+                    result.measurement, result.predictions);
+  if (!result.deformations.empty()) {
+    write_deformations(folder / "deformation.csv", result.deformations);
+  }
+}
+
+}  // namespace impactdic::report

@@ -1,0 +1,183 @@
+// Calibration of an impact model on measured tracks (sections 3.3.1 and 4.2.1 of Ghaednia's
+// dissertation, and the sound way: least squares on the trajectory).
+//
+// World axes: metres, x right, y up, rotation counter-clockwise. Local axes: t along the surface, n
+// out of it. A value that was not measured is NaN.
+#pragma once
+
+#include <impactdic/control.h>
+#include <impactdic/export.h>
+#include <impactdic/impact_model.h>
+#include <impactdic/measured.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace IMPACTDIC_PUBLIC impactdic {
+
+// A measured track as a calibration reads it. Uncertainties are one standard deviation. Motion k
+// leads from frame k to frame k + 1; every list has one entry a frame.
+struct MeasuredTrack {
+  std::string file;                             // its name in errors and results
+  std::vector<double> time_s;                   // ascending, evenly spaced
+  std::vector<double> x_m, y_m, position_sd_m;  // of the centre
+  std::vector<double> dx_m, dy_m, motion_sd_m;  // rigid motion of the surface pattern
+  std::vector<double> turn_rad, turn_sd_rad;    // rotation of that motion
+  double interval_s = 0;
+  double metre_per_px = 0;  // of the table's pixels
+  // Of the surface, as the track knows it; NaN where it does not.
+  double surface_angle_deg = 0;
+
+  // Throws InvalidArgument where lists differ in length, times do not ascend or fewer than 20
+  // centres are known.
+  void validate() const;
+};
+
+// One flight, at the instant where the contact begins or ends.
+struct ShotFlight {
+  std::size_t first = 0, last = 0;       // frames of the fit
+  Measured vt_m_s, vn_m_s, omega_rad_s;  // omega NaN: the track has no rotation
+};
+
+// What a track tells of its impact without any model of the contact.
+struct MeasuredShot {
+  std::string file;
+  double surface_angle_deg = 0;
+  ShotFlight before, after;
+  Measured contact_start_s, contact_end_s, contact_s;
+  double t_max_compression_s = 0;  // from the contact's start
+  Measured max_deflection_m;
+  double touch_x_m = 0, touch_y_m = 0;  // the centre at the first touch, world axes
+  double noise_m = 0;                   // of one centre, one coordinate
+  Measured restitution;
+  // Eq. 3.12, with gravity, rolling cap; positive where friction opposes the slip.
+  EffectiveFriction friction;
+  double friction_sd = 0;
+  // The normal position where both flights, carried on, cross, above the lowest one measured. With
+  // the restitution it fixes a law's time scale, and needs no sight of the instant of touch.
+  Measured crossing_above_lowest_m;
+  double crossing_s = 0;  // when they cross, on the track's clock
+};
+
+enum class FitMethod { kTrajectory, kPublishedGrid, kRestitutionDuration };
+
+// What can be fitted. The first group are parameters of the laws, shared by all shots; the second
+// belong to each shot's measurement.
+enum class FitParameter {
+  kStiffness,
+  kDamping,
+  kFrictionKinetic,
+  kFrictionStatic,
+  kPoisson,
+  kYieldStrength,
+  kContactTime,   // when the ball touches, on the track's clock
+  kSurfaceAngle,  // of the wall
+  kScale          // true length over measured length
+};
+
+// The key as it stands in a job, with its unit; the stiffness's depends on the law.
+std::string key_of(FitParameter parameter, NormalModel normal);
+
+// A track.csv of `track`, or a track in memory.
+struct FitShot {
+  std::filesystem::path track;
+  double surface_angle_deg = kNotMeasured;  // NaN: as the track's own local axes have it
+  std::optional<MeasuredTrack> in_memory;   // then `track` is not read
+};
+
+// Chapter 3's grid.
+struct FitGrid {
+  double stiffness_max = 30000, damping_max_n_s_per_m = 20;
+  int stiffness_steps = 30, damping_steps = 20;
+};
+
+struct FitRequest {
+  std::vector<FitShot> shots;
+  // Laws, body, gravity; its contact holds what is not fitted. Surface angle and initial motion are
+  // those of each shot.
+  ImpactJob impact;
+  FitMethod method = FitMethod::kTrajectory;
+  std::vector<FitParameter> parameters;                            // of the laws
+  std::vector<FitParameter> unknowns{FitParameter::kContactTime};  // of each measurement
+  FitGrid grid;
+  int flight_frames = 100;  // the longest flight used on each side
+  // A shot whose parameter lies farther from the median than so many robust standard deviations is
+  // named as an outlier.
+  double outlier_sd = 3.5;
+  int threads = 0;  // shots at a time; 0: as many as the machine has cores
+
+  // Throws InvalidArgument naming the key, as it stands in a job file. What is not fitted must be
+  // given, and be possible.
+  void validate() const;
+};
+
+struct ParameterEstimate {
+  FitParameter parameter{};
+  std::string key;
+  double value = 0;
+  double sd = 0;                       // NaN: not determined at all
+  double ci95_low = 0, ci95_high = 0;  // NaN on a side that is not bounded
+  bool determined = false;
+  bool profiled = false;  // the interval is of the profile likelihood, not from the covariance
+  std::string verdict;    // why it is not determined, and which measurement would determine it
+};
+
+// A figure of the fitted impact itself, such as its restitution.
+struct DerivedFigure {
+  std::string key;
+  double value = 0, sd = 0;
+};
+
+struct ShotFit {
+  // As measured without a model; of restitution_duration with the times and velocities that the
+  // laws give it, from which its parameters follow.
+  MeasuredShot shot;
+  std::vector<ParameterEstimate> parameters;  // laws, then unknowns
+  std::vector<DerivedFigure> derived;         // trajectory only
+  std::vector<double> covariance;             // of them, row-major; NaN where not determined
+  double chi_square = 0;
+  long measurements = 0, free_parameters = 0;
+  double reduced_chi_square = 0;  // by the deviations that the track states
+  double aic = 0;                 // chi square + 2 x free parameters
+  // By what the stated deviations of centres, motions and rotations were multiplied, because their
+  // errors are larger or last longer than stated; empty for methods that do not weigh.
+  std::vector<double> deviation_factors;
+  double rms_m = 0;  // of the centre's path, both coordinates
+  bool converged = true;
+  std::vector<std::string> warnings;
+};
+
+// Errors of chapter 3 on the grid, stiffness slowest.
+struct ErrorSurface {
+  std::vector<double> stiffness, damping_n_s_per_m;
+  std::vector<double> displacement, velocity;       // E_d, E_v
+  double grid_stiffness = 0, grid_damping = 0;      // the least node of E_d + E_v
+  double spline_stiffness = 0, spline_damping = 0;  // the minimum of the spline through E_d + E_v
+  // The spline ten times finer, stiffness slowest (Fig. 3.29).
+  std::vector<double> fine_stiffness, fine_damping, fine_sum;
+};
+
+struct PooledEstimate {
+  std::string key;
+  double mean = 0, scatter_sd = 0;  // over the shots, each counting alike (the published way)
+  double value = 0, sd = 0;         // weighted by each shot's own covariance
+  double chi_square = 0;            // of the shots about `value`; about shots - 1 where they agree
+  bool determined = false;
+  std::vector<std::string> outliers;  // files
+};
+
+struct FitResult {
+  std::vector<ShotFit> shots;          // in the request's order; of a cancelled run those done
+  std::vector<ErrorSurface> surfaces;  // one a shot; published_grid only
+  std::vector<PooledEstimate> pooled;  // of the laws' parameters
+  bool cancelled = false;
+};
+
+// Fits every shot. Throws FileError or FormatError naming the file, InvalidArgument naming the key.
+// Of several shots that fail, the error is the first one's in the request's order.
+FitResult fit(const FitRequest& request, const RunControl& control = {});
+
+}  // namespace impactdic

@@ -1,0 +1,225 @@
+// Models of an impact on a surface: what they are asked, and what they answer.
+//
+// Axes are local: t along the surface, n out of it, metres; omega and angles are positive
+// counter-clockwise. The surface is inclined by surface_angle_deg, counter-clockwise from the
+// horizontal, so that gravity is (-g sin(angle), -g cos(angle)). Sources: docs/sources.md; numbers
+// of equations are those of Ghaednia's dissertation.
+#pragma once
+
+#include <impactdic/export.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace IMPACTDIC_PUBLIC impactdic {
+
+// kOther: a ball whose moment of inertia is given.
+enum class BodyShape { kHollowSphere, kSolidSphere, kRod, kOther };
+
+// A rigid body in plane motion. A ball touches the surface below its centre; a rod touches it with
+// the end that hangs lower, whose cap has the radius diameter_m / 2.
+struct ImpactBody {
+  BodyShape shape = BodyShape::kSolidSphere;
+  double mass_kg = 0;
+  double diameter_m = 0;
+  double length_m = 0;       // rods only
+  double inertia_kg_m2 = 0;  // about the centre; 0: from the shape
+
+  double radius_m() const { return diameter_m / 2; }
+  // I_C: thin shell 2/3 m R^2, solid sphere 2/5 m R^2, slender rod m L^2 / 12, or as given.
+  double inertia() const;
+  // kappa = I_C / (m R^2).
+  double inertia_factor() const { return inertia() / (mass_kg * radius_m() * radius_m()); }
+  // Throws InvalidArgument naming the key.
+  void validate() const;
+};
+
+enum class NormalModel {
+  kLinearSpringDamper,
+  kHertzDamper,
+  kJacksonGreen,
+  kKogutEtsion,
+  kThornton
+};
+enum class FrictionModel { kNone, kCoulomb, kThreePhase, kFullSliding, kBrody, kMawBarberFawcett };
+// kPublished: the source's own rule, so that its figures can be remade. kSound: no rule that breaks
+// a law of physics.
+enum class ModelPreset { kPublished, kSound };
+// What the damper does after the maximum compression: nothing; act until the force is zero; act
+// until the deflection is zero (the force is then negative at the end: the surface pulls).
+enum class RestitutionDamping { kNone, kToZeroForce, kToZeroDeflection };
+// How much deflection an elastic-plastic contact keeps (Jackson et al. 2010; Etsion et al. 2005).
+enum class ResidualLaw { kJackson, kKogutEtsion };
+
+// The names that stand in job files, e.g. "hertz_damper". The parsers throw InvalidArgument.
+std::string_view name_of(NormalModel model);
+std::string_view name_of(FrictionModel model);
+std::string_view name_of(ModelPreset preset);
+std::string_view name_of(RestitutionDamping damping);
+std::string_view name_of(ResidualLaw law);
+std::string_view name_of(BodyShape shape);
+NormalModel parse_normal_model(std::string_view name);
+FrictionModel parse_friction_model(std::string_view name);
+ModelPreset parse_preset(std::string_view name);
+RestitutionDamping parse_restitution_damping(std::string_view name);
+ResidualLaw parse_residual_law(std::string_view name);
+BodyShape parse_shape(std::string_view name);
+
+// The parameters of the contact; each law uses its own and the others stay zero.
+struct ContactParameters {
+  // linear_spring_damper: N/m; hertz_damper: N/m^1.5.
+  double stiffness = 0;
+  double damping_n_s_per_m = 0;
+  RestitutionDamping restitution_damping = RestitutionDamping::kNone;
+  double friction_kinetic = 0;
+  double friction_static = 0;  // three_phase only; at least friction_kinetic
+  double poisson = 0;          // maw_barber_fawcett, jackson_green: of the (softer) body
+  // The elastic-plastic laws: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; yield of the weaker body.
+  double reduced_modulus_pa = 0;
+  double yield_strength_pa = 0;
+  ResidualLaw residual = ResidualLaw::kJackson;
+};
+
+// The motion of the mass centre at t = 0.
+struct InitialMotion {
+  double vt_m_s = 0;
+  double vn_m_s = 0;  // negative: towards the surface
+  double omega_rad_s = 0;
+  double gap_m = 0;      // distance left to the surface; 0: contact begins at t = 0
+  double angle_deg = 0;  // rods: the angle of the axis from the surface, of the centre seen from
+                         // the striking end: 90 is upright
+};
+
+struct SolverOptions {
+  double relative_tolerance = 1e-10;  // of each state's own scale, per step
+  int contacts = 1;                   // how many contacts to follow (separation, then re-contact)
+};
+
+// An impact whose path is integrated.
+struct ImpactJob {
+  NormalModel normal = NormalModel::kLinearSpringDamper;
+  FrictionModel friction = FrictionModel::kCoulomb;
+  ModelPreset preset = ModelPreset::kSound;
+  ImpactBody body;
+  ContactParameters contact;
+  double surface_angle_deg = 0;
+  InitialMotion initial;
+  double gravity_m_s2 = 9.81;
+  SolverOptions solver;
+
+  // Throws InvalidArgument naming the key, as it stands in a job file, and why.
+  void validate() const;
+};
+
+// Plane motion of the mass centre. qt counts from t = 0 and qn from the first touch of the surface,
+// so that qn = -deflection for a ball in contact (the source's q1, q2, q3, its Eqs 3.1-3.4).
+struct PlaneState {
+  double qt_m = 0, qn_m = 0, angle_rad = 0;
+  double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
+};
+
+// Energy in joules, since the start: kinetic_start_j + gravity_j = the sum of all others.
+struct EnergyLedger {
+  double kinetic_start_j = 0;
+  double gravity_j = 0;  // work done by the weight
+  double kinetic_j = 0;
+  double normal_elastic_j = 0;      // stored, recoverable
+  double damping_j = 0;             // dissipated by the damper
+  double tangential_elastic_j = 0;  // stored in the tangential springs
+  double slip_j = 0;                // dissipated by friction; negative where a rule feeds energy in
+  double plastic_j = 0;             // kept by permanent deformation
+  double residual_j = 0;            // what the integration lost
+};
+
+struct TrajectoryPoint {
+  double time_s = 0;
+  PlaneState state;
+  double deflection_m = 0;
+  double normal_force_n = 0, tangential_force_n = 0;
+  double tip_vt_m_s = 0;  // tangential velocity of the contact point
+  EnergyLedger energy;
+};
+
+enum class ContactPhaseKind { kFlight, kNormal, kTangential };
+
+struct ContactPhase {
+  ContactPhaseKind kind = ContactPhaseKind::kNormal;
+  // flight; compression, restitution; sliding, sticking, post_sliding, rolling, reversed_sliding,
+  // partial_slip, gross_slip, frictionless.
+  const char* name = "";
+  double start_s = 0, end_s = 0;
+  // Tangential phases: dissipated by friction; negative: the rule feeds energy in.
+  double slip_j = 0;
+};
+
+// NaN where the body did not leave the surface and a figure therefore does not exist.
+struct ImpactResult {
+  bool separated = false;  // the body left the surface; otherwise it came to rest on it
+  PlaneState start, final;
+  double contact_start_s = 0;
+  double contact_s = 0;  // duration of the first contact
+  // From the contact's start, as are the phases of a job without gap.
+  double t_max_compression_s = 0;
+  double max_deflection_m = 0;
+  double max_force_n = 0;         // P_m: the normal force at the maximum compression
+  double peak_force_n = 0;        // the largest normal force: a damper shifts it before that
+  double separation_force_n = 0;  // normal force at that moment; negative: the surface pulls
+  double restitution = 0;         // of the contact point's normal velocity (source Eq. 3.11)
+  double tip_vt_start_m_s = 0, tip_vt_final_m_s = 0;
+  double impulse_t_n_s = 0, impulse_n_n_s = 0;  // of the contact force
+  std::vector<ContactPhase> phases;
+  EnergyLedger energy;
+  std::vector<std::string> warnings;
+  std::vector<TrajectoryPoint> trajectory;  // as the request asks
+  long evaluations = 0;                     // of the right-hand side
+  long steps = 0;                           // accepted, of all contacts
+};
+
+// Effective friction of a measured or computed impact, an impulse ratio.
+struct EffectiveFriction {
+  double published = 0;    // Eq. 3.12: leaves gravity's impulse out
+  double sound = 0;        // (dvt + g sin(angle) T) / (dvn + g cos(angle) T)
+  double rolling_cap = 0;  // |vt0 + R omega0| / [(1 + 1/kappa)(1 + e)|vn0|]
+};
+
+// Velocities of the mass centre along and out of the surface (m/s) and spin (rad/s, positive
+// counter-clockwise; the contact point of a ball moves at vt + R omega).
+struct ImpactVelocities {
+  double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
+};
+
+// Models that are a formula: the motion after from the motion before, without a path, phases or a
+// duration. Garwin 1969, Cross 2002, Walton 1993, Stronge 1990.
+enum class ReboundModel { kGarwin, kCross, kWalton, kStronge };
+std::string_view name_of(ReboundModel model);
+// Throws InvalidArgument.
+ReboundModel parse_rebound_model(std::string_view name);
+bool is_rebound_model(std::string_view name);
+
+struct ReboundJob {
+  ReboundModel model = ReboundModel::kWalton;
+  // kPublished: the authors' own rule (Garwin 1969: nothing is lost; Cross 2002: friction grips
+  // without limit). kSound: the surface's restitution also for Garwin, and neither grips harder
+  // than friction_kinetic allows. Walton (1993) and Stronge (1990) know that limit themselves.
+  ModelPreset preset = ModelPreset::kSound;
+  ImpactBody body;
+  double restitution = 1;             // normal; Stronge: energetic
+  double tangential_restitution = 0;  // e_x of Cross, beta_0 of Walton; -1 to 1
+  double friction_kinetic = 0;
+  double surface_angle_deg = 0;
+  // Rods: angle_deg is the axis above the surface, the centre seen from the striking end.
+  InitialMotion initial;
+
+  // Throws InvalidArgument naming the key, as it stands in a job file.
+  void validate() const;
+};
+
+struct ReboundResult {
+  ImpactVelocities before, after;
+  double restitution = 0;  // of the contact point's normal velocity
+  double kinetic_before_j = 0, kinetic_after_j = 0;
+  std::vector<std::string> warnings;  // energy that the rule creates
+};
+
+}  // namespace impactdic

@@ -1,0 +1,37 @@
+// Independent pieces of work on several threads, with oneTBB as everywhere.
+#pragma once
+
+#include <impactdic/control.h>
+
+#include <cstddef>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace impactdic {
+
+// Calls work(0) ... work(count - 1), `threads` at a time (0: as many as oneTBB has). Every piece is
+// begun whatever another one throws; then the exception of the lowest index is thrown again here,
+// so that errors do not depend on timing.
+void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
+
+// The same, followed and stopped by `control`, whose progress names `phase`. Returns for each piece
+// whether it was done: those not begun when the caller cancels are left out.
+std::vector<char> parallel_pieces(std::size_t count, int threads, const char* phase,
+                                  const RunControl& control,
+                                  const std::function<void(std::size_t)>& work);
+
+// Keeps the results of the pieces that were done, in their order. Returns whether any is missing.
+template <typename Result>
+bool keep_done(const std::vector<char>& done, std::vector<Result>& results) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    if (!done[i]) continue;
+    if (kept != i) results[kept] = std::move(results[i]);
+    ++kept;
+  }
+  results.resize(kept);
+  return kept < done.size();
+}
+
+}  // namespace impactdic

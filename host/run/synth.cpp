@@ -1,0 +1,160 @@
+#include <impactdic/error.h>
+#include <impactdic/synth.h>
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/contact/motion.h"
+#include "sim/speckle/clip.h"
+
+namespace impactdic {
+namespace {
+
+constexpr int kDefaultFrames = 20;
+constexpr int kImpactFrames = 110;
+
+// Puts a path that is known only relative to its first frame into the picture.
+void put_into_picture(std::vector<BallPose>& poses, const SynthRequest& request) {
+  double x, y;
+  if (request.start) {
+    x = request.start->x_px - poses.front().cx_px;
+    y = request.start->y_px - poses.front().cy_px;
+  } else {
+    const auto [left, right] =
+        std::minmax_element(poses.begin(), poses.end(),
+                            [](const BallPose& a, const BallPose& b) { return a.cx_px < b.cx_px; });
+    const auto [top, bottom] =
+        std::minmax_element(poses.begin(), poses.end(),
+                            [](const BallPose& a, const BallPose& b) { return a.cy_px < b.cy_px; });
+    x = (request.scene.width - 1) / 2.0 - (left->cx_px + right->cx_px) / 2;
+    y = (request.scene.height - 1) / 2.0 - (top->cy_px + bottom->cy_px) / 2;
+  }
+  for (BallPose& pose : poses) {
+    pose.cx_px += x;
+    pose.cy_px += y;
+  }
+}
+
+SynthTruth path_of(const ConstantMotion& motion, const SynthRequest& request) {
+  SynthTruth truth;
+  truth.poses =
+      sim::speckle::constant_motion(motion, request.frames > 0 ? request.frames : kDefaultFrames);
+  truth.bar_frame = (truth.poses.size() - 1) / 2;
+  return truth;
+}
+
+SynthTruth path_of(const GivenMotion& motion, const SynthRequest& request) {
+  SynthTruth truth;
+  truth.poses = motion.poses;
+  if (request.frames > 0) truth.poses.resize(static_cast<std::size_t>(request.frames));
+  truth.bar_frame = (truth.poses.size() - 1) / 2;
+  return truth;
+}
+
+// The path of an impact, relative to the first touch, which the radius in px scales.
+SynthTruth path_of(const ImpactMotion& motion, const SynthRequest& request) {
+  const ImpactJob& job = motion.impact;
+  const int frames = request.frames > 0 ? request.frames : kImpactFrames;
+  const double px_per_m = 2 * request.radius_px / job.body.diameter_m;
+  SynthTruth truth;
+  truth.surface_angle_deg = job.surface_angle_deg;
+  truth.bar_frame =
+      static_cast<std::size_t>(std::clamp(std::lround(motion.touch_frame), 0L, frames - 1L));
+  for (const sim::contact::FramePose& at :
+       sim::contact::simulate_motion(job, request.fps, frames, motion.touch_frame)) {
+    truth.poses.push_back({at.x_m * px_per_m, -at.y_m * px_per_m, at.angle_rad * kDegPerRad,
+                           at.compression, job.surface_angle_deg + 90});
+  }
+  return truth;
+}
+
+std::optional<std::size_t> leaves_view(const SynthTruth& truth, const SynthRequest& request) {
+  const double r = request.radius_px;
+  for (std::size_t k = 0; k < truth.poses.size(); ++k) {
+    const BallPose& p = truth.poses[k];
+    if (p.cx_px < r || p.cy_px < r || p.cx_px > request.scene.width - 1 - r ||
+        p.cy_px > request.scene.height - 1 - r) {
+      return k;
+    }
+  }
+  return std::nullopt;
+}
+
+sim::speckle::SpeckleBall make_ball(const SynthRequest& request) {
+  if (request.pattern != "none") {
+    return sim::speckle::paint_ball(request.pattern, request.seed, request.radius_px);
+  }
+  sim::speckle::SpeckleBall plain;
+  plain.radius_px = request.radius_px;
+  return plain;
+}
+
+void validate_motion(const SynthRequest& request) {
+  if (const auto* given = std::get_if<GivenMotion>(&request.motion)) {
+    if (given->poses.empty()) throw InvalidArgument("the motion has no pose", "--motion");
+    if (static_cast<std::size_t>(request.frames) > given->poses.size()) {
+      throw InvalidArgument(
+          "the motion has only " + std::to_string(given->poses.size()) + " frames", "--motion",
+          "ask for fewer with --frames");
+    }
+    if (given->placed && request.start) {
+      throw InvalidArgument("the motion file already says where the ball is", "--start-px",
+                            "leave it out, or give dx_px,dy_px in the file");
+    }
+  } else if (const auto* impact = std::get_if<ImpactMotion>(&request.motion)) {
+    if (impact->impact.body.shape == BodyShape::kRod) {
+      throw InvalidArgument("the renderer knows balls only", "--simulate", "not a rod");
+    }
+    impact->impact.validate();
+  }
+}
+
+}  // namespace
+
+void SynthRequest::validate() const {
+  const auto require = [](bool good, const char* what, const char* key, const char* hint = "") {
+    if (!good) throw InvalidArgument(what, key, hint);
+  };
+  if (pattern != "none") sim::speckle::find_pattern(pattern);
+  require(radius_px >= 20 && radius_px <= 2000, "the ball's radius is out of range", "--radius-px",
+          "20 ... 2000 px");
+  require(fps > 0 && std::isfinite(fps), "must be positive", "--fps");
+  require(frames >= 0, "must not be negative", "--frames");
+  require(exposure >= 0 && exposure <= 1, "the exposure is out of range", "--exposure",
+          "0 ... 1 of a frame interval");
+  require(hidden >= 0 && hidden <= 1, "the hidden share of the ball is out of range", "--occlude",
+          "0 ... 1");
+  scene.validate();
+  validate_motion(*this);
+}
+
+SynthTruth synth_truth(const SynthRequest& request) {
+  request.validate();
+  SynthTruth truth =
+      std::visit([&](const auto& motion) { return path_of(motion, request); }, request.motion);
+  const auto* given = std::get_if<GivenMotion>(&request.motion);
+  if (given == nullptr || !given->placed) put_into_picture(truth.poses, request);
+  truth.leaves_view = leaves_view(truth, request);
+  return truth;
+}
+
+SynthResult synthesize(const SynthRequest& request, const SynthSink& sink,
+                       const RunControl& control) {
+  SynthResult result;
+  result.truth = synth_truth(request);
+  SynthScene scene = request.scene;
+  scene.noise_seed = request.seed;
+  if (request.hidden > 0) {
+    scene.bar = sim::speckle::bar_hiding(request.hidden, result.truth.poses[result.truth.bar_frame],
+                                         request.radius_px, result.truth.surface_angle_deg);
+    scene.bar->level = request.bar_level;
+  }
+  const sim::speckle::BallRenderer renderer(make_ball(request), scene);
+  result.frames =
+      sim::speckle::render_clip(renderer, result.truth.poses, request.exposure, sink, control);
+  result.cancelled = result.frames < result.truth.poses.size();
+  return result;
+}
+
+}  // namespace impactdic

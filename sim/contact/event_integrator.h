@@ -1,0 +1,256 @@
+// The one integrator of impacts, of balls and of rods: an adaptive Dormand-Prince 5(4)
+// (Boost.odeint) through a sequence of modes that end at events.
+//
+// Every switch of a mode is the root of a guard, found with TOMS 748 (Alefeld, Potra and Shi 1995)
+// on single Runge-Kutta steps from the last accepted state, so that a switch is as exact as the
+// method, which the interpolant of a step is not; the integration restarts there.
+#pragma once
+
+#include <impactdic/error.h>
+
+#include <array>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace impactdic::sim::contact {
+
+template <typename State>
+struct EventInstant {
+  double time_s = 0;
+  State x{}, rate{};
+};
+
+struct EventLimits {
+  double longest_s = 0;       // of the whole integration
+  double longest_step_s = 0;  // 0: as the tolerance allows
+  double negligible_s = 0;    // a part of a step so short is exact whatever the error estimate says
+  int most_switches = 0;
+  long most_steps = 0;
+  const char* hint = "";  // of the errors
+};
+
+// A system with modes and guards. It has the types and members that are used below:
+//   State; kMostGuards
+//   rates(x, rate)          the right-hand side in the present mode
+//   guards(x, values)       fills the functions that are positive while the mode lasts, returns
+//                           their number; one that falls through zero ends the mode
+//   switch_mode(guard, time_s, x)
+//   finished()              asked after every step and switch
+//   accepted(instant, stretch_s, state_within)   told of every step; state_within(s) is the state s
+//                           after the step before it began, which lasted stretch_s up to here
+//   next_point_s(), take_point(time_s, x)         the points that the caller wants, ascending
+//   restart_step_s(step_s)  first step of the next mode, where the last mode's would be step_s
+// ErrorChecker: as odeint's controlled_runge_kutta takes it.
+template <typename System, typename ErrorChecker>
+class EventIntegrator {
+ public:
+  using State = typename System::State;
+  using Instant = EventInstant<State>;
+  using Dopri5 = boost::numeric::odeint::runge_kutta_dopri5<State>;
+  using Stepper = boost::numeric::odeint::controlled_runge_kutta<Dopri5, ErrorChecker>;
+
+  EventIntegrator(System& system, const ErrorChecker& checker, const EventLimits& limits,
+                  double start_s, const State& start)
+      : system_(system),
+        limits_(limits),
+        start_s_(start_s),
+        checker_(checker),
+        stepper_(checker, typename Stepper::step_adjuster_type(limits.longest_step_s)) {
+    now_.time_s = start_s;
+    now_.x = start;
+  }
+
+  // Goes on until the system has finished or the longest time is over. Throws Error where no step
+  // is small enough, modes chatter or steps make no progress.
+  void run(double first_step_s) {
+    double step_s = first_step_s;
+    while (in_time()) {
+      now_.rate = now_.x;
+      system_.rates(now_.x, now_.rate);
+      previous_ = now_;
+      now_guards_ = guards(now_.x);
+      // A guard that starts at zero was just crossed, or begins there: it counts only once it has
+      // been positive.
+      first_of_mode_ = true;
+      bool switched = false;
+      while (!switched && in_time()) switched = advance(step_s);
+      step_s = system_.restart_step_s(step_s);
+    }
+  }
+
+  const Instant& now() const { return now_; }
+  long steps() const { return steps_; }
+
+ private:
+  struct GuardValues {
+    std::array<double, System::kMostGuards> value{};
+    int count = 0;
+  };
+
+  // The right-hand side in the form that odeint calls.
+  auto right_side() const {
+    return [this](const State& x, State& rate, double) { system_.rates(x, rate); };
+  }
+  bool in_time() const { return !system_.finished() && now_.time_s - start_s_ < limits_.longest_s; }
+  GuardValues guards(const State& x) const {
+    GuardValues guards;
+    guards.count = system_.guards(x, guards.value);
+    return guards;
+  }
+
+  State single_step(const Instant& from, double step_s) {
+    State x = from.x, rate = from.x;
+    rk_.do_step(right_side(), from.x, from.rate, from.time_s, x, rate, step_s);
+    return x;
+  }
+
+  // Whether the part of a step up to an event meets the tolerance by itself. The whole step did,
+  // but its stages may have passed by a rate that changes fast just before the event.
+  bool exact_enough(double step_s) {
+    if (step_s < limits_.negligible_s) return true;
+    State x = now_.x, rate = now_.x, error = now_.x;
+    rk_.do_step(right_side(), now_.x, now_.rate, now_.time_s, x, rate, step_s, error);
+    return checker_.error(rk_.algebra(), now_.x, now_.rate, error, step_s) <= 1;
+  }
+
+  Instant try_steps(double& step_s) {
+    Instant next{now_.time_s, now_.x, now_.x};
+    for (int failures = 0; stepper_.try_step(right_side(), now_.x, now_.rate, next.time_s, next.x,
+                                             next.rate, step_s) == boost::numeric::odeint::fail;) {
+      if (++failures > 500) throw Error("the step size vanishes", "integration", limits_.hint);
+    }
+    return next;
+  }
+
+  State within(const Instant& next, double time_s) {
+    State x = now_.x;
+    stepper_.stepper().calc_state(time_s, x, now_.x, now_.rate, now_.time_s, next.x, next.rate,
+                                  next.time_s);
+    return x;
+  }
+
+  // One step, or the part of it up to the first event. Returns whether a mode has changed.
+  bool advance(double& step_s) {
+    const Instant next = try_steps(step_s);
+    const double taken = next.time_s - now_.time_s;
+    const GuardValues middle = guards(within(next, now_.time_s + 0.5 * taken));
+    const GuardValues end = guards(next.x);
+    if (first_of_mode_) {
+      first_of_mode_ = false;
+      if (leave_at_once(middle, end)) return true;
+    }
+    const Event event = first_event(taken, middle, end);
+    if (event.guard < 0) {
+      hand_over(next, false);
+      accept(next);
+      now_guards_ = end;
+      return false;
+    }
+    if (!exact_enough(event.after_s)) {
+      step_s = 0.5 * event.after_s;
+      return false;
+    }
+    const Instant at_event{now_.time_s + event.after_s, single_step(now_, event.after_s), {}};
+    hand_over(at_event, true);
+    accept(at_event);
+    switch_mode(event.guard);
+    step_s = std::min(step_s, taken);
+    return true;
+  }
+
+  // A mode whose guard is never positive was wrong from its start: the next one takes its place
+  // there.
+  bool leave_at_once(const GuardValues& middle, const GuardValues& end) {
+    for (int i = 0; i < end.count; ++i) {
+      if (now_guards_.value[i] > 0 || middle.value[i] > 0 || end.value[i] > 0) continue;
+      switch_mode(i);
+      return true;
+    }
+    return false;
+  }
+
+  struct Event {
+    int guard = -1;  // none
+    double after_s = 0;
+  };
+  Event first_event(double taken, const GuardValues& middle, const GuardValues& end) {
+    Event first{-1, taken};
+    for (int i = 0; i < end.count; ++i) {
+      const double root = guard_root(i, taken, middle.value[i], end.value[i]);
+      if (root < first.after_s || (root == first.after_s && first.guard < 0 && root < taken)) {
+        first = {i, root};
+      }
+    }
+    return first;
+  }
+
+  // The time from now_ at which guard i falls through zero, infinite if it does not.
+  double guard_root(int i, double taken, double middle, double end) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    const double begin = now_guards_.value[i];
+    double low = 0, high = taken, low_value = begin;
+    if (begin > 0 && middle <= 0) {
+      high = 0.5 * taken;
+    } else if (middle > 0 && end <= 0) {
+      low = 0.5 * taken;
+    } else {
+      return kNever;
+    }
+    const auto value = [&](double step) { return guards(single_step(now_, step)).value[i]; };
+    if (low > 0) low_value = value(low);
+    double high_value = value(high);
+    if (high_value > 0 && high < taken) high_value = value(high = taken);
+    if (!(low_value > 0)) {  // the interpolant and the step differ by rounding: it is there
+      return begin > 0 ? low : kNever;
+    }
+    if (high_value > 0) return kNever;
+    if (high_value == 0) return high;
+    std::uintmax_t iterations = 100;
+    const auto close = [taken](double a, double b) { return std::abs(b - a) <= 1e-15 * taken; };
+    return boost::math::tools::toms748_solve(value, low, high, low_value, high_value, close,
+                                             iterations)
+        .second;
+  }
+
+  // Hands over the points that were asked for up to `next`. Within a whole step they come from the
+  // dense output; within a part of one from single steps, since the interpolant of the whole step
+  // has seen the far side of the switch.
+  void hand_over(const Instant& next, bool part) {
+    for (double t = system_.next_point_s(); t <= next.time_s; t = system_.next_point_s()) {
+      system_.take_point(t, part ? single_step(now_, t - now_.time_s) : within(next, t));
+    }
+  }
+
+  void accept(const Instant& next) {
+    if (++steps_ > limits_.most_steps) throw Error("no progress", "integration", limits_.hint);
+    system_.accepted(next, next.time_s - previous_.time_s,
+                     [this](double s) { return single_step(previous_, s); });
+    previous_ = now_;
+    now_ = next;
+  }
+
+  void switch_mode(int guard) {
+    if (++switches_ > limits_.most_switches) {
+      throw Error("the contact's modes chatter", "integration", limits_.hint);
+    }
+    system_.switch_mode(guard, now_.time_s, now_.x);
+  }
+
+  System& system_;
+  const EventLimits limits_;
+  double start_s_;
+  ErrorChecker checker_;
+  Stepper stepper_;
+  Dopri5 rk_;
+  Instant now_, previous_;
+  GuardValues now_guards_;
+  bool first_of_mode_ = false;
+  int switches_ = 0;
+  long steps_ = 0;
+};
+
+}  // namespace impactdic::sim::contact
