@@ -24,7 +24,7 @@ struct EngineOptions {
   std::string kernel_dir;
   std::filesystem::path cache_dir = ProgramCache::default_folder();
   // Whether compiled programs are kept there. Without a value: unless the driver keeps them itself
-  // (DeviceInfo::keeps_programs).
+  // (Device::keeps_programs).
   std::optional<bool> keep_programs = std::nullopt;
   // Told how far the compiler is, where there is something to compile.
   CompileFn on_compile = nullptr;

@@ -117,8 +117,8 @@ void run_unpack(opencl::Engine& engine, cl::Kernel kernel) {
 // What an engine told about its compiler; OpenCL calls from threads of its own.
 class Compiling {
  public:
-  opencl::CompileFn teller() {
-    return [this](const opencl::CompileProgress& progress) {
+  CompileFn teller() {
+    return [this](const CompileProgress& progress) {
       const std::lock_guard<std::mutex> lock(mutex_);
       told_.push_back(std::to_string(progress.done) + " of " + std::to_string(progress.known) +
                       " " + progress.kernel);

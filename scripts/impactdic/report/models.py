@@ -8,7 +8,8 @@ import numpy as np
 
 from ..results import ResultError, load, read_table
 from .figure import BLACK, COLOURS, Figure, Panel, Series, Surface
-from .shot import Shot, deflection
+from .series import deflection
+from .shot import Shot
 
 # Those that are integrated; the others are formulas, or laws of their own, and have no path here.
 FRICTION_LAWS = ["none", "coulomb", "three_phase", "full_sliding", "brody", "maw_barber_fawcett"]

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..results import ResultError, read_table
 from .figure import BLACK, BLUE, GREEN, ORANGE, RED, SKY, Figure, Panel, Picture, Series, Span
+from .series import deflection, slope
 
 MOST_ARROWS = 400
 COMPRESSION, RESTITUTION = "#DCEBF7", "#FBEBD5"
@@ -353,27 +354,6 @@ def force_loop(shot):
         panels,
         "Contact",
     )
-
-
-def slope(x, y, sd, half):
-    """Slope of the least-squares line through each point and `half` neighbours on both sides, and
-    its standard deviation; NaN where one of them is missing. `x` is evenly spaced."""
-    offsets = np.arange(-half, half + 1)
-    step = np.median(np.diff(x))
-    weights = offsets / (step * np.sum(offsets**2))
-    result, deviation = np.full(len(y), np.nan), np.full(len(y), np.nan)
-    for i in range(half, len(y) - half):
-        near = slice(i - half, i + half + 1)
-        result[i] = weights @ y[near]
-        deviation[i] = np.sqrt(np.sum((weights * sd[near]) ** 2))
-    return result, deviation
-
-
-def deflection(time, vn, start):
-    """Minus the way along n since `start`, at the instants `time`. vn[k] is the mean velocity from
-    time[k] to the next instant; a gap in it leaves NaN from there on."""
-    way = np.concatenate([[0.0], np.cumsum(vn[:-1] * np.diff(time))])
-    return np.interp(start, time, way) - way
 
 
 def quality(shot):
