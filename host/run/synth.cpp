@@ -53,7 +53,7 @@ SynthTruth path_of(const GivenMotion& motion, const SynthRequest& request) {
 }
 
 // The path of an impact, relative to the first touch, which the radius in px scales.
-SynthTruth path_of(const ImpactMotion& motion, const SynthRequest& request) {
+SynthTruth path_of(const SimulatedMotion& motion, const SynthRequest& request) {
   const ImpactJob& job = motion.impact;
   const int frames = request.frames > 0 ? request.frames : kImpactFrames;
   const double px_per_m = 2 * request.radius_px / job.body.diameter_m;
@@ -102,7 +102,7 @@ void validate_motion(const SynthRequest& request) {
       throw InvalidArgument("the motion file already says where the ball is", "--start-px",
                             "leave it out, or give dx_px,dy_px in the file");
     }
-  } else if (const auto* impact = std::get_if<ImpactMotion>(&request.motion)) {
+  } else if (const auto* impact = std::get_if<SimulatedMotion>(&request.motion)) {
     if (impact->impact.body.shape == BodyShape::kRod) {
       throw InvalidArgument("the renderer knows balls only", "--simulate", "not a rod");
     }

@@ -42,7 +42,7 @@ struct GivenMotion {
 
 // The ball follows an integrated impact, compressed along the surface's normal; the diameter of the
 // picture's ball, twice radius_px, stands for that of the body.
-struct ImpactMotion {
+struct SimulatedMotion {
   ImpactJob impact;         // of a ball
   double touch_frame = 25;  // the frame, fractions allowed, of the first touch
 };
@@ -84,7 +84,7 @@ struct SynthRequest {
   double radius_px = 115;  // 20 ... 2000
   double fps = 10000;
   int frames = 0;  // 0: 20; as many as are given; 110 of an impact
-  std::variant<ConstantMotion, GivenMotion, ImpactMotion> motion = ConstantMotion{{}, 1, 0, 0, 0};
+  std::variant<ConstantMotion, GivenMotion, SimulatedMotion> motion = ConstantMotion{{}, 1, 0, 0, 0};
   // The centre in frame 0; without it the path lies in the picture's middle. Not where `placed`.
   std::optional<StartPx> start;
   SynthScene scene;

@@ -112,7 +112,7 @@ TEST(Requests, SynthRefusesImpossibleValuesByName) {
   EXPECT_EQ(painting([](auto& r) { r.exposure = 2; }), "--exposure");
   EXPECT_EQ(painting([](auto& r) { r.hidden = -1; }), "--occlude");
   EXPECT_EQ(painting([](auto& r) { r.motion = GivenMotion{}; }), "--motion");
-  EXPECT_EQ(painting([](auto& r) { r.motion = ImpactMotion{}; }), "body.mass_kg");
+  EXPECT_EQ(painting([](auto& r) { r.motion = SimulatedMotion{}; }), "body.mass_kg");
 }
 
 TEST(Requests, StudyRefusesImpossibleValuesByName) {
