@@ -198,7 +198,10 @@ TEST(Runs, SinksSeeEveryRowAndItsField) {
 TEST(Runs, TheNoiseIsTheClipsOwn) {
   TrackRequest request = request_of(clip().path());
   request.estimator = Estimator::field;
-  request.field.max_sd_px = 0.03;  // between the best windows and the worst
+  // Between the best windows and the worst.
+  const Inspection look = inspect({request.clip, request.field});
+  ASSERT_TRUE(look.advice.texture);
+  request.field.max_sd_px = 1.1 * look.advice.texture->asked.error_px;
   const TrackResult result = track(request, session());
   ASSERT_TRUE(result.advice.texture);
   ASSERT_GT(result.advice.texture->noise, 1);
