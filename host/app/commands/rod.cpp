@@ -47,7 +47,7 @@ void run_rod(const CLI::App& command, const Options& options) {
   RodRequest request = options.rod;
   request.measure.vertical_down = options.vertical.size() == 2;
   request.measure.vertical_axis = static_cast<std::size_t>(options.vertical.back() - 'x');
-  request.threads = options.common.threads;
+  request.threads = options.common.session.threads;
   request.markers = sim::rod::read_markers(options.markers);
   if (!options.deformations.empty()) {
     request.deformations = sim::rod::read_deformations(options.deformations);
