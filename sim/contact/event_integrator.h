@@ -8,6 +8,7 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
@@ -78,7 +79,7 @@ class EventIntegrator {
       first_of_mode_ = true;
       bool switched = false;
       while (!switched && in_time()) switched = advance(step_s);
-      step_s = system_.restart_step_s(step_s);
+      step_s = shorten_where_stalled(system_.restart_step_s(step_s));
     }
   }
 
@@ -167,10 +168,19 @@ class EventIntegrator {
   bool leave_at_once(const GuardValues& middle, const GuardValues& end) {
     for (int i = 0; i < end.count; ++i) {
       if (now_guards_.value[i] > 0 || middle.value[i] > 0 || end.value[i] > 0) continue;
+      ++at_once_;
       switch_mode(i);
       return true;
     }
     return false;
+  }
+
+  // Modes that replace each other at one instant were judged by too long a step: a guard rises from
+  // zero and is below it again before the step's middle. Each time the step is ten times shorter.
+  double shorten_where_stalled(double step_s) const {
+    constexpr int kUsual = 2;  // one mode gives way to another, which may be wrong as well
+    if (at_once_ <= kUsual) return step_s;
+    return std::max(step_s * std::pow(0.1, at_once_ - kUsual), limits_.negligible_s);
   }
 
   struct Event {
@@ -231,6 +241,7 @@ class EventIntegrator {
                      [this](double s) { return single_step(previous_, s); });
     previous_ = now_;
     now_ = next;
+    at_once_ = 0;
   }
 
   void switch_mode(int guard) {
@@ -250,6 +261,7 @@ class EventIntegrator {
   GuardValues now_guards_;
   bool first_of_mode_ = false;
   int switches_ = 0;
+  int at_once_ = 0;  // modes left since the last step
   long steps_ = 0;
 };
 

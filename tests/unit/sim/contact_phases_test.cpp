@@ -134,6 +134,29 @@ TEST(Phases, RandomJobsEndWithTheirEnergyAccountedFor) {
 }
 
 // Eq. 4.11 opposes the centre's velocity: a centre that stops while sticking stays stopped.
+// Friction so strong that it stops the tip within a fraction of the first step: the slip that
+// gravity begins is over before the middle of the step, and must be found all the same.
+TEST(Phases, SlipThatEndsAtOnceDoesNotChatter) {
+  ImpactJob job;
+  job.friction = FrictionModel::kThreePhase;
+  job.body.shape = BodyShape::kOther;
+  job.body.mass_kg = 7.641193822935305e-05;
+  job.body.diameter_m = 0.0048387523890673755;
+  job.body.inertia_kg_m2 = 4.0174358752419344e-10;
+  job.contact.stiffness = 142795.82429578865;
+  job.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
+  job.contact.friction_kinetic = 100;
+  job.contact.friction_static = 200;
+  job.surface_angle_deg = 45;
+  job.initial = {6.751424378243684, -0.11784655088019452, -2790.5641104916954};
+  const ImpactResult result = sim::contact::simulate_impact(job);
+  EXPECT_TRUE(result.separated);
+  EXPECT_NEAR(result.restitution, 1, 1e-9);
+  EXPECT_LT(std::abs(result.energy.residual_j), 1e-9 * result.energy.kinetic_start_j);
+  // The ball rolls: its spin and its way along the surface belong together.
+  EXPECT_NEAR(result.tip_vt_final_m_s, 0, 1e-6 * job.initial.vt_m_s);
+}
+
 TEST(Phases, StickingCentreIsHeldOnceItStops) {
   ImpactJob job = sim::job::wood_published_job();
   job.initial = {0.3, -1.69, 0.9 / job.body.radius_m() * 0.1};
