@@ -37,9 +37,8 @@ struct Case {
 
 testing::SyntheticTrack ball(double angle_deg, double vt, double vn) {
   testing::SyntheticTrack track;
-  track.job.normal = sim::contact::NormalModel::kLinearSpringDamper;
-  track.job.friction =
-      vt == 0 ? sim::contact::FrictionModel::kNone : sim::contact::FrictionModel::kCoulomb;
+  track.job.normal = NormalModel::kLinearSpringDamper;
+  track.job.friction = vt == 0 ? FrictionModel::kNone : FrictionModel::kCoulomb;
   track.job.body = {sim::contact::Shape::kHollowSphere, 0.0567, 0.067};
   track.job.contact.stiffness = 12526;
   track.job.contact.damping_n_s_per_m = 6.85;
@@ -68,7 +67,7 @@ std::vector<Case> cases() {
   next.track.motion_noise_m = 0.5e-6, next.track.turn_noise_rad = 2e-5;
   all.push_back(next);
   next = {"hertz", ball(20, -0.57, -1.69)};
-  next.track.job.normal = sim::contact::NormalModel::kHertzDamper;
+  next.track.job.normal = NormalModel::kHertzDamper;
   next.track.job.body = {sim::contact::Shape::kSolidSphere, 0.14566, 0.06325};
   next.track.job.contact.stiffness = 875000;
   next.track.job.contact.damping_n_s_per_m = 18;
@@ -89,13 +88,13 @@ std::vector<Case> cases() {
 
 void add(std::map<std::string, Score>& scores, const testing::SyntheticTrack& track,
          const std::filesystem::path& file) {
-  const sim::contact::ImpactJob& job = track.job;
-  const sim::contact::ImpactResult truth = sim::contact::simulate_impact(job);
+  const ImpactJob& job = track.job;
+  const ImpactResult truth = sim::contact::simulate_impact(job);
   const sim::shot::Track table = sim::shot::read_track(file);
   sim::shot::Shot s =
       sim::shot::measure_shot(table, {job.body, job.surface_angle_deg, job.gravity_m_s2});
   const double start = (track.frames_before + track.touch) / track.fps, frames = track.fps;
-  const sim::contact::EffectiveFriction friction = sim::contact::effective_friction(
+  const EffectiveFriction friction = sim::contact::effective_friction(
       job.body, truth.start, truth.final, truth.contact_s, job.gravity_m_s2, job.surface_angle_deg);
   const auto put = [&](const char* name, const sim::shot::Estimate& e, double right, double unit) {
     scores[name].add(e.value, e.sd, right, unit);

@@ -179,7 +179,7 @@ void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2) {
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
     return s;
   };
-  const contact::PlaneState before = state(shot.before);
+  const PlaneState before = state(shot.before);
   shot.friction = contact::effective_friction(body, before, state(shot.after), shot.contact_s.value,
                                               gravity_m_s2, shot.surface_angle_deg);
   const double against = impact::against_slip(

@@ -80,7 +80,7 @@ TEST(RestitutionDuration, SimulatedPairsComeBack) {
 // A shot of centres alone, without deviations, and its truth.
 struct KnownShot {
   sim::shot::Shot shot;
-  sim::contact::ImpactResult truth;
+  ImpactResult truth;
   double start_s = 0;
 };
 
