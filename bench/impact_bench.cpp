@@ -8,8 +8,8 @@
 #include <ctime>
 #include <vector>
 
-#include "sim/contact/impact.h"
 #include "host/base/parallel.h"
+#include "sim/contact/impact.h"
 #include "sim/job/source_jobs.h"
 
 namespace impactdic::bench {

@@ -40,8 +40,8 @@ OptionHelps field_helps() {
       {"search", {"Largest displacement searched about the expected one, px each way", {}}},
       {"method",
        {"icgn (ZNCC, then IC-GN with affine warp), zncc (FFT cross-correlation normalised over the "
-        "overlap), equal (equal windows of 16 or 32 px, Gaussian peak: quickest, biased towards the "
-        "guess) or published (equal windows, spline points)",
+        "overlap), equal (equal windows of 16 or 32 px, Gaussian peak: quickest, least "
+        "exact) or published (equal windows, spline points)",
         {}}},
       {"interp", {"Spline points between pixels of the published method, 0 to 9", {}}},
       {"spline-degree", {"B-spline of the IC-GN warp: 3, 5 or 7", {}}},

@@ -26,7 +26,8 @@ enum class FieldMethod : std::uint8_t {
   // Equal windows of 16 or 32 px, the classic interrogation of particle images: circular
   // cross-correlation by FFT, each value over the share of the windows that overlaps at its lag,
   // Gaussian through the peak (Westerweel 1997). Finds displacements below half a window about the
-  // guess, whatever search_px. The quickest; what leaves the window pulls it towards the guess.
+  // guess, whatever search_px. The quickest; what leaves the window
+  // is lost to it, so that it errs the more the further its guess is off.
   equal,
   // ZNCC seed, then inverse-compositional Gauss–Newton on an affine warp with B-spline
   // interpolation (Pan, Li and Tong 2013).

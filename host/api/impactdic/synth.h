@@ -84,7 +84,8 @@ struct SynthRequest {
   double radius_px = 115;  // 20 ... 2000
   double fps = 10000;
   int frames = 0;  // 0: 20; as many as are given; 110 of an impact
-  std::variant<ConstantMotion, GivenMotion, SimulatedMotion> motion = ConstantMotion{{}, 1, 0, 0, 0};
+  std::variant<ConstantMotion, GivenMotion, SimulatedMotion> motion =
+      ConstantMotion{{}, 1, 0, 0, 0};
   // The centre in frame 0; without it the path lies in the picture's middle. Not where `placed`.
   std::optional<StartPx> start;
   SynthScene scene;

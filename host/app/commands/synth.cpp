@@ -60,8 +60,8 @@ void read_motion(const Options& options, SynthRequest& request) {
   }
   if (!options.impact_job.empty()) {
     refuse_constant_motion(options, "--simulate");
-    request.motion =
-        SimulatedMotion{sim::job::read_simulate_job(options.impact_job).impact, options.touch_frame};
+    request.motion = SimulatedMotion{sim::job::read_simulate_job(options.impact_job).impact,
+                                     options.touch_frame};
   } else if (!options.motion_file.empty()) {
     refuse_constant_motion(options, "--motion");
     request.motion = sim::speckle::read_motion_csv(options.motion_file);

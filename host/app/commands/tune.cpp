@@ -1,10 +1,11 @@
 // impactdic tune: the quickest variant of the correlation kernels on this device.
+#include "host/benchmark/tune.h"
+
 #include <cstdio>
 #include <memory>
 
 #include "host/app/command.h"
 #include "host/app/run_context.h"
-#include "host/benchmark/tune.h"
 
 namespace impactdic::app {
 namespace {

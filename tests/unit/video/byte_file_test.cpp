@@ -93,7 +93,9 @@ TEST_F(LentBytes, AreNotThoseOfAFileThatBecameShorter) {
   EXPECT_THROW(file.read_at(60000, out.data(), out.size()), FormatError);
 }
 
-TEST_F(LentBytes, AnEmptyFileHasNone) { EXPECT_EQ(video::ByteFile(write(0), true).lend(0, 1), nullptr); }
+TEST_F(LentBytes, AnEmptyFileHasNone) {
+  EXPECT_EQ(video::ByteFile(write(0), true).lend(0, 1), nullptr);
+}
 
 TEST_F(LentBytes, DoNotStayResident) {
   constexpr std::size_t kPiece = 250000, kPieces = 400;  // 100 MB
