@@ -183,13 +183,16 @@ class Symbols(unittest.TestCase):
     """The shared library shows the public functions, and nothing else."""
 
     def test_what_is_exported_stands_in_a_header(self):
-        words = set(re.findall(r"\w+", "".join(header.read_text() for header in headers())))
+        text = "".join(header.read_text() for header in headers())
+        words = set(re.findall(r"\w+", text))
+        classes = set(re.findall(r"(?:struct|class) (\w+)", text))
         listing = run("nm", "-D", "-C", "--defined-only", find("libimpactdic.so")).splitlines()
         names = [line.split(" ", 2)[2] for line in listing]
         self.assertGreater(len(names), 50)
         for name in names:
             ours = set(re.findall(r"impactdic::(\w+)", name))
             self.assertTrue(ours and ours <= words and "::Impl" not in name, name)
+            self.assertLessEqual(set(re.findall(r"impactdic::(\w+)::", name)), classes, name)
         for function in ("track(", "correlate(", "open_clip(", "clip_from_memory(", "version("):
             self.assertTrue(any(name.startswith("impactdic::" + function) for name in names), function)
 
