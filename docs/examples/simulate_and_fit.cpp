@@ -14,7 +14,9 @@ namespace idic = impactdic;
 idic::MeasuredTrack filmed(const std::vector<idic::TrajectoryPoint>& path, double interval_s) {
   std::mt19937 random(1);
   const auto noise = [&](double sd) { return std::normal_distribution<double>(0, sd)(random); };
-  idic::MeasuredTrack track{"simulated", {}, {}, {}, {}, {}, {}, {}, {}, {}, interval_s, 0};
+  idic::MeasuredTrack track;
+  track.interval_s = interval_s;
+  track.metre_per_px = 2.5e-4;
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
     const auto &here = path[k].state, &next = path[k + 1].state;
     track.time_s.push_back(interval_s * k);
@@ -47,7 +49,8 @@ int main(int count, char** arguments) try {
   fit.shots.resize(1);
   if (count > 1) fit.shots[0].track = arguments[1];
   if (count <= 1) fit.shots[0].in_memory = filmed(impact.trajectory, 1e-4);
-  for (const idic::ParameterEstimate& one : idic::fit(fit).shots[0].parameters) {
+  const idic::FitResult found = idic::fit(fit);
+  for (const idic::ParameterEstimate& one : found.shots[0].parameters) {
     std::printf("fitted: %s %.9g sd %.9g\n", one.key.c_str(), one.value, one.sd);
   }
 } catch (const idic::Error& error) {

@@ -61,6 +61,7 @@ void MeasuredTrack::validate() const {
     fail("fewer than 20 frames have a centre", "a calibration needs at least 20");
   }
   if (!(interval_s > 0)) fail("interval_s must be positive");
+  if (!(metre_per_px > 0)) fail("metre_per_px must be positive", "the scale of the pictures");
   for (std::size_t i = 1; i < frames; ++i) {
     if (!(std::abs(time_s[i] - time_s[i - 1] - interval_s) <= kUnevenness * interval_s)) {
       fail("time_s is not evenly spaced by interval_s",

@@ -27,12 +27,12 @@ struct MeasuredTrack {
   std::vector<double> dx_m, dy_m, motion_sd_m;  // rigid motion of the surface pattern
   std::vector<double> turn_rad, turn_sd_rad;    // rotation of that motion
   double interval_s = 0;
-  double metre_per_px = 0;  // of the table's pixels
+  double metre_per_px = 0;  // of the pictures; must be given
   // Of the surface, as the track knows it; NaN where it does not.
   double surface_angle_deg = 0;
 
-  // Throws InvalidArgument where lists differ in length, times do not ascend or fewer than 20
-  // centres are known.
+  // Throws InvalidArgument where lists differ in length, times do not ascend, fewer than 20 centres
+  // are known, or interval or scale are not positive.
   void validate() const;
 };
 

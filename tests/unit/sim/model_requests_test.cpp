@@ -82,6 +82,18 @@ TEST(Requests, FitRefusesImpossibleValuesByName) {
             "mine");
 }
 
+TEST(Requests, TrackInMemoryNeedsAScale) {
+  MeasuredTrack track;
+  track.file = "mine";
+  track.interval_s = 1e-4;
+  for (int k = 0; k < 30; ++k) track.time_s.push_back(1e-4 * k);
+  track.x_m = track.y_m = track.position_sd_m = track.time_s;
+  track.dx_m = track.dy_m = track.motion_sd_m = track.turn_rad = track.turn_sd_rad = track.time_s;
+  EXPECT_EQ(where_refused([&] { track.validate(); }), "mine");
+  track.metre_per_px = 2.5e-4;
+  EXPECT_EQ(where_refused([&] { track.validate(); }), "accepted");
+}
+
 TEST(Requests, CompareRefusesImpossibleValuesByName) {
   CompareRequest comparing = sim::compare::read_compare_job(
       std::filesystem::path(IMPACTDIC_SOURCE_DIR) / "sim" / "jobs" / "compare_wood.toml");
