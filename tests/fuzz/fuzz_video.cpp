@@ -28,17 +28,17 @@ std::unique_ptr<impactdic::FrameSource> open_bytes(const std::uint8_t* bytes, st
 #if defined(FUZZ_cine)
   const std::string path = scratch_file("a.cine");
   write(path, bytes, count);
-  return impactdic::open_cine(path, count % 2 == 0);
+  return impactdic::video::open_cine(path, count % 2 == 0);
 #elif defined(FUZZ_tiff)
   const std::string path = scratch_file("a.tif");
   write(path, bytes, count);
-  return impactdic::open_tiff(path);
+  return impactdic::video::open_tiff(path);
 #else
   static const std::uint8_t pixels[4096] = {};
   const std::string path = scratch_file("a.cihx");
   write(scratch_file("a.mraw"), pixels, sizeof pixels);
   write(path, bytes, count);
-  return impactdic::open_mraw(path);
+  return impactdic::video::open_mraw(path);
 #endif
 }
 
