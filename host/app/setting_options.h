@@ -12,7 +12,7 @@ namespace impactdic::app {
 
 struct OptionHelp {
   std::string text;
-  CLI::Validator check;  // of the value; without a function: none
+  CLI::Validator check;  // of the value; without a description: none
 };
 // By the settings' keys.
 using OptionHelps = std::map<std::string, OptionHelp>;
@@ -45,7 +45,7 @@ class OptionAdder {
           name, [&member, name](const std::string& text) { run::assign(text, member, name); },
           help.text);
     }
-    if (!help.check.get_name().empty()) option->check(help.check);
+    if (!help.check.get_description().empty()) option->check(help.check);
     if ((setting.kind & (run::kZeroUnset | run::kEmptyUnset)) == 0) {
       option->default_str(run::to_text(run::value_of(member)));
     }
