@@ -39,7 +39,7 @@ testing::SyntheticTrack ball(double angle_deg, double vt, double vn) {
   testing::SyntheticTrack track;
   track.job.normal = NormalModel::kLinearSpringDamper;
   track.job.friction = vt == 0 ? FrictionModel::kNone : FrictionModel::kCoulomb;
-  track.job.body = {Shape::kHollowSphere, 0.0567, 0.067};
+  track.job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
   track.job.contact.stiffness = 12526;
   track.job.contact.damping_n_s_per_m = 6.85;
   track.job.contact.friction_kinetic = 0.1;
@@ -68,7 +68,7 @@ std::vector<Case> cases() {
   all.push_back(next);
   next = {"hertz", ball(20, -0.57, -1.69)};
   next.track.job.normal = NormalModel::kHertzDamper;
-  next.track.job.body = {Shape::kSolidSphere, 0.14566, 0.06325};
+  next.track.job.body = {BodyShape::kSolidSphere, 0.14566, 0.06325};
   next.track.job.contact.stiffness = 875000;
   next.track.job.contact.damping_n_s_per_m = 18;
   next.track.position_noise_m = 10e-6;
