@@ -58,7 +58,7 @@ std::vector<std::string> list(const std::string& text) {
   return items;
 }
 
-sim::speckle::BallPose pose_of(int seed, const Condition& condition) {
+BallPose pose_of(int seed, const Condition& condition) {
   return {kSide / 2 + std::fmod(0.3819660113 * seed + 0.13, 1),
           kSide / 2 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed, condition.compression,
           90};
@@ -76,8 +76,8 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
         .read(reinterpret_cast<char*>(frame.u8.data()), kSide * kSide);
     return frame;
   }
-  const sim::speckle::BallPose pose = pose_of(seed, condition);
-  sim::speckle::Scene scene;
+  const BallPose pose = pose_of(seed, condition);
+  SynthScene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = 2;
   scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
@@ -100,7 +100,7 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
 }
 
 Measured measure(const Frame& frame, int seed, const Condition& condition) {
-  const sim::speckle::BallPose pose = pose_of(seed, condition);
+  const BallPose pose = pose_of(seed, condition);
   // As after a Hough transform: a pixel or two away, the shape unknown.
   circle::CirclePrior prior;
   prior.predicted = {pose.cx_px + 1.3, pose.cy_px - 0.9, kRadius + 0.4};
@@ -120,7 +120,7 @@ Measured measure(const Frame& frame, int seed, const Condition& condition) {
   return {{fit.circle.cx_px - pose.cx_px, fit.circle.cy_px - pose.cy_px,
            fit.circle.r_px - kRadius * (1 - condition.compression / 2)},
           {fit.cx_sd_px, fit.cy_sd_px, fit.r_sd_px},
-          fit.status == circle::CircleStatus::ok};
+          fit.status == circle::CircleStatus::kOk};
 }
 
 // Sums over balls.

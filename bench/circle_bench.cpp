@@ -17,17 +17,17 @@ constexpr int kFrames = 8;
 
 struct Clip {
   std::vector<Frame> frames;
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
 };
 
 // A ball in 512×512, noise 2, at incommensurate places.
 Clip make_clip(const std::string& pattern, double radius_px) {
   Clip clip;
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball(pattern, 7, radius_px), scene);
   for (int k = 0; k < kFrames; ++k) {
-    const sim::speckle::BallPose pose{250.13 + 0.618 * k, 261.41 - 0.382 * k, 17.0 * k};
+    const BallPose pose{250.13 + 0.618 * k, 261.41 - 0.382 * k, 17.0 * k};
     clip.poses.push_back(pose);
     renderer.render(pose, k, clip.frames.emplace_back());
   }
@@ -37,12 +37,12 @@ Clip make_clip(const std::string& pattern, double radius_px) {
 // What is known of the ball beforehand: its place to a fraction of a pixel; and its rim
 // model, as in the middle of a clip; and its place to a few hundredths, from frames before and
 // behind.
-enum class Known { place, model, between };
+enum class Known { kPlace, kModel, kBetween };
 
-circle::CirclePrior near(const sim::speckle::BallPose& pose, double radius_px, Known known,
+circle::CirclePrior near(const BallPose& pose, double radius_px, Known known,
                          circle::CirclePrior prior) {
-  const double off = known == Known::between ? 0.1 : 1;
-  prior.centre_sd_px = known == Known::between ? 0.05 : 0.3;
+  const double off = known == Known::kBetween ? 0.1 : 1;
+  prior.centre_sd_px = known == Known::kBetween ? 0.05 : 0.3;
   prior.predicted = {pose.cx_px + 0.21 * off, pose.cy_px - 0.17 * off, radius_px + 0.1 * off};
   return prior;
 }
@@ -55,13 +55,13 @@ void measure(benchmark::State& state, const std::string& pattern, double radius_
   circle::CirclePrior prior;
   prior.rim_sd_px = 0.3;
   prior.bright = true;
-  if (known != Known::place) {
-    const circle::CirclePrior first = near(clip.poses[0], radius_px, Known::place, prior);
+  if (known != Known::kPlace) {
+    const circle::CirclePrior first = near(clip.poses[0], radius_px, Known::kPlace, prior);
     prior.rim_model = circle::measure_circle(clip.frames[0], first, {}).rim_model;
   }
   for (auto _ : state) {
     const int k = static_cast<int>(n % kFrames);
-    const sim::speckle::BallPose& truth = clip.poses[k];
+    const BallPose& truth = clip.poses[k];
     prior = near(truth, radius_px, known, prior);
     const circle::CircleFit fit = circle::measure_circle(clip.frames[k], prior, {});
     benchmark::DoNotOptimize(fit);
@@ -86,22 +86,26 @@ void find(benchmark::State& state, const std::string& pattern) {
   state.counters["worst_error_px"] = worst;
 }
 
-BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, between_a1, "a1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, between_b1, "b1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, between_d3, "d3", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, between_e1, "e1", kUsual, Known::between)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, Known::model)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_a1, "a1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_b1, "b1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_d3, "d3", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(measure, alone_e1, "e1", kUsual, Known::place)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_a1, "a1", kUsual, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_b1, "b1", kUsual, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_d3, "d3", kUsual, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, followed_e1, "e1", kUsual, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_a1, "a1", kUsual, Known::kBetween)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_b1, "b1", kUsual, Known::kBetween)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_d3, "d3", kUsual, Known::kBetween)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, between_e1, "e1", kUsual, Known::kBetween)
+    ->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_a1, "a1", kSmall, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_b1, "b1", kSmall, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_d3, "d3", kSmall, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, small_e1, "e1", kSmall, Known::kModel)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_a1, "a1", kUsual, Known::kPlace)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_b1, "b1", kUsual, Known::kPlace)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_d3, "d3", kUsual, Known::kPlace)->Unit(benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(measure, alone_e1, "e1", kUsual, Known::kPlace)->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(find, b1, "b1")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(find, e1, "e1")->Unit(benchmark::kMillisecond);
 

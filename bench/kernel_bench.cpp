@@ -18,8 +18,8 @@ int tune(impactdic::opencl::Engine& engine) {
                 tried.kernel.variant.c_str(), tried.kernel.per_second, tried.kernel.difference_px,
                 tried.rejected.c_str());
   };
-  impactdic::dic::FieldOptions field;
-  field.method = impactdic::dic::FieldMethod::zncc;
+  impactdic::FieldOptions field;
+  field.method = impactdic::FieldMethod::kZncc;
   impactdic::benchmark::tune_zncc(engine, field, {}, sink);
   field.window_px = 31;
   field.search_px = 16;

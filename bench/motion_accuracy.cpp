@@ -24,8 +24,8 @@ struct Study {
   std::vector<std::string> patterns;
 };
 
-sim::speckle::Scene scene(double noise, std::uint64_t seed) {
-  sim::speckle::Scene out;
+SynthScene scene(double noise, std::uint64_t seed) {
+  SynthScene out;
   out.width = out.height = kSide;
   out.noise_sigma = noise;
   out.noise_seed = seed;
@@ -50,20 +50,20 @@ std::vector<std::string> patterns(bool d) {
 }
 
 void fractions(const Study& study) {
-  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(Estimator::kBall, kRadiusPx);
   PosePairs pairs;
   for (int k = 0; k <= 20; ++k) {
-    sim::speckle::BallPose first;
+    BallPose first;
     first.cx_px = 149.3;
     first.cy_px = 150.6;
     first.angle_deg = 7;
-    sim::speckle::BallPose second = first;
+    BallPose second = first;
     second.cx_px += 0.05 * k;
     pairs.add(first, second);
   }
   MotionErrors all;
   for (const std::string& name : study.patterns) {
-    const auto got = measurement.measure(paint(name), scene(0, 1), pairs, Centres::known, {});
+    const auto got = measurement.measure(paint(name), scene(0, 1), pairs, Centres::kKnown, {});
     got.at_point.print(name);
     all.add(got.at_point);
   }
@@ -71,24 +71,24 @@ void fractions(const Study& study) {
 }
 
 // Both kinds of motions, of a known point and of the measured centre.
-void motions(const Study& study, motion::Estimator estimator, double hidden) {
+void motions(const Study& study, Estimator estimator, double hidden) {
   PairMeasurement measurement(estimator, kRadiusPx);
   std::map<std::string, MotionErrors> pooled;
   for (const std::string& name : study.patterns) {
     const sim::speckle::SpeckleBall ball = paint(name);
-    sim::speckle::Scene the_scene = scene(2, 1);
-    sim::speckle::BallPose middle;
+    SynthScene the_scene = scene(2, 1);
+    BallPose middle;
     middle.cx_px = middle.cy_px = 0.5 * kSide;
     if (hidden > 0) the_scene.bar = sim::speckle::bar_hiding(hidden, middle, kRadiusPx);
     const MotionBound bound = motion_bound(ball, the_scene, kMargin);
     const PosePairs fixed = fixed_motions(study.pairs, 1, 1, 3, 8, 0.5 * kSide);
     const PosePairs random = random_motions(study.pairs, 9, 0.5 * kSide);
-    for (const Centres centres : {Centres::known, Centres::measured}) {
+    for (const Centres centres : {Centres::kKnown, Centres::kMeasured}) {
       for (const auto* kind : {&fixed, &random}) {
-        the_scene.noise_seed = (kind == &fixed ? 100 : 200) + (centres == Centres::known ? 0 : 10);
+        the_scene.noise_seed = (kind == &fixed ? 100 : 200) + (centres == Centres::kKnown ? 0 : 10);
         const auto got = measurement.measure(ball, the_scene, *kind, centres, bound);
         const std::string what = kind == &fixed ? " 1,1 px 3 deg" : " random";
-        if (centres == Centres::known) {
+        if (centres == Centres::kKnown) {
           got.at_point.print(name + what);
           pooled[what + ", point"].add(got.at_point);
         } else {
@@ -103,15 +103,15 @@ void motions(const Study& study, motion::Estimator estimator, double hidden) {
 }
 
 void ring_turns(const Study& study) {
-  PairMeasurement measurement(motion::Estimator::ring, kRadiusPx);
+  PairMeasurement measurement(Estimator::kRing, kRadiusPx);
   for (const double turn_deg : {3.0, 20.0, 90.0, 170.0}) {
     MotionErrors known, measured;
     for (const std::string& name : study.patterns) {
       const sim::speckle::SpeckleBall ball = paint(name);
       const MotionBound bound = motion_bound(ball, scene(2, 1), 5);
       const PosePairs pairs = fixed_motions(study.pairs, 0.37, -0.61, turn_deg, 18, 0.5 * kSide);
-      known.add(measurement.measure(ball, scene(2, 1), pairs, Centres::known, bound).at_point);
-      const auto got = measurement.measure(ball, scene(2, 2), pairs, Centres::measured, bound);
+      known.add(measurement.measure(ball, scene(2, 1), pairs, Centres::kKnown, bound).at_point);
+      const auto got = measurement.measure(ball, scene(2, 2), pairs, Centres::kMeasured, bound);
       got.at_point.print(name);
       measured.add(got.at_point);
     }
@@ -122,17 +122,17 @@ void ring_turns(const Study& study) {
 
 // Light that is fixed to the lamp while the pattern turns under it.
 void shading(const Study& study) {
-  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(Estimator::kBall, kRadiusPx);
   for (const double strength : {0.0, 0.25, 0.5}) {
     for (const double turn_deg : {3.0, 30.0, 90.0, 180.0}) {
       MotionErrors all;
       for (const std::string& name : study.patterns) {
         const sim::speckle::SpeckleBall ball = paint(name);
-        sim::speckle::Scene lit = scene(2, 3);
+        SynthScene lit = scene(2, 3);
         lit.shading = strength;
         const MotionBound bound = motion_bound(ball, lit, kMargin);
         const PosePairs pairs = fixed_motions(study.pairs, 1, 1, turn_deg, 48, 0.5 * kSide);
-        all.add(measurement.measure(ball, lit, pairs, Centres::known, bound).at_point);
+        all.add(measurement.measure(ball, lit, pairs, Centres::kKnown, bound).at_point);
       }
       all.print("shading " + std::to_string(strength) + ", " + std::to_string(turn_deg) + " deg");
     }
@@ -140,10 +140,10 @@ void shading(const Study& study) {
 }
 
 // A ball that turns by 3° a frame on a path that fits no grid, `frames` frames.
-std::vector<sim::speckle::BallPose> rolling_path(int frames, double middle_px, double reach_px) {
-  std::vector<sim::speckle::BallPose> poses;
+std::vector<BallPose> rolling_path(int frames, double middle_px, double reach_px) {
+  std::vector<BallPose> poses;
   for (int k = 0; k < frames; ++k) {
-    sim::speckle::BallPose pose;
+    BallPose pose;
     pose.cx_px = middle_px + reach_px * std::sin(0.037 * k);
     pose.cy_px = middle_px + reach_px * std::sin(0.023 * k + 1);
     pose.angle_deg = 3.01 * k + 11;
@@ -168,10 +168,10 @@ void print(const std::string& name, const DriftErrors& errors) {
 void drifts(const Study& study, double shade) {
   DriftErrors all;
   for (const std::string& name : study.patterns) {
-    sim::speckle::Scene lit = scene(2, 5);
+    SynthScene lit = scene(2, 5);
     lit.shading = shade;
     RenderedClip clip(paint(name), lit, rolling_path(study.pairs, 0.5 * kSide, 20));
-    const DriftErrors errors = drift(track(clip, motion::Estimator::ball), clip.poses());
+    const DriftErrors errors = drift(track(clip, Estimator::kBall), clip.poses());
     print(name, errors);
     all.x.add(errors.x);
     all.y.add(errors.y);
@@ -182,7 +182,7 @@ void drifts(const Study& study, double shade) {
 }
 
 // Errors over stated deviations of everything in track.csv, `pairs` frames of each ball.
-void uncertainty(const Study& study, motion::Estimator estimator) {
+void uncertainty(const Study& study, Estimator estimator) {
   struct Column {
     const char* name;
     Errors all;
@@ -230,13 +230,13 @@ int run(const std::string& name, Study study) {
     fractions(study);
   } else if (name == "motions") {
     set(16, patterns(false));
-    motions(study, motion::Estimator::ball, 0);
+    motions(study, Estimator::kBall, 0);
   } else if (name == "sparse") {
     set(16, patterns(true));
-    motions(study, motion::Estimator::ball, 0);
+    motions(study, Estimator::kBall, 0);
   } else if (name == "bar") {
     set(16, patterns(false));
-    motions(study, motion::Estimator::ball, 0.3);
+    motions(study, Estimator::kBall, 0.3);
   } else if (name == "ring") {
     set(8, patterns(false));
     ring_turns(study);
@@ -251,13 +251,13 @@ int run(const std::string& name, Study study) {
     drifts(study, 0.3);
   } else if (name == "uncertainty") {
     set(12, patterns(false));
-    uncertainty(study, motion::Estimator::ball);
+    uncertainty(study, Estimator::kBall);
   } else if (name == "uncertainty_field") {
     set(12, patterns(false));
-    uncertainty(study, motion::Estimator::field);
+    uncertainty(study, Estimator::kField);
   } else if (name == "field") {
     set(8, patterns(false));
-    motions(study, motion::Estimator::field, 0);
+    motions(study, Estimator::kField, 0);
   } else {
     std::fprintf(stderr,
                  "studies: fractions motions sparse bar ring shading drift drift_shaded "

@@ -19,7 +19,7 @@ constexpr int kPairs = 64, kWindow = 15, kSpacing = 8;
 // Together more than a cache holds: results come from the device.
 constexpr int kBatches = 16;
 
-constexpr auto kOk = static_cast<idic_int>(dic::WindowStatus::ok);
+constexpr auto kOk = static_cast<idic_int>(WindowStatus::kOk);
 
 // Of this thread: other programs may run beside.
 double processor_seconds() {
@@ -65,7 +65,7 @@ Batch make_batch(std::span<const Window> grid, unsigned seed) {
       motion.status = kOk;
       const float fate = chance(random);
       if (fate < 0.01F) motion.u += astray(random);
-      if (fate > 0.99F) motion.status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
+      if (fate > 0.99F) motion.status = static_cast<idic_int>(WindowStatus::kLowCorrelation);
       batch.found.push_back(motion);
     }
   }
@@ -102,7 +102,7 @@ class Device {
                                         });
       found[k] = batch_.found[static_cast<std::size_t>(own - batch_.windows.begin())];
       if (std::abs(found[k].u - seeds[k].u) > 1 || std::abs(found[k].v - seeds[k].v) > 1) {
-        found[k].status = static_cast<idic_int>(dic::WindowStatus::not_converged);
+        found[k].status = static_cast<idic_int>(WindowStatus::kNotConverged);
       }
     }
     asked += windows.size();
@@ -134,7 +134,7 @@ void batch(benchmark::State& state) {
         [&](std::span<const Window> windows, std::span<const WindowMotion> seeds,
             std::span<WindowMotion> found) { device.refine(windows, seeds, found); };
     const double start = processor_seconds();
-    whole.search(batch.windows, kWindow, batch.discs, dic::WindowStatus::low_correlation, motions,
+    whole.search(batch.windows, kWindow, batch.discs, WindowStatus::kLowCorrelation, motions,
                  [&](std::span<const Window> windows, std::span<WindowMotion> found) {
                    device.search(windows, found);
                  });

@@ -90,13 +90,13 @@ void add(std::map<std::string, Score>& scores, const testing::SyntheticTrack& tr
          const std::filesystem::path& file) {
   const ImpactJob& job = track.job;
   const ImpactResult truth = sim::contact::simulate_impact(job);
-  const sim::shot::Track table = sim::shot::read_track(file);
-  sim::shot::Shot s =
+  const MeasuredTrack table = sim::shot::read_track(file);
+  MeasuredShot s =
       sim::shot::measure_shot(table, {job.body, job.surface_angle_deg, job.gravity_m_s2});
   const double start = (track.frames_before + track.touch) / track.fps, frames = track.fps;
   const EffectiveFriction friction = sim::contact::effective_friction(
       job.body, truth.start, truth.final, truth.contact_s, job.gravity_m_s2, job.surface_angle_deg);
-  const auto put = [&](const char* name, const sim::shot::Estimate& e, double right, double unit) {
+  const auto put = [&](const char* name, const Measured& e, double right, double unit) {
     scores[name].add(e.value, e.sd, right, unit);
   };
   put("01 start, frames", s.contact_start_s, start, frames);

@@ -59,14 +59,14 @@ Request parse(int argc, char** argv) {
 }
 
 // Once around a circle and once about itself in `distinct` frames.
-sim::speckle::BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
+BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
   const double turn = static_cast<double>(frame % distinct) / static_cast<double>(distinct);
   const double at = 2 * kPi * turn;
   return {255.63 + 60 * std::cos(at), 255.41 + 60 * std::sin(at), 360 * turn};
 }
 
 void write_clip(const Request& request, const std::string& path, video::SinkFormat format) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", 7, kRadius), scene);
   std::vector<Frame> frames(static_cast<std::size_t>(request.distinct));
@@ -101,9 +101,8 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
   std::int64_t ok = 0;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const TrackRow& row = rows[i];
-    const sim::speckle::BallPose a = pose_of(row.frame, distinct),
-                                 b = pose_of(row.frame + 1, distinct);
-    if (row.status != TrackStatus::ok) continue;
+    const BallPose a = pose_of(row.frame, distinct), b = pose_of(row.frame + 1, distinct);
+    if (row.status != TrackStatus::kOk) continue;
     ++ok;
     centre.add(row.cx_px - a.cx_px);
     centre.add(row.cy_px - a.cy_px);
@@ -124,7 +123,7 @@ int run(const Request& request) {
   const video::SinkFormat format = video::parse_sink_format(request.format);
   const std::string stem = request.folder + "/clip", out = request.folder + "/out";
   const bool photron =
-      format == video::SinkFormat::mraw || format == video::SinkFormat::mraw_packed12;
+      format == video::SinkFormat::kMraw || format == video::SinkFormat::kMrawPacked12;
   const std::string path = stem + video::sink_extension(format),
                     clip = photron ? stem + ".cihx" : path;
   if (!fs::exists(clip)) write_clip(request, path, format);

@@ -47,7 +47,7 @@ struct Sums {
         std::sqrt(squares / components), std::sqrt(squares / bound),
         std::sqrt(normalised / components), worst_px, worst);
     for (const auto& [status, count] : lost) {
-      std::printf(" %s %d", dic::to_string(static_cast<dic::WindowStatus>(status)), count);
+      std::printf(" %s %d", to_string(static_cast<WindowStatus>(status)), count);
     }
     std::printf("\n");
     std::fflush(stdout);

@@ -22,7 +22,7 @@ int main(int count, char** arguments) try {
     if (frame.field.empty()) return;  // the first picture is the reference
     std::printf("x_px y_px u_px u_sd_px v_px v_sd_px\n");
     for (const idic::WindowResult& window : frame.field.windows()) {
-      if (window.status != idic::WindowStatus::ok) continue;
+      if (window.status != idic::WindowStatus::kOk) continue;
       std::printf("%g %g %.9g %.9g %.9g %.9g\n", window.x_px, window.y_px, window.u_px,
                   window.u_sd_px, window.v_px, window.v_sd_px);
     }

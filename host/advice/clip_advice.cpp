@@ -21,7 +21,7 @@ namespace {
 struct Look {
   bool read = false;
   Frame first, second;  // cropped
-  std::optional<circle::Circle> first_ball, second_ball;
+  std::optional<Circle> first_ball, second_ball;
   double saturated = 0;
   std::optional<double> edge_px, turn_deg, shift_px;
   bool interlaced = false;
@@ -47,27 +47,27 @@ Frame halved(const Frame& frame) {
       }
     }
   };
-  frame.type == PixelType::u8 ? shrink(frame.u8, half.u8) : shrink(frame.u16, half.u16);
+  frame.type == PixelType::kU8 ? shrink(frame.u8, half.u8) : shrink(frame.u16, half.u16);
   return half;
 }
 
-std::optional<circle::Circle> measured(const Frame& frame, const circle::Circle& near,
-                                       double centre_sd_px, const circle::CircleOptions& options) {
+std::optional<Circle> measured(const Frame& frame, const Circle& near, double centre_sd_px,
+                               const circle::CircleOptions& options) {
   circle::CirclePrior prior;
   prior.predicted = near;
   prior.centre_sd_px = centre_sd_px;
   const circle::CircleFit fit = circle::measure_circle(frame, prior, options);
-  if (fit.status != circle::CircleStatus::ok) return std::nullopt;
+  if (fit.status != circle::CircleStatus::kOk) return std::nullopt;
   return fit.circle;
 }
 
-std::optional<circle::Circle> find(const Frame& frame, const circle::CircleOptions& options) {
+std::optional<Circle> find(const Frame& frame, const circle::CircleOptions& options) {
   constexpr int kLarge = 200;  // px; smaller pictures are searched as they are
   if (std::min(frame.width(), frame.height()) >= kLarge) {
     circle::CircleOptions of_half = options;
     if (auto& range = of_half.radius_range_px) range = {range->first / 2, range->second / 2};
     if (const auto half = circle::find_ball(halved(frame), of_half)) {
-      const circle::Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
+      const Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
       if (const auto ball = measured(frame, whole, 3, options)) return ball;
     }
   }
@@ -76,8 +76,8 @@ std::optional<circle::Circle> find(const Frame& frame, const circle::CircleOptio
 }
 
 // In the frame after one with the ball at `before`.
-std::optional<circle::Circle> find_next(const Frame& frame, const circle::Circle& before,
-                                        const circle::CircleOptions& options) {
+std::optional<Circle> find_next(const Frame& frame, const Circle& before,
+                                const circle::CircleOptions& options) {
   constexpr double kMovedPx = 6;
   const auto near = measured(frame, before, kMovedPx, options);
   if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
@@ -85,7 +85,7 @@ std::optional<circle::Circle> find_next(const Frame& frame, const circle::Circle
 }
 
 // The rectangle about the ball, within the frame; all of the frame without one.
-Roi about(const Frame& frame, const std::optional<circle::Circle>& ball) {
+Roi about(const Frame& frame, const std::optional<Circle>& ball) {
   if (!ball) return {0, 0, frame.width(), frame.height()};
   const int left = std::max(0, static_cast<int>(ball->cx_px - ball->r_px));
   const int top = std::max(0, static_cast<int>(ball->cy_px - ball->r_px));
@@ -197,7 +197,7 @@ void warn_of_motion(const AdviceRequest& request, const ClipAdvice& advice,
             "looks: --search %d would do",
             *shift, search, enough));
   }
-  if (!advice.turn_deg || !advice.ball || request.estimator == motion::Estimator::ring) return;
+  if (!advice.turn_deg || !advice.ball || request.estimator == Estimator::kRing) return;
   const double rim = advice.ball->r_px - request.rim_margin_px - request.field.window_px / 2.0;
   const double move = 2 * rim * std::sin(*advice.turn_deg * kRadPerDeg / 2);
   if (move <= search) return;
@@ -230,7 +230,7 @@ void warn_of_texture(const AdviceRequest& request, const TextureAdvice& texture,
 
 // Whether all squares at these places, as shares of what lies between the picture's sides, are full
 // of texture: where there is no background, there is no rim either.
-bool is_textured_at(const Frame& frame, const dic::FieldOptions& field,
+bool is_textured_at(const Frame& frame, const FieldOptions& field,
                     std::initializer_list<std::pair<double, double>> places) {
   constexpr double kAllOver = 0.9;
   const int side = std::max(field.window_px, std::min(frame.width(), frame.height()) / 5);
@@ -246,7 +246,7 @@ bool is_textured_at(const Frame& frame, const dic::FieldOptions& field,
   });
 }
 
-bool fills_the_picture(const Frame& frame, const dic::FieldOptions& field, bool ball_found) {
+bool fills_the_picture(const Frame& frame, const FieldOptions& field, bool ball_found) {
   if (is_textured_at(frame, field, {{0, 0}, {1, 0}, {0, 1}, {1, 1}})) return true;
   return !ball_found && (is_textured_at(frame, field, {{0, 0.5}, {0.5, 0.5}, {1, 0.5}}) ||
                          is_textured_at(frame, field, {{0.5, 0}, {0.5, 0.5}, {0.5, 1}}));

@@ -17,8 +17,8 @@ struct AdviceRequest {
   Roi roi;
   bool ball = true;  // look for a ball; otherwise the rectangle is the surface
   circle::CircleOptions circle;
-  motion::Estimator estimator = motion::Estimator::field;
-  dic::FieldOptions field;
+  Estimator estimator = Estimator::kField;
+  FieldOptions field;
   bool with_field = true;  // windows will be measured
   double rim_margin_px = 3;
 };

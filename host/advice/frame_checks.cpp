@@ -15,7 +15,7 @@ namespace {
 
 cv::Mat as_floats(const Frame& frame) {
   const cv::Mat stored(frame.height(), frame.width(),
-                       frame.type == PixelType::u8 ? CV_8UC1 : CV_16UC1,
+                       frame.type == PixelType::kU8 ? CV_8UC1 : CV_16UC1,
                        const_cast<void*>(frame.bytes()));
   cv::Mat floats;
   stored.convertTo(floats, CV_32F);
@@ -26,7 +26,7 @@ cv::Rect as_rect(const Roi& region) { return {region.x, region.y, region.width, 
 
 // Grey levels along a ray, `per_px` of them a pixel, from `reach_px` inside the rim to as far
 // outside; empty where the ray leaves the picture.
-std::vector<double> profile(const cv::Mat& picture, const circle::Circle& ball, double angle_rad,
+std::vector<double> profile(const cv::Mat& picture, const Circle& ball, double angle_rad,
                             double reach_px, int per_px) {
   std::vector<double> values;
   const int count = static_cast<int>(2 * reach_px * per_px) + 1;
@@ -68,7 +68,7 @@ std::optional<double> step_width_px(const std::vector<double>& values, int per_p
 }
 
 // Rings about the centre as rows, each free of its mean.
-cv::Mat unwrapped(const Frame& frame, const circle::Circle& ball) {
+cv::Mat unwrapped(const Frame& frame, const Circle& ball) {
   constexpr int kAngles = 720, kRings = 48;
   constexpr double kInner = 0.25, kOuter = 0.92;  // of the radius
   cv::Mat polar, rings;
@@ -84,8 +84,7 @@ cv::Mat unwrapped(const Frame& frame, const circle::Circle& ball) {
 
 }  // namespace
 
-double saturated_share(const Frame& frame, const Roi& region,
-                       const std::optional<circle::Circle>& ball) {
+double saturated_share(const Frame& frame, const Roi& region, const std::optional<Circle>& ball) {
   const cv::Mat picture = as_floats(frame);
   std::int64_t full = 0, all = 0;
   for (int y = region.y; y < region.y + region.height; ++y) {
@@ -99,7 +98,7 @@ double saturated_share(const Frame& frame, const Roi& region,
   return all > 0 ? static_cast<double>(full) / static_cast<double>(all) : 0;
 }
 
-std::optional<double> edge_width_px(const Frame& frame, const circle::Circle& ball) {
+std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
   constexpr int kRays = 120, kPerPx = 8;
   constexpr std::size_t kFewest = 8;
   constexpr double kLeastStep = 0.08;  // of white
@@ -132,8 +131,8 @@ bool is_interlaced(const Frame& frame, const Roi& region) {
   return rows > kWoven * field_rows && rows * next_columns > kWoven * columns * field_rows;
 }
 
-std::optional<double> turn_between_deg(const Frame& first, const circle::Circle& first_ball,
-                                       const Frame& second, const circle::Circle& second_ball) {
+std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,
+                                       const Frame& second, const Circle& second_ball) {
   constexpr double kLeastCorrelation = 0.3;
   const cv::Mat a = unwrapped(first, first_ball), b = unwrapped(second, second_ball);
   const double energies = cv::norm(a) * cv::norm(b);

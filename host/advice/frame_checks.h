@@ -10,13 +10,12 @@ namespace impactdic::advice {
 
 // Share of the pixels of the rectangle, or of the ball where one is given, at the highest grey
 // level that the file can hold.
-double saturated_share(const Frame& frame, const Roi& region,
-                       const std::optional<circle::Circle>& ball);
+double saturated_share(const Frame& frame, const Roi& region, const std::optional<Circle>& ball);
 
 // How many pixels the ball's edge takes from 10 to 90 % of its step: the median over rays on which
 // neither ink nor anything behind disturbs it. A sharp lens gives about 2. nullopt where there are
 // too few such rays.
-std::optional<double> edge_width_px(const Frame& frame, const circle::Circle& ball);
+std::optional<double> edge_width_px(const Frame& frame, const Circle& ball);
 
 // Whether the frame is woven from two fields of different times: neighbouring rows differ more than
 // rows of one field do, which neighbouring columns do not.
@@ -24,8 +23,8 @@ bool is_interlaced(const Frame& frame, const Roi& region);
 
 // How far the ball turned between two frames, either way, to about half a degree: rings about the
 // centres, compared along the angle. nullopt where they do not resemble each other.
-std::optional<double> turn_between_deg(const Frame& first, const circle::Circle& first_ball,
-                                       const Frame& second, const circle::Circle& second_ball);
+std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,
+                                       const Frame& second, const Circle& second_ball);
 
 // How far the rectangle's content moved between two frames, px, to about one, by the phase of the
 // spectra; nullopt where nothing stands out.

@@ -18,7 +18,7 @@ constexpr int kSizes[] = {9, 11, 15, 21, 31, 41};
 // The part of the frame that is looked at.
 Roi extent(const TextureRequest& request, const Frame& frame) {
   if (!request.circle) return request.region;
-  const circle::Circle& c = *request.circle;
+  const Circle& c = *request.circle;
   const int left = std::max(0, static_cast<int>(std::floor(c.cx_px - c.r_px)));
   const int top = std::max(0, static_cast<int>(std::floor(c.cy_px - c.r_px)));
   const int right = std::min(frame.width(), static_cast<int>(std::ceil(c.cx_px + c.r_px)) + 1);
@@ -31,7 +31,7 @@ std::vector<Window> windows_on(const TextureRequest& request, const Roi& part, i
   if (!request.circle) {
     return dic::rectangle_grid(0, 0, part.width, part.height, window_px, spacing);
   }
-  const circle::Circle& c = *request.circle;
+  const Circle& c = *request.circle;
   return dic::disc_grid(c.cx_px - part.x, c.cy_px - part.y, c.r_px - request.rim_margin_px,
                         window_px, spacing);
 }

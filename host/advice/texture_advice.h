@@ -16,10 +16,10 @@ namespace impactdic::advice {
 
 struct TextureRequest {
   int window_px = 15;
-  double min_texture = 1;                // as FieldOptions
-  double max_sd_px = 0.07;               // the same
-  double rim_margin_px = 3;              // windows keep this far inside the ball's rim
-  std::optional<circle::Circle> circle;  // the ball; otherwise all of `region`
+  double min_texture = 1;        // as FieldOptions
+  double max_sd_px = 0.07;       // the same
+  double rim_margin_px = 3;      // windows keep this far inside the ball's rim
+  std::optional<Circle> circle;  // the ball; otherwise all of `region`
   Roi region;
 };
 

@@ -42,9 +42,9 @@ void Terminal::show(const Progress& progress) {
 void Terminal::say(const Message& message, bool notes_are_results) {
   if (quiet_) return;
   const char* const text = message.text.c_str();
-  if (message.kind == MessageKind::timing) {
+  if (message.kind == MessageKind::kTiming) {
     std::fputs(text, stderr);
-  } else if (message.kind == MessageKind::warning) {
+  } else if (message.kind == MessageKind::kWarning) {
     std::fprintf(stderr, "impactdic: warning: %s\n", text);
   } else if (notes_are_results) {
     std::printf("%s\n", text);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRadius = 115, kDegree = std::numbers::pi / 180;
 constexpr int kPictures = 9;
+constexpr double kStepX_px = 0.618, kStepY_px = -0.382;  // of the ball from picture to picture
 
 // Discs of radius 1.6 … 4 px thrown at random, about half of the ball ink.
 sim::speckle::SpeckleBall thrown_discs() {
@@ -30,21 +31,39 @@ sim::speckle::SpeckleBall thrown_discs() {
   return ball;
 }
 
+// How far the motions are from the true ones: along them (bias) and in all (rms).
+void put_errors(const std::vector<BallTask>& tasks, const std::vector<BallMotion>& motions,
+                BenchRow& row) {
+  double squares = 0, along = 0;
+  int ok = 0;
+  for (std::size_t k = 0; k < tasks.size(); ++k) {
+    if (motions[k].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
+    const double way = tasks[k].guess_dx > 0 ? 1 : -1;
+    const double du = motions[k].dx - kStepX_px * way, dv = motions[k].dy - kStepY_px * way;
+    squares += du * du + dv * dv;
+    along += way * (du * kStepX_px + dv * kStepY_px) / std::hypot(kStepX_px, kStepY_px);
+    ++ok;
+  }
+  row.lost = 1 - ok / static_cast<double>(tasks.size());
+  row.bias_px = ok > 0 ? along / ok : 0;
+  row.rms_px = ok > 0 ? std::sqrt(squares / (2.0 * ok)) : 0;
+}
+
 }  // namespace
 
 void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink) {
   const std::string work = "ball r 115 degree 7";
   if (work.find(options.only) == std::string::npos) return;
   const int batch = options.batch > 0 ? options.batch : engine.device().is_gpu ? 256 : 4;
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(thrown_discs(), scene);
   std::vector<Frame> pictures(kPictures);
-  std::vector<sim::speckle::BallPose> poses(kPictures);
+  std::vector<BallPose> poses(kPictures);
   for (int k = 0; k < kPictures; ++k) {
-    sim::speckle::BallPose& pose = poses[static_cast<std::size_t>(k)];
-    pose.cx_px = 251.3 + 0.618 * k;
-    pose.cy_px = 259.2 - 0.382 * k;
+    BallPose& pose = poses[static_cast<std::size_t>(k)];
+    pose.cx_px = 251.3 + kStepX_px * k;
+    pose.cy_px = 259.2 + kStepY_px * k;
     pose.angle_deg = 0.5 * k;
     renderer.render(pose, k, pictures[static_cast<std::size_t>(k)]);
   }
@@ -58,7 +77,7 @@ void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSi
     const auto place = [](int frame) { return frame % 16 < 8 ? frame % 16 : 16 - frame % 16; };
     frames.set(k, pictures[static_cast<std::size_t>(place(k))]);
     if (k == batch) continue;
-    const sim::speckle::BallPose& at = poses[static_cast<std::size_t>(place(k))];
+    const BallPose& at = poses[static_cast<std::size_t>(place(k))];
     const auto way = static_cast<float>(place(k + 1) - place(k));
     tasks.push_back({k, k + 1, static_cast<float>(at.cx_px), static_cast<float>(at.cy_px),
                      static_cast<float>(kRadius - dic::kRimMarginPx), 0.6F * way, -0.4F * way,
@@ -75,19 +94,7 @@ void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSi
     splines.prepare(frames);
     motions = registration.measure(frames, tasks);
   });
-  double squares = 0, along = 0;
-  int ok = 0;
-  for (std::size_t k = 0; k < tasks.size(); ++k) {
-    if (motions[k].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
-    const double way = tasks[k].guess_dx > 0 ? 1 : -1;
-    const double du = motions[k].dx - 0.618 * way, dv = motions[k].dy + 0.382 * way;
-    squares += du * du + dv * dv;
-    along += way * (du * 0.618 - dv * 0.382) / std::hypot(0.618, 0.382);
-    ++ok;
-  }
-  row.lost = 1 - ok / static_cast<double>(batch);
-  row.bias_px = ok > 0 ? along / ok : 0;
-  row.rms_px = ok > 0 ? std::sqrt(squares / (2.0 * ok)) : 0;
+  put_errors(tasks, motions, row);
   const double area = scene.width * scene.height, disc = std::numbers::pi * 111 * 111;
   row.bytes = area * (4 + 4 + 4 + 4 + 4 + 12) + disc * 16;
   row.flops = disc * (4 * (2 * 64 + 60) + 100.0) + area * 400;

@@ -5,8 +5,8 @@
 
 namespace impactdic::benchmark {
 
-// One batch with a queue of its own: what the queues of several lanes hold runs side by side.
-struct EqualStream::Lane {
+// One batch with a queue of its own: what the queues of several workers hold runs side by side.
+struct EqualStream::Worker {
   std::unique_ptr<opencl::Engine> engine;
   Shape shape;
   opencl::PinnedBytes pictures, motions;
@@ -16,8 +16,8 @@ struct EqualStream::Lane {
   dic::EqualOpencl equal;
   cl::Event done;
 
-  Lane(const opencl::Engine& parent, const dic::FieldOptions& options, const Shape& of,
-       std::span<const Window> list)
+  Worker(const opencl::Engine& parent, const FieldOptions& options, const Shape& of,
+         std::span<const Window> list)
       : engine(parent.beside()),
         shape(of),
         pictures(*engine, bytes_of(of)),
@@ -30,7 +30,7 @@ struct EqualStream::Lane {
 
   static std::size_t bytes_of(const Shape& shape) {
     return static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height) *
-           static_cast<std::size_t>(shape.pictures) * (shape.type == PixelType::u8 ? 1 : 2);
+           static_cast<std::size_t>(shape.pictures) * (shape.type == PixelType::kU8 ? 1 : 2);
   }
 
   void start() {
@@ -63,35 +63,35 @@ struct EqualStream::Lane {
   }
 };
 
-EqualStream::EqualStream(const opencl::Engine& engine, const dic::FieldOptions& options,
-                         const Shape& shape, std::span<const Window> windows, int lanes) {
+EqualStream::EqualStream(const opencl::Engine& engine, const FieldOptions& options,
+                         const Shape& shape, std::span<const Window> windows, int workers) {
   for (const Window& window : windows) {
     if (std::min(window.first, window.second) < 0 ||
         std::max(window.first, window.second) >= shape.pictures) {
       throw InvalidArgument("a window names a picture that its batch does not have");
     }
   }
-  for (int k = 0; k < lanes; ++k) {
-    lanes_.push_back(std::make_unique<Lane>(engine, options, shape, windows));
+  for (int k = 0; k < workers; ++k) {
+    workers_.push_back(std::make_unique<Worker>(engine, options, shape, windows));
   }
 }
 
 EqualStream::~EqualStream() {
-  for (const auto& lane : lanes_) {
+  for (const auto& worker : workers_) {
     try {
-      lane->wait();
+      worker->wait();
     } catch (const Error&) {
       // Whoever waited before has seen it.
     }
   }
 }
 
-std::span<unsigned char> EqualStream::pictures(int lane) {
-  return lanes_.at(static_cast<std::size_t>(lane))->pictures.bytes();
+std::span<unsigned char> EqualStream::pictures(int worker) {
+  return workers_.at(static_cast<std::size_t>(worker))->pictures.bytes();
 }
-void EqualStream::start(int lane) { lanes_.at(static_cast<std::size_t>(lane))->start(); }
-std::span<const WindowMotion> EqualStream::wait(int lane) {
-  return lanes_.at(static_cast<std::size_t>(lane))->wait();
+void EqualStream::start(int worker) { workers_.at(static_cast<std::size_t>(worker))->start(); }
+std::span<const WindowMotion> EqualStream::wait(int worker) {
+  return workers_.at(static_cast<std::size_t>(worker))->wait();
 }
 
 }  // namespace impactdic::benchmark

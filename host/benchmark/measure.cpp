@@ -98,7 +98,7 @@ void put_errors(BenchRow& row, const ShiftedPictures& pictures, std::span<const 
   double along = 0, length = 0, squares = 0;
   std::size_t ok = 0;
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (motions[i].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+    if (motions[i].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
     const auto first = static_cast<std::size_t>(windows[i].first) % count;
     const auto second = static_cast<std::size_t>(windows[i].second) % count;
     const double u = pictures.x[second] - pictures.x[first];

@@ -18,7 +18,7 @@ bool is_wanted(const BenchOptions& options, const std::string& work) {
 
 // Both frames of a pair in, all windows out.
 void bench_pair(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink,
-                const dic::FieldOptions& field, const std::string& work, const std::string& variant,
+                const FieldOptions& field, const std::string& work, const std::string& variant,
                 std::vector<Window> windows) {
   if (!is_wanted(options, work)) return;
   const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 2);
@@ -46,13 +46,14 @@ constexpr int kStreamPictures = 8;
 struct DeviceStream {
   benchmark::EqualStream stream;
 
-  DeviceStream(const opencl::Engine& engine, const dic::FieldOptions& field,
+  DeviceStream(const opencl::Engine& engine, const FieldOptions& field,
                const ShiftedPictures& pictures, const std::vector<Window>& windows, int pairs,
-               int lanes)
-      : stream(engine, field, {kSide, kSide, PixelType::u8, 255, pairs + 1, windows.size() / pairs},
-               windows, lanes) {
-    for (int lane = 0; lane < lanes; ++lane) {
-      const auto bytes = stream.pictures(lane);
+               int workers)
+      : stream(engine, field,
+               {kSide, kSide, PixelType::kU8, 255, pairs + 1, windows.size() / pairs}, windows,
+               workers) {
+    for (int worker = 0; worker < workers; ++worker) {
+      const auto bytes = stream.pictures(worker);
       for (std::size_t k = 0; k <= static_cast<std::size_t>(pairs); ++k) {
         const Frame& frame = pictures.frames[k % kStreamPictures];
         std::memcpy(bytes.data() + k * frame.byte_count(), frame.bytes(), frame.byte_count());
@@ -61,10 +62,10 @@ struct DeviceStream {
   }
 
   void run(int batches) {
-    const int lanes = stream.lanes();
-    for (int k = 0; k < batches + lanes; ++k) {
-      if (k >= lanes) stream.wait(k % lanes);
-      if (k < batches) stream.start(k % lanes);
+    const int workers = stream.workers();
+    for (int k = 0; k < batches + workers; ++k) {
+      if (k >= workers) stream.wait(k % workers);
+      if (k < batches) stream.start(k % workers);
     }
   }
 };
@@ -76,9 +77,9 @@ void bench_stream(std::span<opencl::Engine* const> engines, const BenchOptions& 
   if (!is_wanted(options, work)) return;
   const bool is_gpu = engines.front()->device().is_gpu;
   const int pairs = options.batch > 0 ? options.batch : is_gpu ? 128 : 2;
-  const int lanes = is_gpu ? 3 : 1, batches = is_gpu ? 64 : 2;
+  const int workers = is_gpu ? 3 : 1, batches = is_gpu ? 64 : 2;
   const ShiftedPictures pictures = make_shifted_pictures(kStreamPictures, kSide, kSide, 6);
-  dic::FieldOptions field;
+  FieldOptions field;
   field.window_px = 32;
   field.min_correlation = 0.3;
   std::vector<Window> windows;
@@ -91,12 +92,13 @@ void bench_stream(std::span<opencl::Engine* const> engines, const BenchOptions& 
   }
   std::vector<std::unique_ptr<DeviceStream>> all;
   for (const opencl::Engine* engine : engines) {
-    all.push_back(std::make_unique<DeviceStream>(*engine, field, pictures, windows, pairs, lanes));
+    all.push_back(
+        std::make_unique<DeviceStream>(*engine, field, pictures, windows, pairs, workers));
     const std::size_t devices = all.size();
     if (devices > 1 && devices < engines.size()) continue;
     BenchRow row;
     row.work = work;
-    row.variant = "host to host, " + std::to_string(lanes) + " in flight";
+    row.variant = "host to host, " + std::to_string(workers) + " in flight";
     if (devices > 1) row.variant += ", " + std::to_string(devices) + " devices";
     row.unit = "frames";
     row.count = static_cast<double>(pairs) * batches * static_cast<double>(devices);
@@ -119,7 +121,7 @@ void bench_stream(std::span<opencl::Engine* const> engines, const BenchOptions& 
 void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                    const RowSink& sink) {
   opencl::Engine& engine = *engines.front();
-  dic::FieldOptions field;
+  FieldOptions field;
   field.window_px = 31;
   bench_pair(engine, options, sink, field, "seed + icgn 31x31", "frames in, points out",
              dic::rectangle_grid(20, 20, 31 + 54 * 8, 31 + 54 * 8, 31, 8));
@@ -128,9 +130,9 @@ void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions&
   for (const int points : {0, 1, 3, 5, 7, 9}) {
     field.interp_points = points;
     const std::string density = "N = " + std::to_string(points);
-    field.method = dic::FieldMethod::published;
+    field.method = FieldMethod::kPublished;
     bench_pair(engine, options, sink, field, "published 15x15", density, grid);
-    field.method = dic::FieldMethod::icgn;
+    field.method = FieldMethod::kIcgn;
     bench_pair(engine, options, sink, field, "default 15x15", density, grid);
   }
   bench_stream(engines, options, sink);

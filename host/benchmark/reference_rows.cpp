@@ -64,7 +64,7 @@ WindowMotion peak_of(const float* map) {
   motion.v = static_cast<float>(lag(y)) + shift(value(x, y - 1), centre, value(x, y + 1));
   const bool is_number = std::isfinite(motion.u) && std::isfinite(motion.v);
   motion.status =
-      static_cast<idic_int>(is_number ? dic::WindowStatus::ok : dic::WindowStatus::not_converged);
+      static_cast<idic_int>(is_number ? WindowStatus::kOk : WindowStatus::kNotConverged);
   return motion;
 }
 
@@ -108,7 +108,7 @@ void bench_fftw(const BenchOptions& options, const RowSink& sink) {
 }
 
 void bench_double_icgn(const BenchOptions& options, const RowSink& sink) {
-  dic::FieldOptions field;
+  FieldOptions field;
   field.window_px = 31;
   const ShiftedPictures pictures = make_shifted_pictures(2, kSide, kSide, 6);
   const auto correlator = dic::make_reference_correlator(field, 2);

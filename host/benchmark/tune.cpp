@@ -64,7 +64,7 @@ struct Trial {
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const WindowMotion &a = measured[i * stride], &b = expected[i];
       if (a.status != b.status) return "other status than the reference";
-      if (b.status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+      if (b.status != static_cast<idic_int>(WindowStatus::kOk)) continue;
       const double difference = std::max(std::abs(a.u - b.u), std::abs(a.v - b.v));
       if (!(difference <= largest_px)) kernel.difference_px = difference;
       kernel.difference_px = std::max(kernel.difference_px, difference);
@@ -104,7 +104,7 @@ dic::TunedKernel tune(Trial& trial, const std::string& work, const std::vector<V
 
 }  // namespace
 
-dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& field,
+dic::TunedKernel tune_zncc(opencl::Engine& engine, const FieldOptions& field,
                            const TuneOptions& options, const TuneSink& sink) {
   const int margin = field.search_px, side = kSide - 2 * margin;
   Trial trial(engine, dic::rectangle_grid(margin, margin, side, side, field.window_px, 16),
@@ -116,7 +116,7 @@ dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& fiel
       [&](const dic::ZnccVariant& variant) { return dic::ZnccOpencl(engine, field, variant); });
 }
 
-dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& field,
+dic::TunedKernel tune_equal(opencl::Engine& engine, const FieldOptions& field,
                             const TuneOptions& options, const TuneSink& sink) {
   const auto grid = dic::rectangle_grid(0, 0, kSide, kSide, field.window_px, field.window_px / 2);
   Trial trial(engine, grid, [&](auto first, auto second, const Window& window, double full_scale) {

@@ -24,9 +24,9 @@ using TuneSink = std::function<void(const TunedVariant&)>;
 
 // Tries each variant that the device allows, hands it to `sink`, and returns the quickest of the
 // right ones. Throws Error where none is right.
-dic::TunedKernel tune_zncc(opencl::Engine& engine, const dic::FieldOptions& field,
+dic::TunedKernel tune_zncc(opencl::Engine& engine, const FieldOptions& field,
                            const TuneOptions& options, const TuneSink& sink);
-dic::TunedKernel tune_equal(opencl::Engine& engine, const dic::FieldOptions& field,
+dic::TunedKernel tune_equal(opencl::Engine& engine, const FieldOptions& field,
                             const TuneOptions& options, const TuneSink& sink);
 
 }  // namespace impactdic::benchmark

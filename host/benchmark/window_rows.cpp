@@ -65,7 +65,7 @@ bool is_wanted(const BenchOptions& options, const std::string& work) {
 }  // namespace
 
 void bench_equal_windows(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink) {
-  dic::FieldOptions field;
+  FieldOptions field;
   field.window_px = 32;
   field.min_correlation = 0.3;
   // 961 windows at half their width: the 31 × 31 that 512 × 512 hold.
@@ -104,8 +104,8 @@ void bench_zncc(opencl::Engine& engine, const BenchOptions& options, const RowSi
   };
   for (const Case& c : {Case{"zncc 15 in 32", 15, 8, 16}, Case{"zncc 31 in 64", 31, 16, 16}}) {
     if (!is_wanted(options, c.work)) continue;
-    dic::FieldOptions field;
-    field.method = dic::FieldMethod::zncc;
+    FieldOptions field;
+    field.method = FieldMethod::kZncc;
     field.window_px = c.window_px;
     field.search_px = c.search_px;
     const int margin = c.search_px;
@@ -137,7 +137,7 @@ void bench_icgn(opencl::Engine& engine, const BenchOptions& options, const RowSi
   for (const int degree : {3, 5, 7}) {
     const std::string work = "icgn 31x31 degree " + std::to_string(degree);
     if (!is_wanted(options, work)) continue;
-    dic::FieldOptions field;
+    FieldOptions field;
     field.window_px = 31;
     field.spline_degree = degree;
     const int pairs = options.batch > 0 ? options.batch : engine.device().is_gpu ? 32 : 1;

@@ -17,7 +17,7 @@ namespace {
 
 // The circle is the ball's as far as its radius tells.
 bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
-  return fit.status == CircleStatus::ok &&
+  return fit.status == CircleStatus::kOk &&
          (!radius_px ||
           std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
 }
@@ -146,7 +146,7 @@ CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
   const CircleFit fit = measure_circle(frame, prior, options_.circle);
-  const bool another = fit.status == CircleStatus::ok && !plausible(fit, radius.rough_px);
+  const bool another = fit.status == CircleStatus::kOk && !plausible(fit, radius.rough_px);
   return another ? CircleFit{} : fit;
 }
 
@@ -154,14 +154,14 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
                               const Radius& radius, bool* searched) const {
   if (prior) {
     CircleFit fit = measure_circle(frame, *prior, options_.circle);
-    if (!plausible(fit, radius.rough_px) && fit.status != CircleStatus::out_of_view) {
+    if (!plausible(fit, radius.rough_px) && fit.status != CircleStatus::kOutOfView) {
       // A stronger change than predicted: search farther before searching everywhere.
       CirclePrior wide = *prior;
       wide.centre_sd_px = std::max(kTracking.lost_px, kTracking.lost_factor * prior->centre_sd_px);
       wide.rim_sd_px.reset();
       fit = measure_circle(frame, wide, options_.circle);
     }
-    if (plausible(fit, radius.rough_px) || fit.status == CircleStatus::out_of_view) return fit;
+    if (plausible(fit, radius.rough_px) || fit.status == CircleStatus::kOutOfView) return fit;
   }
   if (searched != nullptr) *searched = true;
   return search(frame, radius);
@@ -170,7 +170,7 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
 CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
   bool searched = false;
   const CircleFit fit = locate(frame, predict(index), radius(), &searched);
-  if (fit.status != CircleStatus::ok) return fit;
+  if (fit.status != CircleStatus::kOk) return fit;
   if (searched) memory_.seen.clear();
   remember(fit, index);
   return fit;
@@ -250,12 +250,12 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
   // A ball that is there is mostly there from the first frame on.
   fits[begin] = track(frames[begin], first_index + static_cast<std::int64_t>(begin));
   std::size_t next = begin + 1;
-  if (fits[begin].status != CircleStatus::ok) {
+  if (fits[begin].status != CircleStatus::kOk) {
     const Radius known = radius();
     tbb::this_task_arena::isolate([&] {
       tbb::parallel_for(next, end, [&](std::size_t i) { fits[i] = search(frames[i], known); });
     });
-    while (next < end && fits[next].status != CircleStatus::ok) ++next;
+    while (next < end && fits[next].status != CircleStatus::kOk) ++next;
     if (next == end) return;
     memory_.seen.clear();
     remember(fits[next], first_index + static_cast<std::int64_t>(next));

@@ -12,12 +12,10 @@ namespace impactdic::circle {
 
 class RimModel;
 
-using impactdic::Circle;
-
 enum class CircleStatus {
-  ok,
-  no_ball,      // no circular edge was found
-  out_of_view,  // the centre lies outside the picture or too little of the rim is inside
+  kOk,
+  kNoBall,     // no circular edge was found
+  kOutOfView,  // the centre lies outside the picture or too little of the rim is inside
 };
 const char* to_string(CircleStatus status);
 
@@ -26,7 +24,7 @@ const char* to_string(CircleStatus status);
 // ½ atan2(e2, e1), which is r(φ) = R + e1 cos 2φ + e2 sin 2φ to first order in e/R (φ from x
 // towards y, image axes, y down). R is then `circle.r_px`. Otherwise e1 = e2 = 0.
 struct CircleFit {
-  CircleStatus status = CircleStatus::no_ball;
+  CircleStatus status = CircleStatus::kNoBall;
   Circle circle;
   double cx_sd_px = 0, cy_sd_px = 0, r_sd_px = 0;
   bool ellipse = false;

@@ -19,7 +19,7 @@ using Candidates = std::vector<Circle>;
 
 // 8-bit picture of the whole frame, its grey levels stretched over 0 … 255, reduced by `shrink`.
 cv::Mat prepare(const Frame& frame, int shrink) {
-  const int depth = frame.type == PixelType::u8 ? CV_8U : CV_16U;
+  const int depth = frame.type == PixelType::kU8 ? CV_8U : CV_16U;
   const cv::Mat whole(frame.height(), frame.width(), depth, const_cast<void*>(frame.bytes()));
   cv::Mat reduced, grey;
   const cv::Size size(std::max(8, frame.width() / shrink), std::max(8, frame.height() / shrink));
@@ -78,7 +78,7 @@ Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) 
   prior.rim_sd_px = prior.centre_sd_px;
   prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
-  if (fit.status != CircleStatus::ok) return {};
+  if (fit.status != CircleStatus::kOk) return {};
   return {fit.rim_fraction * fit.circle.r_px, fit.rim_fraction, fit.circle};
 }
 

@@ -91,7 +91,7 @@ CircleFit accepted(CircleFit fit, const Frame& frame, const CircleOptions& optio
   }
   const bool centre_in =
       c.cx_px >= 0 && c.cy_px >= 0 && c.cx_px <= frame.width() - 1 && c.cy_px <= frame.height() - 1;
-  fit.status = centre_in ? CircleStatus::ok : CircleStatus::out_of_view;
+  fit.status = centre_in ? CircleStatus::kOk : CircleStatus::kOutOfView;
   return fit;
 }
 
@@ -107,9 +107,9 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
   if (!(scatter < kJudge.close_steps * step_px)) return std::nullopt;
   ModelFit m;
   if (prior.centre_sd_px < kJudge.near_steps * step_px) {
-    m = follow_rim(frame, prior, options, Approach::at_once, lines);
+    m = follow_rim(frame, prior, options, Approach::kAtOnce, lines);
   }
-  if (!is_enough(m.fit)) m = follow_rim(frame, prior, options, Approach::after_preview, lines);
+  if (!is_enough(m.fit)) m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
   if (!is_enough(m.fit)) return std::nullopt;
   return describe(m, lines, *prior.bright);
 }
@@ -130,7 +130,7 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     const Rim rim = m.fit.rim;
     m.rays = preview ? std::max(options.rays / kJudge.preview_of_rays, kJudge.preview_rays)
                      : options.rays;
-    const Kernel kernel = sharp ? Kernel::sharp : Kernel::smooth;
+    const Kernel kernel = sharp ? Kernel::kSharp : Kernel::kSmooth;
     trace_rim(frame, rim, {search.polarity, search.blur_px, kernel, m.rays}, trace);
     m.fit = fit_rim(trace, rim, prior, shapes_of(options));
     if (!m.fit.ok) break;
@@ -156,11 +156,11 @@ double free_distance(const RimTrace& trace, const Rim& rim) {
 
 const char* to_string(CircleStatus status) {
   switch (status) {
-    case CircleStatus::ok:
+    case CircleStatus::kOk:
       return "ok";
-    case CircleStatus::no_ball:
+    case CircleStatus::kNoBall:
       return "no_ball";
-    case CircleStatus::out_of_view:
+    case CircleStatus::kOutOfView:
       return "out_of_view";
   }
   return "";
@@ -188,18 +188,18 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   CirclePrior around = prior;
   around.centre_sd_px = std::max(prior.centre_sd_px, kJudge.least_search_px);
   const RimSearch search = search_rim(frame, around, options);
-  const bool bright = search.polarity == Polarity::bright;
+  const bool bright = search.polarity == Polarity::kBright;
   CircleFit result;
   result.bright = bright;
   if (search.in_view < kJudge.in_view) {
-    result.status = CircleStatus::out_of_view;
+    result.status = CircleStatus::kOutOfView;
     return result;
   }
   if (!search.found) return result;
 
   const Crossings crossings = trace_crossings(frame, search, prior, options, trace);
   if (trace.rays_in_view < kJudge.in_view * crossings.rays) {
-    result.status = CircleStatus::out_of_view;
+    result.status = CircleStatus::kOutOfView;
     return result;
   }
   const RimFit& fit = crossings.fit;

@@ -47,7 +47,7 @@ class Learner {
   bool fit(const Rim* start) {
     model_ = std::make_shared<RimModel>(texture_.result(), trace_.noise, sigma_px_, trace_.step_px);
     fit_ = fit_lines(trace_, *model_, from_, prior_, shapes_of(options_),
-                     {Thoroughness::with_width, start});
+                     {Thoroughness::kWithWidth, start});
     return fit_.ok;
   }
 
@@ -105,7 +105,7 @@ class Learner {
     const RimModel wider(texture_.result(), trace_.noise, sigma_px_ * std::exp(kWider),
                          trace_.step_px);
     const LineFit other = fit_lines(trace_, wider, from_, prior_, shapes_of(options_),
-                                    {Thoroughness::finely, &fit_.rim});
+                                    {Thoroughness::kFinely, &fit_.rim});
     const double moved = other.ok ? (other.rim.r - fit_.rim.r) / kWider : sigma_px_;
     model_->set_place_sd_px(std::hypot(kLearning.model_error * moved, kLearning.least_place_sd_px));
   }
@@ -133,7 +133,7 @@ double distance(const Rim& a, const Rim& b) {
 ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
                     Approach approach, LineTrace& trace) {
   const RimModel& model = *prior.rim_model;
-  const bool preview_first = approach == Approach::after_preview;
+  const bool preview_first = approach == Approach::kAfterPreview;
   const double farthest = preview_first ? kJudge.followed_steps : kJudge.retrace_steps;
   LineFit fit;
   fit.rim = rim_of(prior);
@@ -142,13 +142,13 @@ ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOp
     const Rim from = fit.rim;
     LineRequest request{polarity_of(*prior.bright), model.step_px(),
                         preview ? options.rays / kJudge.preview_of_lines : options.rays};
-    if (pass > 0) request.levels = LineRequest::Levels::as_before;
+    if (pass > 0) request.levels = LineRequest::Levels::kAsBefore;
     trace_lines(frame, from, request, trace);
     if (trace.noise > kJudge.noisier * model.noise()) break;
     if (trace.in_view < kJudge.in_view * trace.cast) break;
-    LineStart start{Thoroughness::preview};
+    LineStart start{Thoroughness::kPreview};
     const KindShares shares = fit.shares;
-    if (!preview) start = {Thoroughness::finely, &from, pass > 0 ? &shares : nullptr};
+    if (!preview) start = {Thoroughness::kFinely, &from, pass > 0 ? &shares : nullptr};
     fit = fit_lines(trace, model, from, prior, shapes_of(options), start);
     if (!fit.ok) break;
     if (fit.points < kJudge.followable * static_cast<double>(trace.lines.size())) break;

@@ -17,13 +17,13 @@ struct ModelFit {
 };
 
 inline Shapes shapes_of(const CircleOptions& options) {
-  return options.allow_ellipse ? Shapes::circle_or_ellipse : Shapes::circle;
+  return options.allow_ellipse ? Shapes::kCircleOrEllipse : Shapes::kCircle;
 }
 
 // How near the prior is.
 enum class Approach {
-  at_once,        // to a small part of a step
-  after_preview,  // to a step or so: some lines and a rough fit come first
+  kAtOnce,        // to a small part of a step
+  kAfterPreview,  // to a step or so: some lines and a rough fit come first
 };
 // With the prior's rim model, polarity and shape, which must be there.
 ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,

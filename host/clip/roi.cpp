@@ -113,7 +113,7 @@ void copy_rows(const Image<T>& from, const Roi& roi, Image<T>& to) {
 
 void crop(const Frame& frame, const Roi& roi, Frame& cut) {
   cut.reset(roi.width, roi.height, frame.bits);
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     copy_rows(frame.u8, roi, cut.u8);
   } else {
     copy_rows(frame.u16, roi, cut.u16);

@@ -19,8 +19,6 @@ struct WindowBound {
   double expected_sd_px = 0;
 };
 
-using impactdic::BallBound;
-
 // A picture's slopes by the quintic B-spline through it, and their sums over squares of any size.
 class PictureSlopes {
  public:

@@ -16,13 +16,13 @@ namespace {
 constexpr bool is_kernels(WindowStatus status, int of_kernels) {
   return static_cast<int>(status) == of_kernels;
 }
-static_assert(is_kernels(WindowStatus::ok, STATUS_OK));
-static_assert(is_kernels(WindowStatus::masked, STATUS_MASKED));
-static_assert(is_kernels(WindowStatus::no_texture, STATUS_NO_TEXTURE));
-static_assert(is_kernels(WindowStatus::low_correlation, STATUS_LOW_CORRELATION));
-static_assert(is_kernels(WindowStatus::at_search_edge, STATUS_AT_SEARCH_EDGE));
-static_assert(is_kernels(WindowStatus::not_converged, STATUS_NOT_CONVERGED));
-static_assert(is_kernels(WindowStatus::out_of_view, STATUS_OUT_OF_VIEW));
+static_assert(is_kernels(WindowStatus::kOk, STATUS_OK));
+static_assert(is_kernels(WindowStatus::kMasked, STATUS_MASKED));
+static_assert(is_kernels(WindowStatus::kNoTexture, STATUS_NO_TEXTURE));
+static_assert(is_kernels(WindowStatus::kLowCorrelation, STATUS_LOW_CORRELATION));
+static_assert(is_kernels(WindowStatus::kAtSearchEdge, STATUS_AT_SEARCH_EDGE));
+static_assert(is_kernels(WindowStatus::kNotConverged, STATUS_NOT_CONVERGED));
+static_assert(is_kernels(WindowStatus::kOutOfView, STATUS_OUT_OF_VIEW));
 
 void check_range(double value, double low, double high, const char* what, const char* option) {
   // The negated form also refuses NaN.
@@ -37,13 +37,13 @@ void check_range(double value, double low, double high, const char* what, const 
 
 const char* to_string(FieldMethod method) {
   switch (method) {
-    case FieldMethod::published:
+    case FieldMethod::kPublished:
       return "published";
-    case FieldMethod::zncc:
+    case FieldMethod::kZncc:
       return "zncc";
-    case FieldMethod::equal:
+    case FieldMethod::kEqual:
       return "equal";
-    case FieldMethod::icgn:
+    case FieldMethod::kIcgn:
       return "icgn";
   }
   return "?";
@@ -51,7 +51,7 @@ const char* to_string(FieldMethod method) {
 
 FieldMethod parse_field_method(const std::string& name) {
   for (const auto method :
-       {FieldMethod::published, FieldMethod::zncc, FieldMethod::equal, FieldMethod::icgn}) {
+       {FieldMethod::kPublished, FieldMethod::kZncc, FieldMethod::kEqual, FieldMethod::kIcgn}) {
     if (name == to_string(method)) return method;
   }
   throw InvalidArgument("there is no method '" + name + "'", "--method",
@@ -67,7 +67,7 @@ void FieldOptions::validate() const {
   check_range(min_texture, 0, 255, "the lowest contrast", "--min-texture");
   check_range(noise, 0, 255, "the noise", "--noise");
   check_range(max_sd_px, 0.001, 1000, "the largest expected deviation", "--max-sd");
-  if (static_cast<unsigned>(method) > static_cast<unsigned>(FieldMethod::icgn)) {
+  if (static_cast<unsigned>(method) > static_cast<unsigned>(FieldMethod::kIcgn)) {
     throw InvalidArgument("there is no such method", "--method", "published, zncc and icgn exist");
   }
   if (spline_degree != 3 && spline_degree != 5 && spline_degree != 7) {
@@ -75,12 +75,12 @@ void FieldOptions::validate() const {
         "the spline's degree must be 3, 5 or 7, not " + std::to_string(spline_degree),
         "--spline-degree");
   }
-  if (method == FieldMethod::equal && window_px != 16 && window_px != 32) {
+  if (method == FieldMethod::kEqual && window_px != 16 && window_px != 32) {
     throw InvalidArgument("equal windows are 16 or 32 px wide, not " + std::to_string(window_px),
                           "--window", "use --window 32, or --method zncc or icgn");
   }
   // The published method's matrices grow with the cube of the window.
-  if (method == FieldMethod::published && window_px > 65) {
+  if (method == FieldMethod::kPublished && window_px > 65) {
     throw InvalidArgument(
         "the published method takes windows of at most 65 px, not " + std::to_string(window_px),
         "--window", "use --method zncc or icgn");

@@ -10,12 +10,6 @@
 
 namespace impactdic::dic {
 
-using impactdic::FieldMethod;
-using impactdic::FieldOptions;
-using impactdic::parse_field_method;
-using impactdic::to_string;
-using impactdic::WindowStatus;
-
 // Variance of a pixel, grey levels of a file whose white is `full_scale`.
 double pixel_variance(const FieldOptions& options, double full_scale);
 

@@ -22,7 +22,7 @@ WindowResult FieldView::operator[](std::size_t index) const {
   result.status = static_cast<WindowStatus>(motion.status);
   result.x_px = window.x0 + (window_px_ - 1) / 2.0;
   result.y_px = window.y0 + (window_px_ - 1) / 2.0;
-  const bool ok = result.status == WindowStatus::ok;
+  const bool ok = result.status == WindowStatus::kOk;
   const auto measured = [ok](float value) { return ok ? value : kNothing; };
   result.u_px = measured(motion.u);
   result.v_px = measured(motion.v);

@@ -28,22 +28,22 @@ constexpr std::uint8_t kJudged = 16;     // its texture was looked at
 constexpr std::uint8_t kUnsettled = 32;  // stands in the list of those to be looked at
 
 bool is_found(const WindowMotion& motion) {
-  return motion.status == static_cast<idic_int>(WindowStatus::ok);
+  return motion.status == static_cast<idic_int>(WindowStatus::kOk);
 }
 
 bool has_no_texture(const WindowMotion& motion) {
-  return motion.status == static_cast<idic_int>(WindowStatus::no_texture);
+  return motion.status == static_cast<idic_int>(WindowStatus::kNoTexture);
 }
 
 // Otherwise nothing was looked at.
 bool is_in_view(const WindowMotion& motion) {
-  return motion.status != static_cast<idic_int>(WindowStatus::out_of_view);
+  return motion.status != static_cast<idic_int>(WindowStatus::kOutOfView);
 }
 
 bool is_lost(const WindowMotion& motion) {
   const auto status = static_cast<WindowStatus>(motion.status);
-  return status == WindowStatus::low_correlation || status == WindowStatus::at_search_edge ||
-         status == WindowStatus::not_converged;
+  return status == WindowStatus::kLowCorrelation || status == WindowStatus::kAtSearchEdge ||
+         status == WindowStatus::kNotConverged;
 }
 
 static_assert(kNearest <= 6);  // UpperMedianOfSix
@@ -218,7 +218,7 @@ class Neighbours::Front {
     start.u = said[0];
     start.v = said[1];
     start.correlation = start.peak_ratio = kNan;
-    start.status = static_cast<idic_int>(WindowStatus::ok);
+    start.status = static_cast<idic_int>(WindowStatus::kOk);
     proposals.index.push_back(i);
     proposals.windows.push_back(windows_[i]);
     proposals.windows.back().guess_rot_rad = std::atan(said[2]);

@@ -12,7 +12,7 @@ namespace impactdic::dic {
 // refinement applies the bar that was asked for.
 inline FieldOptions seed_options(FieldOptions options) {
   constexpr double kSeedCorrelation = 0.3;
-  if (options.method == FieldMethod::icgn) {
+  if (options.method == FieldMethod::kIcgn) {
     options.min_correlation = std::min(options.min_correlation, kSeedCorrelation);
   }
   return options;

@@ -12,9 +12,9 @@ namespace impactdic::dic {
 WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& options, int slots)
     : engine_(engine), window_px_(options.window_px), discs_(slots) {
   options.validate();
-  if (options.method == FieldMethod::published) {
+  if (options.method == FieldMethod::kPublished) {
     published_.emplace(engine, options);
-  } else if (options.method == FieldMethod::equal) {
+  } else if (options.method == FieldMethod::kEqual) {
     // Which pictures follow each other is not known here.
     EqualVariant variant = choose_equal_variant(engine, options.window_px, false);
     variant.width_known = false;
@@ -27,7 +27,7 @@ WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& o
     variant.width_known = false;
     zncc_.emplace(engine, seed, variant);
   }
-  if (options.method == FieldMethod::icgn) icgn_.emplace(engine, options, slots);
+  if (options.method == FieldMethod::kIcgn) icgn_.emplace(engine, options, slots);
 }
 
 void WindowCorrelator::check_frames(const DeviceFrames& frames,
@@ -53,7 +53,7 @@ const std::vector<WindowMotion>& WindowCorrelator::find(DeviceFrames& frames,
     search(frames, windows, results_, false);
     return results_;
   }
-  whole_.search(windows, window_px_, discs_, WindowStatus::masked, results_,
+  whole_.search(windows, window_px_, discs_, WindowStatus::kMasked, results_,
                 [&](std::span<const Window> whole, std::span<WindowMotion> found) {
                   search(frames, whole, found, false);
                 });
@@ -65,7 +65,7 @@ const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frame
   if (!icgn_) return find(frames, windows);
   check_frames(frames, windows);
   results_.resize(windows.size());
-  whole_.search(windows, window_px_, discs_, WindowStatus::low_correlation, results_,
+  whole_.search(windows, window_px_, discs_, WindowStatus::kLowCorrelation, results_,
                 [&](std::span<const Window> whole, std::span<WindowMotion> found) {
                   search(frames, whole, found, true);
                 });
@@ -88,7 +88,7 @@ void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> wind
                               std::span<WindowMotion> motions, bool refined) {
   if (windows.empty()) return;
   if (equal_ && std::min(frames.width(), frames.height()) < window_px_) {
-    std::ranges::fill(motions, without_motion(WindowStatus::out_of_view, std::nan("")));
+    std::ranges::fill(motions, without_motion(WindowStatus::kOutOfView, std::nan("")));
     return;
   }
   windows_.reserve(engine_, windows.size());

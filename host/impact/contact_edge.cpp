@@ -84,12 +84,12 @@ class EdgeFit {
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    Solution s = least(data, until, request_.end ? Damper::fading : Damper::striking, starts_);
+    Solution s = least(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
     ContactEdge edge;
     if (!s.ok) return edge;
-    if (request_.end) s = averaged(s, least(data, until, Damper::dragging, {s.x}));
+    if (request_.end) s = averaged(s, least(data, until, Damper::kDragging, {s.x}));
     // Touch, height and exponent do not depend on the damper.
-    const OnsetLaw<double> found = law(s.x.data(), Damper::striking);
+    const OnsetLaw<double> found = law(s.x.data(), Damper::kStriking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);

@@ -87,13 +87,13 @@ ImpulseClosure close(const ImpactSources& s, const Figures& f, const ImpactOptio
   const double off = std::abs(inertia.value / assumed - 1);
   const double allowed = 2 * inertia.sd / assumed + 0.02;
   if (inertia.value + 2 * inertia.sd < 0) {
-    closure.verdict = ClosureVerdict::signs;
+    closure.verdict = ClosureVerdict::kSigns;
   } else if (off <= allowed) {
-    closure.verdict = ClosureVerdict::closes;
+    closure.verdict = ClosureVerdict::kCloses;
   } else if (inertia.sd / assumed > 0.5) {
-    closure.verdict = ClosureVerdict::undetermined;
+    closure.verdict = ClosureVerdict::kUndetermined;
   } else {
-    closure.verdict = off < 0.25 ? ClosureVerdict::lever_arm : ClosureVerdict::scale;
+    closure.verdict = off < 0.25 ? ClosureVerdict::kLeverArm : ClosureVerdict::kScale;
   }
   return closure;
 }

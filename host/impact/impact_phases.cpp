@@ -33,12 +33,12 @@ class Analysis {
     guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
     if (!guess_.found) return result_;
     if (!set_flights()) {
-      result_.status = ImpactStatus::flight_too_short;
+      result_.status = ImpactStatus::kFlightTooShort;
       return result_;
     }
     fit_both();
     if (!is_impact()) return result_;
-    result_.status = ImpactStatus::found;
+    result_.status = ImpactStatus::kFound;
     find_contact();
     finish();
     return result_;
@@ -197,12 +197,12 @@ void Analysis::find_contact() {
                    flights_.position_scale, flights_.step_scale);
   if (!turn_.ok) turn_.instant = guess_.turn;
   if (!turn_.ok || guess_.last - guess_.first < kFewestContactFrames) {
-    result_.status = ImpactStatus::not_resolved;
+    result_.status = ImpactStatus::kNotResolved;
     return;
   }
   find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
   if (start_.ok && end_.ok) refit(length);
-  if (!start_.ok || !end_.ok) result_.status = ImpactStatus::not_resolved;
+  if (!start_.ok || !end_.ok) result_.status = ImpactStatus::kNotResolved;
 }
 
 // Weighted mean of the turns, its deviation from their scatter and from what they may have in
@@ -297,7 +297,7 @@ void Analysis::place(const ImpactSources& s, bool timed) {
 }
 
 void Analysis::finish() {
-  const bool timed = result_.status == ImpactStatus::found;
+  const bool timed = result_.status == ImpactStatus::kFound;
   ImpactSources s;
   s.before = before_, s.after = after_;
   s.direction = direction_;
@@ -348,12 +348,12 @@ namespace impactdic::impact {
 
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
-  if (result.status != ImpactStatus::none) return result;
+  if (result.status != ImpactStatus::kNone) return result;
   ImpactOptions turned = options;
   turned.surface_angle_rad += kPi;
   const ImpactStatus other = Analysis(rows, turned).run().status;
-  if (other == ImpactStatus::found || other == ImpactStatus::not_resolved) {
-    result.status = ImpactStatus::wrong_side;
+  if (other == ImpactStatus::kFound || other == ImpactStatus::kNotResolved) {
+    result.status = ImpactStatus::kWrongSide;
   }
   return result;
 }

@@ -15,15 +15,6 @@
 
 namespace impactdic::impact {
 
-using impactdic::ClosureVerdict;
-using impactdic::ContactEdgeResult;
-using impactdic::FlightMotion;
-using impactdic::ImpactAnalysis;
-using impactdic::ImpactStatus;
-using impactdic::ImpulseClosure;
-using impactdic::Measured;
-using impactdic::to_string;
-
 struct ImpactOptions {
   double surface_angle_rad = 0;  // counter-clockwise from image-right
   double gravity_angle_rad = -kPi / 2;

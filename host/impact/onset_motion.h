@@ -14,10 +14,10 @@ namespace impactdic::impact {
 
 // What is added to the power law; v is the speed, v0 that at the touch.
 enum class Damper {
-  striking,  // A v/v0
-  fading,    // B (1 - v/v0)
-  dragging,  // as fading, on a surface that is still dented where the force has faded: the power
-             // law's deflection then counts from where K x^p = B
+  kStriking,  // A v/v0
+  kFading,    // B (1 - v/v0)
+  kDragging,  // as fading, on a surface that is still dented where the force has faded: the power
+              // law's deflection then counts from where K x^p = B
 };
 
 template <typename T>
@@ -40,7 +40,7 @@ class OnsetMotion {
  public:
   OnsetMotion(const OnsetLaw<T>& law, double until) : law_(law) {
     using std::pow;
-    if (law.damper == Damper::dragging && law.damping > 0.0 && law.stiffness > 0.0) {
+    if (law.damper == Damper::kDragging && law.damping > 0.0 && law.stiffness > 0.0) {
       dent_ = pow(law.damping / law.stiffness, 1.0 / law.exponent);
     }
     // Enough for 1e-6 of the deflection at the deepest point.
@@ -88,7 +88,7 @@ class OnsetMotion {
     if (dent_ > 0.0) {
       force -= law_.damping * slow;
     } else {
-      force += law_.damping * (law_.damper == Damper::striking ? slow : 1.0 - slow);
+      force += law_.damping * (law_.damper == Damper::kStriking ? slow : 1.0 - slow);
     }
     return -law_.gravity - law_.acceleration_scale * force;
   }

@@ -26,7 +26,7 @@ int begin(double centre, int part, int whole) {
   return static_cast<int>(at > 0 ? std::min<double>(at, whole - part) : 0);
 }
 
-void move_circle(circle::Circle& circle, const CropOrigin& by, int sign) {
+void move_circle(Circle& circle, const CropOrigin& by, int sign) {
   circle.cx_px += sign * by.x;
   circle.cy_px += sign * by.y;
 }
@@ -39,7 +39,7 @@ BallCrop::BallCrop(const EstimatorOptions& options, double radius_px, int width,
       width_(std::min(width, side_px(options, radius_px))),
       height_(std::min(height, side_px(options, radius_px))) {}
 
-CropOrigin BallCrop::about(const circle::Circle& ball) const {
+CropOrigin BallCrop::about(const Circle& ball) const {
   return {begin(ball.cx_px, width_, frame_width_), begin(ball.cy_px, height_, frame_height_)};
 }
 

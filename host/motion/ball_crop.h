@@ -22,7 +22,7 @@ class BallCrop {
   int width() const { return width_; }
   int height() const { return height_; }
   // About the ball as far as the frame's border allows.
-  CropOrigin about(const circle::Circle& ball) const;
+  CropOrigin about(const Circle& ball) const;
 
  private:
   int frame_width_, frame_height_, width_, height_;

@@ -22,14 +22,14 @@ class BallEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
 
-  void glance(std::span<PairMotion> pairs) override { field_->glance(pairs); }
+  void aim(std::span<PairMotion> pairs) override { field_->aim(pairs); }
 
   void measure(std::span<PairMotion> pairs) override {
     field_->measure(pairs);
     for (const std::size_t i : register_all(pairs)) {
       // A field that the whole ball does not bear out is chance.
       pairs[i].motion.ok = false;
-      if (pairs[i].status == TrackStatus::ok) pairs[i].status = TrackStatus::low_correlation;
+      if (pairs[i].status == TrackStatus::kOk) pairs[i].status = TrackStatus::kLowCorrelation;
     }
   }
 
@@ -67,7 +67,7 @@ class BallEstimator : public MotionEstimator {
     if (which.empty()) return;
     const std::vector<BallMotion> motions = registration.measure(frames_, tasks);
     for (std::size_t k = 0; k < which.size(); ++k) {
-      if (motions[k].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+      if (motions[k].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
       take_over(motions[k], pairs[which[k]]);
       done[which[k]] = true;
     }
@@ -95,7 +95,7 @@ class BallEstimator : public MotionEstimator {
     pair.motion.dx_sd_px = ball.dx_sd;
     pair.motion.dy_sd_px = ball.dy_sd;
     pair.motion.rot_sd_rad = ball.rot_sd_rad;
-    pair.status = TrackStatus::ok;
+    pair.status = TrackStatus::kOk;
   }
 
   EstimatorOptions options_;
@@ -107,7 +107,7 @@ class BallEstimator : public MotionEstimator {
 
 }  // namespace
 
-dic::BallOptions ball_options(const dic::FieldOptions& field, bool affine) {
+dic::BallOptions ball_options(const FieldOptions& field, bool affine) {
   dic::BallOptions options;
   options.affine = affine;
   options.min_correlation = field.min_correlation;

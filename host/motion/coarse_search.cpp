@@ -40,9 +40,9 @@ std::vector<Window> windows_about(const Roi& region, int window_px) {
 
 }  // namespace
 
-CoarseSearch::CoarseSearch(opencl::Engine& engine, const dic::FieldOptions& options)
+CoarseSearch::CoarseSearch(opencl::Engine& engine, const FieldOptions& options)
     : engine_(engine), options_(options) {
-  options_.method = dic::FieldMethod::zncc;
+  options_.method = FieldMethod::kZncc;
   options_.search_px = std::max(options.search_px, kReachPx);
   options_.min_correlation = kMinCorrelation;
 }
@@ -78,7 +78,7 @@ dic::RigidMotion CoarseSearch::find(const Frame& first, const Frame& second, con
     }
     double score = 0;
     for (std::size_t i = from; i < from + grid.size(); ++i) {
-      if (found[i].status == static_cast<idic_int>(dic::WindowStatus::ok))
+      if (found[i].status == static_cast<idic_int>(WindowStatus::kOk))
         score += found[i].correlation;
     }
     if (score > best_score) {

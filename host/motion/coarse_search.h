@@ -13,7 +13,7 @@ namespace impactdic::motion {
 class CoarseSearch {
  public:
   // `engine` must outlive the search. Compiles nothing before the first `find`.
-  CoarseSearch(opencl::Engine& engine, const dic::FieldOptions& options);
+  CoarseSearch(opencl::Engine& engine, const FieldOptions& options);
 
   // Motion of the region's centre: every angle, displacements up to 32 px (or the search distance
   // of the options, where that is larger). A few large windows about the centre are turned in steps
@@ -23,7 +23,7 @@ class CoarseSearch {
 
  private:
   opencl::Engine& engine_;
-  dic::FieldOptions options_;
+  FieldOptions options_;
   std::unique_ptr<dic::Correlator> correlator_;
   int window_px_ = 0;
 };

@@ -22,7 +22,7 @@ class FieldEstimator : public MotionEstimator {
         frames_(frames),
         correlator_(engine, options.field, frames.slots()),
         ring_(engine, {}) {
-    const bool cut = options.field.method == dic::FieldMethod::icgn;
+    const bool cut = options.field.method == FieldMethod::kIcgn;
     grid_ = dic::disc_grid(0, 0, radius_px - options.rim_margin_px, options.field.window_px,
                            options.effective_spacing_px(), cut ? kInside : 1);
   }
@@ -30,8 +30,8 @@ class FieldEstimator : public MotionEstimator {
   std::span<const Window> grid() const override { return grid_; }
   double fit_seconds() const override { return fit_seconds_; }
 
-  void measure(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::all); }
-  void glance(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::glance); }
+  void measure(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::kAll); }
+  void aim(std::span<PairMotion> pairs) override { measure_all(pairs, Effort::kAim); }
 
  private:
   // Of the windows that could be found, the share that must agree. Below the first the spin may be
@@ -39,7 +39,7 @@ class FieldEstimator : public MotionEstimator {
   static constexpr double kWellFound = 0.3, kFound = 0.2;
 
   // Of all windows what there is to know, or of those wholly on the ball where they went.
-  enum class Effort : std::uint8_t { all, glance };
+  enum class Effort : std::uint8_t { kAll, kAim };
 
   void measure_all(std::span<PairMotion> pairs, Effort effort) {
     std::vector<PairMotion*> all;
@@ -57,7 +57,7 @@ class FieldEstimator : public MotionEstimator {
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
-    const std::vector<WindowMotion>& measured = effort == Effort::all
+    const std::vector<WindowMotion>& measured = effort == Effort::kAll
                                                     ? correlator_.correlate(frames_, all)
                                                     : correlator_.find(frames_, all);
     const Stopwatch watch;
@@ -87,7 +87,7 @@ class FieldEstimator : public MotionEstimator {
     std::vector<PairMotion> again;
     std::vector<PairMotion*> of;
     for (std::size_t i = 0; i < lost.size(); ++i) {
-      if (turns[i].status != dic::WindowStatus::ok) continue;
+      if (turns[i].status != WindowStatus::kOk) continue;
       const bool same = std::abs(turns[i].rot_rad - lost[i]->guess_rot_rad) < kSameGuess_rad;
       lost[i]->guess_rot_rad = turns[i].rot_rad;
       if (same) continue;
@@ -127,10 +127,10 @@ class FieldEstimator : public MotionEstimator {
       pair.motion.ok = false;
     }
     pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
-    if (options_.estimator == Estimator::ball) {
+    if (options_.estimator == Estimator::kBall) {
       pair.strain = fit_strain(points, pair.motion, pair.first.cx_px, pair.first.cy_px);
     }
-    pair.status = pair.motion.ok ? TrackStatus::ok : explain_failure(pair.field);
+    pair.status = pair.motion.ok ? TrackStatus::kOk : explain_failure(pair.field);
   }
 
   EstimatorOptions options_;

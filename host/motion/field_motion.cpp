@@ -42,7 +42,7 @@ std::vector<dic::PointMotion> field_points(std::span<const Window> windows,
   points.reserve(windows.size());
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const WindowMotion& motion = motions[i];
-    if (motion.status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+    if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) continue;
     const double sd = std::sqrt(0.5 * (motion.u_sd * motion.u_sd + motion.v_sd * motion.v_sd));
     points.push_back({windows[i].x0 + half, windows[i].y0 + half, motion.u, motion.v,
                       std::isfinite(sd) ? std::max(sd, floor_px) : floor_px});
@@ -154,9 +154,9 @@ FieldStrain fit_strain(std::span<const dic::PointMotion> measured, const dic::Ri
 
 double agreeing_share(const dic::RigidMotion& motion, std::span<const WindowMotion> motions) {
   const auto could = std::count_if(motions.begin(), motions.end(), [](const WindowMotion& m) {
-    const auto status = static_cast<dic::WindowStatus>(m.status);
-    return status != dic::WindowStatus::no_texture && status != dic::WindowStatus::out_of_view &&
-           status != dic::WindowStatus::masked;
+    const auto status = static_cast<WindowStatus>(m.status);
+    return status != WindowStatus::kNoTexture && status != WindowStatus::kOutOfView &&
+           status != WindowStatus::kMasked;
   });
   return could > 0 ? static_cast<double>(motion.used) / static_cast<double>(could) : 0;
 }
@@ -164,11 +164,11 @@ double agreeing_share(const dic::RigidMotion& motion, std::span<const WindowMoti
 TrackStatus explain_failure(std::span<const WindowMotion> motions) {
   std::size_t bare = 0, outside = 0;
   for (const WindowMotion& motion : motions) {
-    bare += motion.status == static_cast<idic_int>(dic::WindowStatus::no_texture);
-    outside += motion.status == static_cast<idic_int>(dic::WindowStatus::out_of_view);
+    bare += motion.status == static_cast<idic_int>(WindowStatus::kNoTexture);
+    outside += motion.status == static_cast<idic_int>(WindowStatus::kOutOfView);
   }
-  if (outside * 2 > motions.size()) return TrackStatus::out_of_view;
-  return bare * 2 >= motions.size() ? TrackStatus::no_texture : TrackStatus::low_correlation;
+  if (outside * 2 > motions.size()) return TrackStatus::kOutOfView;
+  return bare * 2 >= motions.size() ? TrackStatus::kNoTexture : TrackStatus::kLowCorrelation;
 }
 
 }  // namespace impactdic::motion

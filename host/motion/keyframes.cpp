@@ -31,7 +31,7 @@ Point turned(double x, double y, double angle_rad) {
 }
 
 // Where the motion to the next frame takes a pose.
-BodyPose moved(const BodyPose& pose, const circle::Circle& circle, const dic::RigidMotion& motion) {
+BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotion& motion) {
   BodyPose next = pose;
   const Point arm = turned(pose.x_px - circle.cx_px, pose.y_px - circle.cy_px, motion.rot_rad);
   next.x_px = circle.cx_px + motion.dx_px + arm.x;
@@ -45,8 +45,8 @@ BodyPose moved(const BodyPose& pose, const circle::Circle& circle, const dic::Ri
 
 // Of a frame that was registered against a keyframe, its part's corner (u, v) from that one's; the
 // turn is the one nearest to `expected_rad`.
-BodyPose registered(const BodyPose& key, const circle::Circle& circle, const BallMotion& motion,
-                    int u, int v, double expected_rad) {
+BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion& motion, int u,
+                    int v, double expected_rad) {
   dic::RigidMotion rigid;
   rigid.dx_px = motion.dx + u;
   rigid.dy_px = motion.dy + v;
@@ -213,7 +213,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
 
 bool Keyframes::fits(const BallMotion& motion, std::size_t key) const {
   const double best = memory_.keyframes[key].residual;
-  return motion.status == static_cast<idic_int>(dic::WindowStatus::ok) &&
+  return motion.status == static_cast<idic_int>(WindowStatus::kOk) &&
          (best == 0 || motion.residual <= kMisfit * best);
 }
 
@@ -228,7 +228,7 @@ Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame, KeyframeSlots
   pair.second = frame.circle;
   into_crops(pair, crop_.about(key->circle), frame.origin);
   const dic::RingMotion turn = slots.turn(ring_task(pair, radius_px_));
-  if (turn.status != dic::WindowStatus::ok) return {};
+  if (turn.status != WindowStatus::kOk) return {};
   dic::RigidMotion motion;
   motion.dx_px = frame.circle.cx_px - key->circle.cx_px;
   motion.dy_px = frame.circle.cy_px - key->circle.cy_px;

@@ -49,7 +49,7 @@ class KeyframeSlots {
 struct ChainedFrame {
   std::int64_t index = 0;  // among the analysed frames
   bool circle_ok = false;
-  circle::Circle circle;
+  Circle circle;
   const Frame* frame = nullptr;
   const dic::RigidMotion* next = nullptr;  // nullptr where it was not measured
   int slot = 0;
@@ -72,7 +72,7 @@ class Keyframes {
 
   struct Keyframe {
     BodyPose pose;  // its own
-    circle::Circle circle;
+    Circle circle;
     double residual = 0;         // of the best registration against it; 0 before the first
     std::int64_t last_used = 0;  // frame index
     int slot = 0;                // of 0 … kKeyframes − 1

@@ -67,9 +67,9 @@ void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairM
   if (pairs.empty()) return;
   if (pairs.size() > 2) {
     const std::array<std::size_t, 2> ends = {0, pairs.size() - 1};
-    const Measure glance = [&](std::span<PairMotion> some) { estimator.glance(some); };
-    measure_some(glance, pairs, ends);
-    aim_again(glance, radius_px, pairs, ends);
+    const Measure aiming = [&](std::span<PairMotion> some) { estimator.aim(some); };
+    measure_some(aiming, pairs, ends);
+    aim_again(aiming, radius_px, pairs, ends);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
     }

@@ -36,11 +36,11 @@ std::unique_ptr<MotionEstimator> make_motion_estimator(opencl::Engine& engine,
                                                        dic::DeviceFrames& frames) {
   options.validate();
   switch (options.estimator) {
-    case Estimator::field:
+    case Estimator::kField:
       return make_field_estimator(engine, options, radius_px, frames);
-    case Estimator::ring:
+    case Estimator::kRing:
       return make_ring_estimator(engine, options, radius_px, frames);
-    case Estimator::ball:
+    case Estimator::kBall:
       return make_ball_estimator(engine, options, radius_px, frames);
   }
   throw InvalidArgument("no such estimator");

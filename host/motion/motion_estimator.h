@@ -21,13 +21,9 @@ class Engine;
 
 namespace impactdic::motion {
 
-using impactdic::Estimator;
-using impactdic::parse_estimator;
-using impactdic::to_string;
-
 struct EstimatorOptions {
-  Estimator estimator = Estimator::field;
-  dic::FieldOptions field;
+  Estimator estimator = Estimator::kField;
+  FieldOptions field;
   int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
   double rim_margin_px = 3;  // windows keep this far inside the rim
   int fewest_windows = 3;    // that may carry a motion
@@ -40,10 +36,10 @@ struct EstimatorOptions {
 // One pair of frames: what is known before, and what comes out.
 struct PairMotion {
   int first_slot = 0, second_slot = 0;
-  circle::Circle first, second;  // the ball in both frames
-  double guess_rot_rad = 0;      // of a pair before this one
+  Circle first, second;      // the ball in both frames
+  double guess_rot_rad = 0;  // of a pair before this one
   // Results.
-  TrackStatus status = TrackStatus::low_correlation;
+  TrackStatus status = TrackStatus::kLowCorrelation;
   dic::RigidMotion motion;  // of the ball's centre in the first frame
   CentreMotion centre;      // the field interpolated there
   FieldStrain strain;       // of the ball's picture from frame to frame; asked for by `ball` alone
@@ -58,8 +54,9 @@ class MotionEstimator {
   // measured has a status. Pairs may name any slots: consecutive frames, or a frame and a keyframe
   // that was left in its slot.
   virtual void measure(std::span<PairMotion> pairs) = 0;
-  // The motions well enough to aim other pairs' windows by them, at the least cost.
-  virtual void glance(std::span<PairMotion> pairs) { measure(pairs); }
+  // The aiming pass: the motions well enough to aim other pairs' windows by them, at the least
+  // cost.
+  virtual void aim(std::span<PairMotion> pairs) { measure(pairs); }
   // Centres of the windows relative to the ball's centre rounded to whole pixels: fixed for the
   // whole clip, so that window i of every frame is the same place on the ball. Empty where the
   // estimator has no windows.

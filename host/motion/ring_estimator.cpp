@@ -28,7 +28,7 @@ class RingEstimator : public MotionEstimator {
     for (const PairMotion& pair : pairs) tasks.push_back(ring_task(pair, radius_px_));
     const std::vector<dic::RingMotion> turns = ring_.measure(frames_, tasks);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (turns[i].status == dic::WindowStatus::ok) pairs[i].guess_rot_rad = turns[i].rot_rad;
+      if (turns[i].status == WindowStatus::kOk) pairs[i].guess_rot_rad = turns[i].rot_rad;
     }
     field_->measure(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) take_over(turns[i], pairs[i]);
@@ -36,11 +36,11 @@ class RingEstimator : public MotionEstimator {
 
  private:
   static void take_over(const dic::RingMotion& turn, PairMotion& pair) {
-    if (turn.status != dic::WindowStatus::ok) {
+    if (turn.status != WindowStatus::kOk) {
       pair.motion.ok = false;
-      pair.status = turn.status == dic::WindowStatus::no_texture    ? TrackStatus::no_texture
-                    : turn.status == dic::WindowStatus::out_of_view ? TrackStatus::out_of_view
-                                                                    : TrackStatus::low_correlation;
+      pair.status = turn.status == WindowStatus::kNoTexture   ? TrackStatus::kNoTexture
+                    : turn.status == WindowStatus::kOutOfView ? TrackStatus::kOutOfView
+                                                              : TrackStatus::kLowCorrelation;
       return;
     }
     pair.motion.rot_rad = turn.rot_rad;

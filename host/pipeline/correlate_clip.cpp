@@ -60,12 +60,12 @@ dic::BallOptions region_options(const CorrelateOptions& options, const ClipInfo&
 }
 
 // Frames on a device of its own queue, and what measures between them.
-class Lane {
+class Worker {
  public:
-  Lane(const opencl::Engine& engine, const CorrelateOptions& options, const ClipInfo& clip)
+  Worker(const opencl::Engine& engine, const CorrelateOptions& options, const ClipInfo& clip)
       : engine_(engine.beside()),
         correlator_(dic::make_opencl_correlator(*engine_, options.field, kSlots)) {
-    if (options.motion == RegionMotion::region) {
+    if (options.motion == RegionMotion::kRegion) {
       frames_.emplace(*engine_, kSlots);
       registration_.emplace(*engine_, region_options(options, clip));
     }
@@ -112,23 +112,24 @@ class RegionCorrelator {
         windows_(region_grid(options)),
         cx_px_(options.roi.x + (options.roi.width - 1) / 2.0),
         cy_px_(options.roi.y + (options.roi.height - 1) / 2.0) {
-    const int lanes = lanes_of(engine, options);
-    for (int k = 0; k < lanes; ++k) lanes_.push_back(std::make_unique<Lane>(engine, options, clip));
+    const int workers = workers_of(engine, options);
+    for (int k = 0; k < workers; ++k)
+      workers_.push_back(std::make_unique<Worker>(engine, options, clip));
   }
   ~RegionCorrelator() {
     if (upload_.valid()) upload_.wait();
   }
 
   // A CPU that is the device itself gains nothing from copies beside its kernels.
-  static int lanes_of(const opencl::Engine& engine, const CorrelateOptions& options) {
-    return options.lanes > 0 ? options.lanes : engine.device().is_gpu ? 2 : 1;
+  static int workers_of(const opencl::Engine& engine, const CorrelateOptions& options) {
+    return options.workers > 0 ? options.workers : engine.device().is_gpu ? 2 : 1;
   }
 
   // Sends the frame on its way and gives out the one before, measured; nullopt for the first.
   std::optional<Measured> take(FramePtr frame, std::int64_t index) {
     if (next_) upload_.get();
     std::optional<Task> now = std::exchange(next_, Task{std::move(frame), index});
-    const bool ahead = lanes_.size() > 1;
+    const bool ahead = workers_.size() > 1;
     if (!now) {
       before_ = next_->frame;
       upload_next(std::launch::async);
@@ -153,9 +154,9 @@ class RegionCorrelator {
     std::int64_t index = 0;
   };
 
-  bool from_first() const { return options_.reference == ReferenceFrame::first; }
-  Lane& lane_of(std::int64_t index) {
-    return *lanes_[static_cast<std::size_t>(index) % lanes_.size()];
+  bool from_first() const { return options_.reference == ReferenceFrame::kFirst; }
+  Worker& worker_of(std::int64_t index) {
+    return *workers_[static_cast<std::size_t>(index) % workers_.size()];
   }
   int slot_of(std::int64_t index) const {
     return from_first() ? (index == 0 ? 0 : 1) : static_cast<int>(index % 2);
@@ -168,9 +169,9 @@ class RegionCorrelator {
     last_ = next_->frame;
     upload_ = std::async(how, [this, before, from, next = *next_] {
       const StageTimes::Scope timed(options_.times, stages_.upload);
-      Lane& lane = lane_of(next.index);
-      if (from < next.index) lane.hold(slot_of(from), *before, from);
-      lane.hold(slot_of(next.index), *next.frame, next.index);
+      Worker& worker = worker_of(next.index);
+      if (from < next.index) worker.hold(slot_of(from), *before, from);
+      worker.hold(slot_of(next.index), *next.frame, next.index);
     });
   }
 
@@ -191,7 +192,7 @@ class RegionCorrelator {
       } else {
         vain_searches_ = 0;
       }
-      if (frame.motion.ok && options_.motion == RegionMotion::region) {
+      if (frame.motion.ok && options_.motion == RegionMotion::kRegion) {
         register_region(now.index, frame);
       }
       if (frame.motion.ok) guess_ = frame.motion;
@@ -209,7 +210,7 @@ class RegionCorrelator {
     std::vector<WindowMotion> field;
     {
       const StageTimes::Scope timed(options_.times, stages_.device);
-      field = lane_of(index).correlate(windows_);
+      field = worker_of(index).correlate(windows_);
     }
     const StageTimes::Scope timed(options_.times, stages_.fit);
     out.motion =
@@ -217,7 +218,7 @@ class RegionCorrelator {
     motion::account_for_overlap(out.motion, window_px, options_.effective_spacing_px());
     share_ = motion::agreeing_share(out.motion, field);
     if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
-    out.status = out.motion.ok ? TrackStatus::ok : motion::explain_failure(field);
+    out.status = out.motion.ok ? TrackStatus::kOk : motion::explain_failure(field);
     return field;
   }
 
@@ -229,14 +230,14 @@ class RegionCorrelator {
     BallMotion found;
     {
       const StageTimes::Scope timed(options_.times, stages_.device);
-      found = lane_of(index).register_region(
+      found = worker_of(index).register_region(
           {slot_of(from), slot_of(index), static_cast<float>(cx_px_), static_cast<float>(cy_px_),
            static_cast<float>(reach), static_cast<float>(guess.dx_px),
            static_cast<float>(guess.dy_px), static_cast<float>(guess.rot_rad)});
     }
-    if (found.status != static_cast<idic_int>(dic::WindowStatus::ok)) {
+    if (found.status != static_cast<idic_int>(WindowStatus::kOk)) {
       out.motion.ok = false;
-      out.status = TrackStatus::low_correlation;
+      out.status = TrackStatus::kLowCorrelation;
       return;
     }
     out.motion.dx_px = found.dx;
@@ -267,7 +268,7 @@ class RegionCorrelator {
 
   const CorrelateOptions& options_;
   CorrelateStages stages_;
-  std::vector<std::unique_ptr<Lane>> lanes_;
+  std::vector<std::unique_ptr<Worker>> workers_;
   motion::CoarseSearch coarse_;
   std::vector<Window> windows_;
   double cx_px_, cy_px_;
@@ -303,7 +304,8 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   CorrelateStages stages;
   if (options.times != nullptr) {
     stages.read = options.times->add_stage("read", kBatchesAhead);
-    stages.upload = options.times->add_stage("upload", RegionCorrelator::lanes_of(engine, options));
+    stages.upload =
+        options.times->add_stage("upload", RegionCorrelator::workers_of(engine, options));
     stages.device = options.times->add_stage("kernels, results", 1);
     stages.fit = options.times->add_stage("fits", 1);
     stages.write = options.times->add_stage("write", 1);

@@ -25,15 +25,15 @@ class Engine;
 namespace impactdic::pipeline {
 
 struct CorrelateOptions {
-  dic::FieldOptions field;
+  FieldOptions field;
   int spacing_px = 0;  // 0: half a window, rounded up
   FrameRange frames;
   Roi roi;  // where windows stand; the motion is that of its centre
-  ReferenceFrame reference = ReferenceFrame::first;
-  RegionMotion motion = RegionMotion::windows;
+  ReferenceFrame reference = ReferenceFrame::kFirst;
+  RegionMotion motion = RegionMotion::kWindows;
   Image<std::uint8_t> mask;     // empty, or the picture's size: only pixels that are not 0 count
   double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
-  int lanes = 0;                // pictures on the device at a time, 1 or 2; 0: as suits the device
+  int workers = 0;              // pictures on the device at a time, 1 or 2; 0: as suits the device
   StageTimes* times = nullptr;  // gets the stages' times where given
   // As TrackOptions::cancelled.
   std::function<bool()> cancelled;
@@ -51,7 +51,7 @@ struct CorrelatedFrame {
   std::int64_t frame = 0;
   double time_s = 0;
   bool is_reference = false;
-  TrackStatus status = TrackStatus::ok;
+  TrackStatus status = TrackStatus::kOk;
   dic::RigidMotion motion;              // of the region's centre
   std::span<const WindowMotion> field;  // per window of region_grid; empty for the reference
 };

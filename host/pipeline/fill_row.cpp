@@ -5,10 +5,10 @@
 namespace impactdic::pipeline {
 
 void set_circle(TrackRow& row, const circle::CircleFit& fit) {
-  row.circle_ok = fit.status == circle::CircleStatus::ok;
-  row.status = fit.status == circle::CircleStatus::ok            ? TrackStatus::ok
-               : fit.status == circle::CircleStatus::out_of_view ? TrackStatus::out_of_view
-                                                                 : TrackStatus::no_ball;
+  row.circle_ok = fit.status == circle::CircleStatus::kOk;
+  row.status = fit.status == circle::CircleStatus::kOk          ? TrackStatus::kOk
+               : fit.status == circle::CircleStatus::kOutOfView ? TrackStatus::kOutOfView
+                                                                : TrackStatus::kNoBall;
   if (!row.circle_ok) return;
   row.cx_px = fit.circle.cx_px;
   row.cy_px = fit.circle.cy_px;

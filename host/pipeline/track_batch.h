@@ -18,7 +18,7 @@ struct TrackBatch {
   // The last frame of the batch before, where there is one, and this batch's own.
   std::vector<const Frame*> frames;
   std::vector<TrackRow> rows;  // of `frames`; the last one is finished with the next batch
-  std::vector<circle::Circle> circles;
+  std::vector<Circle> circles;
   // Pair i leads from frame i to frame i + 1; measured where both have a ball.
   std::vector<motion::PairMotion> pairs;
   std::vector<bool> measured;

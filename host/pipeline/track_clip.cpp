@@ -8,7 +8,7 @@
 
 #include "host/circle/scout_ball.h"
 #include "host/opencl/engine.h"
-#include "host/pipeline/device_lanes.h"
+#include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
 #include "host/pipeline/track_batch.h"
 
@@ -55,16 +55,16 @@ class ClipTracker {
         tracker_(options.ball) {
     if (options.from) go_on(*options.from);
     if (options.times == nullptr) return;
-    const int lanes = options.with_field ? DeviceLanes::count(engines) : 1;
+    const int workers = options.with_field ? DeviceWorkers::count(engines) : 1;
     read_stage_ = options.times->add_stage("read", kBatchesAhead);
     lead_stage_ = options.times->add_stage("circle, ahead", 1);
     circle_stage_ = options.times->add_stage("circle, between", kBatchesAhead);
     if (options.with_field) {
-      lane_stages_.upload = options.times->add_stage("upload", lanes);
-      lane_stages_.device = options.times->add_stage("kernels, results", lanes);
-      lane_stages_.fit = options.times->add_stage("fits", lanes);
-      if (options.estimator.estimator == motion::Estimator::ball) {
-        lane_stages_.poses = options.times->add_stage("poses (in order)", 1);
+      worker_stages_.upload = options.times->add_stage("upload", workers);
+      worker_stages_.device = options.times->add_stage("kernels, results", workers);
+      worker_stages_.fit = options.times->add_stage("fits", workers);
+      if (options.estimator.estimator == Estimator::kBall) {
+        worker_stages_.poses = options.times->add_stage("poses (in order)", 1);
       }
     }
     write_stage_ = options.times->add_stage("write", 1);
@@ -111,9 +111,9 @@ class ClipTracker {
       return nullptr;
     }
     if (!options_.with_field) return batch;
-    if (!lanes_) open_lanes(*batch);
-    if (!lanes_) return batch;  // no ball so far: no pairs
-    return lanes_->submit(std::move(batch));
+    if (!workers_) open_workers(*batch);
+    if (!workers_) return batch;  // no ball so far: no pairs
+    return workers_->submit(std::move(batch));
   }
 
   // Gives out all rows of a batch but the last, which waits for its next frame.
@@ -121,8 +121,8 @@ class ClipTracker {
     if (!batch) return;
     const StageTimes::Scope timed(options_.times, write_stage_);
     if (grid_is_new_.exchange(false)) {
-      grid_ready_(lanes_->grid(), lanes_->radius_px());
-      point_.grid_radius_px = lanes_->radius_px();
+      grid_ready_(workers_->grid(), workers_->radius_px());
+      point_.grid_radius_px = workers_->radius_px();
     }
     for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
@@ -134,14 +134,14 @@ class ClipTracker {
   // What is still on the devices, then the clip's last frame, which has no next one, and then
   // the reader's error.
   void end() {
-    while (lanes_) {
-      Batch batch = lanes_->take();
+    while (workers_) {
+      Batch batch = workers_->take();
       if (!batch) break;
       write(std::move(batch));
     }
     if (last_) {
       TrackRow& row = last_->rows.back();
-      if (row.circle_ok) row.status = TrackStatus::last_frame;
+      if (row.circle_ok) row.status = TrackStatus::kLastFrame;
       emit(*last_, last_->frames.size() - 1, nullptr);
     }
     if (error_) std::rethrow_exception(error_);
@@ -188,15 +188,15 @@ class ClipTracker {
   }
 
   // The grid is that of the first ball seen.
-  void open_lanes(const TrackBatch& batch) {
+  void open_workers(const TrackBatch& batch) {
     const auto seen = median_radius_px(batch.rows);
     if (!seen) return;
-    lanes_ = std::make_unique<DeviceLanes>(
+    workers_ = std::make_unique<DeviceWorkers>(
         engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
-        options_.roi.height, batch_, options_.times, lane_stages_);
+        options_.roi.height, batch_, options_.times, worker_stages_);
     if (point_.keyframes) {
-      lanes_->restore(*point_.keyframes,
-                      [&](std::int64_t index) { return read_frame(source_, options_, index); });
+      workers_->restore(*point_.keyframes,
+                        [&](std::int64_t index) { return read_frame(source_, options_, index); });
     }
     grid_is_new_ = true;
   }
@@ -206,12 +206,12 @@ class ClipTracker {
     const bool measured = i < batch.measured.size() && batch.measured[i];
     if (!measured) {
       // No ball in the next frame: nothing to move to.
-      if (options_.with_field && row.circle_ok) row.status = TrackStatus::no_ball;
+      if (options_.with_field && row.circle_ok) row.status = TrackStatus::kNoBall;
       return emit(batch, i, nullptr);
     }
     motion::PairMotion& pair = batch.pairs[i];
     set_motion(row, pair.motion);
-    if (row.status == TrackStatus::ok) row.status = pair.status;
+    if (row.status == TrackStatus::kOk) row.status = pair.status;
     if (pair.centre.ok) {
       row.centre_u_px = pair.centre.u_px;
       row.centre_v_px = pair.centre.v_px;
@@ -246,7 +246,7 @@ class ClipTracker {
   const TrackSink& sink_;
   const ProgressFn& progress_;
   int read_stage_ = 0, lead_stage_ = 0, circle_stage_ = 0, write_stage_ = 0;
-  LaneStages lane_stages_;
+  WorkerStages worker_stages_;
   // Of `locate`.
   circle::BallTracker tracker_;
   std::shared_ptr<FrameBatch> last_frames_;
@@ -254,7 +254,7 @@ class ClipTracker {
   std::exception_ptr error_;
   // Of `measure`.
   bool dropped_ = false;
-  std::unique_ptr<DeviceLanes> lanes_;
+  std::unique_ptr<DeviceWorkers> workers_;
   // Of `write`.
   std::atomic<bool> grid_is_new_ = false;
   ResumePoint point_;

@@ -62,7 +62,7 @@ void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
             std::index_sequence<k...>) {
   for (std::size_t i = 0; i < rows.field.size(); ++i) {
     const WindowMotion& motion = rows.field[i];
-    const bool measured = motion.status == static_cast<std::int32_t>(dic::WindowStatus::ok);
+    const bool measured = motion.status == static_cast<std::int32_t>(WindowStatus::kOk);
     columns[0][i] = static_cast<float>(rows.windows[i].x0 + rows.half);
     columns[1][i] = static_cast<float>(rows.windows[i].y0 + rows.half);
     ((columns[kPlaces.size() + k][i] = measured ? motion.*kMeasured[k].value : NAN), ...);
@@ -233,14 +233,14 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
   std::array<float*, kColumnCount> columns{};
   for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = file.columns[c].append<float>();
   if (field.empty()) {
-    std::fill_n(status, count, static_cast<std::uint8_t>(dic::WindowStatus::masked));
+    std::fill_n(status, count, static_cast<std::uint8_t>(WindowStatus::kMasked));
     std::fill_n(mask, count, std::uint8_t{0});
     for (float* column : columns) std::fill_n(column, count, NAN);
   } else {
     gather({windows, field, file.half}, columns, std::make_index_sequence<kMeasured.size()>());
     for (std::size_t i = 0; i < count; ++i) {
       status[i] = static_cast<std::uint8_t>(field[i].status);
-      mask[i] = field[i].status != static_cast<std::int32_t>(dic::WindowStatus::masked);
+      mask[i] = field[i].status != static_cast<std::int32_t>(WindowStatus::kMasked);
     }
   }
   const double nothing = kNotMeasured;

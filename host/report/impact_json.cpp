@@ -127,12 +127,12 @@ json describe_impact(const ImpactFigures& impact) {
 ImpactFigures read_impact(const json& described) {
   ImpactFigures impact;
   read_word(described, "/status",
-            std::array{ImpactStatus::found, ImpactStatus::none, ImpactStatus::wrong_side,
-                       ImpactStatus::flight_too_short, ImpactStatus::not_resolved},
+            std::array{ImpactStatus::kFound, ImpactStatus::kNone, ImpactStatus::kWrongSide,
+                       ImpactStatus::kFlightTooShort, ImpactStatus::kNotResolved},
             impact.status);
   read_word(described, "/impulse_closure/verdict",
-            std::array{ClosureVerdict::undetermined, ClosureVerdict::closes, ClosureVerdict::signs,
-                       ClosureVerdict::lever_arm, ClosureVerdict::scale},
+            std::array{ClosureVerdict::kUndetermined, ClosureVerdict::kCloses,
+                       ClosureVerdict::kSigns, ClosureVerdict::kLeverArm, ClosureVerdict::kScale},
             impact.closure.verdict);
   impact.in_si = described.value("units", "") == "si";
   read_instant(described, "/t0", impact.t0);

@@ -148,7 +148,7 @@ std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, Sh
   RunControl control;
   control.cancelled = [this] { return caller_.cancelled(); };
   control.message = [this](const Message& message) {
-    if (message.kind == MessageKind::timing) caller_.say(message.kind, message.text);
+    if (message.kind == MessageKind::kTiming) caller_.say(message.kind, message.text);
   };
   try {
     fs::create_directories(into);
@@ -157,9 +157,9 @@ std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, Sh
     if (measured.frames_ok == 0) return "no ball was measured in any frame";
     report::fill_shot(result, measured);
     result.done = result.measured_now = true;
-    caller_.say(MessageKind::note, shot.name + ": " + std::to_string(measured.frames_ok) + " of " +
-                                       std::to_string(measured.frames.count()) + " frames ok; " +
-                                       report::in_words(measured.impact_si));
+    caller_.say(MessageKind::kNote, shot.name + ": " + std::to_string(measured.frames_ok) + " of " +
+                                        std::to_string(measured.frames.count()) + " frames ok; " +
+                                        report::in_words(measured.impact_si));
     return "";
   } catch (const OpenClError&) {
     throw;  // the device fails for every shot
@@ -198,7 +198,7 @@ void Batch::put_aside(const run::BatchShot& shot, const fs::path& part, const st
   std::ofstream file(aside / "reason.txt");
   file << reason << '\n' << std::flush;
   if (!file) throw FileError("cannot write the file", (aside / "reason.txt").string());
-  caller_.say(MessageKind::warning, shot.name + ": " + reason);
+  caller_.say(MessageKind::kWarning, shot.name + ": " + reason);
 }
 
 void Batch::note(std::size_t index, ShotResult shot) {
@@ -217,7 +217,7 @@ void Batch::write_table() const {
 void Batch::conclude() {
   const auto warn = [&](const std::string& warning) {
     result_.warnings.push_back(warning);
-    caller_.say(MessageKind::warning, warning);
+    caller_.say(MessageKind::kWarning, warning);
   };
   const auto unlisted = std::count_if(shots_.begin(), shots_.end(),
                                       [](const run::BatchShot& shot) { return !shot.listed; });

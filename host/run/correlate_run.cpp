@@ -29,7 +29,7 @@ Image<std::uint8_t> read_mask(const std::string& path, const OpenOptions& open) 
   Image<std::uint8_t> mask(frame.width(), frame.height());
   for (std::size_t i = 0; i < mask.size(); ++i) {
     mask.data()[i] =
-        frame.type == PixelType::u8 ? frame.u8.data()[i] != 0 : frame.u16.data()[i] != 0;
+        frame.type == PixelType::kU8 ? frame.u8.data()[i] != 0 : frame.u16.data()[i] != 0;
   }
   return mask;
 }
@@ -97,7 +97,7 @@ const char* to_string(ReferenceFrame reference) {
 }
 
 ReferenceFrame parse_reference(const std::string& word) {
-  for (const auto reference : {ReferenceFrame::first, ReferenceFrame::previous}) {
+  for (const auto reference : {ReferenceFrame::kFirst, ReferenceFrame::kPrevious}) {
     if (word == to_string(reference)) return reference;
   }
   throw InvalidArgument("'" + word + "' is not a reference", "--reference", "first or previous");
@@ -106,7 +106,7 @@ ReferenceFrame parse_reference(const std::string& word) {
 const char* to_string(RegionMotion motion) { return kMotions[static_cast<std::size_t>(motion)]; }
 
 RegionMotion parse_region_motion(const std::string& word) {
-  for (const auto motion : {RegionMotion::windows, RegionMotion::region}) {
+  for (const auto motion : {RegionMotion::kWindows, RegionMotion::kRegion}) {
     if (word == to_string(motion)) return motion;
   }
   throw InvalidArgument("'" + word + "' is no way to measure the motion", "--motion",
@@ -173,9 +173,9 @@ void CorrelateRun::look() {
   if (result_.advice.texture) options_.field.noise = result_.advice.texture->noise;
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   if (result_.advice.texture) {
-    caller_.say(MessageKind::note, "texture: " + report::in_words(result_.advice.texture->asked));
+    caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
-  for (const std::string& warning : result_.warnings) caller_.say(MessageKind::warning, warning);
+  for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
 }
 
 void CorrelateRun::measure(const Sink& sink) {
@@ -195,7 +195,7 @@ void CorrelateRun::measure(const Sink& sink) {
         *source_, *engine, options_,
         [&](const pipeline::CorrelatedFrame& frame) {
           result_.rows.push_back(row_of(frame));
-          if (!frame.is_reference && frame.status == TrackStatus::ok) ++result_.frames_measured;
+          if (!frame.is_reference && frame.status == TrackStatus::kOk) ++result_.frames_measured;
           if (sink) sink(result_.rows.back(), frame.field);
         },
         [&](std::int64_t done, std::int64_t total) { caller_.progress("correlate", done, total); });
@@ -205,7 +205,7 @@ void CorrelateRun::measure(const Sink& sink) {
   }
   note_speed();
   if (options_.times != nullptr && !times.rows().empty()) {
-    caller_.say(MessageKind::timing,
+    caller_.say(MessageKind::kTiming,
                 times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size())));
   }
 }

@@ -19,7 +19,7 @@ StudyDevice describe(Session& session) {
 
 void tell_times(Session& session, const RunControl& control) {
   if (!session.options().profile || !control.message) return;
-  control.message({MessageKind::timing, session.profile()});
+  control.message({MessageKind::kTiming, session.profile()});
 }
 
 }  // namespace

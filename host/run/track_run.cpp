@@ -26,7 +26,7 @@ void check(bool good, const std::string& must, double value, const char* setting
 
 std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
   return std::count_if(rows.begin(), rows.end(), [](const TrackRow& row) {
-    return row.status == TrackStatus::ok || row.status == TrackStatus::last_frame;
+    return row.status == TrackStatus::kOk || row.status == TrackStatus::kLastFrame;
   });
 }
 
@@ -35,7 +35,7 @@ std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
 void TrackRequest::validate() const {
   clip.validate();
   field.validate();
-  if (static_cast<unsigned>(estimator) > static_cast<unsigned>(Estimator::ball)) {
+  if (static_cast<unsigned>(estimator) > static_cast<unsigned>(Estimator::kBall)) {
     throw InvalidArgument("this is no estimator", "--estimator", "there are field, ring and ball");
   }
   run::check_spacing(spacing_px);
@@ -108,9 +108,9 @@ void TrackRun::look() {
         "metres");
   }
   if (result_.advice.texture) {
-    caller_.say(MessageKind::note, "texture: " + report::in_words(result_.advice.texture->asked));
+    caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
-  for (const std::string& warning : result_.warnings) caller_.say(MessageKind::warning, warning);
+  for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
 }
 
 void TrackRun::measure(const Outputs& outputs) {
@@ -151,7 +151,7 @@ void TrackRun::measure(const Outputs& outputs) {
   note_speed();
   const auto measured = static_cast<std::int64_t>(result_.rows.size() - before);
   if (options_.times != nullptr && !times.rows().empty()) {
-    caller_.say(MessageKind::timing, times.table(result_.seconds, measured));
+    caller_.say(MessageKind::kTiming, times.table(result_.seconds, measured));
   }
 }
 

@@ -32,7 +32,7 @@ run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFol
   options.window_px = request.field.window_px;
   options.compression = folder.compression;
   options.with_field = request.with_field;
-  options.with_poses = request.with_field && request.estimator == Estimator::ball;
+  options.with_poses = request.with_field && request.estimator == Estimator::kBall;
   options.overlay = folder.overlay;
   options.resume = folder.resume;
   options.roi = result.roi;

@@ -25,7 +25,7 @@ struct Scenery {
 
 Scenery make_scenery(const DensityStudyRequest& options) {
   constexpr double kMarginPx = 16;
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = static_cast<int>(std::ceil(2 * (options.radius_px + kMarginPx)));
   scene.noise_sigma = options.noise;
   scene.noise_seed = options.seed;
@@ -33,9 +33,8 @@ Scenery make_scenery(const DensityStudyRequest& options) {
       sim::speckle::paint_ball(options.pattern, options.seed, options.radius_px), scene);
   const double middle = (scene.width - 1) / 2.0;
   Scenery made;
-  renderer.render(sim::speckle::BallPose{middle, middle}, 0, made.first);
-  renderer.render(sim::speckle::BallPose{middle + options.dx_px, middle + options.dy_px}, 1,
-                  made.second);
+  renderer.render(BallPose{middle, middle}, 0, made.first);
+  renderer.render(BallPose{middle + options.dx_px, middle + options.dy_px}, 1, made.second);
   constexpr double kRimPx = 3;
   const std::vector<Window> all = dic::disc_grid(middle, middle, options.radius_px - kRimPx,
                                                  options.window_px, (options.window_px + 1) / 2);
@@ -47,9 +46,8 @@ Scenery make_scenery(const DensityStudyRequest& options) {
   return made;
 }
 
-dic::FieldOptions field_options(const DensityStudyRequest& options, dic::FieldMethod method,
-                                int points) {
-  dic::FieldOptions field;
+FieldOptions field_options(const DensityStudyRequest& options, FieldMethod method, int points) {
+  FieldOptions field;
   field.method = method;
   field.window_px = options.window_px;
   field.interp_points = points;
@@ -138,7 +136,7 @@ DensityStudyResult run_density_study(opencl::Engine& engine, const DensityStudyR
   for (int points = 0; points <= options.most_points; ++points) {
     study.cancelled = control.is_cancelled();
     if (study.cancelled) break;
-    const dic::FieldOptions published = field_options(options, dic::FieldMethod::published, points);
+    const FieldOptions published = field_options(options, FieldMethod::kPublished, points);
     const dic::PublishedReference reference(published);
     Motions literal(scenery.windows.size());
     const double literal_time = shortest_time(options.repeats, [&] {
@@ -148,7 +146,7 @@ DensityStudyResult run_density_study(opencl::Engine& engine, const DensityStudyR
       }
     });
     study.rows.push_back(sum_up(literal, literal, "literal", points, literal_time, options));
-    for (const dic::FieldMethod method : {dic::FieldMethod::published, dic::FieldMethod::icgn}) {
+    for (const FieldMethod method : {FieldMethod::kPublished, FieldMethod::kIcgn}) {
       const auto correlator =
           dic::make_opencl_correlator(engine, field_options(options, method, points), 2);
       correlator->set_frame(0, scenery.first);
@@ -157,7 +155,7 @@ DensityStudyResult run_density_study(opencl::Engine& engine, const DensityStudyR
       Motions motions = correlator->correlate(scenery.windows);
       const double time =
           shortest_time(options.repeats, [&] { motions = correlator->correlate(scenery.windows); });
-      study.rows.push_back(sum_up(motions, literal, dic::to_string(method), points, time, options));
+      study.rows.push_back(sum_up(motions, literal, to_string(method), points, time, options));
     }
     if (control.progress) control.progress({"study", points + 1, options.most_points + 1});
   }

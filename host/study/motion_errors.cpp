@@ -44,9 +44,9 @@ void add_pair(const motion::PairMotion& pair, const PairTruth& truth, int window
     const Window& window = pair.windows[i];
     const WindowMotion& got = pair.field[i];
     ++errors.windows;
-    if (got.status != static_cast<idic_int>(dic::WindowStatus::ok)) {
-      ++(got.status == static_cast<idic_int>(dic::WindowStatus::no_texture) ? errors.no_texture
-                                                                            : errors.failed);
+    if (got.status != static_cast<idic_int>(WindowStatus::kOk)) {
+      ++(got.status == static_cast<idic_int>(WindowStatus::kNoTexture) ? errors.no_texture
+                                                                       : errors.failed);
       continue;
     }
     const Shift right = shift_at(window.x0 + half - truth.cx_px, window.y0 + half - truth.cy_px,

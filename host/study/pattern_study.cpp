@@ -30,12 +30,12 @@ Image<float> to_float(const Image<double>& picture) {
 // One clip: frames, what is true of them, what the circle fit says.
 struct Clip {
   StudyMotion motion;
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   std::vector<Frame> frames;
   std::vector<circle::CircleFit> circles;
   ErrorSums centre_px;
   std::vector<dic::PictureSlopes> slopes;  // of the frames without noise, but for the last
-  dic::BallBound bound;                    // of the first pair
+  BallBound bound;                         // of the first pair
 };
 
 class PatternStudy {
@@ -75,7 +75,7 @@ class PatternStudy {
     Clip clip;
     clip.motion = motion;
     const double middle = (renderer.scene().width - 1) / 2.0;
-    sim::speckle::ConstantMotion constant;
+    ConstantMotion constant;
     // Off the grid of pixels, and the clip about the picture's middle.
     constant.start.cx_px = middle + 0.3 - motion.dx_px * options_.pairs / 2.0;
     constant.start.cy_px = middle - 0.4 - motion.dy_px * options_.pairs / 2.0;
@@ -87,11 +87,11 @@ class PatternStudy {
     circle::BallTracker tracker;
     const double noise = with_rounding(options_.noise);
     for (std::size_t k = 0; k < clip.poses.size(); ++k) {
-      const sim::speckle::BallPose& pose = clip.poses[k];
+      const BallPose& pose = clip.poses[k];
       clip.frames.emplace_back();
       renderer.render(pose, static_cast<std::int64_t>(k), clip.frames.back());
       clip.circles.push_back(tracker.track(clip.frames.back(), static_cast<std::int64_t>(k)));
-      if (clip.circles.back().status == circle::CircleStatus::ok) {
+      if (clip.circles.back().status == circle::CircleStatus::kOk) {
         clip.centre_px.add(clip.circles.back().circle.cx_px - pose.cx_px);
         clip.centre_px.add(clip.circles.back().circle.cy_px - pose.cy_px);
       }
@@ -113,7 +113,7 @@ class PatternStudy {
     std::vector<std::size_t> first;  // frame of each pair
     for (std::size_t k = 0; k + 1 < clip.frames.size(); ++k) {
       const circle::CircleFit &a = clip.circles[k], &b = clip.circles[k + 1];
-      if (a.status != circle::CircleStatus::ok || b.status != circle::CircleStatus::ok) {
+      if (a.status != circle::CircleStatus::kOk || b.status != circle::CircleStatus::kOk) {
         ++errors.pairs;
         ++errors.failed_pairs;
         continue;
@@ -139,7 +139,7 @@ class PatternStudy {
     errors.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const sim::speckle::BallPose& pose = clip.poses[first[i]];
+      const BallPose& pose = clip.poses[first[i]];
       add_pair(pairs[i], {pose.cx_px, pose.cy_px, clip.motion}, estimator.options.field.window_px,
                clip.slopes[first[i]], with_rounding(options_.noise), errors);
     }
@@ -165,7 +165,7 @@ std::vector<PatternStudyRow> run_pattern_study(opencl::Engine& engine,
       patterns.push_back(&spec);
     }
   }
-  sim::speckle::Scene scene;
+  SynthScene scene;
   constexpr double kMarginPx = 16;  // about the ball: its way, and background for the circle
   const double travel = 2.0 * options.pairs;
   scene.width = scene.height =

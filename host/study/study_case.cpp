@@ -21,22 +21,22 @@ const std::vector<StudyMotion>& study_motions() {
 StudyEstimator parse_study_estimator(const std::string& name) {
   StudyEstimator made;
   made.name = name;
-  dic::FieldOptions& field = made.options.field;
+  FieldOptions& field = made.options.field;
   constexpr std::string_view kPublished = "published", kIcgn = "icgn";
   const char last = name.empty() ? ' ' : name.back();
   if (name == kPublished || (name.size() == kPublished.size() + 1 && name.starts_with(kPublished) &&
                              last >= '0' && last <= '9')) {
-    field.method = dic::FieldMethod::published;
+    field.method = FieldMethod::kPublished;
     if (name != kPublished) field.interp_points = last - '0';
     made.aimed = false;
   } else if (name == "zncc") {
-    field.method = dic::FieldMethod::zncc;
+    field.method = FieldMethod::kZncc;
   } else if (name.size() == kIcgn.size() + 1 && name.starts_with(kIcgn) &&
              (last == '3' || last == '5' || last == '7')) {
-    field.method = dic::FieldMethod::icgn;
+    field.method = FieldMethod::kIcgn;
     field.spline_degree = last - '0';
   } else if (name == "ring" || name == "ball") {
-    made.options.estimator = motion::parse_estimator(name);
+    made.options.estimator = parse_estimator(name);
   } else {
     throw InvalidArgument("'" + name + "' is not an estimator of the study", "--estimators",
                           "there are published (published0 … published9), zncc, icgn3, icgn5, "

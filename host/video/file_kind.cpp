@@ -39,24 +39,24 @@ FileKind tell_file_kind(const std::string& path) {
   };
   const std::string extension = lower_extension(path);
   // The mark alone is two letters; the header's size follows it.
-  if (at(0, "CI\x2c\0"sv)) return FileKind::cine;
+  if (at(0, "CI\x2c\0"sv)) return FileKind::kCine;
   if (at(0, "II\x2a\0"sv) || at(0, "MM\0\x2a"sv) || at(0, "II\x2b\0"sv) || at(0, "MM\0\x2b"sv)) {
-    return FileKind::tiff;
+    return FileKind::kTiff;
   }
-  if (at(256, "CIHX") || at(0, "#Camera Information Header")) return FileKind::cih;
+  if (at(256, "CIHX") || at(0, "#Camera Information Header")) return FileKind::kCih;
   if ((at(0, "RIFF") && at(8, "AVI ")) || at(4, "ftyp") || at(0, "\x1a\x45\xdf\xa3")) {
-    return FileKind::container;
+    return FileKind::kContainer;
   }
   if (at(0, "\x89PNG") || at(0, "\xff\xd8\xff") || at(0, "P5") ||
       (at(0, "BM") && extension == ".bmp")) {
-    return FileKind::picture;
+    return FileKind::kPicture;
   }
   // Bare pixels may begin with anything; a cine may lack its mark.
-  if (extension == ".mraw") return FileKind::mraw;
-  if (extension == ".cih" || extension == ".cihx") return FileKind::cih;
-  if (extension == ".cine") return FileKind::cine;
-  if (extension == ".tif" || extension == ".tiff") return FileKind::tiff;
-  return FileKind::unknown;
+  if (extension == ".mraw") return FileKind::kMraw;
+  if (extension == ".cih" || extension == ".cihx") return FileKind::kCih;
+  if (extension == ".cine") return FileKind::kCine;
+  if (extension == ".tif" || extension == ".tiff") return FileKind::kTiff;
+  return FileKind::kUnknown;
 }
 
 }  // namespace impactdic::video

@@ -13,16 +13,16 @@
 namespace impactdic::video {
 
 SinkFormat parse_sink_format(const std::string& text) {
-  static const std::map<std::string, SinkFormat> kFormats = {{"tiff", SinkFormat::tiff},
-                                                             {"raw", SinkFormat::raw},
-                                                             {"cine", SinkFormat::cine},
-                                                             {"cine10", SinkFormat::cine_packed10},
-                                                             {"cine12", SinkFormat::cine_packed12},
-                                                             {"mraw", SinkFormat::mraw},
-                                                             {"mraw12", SinkFormat::mraw_packed12},
-                                                             {"png", SinkFormat::png},
-                                                             {"avi", SinkFormat::avi},
-                                                             {"mp4", SinkFormat::mp4}};
+  static const std::map<std::string, SinkFormat> kFormats = {{"tiff", SinkFormat::kTiff},
+                                                             {"raw", SinkFormat::kRaw},
+                                                             {"cine", SinkFormat::kCine},
+                                                             {"cine10", SinkFormat::kCinePacked10},
+                                                             {"cine12", SinkFormat::kCinePacked12},
+                                                             {"mraw", SinkFormat::kMraw},
+                                                             {"mraw12", SinkFormat::kMrawPacked12},
+                                                             {"png", SinkFormat::kPng},
+                                                             {"avi", SinkFormat::kAvi},
+                                                             {"mp4", SinkFormat::kMp4}};
   const auto found = kFormats.find(text);
   if (found == kFormats.end()) {
     throw InvalidArgument("\"" + text + "\" is no format to write", "--format",
@@ -33,22 +33,22 @@ SinkFormat parse_sink_format(const std::string& text) {
 
 std::string sink_extension(SinkFormat format) {
   switch (format) {
-    case SinkFormat::tiff:
+    case SinkFormat::kTiff:
       return ".tif";
-    case SinkFormat::raw:
+    case SinkFormat::kRaw:
       return ".raw";
-    case SinkFormat::cine:
-    case SinkFormat::cine_packed10:
-    case SinkFormat::cine_packed12:
+    case SinkFormat::kCine:
+    case SinkFormat::kCinePacked10:
+    case SinkFormat::kCinePacked12:
       return ".cine";
-    case SinkFormat::mraw:
-    case SinkFormat::mraw_packed12:
+    case SinkFormat::kMraw:
+    case SinkFormat::kMrawPacked12:
       return ".mraw";
-    case SinkFormat::png:
+    case SinkFormat::kPng:
       return "";
-    case SinkFormat::avi:
+    case SinkFormat::kAvi:
       return ".avi";
-    case SinkFormat::mp4:
+    case SinkFormat::kMp4:
       return ".mp4";
   }
   return "";
@@ -61,7 +61,7 @@ void check_frame(const Frame& frame, const ClipInfo& info) {
                               std::to_string(info.width) + " x " + std::to_string(info.height),
                           info.path);
   }
-  if (frame.bits != info.bits || (frame.type == PixelType::u8) != (frame.bits <= 8)) {
+  if (frame.bits != info.bits || (frame.type == PixelType::kU8) != (frame.bits <= 8)) {
     throw InvalidArgument("a frame of " + std::to_string(frame.bits) + " bits for a clip of " +
                               std::to_string(info.bits),
                           info.path);
@@ -76,25 +76,25 @@ std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
     throw InvalidArgument("no clip of " + std::to_string(info.bits) + " bits", path, "1 to 16");
   }
   check_frame_size(path, info.width, info.height, 2);
-  const Packing plain = info.bits <= 8 ? Packing::u8 : Packing::u16;
+  const Packing plain = info.bits <= 8 ? Packing::kU8 : Packing::kU16;
   switch (format) {
-    case SinkFormat::tiff:
+    case SinkFormat::kTiff:
       return open_tiff_sink(path, info);
-    case SinkFormat::raw:
+    case SinkFormat::kRaw:
       return open_raw_sink(path, info);
-    case SinkFormat::cine:
+    case SinkFormat::kCine:
       return open_cine_sink(path, plain, info);
-    case SinkFormat::cine_packed10:
-      return open_cine_sink(path, Packing::packed10, info);
-    case SinkFormat::cine_packed12:
-      return open_cine_sink(path, Packing::packed12, info);
-    case SinkFormat::mraw:
+    case SinkFormat::kCinePacked10:
+      return open_cine_sink(path, Packing::kPacked10, info);
+    case SinkFormat::kCinePacked12:
+      return open_cine_sink(path, Packing::kPacked12, info);
+    case SinkFormat::kMraw:
       return open_mraw_sink(path, plain, info);
-    case SinkFormat::mraw_packed12:
-      return open_mraw_sink(path, Packing::packed12, info);
-    case SinkFormat::png:
-    case SinkFormat::avi:
-    case SinkFormat::mp4:
+    case SinkFormat::kMrawPacked12:
+      return open_mraw_sink(path, Packing::kPacked12, info);
+    case SinkFormat::kPng:
+    case SinkFormat::kAvi:
+    case SinkFormat::kMp4:
       break;
   }
   if (!open_codec) {
@@ -139,14 +139,14 @@ void pack_frame(const Frame& frame, Packing packing, bool bottom_up,
   stored.resize(
       static_cast<std::size_t>(packed_bytes(packing, std::int64_t{frame.width()} * height)));
   const auto from = [&](int y) { return bottom_up ? height - 1 - y : y; };
-  if (packing == Packing::u8) {
+  if (packing == Packing::kU8) {
     for (int y = 0; y < height; ++y) {
       std::memcpy(stored.data() + static_cast<std::size_t>(y) * width, frame.u8.row(from(y)),
                   width);
     }
     return;
   }
-  if (packing == Packing::u16) {
+  if (packing == Packing::kU16) {
     for (int y = 0; y < height; ++y) {
       pack_16(frame.u16.row(from(y)), width,
               stored.data() + 2 * static_cast<std::size_t>(y) * width);
@@ -154,7 +154,7 @@ void pack_frame(const Frame& frame, Packing packing, bool bottom_up,
     return;
   }
   // Packed pixels run on from row to row, always from the top.
-  const auto pack = packing == Packing::packed10 ? pack_10 : pack_12;
+  const auto pack = packing == Packing::kPacked10 ? pack_10 : pack_12;
   pack(frame.u16.data(), frame.u16.size(), stored.data());
 }
 

@@ -10,16 +10,16 @@
 namespace impactdic::video {
 
 enum class SinkFormat {
-  tiff,           // multi-page, uncompressed, 8 or 16 bits
-  raw,            // bare pixels, 8 or 16 bits little-endian
-  cine,           // Phantom, 8 or 16 bits
-  cine_packed10,  // 10-bit codes; 12-bit frames go through the camera's transfer curve (lossy)
-  cine_packed12,  // 12 bits packed
-  mraw,           // Photron .mraw with .cihx, 8 or 16 bits
-  mraw_packed12,  // 12 bits packed
-  png,            // one file a frame in a folder, 8 or 16 bits; needs the codecs
-  avi,            // lossless 8 bits; needs the codecs
-  mp4,            // lossy 8 bits, for looking at; needs the codecs
+  kTiff,          // multi-page, uncompressed, 8 or 16 bits
+  kRaw,           // bare pixels, 8 or 16 bits little-endian
+  kCine,          // Phantom, 8 or 16 bits
+  kCinePacked10,  // 10-bit codes; 12-bit frames go through the camera's transfer curve (lossy)
+  kCinePacked12,  // 12 bits packed
+  kMraw,          // Photron .mraw with .cihx, 8 or 16 bits
+  kMrawPacked12,  // 12 bits packed
+  kPng,           // one file a frame in a folder, 8 or 16 bits; needs the codecs
+  kAvi,           // lossless 8 bits; needs the codecs
+  kMp4,           // lossy 8 bits, for looking at; needs the codecs
 };
 
 // "tiff", "raw", "cine", "cine10", "cine12", "mraw", "mraw12", "png", "avi", "mp4".

@@ -66,7 +66,7 @@ class MemorySource : public FrameSource {
     const auto* from =
         static_cast<const std::uint8_t*>(clip_.frames[static_cast<std::size_t>(index)]);
     frame.reset(0, 0, clip_.bits);
-    const bool whole = frame.type == PixelType::u8 ? show(from, frame.u8) : show(from, frame.u16);
+    const bool whole = frame.type == PixelType::kU8 ? show(from, frame.u8) : show(from, frame.u16);
     if (!whole) {
       throw InvalidArgument("a pixel of frame " + std::to_string(index) + " is brighter than " +
                                 std::to_string(clip_.bits) + " bits allow",
@@ -117,7 +117,7 @@ class CallbackSource : public FrameSource {
     read_(index, frame);
     const bool bytes = info_.bits <= 8;
     if (frame.width() != info_.width || frame.height() != info_.height ||
-        frame.bits != info_.bits || (frame.type == PixelType::u8) != bytes) {
+        frame.bits != info_.bits || (frame.type == PixelType::kU8) != bytes) {
       throw InvalidArgument("frame " + std::to_string(index) +
                                 " has another size or depth than "
                                 "the clip",

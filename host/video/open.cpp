@@ -12,22 +12,22 @@ namespace {
 
 std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptions& options) {
   switch (tell_file_kind(path)) {
-    case FileKind::cine:
+    case FileKind::kCine:
       return open_cine(path, options.phantom_codes, options.lend_file_memory);
-    case FileKind::mraw:
-    case FileKind::cih:
+    case FileKind::kMraw:
+    case FileKind::kCih:
       return open_mraw(path, options.lend_file_memory);
-    case FileKind::tiff:
+    case FileKind::kTiff:
       return open_tiff(path);
-    case FileKind::picture:
+    case FileKind::kPicture:
       return open_image_sequence({path}, options);
-    case FileKind::container:
+    case FileKind::kContainer:
       if (!options.open_codec) {
         throw InvalidArgument("this program was built without codecs", path,
                               "convert the clip to TIFF, or build with IMPACTDIC_CODECS");
       }
       return options.open_codec({path});
-    case FileKind::unknown:
+    case FileKind::kUnknown:
       break;
   }
   throw FormatError(path, 0, "the format is not known",

@@ -23,13 +23,13 @@ std::uint16_t or_of_all(const std::uint16_t* values, std::size_t count) {
 
 int stored_bits(Packing packing) {
   switch (packing) {
-    case Packing::u8:
+    case Packing::kU8:
       return 8;
-    case Packing::u16:
+    case Packing::kU16:
       return 16;
-    case Packing::packed10:
+    case Packing::kPacked10:
       return 10;
-    case Packing::packed12:
+    case Packing::kPacked12:
       return 12;
   }
   return 8;
@@ -37,13 +37,13 @@ int stored_bits(Packing packing) {
 
 const char* packing_name(Packing packing) {
   switch (packing) {
-    case Packing::u8:
+    case Packing::kU8:
       return "8-bit";
-    case Packing::u16:
+    case Packing::kU16:
       return "16-bit little-endian";
-    case Packing::packed10:
+    case Packing::kPacked10:
       return "10-bit packed";
-    case Packing::packed12:
+    case Packing::kPacked12:
       return "12-bit packed";
   }
   return "";
@@ -115,7 +115,7 @@ void pack_10(const std::uint16_t* in, std::size_t count, std::uint8_t* out) {
   std::copy(in + i, in + count, rest);
   std::uint8_t group[5];
   pack_10(rest, 4, group);
-  std::copy(group, group + packed_bytes(Packing::packed10, static_cast<std::int64_t>(count - i)),
+  std::copy(group, group + packed_bytes(Packing::kPacked10, static_cast<std::int64_t>(count - i)),
             out);
 }
 
@@ -150,24 +150,24 @@ template void flip_rows(Image<std::uint16_t>&);
 
 bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height, int bits,
                   int shift, Frame& frame) {
-  frame.reset(width, height, packing == Packing::u8 ? std::min(bits, 8) : bits);
+  frame.reset(width, height, packing == Packing::kU8 ? std::min(bits, 8) : bits);
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  if (packing == Packing::u8) {
+  if (packing == Packing::kU8) {
     std::memcpy(frame.u8.data(), in, count);
     return true;
   }
   // Wide storage of few bits is narrowed: the frame's type follows its effective bits.
   Image<std::uint16_t> wide;
   std::uint16_t* out = frame.u16.data();
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     wide.resize(width, height);
     out = wide.data();
   }
   switch (packing) {
-    case Packing::packed10:
+    case Packing::kPacked10:
       unpack_10(in, count, out);
       break;
-    case Packing::packed12:
+    case Packing::kPacked12:
       unpack_12(in, count, out);
       break;
     default:
@@ -176,7 +176,7 @@ bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height
   }
   shift_right(out, count, shift);
   const bool fits = bits >= stored_bits(packing) || or_of_all(out, count) >> bits == 0;
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     std::transform(out, out + count, frame.u8.data(),
                    [](std::uint16_t v) { return static_cast<std::uint8_t>(v); });
   }
@@ -186,7 +186,7 @@ bool unpack_frame(Packing packing, const std::uint8_t* in, int width, int height
 bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Packing packing,
                 int width, int height, int bits, int shift, bool bottom_up, Frame& frame) {
   bool fits = true;
-  if (packing == Packing::u8) {
+  if (packing == Packing::kU8) {
     // Rows that have to change places are copied anyway.
     auto lent = bottom_up ? nullptr : file.lend(offset, bytes);
     frame.reset(0, 0, 8);
@@ -203,7 +203,7 @@ bool read_frame(const ByteFile& file, std::int64_t offset, std::size_t bytes, Pa
     fits = unpack_frame(packing, stored.data(), width, height, bits, shift, frame);
   }
   if (!bottom_up) return fits;
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     flip_rows(frame.u8);
   } else {
     flip_rows(frame.u16);

@@ -13,10 +13,10 @@ class ByteFile;
 
 // How pixels lie in a file.
 enum class Packing : std::uint8_t {
-  u8,        // one byte each
-  u16,       // two bytes, little-endian
-  packed10,  // 5 bytes hold 4 pixels, most significant bit first
-  packed12,  // 3 bytes hold 2 pixels, most significant bit first
+  kU8,        // one byte each
+  kU16,       // two bytes, little-endian
+  kPacked10,  // 5 bytes hold 4 pixels, most significant bit first
+  kPacked12,  // 3 bytes hold 2 pixels, most significant bit first
 };
 
 int stored_bits(Packing packing);           // 8, 16, 10, 12

@@ -17,13 +17,13 @@ using Spline = boost::math::interpolators::cardinal_cubic_b_spline<double>;
 
 constexpr int kFiner = 10;  // the spline's table over the grid's
 
-struct Measured {
+struct MeasuredContact {
   std::vector<double> time_s, deflection_m;  // from the touch
   double largest_m = 0, final_vn_m_s = 0;
 };
 
-Measured contact_of(const MeasuredTrack& track, const MeasuredShot& shot) {
-  Measured measured;
+MeasuredContact contact_of(const MeasuredTrack& track, const MeasuredShot& shot) {
+  MeasuredContact measured;
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double height = -std::sin(angle) * shot.touch_x_m + std::cos(angle) * shot.touch_y_m;
   for (std::size_t i = 0; i < track.time_s.size(); ++i) {
@@ -117,7 +117,7 @@ struct NodeError {
   double displacement, velocity;
 };
 
-NodeError node_error(const ImpactJob& job, const Measured& measured) {
+NodeError node_error(const ImpactJob& job, const MeasuredContact& measured) {
   const ImpactResult impact = contact::simulate_impact(job, {0, measured.time_s});
   NodeError error{0, 1};
   for (std::size_t i = 0; i < measured.time_s.size(); ++i) {
@@ -136,7 +136,7 @@ NodeError node_error(const ImpactJob& job, const Measured& measured) {
 
 ErrorSurface error_surface(const MeasuredTrack& track, const MeasuredShot& shot,
                            const ImpactJob& laws, const FitGrid& grid) {
-  const Measured measured = contact_of(track, shot);
+  const MeasuredContact measured = contact_of(track, shot);
   ErrorSurface s;
   for (int i = 0; i <= grid.stiffness_steps; ++i) {
     s.stiffness.push_back(grid.stiffness_max * i / grid.stiffness_steps);

@@ -16,19 +16,16 @@
 namespace impactdic::sim::shot {
 namespace {
 
-using impact::ImpactStatus;
-using impact::Measured;
-
 constexpr double kLeastNoise_m = 1e-9;
 constexpr int kFewestFlightFrames = 8;
 
 // The track as `track` had it: lengths in the pixels of its table, times in frames.
 class TrackImpact {
  public:
-  TrackImpact(const Track& track, const ShotOptions& options)
+  TrackImpact(const MeasuredTrack& track, const ShotOptions& options)
       : track_(track), options_(options), unit_m_(track.metre_per_px) {}
 
-  Shot run() {
+  MeasuredShot run() {
     fill_rows();
     impact::ImpactOptions options;
     options.surface_angle_rad = options_.surface_angle_deg * kRadPerDeg;
@@ -43,17 +40,17 @@ class TrackImpact {
  private:
   void fill_rows();
   void refuse() const;
-  Shot shot() const;
-  void time(Shot& shot) const;
+  MeasuredShot shot() const;
+  void time(MeasuredShot& shot) const;
 
-  Estimate length(const Measured& m) const { return {m.value * unit_m_, m.sd * unit_m_}; }
-  Estimate duration(const Measured& m) const {
+  Measured length(const Measured& m) const { return {m.value * unit_m_, m.sd * unit_m_}; }
+  Measured duration(const Measured& m) const {
     return {m.value * track_.interval_s, m.sd * track_.interval_s};
   }
-  Estimate instant(const Measured& m) const {
+  Measured instant(const Measured& m) const {
     return {track_.time_s[0] + m.value * track_.interval_s, m.sd * track_.interval_s};
   }
-  Flight flight(const impact::FlightMotion& m) const {
+  ShotFlight flight(const FlightMotion& m) const {
     const double speed = unit_m_ / track_.interval_s, rate = 1 / track_.interval_s;
     return {m.first,
             m.last,
@@ -62,11 +59,11 @@ class TrackImpact {
             {m.spin.value * rate, m.spin.sd * rate}};
   }
 
-  const Track& track_;
+  const MeasuredTrack& track_;
   const ShotOptions& options_;
   double unit_m_;
   std::vector<TrackRow> rows_;
-  impact::ImpactAnalysis found_;
+  ImpactAnalysis found_;
 };
 
 // Where no deviation of a centre is stated, it is the scatter from frame to frame.
@@ -98,20 +95,20 @@ void TrackImpact::refuse() const {
     throw FormatError(track_.file, -1, what, hint);
   };
   switch (found_.status) {
-    case ImpactStatus::none:
+    case ImpactStatus::kNone:
       fail("the track shows no contact: the ball does not come to the surface and leave it again",
            "is the surface angle right?");
       break;
-    case ImpactStatus::wrong_side:
+    case ImpactStatus::kWrongSide:
       fail("the track shows no contact on this side of the surface, but one on the other",
            "add 180 degrees to the surface angle");
       break;
-    case ImpactStatus::flight_too_short:
+    case ImpactStatus::kFlightTooShort:
       fail("the track shows fewer than 6 frames of free flight before or after the contact",
            "start the clip earlier or end it later");
       break;
-    case ImpactStatus::found:
-    case ImpactStatus::not_resolved:
+    case ImpactStatus::kFound:
+    case ImpactStatus::kNotResolved:
       break;
   }
   if (!std::isfinite(found_.turn.value) || !std::isfinite(found_.crossing_above_lowest.value)) {
@@ -120,8 +117,8 @@ void TrackImpact::refuse() const {
 }
 
 // The ends of a contact that is too short to be seen lie anywhere between flight and turn.
-void TrackImpact::time(Shot& shot) const {
-  if (found_.status == ImpactStatus::found) {
+void TrackImpact::time(MeasuredShot& shot) const {
+  if (found_.status == ImpactStatus::kFound) {
     shot.contact_start_s = instant(found_.start.instant);
     shot.contact_end_s = instant(found_.end.instant);
     shot.contact_s = duration(found_.duration);
@@ -138,8 +135,8 @@ void TrackImpact::time(Shot& shot) const {
   shot.contact_s = duration({end.value - start.value, std::hypot(start.sd, end.sd)});
 }
 
-Shot TrackImpact::shot() const {
-  Shot shot;
+MeasuredShot TrackImpact::shot() const {
+  MeasuredShot shot;
   shot.file = track_.file;
   shot.surface_angle_deg = options_.surface_angle_deg;
   shot.before = flight(found_.before), shot.after = flight(found_.after);
@@ -169,11 +166,11 @@ double moved_sd(double sd, double pull, double old_sd_s, double sd_s) {
 
 }  // namespace
 
-void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2) {
-  const Estimate in = shot.before.vn_m_s, out = shot.after.vn_m_s;
+void derive(MeasuredShot& shot, const ImpactBody& body, double gravity_m_s2) {
+  const Measured in = shot.before.vn_m_s, out = shot.after.vn_m_s;
   const double e = impact::restitution(in.value, out.value);
   shot.restitution = {e, std::hypot(out.sd, e * in.sd) / std::abs(in.value)};
-  const auto state = [](const Flight& flight) {
+  const auto state = [](const ShotFlight& flight) {
     PlaneState s;
     s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
@@ -191,7 +188,7 @@ void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2) {
                      (out.value - in.value);
 }
 
-void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s,
+void move_contact(MeasuredShot& shot, const Measured& start_s, const Measured& duration_s,
                   const ImpactBody& body, double gravity_m_s2) {
   const double angle = shot.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
@@ -206,8 +203,8 @@ void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_
   const double after = start_s.value + duration_s.value - shot.contact_end_s.value;
   shot.after.vt_m_s.value -= gravity_m_s2 * s * after;
   shot.after.vn_m_s.value -= gravity_m_s2 * c * after;
-  const Estimate end = {start_s.value + duration_s.value, std::max(start_s.sd, duration_s.sd)};
-  const auto move = [&](Estimate& velocity, double pull, double old_sd_s, double sd_s) {
+  const Measured end = {start_s.value + duration_s.value, std::max(start_s.sd, duration_s.sd)};
+  const auto move = [&](Measured& velocity, double pull, double old_sd_s, double sd_s) {
     velocity.sd = moved_sd(velocity.sd, pull, old_sd_s, sd_s);
   };
   move(shot.before.vt_m_s, gravity_m_s2 * s, shot.contact_start_s.sd, start_s.sd);
@@ -222,7 +219,7 @@ void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_
   derive(shot, body, gravity_m_s2);
 }
 
-Shot measure_shot(const Track& track, const ShotOptions& options) {
+MeasuredShot measure_shot(const MeasuredTrack& track, const ShotOptions& options) {
   return TrackImpact(track, options).run();
 }
 

@@ -8,10 +8,6 @@
 
 namespace impactdic::sim::shot {
 
-using Estimate = Measured;
-using Flight = ShotFlight;
-using Shot = MeasuredShot;
-
 struct ShotOptions {
   ImpactBody body;
   double surface_angle_deg = 0;
@@ -21,11 +17,11 @@ struct ShotOptions {
 
 // Restitution and effective friction from the flights. When the contact is matters through gravity:
 // the two velocities are those of its ends.
-void derive(Shot& shot, const ImpactBody& body, double gravity_m_s2);
+void derive(MeasuredShot& shot, const ImpactBody& body, double gravity_m_s2);
 
 // Says that the contact begins and lasts otherwise than the shot has it: carries both flights to
 // the new instants and derives anew what follows from them.
-void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_s,
+void move_contact(MeasuredShot& shot, const Measured& start_s, const Measured& duration_s,
                   const ImpactBody& body, double gravity_m_s2);
 
 // The impact as host/impact/impact_phases.h finds it, with gravity and the body's radius known. A
@@ -33,6 +29,6 @@ void move_contact(Shot& shot, const Estimate& start_s, const Estimate& duration_
 // the contact is too short for its ends to be seen they are between flight and turn, and their
 // deviations say so. Throws FormatError naming the file where the track shows no contact, or too
 // few frames of it or of a flight.
-Shot measure_shot(const Track& track, const ShotOptions& options);
+MeasuredShot measure_shot(const MeasuredTrack& track, const ShotOptions& options);
 
 }  // namespace impactdic::sim::shot

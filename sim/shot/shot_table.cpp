@@ -58,7 +58,7 @@ std::vector<TableShot> read_shot_table(const std::filesystem::path& file, const 
     TableShot row;
     row.name = names[i];
     row.rod_angle_deg = rod_angle[i];
-    Shot& shot = row.shot;
+    MeasuredShot& shot = row.shot;
     shot.file = table.file() + ": " + names[i];
     shot.surface_angle_deg = angle[i];
     shot.noise_m = kNotMeasured;

@@ -18,7 +18,7 @@ namespace impactdic::sim::shot {
 // and source (text, where the row comes from). An empty field was not measured. Throws FileError or
 // FormatError naming file, line and column; an unknown column is an error.
 struct TableShot {
-  Shot shot;  // file holds "FILE: NAME"
+  MeasuredShot shot;  // file holds "FILE: NAME"
   std::string name;
   double rod_angle_deg = 0;  // NaN without the column
   double restitution = 0;    // as the table states it; NaN without

@@ -19,7 +19,7 @@ constexpr const char* kHeader =
 constexpr std::size_t kFewestCentres = 20;
 constexpr double kUnevenness = 0.01;  // of the interval
 
-void check_times(const CsvTable& table, Track& track) {
+void check_times(const CsvTable& table, MeasuredTrack& track) {
   const auto& time = track.time_s;
   if (time.size() < kFewestCentres) {
     throw FormatError(table.file(), -1, "the track has " + std::to_string(time.size()) + " rows",
@@ -39,7 +39,7 @@ void check_times(const CsvTable& table, Track& track) {
 
 // Metres per pixel, from both coordinates of every centre.
 double scale_m_per_px(const std::vector<double>& cx, const std::vector<double>& cy,
-                      const Track& track) {
+                      const MeasuredTrack& track) {
   const auto spread = [](const std::vector<double>& values) {
     double sum = 0, squares = 0, count = 0;
     for (double v : values) {
@@ -82,7 +82,7 @@ std::vector<double> times(std::vector<double> values, double factor) {
 
 }  // namespace
 
-Track read_track(const std::filesystem::path& file) {
+MeasuredTrack read_track(const std::filesystem::path& file) {
   const CsvTable table = CsvTable::read(file);
   for (const std::string& column : split(kHeader, ',')) {
     if (!table.has(column)) {
@@ -90,7 +90,7 @@ Track read_track(const std::filesystem::path& file) {
                         "this is not a track.csv of impactdic track");
     }
   }
-  Track track;
+  MeasuredTrack track;
   track.file = table.file();
   track.time_s = table.filled_numbers("time_s");
   check_times(table, track);

@@ -9,9 +9,6 @@
 
 namespace impactdic::sim::speckle {
 
-using impactdic::BallPose;
-using impactdic::ConstantMotion;
-
 // The ball while the shutter is open: it moves straight from `open` to `middle` to `close`.
 struct ShutterPath {
   BallPose open, middle, close;

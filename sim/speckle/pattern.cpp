@@ -192,7 +192,7 @@ const PatternSpec& find_pattern(const std::string& name) {
 }
 
 InkMeasure measure_ink(const SpeckleBall& ball) {
-  Scene scene;
+  SynthScene scene;
   const int middle = static_cast<int>(std::ceil(ball.radius_px)) + 4;
   scene.width = scene.height = 2 * middle + 1;
   scene.white = scene.background = 255;

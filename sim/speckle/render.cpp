@@ -50,7 +50,7 @@ double travel_px(const BallPose& a, const BallPose& b, double radius_px) {
 
 }  // namespace
 
-BallRenderer::BallRenderer(SpeckleBall ball, const Scene& scene)
+BallRenderer::BallRenderer(SpeckleBall ball, const SynthScene& scene)
     : ball_(std::move(ball)),
       scene_((scene.validate(), scene)),
       outline_(ball_.radius_px, scene.psf_sigma_px),
@@ -197,7 +197,7 @@ void BallRenderer::render(const ShutterPath& path, std::int64_t frame_index, Fra
     }
     for (int x = 0; x < scene_.width; ++x) {
       const double level = std::clamp(std::floor(row[x] * (top / 255) + 0.5), 0.0, top);
-      if (out.type == PixelType::u8) {
+      if (out.type == PixelType::kU8) {
         out.u8(x, y) = static_cast<std::uint8_t>(level);
       } else {
         out.u16(x, y) = static_cast<std::uint16_t>(level);

@@ -22,9 +22,6 @@
 
 namespace impactdic::sim::speckle {
 
-using impactdic::OccludingBar;
-using Scene = SynthScene;
-
 // A bar that hides the share `fraction` (0 … 1) of the disc's area of a ball at this pose: all that
 // lies beyond a chord, on the lower side, as a racket does. `angle_deg` is the chord's direction,
 // counter-clockwise from image-right.
@@ -37,7 +34,7 @@ OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px,
 class BallRenderer {
  public:
   // Throws InvalidArgument for an impossible scene.
-  BallRenderer(SpeckleBall ball, const Scene& scene);
+  BallRenderer(SpeckleBall ball, const SynthScene& scene);
 
   // The picture without noise or rounding, grey levels of 255, (height, width).
   Image<double> exact(const BallPose& pose) const;
@@ -48,7 +45,7 @@ class BallRenderer {
   void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const;
 
   const SpeckleBall& ball() const { return ball_; }
-  const Scene& scene() const { return scene_; }
+  const SynthScene& scene() const { return scene_; }
 
  private:
   struct Placed;  // the ball at one instant, in screen axes
@@ -64,7 +61,7 @@ class BallRenderer {
   Image<double> make_backdrop() const;
 
   SpeckleBall ball_;
-  Scene scene_;
+  SynthScene scene_;
   BlurredDisc outline_;
   std::vector<BlurredDisc> inks_;  // one per disc
   int per_pixel_;                  // samples a side of a pixel

@@ -24,8 +24,8 @@ const sim::speckle::SpeckleBall& ball() {
   return painted;
 }
 
-sim::speckle::Scene scene(double noise) {
-  sim::speckle::Scene out;
+SynthScene scene(double noise) {
+  SynthScene out;
   out.width = out.height = 300;
   out.noise_sigma = noise;
   return out;
@@ -48,12 +48,12 @@ struct Errors {
 
 // The pictures of one motion each: pairs of frames, and how the second one's truth differs.
 struct Pairs {
-  std::vector<sim::speckle::BallPose> poses;  // first, second, first, second, ...
+  std::vector<BallPose> poses;  // first, second, first, second, ...
   // Guesses off by up to this.
   double guess_px = 0.3, guess_deg = 0.2;
 };
 
-std::vector<BallMotion> measure(const Pairs& pairs, const sim::speckle::Scene& the_scene,
+std::vector<BallMotion> measure(const Pairs& pairs, const SynthScene& the_scene,
                                 const dic::BallOptions& options,
                                 const sim::speckle::SpeckleBall& painted = ball()) {
   opencl::Engine& engine = shared_engine();
@@ -67,8 +67,8 @@ std::vector<BallMotion> measure(const Pairs& pairs, const sim::speckle::Scene& t
   for (int k = 0; k < slots; ++k) {
     frames.set(k, pictures[static_cast<std::size_t>(k)]);
     if (k % 2 == 0) continue;
-    const sim::speckle::BallPose& a = pairs.poses[static_cast<std::size_t>(k - 1)];
-    const sim::speckle::BallPose& b = pairs.poses[static_cast<std::size_t>(k)];
+    const BallPose& a = pairs.poses[static_cast<std::size_t>(k - 1)];
+    const BallPose& b = pairs.poses[static_cast<std::size_t>(k)];
     BallTask task{};
     task.first = k - 1;
     task.second = k;
@@ -92,8 +92,8 @@ Summary compare(const Pairs& pairs, const std::vector<BallMotion>& motions) {
   Summary summary;
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const BallMotion& m = motions[k];
-    EXPECT_EQ(m.status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
-    const sim::speckle::BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
+    EXPECT_EQ(m.status, static_cast<idic_int>(WindowStatus::kOk)) << k;
+    const BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
     // The task's centre is the truth rounded to a float.
     summary.x.add(m.dx - (b.cx_px - a.cx_px), m.dx_sd);
     summary.y.add(m.dy - (b.cy_px - a.cy_px), m.dy_sd);
@@ -126,8 +126,7 @@ TEST(BallAccuracy, MotionsUnderNoise) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 0; k < 16; ++k) {
-    const sim::speckle::BallPose first =
-        pose(150 + off(random), 150 + off(random), 180 * off(random));
+    const BallPose first = pose(150 + off(random), 150 + off(random), 180 * off(random));
     const bool fixed = k < 8;
     pairs.poses.push_back(first);
     pairs.poses.push_back(pose(first.cx_px + (fixed ? 1 : 3 * off(random)),
@@ -144,7 +143,7 @@ TEST(BallAccuracy, StaticBarOverThirtyPercent) {
   Pairs pairs;
   std::mt19937 random(9);
   std::uniform_real_distribution<double> off(-1, 1);
-  sim::speckle::Scene barred = scene(2);
+  SynthScene barred = scene(2);
   barred.bar = sim::speckle::bar_hiding(0.3, pose(150, 150, 0), kRadiusPx);
   for (int k = 0; k < 12; ++k) {
     pairs.poses.push_back(pose(150, 150, 180 * off(random)));
@@ -172,7 +171,7 @@ Matrix turn(double angle_deg) {
   const double c = std::cos(angle_deg * kDegree), s = std::sin(angle_deg * kDegree);
   return {c, s, -s, c};
 }
-Matrix shape(const sim::speckle::BallPose& pose) {
+Matrix shape(const BallPose& pose) {
   const Matrix axis = turn(pose.compression_axis_deg);
   const Matrix squeeze = {1 - pose.compression, 0, 0, 1};
   return product(product(axis, product(squeeze, inverse(axis))), turn(pose.angle_deg));
@@ -183,10 +182,10 @@ TEST(BallAccuracy, AffineUnderCompression) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 1; k <= 18; ++k) {
-    sim::speckle::BallPose first = pose(150.2, 149.7, 30 * k);
+    BallPose first = pose(150.2, 149.7, 30 * k);
     first.compression = 0.03;
     first.compression_axis_deg = 75;
-    sim::speckle::BallPose second = first;
+    BallPose second = first;
     second.cx_px += off(random);
     second.cy_px += off(random);
     second.angle_deg += off(random);
@@ -200,9 +199,9 @@ TEST(BallAccuracy, AffineUnderCompression) {
     const auto motions = measure(pairs, scene(noise), options);
     Errors position, strain, rotation_deg;
     for (std::size_t k = 0; k < motions.size(); ++k) {
-      const sim::speckle::BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
+      const BallPose &a = pairs.poses[2 * k], &b = pairs.poses[2 * k + 1];
       const BallMotion& m = motions[k];
-      ASSERT_EQ(m.status, static_cast<idic_int>(dic::WindowStatus::ok));
+      ASSERT_EQ(m.status, static_cast<idic_int>(WindowStatus::kOk));
       const Matrix gradient = product(shape(b), inverse(shape(a)));
       const double angle_deg =
           std::atan2(gradient.xy - gradient.yx, gradient.xx + gradient.yy) / kDegree;

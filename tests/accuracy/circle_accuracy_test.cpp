@@ -35,8 +35,8 @@ struct Errors {
 };
 
 // The lower 30 % of the rim hidden: a bar whose upper edge cuts the rim at ±54° from straight down.
-sim::speckle::OccludingBar bar_over_rim(const sim::speckle::BallPose& pose) {
-  sim::speckle::OccludingBar bar;
+OccludingBar bar_over_rim(const BallPose& pose) {
+  OccludingBar bar;
   bar.width_px = 2.5 * kRadius;
   bar.x_px = pose.cx_px;
   bar.y_px = pose.cy_px + kRadius * std::cos(0.3 * kPi) + bar.width_px / 2;
@@ -55,10 +55,10 @@ const sim::speckle::SpeckleBall& painted(const std::string& pattern, int seed) {
 Errors measure_balls(const std::string& pattern, const Condition& condition) {
   double squares = 0, radius_squares = 0, normalised = 0, radius_normalised = 0;
   for (int k = 0; k < kBalls; ++k) {
-    const sim::speckle::BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
-                                      260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
-                                      condition.compression, 90};
-    sim::speckle::Scene scene;
+    const BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
+                        260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
+                        condition.compression, 90};
+    SynthScene scene;
     scene.noise_sigma = 2;
     scene.noise_seed = static_cast<std::uint64_t>(k) + 1;
     scene.shading = condition.shading;
@@ -74,7 +74,7 @@ Errors measure_balls(const std::string& pattern, const Condition& condition) {
       prior.compression_axis_rad = kPi / 2;
     }
     const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
-    EXPECT_EQ(fit.status, circle::CircleStatus::ok) << pattern << " " << k;
+    EXPECT_EQ(fit.status, circle::CircleStatus::kOk) << pattern << " " << k;
     const double ex = fit.circle.cx_px - pose.cx_px, ey = fit.circle.cy_px - pose.cy_px;
     const double er = fit.circle.r_px - kRadius * (1 - condition.compression / 2);
     squares += (ex * ex + ey * ey) / 2;
@@ -134,10 +134,9 @@ TEST(CircleAccuracy, Shaded) {
 // of the likelihood's maximum, its curvature there states no deviation at all.
 TEST(CircleAccuracy, NoDeviationIsNothing) {
   for (int seed = 13; seed <= 15; ++seed) {
-    const sim::speckle::BallPose pose{136 + std::fmod(0.3819660113 * seed + 0.13, 1),
-                                      136 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed,
-                                      0.002, 90};
-    sim::speckle::Scene scene;
+    const BallPose pose{136 + std::fmod(0.3819660113 * seed + 0.13, 1),
+                        136 + std::fmod(0.6180339887 * seed + 0.41, 1), 17.0 * seed, 0.002, 90};
+    SynthScene scene;
     scene.width = scene.height = 272;
     scene.noise_sigma = 2;
     scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
@@ -154,7 +153,7 @@ TEST(CircleAccuracy, NoDeviationIsNothing) {
     prior.rim_model = before.rim_model;
     for (const Frame* frame : {&first, &second}) {
       const circle::CircleFit fit = circle::measure_circle(*frame, prior, {});
-      ASSERT_EQ(fit.status, circle::CircleStatus::ok) << seed;
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << seed;
       EXPECT_GT(std::min({fit.cx_sd_px, fit.cy_sd_px, fit.r_sd_px}), 1e-3) << seed;
     }
   }

@@ -42,7 +42,7 @@ Statistics compare(const std::vector<Window>& windows, const std::vector<WindowM
   std::vector<double> errors;
   const double half = (window_px - 1) / 2.0;
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    if (motions[i].status != static_cast<int>(dic::WindowStatus::ok)) {
+    if (motions[i].status != static_cast<int>(WindowStatus::kOk)) {
       ++s.lost;
       continue;
     }
@@ -65,7 +65,7 @@ Statistics compare(const std::vector<Window>& windows, const std::vector<WindowM
   return s;
 }
 
-std::vector<WindowMotion> measure(const dic::FieldOptions& options, const Frame& first,
+std::vector<WindowMotion> measure(const FieldOptions& options, const Frame& first,
                                   const Frame& second, std::vector<Window>& windows) {
   const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
   correlator->set_frame(0, first);
@@ -83,8 +83,8 @@ void report(const char* what, const Statistics& s) {
 // common grid, along both axes.
 TEST(FieldBias, VanishesAtAnySubpixelShift) {
   constexpr double kBiasPx = 0.005;
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::zncc;
+  FieldOptions options;
+  options.method = FieldMethod::kZncc;
   const sim::speckle::SpeckleField surface(9000, 300, 1.5, 17);
   const Frame first = surface.render(300, 300, 0, 0);
   for (int step = 0; step <= 20; ++step) {
@@ -104,14 +104,14 @@ TEST(FieldBias, VanishesAtAnySubpixelShift) {
 // The same on the painted ball of the speckle study.
 TEST(FieldBias, VanishesOnAPaintedBall) {
   constexpr double kBiasPx = 0.005;
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::zncc;
+  FieldOptions options;
+  options.method = FieldMethod::kZncc;
   const auto ball = testing::quick_ball(5, 115);
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   for (int step = 0; step <= 20; ++step) {
     poses.push_back(testing::pose(150.2 + 0.1 * step, 150.7 + 0.1 * (20 - step), 0));
   }
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 300;
   const auto frames = testing::render_frames(ball, scene, poses);
   const auto base = testing::render_frames(ball, scene, {testing::pose(150.2, 150.7, 0)});
@@ -194,14 +194,14 @@ struct PublishedRun {
   std::vector<WindowMotion> motions;
 };
 PublishedRun run_published(unsigned paint, double dx, double dy, double turn_deg, int spacing_px) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 300;
   PublishedRun run;
   run.frames = testing::render_frames(
       sim::speckle::paint_ball("e1", paint), scene,
       {testing::pose(150.2, 150.7, 0), testing::pose(150.2 + dx, 150.7 + dy, turn_deg)});
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::published;
+  FieldOptions options;
+  options.method = FieldMethod::kPublished;
   options.interp_points = kPublishedPoints;
   run.windows = dic::disc_grid(150.2, 150.7, 112, options.window_px, spacing_px);
   run.motions = measure(options, run.frames[0], run.frames[1], run.windows);
@@ -217,7 +217,7 @@ TEST(PublishedMethod, FindsTheLargestPlainSumInEveryWindow) {
     EXPECT_GT(run.windows.size(), 30u);
     for (std::size_t i = 0; i < run.windows.size(); ++i) {
       const Window& w = run.windows[i];
-      ASSERT_EQ(run.motions[i].status, static_cast<int>(dic::WindowStatus::ok));
+      ASSERT_EQ(run.motions[i].status, static_cast<int>(WindowStatus::kOk));
       const PlainWindow f(run.frames[0], w.x0, w.y0, kSide, kParts);
       const PlainWindow g(run.frames[1], w.x0, w.y0, kSide, kParts);
       const int u = static_cast<int>(std::lround(run.motions[i].u * kParts));
@@ -263,18 +263,18 @@ TEST(PublishedMethod, IsBiasedTowardsZero) {
   EXPECT_NEAR(mean, -0.178, 0.005);
 }
 
-class TestPictures : public ::testing::TestWithParam<dic::FieldMethod> {};
+class TestPictures : public ::testing::TestWithParam<FieldMethod> {};
 
 TEST_P(TestPictures, PatternTranslation) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
-  dic::FieldOptions options;
+  FieldOptions options;
   options.method = GetParam();
   options.search_px = 10;
   const Frame first = read_picture("speckle/Pattern_1.bmp");
   const Frame second = read_picture("speckle/Pattern_1_Translation.bmp");
   // The pattern's edges are harder than the pixels can hold: the correlation map of such pictures
   // pulls towards whole pixels (0.04 px), which the refinement by interpolated pictures does not.
-  const bool refined = options.method == dic::FieldMethod::icgn;
+  const bool refined = options.method == FieldMethod::kIcgn;
   const double mean_px = refined ? 0.005 : 0.05;
   for (const int window : {15, 31}) {
     options.window_px = window;
@@ -282,7 +282,7 @@ TEST_P(TestPictures, PatternTranslation) {
     const auto motions = measure(options, first, second, windows);
     const Statistics s =
         compare(windows, motions, window, [](double, double) { return std::pair(7.084, 7.084); });
-    report(dic::to_string(options.method), s);
+    report(to_string(options.method), s);
     EXPECT_EQ(s.lost, 0u);
     EXPECT_LE(std::abs(s.mean_u), mean_px);
     EXPECT_LE(std::abs(s.mean_v), mean_px);
@@ -296,7 +296,7 @@ TEST_P(TestPictures, PatternTranslation) {
 
 TEST_P(TestPictures, Sample14) {
   IMPACTDIC_NEED_DATA("speckle/sample14/command.csv");
-  dic::FieldOptions options;
+  FieldOptions options;
   options.method = GetParam();
   options.window_px = 33;
   options.search_px = 4;
@@ -312,13 +312,13 @@ TEST_P(TestPictures, Sample14) {
   const Statistics s = compare(windows, motions, 33, [&](double x, double) {
     return std::pair(truth[static_cast<std::size_t>(x)], 0.0);
   });
-  report(dic::to_string(options.method), s);
+  report(to_string(options.method), s);
   EXPECT_EQ(s.lost, 0u);
   EXPECT_LE(s.rms_u, 0.02);
 }
 INSTANTIATE_TEST_SUITE_P(Methods, TestPictures,
-                         ::testing::Values(dic::FieldMethod::zncc, dic::FieldMethod::icgn),
-                         [](const auto& info) { return std::string(dic::to_string(info.param)); });
+                         ::testing::Values(FieldMethod::kZncc, FieldMethod::kIcgn),
+                         [](const auto& info) { return std::string(to_string(info.param)); });
 
 }  // namespace
 }  // namespace impactdic

@@ -21,9 +21,9 @@ namespace {
 using testing::read_picture;
 using testing::shared_engine;
 
-constexpr auto kOk = static_cast<idic_int>(dic::WindowStatus::ok);
+constexpr auto kOk = static_cast<idic_int>(WindowStatus::kOk);
 
-std::vector<WindowMotion> measure(const dic::FieldOptions& options, const Frame& first,
+std::vector<WindowMotion> measure(const FieldOptions& options, const Frame& first,
                                   const Frame& second, std::vector<Window>& windows) {
   const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
   correlator->set_frame(0, first);
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Patterns, IcgnOnSparseBalls, ::testing::Values("d1", "d
 
 TEST(IcgnOnPictures, EveryWindowOfTheTranslation) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 31;
   options.search_px = 10;
   auto windows = dic::rectangle_grid(12, 12, 480, 480, 31, 12);
@@ -180,7 +180,7 @@ class IcgnOnAffinePictures : public ::testing::TestWithParam<const char*> {};
 TEST_P(IcgnOnAffinePictures, FieldIsAffine) {
   const std::string file = std::string("speckle/Pattern_1_") + GetParam() + ".bmp";
   IMPACTDIC_NEED_DATA(file);
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 31;
   options.search_px = 30;
   auto windows = dic::rectangle_grid(45, 45, 420, 420, 31, 12);
@@ -209,7 +209,7 @@ TEST_P(IcgnOnSample14, WindowsOf35Pixels) {
     for (std::size_t k = 0; k <= column; ++k) std::getline(cells, cell, ',');
     truth.push_back(std::stod(cell));
   }
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 35;
   options.search_px = 4;
   const Frame first = read_picture("speckle/sample14/Sample14 Reference.tif");

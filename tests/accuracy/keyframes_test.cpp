@@ -9,16 +9,16 @@
 namespace impactdic::testing {
 namespace {
 
-std::vector<sim::speckle::BallPose> path(int frames, double middle_px) {
-  std::vector<sim::speckle::BallPose> poses;
+std::vector<BallPose> path(int frames, double middle_px) {
+  std::vector<BallPose> poses;
   for (int k = 0; k < frames; ++k) {
     poses.push_back(pose(middle_px + 8 * std::sin(0.07 * k), middle_px + 0.21 * k, 3.01 * k + 11));
   }
   return poses;
 }
 
-sim::speckle::Scene noisy(int side) {
-  sim::speckle::Scene scene;
+SynthScene noisy(int side) {
+  SynthScene scene;
   scene.width = scene.height = side;
   scene.noise_sigma = 2;
   return scene;
@@ -26,7 +26,7 @@ sim::speckle::Scene noisy(int side) {
 
 TEST(Keyframes, PosesDoNotDrift) {
   RenderedClip clip(sim::speckle::paint_ball("e1", 3), noisy(280), path(36, 138));
-  const DriftErrors got = drift(track(clip, motion::Estimator::ball), clip.poses());
+  const DriftErrors got = drift(track(clip, Estimator::kBall), clip.poses());
   std::printf("rms %.5f %.5f px, %.5f deg\n", got.x.rms(), got.y.rms(), got.angle_deg.rms());
   EXPECT_EQ(got.lost, 0);
   EXPECT_LE(got.x.rms(), 0.001);
@@ -36,13 +36,13 @@ TEST(Keyframes, PosesDoNotDrift) {
 
 // Three frames without a ball, during which it turns by 12°.
 TEST(Keyframes, AGapIsBridged) {
-  const std::vector<sim::speckle::BallPose> poses = path(24, 68);
+  const std::vector<BallPose> poses = path(24, 68);
   std::vector<Frame> frames = render_frames(quick_ball(2, 50), noisy(140), poses);
   for (std::size_t k = 10; k < 13; ++k) {
     std::fill_n(frames[k].u8.data(), frames[k].u8.size(), std::uint8_t{30});
   }
   MemoryClip clip(frames);
-  const auto rows = track(clip, motion::Estimator::ball);
+  const auto rows = track(clip, Estimator::kBall);
   for (std::size_t k = 10; k < 13; ++k) EXPECT_FALSE(rows[k].pose.ok) << k;
   for (std::size_t k = 13; k < rows.size(); ++k) {
     ASSERT_TRUE(rows[k].pose.ok) << k;
@@ -54,7 +54,7 @@ TEST(Keyframes, AGapIsBridged) {
 
 // A part of the ink goes and other ink comes in every frame, as on a ball that rolls out of sight.
 TEST(Keyframes, AChangingLookIsFollowedByNewKeyframes) {
-  const std::vector<sim::speckle::BallPose> poses = path(30, 68);
+  const std::vector<BallPose> poses = path(30, 68);
   sim::speckle::SpeckleBall ball = quick_ball(3, 50);
   const sim::speckle::SpeckleBall fresh = quick_ball(4, 50);
   std::vector<Frame> frames(poses.size());
@@ -67,7 +67,7 @@ TEST(Keyframes, AChangingLookIsFollowedByNewKeyframes) {
     }
   }
   MemoryClip clip(frames);
-  const auto rows = track(clip, motion::Estimator::ball);
+  const auto rows = track(clip, Estimator::kBall);
   std::set<std::int64_t> keyframes;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     ASSERT_TRUE(rows[k].pose.ok) << k;
@@ -80,12 +80,12 @@ TEST(Keyframes, AChangingLookIsFollowedByNewKeyframes) {
 }
 
 TEST(Keyframes, AnotherBallBeginsAnew) {
-  const std::vector<sim::speckle::BallPose> poses = path(20, 68);
+  const std::vector<BallPose> poses = path(20, 68);
   std::vector<Frame> frames = render_frames(quick_ball(5, 50), noisy(140), poses);
   const std::vector<Frame> others = render_frames(quick_ball(6, 50), noisy(140), poses);
   std::copy(others.begin() + 9, others.end(), frames.begin() + 9);
   MemoryClip clip(frames);
-  const auto rows = track(clip, motion::Estimator::ball);
+  const auto rows = track(clip, Estimator::kBall);
   EXPECT_FALSE(rows[8].motion_ok);
   EXPECT_EQ(rows[8].pose.origin, 0);
   for (std::size_t k = 9; k < rows.size(); ++k) {

@@ -11,8 +11,8 @@ constexpr double kRadiusPx = 115;
 constexpr int kSide = 300, kPairs = 4;
 constexpr double kMiddlePx = 0.5 * kSide;
 
-sim::speckle::Scene noisy(std::uint64_t seed) {
-  sim::speckle::Scene scene;
+SynthScene noisy(std::uint64_t seed) {
+  SynthScene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = 2;
   scene.noise_seed = seed;
@@ -21,7 +21,7 @@ sim::speckle::Scene noisy(std::uint64_t seed) {
 
 // 1,1 px and 3° a frame, and motions up to 3 px and 3° in any direction.
 MotionErrors both_motions(const std::vector<std::string>& patterns, Centres centres) {
-  PairMeasurement measurement(motion::Estimator::ball, kRadiusPx);
+  PairMeasurement measurement(Estimator::kBall, kRadiusPx);
   MotionErrors all;
   for (const std::string& name : patterns) {
     const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball(name, 2);
@@ -38,7 +38,7 @@ MotionErrors both_motions(const std::vector<std::string>& patterns, Centres cent
 }
 
 TEST(MotionAccuracy, BallEstimatorReachesTheBound) {
-  const MotionErrors got = both_motions({"a2", "b3", "c1", "e1", "f2"}, Centres::known);
+  const MotionErrors got = both_motions({"a2", "b3", "c1", "e1", "f2"}, Centres::kKnown);
   EXPECT_EQ(got.failed, 0);
   EXPECT_LE(got.rms_px(), 0.0007);
   EXPECT_LE(got.rotation_deg.rms(), 0.0006);
@@ -48,7 +48,7 @@ TEST(MotionAccuracy, BallEstimatorReachesTheBound) {
 }
 
 TEST(MotionAccuracy, SparseBallsAreMeasuredWhole) {
-  const MotionErrors got = both_motions({"d1", "d2", "d3"}, Centres::measured);
+  const MotionErrors got = both_motions({"d1", "d2", "d3"}, Centres::kMeasured);
   EXPECT_EQ(got.failed, 0);
   EXPECT_LE(got.rms_px(), 0.0015);
   EXPECT_LE(got.rotation_deg.rms(), 0.001);
@@ -57,13 +57,13 @@ TEST(MotionAccuracy, SparseBallsAreMeasuredWhole) {
 
 // Steps that no other pair has told of, about the centre of our own circle.
 TEST(MotionAccuracy, RingFindsAnyTurnUnseeded) {
-  PairMeasurement measurement(motion::Estimator::ring, kRadiusPx);
+  PairMeasurement measurement(Estimator::kRing, kRadiusPx);
   Errors all;
   for (const double turn_deg : {20.0, 90.0, 170.0}) {
     for (const char* name : {"b2", "e1"}) {
       const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball(name, 2);
       const PosePairs truth = fixed_motions(kPairs, 0.37, -0.61, turn_deg, 38, kMiddlePx);
-      const auto got = measurement.measure(ball, noisy(6), truth, Centres::measured,
+      const auto got = measurement.measure(ball, noisy(6), truth, Centres::kMeasured,
                                            motion_bound(ball, noisy(1), 5));
       EXPECT_EQ(got.at_point.failed, 0) << name << turn_deg;
       got.at_point.print(name);

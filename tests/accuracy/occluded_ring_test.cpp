@@ -18,7 +18,7 @@ using testing::pose;
 
 constexpr double kRadius = 100;
 
-double free_of(const sim::speckle::OccludingBar& bar, const circle::Circle& circle) {
+double free_of(const OccludingBar& bar, const Circle& circle) {
   const double angle = bar.angle_deg * kRadPerDeg;
   const double off =
       std::sin(angle) * (bar.x_px - circle.cx_px) + std::cos(angle) * (bar.y_px - circle.cy_px);
@@ -30,29 +30,36 @@ struct Errors {
   double least_px = 1e9, most_px = -1e9;  // of the free part, measured less true
 };
 
-// Six pairs of a ball that turns 4 degrees and sinks behind a bar, with the rings that follow the
-// free part and with those of the whole ball.
-Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
-  constexpr int kPairs = 6;
-  constexpr double kTurnDeg = 4;
-  sim::speckle::Scene scene;
-  scene.width = scene.height = 260;
-  scene.noise_sigma = 1;
-  scene.bar = sim::speckle::bar_hiding(hidden, pose(130, 130, 0), kRadius, bar_angle_deg);
+constexpr int kPairs = 6;
+constexpr double kTurnDeg = 4;
+
+// First and second pose of every pair, by chance.
+std::vector<BallPose> turning_poses() {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> off(-1, 1);
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   for (int k = 0; k < kPairs; ++k) {
     poses.push_back(pose(130 + off(random), 130 + off(random), 180 * off(random)));
     poses.push_back(pose(poses.back().cx_px + off(random), poses.back().cy_px + off(random),
                          poses.back().angle_deg + kTurnDeg));
   }
+  return poses;
+}
+
+// Pairs of a ball that turns and sinks behind a bar, with the rings that follow the
+// free part and with those of the whole ball.
+Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
+  SynthScene scene;
+  scene.width = scene.height = 260;
+  scene.noise_sigma = 1;
+  scene.bar = sim::speckle::bar_hiding(hidden, pose(130, 130, 0), kRadius, bar_angle_deg);
+  const std::vector<BallPose> poses = turning_poses();
   const auto pictures =
       testing::render_frames(sim::speckle::paint_ball("e1", 2, kRadius), scene, poses);
   dic::DeviceFrames frames(testing::shared_engine(), 2 * kPairs);
   Errors errors;
   std::vector<motion::PairMotion> followed(kPairs), whole;
-  std::vector<circle::Circle> circles;
+  std::vector<Circle> circles;
   for (int k = 0; k < 2 * kPairs; ++k) {
     const auto at = static_cast<std::size_t>(k);
     frames.set(k, pictures[at]);
@@ -61,7 +68,7 @@ Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
     prior.radius_px = kRadius;
     prior.radius_sd_px = 0.05;
     const circle::CircleFit fit = circle::measure_circle(pictures[at], prior, {});
-    EXPECT_EQ(fit.status, circle::CircleStatus::ok);
+    EXPECT_EQ(fit.status, circle::CircleStatus::kOk);
     const double off_by = fit.circle.free_px - free_of(*scene.bar, fit.circle);
     errors.least_px = std::min(errors.least_px, off_by);
     errors.most_px = std::max(errors.most_px, off_by);
@@ -78,7 +85,7 @@ Errors turns_behind_a_bar(double hidden, double bar_angle_deg) {
   whole = followed;
   for (motion::PairMotion& pair : whole) pair.first.free_px = pair.second.free_px = 0;
   motion::EstimatorOptions options;
-  options.estimator = motion::Estimator::ring;
+  options.estimator = Estimator::kRing;
   const auto estimator =
       motion::make_motion_estimator(testing::shared_engine(), options, kRadius, frames);
   const auto rms = [&](std::vector<motion::PairMotion>& pairs) {
@@ -113,13 +120,13 @@ TEST(OccludedRing, FollowsTheVisiblePart) {
 TEST(OccludedRing, NothingHiddenChangesNothing) {
   circle::CirclePrior prior;
   prior.predicted = {130, 130, kRadius};
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 260;
   for (const char* pattern : {"a1", "e1"}) {
     const auto pictures = testing::render_frames(sim::speckle::paint_ball(pattern, 2, kRadius),
                                                  scene, {pose(130.3, 129.8, 20)});
     const circle::CircleFit fit = circle::measure_circle(pictures[0], prior, {});
-    ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+    ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
     EXPECT_GT(fit.circle.free_px, 0.98 * fit.circle.r_px) << pattern;
   }
 }

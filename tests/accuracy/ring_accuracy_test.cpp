@@ -20,8 +20,7 @@ using testing::shared_engine;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-RingTask ring_task(const sim::speckle::BallPose& first, const sim::speckle::BallPose& second,
-                   double inner, double outer) {
+RingTask ring_task(const BallPose& first, const BallPose& second, double inner, double outer) {
   RingTask task{};
   task.second = 1;
   task.cx_first = static_cast<float>(first.cx_px);
@@ -45,13 +44,13 @@ TEST_P(Ring, TurnOfAPaintedBall) {
   const auto [name, noise, rotation_deg] = GetParam();
   static const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("e1", 2, 115);
   opencl::Engine& engine = shared_engine();
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 280;
   scene.noise_sigma = noise;
   constexpr int kPairs = 8;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> off(-1, 1);
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   for (int k = 0; k < kPairs; ++k) {
     poses.push_back(pose(140 + off(random), 140 + off(random), 180 * off(random)));
     poses.push_back(pose(poses.back().cx_px + off(random), poses.back().cy_px + off(random),
@@ -72,7 +71,7 @@ TEST_P(Ring, TurnOfAPaintedBall) {
   const auto motions = ring.measure(frames, tasks);
   double squares = 0, normalised = 0;
   for (std::size_t k = 0; k < motions.size(); ++k) {
-    ASSERT_EQ(motions[k].status, dic::WindowStatus::ok);
+    ASSERT_EQ(motions[k].status, WindowStatus::kOk);
     const double error = std::remainder(
         motions[k].rot_rad / kDegree - (poses[2 * k + 1].angle_deg - poses[2 * k].angle_deg), 360);
     squares += error * error / kPairs;
@@ -101,9 +100,9 @@ TEST(RingOnRealPictures, Turned170Degrees) {
     video::open_video({testing::data_path(names[k]).string()})->read(0, frame);
     frames.set(k, frame);
   }
-  const sim::speckle::BallPose middle = pose(256, 256, 0);
+  const BallPose middle = pose(256, 256, 0);
   const auto motions = ring.measure(frames, std::vector{ring_task(middle, middle, 20, 240)});
-  ASSERT_EQ(motions[0].status, dic::WindowStatus::ok);
+  ASSERT_EQ(motions[0].status, WindowStatus::kOk);
   std::printf("real: %.5f deg, sd %.5f, correlation %.4f\n", motions[0].rot_rad / kDegree,
               motions[0].rot_sd_rad / kDegree, motions[0].correlation);
   EXPECT_NEAR(motions[0].rot_rad / kDegree, 170, 0.002);

@@ -156,8 +156,8 @@ TEST(JobFile, EverySettingComesBackToTheLastBit) {
   request.frames = {3, kToTheEnd, 2};
   request.roi = Roi{1, 2, 30, 40};
   request.radius_px = RadiusRange{0.1 + 0.2, 40};
-  request.estimator = Estimator::ring;
-  request.field.method = FieldMethod::zncc;
+  request.estimator = Estimator::kRing;
+  request.field.method = FieldMethod::kZncc;
   request.field.window_px = 17;
   request.field.max_sd_px = 1 / 3.0;
   request.field.min_texture = 2;

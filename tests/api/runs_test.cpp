@@ -34,7 +34,7 @@ class Clip {
     fs::rename(folder_ / "made/video.tif", path());
     ClipInfo deep = open_clip({path().string()})->info();
     deep.bits = 12;
-    const auto sink = video::open_sink(deep_path().string(), video::SinkFormat::tiff, deep);
+    const auto sink = video::open_sink(deep_path().string(), video::SinkFormat::kTiff, deep);
     const auto source = open_clip({path().string()});
     Frame frame;
     for (std::int64_t k = 0; k < source->info().frame_count; ++k) {
@@ -180,7 +180,7 @@ TEST(Runs, SinksSeeEveryRowAndItsField) {
         EXPECT_EQ(frame.picture.width(), 160);
         ++rows;
         for (const WindowResult& window : frame.field.windows()) {
-          if (window.status != WindowStatus::ok) {
+          if (window.status != WindowStatus::kOk) {
             EXPECT_TRUE(std::isnan(window.u_px));
             continue;
           }
@@ -197,7 +197,7 @@ TEST(Runs, SinksSeeEveryRowAndItsField) {
 // The windows that count are those that the clip's own noise lets be measured.
 TEST(Runs, TheNoiseIsTheClipsOwn) {
   TrackRequest request = request_of(clip().path());
-  request.estimator = Estimator::field;
+  request.estimator = Estimator::kField;
   // Between the best windows and the worst.
   const Inspection look = inspect({request.clip, request.field});
   ASSERT_TRUE(look.advice.texture);

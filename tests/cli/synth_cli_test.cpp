@@ -66,7 +66,7 @@ TEST_F(SynthCommand, EveryFormatHoldsTheScenesPicturesAtTheTruthsPoses) {
                     " --velocity-px 0.37,-0.61 --rotation-deg 3 --shading 0.3 --format " +
                         std::string(format.option) + " --bits " + std::to_string(format.bits)),
               0);
-    sim::speckle::Scene scene;
+    SynthScene scene;
     scene.width = 90;
     scene.height = 84;
     scene.noise_sigma = 1.5;

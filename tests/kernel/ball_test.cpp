@@ -28,13 +28,12 @@ class BallKernel : public ::testing::TestWithParam<Case> {};
 TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   const Case param = GetParam();
   opencl::Engine& engine = shared_engine();
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   scene.noise_sigma = 2;
   if (param.bar) scene.bar = sim::speckle::bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
-  sim::speckle::BallPose first = pose(param.x_px, 74.4, 10),
-                         second = pose(param.x_px + 1.37, 73.79, 13);
+  BallPose first = pose(param.x_px, 74.4, 10), second = pose(param.x_px + 1.37, 73.79, 13);
   if (param.affine) second.compression = 0.01;
   const auto pictures =
       testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {first, second});
@@ -63,8 +62,8 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   for (std::size_t k = 0; k < tasks.size(); ++k) {
     const BallMotion want = dic::ball_reference(pictures[0], pictures[1], tasks[k], options);
     const BallMotion& got = motions[k];
-    ASSERT_EQ(want.status, static_cast<idic_int>(dic::WindowStatus::ok));
-    ASSERT_EQ(got.status, static_cast<idic_int>(dic::WindowStatus::ok));
+    ASSERT_EQ(want.status, static_cast<idic_int>(WindowStatus::kOk));
+    ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
     // Single precision and the histogram's median: far below the noise (1e-3 px).
     EXPECT_NEAR(got.dx, want.dx, 1e-4);
     EXPECT_NEAR(got.dy, want.dy, 1e-4);
@@ -89,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // Two halves of a picture that move apart: each mask sees its own.
 TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   const auto pictures =
@@ -111,7 +110,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
     const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
     const BallMotion motion =
         dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
-    ASSERT_EQ(motion.status, static_cast<idic_int>(dic::WindowStatus::ok)) << left;
+    ASSERT_EQ(motion.status, static_cast<idic_int>(WindowStatus::kOk)) << left;
     EXPECT_NEAR(motion.dx, left ? 0.4 : -0.5, 0.01) << left;
     EXPECT_NEAR(motion.dy, left ? -0.3 : 0.6, 0.01) << left;
     EXPECT_NEAR(motion.rot_rad * 180 / M_PI, left ? 2 : -1.5, 0.02) << left;
@@ -125,7 +124,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
 
 TEST(BallKernel, SaysWhyItCannotMeasure) {
   opencl::Engine& engine = shared_engine();
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = kWidth;
   scene.height = kHeight;
   const auto speckled =
@@ -146,10 +145,10 @@ TEST(BallKernel, SaysWhyItCannotMeasure) {
   };
   const auto motions = registration.measure(
       frames, std::vector{task(2, 0, 76), task(0, 1, 76), task(0, 0, -500), task(0, 0, 76)});
-  EXPECT_EQ(motions[0].status, static_cast<idic_int>(dic::WindowStatus::no_texture));
-  EXPECT_NE(motions[1].status, static_cast<idic_int>(dic::WindowStatus::ok));
-  EXPECT_EQ(motions[2].status, static_cast<idic_int>(dic::WindowStatus::out_of_view));
-  EXPECT_EQ(motions[3].status, static_cast<idic_int>(dic::WindowStatus::ok));
+  EXPECT_EQ(motions[0].status, static_cast<idic_int>(WindowStatus::kNoTexture));
+  EXPECT_NE(motions[1].status, static_cast<idic_int>(WindowStatus::kOk));
+  EXPECT_EQ(motions[2].status, static_cast<idic_int>(WindowStatus::kOutOfView));
+  EXPECT_EQ(motions[3].status, static_cast<idic_int>(WindowStatus::kOk));
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(std::isnan(motions[static_cast<std::size_t>(k)].dx));
   EXPECT_NEAR(motions[3].dx, 0, 1e-6);
   EXPECT_THROW(registration.measure(frames, std::vector{task(0, 3, 76)}), InvalidArgument);

@@ -14,10 +14,10 @@ namespace {
 
 // Creeps, then jumps farther than windows look, so that it has to be searched anew.
 std::vector<Frame> jumping_frames() {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 160;
   scene.noise_sigma = 1;
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   for (int k = 0; k < 20; ++k) {
     poses.push_back(pose(70 + 0.37 * k + (k < 13 ? 0 : 17), 74 + 0.11 * k, 0.4 * k));
   }
@@ -30,12 +30,12 @@ struct Row {
   std::string bits;
 };
 
-std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int lanes) {
+std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int workers) {
   pipeline::CorrelateOptions options;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {40, 44, 60, 60};
   options.reference = reference;
-  options.lanes = lanes;
+  options.workers = workers;
   std::vector<Row> rows;
   const auto sink = [&](const pipeline::CorrelatedFrame& frame) {
     EXPECT_EQ(frame.frame, static_cast<std::int64_t>(rows.size()));
@@ -65,17 +65,17 @@ TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
   ASSERT_EQ(ahead.size(), 20u);
   for (std::size_t k = 0; k < plain.size(); ++k) {
     EXPECT_EQ(plain[k].bits, ahead[k].bits) << k;
-    EXPECT_EQ(plain[k].status, TrackStatus::ok) << k;
+    EXPECT_EQ(plain[k].status, TrackStatus::kOk) << k;
     // Of the region's centre, which is not the ball's.
     const double turn = 0.4 * M_PI / 180, from_centre = 73.5 - 74;
-    const double step = GetParam() == ReferenceFrame::first ? k : k == 0 ? 0 : 1;
-    const double jump = GetParam() == ReferenceFrame::first ? k >= 13 : k == 13;
+    const double step = GetParam() == ReferenceFrame::kFirst ? k : k == 0 ? 0 : 1;
+    const double jump = GetParam() == ReferenceFrame::kFirst ? k >= 13 : k == 13;
     EXPECT_NEAR(plain[k].dx_px, 0.37 * step + 17 * jump + from_centre * turn * step, 0.08) << k;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(References, CorrelateClip,
-                         ::testing::Values(ReferenceFrame::first, ReferenceFrame::previous));
+                         ::testing::Values(ReferenceFrame::kFirst, ReferenceFrame::kPrevious));
 
 // A clip whose later frames cannot be read.
 class BrokenClip : public FrameSource {

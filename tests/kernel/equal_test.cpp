@@ -46,7 +46,7 @@ class Equal : public ::testing::TestWithParam<Case> {};
 TEST_P(Equal, VariantsAgreeWithTheReference) {
   const Case& c = GetParam();
   opencl::Engine& engine = shared_engine();
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = c.window_px;
   options.min_correlation = 0.2;
   std::vector<Frame> clip = {field().render(kWidth, kHeight, 0, 0, 0, 0, 0, c.bits, 2, 1),
@@ -89,7 +89,7 @@ TEST_P(Equal, VariantsAgreeWithTheReference) {
       const WindowMotion expected = dic::equal_reference(first.view(), pictures[1].view(),
                                                          windows[i], options, clip[0].full_scale());
       ASSERT_EQ(motions[i].status, expected.status) << i;
-      if (expected.status != static_cast<int>(dic::WindowStatus::ok)) continue;
+      if (expected.status != static_cast<int>(WindowStatus::kOk)) continue;
       ++ok;
       EXPECT_NEAR(motions[i].u, expected.u, 1e-4) << i;
       EXPECT_NEAR(motions[i].v, expected.v, 1e-4) << i;
@@ -99,7 +99,7 @@ TEST_P(Equal, VariantsAgreeWithTheReference) {
     }
     EXPECT_GT(2 * ok, c.count);
     if (c.count > 2) {
-      EXPECT_EQ(motions[1].status, static_cast<int>(dic::WindowStatus::no_texture));
+      EXPECT_EQ(motions[1].status, static_cast<int>(WindowStatus::kNoTexture));
     }
   }
 }
@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Equal,
 // of a GPU's variant need not transform them again; some do not.
 TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
   opencl::Engine& engine = shared_engine();
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 16;
   options.min_correlation = 0.2;
   dic::DeviceFrames frames(engine, 6);
@@ -146,7 +146,7 @@ TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
   int ok = 0;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     ASSERT_EQ(followed[i].status, apart[i].status) << i;
-    if (apart[i].status != static_cast<int>(dic::WindowStatus::ok)) continue;
+    if (apart[i].status != static_cast<int>(WindowStatus::kOk)) continue;
     ++ok;
     EXPECT_NEAR(followed[i].u, apart[i].u, 1e-5) << i;
     EXPECT_NEAR(followed[i].v, apart[i].v, 1e-5) << i;
@@ -158,7 +158,7 @@ TEST(Equal, WindowsOfAClipAreThoseOfItsPairs) {
 // Batches of a stream, two under way at a time, give what their pictures give one after the other.
 TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
   opencl::Engine& engine = shared_engine();
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 16;
   options.min_correlation = 0.2;
   std::vector<Frame> clip;
@@ -177,25 +177,25 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
         .run(frames, opencl::make_buffer<Window>(engine, windows), windows.size(), motions);
     return motions.to_vector(engine);
   };
-  benchmark::EqualStream stream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0},
+  benchmark::EqualStream stream(engine, options, {kWidth, kHeight, PixelType::kU8, 255, 2, 0},
                                 windows, 2);
-  const auto start = [&](int lane, std::size_t first) {
-    const auto bytes = stream.pictures(lane);
+  const auto start = [&](int worker, std::size_t first) {
+    const auto bytes = stream.pictures(worker);
     ASSERT_EQ(bytes.size(), 2 * clip[0].byte_count());
     for (std::size_t k = 0; k < 2; ++k) {
       std::memcpy(bytes.data() + k * clip[0].byte_count(), clip[first + k].bytes(),
                   clip[0].byte_count());
     }
-    stream.start(lane);
+    stream.start(worker);
   };
-  const auto check = [&](int lane, std::size_t first) {
+  const auto check = [&](int worker, std::size_t first) {
     SCOPED_TRACE(first);
     const auto wanted = expected(first);
-    const auto got = stream.wait(lane);
+    const auto got = stream.wait(worker);
     ASSERT_EQ(got.size(), wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       ASSERT_EQ(got[i].status, wanted[i].status) << i;
-      if (wanted[i].status != static_cast<int>(dic::WindowStatus::ok)) continue;
+      if (wanted[i].status != static_cast<int>(WindowStatus::kOk)) continue;
       EXPECT_EQ(got[i].u, wanted[i].u) << i;
       EXPECT_EQ(got[i].v, wanted[i].v) << i;
     }
@@ -209,7 +209,7 @@ TEST(EqualStream, EveryBatchGetsItsOwnPicturesMotions) {
   check(1, 3);
   check(0, 2);
   windows.back().second = 2;
-  EXPECT_THROW(benchmark::EqualStream(engine, options, {kWidth, kHeight, PixelType::u8, 255, 2, 0},
+  EXPECT_THROW(benchmark::EqualStream(engine, options, {kWidth, kHeight, PixelType::kU8, 255, 2, 0},
                                       windows, 1),
                InvalidArgument);
 }
@@ -225,8 +225,8 @@ std::vector<WindowMotion> measure_as_method(dic::Correlator& correlator, const F
 }
 
 TEST(EqualMethod, AgreesWithTheReferenceWindowByWindow) {
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::equal;
+  FieldOptions options;
+  options.method = FieldMethod::kEqual;
   options.window_px = 16;
   options.min_correlation = 0.6;
   Frame first = field().render(kWidth, kHeight, 0, 0, 0, 0, 0, 8, 2, 1);
@@ -252,7 +252,7 @@ TEST(EqualMethod, AgreesWithTheReferenceWindowByWindow) {
   for (std::size_t i = 0; i < got.size(); ++i) {
     ASSERT_EQ(got[i].status, want[i].status) << i;
     statuses.insert(got[i].status);
-    if (got[i].status != static_cast<int>(dic::WindowStatus::ok)) {
+    if (got[i].status != static_cast<int>(WindowStatus::kOk)) {
       EXPECT_TRUE(std::isnan(got[i].u) && std::isnan(got[i].u_sd)) << i;
       continue;
     }
@@ -260,16 +260,16 @@ TEST(EqualMethod, AgreesWithTheReferenceWindowByWindow) {
     EXPECT_NEAR(got[i].v, want[i].v, 1e-4) << i;
     EXPECT_NEAR(got[i].u_sd, want[i].u_sd, 1e-4) << i;
   }
-  for (const auto status : {dic::WindowStatus::ok, dic::WindowStatus::no_texture,
-                            dic::WindowStatus::low_correlation, dic::WindowStatus::out_of_view}) {
-    EXPECT_EQ(statuses.count(static_cast<int>(status)), 1U) << dic::to_string(status);
+  for (const auto status : {WindowStatus::kOk, WindowStatus::kNoTexture,
+                            WindowStatus::kLowCorrelation, WindowStatus::kOutOfView}) {
+    EXPECT_EQ(statuses.count(static_cast<int>(status)), 1U) << to_string(status);
   }
 }
 
 // What leaves a window of its displacement is lost to it: the scatter falls when the guess is near.
 TEST(EqualMethod, ErrsLessTheNearerTheGuess) {
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::equal;
+  FieldOptions options;
+  options.method = FieldMethod::kEqual;
   options.window_px = 32;
   options.min_correlation = 0.3;
   constexpr double kShift = 6.4;
@@ -288,7 +288,7 @@ TEST(EqualMethod, ErrsLessTheNearerTheGuess) {
     double sum = 0, squares = 0;
     int ok = 0;
     for (const WindowMotion& motion : measure_as_method(*correlator, first, second, windows)) {
-      if (motion.status != static_cast<int>(dic::WindowStatus::ok)) continue;
+      if (motion.status != static_cast<int>(WindowStatus::kOk)) continue;
       const double error = motion.u - kShift;
       sum += error;
       squares += error * error;
@@ -306,8 +306,8 @@ TEST(EqualMethod, ErrsLessTheNearerTheGuess) {
 }
 
 TEST(EqualMethod, SaysWhichWindowsThereAreAndThatAPictureIsTooSmall) {
-  dic::FieldOptions options;
-  options.method = dic::parse_field_method("equal");
+  FieldOptions options;
+  options.method = parse_field_method("equal");
   EXPECT_THROW(options.validate(), InvalidArgument);  // 15 px
   options.window_px = 32;
   EXPECT_NO_THROW(options.validate());
@@ -315,12 +315,12 @@ TEST(EqualMethod, SaysWhichWindowsThereAreAndThatAPictureIsTooSmall) {
   const Frame small = field().render(31, 64, 0, 0);
   const auto motions = measure_as_method(*correlator, small, small, {{0, 1, 0, 0, 0, 0, 0}});
   ASSERT_EQ(motions.size(), 1U);
-  EXPECT_EQ(motions[0].status, static_cast<int>(dic::WindowStatus::out_of_view));
+  EXPECT_EQ(motions[0].status, static_cast<int>(WindowStatus::kOutOfView));
 }
 
 TEST(Equal, RefusesOtherSizesAndTooSmallPictures) {
   opencl::Engine& engine = shared_engine();
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = 24;
   const dic::EqualVariant variant = dic::equal_variants(engine.device(), 32).front();
   EXPECT_THROW(dic::EqualOpencl(engine, options, variant), InvalidArgument);

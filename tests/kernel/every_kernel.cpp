@@ -58,8 +58,8 @@ struct Setting {
   }
 };
 
-dic::FieldOptions small_options(dic::FieldMethod method) {
-  dic::FieldOptions options;
+FieldOptions small_options(FieldMethod method) {
+  FieldOptions options;
   options.method = method;
   options.window_px = 9;
   options.search_px = 3;
@@ -70,14 +70,14 @@ dic::FieldOptions small_options(dic::FieldMethod method) {
 
 void run_zncc(const dic::ZnccVariant& variant, int bits) {
   Setting setting(bits);
-  dic::ZnccOpencl zncc(setting.engine, small_options(dic::FieldMethod::zncc), variant);
+  dic::ZnccOpencl zncc(setting.engine, small_options(FieldMethod::kZncc), variant);
   zncc.run(setting.frames, setting.windows, setting.count, setting.motions);
   setting.finish();
 }
 
 void run_equal(const dic::EqualVariant& variant, int window_px = 16) {
   Setting setting(8);
-  dic::FieldOptions options = small_options(dic::FieldMethod::zncc);
+  FieldOptions options = small_options(FieldMethod::kZncc);
   options.window_px = window_px;
   dic::EqualOpencl(setting.engine, options, variant)
       .run(setting.frames, setting.windows, setting.count, setting.motions, 3);
@@ -86,14 +86,14 @@ void run_equal(const dic::EqualVariant& variant, int window_px = 16) {
 
 void run_published() {
   Setting setting(8);
-  dic::PublishedOpencl published(setting.engine, small_options(dic::FieldMethod::published));
+  dic::PublishedOpencl published(setting.engine, small_options(FieldMethod::kPublished));
   published.run(setting.frames, setting.windows, setting.count, setting.motions);
   setting.finish();
 }
 
 void run_icgn() {
   Setting setting(8);
-  const dic::FieldOptions options = small_options(dic::FieldMethod::icgn);
+  const FieldOptions options = small_options(FieldMethod::kIcgn);
   dic::IcgnRefiner refiner(setting.engine, options, 2);
   std::vector<WindowMotion> seeds(setting.count);
   for (WindowMotion& seed : seeds) seed = {1.0F, -1.0F};
@@ -128,11 +128,11 @@ void run_ring() {
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_pairs_scalar",
      [] {
-       run_zncc({dic::ZnccPath::pairs, 16, 1, 16, true, false, 0}, 8);
+       run_zncc({dic::ZnccPath::kPairs, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_pairs_vector",
      [] {
-       run_zncc({dic::ZnccPath::pairs, 16, 4, 1}, 12);
+       run_zncc({dic::ZnccPath::kPairs, 16, 4, 1}, 12);
      }},
     {"equal_scalar",
      [] {
@@ -148,23 +148,23 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"zncc_bytes",
      [] {
-       run_zncc({dic::ZnccPath::bytes, 16, 1, 32, true}, 8);
+       run_zncc({dic::ZnccPath::kBytes, 16, 1, 32, true}, 8);
      }},
     {"zncc_scalar",
      [] {
-       run_zncc({dic::ZnccPath::single, 16, 1, 16, true, false, 0}, 8);
+       run_zncc({dic::ZnccPath::kSingle, 16, 1, 16, true, false, 0}, 8);
      }},
     {"zncc_vector",
      [] {
-       run_zncc({dic::ZnccPath::single, 16, 4, 1}, 12);
+       run_zncc({dic::ZnccPath::kSingle, 16, 4, 1}, 12);
      }},
     {"zncc_vector_lanes",
      [] {
-       run_zncc({dic::ZnccPath::single, 16, 4, 2}, 8);
+       run_zncc({dic::ZnccPath::kSingle, 16, 4, 2}, 8);
      }},
     {"zncc_clfft",
      [] {
-       run_zncc({dic::ZnccPath::clfft, 15, 1, 1}, 8);
+       run_zncc({dic::ZnccPath::kClfft, 15, 1, 1}, 8);
      }},
     {"published", run_published},
     {"icgn", run_icgn},

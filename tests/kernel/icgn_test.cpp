@@ -101,7 +101,7 @@ class Icgn : public ::testing::TestWithParam<IcgnCase> {
  protected:
   static constexpr int kSize = 160;
   static std::vector<Frame> ball_frames(double rotation_deg, double noise) {
-    sim::speckle::Scene scene;
+    SynthScene scene;
     scene.width = kSize;
     scene.height = kSize - 3;
     scene.noise_sigma = noise;
@@ -122,10 +122,22 @@ WindowMotion seed_for(const Window& window, int side, double rotation_deg, std::
   return seed;
 }
 
+// Single precision and the convergence limit against double precision.
+void expect_near(const WindowMotion& result, const WindowMotion& expected, std::size_t k) {
+  EXPECT_NEAR(result.u, expected.u, std::max(1e-4, 0.03 * expected.u_sd)) << k;
+  EXPECT_NEAR(result.v, expected.v, std::max(1e-4, 0.03 * expected.v_sd)) << k;
+  EXPECT_NEAR(result.ux, expected.ux, 2e-4) << k;
+  EXPECT_NEAR(result.vx, expected.vx, 2e-4) << k;
+  // The kernel's is the one before its last small step.
+  EXPECT_NEAR(result.correlation, expected.correlation, 3e-4) << k;
+  EXPECT_NEAR(result.u_sd, expected.u_sd, 0.02 * expected.u_sd) << k;
+  EXPECT_NEAR(result.v_sd, expected.v_sd, 0.02 * expected.v_sd) << k;
+}
+
 TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
   const IcgnCase param = GetParam();
   opencl::Engine& engine = shared_engine();
-  dic::FieldOptions options;
+  FieldOptions options;
   options.window_px = param.window_px;
   options.spline_degree = param.degree;
   const auto pictures = ball_frames(param.rotation_deg, 2);
@@ -146,7 +158,7 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
     window.guess_rot_rad = static_cast<float>(param.guess_deg * M_PI / 180);
     seeds.push_back(seed_for(window, param.window_px, param.rotation_deg, random));
   }
-  seeds[1].status = static_cast<idic_int>(dic::WindowStatus::at_search_edge);
+  seeds[1].status = static_cast<idic_int>(WindowStatus::kAtSearchEdge);
   for (const bool masked : {false, true}) {
     if (masked) {
       refiner.set_disc(0, 79.3, 78.4, 66);
@@ -163,24 +175,16 @@ TEST_P(Icgn, KernelGivesWhatTheReferenceGives) {
       const WindowMotion expected = reference.refine(windows[k], seeds[k]);
       // Without texture chance decides why a window fails; a window on the edge of a criterion
       // may fail in one of the two.
-      const auto ok = static_cast<idic_int>(dic::WindowStatus::ok);
+      const auto ok = static_cast<idic_int>(WindowStatus::kOk);
       differing += (result[k].status == ok) != (expected.status == ok);
       if (result[k].status != ok || expected.status != ok) continue;
       ++measured;
-      // Single precision and the convergence limit against double precision.
-      EXPECT_NEAR(result[k].u, expected.u, std::max(1e-4, 0.03 * expected.u_sd)) << k;
-      EXPECT_NEAR(result[k].v, expected.v, std::max(1e-4, 0.03 * expected.v_sd)) << k;
-      EXPECT_NEAR(result[k].ux, expected.ux, 2e-4) << k;
-      EXPECT_NEAR(result[k].vx, expected.vx, 2e-4) << k;
-      // The kernel's is the one before its last small step.
-      EXPECT_NEAR(result[k].correlation, expected.correlation, 3e-4);
-      EXPECT_NEAR(result[k].u_sd, expected.u_sd, 0.02 * expected.u_sd);
-      EXPECT_NEAR(result[k].v_sd, expected.v_sd, 0.02 * expected.v_sd);
+      expect_near(result[k], expected, k);
       EXPECT_EQ(result[k].peak_ratio, 3.0f);
     }
     EXPECT_GT(measured, param.window_px < 60 ? 20 : 1);
     EXPECT_LE(differing, static_cast<int>(windows.size()) / 100);
-    EXPECT_EQ(result[1].status, static_cast<idic_int>(dic::WindowStatus::at_search_edge));
+    EXPECT_EQ(result[1].status, static_cast<idic_int>(WindowStatus::kAtSearchEdge));
     for (std::size_t k = windows.size(); k < result.size(); ++k) {
       EXPECT_EQ(result[k].u, seeds[0].u);  // beyond `count` nothing is touched
     }
@@ -198,13 +202,13 @@ INSTANTIATE_TEST_SUITE_P(Cases, Icgn,
 // A ball that turned by 6° in one frame, its windows knowing nothing of it, those that the rim cuts
 // included: every one is found, where the reference finds it.
 TEST(IcgnCorrelator, FindsEveryWindowOfABallTheCutOnesToo) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 160;
   scene.noise_sigma = 2;
   const double turn = 6 * M_PI / 180;
   const auto pictures = testing::render_frames(testing::quick_ball(5, 70), scene,
                                                {pose(79.3, 78.4, 0), pose(80.67, 77.79, 6)});
-  dic::FieldOptions options;
+  FieldOptions options;
   auto windows = dic::disc_grid(79.3, 78.4, 67, options.window_px, 11, 0.55);
   for (Window& window : windows) window.second = 1;
   const auto device = dic::make_opencl_correlator(shared_engine(), options, 2);
@@ -218,8 +222,8 @@ TEST(IcgnCorrelator, FindsEveryWindowOfABallTheCutOnesToo) {
   for (std::size_t k = 0; k < windows.size(); ++k) {
     const double x = windows[k].x0 + 7 - 79.3, y = windows[k].y0 + 7 - 78.4;
     cut += std::hypot(std::abs(x) + 7, std::abs(y) + 7) > 67;
-    ASSERT_EQ(result[k].status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
-    ASSERT_EQ(expected[k].status, static_cast<idic_int>(dic::WindowStatus::ok)) << k;
+    ASSERT_EQ(result[k].status, static_cast<idic_int>(WindowStatus::kOk)) << k;
+    ASSERT_EQ(expected[k].status, static_cast<idic_int>(WindowStatus::kOk)) << k;
     EXPECT_NEAR(result[k].u, expected[k].u, std::max(2e-4, 0.05 * expected[k].u_sd)) << k;
     EXPECT_NEAR(result[k].v, expected[k].v, std::max(2e-4, 0.05 * expected[k].v_sd)) << k;
     // Five standard deviations of the truth.

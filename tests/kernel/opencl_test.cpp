@@ -178,11 +178,11 @@ TEST_F(EngineCache, CompiledProgramsComeBackInANewEngine) {
 TEST_F(EngineCache, OfADriverThatKeepsProgramsThereIsANote) {
   Compiling first, second;
   const auto compiles = engine(false, &first);
-  const auto lane = compiles->beside();
+  const auto other = compiles->beside();
   const cl::Kernel kernel = compiles->kernel("frames/unpack.cl", "unpack");
-  const cl::Kernel of_lane = lane->kernel("frames/unpack.cl", "unpack");
+  const cl::Kernel of_other = other->kernel("frames/unpack.cl", "unpack");
   EXPECT_EQ(first.wait_for(1), std::vector<std::string>{"0 of 1 frames/unpack.cl:unpack"});
-  run_unpack(*lane, of_lane);
+  run_unpack(*other, of_other);
   run_unpack(*compiles, kernel);
   EXPECT_EQ(first.wait_for(2), (std::vector<std::string>{"0 of 1 frames/unpack.cl:unpack",
                                                          "1 of 1 frames/unpack.cl:unpack"}));

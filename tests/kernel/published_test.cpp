@@ -14,9 +14,9 @@ namespace {
 
 using testing::shared_engine;
 
-dic::FieldOptions published_options(int window_px, int points) {
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::published;
+FieldOptions published_options(int window_px, int points) {
+  FieldOptions options;
+  options.method = FieldMethod::kPublished;
   options.window_px = window_px;
   options.interp_points = points;
   return options;
@@ -52,7 +52,7 @@ class Published : public ::testing::TestWithParam<int> {};
 // Every window, every number of points between pixels: the same lag.
 TEST_P(Published, KernelFindsTheLagOfTheLiteralMethod) {
   const int points = GetParam();
-  const dic::FieldOptions options = published_options(15, points);
+  const FieldOptions options = published_options(15, points);
   const std::vector<Frame> clip = {field().render(141, 123, 0, 0, 0, 0, 0, 8, 2, 1),
                                    field().render(141, 123, 1.37, -0.61, 0, 0, 0, 8, 2, 2)};
   std::vector<Window> windows = dic::rectangle_grid(2, 3, 136, 118, 15, points < 6 ? 11 : 23);
@@ -61,8 +61,8 @@ TEST_P(Published, KernelFindsTheLagOfTheLiteralMethod) {
   const auto reference = run(*dic::make_reference_correlator(options, 2), clip, windows);
   const auto device = run(*dic::make_opencl_correlator(shared_engine(), options, 2), clip, windows);
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    ASSERT_EQ(device[i].status, static_cast<int>(dic::WindowStatus::ok)) << i;
-    ASSERT_EQ(reference[i].status, static_cast<int>(dic::WindowStatus::ok)) << i;
+    ASSERT_EQ(device[i].status, static_cast<int>(WindowStatus::kOk)) << i;
+    ASSERT_EQ(reference[i].status, static_cast<int>(WindowStatus::kOk)) << i;
     // Lags are multiples of 1/(points + 1) ≥ 0.1 px; what differs by less is the same lag.
     EXPECT_NEAR(device[i].u, reference[i].u, 1e-5) << i;
     EXPECT_NEAR(device[i].v, reference[i].v, 1e-5) << i;
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Points, Published, ::testing::Range(0, 10));
 
 TEST(Published, StatusesAndOtherSizes) {
   for (const int window : {8, 33}) {
-    const dic::FieldOptions options = published_options(window, 2);
+    const FieldOptions options = published_options(window, 2);
     std::vector<Frame> clip = {field().render(141, 123, 0, 0, 0, 0, 0, 12),
                                field().render(141, 123, 0.4, 0.4, 0, 0, 0, 12)};
     for (int y = 0; y < 40; ++y) {
@@ -87,12 +87,12 @@ TEST(Published, StatusesAndOtherSizes) {
     const auto reference = run(*dic::make_reference_correlator(options, 2), clip, windows);
     const auto device =
         run(*dic::make_opencl_correlator(shared_engine(), options, 2), clip, windows);
-    using enum dic::WindowStatus;
-    const dic::WindowStatus expected[] = {ok, no_texture, out_of_view, out_of_view, ok, ok};
+    using enum WindowStatus;
+    const WindowStatus expected[] = {kOk, kNoTexture, kOutOfView, kOutOfView, kOk, kOk};
     for (std::size_t i = 0; i < windows.size(); ++i) {
       EXPECT_EQ(device[i].status, static_cast<int>(expected[i])) << window << " " << i;
       EXPECT_EQ(reference[i].status, static_cast<int>(expected[i])) << window << " " << i;
-      if (expected[i] != ok) {
+      if (expected[i] != kOk) {
         EXPECT_TRUE(std::isnan(device[i].u) && std::isnan(reference[i].u));
         continue;
       }

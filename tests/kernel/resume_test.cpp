@@ -17,7 +17,7 @@ namespace {
 
 // The ball is lost for two frames, its ink changes, and it is hit on the way.
 MemoryClip eventful_clip() {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 128;
   scene.noise_sigma = 2;
   sim::speckle::SpeckleBall ball = quick_ball(3, 40);
@@ -64,7 +64,7 @@ std::string bits(const pipeline::TrackedFrame& frame) {
   return text;
 }
 
-Outcome run(FrameSource& clip, motion::Estimator estimator, int batch,
+Outcome run(FrameSource& clip, Estimator estimator, int batch,
             const std::optional<pipeline::ResumePoint>& from) {
   pipeline::TrackOptions options;
   options.estimator.estimator = estimator;
@@ -86,7 +86,7 @@ Outcome run(FrameSource& clip, motion::Estimator estimator, int batch,
   return outcome;
 }
 
-class Resume : public ::testing::TestWithParam<std::tuple<motion::Estimator, int>> {};
+class Resume : public ::testing::TestWithParam<std::tuple<Estimator, int>> {};
 
 TEST_P(Resume, GoesOnToTheSameBits) {
   const auto [estimator, batch] = GetParam();
@@ -110,8 +110,7 @@ TEST_P(Resume, GoesOnToTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Batches, Resume,
-                         ::testing::Combine(::testing::Values(motion::Estimator::field,
-                                                              motion::Estimator::ball),
+                         ::testing::Combine(::testing::Values(Estimator::kField, Estimator::kBall),
                                             ::testing::Values(5, 16)));
 
 TEST(ResumeFile, KeepsEveryFigureOfACircle) {
@@ -128,7 +127,7 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   };
   for (double* figure : figures(fit)) *figure = value *= 1.7;
   fit.circle.free_px = std::numeric_limits<double>::infinity();
-  fit.status = circle::CircleStatus::out_of_view;
+  fit.status = circle::CircleStatus::kOutOfView;
   fit.ellipse = fit.inked = true;
   fit.bright = false;
   fit.rim_points = 123;
@@ -155,7 +154,7 @@ TEST(ResumeFile, APointBeyondTheClipIsRefused) {
   MemoryClip clip = eventful_clip();
   pipeline::ResumePoint point;
   point.next_row = 43;
-  EXPECT_THROW(run(clip, motion::Estimator::field, 8, point), InvalidArgument);
+  EXPECT_THROW(run(clip, Estimator::kField, 8, point), InvalidArgument);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using testing::shared_engine;
 
 TEST(RingKernel, GivesWhatTheReferenceGives) {
   opencl::Engine& engine = shared_engine();
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = 160;
   scene.height = 151;
   scene.noise_sigma = 2;
@@ -46,17 +46,17 @@ TEST(RingKernel, GivesWhatTheReferenceGives) {
     const dic::RingMotion expected = dic::ring_reference(pictures[0], pictures[1], task, options);
     const dic::RingMotion expected_other =
         dic::ring_reference(pictures[1], pictures[2], other, options);
-    ASSERT_EQ(expected.status, dic::WindowStatus::ok);
+    ASSERT_EQ(expected.status, WindowStatus::kOk);
     for (std::size_t k = 0; k < 18; ++k) {
       const dic::RingMotion& want = k < 17 ? expected : expected_other;
-      ASSERT_EQ(motions[k].status, dic::WindowStatus::ok);
+      ASSERT_EQ(motions[k].status, WindowStatus::kOk);
       // 1e-4 px at the rim.
       EXPECT_NEAR(motions[k].rot_rad, want.rot_rad, 1e-4 / 60);
       EXPECT_NEAR(motions[k].correlation, want.correlation, 1e-5);
       EXPECT_NEAR(motions[k].rot_sd_rad, want.rot_sd_rad, 1e-3 * want.rot_sd_rad);
       EXPECT_NEAR(motions[k].peak_ratio, want.peak_ratio, 1e-3);
     }
-    EXPECT_EQ(motions[18].status, dic::WindowStatus::out_of_view);
+    EXPECT_EQ(motions[18].status, WindowStatus::kOutOfView);
     EXPECT_TRUE(std::isnan(motions[18].rot_rad));
   }
 }
@@ -74,7 +74,7 @@ TEST(RingKernel, RefusesImpossibleTasks) {
                InvalidArgument);
   // A flat picture has no angle.
   const auto motions = ring.measure(frames, std::vector{RingTask{0, 0, 32, 32, 32, 32, 5, 20}});
-  EXPECT_NE(motions[0].status, dic::WindowStatus::ok);
+  EXPECT_NE(motions[0].status, WindowStatus::kOk);
   dic::RingOptions options;
   options.angles = 17 * 61;
   EXPECT_THROW(dic::RingRotation(engine, options), InvalidArgument);

@@ -10,8 +10,8 @@ namespace impactdic {
 namespace {
 
 TEST(Tune, TakesTheQuickestOfTheRightVariants) {
-  dic::FieldOptions field;
-  field.method = dic::FieldMethod::zncc;
+  FieldOptions field;
+  field.method = FieldMethod::kZncc;
   field.window_px = 9;
   field.search_px = 3;
   benchmark::TuneOptions options;

@@ -11,9 +11,9 @@
 namespace impactdic {
 namespace {
 
-dic::FieldOptions small_windows() {
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::zncc;
+FieldOptions small_windows() {
+  FieldOptions options;
+  options.method = FieldMethod::kZncc;
   return options;
 }
 
@@ -36,7 +36,7 @@ TEST_F(Tuning, TheStoredVariantIsTaken) {
   dic::store_tuning(engine_, {{"equal 32", "another", 1, 0}, {work, variants[2].name(), 1, 0}});
   EXPECT_EQ(dic::choose_zncc_variant(engine_, small_windows()).name(), variants[2].name());
   // Another size has its own row; what the device does not offer is not taken.
-  dic::FieldOptions large = small_windows();
+  FieldOptions large = small_windows();
   large.window_px = 31;
   large.search_px = 16;
   EXPECT_EQ(dic::choose_zncc_variant(engine_, large).name(),
@@ -74,7 +74,7 @@ TEST_F(Tuning, MatrixUnitsAreOfferedWhereThereAreSome) {
   device.vendor = "NVIDIA Corporation";
   device.local_memory_bytes = 48 << 10;
   device.max_work_group = 1024;
-  dic::FieldOptions options = small_windows();
+  FieldOptions options = small_windows();
   options.window_px = 31;
   options.search_px = 16;
   for (const bool has_some : {false, true}) {
@@ -98,14 +98,14 @@ TEST_F(Tuning, SmallDevicesAreOfferedWhatFits) {
     device.local_memory_bytes = 32 << 10;
     device.max_work_group = 128;
     for (const int window_px : {7, 15, 31, 63}) {
-      dic::FieldOptions options = small_windows();
+      FieldOptions options = small_windows();
       options.window_px = window_px;
       const auto variants = dic::zncc_variants(device, options);
       ASSERT_FALSE(variants.empty());
-      EXPECT_EQ(variants.back().path, dic::ZnccPath::clfft);
+      EXPECT_EQ(variants.back().path, dic::ZnccPath::kClfft);
       EXPECT_EQ(variants.size() > 1, window_px <= 15) << window_px;
       for (const dic::ZnccVariant& variant : variants) {
-        if (variant.path == dic::ZnccPath::clfft) continue;
+        if (variant.path == dic::ZnccPath::kClfft) continue;
         EXPECT_LE(variant.local_bytes(options), device.local_memory_bytes) << variant.name();
         EXPECT_LE(variant.lanes, 128) << variant.name();
       }

@@ -28,9 +28,9 @@ const sim::speckle::SpeckleField& field() {
   return surface;
 }
 
-dic::FieldOptions zncc_options() {
-  dic::FieldOptions options;
-  options.method = dic::FieldMethod::zncc;
+FieldOptions zncc_options() {
+  FieldOptions options;
+  options.method = FieldMethod::kZncc;
   return options;
 }
 
@@ -53,7 +53,7 @@ void expect_same(const WindowMotion& device, const WindowMotion& reference, std:
   same(device.ux, reference.ux, 0, "ux");
 }
 
-std::vector<WindowMotion> measure(const dic::FieldOptions& options, const dic::ZnccVariant& variant,
+std::vector<WindowMotion> measure(const FieldOptions& options, const dic::ZnccVariant& variant,
                                   const std::vector<Frame>& clip,
                                   const std::vector<Window>& windows) {
   opencl::Engine& engine = shared_engine();
@@ -77,7 +77,7 @@ std::vector<WindowMotion> measure(const dic::FieldOptions& options, const dic::Z
   return motions;
 }
 
-std::vector<WindowMotion> expected(const dic::FieldOptions& options, const std::vector<Frame>& clip,
+std::vector<WindowMotion> expected(const FieldOptions& options, const std::vector<Frame>& clip,
                                    const std::vector<Window>& windows) {
   const auto reference = dic::make_reference_correlator(options, static_cast<int>(clip.size()));
   for (std::size_t i = 0; i < clip.size(); ++i) {
@@ -102,13 +102,13 @@ struct Case {
   bool every_variant;  // compiling them takes its time: otherwise the default and clFFT
 };
 
-std::vector<dic::ZnccVariant> variants_of(const dic::FieldOptions& options, bool every) {
+std::vector<dic::ZnccVariant> variants_of(const FieldOptions& options, bool every) {
   auto variants = dic::zncc_variants(shared_engine().device(), options);
   if (!every && variants.size() > 2) variants.erase(variants.begin() + 1, variants.end() - 1);
   // Without matrix units: the same kernel but for how it multiplies.
   const int side = options.window_px + 2 * options.search_px;
   if (options.window_px <= 31 && options.search_px <= 16) {
-    variants.push_back({dic::ZnccPath::bytes, side <= 32 ? 32 : 64, 1, 32, true});
+    variants.push_back({dic::ZnccPath::kBytes, side <= 32 ? 32 : 64, 1, 32, true});
   }
   // On a CPU one width of vectors, and the variants as a GPU runs them: each takes seconds to
   // compile.
@@ -116,8 +116,8 @@ std::vector<dic::ZnccVariant> variants_of(const dic::FieldOptions& options, bool
     std::erase_if(variants,
                   [](const auto& variant) { return variant.vector == 4 || variant.vector == 16; });
     const int size = side <= 16 ? 16 : 64;
-    variants.push_back({dic::ZnccPath::single, size, 1, size, true, false, 0});
-    if (size == 16) variants.push_back({dic::ZnccPath::pairs, size, 1, size, true, false, 0});
+    variants.push_back({dic::ZnccPath::kSingle, size, 1, size, true, false, 0});
+    if (size == 16) variants.push_back({dic::ZnccPath::kPairs, size, 1, size, true, false, 0});
   }
   return variants;
 }
@@ -126,7 +126,7 @@ class Zncc : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Zncc, VariantsAgreeWithTheReference) {
   const Case& c = GetParam();
-  dic::FieldOptions options = zncc_options();
+  FieldOptions options = zncc_options();
   options.window_px = c.window_px;
   options.search_px = c.search_px;
   constexpr int kWidth = 141, kHeight = 123;
@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, Zncc,
                                            Case{33, 20, 9, 16, false}, Case{5, 1, 129, 8, false}));
 
 TEST(Zncc, GivesEachStatusItsReason) {
-  dic::FieldOptions options = zncc_options();
+  FieldOptions options = zncc_options();
   constexpr int kWidth = 141, kHeight = 123;
   std::vector<Frame> clip = {
       field().render(kWidth, kHeight, 0, 0),
@@ -169,19 +169,14 @@ TEST(Zncc, GivesEachStatusItsReason) {
       {0, 3, 60, 60, 2147483647, -2147483647 - 1, 0},
       {0, 3, kWidth - 17, 60, 0, 0, 0},  // part of the search area is outside: the rest serves
   };
-  const std::vector<dic::WindowStatus> reasons = {dic::WindowStatus::ok,
-                                                  dic::WindowStatus::no_texture,
-                                                  dic::WindowStatus::low_correlation,
-                                                  dic::WindowStatus::at_search_edge,
-                                                  dic::WindowStatus::out_of_view,
-                                                  dic::WindowStatus::out_of_view,
-                                                  dic::WindowStatus::out_of_view,
-                                                  dic::WindowStatus::out_of_view,
-                                                  dic::WindowStatus::at_search_edge};
+  const std::vector<WindowStatus> reasons = {
+      WindowStatus::kOk,           WindowStatus::kNoTexture, WindowStatus::kLowCorrelation,
+      WindowStatus::kAtSearchEdge, WindowStatus::kOutOfView, WindowStatus::kOutOfView,
+      WindowStatus::kOutOfView,    WindowStatus::kOutOfView, WindowStatus::kAtSearchEdge};
   // Between two surfaces the highest peak may also lie at the edge; take a window where it does
   // not.
   const auto is_low = [](const WindowMotion& motion) {
-    return motion.status == static_cast<int>(dic::WindowStatus::low_correlation);
+    return motion.status == static_cast<int>(WindowStatus::kLowCorrelation);
   };
   auto reference = expected(options, clip, windows);
   while (!is_low(reference[2]) && windows[2].x0 < 100) {
@@ -193,7 +188,7 @@ TEST(Zncc, GivesEachStatusItsReason) {
     const auto device = measure(options, variant, clip, windows);
     for (std::size_t i = 0; i < windows.size(); ++i) expect_same(device[i], reference[i], i);
     for (std::size_t i = 0; i + 1 < windows.size(); ++i) {
-      EXPECT_EQ(static_cast<dic::WindowStatus>(device[i].status), reasons[i]) << i;
+      EXPECT_EQ(static_cast<WindowStatus>(device[i].status), reasons[i]) << i;
     }
   }
 }
@@ -201,7 +196,7 @@ TEST(Zncc, GivesEachStatusItsReason) {
 // Black pixels and pixels clipped at white are measured like any other. The spline through the map
 // errs by up to 0.06 px on such hard edges; a lost window would err by whole ones.
 TEST(Zncc, TrueZerosAreIntensities) {
-  dic::FieldOptions options = zncc_options();
+  FieldOptions options = zncc_options();
   std::vector<Frame> clip = {field().render(141, 123, 0, 0), field().render(141, 123, 3, -2)};
   for (Frame& frame : clip) {
     for (std::size_t i = 0; i < frame.u8.size(); ++i) {
@@ -217,7 +212,7 @@ TEST(Zncc, TrueZerosAreIntensities) {
         return both;
       }());
   for (const WindowMotion& motion : device) {
-    ASSERT_EQ(motion.status, static_cast<int>(dic::WindowStatus::ok));
+    ASSERT_EQ(motion.status, static_cast<int>(WindowStatus::kOk));
     EXPECT_NEAR(motion.u, 3, 0.1);
     EXPECT_NEAR(motion.v, -2, 0.1);
   }
@@ -225,7 +220,7 @@ TEST(Zncc, TrueZerosAreIntensities) {
 
 // A turn that leaves nothing to correlate is found once it is guessed.
 TEST(Zncc, GuessedRotationIsTakenOutOfTheTemplate) {
-  dic::FieldOptions options = zncc_options();
+  FieldOptions options = zncc_options();
   constexpr double kTurn = 0.6;
   const std::vector<Frame> clip = {field().render(141, 123, 0, 0),
                                    field().render(141, 123, 1.3, -0.8, kTurn, 67, 57)};
@@ -236,13 +231,13 @@ TEST(Zncc, GuessedRotationIsTakenOutOfTheTemplate) {
     SCOPED_TRACE(variant.name());
     const auto device = measure(options, variant, clip, windows);
     for (std::size_t i = 0; i < windows.size(); ++i) expect_same(device[i], reference[i], i);
-    ASSERT_EQ(device[0].status, static_cast<int>(dic::WindowStatus::ok));
+    ASSERT_EQ(device[0].status, static_cast<int>(WindowStatus::kOk));
     // The interpolated template errs by some hundredths of a pixel.
     EXPECT_NEAR(device[0].u, 1.3, 0.05);
     EXPECT_NEAR(device[0].v, -0.8, 0.05);
   }
   windows[0].guess_rot_rad = 0;
-  EXPECT_NE(expected(options, clip, windows)[0].status, static_cast<int>(dic::WindowStatus::ok));
+  EXPECT_NE(expected(options, clip, windows)[0].status, static_cast<int>(WindowStatus::kOk));
 }
 
 TEST(Correlator, RefusesWindowsWithoutFramesAndOddFrames) {
@@ -256,7 +251,7 @@ TEST(Correlator, RefusesWindowsWithoutFramesAndOddFrames) {
     EXPECT_THROW(correlator->set_frame(2, field().render(64, 64, 0, 0)), InvalidArgument);
     EXPECT_THROW(correlator->set_frame(1, field().render(65, 64, 0, 0)), InvalidArgument);
     correlator->set_frame(1, field().render(64, 64, 0.5, 0));
-    EXPECT_EQ(correlator->correlate(windows)[0].status, static_cast<int>(dic::WindowStatus::ok));
+    EXPECT_EQ(correlator->correlate(windows)[0].status, static_cast<int>(WindowStatus::kOk));
     EXPECT_TRUE(correlator->correlate({}).empty());
   }
 }

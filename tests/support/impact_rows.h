@@ -86,7 +86,7 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
     const PlaneState& here = impact.trajectory[i].state;
     row.frame = static_cast<std::int64_t>(i);
     row.time_s = static_cast<double>(i) / f.fps;
-    row.status = TrackStatus::ok;
+    row.status = TrackStatus::kOk;
     row.circle_ok = true;
     row.cx_px = 256 + x_px(here) + f.position_noise_px * noise(random);
     row.cy_px = 300 + y_px(here) + f.position_noise_px * noise(random);

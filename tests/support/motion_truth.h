@@ -82,12 +82,12 @@ struct MotionErrors {
 struct MotionBound {
   double x_px = 0, y_px = 0, rotation_deg = 0;
 };
-inline MotionBound motion_bound(const sim::speckle::SpeckleBall& ball,
-                                const sim::speckle::Scene& scene, double margin_px) {
+inline MotionBound motion_bound(const sim::speckle::SpeckleBall& ball, const SynthScene& scene,
+                                double margin_px) {
   const sim::speckle::BallRenderer renderer(ball, scene);
-  const sim::speckle::BallPose at{0.5 * scene.width, 0.5 * scene.height, 0};
+  const BallPose at{0.5 * scene.width, 0.5 * scene.height, 0};
   const auto slope = [&](double dx, double dy, double turn_deg) {
-    sim::speckle::BallPose more = at, less = at;
+    BallPose more = at, less = at;
     more.cx_px += dx;
     less.cx_px -= dx;
     more.cy_px += dy;
@@ -119,14 +119,14 @@ inline MotionBound motion_bound(const sim::speckle::SpeckleBall& ball,
 
 // Where the estimator is told that the ball is.
 enum class Centres {
-  known,     // the truth
-  measured,  // by our own circle, each frame by itself with the radius known to 0.01 px
+  kKnown,     // the truth
+  kMeasured,  // by our own circle, each frame by itself with the radius known to 0.01 px
 };
 
 // Pose 2k is the first frame of pair k, 2k + 1 the second.
 struct PosePairs {
-  std::vector<sim::speckle::BallPose> poses;
-  void add(const sim::speckle::BallPose& first, const sim::speckle::BallPose& second) {
+  std::vector<BallPose> poses;
+  void add(const BallPose& first, const BallPose& second) {
     poses.push_back(first);
     poses.push_back(second);
   }
@@ -140,11 +140,11 @@ inline PosePairs fixed_motions(int count, double dx, double dy, double rotation_
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> off(-1, 1);
   for (int k = 0; k < count; ++k) {
-    sim::speckle::BallPose first;
+    BallPose first;
     first.cx_px = middle_px + off(random);
     first.cy_px = middle_px + off(random);
     first.angle_deg = 180 * off(random);
-    sim::speckle::BallPose second = first;
+    BallPose second = first;
     second.cx_px += dx;
     second.cy_px += dy;
     second.angle_deg += rotation_deg;
@@ -159,7 +159,7 @@ inline PosePairs random_motions(int count, unsigned seed, double middle_px) {
   std::mt19937 random(seed + 1000);
   std::uniform_real_distribution<double> off(-3, 3);
   for (std::size_t k = 0; k < pairs.count(); ++k) {
-    sim::speckle::BallPose& second = pairs.poses[2 * k + 1];
+    BallPose& second = pairs.poses[2 * k + 1];
     second.cx_px += off(random);
     second.cy_px += off(random);
     second.angle_deg += off(random);
@@ -176,14 +176,14 @@ struct MeasuredPairs {
 // Measures pairs of pictures with one estimator of `track`, kept from call to call.
 class PairMeasurement {
  public:
-  PairMeasurement(motion::Estimator estimator, double radius_px)
+  PairMeasurement(Estimator estimator, double radius_px)
       : radius_px_(radius_px), frames_(shared_engine(), kSlots) {
     motion::EstimatorOptions options;
     options.estimator = estimator;
     estimator_ = motion::make_motion_estimator(shared_engine(), options, radius_px, frames_);
   }
 
-  MeasuredPairs measure(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
+  MeasuredPairs measure(const sim::speckle::SpeckleBall& ball, const SynthScene& scene,
                         const PosePairs& truth, Centres centres, const MotionBound& bound) {
     const sim::speckle::BallRenderer renderer(ball, scene);
     MeasuredPairs out;
@@ -211,9 +211,8 @@ class PairMeasurement {
  private:
   static constexpr int kSlots = 16;
 
-  circle::Circle circle(const Frame& frame, const sim::speckle::BallPose& pose,
-                        Centres centres) const {
-    if (centres == Centres::known) return {pose.cx_px, pose.cy_px, radius_px_};
+  Circle circle(const Frame& frame, const BallPose& pose, Centres centres) const {
+    if (centres == Centres::kKnown) return {pose.cx_px, pose.cy_px, radius_px_};
     circle::CirclePrior prior;
     prior.predicted = {pose.cx_px + 0.21, pose.cy_px - 0.17, radius_px_ + 0.1};
     prior.centre_sd_px = 0.3;
@@ -223,8 +222,8 @@ class PairMeasurement {
     return circle::measure_circle(frame, prior, {}).circle;
   }
 
-  static void add(const motion::PairMotion& pair, const sim::speckle::BallPose& a,
-                  const sim::speckle::BallPose& b, const MotionBound& bound, MeasuredPairs& out) {
+  static void add(const motion::PairMotion& pair, const BallPose& a, const BallPose& b,
+                  const MotionBound& bound, MeasuredPairs& out) {
     if (!pair.motion.ok) {
       ++out.at_point.failed;
       ++out.at_centre.failed;

@@ -13,8 +13,8 @@ namespace impactdic::testing {
 
 class RenderedClip : public FrameSource {
  public:
-  RenderedClip(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
-               std::vector<sim::speckle::BallPose> poses)
+  RenderedClip(const sim::speckle::SpeckleBall& ball, const SynthScene& scene,
+               std::vector<BallPose> poses)
       : renderer_(ball, scene), poses_(std::move(poses)) {
     info_.format = "rendered";
     info_.width = scene.width;
@@ -26,11 +26,11 @@ class RenderedClip : public FrameSource {
   void read(std::int64_t index, Frame& frame) override {
     renderer_.render(poses_[static_cast<std::size_t>(index)], index, frame);
   }
-  const std::vector<sim::speckle::BallPose>& poses() const { return poses_; }
+  const std::vector<BallPose>& poses() const { return poses_; }
 
  private:
   sim::speckle::BallRenderer renderer_;
-  std::vector<sim::speckle::BallPose> poses_;
+  std::vector<BallPose> poses_;
   ClipInfo info_;
 };
 
@@ -54,7 +54,7 @@ class MemoryClip : public FrameSource {
 };
 
 // The rows of `track` with this estimator.
-inline std::vector<TrackRow> track(FrameSource& clip, motion::Estimator estimator) {
+inline std::vector<TrackRow> track(FrameSource& clip, Estimator estimator) {
   pipeline::TrackOptions options;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
@@ -76,8 +76,7 @@ struct DriftErrors {
   double end_x_px = 0, end_y_px = 0, end_angle_deg = 0;  // of the last pose
   int lost = 0;
 };
-inline DriftErrors drift(const std::vector<TrackRow>& rows,
-                         const std::vector<sim::speckle::BallPose>& truth) {
+inline DriftErrors drift(const std::vector<TrackRow>& rows, const std::vector<BallPose>& truth) {
   DriftErrors out;
   const double ex = rows[0].cx_px - truth[0].cx_px, ey = rows[0].cy_px - truth[0].cy_px;
   // Steps are summed up as motions of that same point.

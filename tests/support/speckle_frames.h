@@ -8,8 +8,8 @@
 
 namespace impactdic::testing {
 
-inline sim::speckle::BallPose pose(double cx_px, double cy_px, double angle_deg) {
-  sim::speckle::BallPose out;
+inline BallPose pose(double cx_px, double cy_px, double angle_deg) {
+  BallPose out;
   out.cx_px = cx_px;
   out.cy_px = cy_px;
   out.angle_deg = angle_deg;
@@ -34,8 +34,8 @@ inline sim::speckle::SpeckleBall quick_ball(unsigned seed, double radius_px) {
 }
 
 inline std::vector<Frame> render_frames(const sim::speckle::SpeckleBall& ball,
-                                        const sim::speckle::Scene& scene,
-                                        const std::vector<sim::speckle::BallPose>& poses) {
+                                        const SynthScene& scene,
+                                        const std::vector<BallPose>& poses) {
   const sim::speckle::BallRenderer renderer(ball, scene);
   std::vector<Frame> frames(poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {

@@ -33,7 +33,7 @@ struct VarianceBound {
   double u = 0, v = 0;
 };
 inline VarianceBound affine_bound(const dic::BSplineImage& exact, const Window& window, int side,
-                                  const sim::speckle::BallPose& ball, double disc_px) {
+                                  const BallPose& ball, double disc_px) {
   Eigen::Matrix<double, 8, 8> information = Eigen::Matrix<double, 8, 8>::Zero();
   for (int j = 0; j < side; ++j) {
     for (int i = 0; i < side; ++i) {
@@ -58,7 +58,7 @@ struct JudgedWindow {
   bool cut = false;  // by the rim
   double error_u = 0, error_v = 0;
   double bound_u = 0, bound_v = 0;  // one standard deviation
-  bool found() const { return got.status == static_cast<idic_int>(dic::WindowStatus::ok); }
+  bool found() const { return got.status == static_cast<idic_int>(WindowStatus::kOk); }
 };
 
 // Windows of 15 px on a ball of pose `a` that moves, those that the rim cuts too.
@@ -67,12 +67,12 @@ inline std::vector<JudgedWindow> judge_windows(const sim::speckle::SpeckleBall& 
   constexpr int kSide = 15;
   const double disc_px = ball.radius_px - 3;
   const int place = (seed - 1) % 8 + 1;
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 256;
   scene.noise_sigma = noise;
   scene.noise_seed = static_cast<std::uint64_t>(seed);
-  const sim::speckle::BallPose a = pose(127.3 + 0.13 * place, 128.4 - 0.17 * place, 40.0 * seed);
-  const sim::speckle::BallPose b =
+  const BallPose a = pose(127.3 + 0.13 * place, 128.4 - 0.17 * place, 40.0 * seed);
+  const BallPose b =
       pose(a.cx_px + motion.dx_px, a.cy_px + motion.dy_px, a.angle_deg + motion.turn_deg);
   const auto frames = render_frames(ball, scene, {a, b});
   const dic::BSplineImage exact(sim::speckle::BallRenderer(ball, scene).exact(a), 5);
@@ -82,7 +82,7 @@ inline std::vector<JudgedWindow> judge_windows(const sim::speckle::SpeckleBall& 
     window.guess_u = static_cast<idic_int>(std::lround(motion.dx_px));
     window.guess_v = static_cast<idic_int>(std::lround(motion.dy_px));
   }
-  dic::FieldOptions options;
+  FieldOptions options;
   options.noise = dic::estimate_noise(frames[0].to_float().view(), frames[0].full_scale());
   const auto correlator = dic::make_opencl_correlator(shared_engine(), options, 2);
   correlator->set_frame(0, frames[0]);

@@ -11,15 +11,14 @@ namespace {
 
 using testing::pose;
 
-sim::speckle::Scene scene(double noise) {
-  sim::speckle::Scene made;
+SynthScene scene(double noise) {
+  SynthScene made;
   made.width = made.height = 200;
   made.noise_sigma = noise;
   return made;
 }
 
-Frame picture(const sim::speckle::Scene& of, const sim::speckle::BallPose& at,
-              double radius_px = 80) {
+Frame picture(const SynthScene& of, const BallPose& at, double radius_px = 80) {
   return testing::render_frames(testing::quick_ball(3, radius_px), of, {at}).front();
 }
 
@@ -53,9 +52,9 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
     floats.data()[i] = static_cast<float>(exact.data()[i]);
   }
   const double noise = std::sqrt(4 + 1.0 / 12);
-  const dic::BallBound want = dic::PictureSlopes(floats.view(), 0).disc(100, 100, 76, noise);
+  const BallBound want = dic::PictureSlopes(floats.view(), 0).disc(100, 100, 76, noise);
   advice::TextureRequest request;
-  request.circle = circle::Circle{100, 100, 80};
+  request.circle = Circle{100, 100, 80};
   const TextureAdvice advice = advice::advise_texture(frame, request);
   ASSERT_TRUE(advice.ball.has_value());
   EXPECT_NEAR(advice.ball->dx_sd_px, want.dx_sd_px, 0.08 * want.dx_sd_px);
@@ -74,7 +73,7 @@ TEST(TextureAdvice, APlainBallHasNoUsableWindow) {
   plain.radius_px = 80;
   const Frame frame = testing::render_frames(plain, scene(2), {pose(100, 100, 0)}).front();
   advice::TextureRequest request;
-  request.circle = circle::Circle{100, 100, 80};
+  request.circle = Circle{100, 100, 80};
   const TextureAdvice advice = advice::advise_texture(frame, request);
   EXPECT_EQ(advice.asked.usable, 0);
   EXPECT_TRUE(std::isnan(advice.asked.error_px));
@@ -84,7 +83,7 @@ TEST(FrameChecks, EdgeWidthIsTheLenss) {
   sim::speckle::SpeckleBall plain;
   plain.radius_px = 80;
   for (const double blur : {0.6, 2.0, 4.0}) {
-    sim::speckle::Scene lens = scene(1);
+    SynthScene lens = scene(1);
     lens.psf_sigma_px = blur;
     const Frame frame = testing::render_frames(plain, lens, {pose(100.3, 99.6, 0)}).front();
     const auto width = advice::edge_width_px(frame, {100.3, 99.6, 80});
@@ -97,12 +96,11 @@ TEST(FrameChecks, EdgeWidthIsTheLenss) {
 
 TEST(FrameChecks, SaturatedShareOfTheBall) {
   Frame frame = picture(scene(0), pose(100, 100, 0));
-  EXPECT_EQ(advice::saturated_share(frame, {0, 0, 200, 200}, circle::Circle{100, 100, 80}), 0);
+  EXPECT_EQ(advice::saturated_share(frame, {0, 0, 200, 200}, Circle{100, 100, 80}), 0);
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 200; ++x) frame.u8(x, y) = 255;
   }
-  EXPECT_NEAR(advice::saturated_share(frame, {0, 0, 200, 200}, circle::Circle{100, 100, 80}), 0.5,
-              0.01);
+  EXPECT_NEAR(advice::saturated_share(frame, {0, 0, 200, 200}, Circle{100, 100, 80}), 0.5, 0.01);
   EXPECT_NEAR(advice::saturated_share(frame, {0, 50, 200, 100}, {}), 0.5, 1e-12);
 }
 
@@ -110,7 +108,7 @@ TEST(FrameChecks, TurnOfAnySize) {
   const auto frames = testing::render_frames(
       testing::quick_ball(3, 80), scene(2),
       {pose(98, 101, 10), pose(101, 100, 13), pose(101, 100, 100), pose(101, 100, -170)});
-  const circle::Circle first{98, 101, 80}, second{101, 100, 80};
+  const Circle first{98, 101, 80}, second{101, 100, 80};
   const double want[] = {3, 90, 180};
   for (int k = 0; k < 3; ++k) {
     const auto turn = advice::turn_between_deg(frames[0], first, frames[k + 1], second);

@@ -52,7 +52,7 @@ TEST(RealBall, FollowsAQuadraticInTime) {
   ASSERT_EQ(fits.size(), 15u);
   std::vector<double> x, y;
   for (const circle::CircleFit& fit : fits) {
-    ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+    ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
     EXPECT_FALSE(fit.bright);
     EXPECT_FALSE(fit.ellipse);
     EXPECT_NEAR(fit.circle.r_px, 63.47, 0.15);

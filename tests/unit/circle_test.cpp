@@ -16,27 +16,27 @@ namespace {
 
 constexpr double kRadius = 60;
 
-sim::speckle::Scene small_scene() {
-  sim::speckle::Scene scene;
+SynthScene small_scene() {
+  SynthScene scene;
   scene.width = 240;
   scene.height = 220;
   scene.noise_sigma = 2;
   return scene;
 }
 
-Frame picture(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
-              const sim::speckle::BallPose& pose) {
+Frame picture(const sim::speckle::SpeckleBall& ball, const SynthScene& scene,
+              const BallPose& pose) {
   Frame frame;
   sim::speckle::BallRenderer(ball, scene).render(pose, 0, frame);
   return frame;
 }
 
-double miss(const circle::Circle& circle, const sim::speckle::BallPose& pose) {
+double miss(const Circle& circle, const BallPose& pose) {
   return std::hypot(circle.cx_px - pose.cx_px, circle.cy_px - pose.cy_px);
 }
 
 TEST(FindBall, SpeckledBallOnADarkGround) {
-  const sim::speckle::BallPose pose{118.3, 101.8};
+  const BallPose pose{118.3, 101.8};
   for (const char* pattern : {"a1", "c3", "d3", "e1"}) {
     const Frame frame = picture(sim::speckle::paint_ball(pattern, 3, kRadius), small_scene(), pose);
     const auto found = circle::find_ball(frame, {});
@@ -47,45 +47,44 @@ TEST(FindBall, SpeckledBallOnADarkGround) {
 }
 
 TEST(FindBall, DarkBallBeforeALampBesideAPlate) {
-  sim::speckle::Scene scene = small_scene();
+  SynthScene scene = small_scene();
   scene.white = 45;
   scene.ink = 70;
   scene.background = 220;
-  scene.bar =
-      sim::speckle::OccludingBar{120, 205, 0, 40, 100};  // a plate just below, that the ball nears
-  const sim::speckle::BallPose pose{97.4, 118.7};
+  scene.bar = OccludingBar{120, 205, 0, 40, 100};  // a plate just below, that the ball nears
+  const BallPose pose{97.4, 118.7};
   const Frame frame = picture(sim::speckle::paint_ball("b1", 3, kRadius), scene, pose);
   const auto found = circle::find_ball(frame, {});
   ASSERT_TRUE(found);
   EXPECT_LT(miss(*found, pose), 1);
   const circle::CircleFit fit = circle::measure_circle(frame, {.predicted = *found}, {});
-  ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+  ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
   EXPECT_FALSE(fit.bright);
   EXPECT_LT(miss(fit.circle, pose), 0.02);
 }
 
 TEST(FindBall, LeavesABarOrAnEmptyPictureAlone) {
-  sim::speckle::Scene scene = small_scene();
-  const sim::speckle::BallPose far_away{-500, -500};
+  SynthScene scene = small_scene();
+  const BallPose far_away{-500, -500};
   EXPECT_FALSE(circle::find_ball(picture({kRadius, {}, {}}, scene, far_away), {}));
-  scene.bar = sim::speckle::OccludingBar{120, 110, 20, 50, 190};
+  scene.bar = OccludingBar{120, 110, 20, 50, 190};
   EXPECT_FALSE(circle::find_ball(picture({kRadius, {}, {}}, scene, far_away), {}));
 }
 
 TEST(FindBall, KeepsToTheRadiusRange) {
-  const sim::speckle::BallPose pose{118.3, 101.8};
+  const BallPose pose{118.3, 101.8};
   const Frame frame = picture(sim::speckle::paint_ball("c1", 3, kRadius), small_scene(), pose);
   EXPECT_FALSE(circle::find_ball(frame, {.radius_range_px = {{20, 45}}}));
   EXPECT_TRUE(circle::find_ball(frame, {.radius_range_px = {{50, 70}}}));
 }
 
 TEST(MeasureCircle, WorksAtTwelveBits) {
-  sim::speckle::Scene scene = small_scene();
+  SynthScene scene = small_scene();
   scene.bits = 12;
-  const sim::speckle::BallPose pose{118.3, 101.8};
+  const BallPose pose{118.3, 101.8};
   const Frame frame = picture(sim::speckle::paint_ball("c1", 3, kRadius), scene, pose);
   const circle::CircleFit fit = circle::measure_circle(frame, {.predicted = {119.5, 101, 61}}, {});
-  ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+  ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
   EXPECT_LT(miss(fit.circle, pose), 0.01);
   EXPECT_NEAR(fit.circle.r_px, kRadius, 0.01);
 }
@@ -93,10 +92,10 @@ TEST(MeasureCircle, WorksAtTwelveBits) {
 TEST(MeasureCircle, RimPartlyOutsideThePicture) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("c1", 3, kRadius);
   for (const double x : {20.0, 8.0}) {
-    const sim::speckle::BallPose pose{x + 0.37, 104.2};
+    const BallPose pose{x + 0.37, 104.2};
     const Frame frame = picture(ball, small_scene(), pose);
     const circle::CircleFit fit = circle::measure_circle(frame, {.predicted = {x, 105, 60.4}}, {});
-    ASSERT_EQ(fit.status, circle::CircleStatus::ok) << x;
+    ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << x;
     EXPECT_LT(fit.rim_fraction, 0.75) << x;
     EXPECT_LT(std::abs(fit.circle.cx_px - pose.cx_px), std::max(0.02, 4 * fit.cx_sd_px)) << x;
     EXPECT_LT(std::abs(fit.circle.cy_px - pose.cy_px), std::max(0.02, 4 * fit.cy_sd_px)) << x;
@@ -104,16 +103,16 @@ TEST(MeasureCircle, RimPartlyOutsideThePicture) {
 }
 
 TEST(MeasureCircle, OutOfView) {
-  const sim::speckle::BallPose pose{-25, 104.2};
+  const BallPose pose{-25, 104.2};
   const Frame frame = picture(sim::speckle::paint_ball("c1", 3, kRadius), small_scene(), pose);
   const circle::CircleFit fit = circle::measure_circle(frame, {.predicted = {-25, 104, 60}}, {});
-  EXPECT_EQ(fit.status, circle::CircleStatus::out_of_view);
+  EXPECT_EQ(fit.status, circle::CircleStatus::kOutOfView);
 }
 
 TEST(MeasureCircle, NoBall) {
   const Frame frame = picture({kRadius, {}, {}}, small_scene(), {-500, -500});
   EXPECT_EQ(circle::measure_circle(frame, {.predicted = {118, 101, 60}}, {}).status,
-            circle::CircleStatus::no_ball);
+            circle::CircleStatus::kNoBall);
 }
 
 TEST(MeasureCircle, EllipseOnlyWhereTheBallDemandsIt) {
@@ -122,7 +121,7 @@ TEST(MeasureCircle, EllipseOnlyWhereTheBallDemandsIt) {
   EXPECT_FALSE(
       circle::measure_circle(picture(ball, small_scene(), {118.3, 101.8}), prior, {}).ellipse);
   // 5 % shorter along 30° (screen), that is −30° in image axes: long axis at 60°.
-  const sim::speckle::BallPose squashed{118.3, 101.8, 0, 0.05, 30};
+  const BallPose squashed{118.3, 101.8, 0, 0.05, 30};
   const Frame frame = picture(ball, small_scene(), squashed);
   const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
   ASSERT_TRUE(fit.ellipse);
@@ -148,7 +147,7 @@ TEST(MeasureCircle, TheSameOnEveryCall) {
 
 TEST(MeasureCircle, FollowsByTheRimModelOfTheFrameBefore) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("b1", 3, kRadius);
-  const sim::speckle::BallPose first{118.3, 101.8}, second{119.1, 103.2, 20};
+  const BallPose first{118.3, 101.8}, second{119.1, 103.2, 20};
   const circle::CircleFit before = circle::measure_circle(picture(ball, small_scene(), first),
                                                           {.predicted = {119, 101, 60}}, {});
   ASSERT_TRUE(before.rim_model);
@@ -160,7 +159,7 @@ TEST(MeasureCircle, FollowsByTheRimModelOfTheFrameBefore) {
   prior.rim_model = before.rim_model;
   const circle::CircleFit fit =
       circle::measure_circle(picture(ball, small_scene(), second), prior, {});
-  ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+  ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
   EXPECT_EQ(fit.rim_model, before.rim_model);
   EXPECT_LT(miss(fit.circle, second), 0.02);
   // Where the ball is elsewhere, it is searched and its rim model learnt anew.
@@ -177,13 +176,13 @@ TEST(MeasureCircle, FollowsSparseInkFromAThirdOfAPixel) {
     Frame frame;
     circle::CirclePrior prior;
     for (int k = 0; k < 24; ++k) {
-      const sim::speckle::BallPose pose{118.1 + 0.23 * k, 101.9 - 0.31 * k, 15.0 * k};
+      const BallPose pose{118.1 + 0.23 * k, 101.9 - 0.31 * k, 15.0 * k};
       renderer.render(pose, k, frame);
       const double way = 2.4 * k;
       prior.predicted = {pose.cx_px + 0.35 * std::cos(way), pose.cy_px + 0.35 * std::sin(way),
                          kRadius + 0.1};
       const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
-      ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
       ASSERT_TRUE(fit.rim_model);
       EXPECT_LT(miss(fit.circle, pose), 0.02) << pattern << k;
       if (k == 0) {
@@ -204,7 +203,7 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
     const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball(pattern, 11, kRadius),
                                               small_scene());
     Frame frame;
-    renderer.render(sim::speckle::BallPose{118.3, 101.8}, 0, frame);
+    renderer.render(BallPose{118.3, 101.8}, 0, frame);
     const circle::CircleFit before =
         circle::measure_circle(frame, {.predicted = {119, 101, kRadius}}, {});
     ASSERT_TRUE(before.rim_model);
@@ -214,15 +213,14 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
     prior.rim_model = before.rim_model;
     for (int k = 1; k < 9; ++k) {
       const double compression = 0.002 * k, e = kRadius * compression / 2;
-      const sim::speckle::BallPose pose{118.3 + 0.37 * k, 101.8 - 0.21 * k, 15.0 * k, compression,
-                                        90};
+      const BallPose pose{118.3 + 0.37 * k, 101.8 - 0.21 * k, 15.0 * k, compression, 90};
       renderer.render(pose, k, frame);
       for (const bool expected : {true, false}) {
         prior.centre_sd_px = expected ? 0.05 : 0.3;
         prior.predicted = {pose.cx_px + 0.02, pose.cy_px - 0.03, kRadius - e};
         prior.e1_px = expected ? e : 0;
         const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
-        ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+        ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
         EXPECT_LT(miss(fit.circle, pose), 0.06) << pattern << k << expected;
         EXPECT_NEAR(fit.circle.r_px, kRadius - e, 0.1) << pattern << k << expected;
         EXPECT_LT(std::hypot(fit.e1_px - e, fit.e2_px), 0.1) << pattern << k << expected;
@@ -237,7 +235,7 @@ TEST(MeasureCircle, FollowsABallThatIsPressed) {
 // Half a pixel of ellipse that nothing foretold, on dense ink.
 TEST(MeasureCircle, TakesNoEllipseForAnInkedCircle) {
   constexpr double kLarge = 115, kCompression = 0.008, kE = kLarge * kCompression / 2;
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 272;
   scene.noise_sigma = 2;
   for (const int seed : {11, 14}) {
@@ -245,9 +243,9 @@ TEST(MeasureCircle, TakesNoEllipseForAnInkedCircle) {
     const sim::speckle::BallRenderer renderer(
         sim::speckle::paint_ball("e1", static_cast<std::uint64_t>(seed), kLarge), scene);
     const auto pose_at = [&](int k) {
-      return sim::speckle::BallPose{136 + std::fmod(0.3819660113 * seed + 0.13 + 0.618 * k, 1),
-                                    136 + std::fmod(0.6180339887 * seed + 0.41 + 0.382 * k, 1),
-                                    17.0 * seed + 11 * k, k == 0 ? 0 : kCompression, 90};
+      return BallPose{136 + std::fmod(0.3819660113 * seed + 0.13 + 0.618 * k, 1),
+                      136 + std::fmod(0.6180339887 * seed + 0.41 + 0.382 * k, 1),
+                      17.0 * seed + 11 * k, k == 0 ? 0 : kCompression, 90};
     };
     Frame frame;
     renderer.render(pose_at(0), 0, frame);
@@ -262,13 +260,13 @@ TEST(MeasureCircle, TakesNoEllipseForAnInkedCircle) {
     prior.radius_sd_px = 0.03;
     prior.compression_axis_rad = kPi / 2;
     for (int k = 1; k < 8; ++k) {
-      const sim::speckle::BallPose pose = pose_at(k);
+      const BallPose pose = pose_at(k);
       renderer.render(pose, k, frame);
       const double way = 2.4 * (k + 8 * seed);
       prior.predicted = {pose.cx_px + 0.1 * std::cos(way), pose.cy_px + 0.1 * std::sin(way),
                          before.circle.r_px - kE + 0.03 * std::cos(1.7 * way)};
       const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
-      ASSERT_EQ(fit.status, circle::CircleStatus::ok);
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
       EXPECT_LT(std::hypot(fit.e1_px - kE, fit.e2_px), 0.1) << seed << ' ' << k;
       EXPECT_NEAR(fit.circle.r_px, kLarge - kE, 0.15) << seed << ' ' << k;
     }
@@ -291,13 +289,13 @@ TEST(BallTracker, FollowsABounceAndFindsTheBallAgain) {
     // Down at 7 px a frame, up again at 5; out of sight in frames 15 … 17.
     const double y = k < 10 ? 70 + 7.0 * k : 140 - 5.0 * (k - 10);
     const bool hidden = k >= 15 && k < 18;
-    const sim::speckle::BallPose pose{hidden ? -500 : 100.2 + 1.1 * k, y};
+    const BallPose pose{hidden ? -500 : 100.2 + 1.1 * k, y};
     renderer.render(pose, k, frame);
     const circle::CircleFit fit = tracker.track(frame, k);
     if (hidden) {
-      EXPECT_EQ(fit.status, circle::CircleStatus::no_ball) << k;
+      EXPECT_EQ(fit.status, circle::CircleStatus::kNoBall) << k;
     } else {
-      ASSERT_EQ(fit.status, circle::CircleStatus::ok) << k;
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << k;
       EXPECT_LT(miss(fit.circle, pose), 0.02) << k;
     }
   }
@@ -310,7 +308,7 @@ TEST(BallTracker, FollowsManyFramesAtOnce) {
   constexpr int kFrames = 100, kBatch = 24;
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("c1", 3, 40), small_scene());
   std::vector<Frame> frames(kFrames);
-  std::vector<sim::speckle::BallPose> poses;
+  std::vector<BallPose> poses;
   const auto hidden = [](int k) { return k < 5 || (k >= 60 && k < 75); };
   for (int k = 0; k < kFrames; ++k) {
     // Down at 2 px a frame, up again at 1.
@@ -343,7 +341,7 @@ TEST(BallTracker, FollowsManyFramesAtOnce) {
     EXPECT_EQ(fit.circle.cy_px, same.circle.cy_px);
     EXPECT_EQ(fit.circle.r_px, same.circle.r_px);
     EXPECT_EQ(fit.cx_sd_px, same.cx_sd_px);
-    ASSERT_EQ(fit.status, hidden(k) ? circle::CircleStatus::no_ball : circle::CircleStatus::ok)
+    ASSERT_EQ(fit.status, hidden(k) ? circle::CircleStatus::kNoBall : circle::CircleStatus::kOk)
         << k;
     ASSERT_EQ(fit.status, one.status) << k;
     if (hidden(k)) continue;
@@ -361,18 +359,18 @@ TEST(BallTracker, SaysWhenTheBallLeaves) {
   Frame frame;
   std::vector<circle::CircleStatus> statuses;
   for (int k = 0; k < 12; ++k) {
-    const sim::speckle::BallPose pose{90.4 - 11.0 * k, 110};
+    const BallPose pose{90.4 - 11.0 * k, 110};
     renderer.render(pose, k, frame);
     const circle::CircleFit fit = tracker.track(frame, k);
     statuses.push_back(fit.status);
     if (pose.cx_px > 0) {
-      ASSERT_EQ(fit.status, circle::CircleStatus::ok) << k;
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << k;
       EXPECT_LT(miss(fit.circle, pose), std::max(0.02, 5 * fit.cx_sd_px)) << k;
     } else if (pose.cx_px > -40) {
-      EXPECT_NE(fit.status, circle::CircleStatus::ok) << k;
+      EXPECT_NE(fit.status, circle::CircleStatus::kOk) << k;
     }
   }
-  EXPECT_EQ(statuses[9], circle::CircleStatus::out_of_view);
+  EXPECT_EQ(statuses[9], circle::CircleStatus::kOutOfView);
 }
 
 }  // namespace

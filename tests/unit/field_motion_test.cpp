@@ -29,7 +29,7 @@ TEST(FieldPoints, TakesMeasuredWindowsAtTheirCentres) {
   std::vector<WindowMotion> motions(2);
   motions[0].u = 1.5f;
   motions[0].u_sd = motions[0].v_sd = 1e-6f;
-  motions[1].status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
+  motions[1].status = static_cast<idic_int>(WindowStatus::kLowCorrelation);
   const auto points = motion::field_points(windows, motions, 15, 0.002);
   ASSERT_EQ(points.size(), 1u);
   EXPECT_EQ(points[0].x_px, 17);
@@ -67,15 +67,14 @@ TEST(InterpolateAt, FewOrCollinearPointsGiveNothing) {
 
 TEST(ExplainFailure, NamesTheCommonestReason) {
   std::vector<WindowMotion> motions(4);
-  for (WindowMotion& m : motions) m.status = static_cast<idic_int>(dic::WindowStatus::no_texture);
-  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::no_texture);
-  for (int i = 0; i < 3; ++i)
-    motions[i].status = static_cast<idic_int>(dic::WindowStatus::out_of_view);
-  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::out_of_view);
+  for (WindowMotion& m : motions) m.status = static_cast<idic_int>(WindowStatus::kNoTexture);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::kNoTexture);
+  for (int i = 0; i < 3; ++i) motions[i].status = static_cast<idic_int>(WindowStatus::kOutOfView);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::kOutOfView);
   for (int i = 0; i < 3; ++i) {
-    motions[i].status = static_cast<idic_int>(dic::WindowStatus::low_correlation);
+    motions[i].status = static_cast<idic_int>(WindowStatus::kLowCorrelation);
   }
-  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::low_correlation);
+  EXPECT_EQ(motion::explain_failure(motions), TrackStatus::kLowCorrelation);
 }
 
 }  // namespace

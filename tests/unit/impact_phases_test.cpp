@@ -24,7 +24,7 @@ constexpr double kNormal95 = 1.959964;
 struct Score {
   std::vector<double> errors;
   int inside = 0;
-  void add(const impact::Measured& measured, double truth, double unit = 1) {
+  void add(const Measured& measured, double truth, double unit = 1) {
     errors.push_back(std::abs(measured.value - truth) * unit);
     inside += std::abs(measured.value - truth) <= kNormal95 * measured.sd;
   }
@@ -50,10 +50,9 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     filmed.job.initial.omega_rad_s = 5 * (part(random) - 0.5);
     std::vector<TrackRow> rows;
     const FilmedTruth truth = film(filmed, rows);
-    const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
-    EXPECT_EQ(found.status, impact::ImpactStatus::found)
-        << impact::to_string(found.status) << ", shot " << shot;
-    if (found.status != impact::ImpactStatus::found) continue;
+    const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+    EXPECT_EQ(found.status, ImpactStatus::kFound) << to_string(found.status) << ", shot " << shot;
+    if (found.status != ImpactStatus::kFound) continue;
     const double fps = filmed.fps, m_s = filmed.metre_per_px * fps;
     scores["t0"].add(found.start.instant, truth.start);
     scores["t_max"].add(found.turn, truth.turn);
@@ -71,7 +70,7 @@ std::map<std::string, Score> shoot(FilmedImpact filmed) {
     scores["omega1"].add(found.after.spin, truth.after.omega_rad_s / fps, fps);
     scores["inertia"].add(found.closure.inertia_factor, filmed.job.body.inertia_factor());
     scores["gravity"].add(found.fall, *filmed.options().gravity);
-    EXPECT_EQ(found.closure.verdict, impact::ClosureVerdict::closes) << "shot " << shot;
+    EXPECT_EQ(found.closure.verdict, ClosureVerdict::kCloses) << "shot " << shot;
     refused += !found.start.law_holds + !found.end.law_holds;
   }
   // Beyond 3.5 deviations of chi square: by chance one of about a thousand edges.
@@ -131,13 +130,13 @@ TEST(ImpactPhases, LacrosseBallWithADamperToTheEnd) {
   expect_honest(scores);
 }
 
-impact::ImpactAnalysis analyse(const FilmedImpact& filmed) {
+ImpactAnalysis analyse(const FilmedImpact& filmed) {
   std::vector<TrackRow> rows;
   film(filmed, rows);
   return impact::analyse_impact(rows, filmed.options());
 }
 
-void expect_within(const impact::Measured& measured, double truth, double deviations = 4) {
+void expect_within(const Measured& measured, double truth, double deviations = 4) {
   EXPECT_NEAR(measured.value, truth, deviations * measured.sd);
   EXPECT_GT(measured.sd, 0);
 }
@@ -147,15 +146,15 @@ TEST(ImpactPhases, CirclesAloneAreEnoughForTheTimes) {
   filmed.with_motion = false;
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
-  ASSERT_EQ(found.status, impact::ImpactStatus::found);
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, ImpactStatus::kFound);
   expect_within(found.start.instant, truth.start);
   expect_within(found.turn, truth.turn);
   expect_within(found.end.instant, truth.end);
   expect_within(found.restitution, truth.restitution);
   EXPECT_LT(found.start.instant.sd, 1);
   EXPECT_TRUE(std::isnan(found.after.spin.value));
-  EXPECT_EQ(found.closure.verdict, impact::ClosureVerdict::undetermined);
+  EXPECT_EQ(found.closure.verdict, ClosureVerdict::kUndetermined);
 }
 
 TEST(ImpactPhases, GravityIsFittedWhereTheScaleIsUnknown) {
@@ -165,8 +164,8 @@ TEST(ImpactPhases, GravityIsFittedWhereTheScaleIsUnknown) {
   impact::ImpactOptions options = filmed.options();
   const double gravity = *options.gravity;
   options.gravity.reset();
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, options);
-  ASSERT_EQ(found.status, impact::ImpactStatus::found);
+  const ImpactAnalysis found = impact::analyse_impact(rows, options);
+  ASSERT_EQ(found.status, ImpactStatus::kFound);
   expect_within(found.fall, gravity);
   expect_within(found.restitution, truth.restitution);
   expect_within(found.end.instant, truth.end);
@@ -181,8 +180,8 @@ TEST(ImpactPhases, BadFramesDoNotMatter) {
     rows[i].motion_ok = false;
     rows[i].dx_px = rows[i].dy_px = rows[i].rot_deg = kNotMeasured;
   }
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
-  ASSERT_EQ(found.status, impact::ImpactStatus::found);
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  ASSERT_EQ(found.status, ImpactStatus::kFound);
   expect_within(found.restitution, truth.restitution);
   expect_within(found.start.instant, truth.start);
 }
@@ -195,7 +194,7 @@ TEST(ImpactPhases, BiasOfTheMotionIsInTheDeviations) {
   EXPECT_EQ(impact::analyse_impact(rows, filmed.options()).disagreement, 0);
   constexpr double kBias = 0.002;
   for (TrackRow& row : rows) row.dx_px += kBias;
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
   EXPECT_GT(found.disagreement, kBias / 2);
   expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
   expect_within(found.friction, truth.friction, 3);
@@ -216,7 +215,7 @@ TEST(ImpactPhases, StepsThatScatterLessThanStatedAreWrongAlike) {
     row.rot_deg += 2 * row.rot_sd_deg;
     row.rot_sd_deg *= 3;
   }
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
   EXPECT_EQ(found.disagreement, 0);
   expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
   expect_within(found.before.vt, filmed.speed(truth.before.vt_m_s), 3);
@@ -244,11 +243,11 @@ TEST(ImpactPhases, NoImpactIsSaid) {
     impact::ImpactOptions options = filmed.options();
     options.surface_angle_rad = 0;
     options.gravity = gravity;
-    EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::none) << vn;
+    EXPECT_EQ(impact::analyse_impact(rows, options).status, ImpactStatus::kNone) << vn;
     options.gravity.reset();
-    EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::none) << vn;
+    EXPECT_EQ(impact::analyse_impact(rows, options).status, ImpactStatus::kNone) << vn;
   }
-  EXPECT_EQ(impact::analyse_impact({}, {}).status, impact::ImpactStatus::none);
+  EXPECT_EQ(impact::analyse_impact({}, {}).status, ImpactStatus::kNone);
 }
 
 TEST(ImpactPhases, SurfaceSeenFromTheOtherSide) {
@@ -257,13 +256,13 @@ TEST(ImpactPhases, SurfaceSeenFromTheOtherSide) {
   film(filmed, rows);
   impact::ImpactOptions options = filmed.options();
   options.surface_angle_rad += kPi;
-  EXPECT_EQ(impact::analyse_impact(rows, options).status, impact::ImpactStatus::wrong_side);
+  EXPECT_EQ(impact::analyse_impact(rows, options).status, ImpactStatus::kWrongSide);
 }
 
 TEST(ImpactPhases, ClipThatStartsAtTheContact) {
   FilmedImpact filmed = tennis_on_racket();
   filmed.frames_before = 3;
-  EXPECT_EQ(analyse(filmed).status, impact::ImpactStatus::flight_too_short);
+  EXPECT_EQ(analyse(filmed).status, ImpactStatus::kFlightTooShort);
 }
 
 TEST(ImpactPhases, ContactOfThreeFramesGivesVelocitiesButNoTimes) {
@@ -273,8 +272,8 @@ TEST(ImpactPhases, ContactOfThreeFramesGivesVelocitiesButNoTimes) {
   std::vector<TrackRow> rows;
   const FilmedTruth truth = film(filmed, rows);
   ASSERT_LT(truth.end - truth.start, 4);
-  const impact::ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
-  EXPECT_EQ(found.status, impact::ImpactStatus::not_resolved);
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  EXPECT_EQ(found.status, ImpactStatus::kNotResolved);
   EXPECT_TRUE(std::isnan(found.start.instant.value));
   EXPECT_NEAR(found.restitution.value, truth.restitution, 0.002);
 }
@@ -290,11 +289,11 @@ TEST(ImpactPhases, ClosureNamesWhatIsWrong) {
     options.inertia_factor = inertia;
     return impact::analyse_impact(changed, options).closure.verdict;
   };
-  EXPECT_EQ(verdict(1, 1, 2.0 / 3), impact::ClosureVerdict::closes);
-  EXPECT_EQ(verdict(1, 1, std::nullopt), impact::ClosureVerdict::closes);
-  EXPECT_EQ(verdict(1, -1, 2.0 / 3), impact::ClosureVerdict::signs);
-  EXPECT_EQ(verdict(1.1, 1, 2.0 / 3), impact::ClosureVerdict::lever_arm);
-  EXPECT_EQ(verdict(2, 1, 2.0 / 3), impact::ClosureVerdict::scale);
+  EXPECT_EQ(verdict(1, 1, 2.0 / 3), ClosureVerdict::kCloses);
+  EXPECT_EQ(verdict(1, 1, std::nullopt), ClosureVerdict::kCloses);
+  EXPECT_EQ(verdict(1, -1, 2.0 / 3), ClosureVerdict::kSigns);
+  EXPECT_EQ(verdict(1.1, 1, 2.0 / 3), ClosureVerdict::kLeverArm);
+  EXPECT_EQ(verdict(2, 1, 2.0 / 3), ClosureVerdict::kScale);
 }
 
 }  // namespace

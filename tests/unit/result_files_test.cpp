@@ -18,7 +18,7 @@ TrackRow example_row(std::int64_t frame) {
   TrackRow row;
   row.frame = frame;
   row.time_s = static_cast<double>(frame) / 3;
-  row.status = TrackStatus::ok;
+  row.status = TrackStatus::kOk;
   row.circle_ok = row.motion_ok = true;
   row.cx_px = 100.123456789;
   row.cy_px = 50;
@@ -72,7 +72,7 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   EXPECT_EQ(rows[0].rot_deg, example_row(0).rot_deg);
   EXPECT_EQ(rows[0].windows, 57);
   EXPECT_FALSE(rows[1].circle_ok || rows[1].motion_ok);
-  EXPECT_EQ(rows[1].status, TrackStatus::no_ball);
+  EXPECT_EQ(rows[1].status, TrackStatus::kNoBall);
   EXPECT_TRUE(std::isnan(rows[1].cx_px));
 }
 

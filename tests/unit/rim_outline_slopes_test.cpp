@@ -54,7 +54,7 @@ constexpr int kSide = 200;
 template <typename Level>
 Frame picture(const Level& level) {
   Frame frame;
-  frame.type = PixelType::u16;
+  frame.type = PixelType::kU16;
   frame.u16 = Image<std::uint16_t>(kSide, kSide);
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
@@ -83,7 +83,7 @@ TEST(RimSlopes, OfALinesPlacesByTheExcess) {
       return 0.006 + rim.r * x * x * x * (1.3 + x);
     };
     circle::CastLines lines;
-    circle::cast_lines(frame, rim, {circle::Polarity::bright, kStep_px, 2000, 1}, lines);
+    circle::cast_lines(frame, rim, {circle::Polarity::kBright, kStep_px, 2000, 1}, lines);
     ASSERT_GT(lines.size(), 300);
     for (int i = 0; i < lines.size(); ++i) {
       for (int k = 0; k < kSamples; ++k) {
@@ -115,7 +115,7 @@ TEST(RimSlopes, OfTheLevelsByTheirCoefficients) {
       return 4000 + inside * (paint - 4000);
     });
     circle::LineTrace trace;
-    circle::trace_lines(frame, rim, {circle::Polarity::bright, 1, 720}, trace);
+    circle::trace_lines(frame, rim, {circle::Polarity::kBright, 1, 720}, trace);
     EXPECT_GT(trace.lines.size(), 300u);
     return trace.levels;
   };

@@ -38,10 +38,10 @@ class PictureList : public FrameSource {
 };
 
 // 30 frames, 10 px a frame, from out of the picture at the left to out of it at the right.
-sim::speckle::BallPose pose_at(int frame) { return {-50.0 + 10.3 * frame, 110.2, 3.0 * frame}; }
+BallPose pose_at(int frame) { return {-50.0 + 10.3 * frame, 110.2, 3.0 * frame}; }
 
 PictureList entering_clip(const char* pattern) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = 200;
   scene.height = 220;
   scene.noise_sigma = 2;
@@ -64,9 +64,9 @@ TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
       Frame frame;
       clip.read(i, frame);
       const circle::CircleFit fit = tracker.track(frame, i);
-      if (fit.status != circle::CircleStatus::ok) continue;
+      if (fit.status != circle::CircleStatus::kOk) continue;
       ++measured;
-      const sim::speckle::BallPose truth = pose_at(i);
+      const BallPose truth = pose_at(i);
       EXPECT_LT(std::hypot(fit.circle.cx_px - truth.cx_px, fit.circle.cy_px - truth.cy_px), 0.2)
           << pattern << ", frame " << i;
     }

@@ -53,7 +53,7 @@ TEST(ErrorBound, DiscOfWavesIsTheClosedForm) {
   const dic::PictureSlopes slopes(waves(300, 300).view(), 0);
   const double k = 2 * kPi / kPeriodPx, noise = 2, radius = 120;
   const double sum = kPi * radius * radius * kAmplitude * kAmplitude * k * k / 2;
-  const dic::BallBound bound = slopes.disc(150, 149, radius, noise);
+  const BallBound bound = slopes.disc(150, 149, radius, noise);
   EXPECT_NEAR(bound.dx_sd_px, noise * std::sqrt(2 / sum), 0.01 * bound.dx_sd_px);
   EXPECT_NEAR(bound.rot_sd_rad, noise * std::sqrt(2 / (sum * radius * radius / 2)),
               0.02 * bound.rot_sd_rad);
@@ -104,7 +104,7 @@ TEST(StudyCase, EstimatorsByName) {
   EXPECT_EQ(study::parse_study_estimator("published9").options.field.interp_points, 9);
   EXPECT_FALSE(study::parse_study_estimator("published0").aimed);
   EXPECT_EQ(study::parse_study_estimator("icgn7").options.field.spline_degree, 7);
-  EXPECT_EQ(study::parse_study_estimator("ball").options.estimator, motion::Estimator::ball);
+  EXPECT_EQ(study::parse_study_estimator("ball").options.estimator, Estimator::kBall);
   for (const char* wrong : {"", "icgn", "icgn4", "published10", "hough"}) {
     EXPECT_THROW(study::parse_study_estimator(wrong), InvalidArgument) << wrong;
   }
@@ -128,7 +128,7 @@ TEST(MotionErrors, CentreErrorIsToldFromTheEstimators) {
   right.u = static_cast<float>(1 + c * 10 + s * 3);
   right.v = static_cast<float>(-2 - s * 10 + c * 3 + 0.01);
   wrong.u = 4;
-  bare.status = static_cast<idic_int>(dic::WindowStatus::no_texture);
+  bare.status = static_cast<idic_int>(WindowStatus::kNoTexture);
   pair.windows = {window, window, window};
   pair.field = {right, wrong, bare};
   const dic::PictureSlopes slopes(waves(200, 200).view(), 0);

@@ -16,13 +16,13 @@ struct Progress {
 };
 
 enum class MessageKind {
-  note,     // how it goes: the texture found, a shot done
-  warning,  // what a person should check; stands in the result too
-  timing,   // with SessionOptions::profile: tables of what stages and kernels took
+  kNote,     // how it goes: the texture found, a shot done
+  kWarning,  // what a person should check; stands in the result too
+  kTiming,   // with SessionOptions::profile: tables of what stages and kernels took
 };
 
 struct Message {
-  MessageKind kind = MessageKind::note;
+  MessageKind kind = MessageKind::kNote;
   std::string text;  // without a line end, but for tables
 };
 

@@ -14,14 +14,14 @@
 namespace IMPACTDIC_PUBLIC impactdic {
 
 // What displacements are measured against.
-enum class ReferenceFrame { first, previous };
+enum class ReferenceFrame { kFirst, kPrevious };
 const char* to_string(ReferenceFrame reference);
 ReferenceFrame parse_reference(const std::string& word);  // throws InvalidArgument
 
 // How the region's rigid motion is measured.
 enum class RegionMotion {
-  windows,  // robust fit to the windows' displacements
-  region,   // one registration of all its pixels, about where the windows say: for rigid bodies
+  kWindows,  // robust fit to the windows' displacements
+  kRegion,   // one registration of all its pixels, about where the windows say: for rigid bodies
 };
 const char* to_string(RegionMotion motion);
 RegionMotion parse_region_motion(const std::string& word);  // throws InvalidArgument
@@ -29,8 +29,8 @@ RegionMotion parse_region_motion(const std::string& word);  // throws InvalidArg
 struct CorrelateRequest {
   ClipRequest clip;
   FrameRange frames = {0, kToTheEnd, 1};
-  ReferenceFrame reference = ReferenceFrame::first;
-  RegionMotion motion = RegionMotion::windows;
+  ReferenceFrame reference = ReferenceFrame::kFirst;
+  RegionMotion motion = RegionMotion::kWindows;
   // Where windows stand: all three together. Without any, the picture less the search radius; with
   // a polygon alone, the rectangle about it.
   std::optional<Roi> roi;
@@ -48,7 +48,7 @@ struct MotionRow {
   std::int64_t frame = 0;
   double time_s = 0;          // since the first analysed frame
   bool is_reference = false;  // then the motion is zero by definition
-  TrackStatus status = TrackStatus::ok;
+  TrackStatus status = TrackStatus::kOk;
   bool motion_ok = false;
   double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
   double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;

@@ -19,25 +19,25 @@ enum class FieldMethod : std::uint8_t {
   // The dissertation's section 2.2: both windows mean-free, spline interpolation with N points
   // between pixels, FFT cross-correlation of equal zero-padded windows, largest value. Biased
   // towards zero; kept so that the published numbers can be remade.
-  published,
+  kPublished,
   // Template window in a larger search area, ZNCC (Lewis 1995) with the numerator by FFT, peak of
   // the spline through the correlation map. Unbiased.
-  zncc,
+  kZncc,
   // Equal windows of 16 or 32 px, the classic interrogation of particle images: circular
   // cross-correlation by FFT, each value over the share of the windows that overlaps at its lag,
   // Gaussian through the peak (Westerweel 1997). Finds displacements below half a window about the
   // guess, whatever search_px. The quickest; what leaves the window
   // is lost to it, so that it errs the more the further its guess is off.
-  equal,
+  kEqual,
   // ZNCC seed, then inverse-compositional Gauss–Newton on an affine warp with B-spline
   // interpolation (Pan, Li and Tong 2013).
-  icgn,
+  kIcgn,
 };
 const char* to_string(FieldMethod method);
 FieldMethod parse_field_method(const std::string& name);  // throws InvalidArgument
 
 struct FieldOptions {
-  FieldMethod method = FieldMethod::icgn;
+  FieldMethod method = FieldMethod::kIcgn;
   int window_px = 15;       // interrogation window (subset), odd or even, 5 … 129; equal: 16, 32
   int search_px = 8;        // largest displacement searched about the guess, each way, 1 … 128
   int interp_points = 5;    // spline points between pixels of the published method, 0 … 9
@@ -57,20 +57,20 @@ struct FieldOptions {
 
 // What came of a window. The values stand in files.
 enum class WindowStatus : std::int32_t {
-  ok = 0,
-  masked = 1,           // not (wholly) on the surface to be measured
-  no_texture = 2,       // too little contrast, or none that tells of both components
-  low_correlation = 3,  // best ZNCC below the threshold
-  at_search_edge = 4,   // the peak lies on the edge of the search area: it may be larger
-  not_converged = 5,    // IC-GN left its window or ran out of iterations
-  out_of_view = 6,      // the window or its search area leaves the picture
+  kOk = 0,
+  kMasked = 1,          // not (wholly) on the surface to be measured
+  kNoTexture = 2,       // too little contrast, or none that tells of both components
+  kLowCorrelation = 3,  // best ZNCC below the threshold
+  kAtSearchEdge = 4,    // the peak lies on the edge of the search area: it may be larger
+  kNotConverged = 5,    // IC-GN left its window or ran out of iterations
+  kOutOfView = 6,       // the window or its search area leaves the picture
 };
 const char* to_string(WindowStatus status);
 
 // One window, px in the whole picture's axes (x right, y down). Everything but place and status is
 // NaN where the status is not ok.
 struct WindowResult {
-  WindowStatus status = WindowStatus::masked;
+  WindowStatus status = WindowStatus::kMasked;
   double x_px = 0, y_px = 0;             // its centre in the first frame
   float u_px = 0, v_px = 0;              // displacement of the centre to the second frame
   float u_sd_px = 0, v_sd_px = 0;        // one standard deviation

@@ -76,29 +76,29 @@ class Image {
   std::shared_ptr<const T[]> borrowed_;
 };
 
-enum class PixelType : std::uint8_t { u8, u16 };
+enum class PixelType : std::uint8_t { kU8, kU16 };
 
 // One decoded grey frame at its native depth: 8-bit files stay 8-bit (they go to the device as
 // they are), everything deeper is 16-bit with the value in the low bits. Only one of the two
 // pictures is in use, the one `type` names.
 struct Frame {
-  PixelType type = PixelType::u8;
+  PixelType type = PixelType::kU8;
   int bits = 8;  // effective bits: grey levels run 0 … 2^bits − 1
   Image<std::uint8_t> u8;
   Image<std::uint16_t> u16;
 
-  int width() const { return type == PixelType::u8 ? u8.width() : u16.width(); }
-  int height() const { return type == PixelType::u8 ? u8.height() : u16.height(); }
+  int width() const { return type == PixelType::kU8 ? u8.width() : u16.width(); }
+  int height() const { return type == PixelType::kU8 ? u8.height() : u16.height(); }
   double full_scale() const { return static_cast<double>((1u << bits) - 1); }
   const void* bytes() const {
-    return type == PixelType::u8 ? static_cast<const void*>(u8.data()) : u16.data();
+    return type == PixelType::kU8 ? static_cast<const void*>(u8.data()) : u16.data();
   }
-  std::size_t byte_count() const { return type == PixelType::u8 ? u8.size() : 2 * u16.size(); }
+  std::size_t byte_count() const { return type == PixelType::kU8 ? u8.size() : 2 * u16.size(); }
   // Sets type, bits and size at once; pixels undefined.
   void reset(int width, int height, int effective_bits) {
     bits = effective_bits;
-    type = effective_bits <= 8 ? PixelType::u8 : PixelType::u16;
-    if (type == PixelType::u8) {
+    type = effective_bits <= 8 ? PixelType::kU8 : PixelType::kU16;
+    if (type == PixelType::kU8) {
       u8.resize(width, height);
       u16.resize(0, 0);
     } else {
@@ -110,8 +110,8 @@ struct Frame {
   Image<float> to_float() const {
     Image<float> out(width(), height());
     for (std::size_t i = 0; i < out.size(); ++i) {
-      out.data()[i] = type == PixelType::u8 ? static_cast<float>(u8.data()[i])
-                                            : static_cast<float>(u16.data()[i]);
+      out.data()[i] = type == PixelType::kU8 ? static_cast<float>(u8.data()[i])
+                                             : static_cast<float>(u16.data()[i]);
     }
     return out;
   }

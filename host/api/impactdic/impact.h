@@ -16,11 +16,11 @@
 namespace IMPACTDIC_PUBLIC impactdic {
 
 enum class ImpactStatus {
-  found,
-  none,              // the ball does not turn away from the surface in these frames
-  wrong_side,        // it does, but on the other side of the surface: turn the angle by 180 degrees
-  flight_too_short,  // fewer than 6 frames of free flight before or after the contact
-  not_resolved,      // contact of fewer than 8 frames: its start and end are not measured
+  kFound,
+  kNone,            // the ball does not turn away from the surface in these frames
+  kWrongSide,       // it does, but on the other side of the surface: turn the angle by 180 degrees
+  kFlightTooShort,  // fewer than 6 frames of free flight before or after the contact
+  kNotResolved,     // contact of fewer than 8 frames: its start and end are not measured
 };
 const char* to_string(ImpactStatus status);
 
@@ -40,25 +40,25 @@ struct ContactEdgeResult {
 // m R dv_t against I d(omega), with gravity's impulse taken off: the torque of the friction is what
 // spins the ball. Scale and frame rate cancel.
 enum class ClosureVerdict {
-  undetermined,  // the spin does not change by more than three deviations
-  closes,        // within two deviations and 2 %
-  signs,         // spin and tangential velocity change the wrong way round: an axis is flipped
-  lever_arm,     // off by less than a quarter: the force does not act at the radius
-  scale,         // off by more: radius, rotation or inertia is wrong
+  kUndetermined,  // the spin does not change by more than three deviations
+  kCloses,        // within two deviations and 2 %
+  kSigns,         // spin and tangential velocity change the wrong way round: an axis is flipped
+  kLeverArm,      // off by less than a quarter: the force does not act at the radius
+  kScale,         // off by more: radius, rotation or inertia is wrong
 };
 const char* to_string(ClosureVerdict verdict);
 
 struct ImpulseClosure {
   Measured inertia_factor;  // that would close it
   Measured ratio;           // m R dv_t / (I d omega); NaN where the inertia factor is not known
-  ClosureVerdict verdict = ClosureVerdict::undetermined;
+  ClosureVerdict verdict = ClosureVerdict::kUndetermined;
 };
 
 // The analysis in the track's own units: instants count analysed frames from 0; lengths are px,
 // velocities px/frame, spins rad/frame. Everything comes out of the motion itself, no model of the
 // contact beyond its onset is assumed.
 struct ImpactAnalysis {
-  ImpactStatus status = ImpactStatus::none;
+  ImpactStatus status = ImpactStatus::kNone;
   ContactEdgeResult start, end;
   Measured turn;      // maximum compression: the normal velocity is zero
   Measured duration;  // from start to end
@@ -102,7 +102,7 @@ struct ImpactMotion {
 // Figures that need a scale or a rate which is not known are NaN, but for velocities: they are in
 // px and frames then.
 struct ImpactFigures {
-  ImpactStatus status = ImpactStatus::none;
+  ImpactStatus status = ImpactStatus::kNone;
   bool in_si = false;  // velocities are in m/s and rad/s
   ImpactInstant t0, t_max_compression, t_end;
   Measured start_exponent, end_exponent;  // of the power laws at the contact's edges
@@ -120,7 +120,7 @@ struct ImpactFigures {
 
   // Whether there is an impact: `not_resolved` is one, whose start and end are not measured.
   bool found() const {
-    return status == ImpactStatus::found || status == ImpactStatus::not_resolved;
+    return status == ImpactStatus::kFound || status == ImpactStatus::kNotResolved;
   }
 };
 

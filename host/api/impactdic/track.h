@@ -24,20 +24,20 @@ namespace IMPACTDIC_PUBLIC impactdic {
 
 // How the ball's motion is measured.
 enum class Estimator {
-  field,  // interrogation windows on the ball, robust rigid fit to their displacements
-  ring,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
-  ball,   // one registration of the whole ball; affine while it is compressed; poses without drift
+  kField,  // interrogation windows on the ball, robust rigid fit to their displacements
+  kRing,   // the field's translation, the rotation from rings about the centre: any angle, unseeded
+  kBall,   // one registration of the whole ball; affine while it is compressed; poses without drift
 };
 const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
 
 enum class TrackStatus {
-  ok,
-  no_ball,          // no circle was found in this frame, or in the next one
-  no_texture,       // too few windows have contrast enough to be correlated
-  low_correlation,  // too few windows were found again in the next frame
-  out_of_view,      // the ball has left the picture
-  last_frame,       // the circle is measured; there is no next frame to move to
+  kOk,
+  kNoBall,          // no circle was found in this frame, or in the next one
+  kNoTexture,       // too few windows have contrast enough to be correlated
+  kLowCorrelation,  // too few windows were found again in the next frame
+  kOutOfView,       // the ball has left the picture
+  kLastFrame,       // the circle is measured; there is no next frame to move to
 };
 const char* to_string(TrackStatus status);
 // Throws InvalidArgument for a word that is no status.
@@ -60,7 +60,7 @@ struct BodyPose {
 struct TrackRow {
   std::int64_t frame = 0;  // in the stored file
   double time_s = 0;       // since the first analysed frame
-  TrackStatus status = TrackStatus::no_ball;
+  TrackStatus status = TrackStatus::kNoBall;
   bool circle_ok = false, motion_ok = false;
   double cx_px = kNotMeasured, cy_px = kNotMeasured, r_px = kNotMeasured;
   double cx_sd_px = kNotMeasured, cy_sd_px = kNotMeasured, r_sd_px = kNotMeasured;
@@ -102,7 +102,7 @@ struct TrackRequest {
   FrameRange frames = {0, kToTheEnd, 1};  // of the stored file; the part that it has
   std::optional<Roi> roi;                 // the rectangle that is looked at; all of the picture
   std::optional<RadiusRange> radius_px;   // of the ball; from the picture's size
-  Estimator estimator = Estimator::ball;
+  Estimator estimator = Estimator::kBall;
   FieldOptions field;
   int spacing_px = 0;      // of the windows' centres; 0: half a window, rounded up
   bool with_field = true;  // false: circles alone, no device needed

@@ -42,7 +42,7 @@ class StudyOutput {
   explicit StudyOutput(const Common& common) : progress_("study", common.quiet) {
     control.progress = [this](const Progress& p) { progress_(p.done, p.total); };
     control.message = [](const Message& m) {
-      if (m.kind == MessageKind::timing) std::fputs(m.text.c_str(), stderr);
+      if (m.kind == MessageKind::kTiming) std::fputs(m.text.c_str(), stderr);
     };
   }
   RunControl control;

@@ -17,11 +17,11 @@ struct Options {
 };
 
 // As `correlate` and `track` use them, and what `bench` measures.
-std::vector<dic::FieldOptions> sizes_of(const Options& options) {
-  std::vector<dic::FieldOptions> sizes;
+std::vector<FieldOptions> sizes_of(const Options& options) {
+  std::vector<FieldOptions> sizes;
   const auto add = [&](int window_px, int search_px) {
-    dic::FieldOptions field;
-    field.method = dic::FieldMethod::zncc;
+    FieldOptions field;
+    field.method = FieldMethod::kZncc;
     field.window_px = window_px;
     field.search_px = search_px;
     field.validate();
@@ -49,11 +49,11 @@ void run_tune(const Options& options) {
   };
   dic::store_tuning(engine, {});  // fails at once where nothing can be kept
   std::vector<dic::TunedKernel> best;
-  for (const dic::FieldOptions& field : sizes_of(options)) {
+  for (const FieldOptions& field : sizes_of(options)) {
     best.push_back(benchmark::tune_zncc(engine, field, options.tune, sink));
   }
   if (options.window_px == 0) {
-    dic::FieldOptions field;
+    FieldOptions field;
     field.window_px = 32;
     field.min_correlation = 0.3;
     best.push_back(benchmark::tune_equal(engine, field, options.tune, sink));

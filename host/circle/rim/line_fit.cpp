@@ -25,7 +25,7 @@ namespace {
 // One fit: corrections to the rim, their covariance, and what the lines say.
 struct Estimate {
   bool ok = false;
-  Shape shape = Shape::circle;
+  Shape shape = Shape::kCircle;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
   Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
@@ -68,7 +68,7 @@ struct Task {
   const Rim& rim;
   const CirclePrior& prior;
   LineStart start;
-  Shape shape = Shape::circle;
+  Shape shape = Shape::kCircle;
   const Estimate* other = nullptr;
 };
 
@@ -98,8 +98,8 @@ class Climb {
     bool lost = false;  // an ellipse's would have gone too far: a circle's
   };
 
-  bool previews() const { return task_.start.how == Thoroughness::preview; }
-  bool finely() const { return task_.start.how == Thoroughness::finely; }
+  bool previews() const { return task_.start.how == Thoroughness::kPreview; }
+  bool finely() const { return task_.start.how == Thoroughness::kFinely; }
   bool sees_all_wanted() const { return stride_ == last_stride_; }
   // The evidence and the first sums are those of the other shape.
   bool goes_on_from_other() const { return round_ == 0 && task_.other; }
@@ -136,7 +136,7 @@ class Climb {
 Climb::Climb(const Task& task, Workspace& work)
     : task_(task),
       work_(work),
-      parameters_(task.shape == Shape::ellipse ? 5 : 3),
+      parameters_(task.shape == Shape::kEllipse ? 5 : 3),
       shrink_px_(task.model.edge_sigma_px() * task.model.edge_sigma_px() / (2 * task.rim.r)) {
   const Rim& rim = task.rim;
   result_.shape = task.shape;
@@ -198,7 +198,7 @@ Climb::Occasion Climb::occasion_of(int pass) const {
 // lines are too few.
 bool Climb::follow_evidence() {
   // What is learnt is shared by many frames: no step of it is saved.
-  const bool saves_steps = task_.start.how != Thoroughness::with_width;
+  const bool saves_steps = task_.start.how != Thoroughness::kWithWidth;
   const double enough = previews() || !sees_all_wanted() ? kLineFit.roughly : kLineFit.settled;
   double last_moved = goes_on_from_other() ? px(kLineFit.newton) : 1e-9;
   for (int pass = 0;; ++pass) {
@@ -234,7 +234,7 @@ Climb::Bend Climb::bend() const {
   if (finely() && sees_all_wanted()) {
     return {there, std::clamp((convex - kLineFit.fine_from) / kLineFit.fine_over, 0.0, 1.0)};
   }
-  const bool halfway = task_.start.how != Thoroughness::with_width && convex > kLineFit.convex;
+  const bool halfway = task_.start.how != Thoroughness::kWithWidth && convex > kLineFit.convex;
   return {there, there ? 1 : halfway ? kLineFit.half_newton : 0};
 }
 
@@ -253,11 +253,11 @@ Climb::Step Climb::next_step(const Occasion& on, double newton) const {
   const auto farthest = [&](const Vector5& by) {
     return (delta_ + by - result_.about).cwiseAbs().maxCoeff();
   };
-  const bool ellipse = task_.shape == Shape::ellipse;
+  const bool ellipse = task_.shape == Shape::kEllipse;
   Step step;
-  step.by = solve(curvature, ellipse && !on.quick ? Shape::ellipse : Shape::circle, step.known);
+  step.by = solve(curvature, ellipse && !on.quick ? Shape::kEllipse : Shape::kCircle, step.known);
   step.lost = ellipse && on.begins && !(farthest(step.by) <= reach);
-  if (step.lost) step.by = solve(curvature, Shape::circle, step.known);
+  if (step.lost) step.by = solve(curvature, Shape::kCircle, step.known);
   const double far = farthest(step.by);
   step.held = far > reach;
   if (step.held) {
@@ -282,7 +282,7 @@ void Climb::describe(const Knowledge& known) {
   result_.covariance =
       Eigen::LDLT<Matrix5>(s.hessian / wider_ + known.precision).solve(Matrix5::Identity());
   result_.misplaced = misplaced(s, wider_, result_.covariance);
-  if (task_.shape == Shape::circle) result_.oval = score_test(s.hessian, s.score, wider_);
+  if (task_.shape == Shape::kCircle) result_.oval = score_test(s.hessian, s.score, wider_);
   result_.scatter = task_.trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
   result_.points = std::min(static_cast<int>(task_.trace.lines.size()), s.points * stride_);
   result_.arc = 0;
@@ -293,11 +293,11 @@ bool Climb::settled() const {
   if (!sees_all_wanted()) return false;
   const double moved = (delta_ - result_.about).cwiseAbs().maxCoeff();
   switch (task_.start.how) {
-    case Thoroughness::preview:
+    case Thoroughness::kPreview:
       return !blurred_ && moved < px(kLineFit.close);
-    case Thoroughness::finely:
+    case Thoroughness::kFinely:
       return !held_ && result_.sums.far < RimModel::kNear + kLineFit.relinearise;
-    case Thoroughness::with_width:
+    case Thoroughness::kWithWidth:
       return moved < px(kLineFit.relinearise);
   }
   return false;
@@ -330,21 +330,21 @@ Estimate choose_shape(Task task, Shapes shapes, Workspace& work) {
     task.other = other;
     return Climb(task, work).run();
   };
-  if (shapes == Shapes::circle) return by(Shape::circle, nullptr);
+  if (shapes == Shapes::kCircle) return by(Shape::kCircle, nullptr);
   const Rim& rim = task.rim;
-  const bool thorough = task.start.how == Thoroughness::with_width;
+  const bool thorough = task.start.how == Thoroughness::kWithWidth;
   Estimate circle;
   if (thorough && std::hypot(rim.e1, rim.e2) < kPrior.plainly_oval * rim.r) {
-    circle = by(Shape::circle, nullptr);
+    circle = by(Shape::kCircle, nullptr);
     if (circle.ok && circle.oval < kPrior.significant) return circle;
   }
-  const Estimate oval = by(Shape::ellipse, circle.ok ? &circle : nullptr);
-  if (task.start.how == Thoroughness::finely && !oval.ok) return {};
+  const Estimate oval = by(Shape::kEllipse, circle.ok ? &circle : nullptr);
+  if (task.start.how == Thoroughness::kFinely && !oval.ok) return {};
   // What the model may misplace makes ellipses of circles too.
   const double place = task.model.place_sd_px();
   const Matrix5 covariance = oval.covariance + place * place * oval.misplaced;
   if (oval.ok && wald(rim, oval.delta, covariance) > kPrior.significant) return oval;
-  return circle.ok ? circle : by(Shape::circle, oval.ok && !thorough ? &oval : nullptr);
+  return circle.ok ? circle : by(Shape::kCircle, oval.ok && !thorough ? &oval : nullptr);
 }
 
 }  // namespace
@@ -358,7 +358,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   const Estimate best = choose_shape({trace, model, rim, prior, start}, shapes, work);
   if (!best.ok) return fit;
   fit.ok = true;
-  fit.ellipse = best.shape == Shape::ellipse;
+  fit.ellipse = best.shape == Shape::kEllipse;
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   for (int i = 0; i < 5; ++i) {
@@ -369,7 +369,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.shares = best.shares;
   fit.points = best.points;
   fit.arc = best.arc;
-  if (start.how == Thoroughness::with_width) {
+  if (start.how == Thoroughness::kWithWidth) {
     fit.width = change_of_width(trace, model, best.delta, work);
     fit.misfit = model.misfit(work.width);
   }

@@ -35,22 +35,22 @@ inline Rim rim_of(const CirclePrior& prior) {
 }
 
 // What may be fitted, and what is.
-enum class Shapes { circle, circle_or_ellipse };
-enum class Shape { circle, ellipse };
+enum class Shapes { kCircle, kCircleOrEllipse };
+enum class Shape { kCircle, kEllipse };
 
 // Of the ball against what lies behind it.
-enum class Polarity { bright, dark };
-inline Polarity polarity_of(bool bright) { return bright ? Polarity::bright : Polarity::dark; }
+enum class Polarity { kBright, kDark };
+inline Polarity polarity_of(bool bright) { return bright ? Polarity::kBright : Polarity::kDark; }
 inline Polarity opposite(Polarity p) {
-  return p == Polarity::bright ? Polarity::dark : Polarity::bright;
+  return p == Polarity::kBright ? Polarity::kDark : Polarity::kBright;
 }
 // Of grey levels, so that every ball is bright.
-inline float sign_of(Polarity p) { return p == Polarity::bright ? 1.0f : -1.0f; }
+inline float sign_of(Polarity p) { return p == Polarity::kBright ? 1.0f : -1.0f; }
 
 // A cubic kernel over 4×4 pixels. Smooth: the B-spline itself, a blur of σ² = 1/3 px² that makes an
 // edge's place independent of the pixels' phase. Sharp: the cubic of Mitchell and Netravali (1988),
 // B = C = 1/3, which errs with the phase but mixes less of the neighbourhood into an edge.
-enum class Kernel { smooth, sharp };
+enum class Kernel { kSmooth, kSharp };
 
 // A picture between its pixels, bilinear and bicubic. The point must lie inside by one pixel
 // (bilinear) or two (bicubic).
@@ -110,7 +110,7 @@ class Sampler {
   template <Kernel kKernel>
   static Float4 weights(float t) {
     constexpr float k = 1.0f / 18;
-    if constexpr (kKernel == Kernel::sharp) {
+    if constexpr (kKernel == Kernel::kSharp) {
       return ((Float4{-7, 21, -21, 7} * k * t + Float4{15, -36, 27, -6} * k) * t +
               Float4{-9, 0, 9, 0} * k) *
                  t +
@@ -131,7 +131,7 @@ inline constexpr int kLevelSectors = 24, kRimSectors = 48;
 struct RimSearch {
   bool found = false;
   Rim rim;
-  Polarity polarity = Polarity::bright;
+  Polarity polarity = Polarity::kBright;
   double support = 0;  // share of the rays in view that have a strong edge within 1 px of the rim
   double in_view = 0;  // share of the full rim whose rays lie in the picture
   double blur_px = 1;  // scale of the edge: contrast / steepest slope / √(2π)
@@ -152,9 +152,9 @@ struct RimTrace {
   double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
 };
 struct RayRequest {
-  Polarity polarity = Polarity::bright;
+  Polarity polarity = Polarity::kBright;
   double blur_px = 1;  // of the edge, as in RimSearch
-  Kernel kernel = Kernel::smooth;
+  Kernel kernel = Kernel::kSmooth;
   int rays = 720;  // all around the rim
 };
 // Casts rays across `rim` and keeps the clean edges: ball inside, background outside,

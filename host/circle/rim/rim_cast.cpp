@@ -192,7 +192,7 @@ IMPACTDIC_WIDE void sample(const std::uint16_t* pixels, int stride, const Course
   take(pixels, stride, courses, excess, sign, s, out);
 }
 
-enum class Along { columns, rows };
+enum class Along { kColumns, kRows };
 
 // A picture and a rim with lines along v, one every so many u; columns: v is y.
 struct Axes {
@@ -207,7 +207,7 @@ struct Axes {
     u0 = rim.cx, v0 = rim.cy;
     width = picture.width, height = picture.height;
     to_u = 1, to_v = pitch;
-    if (along == Along::columns) return;
+    if (along == Along::kColumns) return;
     conic = conic.transposed();
     std::swap(u0, v0);
     std::swap(width, height);
@@ -325,10 +325,10 @@ class Caster {
 template <typename T>
 void cast(ImageView<const T> picture, const Rim& rim, const Casting& how, CastLines& lines) {
   Caster<T> caster(picture, rim, how, lines);
-  caster.cast(0, Along::rows, 1, 1);
-  caster.cast(1, Along::columns, 1, -1);
-  caster.cast(2, Along::rows, -1, -1);
-  caster.cast(3, Along::columns, -1, 1);
+  caster.cast(0, Along::kRows, 1, 1);
+  caster.cast(1, Along::kColumns, 1, -1);
+  caster.cast(2, Along::kRows, -1, -1);
+  caster.cast(3, Along::kColumns, -1, 1);
 }
 
 }  // namespace
@@ -348,7 +348,7 @@ void cast_lines(const Frame& frame, const Rim& rim, const Casting& how, CastLine
   lines.deep_x.clear();
   lines.deep_y.clear();
   lines.deep_level.clear();
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     cast(frame.u8.view(), rim, how, lines);
   } else {
     cast(frame.u16.view(), rim, how, lines);

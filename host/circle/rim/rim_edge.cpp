@@ -348,14 +348,14 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   thread_local RayLight light;
   light.clear();
   const int count = request.rays;
-  const bool sharp = request.kernel == Kernel::sharp;
+  const bool sharp = request.kernel == Kernel::kSharp;
   const float step = static_cast<float>(step_px_of(request.blur_px, rim.r));
   const float sign = sign_of(request.polarity);
   const auto cast_on = [&](const auto& view) {
-    return sharp ? cast<Kernel::sharp>(view, rim, sign, step, count, rays, light)
-                 : cast<Kernel::smooth>(view, rim, sign, step, count, rays, light);
+    return sharp ? cast<Kernel::kSharp>(view, rim, sign, step, count, rays, light)
+                 : cast<Kernel::kSmooth>(view, rim, sign, step, count, rays, light);
   };
-  const int n = frame.type == PixelType::u8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
+  const int n = frame.type == PixelType::kU8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
   trace.points.clear();
   trace.rays_in_view = n;
   trace.edge_sigma_px = 0;

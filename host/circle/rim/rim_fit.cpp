@@ -55,7 +55,7 @@ double excess_beyond(const RimPoint& p, const Vector5& delta) {
                      2 * c * s * delta[4]);
 }
 
-enum class Pass { learning, last };
+enum class Pass { kLearning, kLast };
 
 template <Pass kPass>
 Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixture, int stride) {
@@ -76,7 +76,7 @@ Sums accumulate(const RimTrace& trace, const Vector5& delta, const Mixture& mixt
     s.inked += e.inked;
     s.depth += e.inked * e.depth;
     s.noise_sq += e.noise_sq;
-    if constexpr (kPass == Pass::last) {
+    if constexpr (kPass == Pass::kLast) {
       add_outer(twice * e.score * e.score, j, s.information);
       s.information_sum += e.score * e.score;
       s.sectors.score[p.sector] += e.score;
@@ -126,7 +126,7 @@ struct Task {
   const RimTrace& trace;
   const Rim& rim;
   const CirclePrior& prior;
-  Shape shape = Shape::circle;
+  Shape shape = Shape::kCircle;
 
   // A blurred disc's half level lies so far inside its rim.
   double shrink_px() const { return trace.edge_sigma_px * trace.edge_sigma_px / (2 * rim.r); }
@@ -150,7 +150,7 @@ bool learn(const Task& task, Vector5& delta, Mixture& mixture) {
   const int points = static_cast<int>(task.trace.points.size());
   const int stride = std::max<int>(1, points / kCrossingFit.learn_from);
   for (int pass = 0; pass < kCrossingFit.learning; ++pass) {
-    const Sums s = accumulate<Pass::learning>(task.trace, delta, mixture, stride);
+    const Sums s = accumulate<Pass::kLearning>(task.trace, delta, mixture, stride);
     const double moved = improve_delta(task, s, 1, delta);
     const Mixture next = improve(s, mixture, task.trace.noise_px);
     const bool settled = moved < kCrossingFit.learnt * mixture.sigma &&
@@ -177,7 +177,7 @@ Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double 
   const double beyond = sigma * sigma - trusted * trusted;
   result.covariance(2, 2) +=
       kCrossingFit.ink_shift * kCrossingFit.ink_shift * std::max(0.0, beyond);
-  if (task.shape == Shape::circle) result.oval = score_test(s.information, s.score, wider);
+  if (task.shape == Shape::kCircle) result.oval = score_test(s.information, s.score, wider);
   result.scale = sigma;
   result.points = s.points;
   for (int count : s.sectors.points) result.arc += count > 0 ? 1.0 / kRimSectors : 0;
@@ -188,9 +188,9 @@ Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double 
 // then the corrections settle on all of them.
 Estimate estimate(const Task& task, Vector5 delta, Mixture& mixture) {
   if (!learn(task, delta, mixture)) return {};
-  const int parameters = task.shape == Shape::ellipse ? 5 : 3;
+  const int parameters = task.shape == Shape::kEllipse ? 5 : 3;
   for (int pass = 0;; ++pass) {
-    const Sums s = accumulate<Pass::last>(task.trace, delta, mixture, 1);
+    const Sums s = accumulate<Pass::kLast>(task.trace, delta, mixture, 1);
     if (s.points < 3 * parameters) return {};
     const double wider =
         inflation(s.sectors, s.information_sum, kCrossingFit.common_px, parameters);
@@ -245,11 +245,11 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, 
   fit.rim = rim;
   if (trace.points.size() < kCrossingFit.least_points) return fit;
   const Vector5 start = outer(trace);
-  const Task round{trace, rim, prior, Shape::circle}, squashed{trace, rim, prior, Shape::ellipse};
+  const Task round{trace, rim, prior, Shape::kCircle}, squashed{trace, rim, prior, Shape::kEllipse};
   Estimate best;
   // A circle where the search saw none but small deviations, unless its residuals object.
   Mixture mixture;
-  const bool only = shapes == Shapes::circle;
+  const bool only = shapes == Shapes::kCircle;
   if (only || std::hypot(rim.e1, rim.e2) < kPrior.plainly_oval * rim.r) {
     best = explain(round, start, mixture);
   }

@@ -115,7 +115,7 @@ void RimLines::keep(std::size_t lines) {
 void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request, LineTrace& trace) {
   thread_local CastLines lines;            // memory only
   thread_local std::vector<float> ground;  // memory only
-  const bool anew = request.levels == LineRequest::Levels::found_anew;
+  const bool anew = request.levels == LineRequest::Levels::kFoundAnew;
   // A texture wants all that it can get, the light a hundred lines or two.
   const bool many = request.most_lines > kLine.deep_all_up_to;
   const int deep_every = request.texture ? 1 : !anew ? 0 : many ? kLine.deep_every : 1;

@@ -56,11 +56,11 @@ struct LineTrace {
 };
 class TextureSums;
 struct LineRequest {
-  Polarity polarity = Polarity::bright;
+  Polarity polarity = Polarity::kBright;
   double step_px = 1;
   int most_lines = 720;
   // The levels of the trace before are right (the same frame), or they are found anew.
-  enum class Levels { found_anew, as_before } levels = Levels::found_anew;
+  enum class Levels { kFoundAnew, kAsBefore } levels = Levels::kFoundAnew;
   TextureSums* texture = nullptr;  // gets what the ball looks like inside, if there is one
 };
 // Casts lines across `rim`. `trace` keeps its memory from call to call.
@@ -86,12 +86,12 @@ struct LineFit {
   double width = 0, misfit = 0;
 };
 enum class Thoroughness {
-  preview,     // to a few hundredths of a step, from farther away
-  finely,      // one frame of many that share a model
-  with_width,  // for what many frames share: no step is saved, and the width is asked for
+  kPreview,    // to a few hundredths of a step, from farther away
+  kFinely,     // one frame of many that share a model
+  kWithWidth,  // for what many frames share: no step is saved, and the width is asked for
 };
 struct LineStart {
-  Thoroughness how = Thoroughness::finely;
+  Thoroughness how = Thoroughness::kFinely;
   const Rim* from = nullptr;           // near the fit
   const KindShares* shares = nullptr;  // of a fit to the same frame
 };

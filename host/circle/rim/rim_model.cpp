@@ -33,9 +33,9 @@ RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px
 }
 
 RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px)
-    : RimModel(texture, noise, edge_sigma_px, step_px, Blurred::no) {
+    : RimModel(texture, noise, edge_sigma_px, step_px, Blurred::kNo) {
   blurred_.reset(new RimModel(texture, std::hypot(noise, kRimModel.blurred), edge_sigma_px, step_px,
-                              Blurred::yes));
+                              Blurred::kYes));
 }
 
 namespace {

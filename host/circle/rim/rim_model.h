@@ -81,7 +81,7 @@ class RimModel {
     float information[kKinds];
   };
   struct Monomials;
-  enum class Blurred { no, yes };
+  enum class Blurred { kNo, kYes };
   RimModel(const RimTexture& texture, double noise, double edge_sigma_px, double step_px, Blurred);
   void fill(int place) const;
   void fill(const BlurredEdge& edge, int kind, Table& table) const;

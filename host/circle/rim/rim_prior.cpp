@@ -14,7 +14,7 @@ void Knowledge::add(const Vector5& direction, double value, double sd) {
 
 Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& prior, Shape shape,
                     double shrink_px) {
-  const bool ellipse = shape == Shape::ellipse;
+  const bool ellipse = shape == Shape::kEllipse;
   Knowledge k;
   const double e1 = rim.e1 + delta[3], e2 = rim.e2 + delta[4];
   const double e = std::hypot(e1, e2);

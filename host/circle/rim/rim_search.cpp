@@ -109,7 +109,7 @@ Polarity likely_polarity(const Profiles& p) {
     }
     votes += in > out ? 1 : -1;
   }
-  return votes >= 0 ? Polarity::bright : Polarity::dark;
+  return votes >= 0 ? Polarity::kBright : Polarity::kDark;
 }
 
 // Finds the strong edges of each ray that fall (ball bright) or rise (dark) outwards.
@@ -246,7 +246,7 @@ Vector5 consensus(const Profiles& p, const Task& task) {
   Lottery lottery;
   for (int trial = 0; trial < kSearch.hypotheses; ++trial) {
     Vector5 seed;
-    const bool oval = task.shapes == Shapes::circle_or_ellipse && trial % 2 == 1;
+    const bool oval = task.shapes == Shapes::kCircleOrEllipse && trial % 2 == 1;
     if (!hypothesis(p, prior, oval ? 5 : 3, lottery, seed)) continue;
     const double seed_cost = cost(p, seed, seed_px);
     if (seed_cost > kSearch.seed_slack * lowest_seed) continue;
@@ -309,7 +309,7 @@ Task task_of(const CirclePrior& prior, const CircleOptions& options) {
   Task task;
   task.start = rim_of(prior);
   task.wide_px = kSearch.sds * std::hypot(prior.centre_sd_px, rim_sd) + kSearch.inlier_px;
-  task.shapes = options.allow_ellipse ? Shapes::circle_or_ellipse : Shapes::circle;
+  task.shapes = options.allow_ellipse ? Shapes::kCircleOrEllipse : Shapes::kCircle;
   task.prior.mean << 0, 0, radius, prior.e1_px, prior.e2_px;
   const double centre = kSearch.edge_sd_px / std::max(prior.centre_sd_px, kSearch.least_sd_px);
   const double shape = kSearch.edge_sd_px / std::max(rim_sd, kSearch.least_sd_px);
@@ -328,7 +328,7 @@ RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleO
   const int count = std::max(kSearch.rays, options.rays / kSearch.of_usual_rays);
 
   thread_local Profiles profiles;  // memory only
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     sample_rays(frame.u8.view(), task.start, inward, outward, count, profiles);
   } else {
     sample_rays(frame.u16.view(), task.start, inward, outward, count, profiles);

@@ -64,7 +64,7 @@ EqualOpencl::EqualOpencl(opencl::Engine& engine, const FieldOptions& options,
 }
 
 EqualVariant EqualOpencl::variant_for(PixelType type) const {
-  if (!variant_.as_bytes || type == PixelType::u8) return variant_;
+  if (!variant_.as_bytes || type == PixelType::kU8) return variant_;
   const auto variants = equal_variants(engine_.device(), options_.window_px);
   return *std::find_if(variants.begin(), variants.end(),
                        [](const EqualVariant& variant) { return !variant.as_bytes; });
@@ -75,7 +75,7 @@ void EqualOpencl::compile(const StoredPictures& pictures) {
   opencl::Defines defines = {{"FFT_PX", std::to_string(options_.window_px)},
                              {"VECTOR", std::to_string(variant.vector)},
                              {"LANES", std::to_string(variant.lanes)},
-                             {"PIXEL", pictures.type == PixelType::u8 ? "uchar" : "ushort"}};
+                             {"PIXEL", pictures.type == PixelType::kU8 ? "uchar" : "ushort"}};
   if (variant.chain > 1) defines.emplace_back("CHAIN", std::to_string(variant.chain));
   if (variant.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
   if (variant.matrix_units) defines.emplace_back("MATRIX_UNITS", "1");
@@ -115,7 +115,7 @@ void EqualOpencl::run(const StoredPictures& pictures, const opencl::Buffer<Windo
   peaks_.reserve(engine_, count);
   const double side = options_.window_px, points = side * side;
   const auto done = static_cast<double>(count);
-  const double pixel_bytes = pictures.type == PixelType::u8 ? 1 : 2;
+  const double pixel_bytes = pictures.type == PixelType::kU8 ? 1 : 2;
   const EqualVariant variant = variant_for(pictures.type);
   std::size_t groups = count;
   if (variant.as_bytes) {

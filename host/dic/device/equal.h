@@ -37,7 +37,7 @@ double equal_flops(int window_px);
 struct StoredPictures {
   const cl::Buffer& pixels;
   int width = 0, height = 0;
-  PixelType type = PixelType::u8;
+  PixelType type = PixelType::kU8;
   double full_scale = 255;  // grey level of white
 };
 

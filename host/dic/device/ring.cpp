@@ -88,7 +88,7 @@ void RingRotation::measure_batch(const SplineFrames& splines, std::span<const Ri
     RingMotion motion =
         ring_peak({part(cross), part(energy), part(correlation)}, tasks[k], options_);
     if (missing[k] > 0) {
-      motion.status = WindowStatus::out_of_view;
+      motion.status = WindowStatus::kOutOfView;
       motion.rot_rad = motion.rot_sd_rad = std::numeric_limits<double>::quiet_NaN();
     }
     motions.push_back(motion);

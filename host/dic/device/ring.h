@@ -24,7 +24,7 @@ struct RingOptions {
 };
 
 struct RingMotion {
-  WindowStatus status = WindowStatus::ok;
+  WindowStatus status = WindowStatus::kOk;
   double rot_rad = 0;  // counter-clockwise on screen, −π … π; NaN where it could not be measured
   double rot_sd_rad = 0;
   double correlation = 0;  // ZNCC at the rotation

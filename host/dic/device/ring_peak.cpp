@@ -103,7 +103,7 @@ RingMotion ring_peak(const RingSpectrum& spectrum, const RingTask& task,
   }
   motion.rot_rad = motion.rot_sd_rad = std::numeric_limits<double>::quiet_NaN();
   if (!(energy_first > 0 && energy_second > 0)) {
-    motion.status = WindowStatus::no_texture;
+    motion.status = WindowStatus::kNoTexture;
     return motion;
   }
   const double step = 2 * kPi / count;
@@ -117,14 +117,14 @@ RingMotion ring_peak(const RingSpectrum& spectrum, const RingTask& task,
     if (std::abs(move) < 1e-10) break;
   }
   if (!(at.curvature < 0) || std::abs(angle - start) > step) {
-    motion.status = WindowStatus::not_converged;
+    motion.status = WindowStatus::kNotConverged;
     return motion;
   }
   motion.correlation = at.value / std::sqrt(energy_first * energy_second);
   const double second = second_highest(spectrum, angle);
   motion.peak_ratio = second > 0.001 * at.value ? at.value / second : 1000;
   if (motion.correlation < options.min_correlation) {
-    motion.status = WindowStatus::low_correlation;
+    motion.status = WindowStatus::kLowCorrelation;
     return motion;
   }
   motion.rot_rad = wrap(angle);

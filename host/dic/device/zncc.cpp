@@ -19,12 +19,12 @@ int area_px(const FieldOptions& options) { return options.window_px + 2 * option
 int lags(const FieldOptions& options) { return 2 * options.search_px + 1; }
 
 bool fits(const ZnccVariant& variant, const FieldOptions& options, const opencl::Device& device) {
-  if (variant.path == ZnccPath::bytes && (options.window_px > 31 || lags(options) > 33))
+  if (variant.path == ZnccPath::kBytes && (options.window_px > 31 || lags(options) > 33))
     return false;
   return area_px(options) <= variant.fft_px &&
-         (variant.path == ZnccPath::bytes ||
+         (variant.path == ZnccPath::kBytes ||
           variant.fft_px % (variant.vector * variant.lanes) == 0) &&
-         (variant.path != ZnccPath::pairs || variant.vector <= variant.fft_px / 2) &&
+         (variant.path != ZnccPath::kPairs || variant.vector <= variant.fft_px / 2) &&
          static_cast<std::size_t>(variant.lanes) <= device.max_work_group &&
          variant.local_bytes(options) <= device.local_memory_bytes;
 }
@@ -60,7 +60,7 @@ std::unique_ptr<ZnccOpencl> make_for_deep_pixels(opencl::Engine& engine,
                                                  const FieldOptions& options) {
   const auto variants = zncc_variants(engine.device(), options);
   const auto found = std::find_if(variants.begin(), variants.end(), [](const ZnccVariant& variant) {
-    return variant.path != ZnccPath::bytes;
+    return variant.path != ZnccPath::kBytes;
   });
   return std::make_unique<ZnccOpencl>(engine, options, *found);
 }
@@ -74,14 +74,14 @@ std::string device_options(const opencl::Engine& engine) {
 
 double zncc_flops(const ZnccVariant& variant) {
   const double points = static_cast<double>(variant.fft_px) * variant.fft_px;
-  const double transforms = variant.path == ZnccPath::pairs ? 1.5 : 2;
+  const double transforms = variant.path == ZnccPath::kPairs ? 1.5 : 2;
   return transforms * 5 * points * std::log2(points);
 }
 
 std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   const auto side = static_cast<std::size_t>(lags(options));
   const auto size = static_cast<std::size_t>(fft_px), pitch = size + vector;
-  if (path == ZnccPath::bytes) {
+  if (path == ZnccPath::kBytes) {
     const auto window = static_cast<std::size_t>(options.window_px), area = window + side - 1;
     const std::size_t area_pitch = 8 * ((area + 31) / 32) + 4, blocks = (window + 7) / 8;
     const std::size_t area_rows = 8 * ((blocks + (side + 7) / 8) / 2 * 2 + 1);
@@ -91,12 +91,12 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   }
   const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
   constexpr std::size_t kLines = PEAK_PATCH_PX * PEAK_WEIGHTS;
-  if (path == ZnccPath::pairs && vector == 1) {
+  if (path == ZnccPath::kPairs && vector == 1) {
     const std::size_t plane = std::max(2 * size * pitch, 4 * side * pitch);
     return sizeof(cl_float) *
            (plane + std::max(8 * size, 2 * kLines) + 2 * side * side + 4 * size + 8);
   }
-  if (path == ZnccPath::pairs) {
+  if (path == ZnccPath::kPairs) {
     const std::size_t rows = std::max(size, 2 * side);
     return sizeof(cl_float) *
            (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
@@ -111,12 +111,12 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
 
 std::string ZnccVariant::name() const {
   const std::string size = " " + std::to_string(fft_px);
-  if (path == ZnccPath::clfft) return "clfft" + size;
+  if (path == ZnccPath::kClfft) return "clfft" + size;
   const std::string shape =
       size + " vector " + std::to_string(vector) + " lanes " + std::to_string(lanes);
-  const char* const kind = path == ZnccPath::bytes    ? "bytes"
-                           : path == ZnccPath::single ? "single"
-                                                      : "pairs";
+  const char* const kind = path == ZnccPath::kBytes    ? "bytes"
+                           : path == ZnccPath::kSingle ? "single"
+                                                       : "pairs";
   return kind + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
          (matrix_units ? " matrix" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
@@ -131,7 +131,7 @@ std::vector<ZnccVariant> zncc_variants(const opencl::Device& device, const Field
   const auto offer_bytes = [&](int size) {
     for (const int registers : {128, 0}) {
       if (device.multiplies_bytes) {
-        offer({ZnccPath::bytes, size, 1, 32, true, true, registers, true});
+        offer({ZnccPath::kBytes, size, 1, 32, true, true, registers, true});
       }
     }
   };
@@ -139,14 +139,14 @@ std::vector<ZnccVariant> zncc_variants(const opencl::Device& device, const Field
     if (size < area_px(options) || !variants.empty()) continue;
     if (!device.is_gpu) {
       for (const int vector : {8, 16, 4}) {
-        if (size <= 32) offer({ZnccPath::pairs, size, vector, 1});
+        if (size <= 32) offer({ZnccPath::kPairs, size, vector, 1});
       }
-      for (const int vector : {8, 16}) offer({ZnccPath::single, size, vector, 1});
+      for (const int vector : {8, 16}) offer({ZnccPath::kSingle, size, vector, 1});
       continue;
     }
     // Small windows are as much work behind the products as behind transforms.
     if (size == 64) offer_bytes(size);
-    const ZnccPath path = size <= 32 ? ZnccPath::pairs : ZnccPath::single;
+    const ZnccPath path = size <= 32 ? ZnccPath::kPairs : ZnccPath::kSingle;
     const bool is_warp = is_nvidia && size == 32;
     for (const int registers : {168, 144, 128}) {
       if (is_nvidia) offer({path, size, 1, size, true, is_warp, registers});
@@ -154,11 +154,11 @@ std::vector<ZnccVariant> zncc_variants(const opencl::Device& device, const Field
     offer({path, size, 1, size, true, is_warp, 0});
     if (is_warp) offer({path, size, 1, size, true, false, 0});
     offer({path, size, 1, size, false, is_warp, 0});
-    if (size <= 32) offer({ZnccPath::single, size, 1, size, true, is_warp, 0});
+    if (size <= 32) offer({ZnccPath::kSingle, size, 1, size, true, is_warp, 0});
     if (size <= 32) offer_bytes(size);
   }
   const auto length = opencl::FftPlan::good_size(static_cast<std::size_t>(area_px(options)));
-  variants.push_back({ZnccPath::clfft, static_cast<int>(length), 1, 1});
+  variants.push_back({ZnccPath::kClfft, static_cast<int>(length), 1, 1});
   return variants;
 }
 
@@ -168,7 +168,7 @@ ZnccOpencl::ZnccOpencl(opencl::Engine& engine, const FieldOptions& options,
   opencl::Defines defines = defines_of(options, variant);
   weights_ = opencl::make_buffer<cl_float>(engine, peak_weights());
   subpixel_ = engine.kernel("zncc/peak.cl", "zncc_subpixel", {}, device_options(engine));
-  if (variant.path != ZnccPath::clfft) return;
+  if (variant.path != ZnccPath::kClfft) return;
   group_ =
       engine.device().is_gpu ? std::min<std::size_t>(group_, engine.device().max_work_group) : 1;
   defines.emplace_back("GROUP", std::to_string(group_));
@@ -198,10 +198,10 @@ float ZnccOpencl::contrast(const DeviceFrames& frames) const {
 }
 
 void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
-  const bool pairs = variant_.path == ZnccPath::pairs, vectors = variant_.vector > 1;
-  const bool bytes = variant_.path == ZnccPath::bytes;
+  const bool pairs = variant_.path == ZnccPath::kPairs, vectors = variant_.vector > 1;
+  const bool bytes = variant_.path == ZnccPath::kBytes;
   opencl::Defines defines = defines_of(options_, variant_);
-  defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::u8 ? "uchar" : "ushort");
+  defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::kU8 ? "uchar" : "ushort");
   defines.emplace_back("VECTOR", std::to_string(variant_.vector));
   defines.emplace_back("LANES", std::to_string(variant_.lanes));
   if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
@@ -221,7 +221,7 @@ void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
 
 void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const opencl::Buffer<Window>& windows,
                                std::size_t start, std::size_t count) {
-  const bool pairs = variant_.path == ZnccPath::pairs;
+  const bool pairs = variant_.path == ZnccPath::kPairs;
   compile_fused(frames);
   const auto group = static_cast<std::size_t>(variant_.lanes);
   const std::size_t groups = pairs ? (count + 1) / 2 : count;
@@ -283,7 +283,7 @@ void ZnccOpencl::run(const DeviceFrames& frames, const opencl::Buffer<Window>& w
   if (count > windows.size() || count > motions.size()) {
     throw InvalidArgument("more windows than their buffers hold");
   }
-  if (variant_.path == ZnccPath::bytes && frames.pixel_type() != PixelType::u8) {
+  if (variant_.path == ZnccPath::kBytes && frames.pixel_type() != PixelType::kU8) {
     if (!for_deep_pixels_) for_deep_pixels_ = make_for_deep_pixels(engine_, options_);
     for_deep_pixels_->run(frames, windows, count, motions);
     return;
@@ -291,7 +291,7 @@ void ZnccOpencl::run(const DeviceFrames& frames, const opencl::Buffer<Window>& w
   peaks_.reserve(engine_, std::min(count, kMostPeaks));
   for (std::size_t start = 0; start < count; start += kMostPeaks) {
     const std::size_t part = std::min(count - start, kMostPeaks);
-    if (variant_.path != ZnccPath::clfft) {
+    if (variant_.path != ZnccPath::kClfft) {
       enqueue_fused(frames, windows, start, part);
     } else {
       reserve_batch(part);

@@ -15,16 +15,16 @@ namespace impactdic::dic {
 
 // How a correlation is computed.
 enum class ZnccPath {
-  bytes,   // a window a group of 32 in one kernel without transforms (kernels/zncc/bytes.cl): 8-bit
+  kBytes,  // a window a group of 32 in one kernel without transforms (kernels/zncc/bytes.cl): 8-bit
            // pictures (others go another path), windows up to 31, 33 lags
-  pairs,   // two windows a group in one kernel (kernels/zncc/pairs*.cl): transforms of 16 and 32
-  single,  // a window a group in one kernel (kernels/zncc/single*.cl): transforms of 16, 32 and 64
-  clfft,   // several kernels about clFFT's batches: any size
+  kPairs,  // two windows a group in one kernel (kernels/zncc/pairs*.cl): transforms of 16 and 32
+  kSingle,  // a window a group in one kernel (kernels/zncc/single*.cl): transforms of 16, 32 and 64
+  kClfft,   // several kernels about clFFT's batches: any size
 };
 
 // One way to compute the same correlation. See kernels/lanes.h and kernels/config.h.
 struct ZnccVariant {
-  ZnccPath path = ZnccPath::pairs;
+  ZnccPath path = ZnccPath::kPairs;
   int fft_px = 32;
   int vector = 1, lanes = 32;
   // Of vector 1 alone:

@@ -144,7 +144,7 @@ BSplineImage::Sample BSplineImage::sample(double x_px, double y_px) const {
 Image<double> to_double(const Frame& frame) {
   Image<double> out(frame.width(), frame.height());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out.data()[i] = frame.type == PixelType::u8 ? frame.u8.data()[i] : frame.u16.data()[i];
+    out.data()[i] = frame.type == PixelType::kU8 ? frame.u8.data()[i] : frame.u16.data()[i];
   }
   return out;
 }

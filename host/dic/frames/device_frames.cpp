@@ -12,7 +12,7 @@ namespace {
 
 void copy_part(const FramePart& part, int width, int height, unsigned char* to) {
   const Frame& frame = *part.frame;
-  const std::size_t depth = frame.type == PixelType::u8 ? 1 : 2;
+  const std::size_t depth = frame.type == PixelType::kU8 ? 1 : 2;
   const std::size_t bytes = depth * static_cast<std::size_t>(width);
   const std::size_t pitch = depth * static_cast<std::size_t>(frame.width());
   const auto* from = static_cast<const unsigned char*>(frame.bytes()) +
@@ -59,7 +59,7 @@ void DeviceFrames::check(const FramePart& part, int width, int height) {
     images_ = opencl::Buffer<float>(engine_, count);
     pixels_ = opencl::Buffer<unsigned char>(engine_, count * pixel_bytes() + kBytesBehind);
     unpack_ = engine_.kernel("frames/unpack.cl", "unpack",
-                             {{"PIXEL", frame.type == PixelType::u8 ? "uchar" : "ushort"}});
+                             {{"PIXEL", frame.type == PixelType::kU8 ? "uchar" : "ushort"}});
   }
   if (width != width_ || height != height_) {
     throw InvalidArgument("frames of one clip must have one size");

@@ -54,7 +54,7 @@ class DeviceFrames {
   // The same at their stored depth.
   const opencl::Buffer<unsigned char>& pixels() const { return pixels_; }
   PixelType pixel_type() const { return pixel_type_; }
-  int pixel_bytes() const { return pixel_type_ == PixelType::u8 ? 1 : 2; }
+  int pixel_bytes() const { return pixel_type_ == PixelType::kU8 ? 1 : 2; }
   // The B-splines of all slots that hold a picture, up to date (enqueued); worked out once for
   // everyone who asks for the same.
   const SplineFrames& splines(int degree, double presmooth_sigma_px,
@@ -73,7 +73,7 @@ class DeviceFrames {
   opencl::Buffer<unsigned char> pixels_;
   opencl::Staging staging_;
   cl::Kernel unpack_;
-  PixelType pixel_type_ = PixelType::u8;
+  PixelType pixel_type_ = PixelType::kU8;
   std::vector<std::unique_ptr<SplineFrames>> splines_;
 };
 

@@ -174,7 +174,7 @@ BallMotion ball_reference(const Frame& first, const Frame& second, const BallTas
   BallMotion motion{};
   const float nan = std::numeric_limits<float>::quiet_NaN();
   if (!registration.run()) {
-    motion.status = static_cast<idic_int>(WindowStatus::not_converged);
+    motion.status = static_cast<idic_int>(WindowStatus::kNotConverged);
     motion.dx = motion.dy = motion.rot_rad = nan;
     return motion;
   }

@@ -22,8 +22,8 @@ class ReferenceCorrelator final : public Correlator {
         frames_(static_cast<std::size_t>(slots_.count())),
         discs_(slots) {
     options_.validate();
-    if (options_.method == FieldMethod::icgn) icgn_.emplace(options_, slots);
-    if (options_.method == FieldMethod::published) published_.emplace(options_);
+    if (options_.method == FieldMethod::kIcgn) icgn_.emplace(options_, slots);
+    if (options_.method == FieldMethod::kPublished) published_.emplace(options_);
   }
 
   void set_frame(int slot, const Frame& frame) override {
@@ -49,7 +49,7 @@ class ReferenceCorrelator final : public Correlator {
       return motions;
     }
     WholeWindows whole;
-    whole.search(windows, options_.window_px, discs_, WindowStatus::low_correlation, motions,
+    whole.search(windows, options_.window_px, discs_, WindowStatus::kLowCorrelation, motions,
                  search);
     const RefineWindows again = [&](std::span<const Window> lost,
                                     std::span<const WindowMotion> seeds,
@@ -67,7 +67,7 @@ class ReferenceCorrelator final : public Correlator {
     const auto first = frames_[static_cast<std::size_t>(window.first)].view();
     const auto second = frames_[static_cast<std::size_t>(window.second)].view();
     if (published_) return published_->measure(first, second, window, full_scale_);
-    if (options_.method == FieldMethod::equal) {
+    if (options_.method == FieldMethod::kEqual) {
       return equal_reference(first, second, window, options_, full_scale_);
     }
     const WindowMotion seed =

@@ -50,13 +50,13 @@ WindowMotion equal_reference(ImageView<const float> first, ImageView<const float
   const int side = options.window_px;
   const int x1 = window.x0 + window.guess_u, y1 = window.y0 + window.guess_v;
   if (!holds(first, window.x0, window.y0, side) || !holds(second, x1, y1, side)) {
-    return without_motion(WindowStatus::out_of_view, std::nan(""));
+    return without_motion(WindowStatus::kOutOfView, std::nan(""));
   }
   const Pixels f = mean_free(first, window.x0, window.y0, side);
   const Pixels g = mean_free(second, x1, y1, side);
   const double contrast = min_contrast(options, full_scale);
   if (std::min(energy_of(f), energy_of(g)) < contrast * contrast * side * side) {
-    return without_motion(WindowStatus::no_texture, std::nan(""));
+    return without_motion(WindowStatus::kNoTexture, std::nan(""));
   }
   double highest = -1e300;
   int lag_x = 0, lag_y = 0;
@@ -76,10 +76,10 @@ WindowMotion equal_reference(ImageView<const float> first, ImageView<const float
   const double centre = over_overlap(lag_x, lag_y);
   const double correlation = std::min(centre / std::sqrt(energy_of(f) * energy_of(g)), 1.0);
   if (lag_x == -side / 2 || lag_y == -side / 2) {
-    return without_motion(WindowStatus::at_search_edge, correlation);
+    return without_motion(WindowStatus::kAtSearchEdge, correlation);
   }
   if (correlation < options.min_correlation) {
-    return without_motion(WindowStatus::low_correlation, correlation);
+    return without_motion(WindowStatus::kLowCorrelation, correlation);
   }
   double shift[2], bend[2];
   for (int axis = 0; axis < 2; ++axis) {
@@ -89,11 +89,11 @@ WindowMotion equal_reference(ImageView<const float> first, ImageView<const float
     bend[axis] = -(std::log(before) + std::log(after));
     shift[axis] = 0.5 * (std::log(after) - std::log(before)) / bend[axis];
     if (!(before > 0 && after > 0 && bend[axis] > 0)) {
-      return without_motion(WindowStatus::not_converged, correlation);
+      return without_motion(WindowStatus::kNotConverged, correlation);
     }
   }
   const double residual = 2 * (1 - correlation) / (side * side - 4.0);
-  WindowMotion motion = without_motion(WindowStatus::ok, correlation);
+  WindowMotion motion = without_motion(WindowStatus::kOk, correlation);
   motion.u = static_cast<float>(window.guess_u + lag_x + shift[0]);
   motion.v = static_cast<float>(window.guess_v + lag_y + shift[1]);
   motion.u_sd = static_cast<float>(std::sqrt(residual / (correlation * bend[0])));

@@ -127,7 +127,7 @@ double largest_move(const Row& delta, double half) {
 
 // The minimum of ZNSSD about a start.
 struct Minimum {
-  WindowStatus status = WindowStatus::ok;
+  WindowStatus status = WindowStatus::kOk;
   Warp warp;
   double correlation = std::numeric_limits<double>::quiet_NaN();
   double variance = 0;  // of the residual
@@ -139,6 +139,18 @@ struct Minimum {
 struct Spread {
   double u = std::numeric_limits<double>::infinity(), v = u;
 };
+
+// `noise`: one standard deviation of the pictures' difference, as a displacement sees it.
+void put(const Warp& warp, double noise, const Spread& spread, WindowMotion& motion) {
+  motion.u = static_cast<float>(warp.t.x());
+  motion.v = static_cast<float>(warp.t.y());
+  motion.u_sd = static_cast<float>(noise * std::sqrt(spread.u));
+  motion.v_sd = static_cast<float>(noise * std::sqrt(spread.v));
+  motion.ux = static_cast<float>(warp.a(0, 0) - 1);
+  motion.uy = static_cast<float>(warp.a(0, 1));
+  motion.vx = static_cast<float>(warp.a(1, 0));
+  motion.vy = static_cast<float>(warp.a(1, 1) - 1);
+}
 
 class Registration {
  public:
@@ -185,15 +197,15 @@ class Registration {
     bool close = false;
     for (int iteration = 0; iteration < 20 * max_iterations; ++iteration) {
       const double moved = step(result);
-      if (result.status != WindowStatus::ok) return result;
+      if (result.status != WindowStatus::kOk) return result;
       if ((result.warp.t - start.t).cwiseAbs().maxCoeff() > half_) {
-        result.status = WindowStatus::not_converged;
+        result.status = WindowStatus::kNotConverged;
       } else if (!in_view(second_, result.warp, centre_, half_)) {
-        result.status = WindowStatus::out_of_view;
+        result.status = WindowStatus::kOutOfView;
       }
       close = close || moved < kCloseEnoughPx;
-      if (iteration + 1 == max_iterations && !close) result.status = WindowStatus::not_converged;
-      if (result.status != WindowStatus::ok || moved < 1e-9) return result;
+      if (iteration + 1 == max_iterations && !close) result.status = WindowStatus::kNotConverged;
+      if (result.status != WindowStatus::kOk || moved < 1e-9) return result;
     }
     return result;
   }
@@ -210,7 +222,7 @@ class Registration {
     result.correlation = f_unit_.dot((g.array() - g.mean()).matrix()) / centred_norm(g);
     const double gain = f_unit_.dot(g) / contrast_;
     if (!(gain > 0)) {
-      result.status = WindowStatus::low_correlation;
+      result.status = WindowStatus::kLowCorrelation;
       return 0;
     }
     project_out(f_unit_, g);
@@ -265,9 +277,9 @@ const IcgnReference::Slot& IcgnReference::slot(int index) const {
 
 WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& seed) const {
   const auto status = static_cast<WindowStatus>(seed.status);
-  const bool lost = status == WindowStatus::low_correlation ||
-                    status == WindowStatus::at_search_edge || status == WindowStatus::not_converged;
-  if (status != WindowStatus::ok && !lost) return seed;
+  const bool lost = status == WindowStatus::kLowCorrelation ||
+                    status == WindowStatus::kAtSearchEdge || status == WindowStatus::kNotConverged;
+  if (status != WindowStatus::kOk && !lost) return seed;
   const Slot& first = slot(window.first);
   const BSplineImage& second = slot(window.second).spline;
   const int side = options_.window_px;
@@ -282,13 +294,13 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
                          window.y0 + side <= second.height();
   if (lost && !is_inside) return seed;
   if (!is_inside || (!lost && !in_view(second, start, centre, half))) {
-    return failed(motion, WindowStatus::out_of_view);
+    return failed(motion, WindowStatus::kOutOfView);
   }
   Template model =
       make_template(first.spline, window, side, {first.cx_px, first.cy_px}, first.radius_px);
   const auto count = static_cast<double>(model.f.size());
   if (count < 0.5 * side * side) {
-    return failed(motion, WindowStatus::masked);
+    return failed(motion, WindowStatus::kMasked);
   }
   const Registration registration(std::move(model), second, centre, half);
   const double known_variance = pixel_variance(options_, first.full_scale);
@@ -299,29 +311,21 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
   const double most = options_.max_sd_px * options_.max_sd_px / (2 * doubt);
   if (registration.rms_contrast() < std::sqrt(least * least + known_variance) ||
       registration.singular() || !(spread.u <= most && spread.v <= most)) {
-    return failed(motion, WindowStatus::no_texture);
+    return failed(motion, WindowStatus::kNoTexture);
   }
   if (lost) return seed;
   const Minimum found = registration.run(start, options_.max_iterations);
   motion.correlation = static_cast<float>(found.correlation);
-  if (found.status != WindowStatus::ok) return failed(motion, found.status);
+  if (found.status != WindowStatus::kOk) return failed(motion, found.status);
   if (found.correlation < options_.min_correlation) {
-    return failed(motion, WindowStatus::low_correlation);
+    return failed(motion, WindowStatus::kLowCorrelation);
   }
   // Both frames' noise, of which the residual holds the second one's after interpolation; at least
   // that of rounding to whole grey levels.
   const double variance = std::max(
       found.variance / (1 + noise_in_window(options_.spline_degree, found.warp, centre, half)),
       1.0 / 12);
-  const double noise = std::sqrt(2 * variance) / found.gain;
-  motion.u = static_cast<float>(found.warp.t.x());
-  motion.v = static_cast<float>(found.warp.t.y());
-  motion.u_sd = static_cast<float>(noise * std::sqrt(spread.u));
-  motion.v_sd = static_cast<float>(noise * std::sqrt(spread.v));
-  motion.ux = static_cast<float>(found.warp.a(0, 0) - 1);
-  motion.uy = static_cast<float>(found.warp.a(0, 1));
-  motion.vx = static_cast<float>(found.warp.a(1, 0));
-  motion.vy = static_cast<float>(found.warp.a(1, 1) - 1);
+  put(found.warp, std::sqrt(2 * variance) / found.gain, spread, motion);
   return motion;
 }
 

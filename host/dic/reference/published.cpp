@@ -140,14 +140,14 @@ WindowMotion PublishedReference::measure(ImageView<const float> first,
   const auto x1 = static_cast<std::int64_t>(window.x0) + window.guess_u;
   const auto y1 = static_cast<std::int64_t>(window.y0) + window.guess_v;
   if (!is_in_view(window.x0, window.y0, side, first) || !is_in_view(x1, y1, side, second)) {
-    return without_motion(WindowStatus::out_of_view, nothing);
+    return without_motion(WindowStatus::kOutOfView, nothing);
   }
   const Square f = mean_free(first, window.x0, window.y0, side);
   const Square g = mean_free(second, static_cast<int>(x1), static_cast<int>(y1), side);
   const double contrast = min_contrast(options_, full_scale);
   const double lowest = contrast * contrast * static_cast<double>(f.values.size());
   if (energy_of(f) < lowest || energy_of(g) < lowest) {
-    return without_motion(WindowStatus::no_texture, nothing);
+    return without_motion(WindowStatus::kNoTexture, nothing);
   }
   const Square fine_f = interpolated(f, matrix_), fine_g = interpolated(g, matrix_);
   const Square map = cross_correlation(fine_f, fine_g);
@@ -171,7 +171,7 @@ WindowMotion PublishedReference::measure(ImageView<const float> first,
   motion.u_sd = motion.v_sd = static_cast<float>(1 / (parts * std::sqrt(12.0)));
   motion.correlation = static_cast<float>(*best * scale);
   motion.peak_ratio = static_cast<float>(peak_ratio(*highest, other));
-  motion.status = static_cast<idic_int>(WindowStatus::ok);
+  motion.status = static_cast<idic_int>(WindowStatus::kOk);
   return motion;
 }
 

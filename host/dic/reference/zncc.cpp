@@ -161,11 +161,11 @@ WindowMotion highest_point(const Surface& surface, int x, int y, double pixels, 
     ty = to_y;
   }
   if (!converged || !is_hill() || std::abs(tx - x) >= kFarthest || std::abs(ty - y) >= kFarthest) {
-    return without_motion(WindowStatus::not_converged, at_sample);
+    return without_motion(WindowStatus::kNotConverged, at_sample);
   }
   const double correlation = std::min(surface(tx, ty, 0, 0), 1.0);
   if (correlation < min_correlation) {
-    return without_motion(WindowStatus::low_correlation, correlation);
+    return without_motion(WindowStatus::kLowCorrelation, correlation);
   }
   const double residual = 2 * (1 - correlation) / (pixels - 4);
   WindowMotion motion{};
@@ -174,7 +174,7 @@ WindowMotion highest_point(const Surface& surface, int x, int y, double pixels, 
   motion.u_sd = static_cast<float>(std::sqrt(residual * -yy / determinant));
   motion.v_sd = static_cast<float>(std::sqrt(residual * -xx / determinant));
   motion.correlation = static_cast<float>(correlation);
-  motion.status = static_cast<idic_int>(WindowStatus::ok);
+  motion.status = static_cast<idic_int>(WindowStatus::kOk);
   return motion;
 }
 
@@ -226,13 +226,13 @@ WindowMotion zncc_reference(ImageView<const float> first, ImageView<const float>
   const LagRange lag_y = lags_in_view(y_at_guess, size, second.height, search);
   if (own_x.low > own_x.high || own_y.low > own_y.high || lag_x.low > lag_x.high ||
       lag_y.low > lag_y.high) {
-    return without_motion(WindowStatus::out_of_view, std::numeric_limits<double>::quiet_NaN());
+    return without_motion(WindowStatus::kOutOfView, std::numeric_limits<double>::quiet_NaN());
   }
   const Pixels pixels = mean_free_template(first, window, size);
   const double energy = energy_of(pixels), contrast = min_contrast(options, full_scale);
   const auto count = static_cast<double>(pixels.size());
   if (std::sqrt(energy / count) < contrast) {
-    return without_motion(WindowStatus::no_texture, std::numeric_limits<double>::quiet_NaN());
+    return without_motion(WindowStatus::kNoTexture, std::numeric_limits<double>::quiet_NaN());
   }
 
   std::vector<double> map(static_cast<std::size_t>(width) * width, -2);
@@ -253,7 +253,7 @@ WindowMotion zncc_reference(ImageView<const float> first, ImageView<const float>
   }
   const double highest = at(best_x, best_y);
   if (best_x == lag_x.low || best_x == lag_x.high || best_y == lag_y.low || best_y == lag_y.high) {
-    return without_motion(WindowStatus::at_search_edge, highest);
+    return without_motion(WindowStatus::kAtSearchEdge, highest);
   }
   constexpr int kReach = PEAK_PATCH_PX / 2;
   const int x0 = std::max(best_x - kReach, lag_x.low), x1 = std::min(best_x + kReach, lag_x.high);
@@ -265,7 +265,7 @@ WindowMotion zncc_reference(ImageView<const float> first, ImageView<const float>
   const Surface surface(patch, x1 - x0 + 1, y1 - y0 + 1);
   WindowMotion motion =
       highest_point(surface, best_x - x0, best_y - y0, count, highest, options.min_correlation);
-  if (motion.status != static_cast<idic_int>(WindowStatus::ok)) return motion;
+  if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return motion;
   motion.u += static_cast<float>(window.guess_u + best_x);
   motion.v += static_cast<float>(window.guess_v + best_y);
   motion.peak_ratio = static_cast<float>(peak_ratio(

@@ -19,7 +19,7 @@ cv::Point fixed(double x, double y) {
 
 cv::Mat to_colour(const Frame& frame) {
   cv::Mat grey(frame.height(), frame.width(), CV_8U);
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     std::memcpy(grey.data, frame.u8.data(), frame.u8.size());
   } else {
     const cv::Mat deep(frame.height(), frame.width(), CV_16U,
@@ -47,7 +47,7 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   cv::Mat picture = to_colour(frame);
   const double half = (window_px - 1) / 2.0;
   for (std::size_t i = 0; i < field.size(); ++i) {
-    if (field[i].status != static_cast<idic_int>(dic::WindowStatus::ok)) continue;
+    if (field[i].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
     const double x = windows[i].x0 + half - origin_x_, y = windows[i].y0 + half - origin_y_;
     cv::line(picture, fixed(x, y),
              fixed(x + arrow_scale_ * field[i].u, y + arrow_scale_ * field[i].v), kArrowColour, 1,

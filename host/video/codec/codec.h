@@ -18,7 +18,7 @@ namespace impactdic::video {
 // Throws FileError, FormatError.
 std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths);
 
-// For open_sink: SinkFormat::png (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
+// For open_sink: SinkFormat::kPng (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
 // Throws InvalidArgument (more than 8 bits for a container), FileError.
 std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
                                            const ClipInfo& info);

@@ -34,7 +34,7 @@ bool is_colored(const cv::Mat& picture) {
 }
 
 cv::Mat as_mat(const Frame& frame) {
-  return {frame.height(), frame.width(), frame.type == PixelType::u8 ? CV_8UC1 : CV_16UC1,
+  return {frame.height(), frame.width(), frame.type == PixelType::kU8 ? CV_8UC1 : CV_16UC1,
           const_cast<void*>(frame.bytes())};
 }
 

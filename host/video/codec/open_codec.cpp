@@ -99,7 +99,7 @@ std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths) {
     options.open_codec = open_codec;
     return open_video(paths, options);
   }
-  if (tell_file_kind(paths[0]) == FileKind::container) return open_container(paths[0]);
+  if (tell_file_kind(paths[0]) == FileKind::kContainer) return open_container(paths[0]);
   return std::make_unique<PictureSource>(paths[0]);
 }
 

@@ -145,14 +145,14 @@ std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat f
                                            const ClipInfo& asked) {
   ClipInfo info = asked;
   info.path = path;
-  if (format == SinkFormat::png) return std::make_unique<PngSink>(path, info);
+  if (format == SinkFormat::kPng) return std::make_unique<PngSink>(path, info);
   if (info.bits != 8) {
     throw InvalidArgument(
         "containers hold 8-bit frames, not " + std::to_string(info.bits) + "-bit ones", path,
         "tiff, png, cine and mraw hold them");
   }
-  if (format == SinkFormat::avi) return std::make_unique<ContainerSink>(path, "FFV1", info);
-  if (format != SinkFormat::mp4) throw InvalidArgument("not a format of the codecs", path);
+  if (format == SinkFormat::kAvi) return std::make_unique<ContainerSink>(path, "FFV1", info);
+  if (format != SinkFormat::kMp4) throw InvalidArgument("not a format of the codecs", path);
   if (info.width % 2 != 0 || info.height % 2 != 0) {
     throw InvalidArgument("an MP4 needs an even width and height", path);
   }

@@ -33,7 +33,7 @@ class CineSource : public FrameSource {
  public:
   CineSource(const std::string& path, bool phantom_codes, bool lend)
       : file_(path, lend), header_(read_cine_header(file_)) {
-    linearise_ = header_.packing == Packing::packed10 && !phantom_codes;
+    linearise_ = header_.packing == Packing::kPacked10 && !phantom_codes;
     fill_info();
     compare_rate_with_times();
   }

@@ -125,13 +125,13 @@ void read_format(const ByteFile& file, std::int64_t at, const Setup& setup, int 
   header.width = static_cast<int>(width);
   header.height = static_cast<int>(height);
   if (packing == kPacked10 || packing == kPacked12) {
-    header.packing = packing == kPacked10 ? Packing::packed10 : Packing::packed12;
+    header.packing = packing == kPacked10 ? Packing::kPacked10 : Packing::kPacked12;
     header.bits = stored_bits(header.packing);
     header.bottom_up = false;
   } else if (packing == 0 && depth == 8) {
-    header.packing = Packing::u8;
+    header.packing = Packing::kU8;
   } else if (packing == 0 && depth == 16) {
-    header.packing = Packing::u16;
+    header.packing = Packing::kU16;
     header.bits = effective_bits(setup, load_u32(&bitmap[36]), header.warnings);
   } else {
     throw FormatError(path, at + 14,

@@ -20,7 +20,7 @@ struct CineBlock {
 
 struct CineHeader {
   int width = 0, height = 0;
-  Packing packing = Packing::u8;
+  Packing packing = Packing::kU8;
   int bits = 8;           // effective bits of a stored pixel
   bool bottom_up = true;  // the last row is stored first
   std::int64_t frame_bytes = 0;

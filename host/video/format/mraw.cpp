@@ -55,10 +55,10 @@ Packing packing_of(const std::string& path, const CihFacts& facts) {
     throw FormatError(path, -1, "a colour clip: only monochrome is read",
                       "save it as monochrome with the camera's software");
   }
-  if (facts.color_bit == 8) return Packing::u8;
-  if (facts.color_bit == 10) return Packing::packed10;
-  if (facts.color_bit == 12) return Packing::packed12;
-  if (facts.color_bit == 16) return Packing::u16;
+  if (facts.color_bit == 8) return Packing::kU8;
+  if (facts.color_bit == 10) return Packing::kPacked10;
+  if (facts.color_bit == 12) return Packing::kPacked12;
+  if (facts.color_bit == 16) return Packing::kU16;
   throw FormatError(path, -1,
                     "pixels of " + std::to_string(facts.color_bit) + " bits are not known");
 }
@@ -77,7 +77,7 @@ class MrawSource : public FrameSource {
       if (facts.left_justified) shift_ = stored - bits_;
     }
     // 8-bit pixels stay as they are: a deeper "effective" depth is that of the camera.
-    if (packing_ == Packing::u8) bits_ = 8, shift_ = 0;
+    if (packing_ == Packing::kU8) bits_ = 8, shift_ = 0;
     check_size();
     fill_info(pair);
   }

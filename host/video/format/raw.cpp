@@ -12,13 +12,13 @@ namespace {
 Packing packing_for(int bits) {
   switch (bits) {
     case 8:
-      return Packing::u8;
+      return Packing::kU8;
     case 10:
-      return Packing::packed10;
+      return Packing::kPacked10;
     case 12:
-      return Packing::packed12;
+      return Packing::kPacked12;
     case 16:
-      return Packing::u16;
+      return Packing::kU16;
     default:
       throw InvalidArgument("no raw pixels of " + std::to_string(bits) + " bits", "--raw",
                             "8, 10 (packed), 12 (packed) or 16 (little-endian)");

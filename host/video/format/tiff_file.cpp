@@ -283,7 +283,7 @@ void TiffFile::decode(const TiffPage& page, Frame& frame) {
   frame.reset(static_cast<int>(page.width), static_cast<int>(page.height), page.depth);
   bool decoded = false;
   error_.clear();
-  if (frame.type == PixelType::u8) {
+  if (frame.type == PixelType::kU8) {
     decoded = PageDecoder<std::uint8_t>(handle_.get(), page, rows_).decode(frame.u8);
     if (decoded && page.photometric == PHOTOMETRIC_PALETTE) {
       const auto table = palette_table(handle_.get(), path_);

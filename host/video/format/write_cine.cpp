@@ -45,8 +45,8 @@ class CineSink : public FrameSink {
     store<std::uint32_t>(annotation, 0, static_cast<std::uint32_t>(kAnnotationBytes));
     store<std::uint32_t>(annotation, 4, static_cast<std::uint32_t>(frame_bytes_));
     file_->append(annotation);
-    const bool bottom_up = packing_ == Packing::u8 || packing_ == Packing::u16;
-    if (packing_ == Packing::packed10 && info_.bits == 12) {
+    const bool bottom_up = packing_ == Packing::kU8 || packing_ == Packing::kU16;
+    if (packing_ == Packing::kPacked10 && info_.bits == 12) {
       pack_frame(to_codes(frame), packing_, bottom_up, stored_);
     } else {
       pack_frame(frame, packing_, bottom_up, stored_);
@@ -66,9 +66,9 @@ class CineSink : public FrameSink {
 
  private:
   void check_depth() const {
-    const bool fits = packing_ == Packing::packed10   ? info_.bits == 10 || info_.bits == 12
-                      : packing_ == Packing::packed12 ? info_.bits == 12
-                                                      : true;
+    const bool fits = packing_ == Packing::kPacked10   ? info_.bits == 10 || info_.bits == 12
+                      : packing_ == Packing::kPacked12 ? info_.bits == 12
+                                                       : true;
     if (fits) return;
     throw InvalidArgument(
         std::to_string(info_.bits) + "-bit frames cannot be stored as " + packing_name(packing_),
@@ -96,17 +96,17 @@ class CineSink : public FrameSink {
     store<std::uint32_t>(head, 28, kSetupAt);
     store<std::uint32_t>(head, 32, static_cast<std::uint32_t>(table_at_));
 
-    const bool deep = packing_ != Packing::u8;
-    const int bits = packing_ == Packing::packed10 ? 10 : info_.bits;
+    const bool deep = packing_ != Packing::kU8;
+    const int bits = packing_ == Packing::kPacked10 ? 10 : info_.bits;
     store<std::uint32_t>(head, kBitmapAt, 40);
     store<std::int32_t>(head, kBitmapAt + 4, info_.width);
     store<std::int32_t>(head, kBitmapAt + 8, info_.height);
     store<std::uint16_t>(head, kBitmapAt + 12, 1);
     store<std::uint16_t>(head, kBitmapAt + 14, deep ? 16 : 8);
     store<std::uint32_t>(head, kBitmapAt + 16,
-                         packing_ == Packing::packed10   ? 256
-                         : packing_ == Packing::packed12 ? 1024
-                                                         : 0);
+                         packing_ == Packing::kPacked10   ? 256
+                         : packing_ == Packing::kPacked12 ? 1024
+                                                          : 0);
     store<std::uint32_t>(head, kBitmapAt + 20, static_cast<std::uint32_t>(frame_bytes_));
     store<std::uint32_t>(head, kBitmapAt + 36, 1u << bits);
     write_setup(head, bits);

@@ -18,7 +18,7 @@ class MrawSink : public FrameSink {
  public:
   MrawSink(const std::string& path, Packing packing, const ClipInfo& info)
       : info_(info), packing_(packing), pixels_(path) {
-    if (packing == Packing::packed12 && info.bits != 12) {
+    if (packing == Packing::kPacked12 && info.bits != 12) {
       throw InvalidArgument(
           std::to_string(info.bits) + "-bit frames cannot be stored as " + packing_name(packing),
           path);

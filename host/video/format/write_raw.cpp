@@ -10,7 +10,7 @@ class RawSink : public FrameSink {
 
   void write(const Frame& frame) override {
     check_frame(frame, info_);
-    pack_frame(frame, info_.bits <= 8 ? Packing::u8 : Packing::u16, false, stored_);
+    pack_frame(frame, info_.bits <= 8 ? Packing::kU8 : Packing::kU16, false, stored_);
     file_.append(stored_);
   }
   void finish() override { file_.finish(); }

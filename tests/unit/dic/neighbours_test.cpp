@@ -27,11 +27,11 @@ WindowMotion truth(const Window& window, float correlation) {
   motion.u = 3 + motion.ux * x + motion.uy * y;
   motion.v = -1 + motion.vx * x + motion.vy * y;
   motion.correlation = correlation;
-  motion.status = static_cast<idic_int>(dic::WindowStatus::ok);
+  motion.status = static_cast<idic_int>(WindowStatus::kOk);
   return motion;
 }
 
-WindowMotion lost(dic::WindowStatus status) {
+WindowMotion lost(WindowStatus status) {
   WindowMotion motion{};
   motion.u = motion.v = NAN;
   motion.status = static_cast<idic_int>(status);
@@ -44,7 +44,7 @@ void refine(std::span<const Window> windows, std::span<const WindowMotion> seeds
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const WindowMotion motion = truth(windows[i], 0.95F);
     const bool near = std::hypot(seeds[i].u - motion.u, seeds[i].v - motion.v) < 1;
-    found[i] = near ? motion : lost(dic::WindowStatus::not_converged);
+    found[i] = near ? motion : lost(WindowStatus::kNotConverged);
   }
 }
 
@@ -59,31 +59,31 @@ std::vector<Window> grid_of_pair(int first) {
 
 TEST(Neighbours, SpreadFromOneWindowOverTheSurface) {
   const auto windows = grid_of_pair(0);
-  std::vector<WindowMotion> motions(windows.size(), lost(dic::WindowStatus::at_search_edge));
+  std::vector<WindowMotion> motions(windows.size(), lost(WindowStatus::kAtSearchEdge));
   motions[100] = truth(windows[100], 0.9F);
   dic::Neighbours().refine_lost(windows, kSide, refine, motions);
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    ASSERT_EQ(motions[i].status, static_cast<idic_int>(dic::WindowStatus::ok)) << i;
+    ASSERT_EQ(motions[i].status, static_cast<idic_int>(WindowStatus::kOk)) << i;
     EXPECT_FLOAT_EQ(motions[i].u, truth(windows[i], 1).u);
   }
 }
 
 TEST(Neighbours, WhatHasNoTextureOrNoNeighboursStaysAsItIs) {
   auto windows = grid_of_pair(0);
-  std::vector<WindowMotion> motions(windows.size(), lost(dic::WindowStatus::low_correlation));
+  std::vector<WindowMotion> motions(windows.size(), lost(WindowStatus::kLowCorrelation));
   motions[0] = truth(windows[0], 0.9F);
-  motions[5] = lost(dic::WindowStatus::no_texture);
-  motions[6] = lost(dic::WindowStatus::masked);
+  motions[5] = lost(WindowStatus::kNoTexture);
+  motions[6] = lost(WindowStatus::kMasked);
   // Another pair of frames, of which nothing was found: the first pair is no neighbour of it.
   const auto others = grid_of_pair(1);
   windows.insert(windows.end(), others.begin(), others.end());
-  motions.resize(windows.size(), lost(dic::WindowStatus::low_correlation));
+  motions.resize(windows.size(), lost(WindowStatus::kLowCorrelation));
   dic::Neighbours().refine_lost(windows, kSide, refine, motions);
-  EXPECT_EQ(motions[5].status, static_cast<idic_int>(dic::WindowStatus::no_texture));
-  EXPECT_EQ(motions[6].status, static_cast<idic_int>(dic::WindowStatus::masked));
-  EXPECT_EQ(motions[7].status, static_cast<idic_int>(dic::WindowStatus::ok));
+  EXPECT_EQ(motions[5].status, static_cast<idic_int>(WindowStatus::kNoTexture));
+  EXPECT_EQ(motions[6].status, static_cast<idic_int>(WindowStatus::kMasked));
+  EXPECT_EQ(motions[7].status, static_cast<idic_int>(WindowStatus::kOk));
   for (std::size_t i = windows.size() - others.size(); i < windows.size(); ++i) {
-    ASSERT_EQ(motions[i].status, static_cast<idic_int>(dic::WindowStatus::low_correlation));
+    ASSERT_EQ(motions[i].status, static_cast<idic_int>(WindowStatus::kLowCorrelation));
   }
 }
 
@@ -108,7 +108,7 @@ TEST(Neighbours, WhatWasFoundIsSuspectedToo) {
   const std::size_t wrong = 120;
   std::vector<WindowMotion> motions;
   for (const Window& window : windows) motions.push_back(truth(window, 0.9F));
-  motions[wrong] = lost(dic::WindowStatus::low_correlation);
+  motions[wrong] = lost(WindowStatus::kLowCorrelation);
   std::size_t asked = 0;
   const dic::RefineWindows refine_wrongly_first = [&](std::span<const Window> some,
                                                       std::span<const WindowMotion> seeds,
@@ -153,31 +153,29 @@ TEST(Neighbours, TextureIsJudgedOnce) {
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const bool near = std::abs(windows[i].x0 - windows[alone].x0) < 3 * kSide &&
                       std::abs(windows[i].y0 - windows[alone].y0) < 3 * kSide;
-    if (near) motions[i] = lost(dic::WindowStatus::masked);
+    if (near) motions[i] = lost(WindowStatus::kMasked);
   }
-  for (const std::size_t i : {bare, vain, alone})
-    motions[i] = lost(dic::WindowStatus::low_correlation);
+  for (const std::size_t i : {bare, vain, alone}) motions[i] = lost(WindowStatus::kLowCorrelation);
   std::size_t asked = 0;
   const dic::RefineWindows refuse = [&](std::span<const Window> some,
                                         std::span<const WindowMotion> seeds,
                                         std::span<WindowMotion> out) {
     for (std::size_t k = 0; k < some.size(); ++k) {
       const bool is_bare = some[k].x0 == windows[bare].x0 && some[k].y0 == windows[bare].y0;
-      const bool is_lost = seeds[k].status != static_cast<idic_int>(dic::WindowStatus::ok);
-      out[k] = lost(is_bare || is_lost ? dic::WindowStatus::no_texture
-                                       : dic::WindowStatus::not_converged);
+      const bool is_lost = seeds[k].status != static_cast<idic_int>(WindowStatus::kOk);
+      out[k] = lost(is_bare || is_lost ? WindowStatus::kNoTexture : WindowStatus::kNotConverged);
       ++asked;
     }
   };
   dic::Neighbours neighbours;
   neighbours.refine_lost(windows, kSide, refuse, motions);
   EXPECT_EQ(asked, 2);
-  EXPECT_EQ(motions[bare].status, static_cast<idic_int>(dic::WindowStatus::no_texture));
-  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(dic::WindowStatus::low_correlation));
+  EXPECT_EQ(motions[bare].status, static_cast<idic_int>(WindowStatus::kNoTexture));
+  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(WindowStatus::kLowCorrelation));
   neighbours.judge_lost(windows, std::vector{bare, vain, alone, found}, refuse, motions);
   EXPECT_EQ(asked, 3);
-  EXPECT_EQ(motions[vain].status, static_cast<idic_int>(dic::WindowStatus::low_correlation));
-  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(dic::WindowStatus::no_texture));
+  EXPECT_EQ(motions[vain].status, static_cast<idic_int>(WindowStatus::kLowCorrelation));
+  EXPECT_EQ(motions[alone].status, static_cast<idic_int>(WindowStatus::kNoTexture));
 }
 
 // The walk by its definition: every round looks at every window of one pair.
@@ -310,7 +308,7 @@ TEST(Neighbours, SeeWhatTheWholeWalkSees) {
       out[k].vx = -out[k].uy;
       if (any(own) < 0.4F) out[k].u += 6 * any(own) - 3;
       out[k].correlation = any(own);
-      if (any(own) < 0.3F) out[k] = lost(dic::WindowStatus::not_converged);
+      if (any(own) < 0.3F) out[k] = lost(WindowStatus::kNotConverged);
     }
   };
   dic::Neighbours neighbours;
@@ -321,7 +319,7 @@ TEST(Neighbours, SeeWhatTheWholeWalkSees) {
       motions.push_back(truth(window, chance(random)));
       motions.back().uy += (trial % 2 == 0 ? 0.1F : 0.005F) * (chance(random) - 0.5F);
       if (chance(random) < 0.2F) motions.back().u += 4 * chance(random) - 2;
-      if (chance(random) < 0.3F) motions.back() = lost(dic::WindowStatus::low_correlation);
+      if (chance(random) < 0.3F) motions.back() = lost(WindowStatus::kLowCorrelation);
       window.x0 += 100 + trial;
     }
     auto plain = motions;

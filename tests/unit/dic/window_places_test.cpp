@@ -120,7 +120,7 @@ TEST(WholeWindows, ResultsStandAtTheirWindows) {
       found[k].u = static_cast<float>(kNumber + some[k].guess_u);
     }
   };
-  whole.search(windows, kSide, discs, dic::WindowStatus::masked, motions, search);
+  whole.search(windows, kSide, discs, WindowStatus::kMasked, motions, search);
   std::vector<std::size_t> cut;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Window& window = windows[i];
@@ -131,8 +131,7 @@ TEST(WholeWindows, ResultsStandAtTheirWindows) {
       }
     }
     if (is_cut) cut.push_back(i);
-    ASSERT_EQ(motions[i].status, is_cut ? static_cast<idic_int>(dic::WindowStatus::masked) : 0)
-        << i;
+    ASSERT_EQ(motions[i].status, is_cut ? static_cast<idic_int>(WindowStatus::kMasked) : 0) << i;
     ASSERT_EQ(std::isnan(motions[i].u), is_cut) << i;
     if (is_cut) continue;
     ASSERT_EQ(motions[i].u, static_cast<float>(kNumber + i));

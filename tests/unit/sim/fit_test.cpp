@@ -79,7 +79,7 @@ TEST(RestitutionDuration, SimulatedPairsComeBack) {
 
 // A shot of centres alone, without deviations, and its truth.
 struct KnownShot {
-  sim::shot::Shot shot;
+  MeasuredShot shot;
   ImpactResult truth;
   double start_s = 0;
 };
@@ -124,7 +124,7 @@ TEST(Shot, DeviationsAreHonestWhereTheTableStatesNone) {
   std::map<std::string, double> squares;
   for (unsigned seed = 1; seed <= kShots; ++seed) {
     const auto [shot, truth, start_s] = known_shot(kNoise_m, seed);
-    const auto score = [&, &shot = shot](const char* name, const sim::shot::Estimate& e, double t) {
+    const auto score = [&, &shot = shot](const char* name, const Measured& e, double t) {
       inside[name] += std::abs(e.value - t) <= 1.96 * e.sd;
       squares[name] += std::pow(e.value - t, 2) / kShots;
     };

@@ -74,8 +74,7 @@ TEST(SharedSamples, IntegratePolynomialsExactly) {
 // One point of the model, straight from its definition in render.h.
 class Model {
  public:
-  Model(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
-        const sim::speckle::BallPose& pose)
+  Model(const sim::speckle::SpeckleBall& ball, const SynthScene& scene, const BallPose& pose)
       : ball_(ball), scene_(scene), pose_(pose) {}
 
   // Mean over the pixel's square by a rule far finer than the renderer's.
@@ -109,7 +108,7 @@ class Model {
       value /= weights;
     }
     if (scene_.bar) {
-      const sim::speckle::OccludingBar& bar = *scene_.bar;
+      const OccludingBar& bar = *scene_.bar;
       const double angle = bar.angle_deg * kPi / 180;
       const double n = (y - bar.y_px) * std::cos(angle) + (x - bar.x_px) * std::sin(angle);
       const double covered = edge(bar.width_px / 2 - n) - edge(-bar.width_px / 2 - n);
@@ -160,14 +159,14 @@ class Model {
   }
 
   const sim::speckle::SpeckleBall& ball_;
-  const sim::speckle::Scene& scene_;
-  sim::speckle::BallPose pose_;
+  const SynthScene& scene_;
+  BallPose pose_;
   sim::speckle::Quadrature chords_ = sim::speckle::gauss_legendre(64);
 };
 
 // Largest difference from the model over pixels scattered on the ball and along its rim.
-double worst_pixel(const sim::speckle::SpeckleBall& ball, const sim::speckle::Scene& scene,
-                   const sim::speckle::BallPose& pose, int count) {
+double worst_pixel(const sim::speckle::SpeckleBall& ball, const SynthScene& scene,
+                   const BallPose& pose, int count) {
   const Image<double> picture = sim::speckle::BallRenderer(ball, scene).exact(pose);
   const Model model(ball, scene, pose);
   double worst = 0;
@@ -187,7 +186,7 @@ constexpr double kQuadratureBound = 0.01;  // grey levels: what render.h promise
 TEST(Render, WithinAHundredthGreyLevelOfFinerQuadratureForEveryLens) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("e1", 5, 60);
   for (const double sigma : {0.3, 0.42, 0.55, 0.6, 1.0}) {
-    sim::speckle::Scene scene;
+    SynthScene scene;
     scene.width = scene.height = 141;
     scene.psf_sigma_px = sigma;
     EXPECT_LE(worst_pixel(ball, scene, {70.3, 69.6, 33}, 240), kQuadratureBound) << sigma;
@@ -196,7 +195,7 @@ TEST(Render, WithinAHundredthGreyLevelOfFinerQuadratureForEveryLens) {
 
 TEST(Render, WithinAHundredthGreyLevelWithLinesShadingAndBar) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("f2", 6, 60);
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 141;
   scene.shading = 0.6;
   scene.bar = sim::speckle::bar_hiding(0.3, {70, 70}, 60);
@@ -206,7 +205,7 @@ TEST(Render, WithinAHundredthGreyLevelWithLinesShadingAndBar) {
 
 TEST(Render, WithinAHundredthGreyLevelWhileCompressed) {
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("f1", 7, 40);
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 101;
   for (const double compression : {0.01, 0.05, 0.15}) {
     EXPECT_LE(worst_pixel(ball, scene, {50.2, 49.9, 20, compression, 75}, 60), kQuadratureBound)
@@ -216,10 +215,10 @@ TEST(Render, WithinAHundredthGreyLevelWhileCompressed) {
 
 // The light of a plain ball: its sum and its centroid are known without any quadrature.
 TEST(Render, LightOfAPlainBallHasItsAreaAndCentre) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 160;
   for (const double compression : {0.0, 0.1}) {
-    const sim::speckle::BallPose pose{79.37, 80.61, 12, compression, 90};
+    const BallPose pose{79.37, 80.61, 12, compression, 90};
     const Image<double> picture =
         sim::speckle::BallRenderer(sim::speckle::SpeckleBall{60, {}, {}}, scene).exact(pose);
     double sum = 0, sx = 0, sy = 0, syy = 0;
@@ -244,22 +243,22 @@ TEST(Render, LightOfAPlainBallHasItsAreaAndCentre) {
 
 TEST(Render, PositiveRotationIsCounterClockwiseOnTheScreen) {
   const sim::speckle::SpeckleBall ball{50, {{30, 0, 5}}, {{0, 0, 0, 40, 2}}};
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 121;
   const sim::speckle::BallRenderer renderer(ball, scene);
-  EXPECT_NEAR(renderer.exact(sim::speckle::BallPose{60, 60, 0})(90, 60), scene.ink, 0.01);
-  const Image<double> turned = renderer.exact(sim::speckle::BallPose{60, 60, 90});
+  EXPECT_NEAR(renderer.exact(BallPose{60, 60, 0})(90, 60), scene.ink, 0.01);
+  const Image<double> turned = renderer.exact(BallPose{60, 60, 90});
   EXPECT_NEAR(turned(60, 30), scene.ink, 0.01);
   EXPECT_NEAR(turned(90, 60), scene.white, 0.01);
   // A line from the centre to the right goes up to the right after 45 degrees.
-  EXPECT_LT(renderer.exact(sim::speckle::BallPose{60, 60, 45})(70, 50), 80);
+  EXPECT_LT(renderer.exact(BallPose{60, 60, 45})(70, 50), 80);
 }
 
 TEST(Render, WholePixelMotionMovesThePictureExactly) {
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e2", 3, 40),
                                             {.width = 128, .height = 128});
-  const Image<double> here = renderer.exact(sim::speckle::BallPose{60.3, 61.8, 17});
-  const Image<double> there = renderer.exact(sim::speckle::BallPose{65.3, 58.8, 17});
+  const Image<double> here = renderer.exact(BallPose{60.3, 61.8, 17});
+  const Image<double> there = renderer.exact(BallPose{65.3, 58.8, 17});
   double worst = 0;
   for (int y = 10; y < 118; ++y) {
     for (int x = 10; x < 118; ++x) {
@@ -272,15 +271,14 @@ TEST(Render, WholePixelMotionMovesThePictureExactly) {
 TEST(Render, ExposureIsTheMeanOverTheShutter) {
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("f2", 3, 40),
                                             {.width = 128, .height = 128});
-  const std::vector<sim::speckle::BallPose> poses =
+  const std::vector<BallPose> poses =
       sim::speckle::constant_motion({{60.3, 61.8, 5}, 3.1, -1.7, 2.5}, 3);
   const Image<double> blurred = renderer.exact(sim::speckle::shutter_path(poses, 1, 0.8));
   Image<double> mean(128, 128, 0);
   const int instants = 400;
   for (int i = 0; i < instants; ++i) {
     const double t = 1 + 0.8 * ((i + 0.5) / instants - 0.5);
-    const Image<double> one =
-        renderer.exact(sim::speckle::BallPose{60.3 + 3.1 * t, 61.8 - 1.7 * t, 5 + 2.5 * t});
+    const Image<double> one = renderer.exact(BallPose{60.3 + 3.1 * t, 61.8 - 1.7 * t, 5 + 2.5 * t});
     for (std::size_t k = 0; k < mean.size(); ++k) mean.data()[k] += one.data()[k] / instants;
   }
   double worst = 0;
@@ -291,9 +289,9 @@ TEST(Render, ExposureIsTheMeanOverTheShutter) {
 }
 
 TEST(Render, BarHidesTheStatedShareOfTheBall) {
-  const sim::speckle::BallPose pose{100.4, 99.2};
+  const BallPose pose{100.4, 99.2};
   for (const double share : {0.1, 0.3, 0.5, 0.8}) {
-    sim::speckle::Scene scene;
+    SynthScene scene;
     scene.width = scene.height = 201;
     scene.bar = sim::speckle::bar_hiding(share, pose, 70);
     scene.bar->level = scene.background;  // so that only the ball is bright
@@ -306,22 +304,22 @@ TEST(Render, BarHidesTheStatedShareOfTheBall) {
 }
 
 TEST(Render, BarAndBackgroundStandStillWithoutTheBall) {
-  sim::speckle::Scene scene;
-  scene.bar = sim::speckle::OccludingBar{256, 400, 0, 40, 90};
-  const Image<double> picture = sim::speckle::BallRenderer(sim::speckle::SpeckleBall{}, scene)
-                                    .exact(sim::speckle::BallPose{-500, -500});
+  SynthScene scene;
+  scene.bar = OccludingBar{256, 400, 0, 40, 90};
+  const Image<double> picture =
+      sim::speckle::BallRenderer(sim::speckle::SpeckleBall{}, scene).exact(BallPose{-500, -500});
   EXPECT_NEAR(picture(10, 400), 90, 1e-9);
   EXPECT_NEAR(picture(10, 300), 30, 1e-9);
 }
 
 TEST(Render, ShadingFollowsTheCentreAndDoesNotTurn) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 128;
   scene.shading = 0.5;
   scene.lamp_deg = 90;  // above
   const sim::speckle::BallRenderer renderer(sim::speckle::SpeckleBall{50, {}, {}}, scene);
   for (const double angle : {0.0, 77.0}) {
-    const Image<double> picture = renderer.exact(sim::speckle::BallPose{64, 66, angle});
+    const Image<double> picture = renderer.exact(BallPose{64, 66, angle});
     EXPECT_NEAR(picture(64, 66), 200 * 0.75, 0.01);
     EXPECT_NEAR(picture(64, 26), 200 * (0.75 + 0.25 * 40 / 50), 0.01);
     EXPECT_NEAR(picture(64, 106), 200 * (0.75 - 0.25 * 40 / 50), 0.01);
@@ -330,7 +328,7 @@ TEST(Render, ShadingFollowsTheCentreAndDoesNotTurn) {
 }
 
 TEST(Render, FramesDoNotDependOnTheNumberOfThreads) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 200;
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", 4, 70), scene);
@@ -338,22 +336,21 @@ TEST(Render, FramesDoNotDependOnTheNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(threads));
     Frame frame;
-    renderer.render(sim::speckle::BallPose{99.5, 101.2, 10}, 7, frame);
+    renderer.render(BallPose{99.5, 101.2, 10}, 7, frame);
     return std::vector<std::uint8_t>(frame.u8.data(), frame.u8.data() + frame.u8.size());
   };
   EXPECT_EQ(frame_with(1), frame_with(4));
 }
 
 TEST(Render, DeeperFramesHoldTheSameGreyLevels) {
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = 120;
   const sim::speckle::SpeckleBall ball = sim::speckle::paint_ball("c2", 1, 50);
-  const Image<double> exact =
-      sim::speckle::BallRenderer(ball, scene).exact(sim::speckle::BallPose{60, 60});
+  const Image<double> exact = sim::speckle::BallRenderer(ball, scene).exact(BallPose{60, 60});
   for (const int bits : {8, 10, 12, 16}) {
     scene.bits = bits;
     Frame frame;
-    sim::speckle::BallRenderer(ball, scene).render(sim::speckle::BallPose{60, 60}, 0, frame);
+    sim::speckle::BallRenderer(ball, scene).render(BallPose{60, 60}, 0, frame);
     ASSERT_EQ(frame.bits, bits);
     const Image<float> levels = frame.to_float();
     const double scale = frame.full_scale() / 255;
@@ -365,19 +362,19 @@ TEST(Render, DeeperFramesHoldTheSameGreyLevels) {
 
 TEST(Render, RefusesImpossibleScenes) {
   const auto refused = [](auto change) {
-    sim::speckle::Scene scene;
+    SynthScene scene;
     change(scene);
     EXPECT_THROW(sim::speckle::BallRenderer(sim::speckle::SpeckleBall{}, scene), InvalidArgument);
   };
-  refused([](sim::speckle::Scene& s) { s.psf_sigma_px = 0.1; });
-  refused([](sim::speckle::Scene& s) { s.bits = 7; });
-  refused([](sim::speckle::Scene& s) { s.width = 0; });
-  refused([](sim::speckle::Scene& s) { s.shading = 1.5; });
-  refused([](sim::speckle::Scene& s) { s.white = 300; });
-  refused([](sim::speckle::Scene& s) { s.noise_sigma = -1; });
-  const sim::speckle::BallRenderer renderer(sim::speckle::SpeckleBall{}, sim::speckle::Scene{});
-  EXPECT_THROW(renderer.exact(sim::speckle::BallPose{256, 256, 0, 0.7}), InvalidArgument);
-  EXPECT_THROW(sim::speckle::bar_hiding(1.2, sim::speckle::BallPose{}, 100), InvalidArgument);
+  refused([](SynthScene& s) { s.psf_sigma_px = 0.1; });
+  refused([](SynthScene& s) { s.bits = 7; });
+  refused([](SynthScene& s) { s.width = 0; });
+  refused([](SynthScene& s) { s.shading = 1.5; });
+  refused([](SynthScene& s) { s.white = 300; });
+  refused([](SynthScene& s) { s.noise_sigma = -1; });
+  const sim::speckle::BallRenderer renderer(sim::speckle::SpeckleBall{}, SynthScene{});
+  EXPECT_THROW(renderer.exact(BallPose{256, 256, 0, 0.7}), InvalidArgument);
+  EXPECT_THROW(sim::speckle::bar_hiding(1.2, BallPose{}, 100), InvalidArgument);
 }
 
 }  // namespace

@@ -138,7 +138,7 @@ class MotionFile : public testing::Test {
 };
 
 TEST_F(MotionFile, TruthHasTheStatedHeaderAndExactRows) {
-  const std::vector<sim::speckle::BallPose> poses =
+  const std::vector<BallPose> poses =
       sim::speckle::constant_motion({{100.1, 200.2, 0}, 0.37, -0.61, 3}, 3);
   sim::speckle::write_truth_csv(dir_ / "truth.csv", poses, 115, 10000);
   std::ifstream in(dir_ / "truth.csv");
@@ -159,11 +159,10 @@ TEST_F(MotionFile, TruthHasTheStatedHeaderAndExactRows) {
 }
 
 TEST_F(MotionFile, TruthReadsBackAsTheSameMotion) {
-  const std::vector<sim::speckle::BallPose> poses =
+  const std::vector<BallPose> poses =
       sim::speckle::constant_motion({{100.1, 200.2, 0}, 0.37, -0.61, 3.3}, 40);
   sim::speckle::write_truth_csv(dir_ / "truth.csv", poses, 115, 10000);
-  const std::vector<sim::speckle::BallPose> read =
-      sim::speckle::read_motion_csv(dir_ / "truth.csv").poses;
+  const std::vector<BallPose> read = sim::speckle::read_motion_csv(dir_ / "truth.csv").poses;
   ASSERT_EQ(read.size(), poses.size());
   for (std::size_t k = 0; k < poses.size(); ++k) {
     EXPECT_EQ(read[k].cx_px, poses[k].cx_px);
@@ -206,8 +205,7 @@ TEST_F(MotionFile, DamagedFilesAreRefusedByLine) {
 }
 
 TEST(Motion, TruthIsThePoseAtMidExposure) {
-  const std::vector<sim::speckle::BallPose> poses =
-      sim::speckle::constant_motion({{0, 0, 0}, 2, -4, 6}, 3);
+  const std::vector<BallPose> poses = sim::speckle::constant_motion({{0, 0, 0}, 2, -4, 6}, 3);
   for (std::size_t k = 0; k < 3; ++k) {
     const sim::speckle::ShutterPath path = sim::speckle::shutter_path(poses, k, 0.5);
     EXPECT_DOUBLE_EQ(path.open.cx_px, poses[k].cx_px - 0.5);

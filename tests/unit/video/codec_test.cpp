@@ -117,7 +117,7 @@ std::string write_clip(const ScratchFolder& folder, video::SinkFormat format, in
 TEST(CodecSinks, AviIsLosslessAndKeepsItsRate) {
   const ScratchFolder folder;
   for (const double fps : {10000.0, 30.0, 9876.5}) {
-    const std::string path = write_clip(folder, video::SinkFormat::avi, 8, 70, fps);
+    const std::string path = write_clip(folder, video::SinkFormat::kAvi, 8, 70, fps);
     const auto clip = open_clip(path);
     ASSERT_EQ(clip->info().frame_count, 70);
     ASSERT_TRUE(clip->info().fps.has_value());
@@ -134,7 +134,7 @@ TEST(CodecSinks, AviIsLosslessAndKeepsItsRate) {
 TEST(CodecSinks, Mp4IsReadFrameByFrame) {
   const ScratchFolder folder;
   // Inter-frame compression: going back decodes again.
-  const std::string path = write_clip(folder, video::SinkFormat::mp4, 8, 70);
+  const std::string path = write_clip(folder, video::SinkFormat::kMp4, 8, 70);
   const auto clip = open_clip(path);
   EXPECT_EQ(clip->info().frame_count, 70);
   EXPECT_NEAR(clip->info().fps.value(), 10000, 1);
@@ -144,7 +144,7 @@ TEST(CodecSinks, Mp4IsReadFrameByFrame) {
 TEST(CodecSinks, PngFolderKeepsEveryLevel) {
   for (const int bits : {8, 16}) {
     const ScratchFolder folder;
-    const std::string path = write_clip(folder, video::SinkFormat::png, bits, 12);
+    const std::string path = write_clip(folder, video::SinkFormat::kPng, bits, 12);
     const auto clip = open_clip(path);
     ASSERT_EQ(clip->info().frame_count, 12);
     EXPECT_EQ(clip->info().bits, bits);
@@ -162,13 +162,13 @@ TEST(CodecSinks, RefuseWhatTheyCannotStore) {
   info.width = 63;
   info.height = 38;
   info.bits = 8;
-  EXPECT_THROW(video::open_codec_sink(folder.file("a.mp4"), video::SinkFormat::mp4, info),
+  EXPECT_THROW(video::open_codec_sink(folder.file("a.mp4"), video::SinkFormat::kMp4, info),
                InvalidArgument);
   EXPECT_THROW(video::Mp4Writer(folder.file("a.mp4"), 63, 38, 30), InvalidArgument);
-  EXPECT_THROW(video::open_codec_sink(folder.file("no/a.avi"), video::SinkFormat::avi, info),
+  EXPECT_THROW(video::open_codec_sink(folder.file("no/a.avi"), video::SinkFormat::kAvi, info),
                FileError);
   info.bits = 12;
-  EXPECT_THROW(video::open_codec_sink(folder.file("a.avi"), video::SinkFormat::avi, info),
+  EXPECT_THROW(video::open_codec_sink(folder.file("a.avi"), video::SinkFormat::kAvi, info),
                InvalidArgument);
   { const auto writer = std::make_unique<video::Mp4Writer>(folder.file("b.mp4"), 64, 64, 30); }
   EXPECT_FALSE(std::filesystem::exists(folder.file("b.mp4")));
@@ -212,11 +212,11 @@ TEST(Pictures, BmpKeepsItsLevels) {
 
 TEST(CodecDamage, CutAndChangedFilesEndInErrorsOrFrames) {
   const ScratchFolder folder;
-  std::vector<std::string> paths = {write_clip(folder, video::SinkFormat::avi, 8, 6),
-                                    write_clip(folder, video::SinkFormat::mp4, 8, 6)};
+  std::vector<std::string> paths = {write_clip(folder, video::SinkFormat::kAvi, 8, 6),
+                                    write_clip(folder, video::SinkFormat::kMp4, 8, 6)};
   std::filesystem::create_directory(folder.file("png"));
   const ScratchFolder pictures;
-  write_clip(pictures, video::SinkFormat::png, 8, 1);
+  write_clip(pictures, video::SinkFormat::kPng, 8, 1);
   paths.push_back(pictures.file("clip/frame_000000.png"));
   std::mt19937 random(5);
   int refused = 0, read = 0;
@@ -252,7 +252,7 @@ TEST(CodecDamage, CutAndChangedFilesEndInErrorsOrFrames) {
 
 TEST(CodecThreads, ShareOneClip) {
   const ScratchFolder folder;
-  const auto clip = open_clip(write_clip(folder, video::SinkFormat::avi, 8, 40));
+  const auto clip = open_clip(write_clip(folder, video::SinkFormat::kAvi, 8, 40));
   std::vector<int> wrong(3, 0);
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < wrong.size(); ++t) {

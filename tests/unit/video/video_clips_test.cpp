@@ -24,7 +24,7 @@ std::unique_ptr<FrameSource> open_data(const std::string& name, bool phantom_cod
 }
 
 int level(const Frame& frame, std::size_t i) {
-  return frame.type == PixelType::u8 ? frame.u8.data()[i] : frame.u16.data()[i];
+  return frame.type == PixelType::kU8 ? frame.u8.data()[i] : frame.u16.data()[i];
 }
 
 // Pixels that differ between a frame, its levels mapped to 8 bits, and a gold picture.
@@ -126,9 +126,9 @@ TEST_P(CineOracle, EqualsFfmpegBitForBit) {
 // Of the files that impactdic writes; ffmpeg does not know packed 12 bits.
 TEST(WrittenCine, IsReadByFfmpegBitForBit) {
   const testing::ScratchFolder folder;
-  for (const auto& [format, bits] : {std::pair{video::SinkFormat::cine, 8},
-                                     {video::SinkFormat::cine, 12},
-                                     {video::SinkFormat::cine_packed10, 10}}) {
+  for (const auto& [format, bits] : {std::pair{video::SinkFormat::kCine, 8},
+                                     {video::SinkFormat::kCine, 12},
+                                     {video::SinkFormat::kCinePacked10, 10}}) {
     ClipInfo info;
     info.width = 64;
     info.height = 48;
@@ -273,7 +273,7 @@ TEST(MrawClips, EveryNthFrameLowersTheRate) {
   EXPECT_DOUBLE_EQ(showcase->info().fps.value(), 150);
   EXPECT_DOUBLE_EQ(showcase->info().exposure_s.value(), 65060e-9);
   showcase->read(74, frame);
-  EXPECT_EQ(frame.type, PixelType::u8);
+  EXPECT_EQ(frame.type, PixelType::kU8);
   const auto bytes = testing::file_bytes(data_path("mraw/data_showcase.mraw"));
   EXPECT_EQ(frame.u8(639, 39), static_cast<std::uint8_t>(bytes.back()));
   EXPECT_EQ(frame.u8(0, 0), static_cast<std::uint8_t>(bytes[74 * 640 * 40]));
@@ -306,7 +306,7 @@ TEST(TiffClips, ColourLzwBecomesLuminance) {
   Frame a, b;
   grey->read(0, a);
   colour->read(0, b);
-  ASSERT_EQ(b.type, PixelType::u8);
+  ASSERT_EQ(b.type, PixelType::kU8);
   // A rotation keeps the mean level of the disc that stays in the picture.
   double mean_a = 0, mean_b = 0;
   for (int y = 156; y < 356; ++y) {

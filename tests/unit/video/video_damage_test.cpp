@@ -32,7 +32,7 @@ using testing::data_path;
 using testing::ScratchFolder;
 using testing::write_bytes;
 
-enum class Outcome { read, refused };
+enum class Outcome { kRead, kRefused };
 
 // Opens the clip and reads its first and last frames.
 Outcome try_clip(const std::string& path, const video::VideoOptions& options = {}) {
@@ -48,14 +48,14 @@ Outcome try_clip(const std::string& path, const video::VideoOptions& options = {
       EXPECT_EQ(frame.height(), clip->info().height);
       EXPECT_EQ(frame.bits, clip->info().bits);
     }
-    return Outcome::read;
+    return Outcome::kRead;
   } catch (const Error& error) {
     EXPECT_FALSE(error.line().empty());
     EXPECT_EQ(error.line().find('\n'), std::string::npos) << error.line();
     const bool expected = dynamic_cast<const FileError*>(&error) != nullptr ||
                           dynamic_cast<const InvalidArgument*>(&error) != nullptr;
     EXPECT_TRUE(expected) << error.line();
-    return Outcome::refused;
+    return Outcome::kRefused;
   }
 }
 
@@ -92,14 +92,14 @@ std::vector<Victim> victims(const ScratchFolder& folder) {
     const std::size_t header = std::min<std::size_t>(bytes.size(), 14500);
     list.push_back({name, std::move(bytes), header, fatal});
   };
-  make(video::SinkFormat::cine, 8, "8", true);
-  make(video::SinkFormat::cine, 12, "16", true);
-  make(video::SinkFormat::cine_packed10, 10, "10", true);
-  make(video::SinkFormat::cine_packed12, 12, "12", true);
-  make(video::SinkFormat::mraw, 8, "8", true);
-  make(video::SinkFormat::mraw_packed12, 12, "12", true);
-  make(video::SinkFormat::tiff, 8, "8", false);
-  make(video::SinkFormat::tiff, 16, "16", false);
+  make(video::SinkFormat::kCine, 8, "8", true);
+  make(video::SinkFormat::kCine, 12, "16", true);
+  make(video::SinkFormat::kCinePacked10, 10, "10", true);
+  make(video::SinkFormat::kCinePacked12, 12, "12", true);
+  make(video::SinkFormat::kMraw, 8, "8", true);
+  make(video::SinkFormat::kMrawPacked12, 12, "12", true);
+  make(video::SinkFormat::kTiff, 8, "8", false);
+  make(video::SinkFormat::kTiff, 16, "16", false);
   for (const char* name : {"made_8.cihx", "made_12.cihx"}) {
     auto bytes = testing::file_bytes(folder.file(name));
     const std::size_t size = bytes.size();
@@ -154,7 +154,7 @@ TEST_F(Damage, CutAnywhere) {
       std::filesystem::resize_file(path, length);
       const Outcome outcome = try_clip(path);
       if (victim.cut_is_fatal) {
-        ASSERT_EQ(outcome, Outcome::refused) << victim.name << " cut at " << length;
+        ASSERT_EQ(outcome, Outcome::kRefused) << victim.name << " cut at " << length;
       }
     }
     write_bytes(path, victim.bytes);
@@ -183,11 +183,11 @@ TEST_F(Damage, ChangedHeaderBytes) {
         put(at, random() % 3 == 0 ? extremes[random() % 4] : static_cast<char>(random()));
       }
       file.flush();
-      (try_clip(path) == Outcome::read ? read : refused) += 1;
+      (try_clip(path) == Outcome::kRead ? read : refused) += 1;
       for (const std::size_t at : places) put(at, victim.bytes[at]);
     }
     file.flush();
-    EXPECT_EQ(try_clip(path) == Outcome::refused, victim.name == "dice_invalid_color.cine");
+    EXPECT_EQ(try_clip(path) == Outcome::kRefused, victim.name == "dice_invalid_color.cine");
   }
   // Many changes hit what a reader does not use, many hit what it must refuse.
   EXPECT_GT(read, 1000);
@@ -198,7 +198,7 @@ TEST_F(Damage, EmptyFiles) {
   for (const char* extension : {"cine", "mraw", "cih", "cihx", "tif", "avi", "png", "txt"}) {
     const std::string path = folder_.file(std::string("empty.") + extension);
     write_bytes(path, {});
-    EXPECT_EQ(try_clip(path), Outcome::refused) << extension;
+    EXPECT_EQ(try_clip(path), Outcome::kRefused) << extension;
   }
 }
 
@@ -210,7 +210,7 @@ TEST_F(Damage, TheContentsTellTheFormat) {
     for (const char* extension : {"txt", "tif", "cine", "avi"}) {
       const std::string path = folder_.file(std::string("renamed.") + extension);
       write_bytes(path, victim.bytes);
-      EXPECT_EQ(try_clip(path), Outcome::read) << name << " as " << extension;
+      EXPECT_EQ(try_clip(path), Outcome::kRead) << name << " as " << extension;
     }
   }
   // And what is no video stays none, whatever it is called.
@@ -218,14 +218,14 @@ TEST_F(Damage, TheContentsTellTheFormat) {
     const std::string path = folder_.file(std::string("words.") + extension);
     const std::string words(5000, 'w');
     write_bytes(path, words.data(), words.size());
-    EXPECT_EQ(try_clip(path), Outcome::refused) << extension;
+    EXPECT_EQ(try_clip(path), Outcome::kRefused) << extension;
   }
 }
 
 // A written cine of 8 bits and four frames with one field of the header replaced.
 Outcome cine_with(const ScratchFolder& folder, std::size_t at, std::uint32_t value) {
   const std::string path = folder.file("changed.cine");
-  write_clip(path, video::SinkFormat::cine, 8);
+  write_clip(path, video::SinkFormat::kCine, 8);
   auto bytes = testing::file_bytes(path);
   for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i));
   write_bytes(path, bytes);
@@ -233,17 +233,17 @@ Outcome cine_with(const ScratchFolder& folder, std::size_t at, std::uint32_t val
 }
 
 TEST_F(Damage, AbsurdCineFields) {
-  EXPECT_EQ(cine_with(folder_, 20, 4), Outcome::read);     // as it was
-  EXPECT_EQ(cine_with(folder_, 20, 0), Outcome::refused);  // no frames
-  EXPECT_EQ(cine_with(folder_, 20, 0xffffffff), Outcome::refused);
-  EXPECT_EQ(cine_with(folder_, 48, 0), Outcome::refused);  // width
-  EXPECT_EQ(cine_with(folder_, 48, 0x7fffffff), Outcome::refused);
-  EXPECT_EQ(cine_with(folder_, 52, 0x80000000), Outcome::refused);  // height
-  EXPECT_EQ(cine_with(folder_, 52, 1000000), Outcome::refused);
-  EXPECT_EQ(cine_with(folder_, 24, 0xfffffff0), Outcome::refused);  // bitmap header's place
-  EXPECT_EQ(cine_with(folder_, 28, 0xfffffff0), Outcome::refused);  // SETUP's place
-  EXPECT_EQ(cine_with(folder_, 32, 0xfffffff0), Outcome::refused);  // frame table's place
-  EXPECT_EQ(cine_with(folder_, 60, 77), Outcome::refused);          // unknown packing
+  EXPECT_EQ(cine_with(folder_, 20, 4), Outcome::kRead);     // as it was
+  EXPECT_EQ(cine_with(folder_, 20, 0), Outcome::kRefused);  // no frames
+  EXPECT_EQ(cine_with(folder_, 20, 0xffffffff), Outcome::kRefused);
+  EXPECT_EQ(cine_with(folder_, 48, 0), Outcome::kRefused);  // width
+  EXPECT_EQ(cine_with(folder_, 48, 0x7fffffff), Outcome::kRefused);
+  EXPECT_EQ(cine_with(folder_, 52, 0x80000000), Outcome::kRefused);  // height
+  EXPECT_EQ(cine_with(folder_, 52, 1000000), Outcome::kRefused);
+  EXPECT_EQ(cine_with(folder_, 24, 0xfffffff0), Outcome::kRefused);  // bitmap header's place
+  EXPECT_EQ(cine_with(folder_, 28, 0xfffffff0), Outcome::kRefused);  // SETUP's place
+  EXPECT_EQ(cine_with(folder_, 32, 0xfffffff0), Outcome::kRefused);  // frame table's place
+  EXPECT_EQ(cine_with(folder_, 60, 77), Outcome::kRefused);          // unknown packing
 }
 
 TEST_F(Damage, AbsurdMrawHeaders) {
@@ -254,24 +254,24 @@ TEST_F(Damage, AbsurdMrawHeaders) {
     return try_clip(folder_.file("a.mraw"));
   };
   const std::string rest = "Image Width : 16\nImage Height : 20\nColor Bit : 8\n";
-  EXPECT_EQ(outcome(rest + "Total Frame : 2\n"), Outcome::read);
-  EXPECT_EQ(outcome(rest + "Total Frame: 2\nRecord Rate(fps): 10000.0\n"), Outcome::read);
-  EXPECT_EQ(outcome(rest + "Total Frame : 3\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest + "Total Frame : 0\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest + "Total Frame : -1\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest + "Total Frame : 9223372036854775807\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest + "Total Frame : 1e300\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest + "Total Frame : many\n"), Outcome::refused);
-  EXPECT_EQ(outcome(rest), Outcome::refused);
+  EXPECT_EQ(outcome(rest + "Total Frame : 2\n"), Outcome::kRead);
+  EXPECT_EQ(outcome(rest + "Total Frame: 2\nRecord Rate(fps): 10000.0\n"), Outcome::kRead);
+  EXPECT_EQ(outcome(rest + "Total Frame : 3\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest + "Total Frame : 0\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest + "Total Frame : -1\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest + "Total Frame : 9223372036854775807\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest + "Total Frame : 1e300\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest + "Total Frame : many\n"), Outcome::kRefused);
+  EXPECT_EQ(outcome(rest), Outcome::kRefused);
   EXPECT_EQ(outcome("Image Width : 1048577\nImage Height : 1\nColor Bit : 8\nTotal Frame : 1\n"),
-            Outcome::refused);
+            Outcome::kRefused);
   EXPECT_EQ(outcome("Image Width : 1000000\nImage Height : 1000000\nColor Bit : 8\n"
                     "Total Frame : 1\n"),
-            Outcome::refused);
+            Outcome::kRefused);
   EXPECT_EQ(outcome("Image Width : 16\nImage Height : 20\nColor Bit : 24\nTotal Frame : 1\n"),
-            Outcome::refused);
+            Outcome::kRefused);
   EXPECT_EQ(outcome("Image Width : 16\nImage Height : 20\nColor Bit : 13\nTotal Frame : 1\n"),
-            Outcome::refused);
+            Outcome::kRefused);
 }
 
 TEST_F(Damage, LeftJustifiedPixelsComeToTheLowBits) {
@@ -293,17 +293,17 @@ TEST_F(Damage, LeftJustifiedPixelsComeToTheLowBits) {
   EXPECT_EQ(frame.u16(1, 0), 1);
   // The same pixels cannot be 12 bits from below.
   write_header("EffectiveBit Depth : 12\nEffectiveBit Side : Lower\n");
-  EXPECT_EQ(try_clip(folder_.file("b.mraw")), Outcome::refused);
+  EXPECT_EQ(try_clip(folder_.file("b.mraw")), Outcome::kRefused);
   // Eight effective bits make an 8-bit frame.
   write_header("EffectiveBit Depth : 8\nEffectiveBit Side : Higher\n");
   video::open_video({folder_.file("b.mraw")})->read(0, frame);
-  EXPECT_EQ(frame.type, PixelType::u8);
+  EXPECT_EQ(frame.type, PixelType::kU8);
   EXPECT_EQ(frame.u8(0, 0), 0xff);
 }
 
 TEST_F(Damage, TiffPagesInALoop) {
   const std::string path = folder_.file("loop.tif");
-  write_clip(path, video::SinkFormat::tiff, 8);
+  write_clip(path, video::SinkFormat::kTiff, 8);
   auto bytes = testing::file_bytes(path);
   // The first page's directory: its place, its count of tags, then the next page's place.
   const auto u16 = [&](std::size_t at) {
@@ -313,7 +313,7 @@ TEST_F(Damage, TiffPagesInALoop) {
   const std::size_t next = first + 2 + 12 * static_cast<std::size_t>(u16(first));
   for (std::size_t i = 0; i < 4; ++i) bytes[next + i] = bytes[4 + i];
   write_bytes(path, bytes);
-  EXPECT_EQ(try_clip(path), Outcome::refused);
+  EXPECT_EQ(try_clip(path), Outcome::kRefused);
 }
 
 TEST_F(Damage, RawLayouts) {
@@ -323,10 +323,10 @@ TEST_F(Damage, RawLayouts) {
     options.raw = video::parse_raw_layout(text);
     return try_clip(folder_.file("a.bin"), options);
   };
-  EXPECT_EQ(outcome("10x5x8"), Outcome::read);
-  EXPECT_EQ(outcome("10x5x16"), Outcome::read);
-  EXPECT_EQ(outcome("10x11x8"), Outcome::refused);  // longer than the file
-  EXPECT_EQ(outcome("1048576x1048576x8"), Outcome::refused);
+  EXPECT_EQ(outcome("10x5x8"), Outcome::kRead);
+  EXPECT_EQ(outcome("10x5x16"), Outcome::kRead);
+  EXPECT_EQ(outcome("10x11x8"), Outcome::kRefused);  // longer than the file
+  EXPECT_EQ(outcome("1048576x1048576x8"), Outcome::kRefused);
   for (const char* bad :
        {"", "10x5", "10x5x9", "0x5x8", "-1x5x8", "10x5x8x1", "axbxc", "99999999999999999999x5x8"}) {
     EXPECT_THROW(video::parse_raw_layout(bad), InvalidArgument) << bad;

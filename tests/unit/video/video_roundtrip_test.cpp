@@ -52,7 +52,7 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
 
   video::VideoOptions options;
   options.phantom_codes = true;  // the 10-bit codes as they are
-  if (it.format == video::SinkFormat::raw) {
+  if (it.format == video::SinkFormat::kRaw) {
     options.raw = RawLayout{it.width, it.height, it.bits <= 8 ? 8 : 16};
   }
   const auto clip = video::open_video({path}, options);
@@ -62,14 +62,14 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   EXPECT_EQ(read.height, it.height);
   EXPECT_EQ(read.storage, it.storage);
   EXPECT_TRUE(read.warnings.empty()) << read.warnings.front();
-  if (it.format != video::SinkFormat::raw) {
+  if (it.format != video::SinkFormat::kRaw) {
     EXPECT_EQ(read.bits, it.bits);
     EXPECT_EQ(read.camera, info.camera);
     ASSERT_TRUE(read.fps && read.exposure_s);
     EXPECT_DOUBLE_EQ(*read.fps, 9876.5);
     EXPECT_DOUBLE_EQ(*read.exposure_s, 20e-6);
   }
-  if (it.format != video::SinkFormat::raw && it.format != video::SinkFormat::tiff) {
+  if (it.format != video::SinkFormat::kRaw && it.format != video::SinkFormat::kTiff) {
     EXPECT_EQ(read.first_frame_number, -2);
   }
   Frame frame;
@@ -89,24 +89,24 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
 
 INSTANTIATE_TEST_SUITE_P(
     Formats, RoundTrip,
-    ::testing::Values(Case{video::SinkFormat::tiff, 8, 33, 17, "8-bit, uncompressed"},
-                      Case{video::SinkFormat::tiff, 12, 33, 17, "16-bit, uncompressed"},
-                      Case{video::SinkFormat::tiff, 16, 64, 48, "16-bit, uncompressed"},
-                      Case{video::SinkFormat::raw, 8, 33, 17, "8-bit"},
-                      Case{video::SinkFormat::raw, 16, 33, 17, "16-bit little-endian"},
-                      Case{video::SinkFormat::cine, 8, 33, 17, "8-bit"},
-                      Case{video::SinkFormat::cine, 12, 33, 17, "16-bit little-endian"},
-                      Case{video::SinkFormat::cine, 16, 64, 48, "16-bit little-endian"},
-                      Case{video::SinkFormat::cine_packed10, 10, 64, 48, "10-bit packed"},
-                      Case{video::SinkFormat::cine_packed10, 10, 33, 17, "10-bit packed"},
-                      Case{video::SinkFormat::cine_packed10, 10, 33, 19, "10-bit packed"},
-                      Case{video::SinkFormat::cine_packed12, 12, 64, 48, "12-bit packed"},
-                      Case{video::SinkFormat::cine_packed12, 12, 33, 17, "12-bit packed"},
-                      Case{video::SinkFormat::mraw, 8, 33, 17, "8-bit"},
-                      Case{video::SinkFormat::mraw, 12, 33, 17, "16-bit little-endian"},
-                      Case{video::SinkFormat::mraw, 16, 64, 48, "16-bit little-endian"},
-                      Case{video::SinkFormat::mraw_packed12, 12, 64, 48, "12-bit packed"},
-                      Case{video::SinkFormat::mraw_packed12, 12, 33, 17, "12-bit packed"}),
+    ::testing::Values(Case{video::SinkFormat::kTiff, 8, 33, 17, "8-bit, uncompressed"},
+                      Case{video::SinkFormat::kTiff, 12, 33, 17, "16-bit, uncompressed"},
+                      Case{video::SinkFormat::kTiff, 16, 64, 48, "16-bit, uncompressed"},
+                      Case{video::SinkFormat::kRaw, 8, 33, 17, "8-bit"},
+                      Case{video::SinkFormat::kRaw, 16, 33, 17, "16-bit little-endian"},
+                      Case{video::SinkFormat::kCine, 8, 33, 17, "8-bit"},
+                      Case{video::SinkFormat::kCine, 12, 33, 17, "16-bit little-endian"},
+                      Case{video::SinkFormat::kCine, 16, 64, 48, "16-bit little-endian"},
+                      Case{video::SinkFormat::kCinePacked10, 10, 64, 48, "10-bit packed"},
+                      Case{video::SinkFormat::kCinePacked10, 10, 33, 17, "10-bit packed"},
+                      Case{video::SinkFormat::kCinePacked10, 10, 33, 19, "10-bit packed"},
+                      Case{video::SinkFormat::kCinePacked12, 12, 64, 48, "12-bit packed"},
+                      Case{video::SinkFormat::kCinePacked12, 12, 33, 17, "12-bit packed"},
+                      Case{video::SinkFormat::kMraw, 8, 33, 17, "8-bit"},
+                      Case{video::SinkFormat::kMraw, 12, 33, 17, "16-bit little-endian"},
+                      Case{video::SinkFormat::kMraw, 16, 64, 48, "16-bit little-endian"},
+                      Case{video::SinkFormat::kMrawPacked12, 12, 64, 48, "12-bit packed"},
+                      Case{video::SinkFormat::kMrawPacked12, 12, 33, 17, "12-bit packed"}),
     name_of);
 
 TEST(Unpack, PackedGroupsByHand) {
@@ -148,7 +148,7 @@ TEST(CineSink, Linear12BitsThroughTheTransferCurveErrByHalfAStep) {
   info.frame_count = 1;
   const std::string path = folder.file("clip.cine");
   const Frame original = random_frame(64, 48, 12, 7);
-  auto sink = video::open_sink(path, video::SinkFormat::cine_packed10, info);
+  auto sink = video::open_sink(path, video::SinkFormat::kCinePacked10, info);
   sink->write(original);
   sink->finish();
   const auto clip = video::open_video({path});
@@ -167,12 +167,12 @@ TEST(FrameSink, AnUnfinishedClipLeavesNoFile) {
   ClipInfo info;
   info.width = info.height = 16;
   info.frame_count = 2;
-  for (const video::SinkFormat format : {video::SinkFormat::tiff, video::SinkFormat::raw,
-                                         video::SinkFormat::cine, video::SinkFormat::mraw}) {
+  for (const video::SinkFormat format : {video::SinkFormat::kTiff, video::SinkFormat::kRaw,
+                                         video::SinkFormat::kCine, video::SinkFormat::kMraw}) {
     const std::string path = folder.file("clip" + video::sink_extension(format));
     auto sink = video::open_sink(path, format, info);
     sink->write(random_frame(16, 16, 8, 1));
-    if (format == video::SinkFormat::cine) {
+    if (format == video::SinkFormat::kCine) {
       EXPECT_THROW(sink->finish(), InvalidArgument);
     }
     sink.reset();
@@ -187,20 +187,20 @@ TEST(FrameSink, RefusesWhatItCannotStore) {
   info.frame_count = 2;
   info.bits = 8;
   const std::string path = folder.file("clip");
-  EXPECT_THROW(video::open_sink(path, video::SinkFormat::cine_packed10, info), InvalidArgument);
-  EXPECT_THROW(video::open_sink(path, video::SinkFormat::cine_packed12, info), InvalidArgument);
-  EXPECT_THROW(video::open_sink(path, video::SinkFormat::mraw_packed12, info), InvalidArgument);
-  EXPECT_THROW(video::open_sink(path, video::SinkFormat::png, info), InvalidArgument);
-  EXPECT_THROW(video::open_sink(folder.file("no/such/clip"), video::SinkFormat::raw, info),
+  EXPECT_THROW(video::open_sink(path, video::SinkFormat::kCinePacked10, info), InvalidArgument);
+  EXPECT_THROW(video::open_sink(path, video::SinkFormat::kCinePacked12, info), InvalidArgument);
+  EXPECT_THROW(video::open_sink(path, video::SinkFormat::kMrawPacked12, info), InvalidArgument);
+  EXPECT_THROW(video::open_sink(path, video::SinkFormat::kPng, info), InvalidArgument);
+  EXPECT_THROW(video::open_sink(folder.file("no/such/clip"), video::SinkFormat::kRaw, info),
                FileError);
-  EXPECT_THROW(video::open_sink(folder.file("no/such/clip"), video::SinkFormat::tiff, info),
+  EXPECT_THROW(video::open_sink(folder.file("no/such/clip"), video::SinkFormat::kTiff, info),
                FileError);
   EXPECT_THROW(video::parse_sink_format("gif"), InvalidArgument);
-  const auto sink = video::open_sink(path, video::SinkFormat::raw, info);
+  const auto sink = video::open_sink(path, video::SinkFormat::kRaw, info);
   EXPECT_THROW(sink->write(random_frame(16, 17, 8, 1)), InvalidArgument);
   EXPECT_THROW(sink->write(random_frame(16, 16, 12, 1)), InvalidArgument);
   info.frame_count = 0;
-  EXPECT_THROW(video::open_sink(path, video::SinkFormat::cine, info), InvalidArgument);
+  EXPECT_THROW(video::open_sink(path, video::SinkFormat::kCine, info), InvalidArgument);
 }
 
 // Four threads read all frames at once, each in another order.
@@ -237,9 +237,9 @@ TEST_P(ManyThreads, ReadTheSamePixels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, ManyThreads,
-                         ::testing::Values(video::SinkFormat::tiff, video::SinkFormat::cine,
-                                           video::SinkFormat::cine_packed12,
-                                           video::SinkFormat::mraw_packed12));
+                         ::testing::Values(video::SinkFormat::kTiff, video::SinkFormat::kCine,
+                                           video::SinkFormat::kCinePacked12,
+                                           video::SinkFormat::kMrawPacked12));
 
 std::string write_clip(const std::string& path, video::SinkFormat format, std::uint32_t seed) {
   ClipInfo info;
@@ -255,20 +255,20 @@ std::string write_clip(const std::string& path, video::SinkFormat format, std::u
 // Whichever of the two files is named.
 TEST(ClipDigest, CoversPixelsAndHeaderOfAPhotronPair) {
   const ScratchFolder folder;
-  const std::string pixels = write_clip(folder.file("clip.mraw"), video::SinkFormat::mraw, 1);
+  const std::string pixels = write_clip(folder.file("clip.mraw"), video::SinkFormat::kMraw, 1);
   for (const std::string& named : {pixels, folder.file("clip.cihx")}) {
     const video::ClipDigest digest = video::digest_of(video::open_video({named})->info());
     EXPECT_EQ(digest.sha256, sha256_of_file(pixels));
     EXPECT_EQ(digest.header_sha256, sha256_of_file(folder.file("clip.cihx")));
   }
-  write_clip(folder.file("other.mraw"), video::SinkFormat::mraw, 2);
+  write_clip(folder.file("other.mraw"), video::SinkFormat::kMraw, 2);
   EXPECT_NE(sha256_of_file(pixels), sha256_of_file(folder.file("other.mraw")));
 }
 
 TEST(ClipDigest, OfALargeFileIsThatOfItsPieces) {
   const ScratchFolder folder;
   const std::string path =
-      write_clip(folder.file("clip.mraw"), video::SinkFormat::mraw, 1);  // 128 bytes
+      write_clip(folder.file("clip.mraw"), video::SinkFormat::kMraw, 1);  // 128 bytes
   const auto clip = video::open_video({path});
   const std::string pieces = sha256_of_part(path, 0, 50) + "  -\n" + sha256_of_part(path, 50, 50) +
                              "  -\n" + sha256_of_part(path, 100, 28) + "  -\n";
@@ -280,8 +280,8 @@ TEST(ClipDigest, OfALargeFileIsThatOfItsPieces) {
 
 TEST(ClipDigest, CoversEveryPictureOfASequence) {
   const ScratchFolder folder;
-  const auto a = write_clip(folder.file("f2.tif"), video::SinkFormat::tiff, 1);
-  const auto b = write_clip(folder.file("f10.tif"), video::SinkFormat::tiff, 5);
+  const auto a = write_clip(folder.file("f2.tif"), video::SinkFormat::kTiff, 1);
+  const auto b = write_clip(folder.file("f10.tif"), video::SinkFormat::kTiff, 5);
   const video::ClipDigest digest =
       video::digest_of(video::open_video({folder.file("f*.tif")})->info());
   EXPECT_EQ(digest.sha256,

@@ -1,4 +1,4 @@
-// The motions of batches of frames, several batches in flight: while one lane's frames travel to
+// The motions of batches of frames, several batches in flight: while one worker's frames travel to
 // its device, another's kernels run and a third's fits are made.
 #pragma once
 
@@ -17,26 +17,26 @@
 
 namespace impactdic::pipeline {
 
-// Stages that the lanes are timed under.
-struct LaneStages {
+// Stages that the workers are timed under.
+struct WorkerStages {
   int upload = 0, device = 0, fit = 0, poses = 0;
 };
 
-class DeviceLanes {
+class DeviceWorkers {
  public:
   using Batch = std::shared_ptr<TrackBatch>;
 
-  // Every engine gets the same number of lanes, each with a queue, frames and an estimator of its
+  // Every engine gets the same number of workers, each with a queue, frames and an estimator of its
   // own. `batch` frames at most come at a time; they go to the device in as many parts as its
-  // memory asks for. The engines and `times` (may be null) must outlive the lanes.
-  DeviceLanes(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
-              double radius_px, int width, int height, int batch, StageTimes* times,
-              const LaneStages& stages);
-  ~DeviceLanes();
+  // memory asks for. The engines and `times` (may be null) must outlive the workers.
+  DeviceWorkers(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
+                double radius_px, int width, int height, int batch, StageTimes* times,
+                const WorkerStages& stages);
+  ~DeviceWorkers();
 
   std::span<const Window> grid() const;
   double radius_px() const { return radius_px_; }
-  // Lanes that `engines` will get: as many batches are measured at once.
+  // Workers that `engines` will get: as many batches are measured at once.
   static int count(std::span<opencl::Engine* const> engines);
 
   // Poses go on from those of an earlier run: see Keyframes. Before the first batch.
@@ -45,26 +45,26 @@ class DeviceLanes {
     if (keyframes_) keyframes_->restore(memory, read);
   }
 
-  // Has a lane measure the pairs of `batch`, and with the ball estimator its frames' poses. Where
-  // all lanes are busy it waits for the oldest batch and returns that, else nullptr. What a lane
-  // throws comes out here or from `take`.
+  // Has a worker measure the pairs of `batch`, and with the ball estimator its frames' poses. Where
+  // all workers are busy it waits for the oldest batch and returns that, else nullptr. What a
+  // worker throws comes out here or from `take`.
   Batch submit(Batch batch);
   // Waits for the oldest batch; nullptr where none is left.
   Batch take();
 
  private:
-  struct Lane;
+  struct Worker;
   class Turn;
   class Use;
-  void measure(Lane& lane, TrackBatch& batch, Turn& turn);
-  void measure_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
-  void place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count);
+  void measure(Worker& worker, TrackBatch& batch, Turn& turn);
+  void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
+  void place_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
 
   double radius_px_;
   motion::BallCrop crop_;
   StageTimes* times_;
-  LaneStages stages_;
-  std::vector<std::unique_ptr<Lane>> lanes_;
+  WorkerStages stages_;
+  std::vector<std::unique_ptr<Worker>> workers_;
   struct Flight {
     Batch batch;
     std::future<void> done;
@@ -75,8 +75,8 @@ class DeviceLanes {
   std::int64_t submitted_ = 0;
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
-  std::deque<Lane*> free_;
-  std::int64_t started_ = 0, placed_ = 0;  // batches that have had a lane, and their poses
+  std::deque<Worker*> free_;
+  std::int64_t started_ = 0, placed_ = 0;  // batches that have had a worker, and their poses
 };
 
 }  // namespace impactdic::pipeline

@@ -1,4 +1,4 @@
-#include "host/pipeline/device_lanes.h"
+#include "host/pipeline/device_workers.h"
 
 #include <algorithm>
 #include <utility>
@@ -13,22 +13,22 @@ namespace {
 
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
-constexpr int kLanesOfGpu = 12, kLanesOfCpu = 1;
-// Batches that wait for a lane, so that none of those is idle while the oldest batch is finished.
+constexpr int kWorkersOfGpu = 12, kWorkersOfCpu = 1;
+// Batches that wait for a worker, so that none of those is idle while the oldest batch is finished.
 constexpr std::size_t kWaiting = 2;
 // Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.
 constexpr std::size_t kBytesPerPixel = 4 + 2 * 16;
-// Share of a device's memory that all lanes may take.
+// Share of a device's memory that all workers may take.
 constexpr double kMemoryShare = 0.5;
 
-int lanes_of(const opencl::Engine& engine) {
-  return engine.device().is_gpu ? kLanesOfGpu : kLanesOfCpu;
+int workers_of(const opencl::Engine& engine) {
+  return engine.device().is_gpu ? kWorkersOfGpu : kWorkersOfCpu;
 }
 
-int slots_of(const opencl::Device& device, int lanes, int width, int height, int batch) {
+int slots_of(const opencl::Device& device, int workers, int width, int height, int batch) {
   const double pixels = static_cast<double>(width) * height;
   const double by_memory = kMemoryShare * static_cast<double>(device.global_memory_bytes) /
-                           (pixels * kBytesPerPixel * lanes);
+                           (pixels * kBytesPerPixel * workers);
   // The planes of all slots are one buffer: three floats a pixel.
   const double by_buffer = static_cast<double>(device.max_allocation_bytes) / (pixels * 12.5) - 2;
   return static_cast<int>(std::clamp(std::min(by_memory, by_buffer), 2.0, batch + 1.0));
@@ -37,129 +37,130 @@ int slots_of(const opencl::Device& device, int lanes, int width, int height, int
 }  // namespace
 
 // The slots of the frames, and behind them those of the keyframes.
-struct DeviceLanes::Lane {
+struct DeviceWorkers::Worker {
   std::unique_ptr<opencl::Engine> engine;
   int slots;
   dic::DeviceFrames frames;
   std::unique_ptr<motion::MotionEstimator> estimator;
   std::optional<motion::KeyframeSlots> keyframes;  // with the ball estimator
 
-  Lane(std::unique_ptr<opencl::Engine> own, const motion::EstimatorOptions& options,
-       double radius_px, int count)
+  Worker(std::unique_ptr<opencl::Engine> own, const motion::EstimatorOptions& options,
+         double radius_px, int count)
       : engine(std::move(own)),
         slots(count),
         frames(*engine, count + motion::kKeyframes),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
-    if (options.estimator != motion::Estimator::ball) return;
+    if (options.estimator != Estimator::kBall) return;
     keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, false));
   }
 };
 
-// A batch's use of a lane: batches get lanes in their order, so that none holds one while another
-// before it, whose poses it waits for, has none.
-class DeviceLanes::Use {
+// A batch's use of a worker: batches get workers in their order, so that none holds one while
+// another before it, whose poses it waits for, has none.
+class DeviceWorkers::Use {
  public:
-  Use(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes) {
-    std::unique_lock<std::mutex> lock(lanes.mutex_);
-    lanes.changed_.wait(lock, [&] { return lanes.started_ == number && !lanes.free_.empty(); });
-    lane_ = lanes.free_.front();
-    lanes.free_.pop_front();
-    ++lanes.started_;
+  Use(DeviceWorkers& workers, std::int64_t number) : workers_(workers) {
+    std::unique_lock<std::mutex> lock(workers.mutex_);
+    workers.changed_.wait(lock,
+                          [&] { return workers.started_ == number && !workers.free_.empty(); });
+    worker_ = workers.free_.front();
+    workers.free_.pop_front();
+    ++workers.started_;
     lock.unlock();
-    lanes.changed_.notify_all();
+    workers.changed_.notify_all();
   }
   ~Use() {
     {
-      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
-      lanes_.free_.push_back(lane_);
+      const std::lock_guard<std::mutex> lock(workers_.mutex_);
+      workers_.free_.push_back(worker_);
     }
-    lanes_.changed_.notify_all();
+    workers_.changed_.notify_all();
   }
   Use(const Use&) = delete;
   Use& operator=(const Use&) = delete;
-  Lane& lane() { return *lane_; }
+  Worker& worker() { return *worker_; }
 
  private:
-  DeviceLanes& lanes_;
-  Lane* lane_ = nullptr;
+  DeviceWorkers& workers_;
+  Worker* worker_ = nullptr;
 };
 
 // A batch's turn at the poses: comes when all batches before have had theirs, and ends with it.
-class DeviceLanes::Turn {
+class DeviceWorkers::Turn {
  public:
-  Turn(DeviceLanes& lanes, std::int64_t number) : lanes_(lanes), number_(number) {}
+  Turn(DeviceWorkers& workers, std::int64_t number) : workers_(workers), number_(number) {}
   ~Turn() {
     wait();
     {
-      const std::lock_guard<std::mutex> lock(lanes_.mutex_);
-      ++lanes_.placed_;
+      const std::lock_guard<std::mutex> lock(workers_.mutex_);
+      ++workers_.placed_;
     }
-    lanes_.changed_.notify_all();
+    workers_.changed_.notify_all();
   }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
   void wait() {
-    std::unique_lock<std::mutex> lock(lanes_.mutex_);
-    lanes_.changed_.wait(lock, [this] { return lanes_.placed_ == number_; });
+    std::unique_lock<std::mutex> lock(workers_.mutex_);
+    workers_.changed_.wait(lock, [this] { return workers_.placed_ == number_; });
   }
 
  private:
-  DeviceLanes& lanes_;
+  DeviceWorkers& workers_;
   std::int64_t number_;
 };
 
-DeviceLanes::DeviceLanes(std::span<opencl::Engine* const> engines,
-                         const motion::EstimatorOptions& options, double radius_px, int width,
-                         int height, int batch, StageTimes* times, const LaneStages& stages)
+DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
+                             const motion::EstimatorOptions& options, double radius_px, int width,
+                             int height, int batch, StageTimes* times, const WorkerStages& stages)
     : radius_px_(radius_px),
       crop_(options, radius_px, width, height),
       times_(times),
       stages_(stages) {
-  if (options.estimator == motion::Estimator::ball) keyframes_.emplace(radius_px, crop_);
+  if (options.estimator == Estimator::kBall) keyframes_.emplace(radius_px, crop_);
   int most = 0;
-  for (const opencl::Engine* engine : engines) most = std::max(most, lanes_of(*engine));
-  // Neighbouring lanes are on different devices, so that a short clip reaches all of them.
-  std::vector<std::future<std::unique_ptr<Lane>>> opening;
+  for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));
+  // Neighbouring workers are on different devices, so that a short clip reaches all of them.
+  std::vector<std::future<std::unique_ptr<Worker>>> opening;
   for (int k = 0; k < most; ++k) {
     for (const opencl::Engine* engine : engines) {
-      const int lanes = lanes_of(*engine);
-      if (k >= lanes) continue;
-      opening.push_back(std::async(std::launch::async, [&, engine, lanes] {
-        return std::make_unique<Lane>(
+      const int workers = workers_of(*engine);
+      if (k >= workers) continue;
+      opening.push_back(std::async(std::launch::async, [&, engine, workers] {
+        return std::make_unique<Worker>(
             engine->beside(), options, radius_px,
-            slots_of(engine->device(), lanes, crop_.width(), crop_.height(), batch));
+            slots_of(engine->device(), workers, crop_.width(), crop_.height(), batch));
       }));
     }
   }
-  for (auto& lane : opening) free_.push_back(lanes_.emplace_back(lane.get()).get());
+  for (auto& worker : opening) free_.push_back(workers_.emplace_back(worker.get()).get());
 }
 
-DeviceLanes::~DeviceLanes() {
+DeviceWorkers::~DeviceWorkers() {
   for (Flight& flight : flights_) flight.done.wait();
 }
 
-std::span<const Window> DeviceLanes::grid() const { return lanes_.front()->estimator->grid(); }
+std::span<const Window> DeviceWorkers::grid() const { return workers_.front()->estimator->grid(); }
 
-int DeviceLanes::count(std::span<opencl::Engine* const> engines) {
-  int lanes = 0;
-  for (const opencl::Engine* engine : engines) lanes += lanes_of(*engine);
-  return lanes;
+int DeviceWorkers::count(std::span<opencl::Engine* const> engines) {
+  int workers = 0;
+  for (const opencl::Engine* engine : engines) workers += workers_of(*engine);
+  return workers;
 }
 
-DeviceLanes::Batch DeviceLanes::submit(Batch batch) {
+DeviceWorkers::Batch DeviceWorkers::submit(Batch batch) {
   Batch finished;
-  if (flights_.size() == lanes_.size() + kWaiting) finished = take();
+  if (flights_.size() == workers_.size() + kWaiting) finished = take();
   const std::int64_t number = submitted_++;
   flights_.push_back({batch, std::async(std::launch::async, [this, batch, number] {
                         Turn turn(*this, number);
                         Use use(*this, number);
-                        measure(use.lane(), *batch, turn);
+                        measure(use.worker(), *batch, turn);
                       })});
   return finished;
 }
 
-DeviceLanes::Batch DeviceLanes::take() {
+DeviceWorkers::Batch DeviceWorkers::take() {
   if (flights_.empty()) return nullptr;
   Flight flight = std::move(flights_.front());
   flights_.pop_front();
@@ -167,23 +168,23 @@ DeviceLanes::Batch DeviceLanes::take() {
   return flight.batch;
 }
 
-void DeviceLanes::measure(Lane& lane, TrackBatch& batch, Turn& turn) {
+void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& turn) {
   const std::size_t count = batch.frames.size();
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
-  const auto slots = static_cast<std::size_t>(lane.slots);
+  const auto slots = static_cast<std::size_t>(worker.slots);
   // A part begins with the last frame of the one before.
   for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
     const std::size_t frames = std::min(slots, count - first);
-    measure_part(lane, batch, first, frames);
+    measure_part(worker, batch, first, frames);
     if (!keyframes_) continue;
     turn.wait();
-    place_part(lane, batch, first, frames);
+    place_part(worker, batch, first, frames);
   }
 }
 
-void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
-                               std::size_t count) {
+void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t first,
+                                 std::size_t count) {
   std::vector<dic::FramePart> parts;
   std::vector<motion::CropOrigin> origins;
   for (std::size_t k = 0; k < count; ++k) {
@@ -210,13 +211,13 @@ void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
   if (which.empty() && !(keyframes_ && any_ball)) return;
   {
     const StageTimes::Scope timed(times_, stages_.upload);
-    lane.frames.set(0, parts, crop_.width(), crop_.height());
+    worker.frames.set(0, parts, crop_.width(), crop_.height());
   }
-  const double fits_before = lane.estimator->fit_seconds();
+  const double fits_before = worker.estimator->fit_seconds();
   const Stopwatch watch;
-  measure_pairs(*lane.estimator, radius_px_, pairs);
+  measure_pairs(*worker.estimator, radius_px_, pairs);
   if (times_ != nullptr) {
-    const double fits = lane.estimator->fit_seconds() - fits_before;
+    const double fits = worker.estimator->fit_seconds() - fits_before;
     times_->add(stages_.fit, fits);
     times_->add(stages_.device, watch.seconds() - fits);
   }
@@ -227,7 +228,8 @@ void DeviceLanes::measure_part(Lane& lane, TrackBatch& batch, std::size_t first,
   }
 }
 
-void DeviceLanes::place_part(Lane& lane, TrackBatch& batch, std::size_t first, std::size_t count) {
+void DeviceWorkers::place_part(Worker& worker, TrackBatch& batch, std::size_t first,
+                               std::size_t count) {
   const StageTimes::Scope timed(times_, stages_.poses);
   std::vector<motion::ChainedFrame> frames;
   for (std::size_t k = 0; k < count; ++k) {
@@ -241,7 +243,7 @@ void DeviceLanes::place_part(Lane& lane, TrackBatch& batch, std::size_t first, s
     frame.slot = static_cast<int>(k);
     frame.origin = crop_.about(batch.circles[i]);
   }
-  const std::vector<BodyPose> poses = keyframes_->follow(frames, *lane.keyframes);
+  const std::vector<BodyPose> poses = keyframes_->follow(frames, *worker.keyframes);
   for (std::size_t k = 0; k < count; ++k) batch.rows[first + k].pose = poses[k];
   batch.keyframes = keyframes_->memory();
 }
