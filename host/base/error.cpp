@@ -1,6 +1,7 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace impactdic {
 namespace {
@@ -11,69 +12,44 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// As OpenCL's headers name them; this library does without those.
+constexpr std::pair<int, const char*> kOpenClCodes[] = {
+    {0, "CL_SUCCESS"},
+    {-1, "CL_DEVICE_NOT_FOUND"},
+    {-2, "CL_DEVICE_NOT_AVAILABLE"},
+    {-3, "CL_COMPILER_NOT_AVAILABLE"},
+    {-4, "CL_MEM_OBJECT_ALLOCATION_FAILURE"},
+    {-5, "CL_OUT_OF_RESOURCES"},
+    {-6, "CL_OUT_OF_HOST_MEMORY"},
+    {-11, "CL_BUILD_PROGRAM_FAILURE"},
+    {-14, "CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST"},
+    {-30, "CL_INVALID_VALUE"},
+    {-32, "CL_INVALID_PLATFORM"},
+    {-33, "CL_INVALID_DEVICE"},
+    {-34, "CL_INVALID_CONTEXT"},
+    {-36, "CL_INVALID_COMMAND_QUEUE"},
+    {-38, "CL_INVALID_MEM_OBJECT"},
+    {-45, "CL_INVALID_PROGRAM_EXECUTABLE"},
+    {-46, "CL_INVALID_KERNEL_NAME"},
+    {-48, "CL_INVALID_KERNEL"},
+    {-49, "CL_INVALID_ARG_INDEX"},
+    {-50, "CL_INVALID_ARG_VALUE"},
+    {-51, "CL_INVALID_ARG_SIZE"},
+    {-52, "CL_INVALID_KERNEL_ARGS"},
+    {-54, "CL_INVALID_WORK_GROUP_SIZE"},
+    {-55, "CL_INVALID_WORK_ITEM_SIZE"},
+    {-58, "CL_INVALID_EVENT"},
+    {-59, "CL_INVALID_OPERATION"},
+    {-61, "CL_INVALID_BUFFER_SIZE"},
+    {-63, "CL_INVALID_GLOBAL_WORK_SIZE"},
+    {-1001, "CL_PLATFORM_NOT_FOUND_KHR"},
+};
+
 const char* opencl_code_name(int code) {
-  switch (code) {
-    case 0:
-      return "CL_SUCCESS";
-    case -1:
-      return "CL_DEVICE_NOT_FOUND";
-    case -2:
-      return "CL_DEVICE_NOT_AVAILABLE";
-    case -3:
-      return "CL_COMPILER_NOT_AVAILABLE";
-    case -4:
-      return "CL_MEM_OBJECT_ALLOCATION_FAILURE";
-    case -5:
-      return "CL_OUT_OF_RESOURCES";
-    case -6:
-      return "CL_OUT_OF_HOST_MEMORY";
-    case -11:
-      return "CL_BUILD_PROGRAM_FAILURE";
-    case -14:
-      return "CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST";
-    case -30:
-      return "CL_INVALID_VALUE";
-    case -32:
-      return "CL_INVALID_PLATFORM";
-    case -33:
-      return "CL_INVALID_DEVICE";
-    case -34:
-      return "CL_INVALID_CONTEXT";
-    case -36:
-      return "CL_INVALID_COMMAND_QUEUE";
-    case -38:
-      return "CL_INVALID_MEM_OBJECT";
-    case -45:
-      return "CL_INVALID_PROGRAM_EXECUTABLE";
-    case -46:
-      return "CL_INVALID_KERNEL_NAME";
-    case -48:
-      return "CL_INVALID_KERNEL";
-    case -49:
-      return "CL_INVALID_ARG_INDEX";
-    case -50:
-      return "CL_INVALID_ARG_VALUE";
-    case -51:
-      return "CL_INVALID_ARG_SIZE";
-    case -52:
-      return "CL_INVALID_KERNEL_ARGS";
-    case -54:
-      return "CL_INVALID_WORK_GROUP_SIZE";
-    case -55:
-      return "CL_INVALID_WORK_ITEM_SIZE";
-    case -58:
-      return "CL_INVALID_EVENT";
-    case -59:
-      return "CL_INVALID_OPERATION";
-    case -61:
-      return "CL_INVALID_BUFFER_SIZE";
-    case -63:
-      return "CL_INVALID_GLOBAL_WORK_SIZE";
-    case -1001:
-      return "CL_PLATFORM_NOT_FOUND_KHR";
-    default:
-      return "OpenCL error";
+  for (const auto& [known, name] : kOpenClCodes) {
+    if (known == code) return name;
   }
+  return "OpenCL error";
 }
 
 }  // namespace

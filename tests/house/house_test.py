@@ -12,6 +12,8 @@ import sys
 MOST_FILES = 25  # of sources in a folder
 MOST_LINES = 400  # of a source
 MOST_APP_LINES = 2500  # of host/app in all
+MOST_BODY = 60  # lines of a function, from the line of its brace on; kernels hold their data in
+                # registers from end to end and are exempt
 
 # What sim/ may use of host/: it knows neither devices nor correlation, so that truth stays
 # independent of the solver.
@@ -70,6 +72,32 @@ def wrong_arrows(root, names):
     return wrong
 
 
+def functions(text):
+    """(line, number of lines) of every function of C++ that scripts/format has laid out."""
+    indents, opened = [""], None  # of the types that the line lies in, after namespaces
+    for number, line in enumerate(text.splitlines(), 1):
+        if opened is not None:
+            if line.startswith(indents[-1] + "}"):
+                yield opened, number - opened + 1
+                opened = None
+        elif len(indents) > 1 and line.startswith(indents[-2] + "}"):
+            indents.pop()
+        elif line.endswith("{") and not re.match(r" *//|#|(inline )?namespace|extern", line):
+            if re.match(r" *(template .*)?(class|struct|union|enum)\b[^(]*$", line):
+                indents.append(indents[-1] + "  ")
+            elif not line.endswith("= {"):
+                opened = number
+
+
+def long_functions(root, names):
+    for name in names:
+        if not name.endswith((".cpp", ".h")) or name.startswith("kernels/"):
+            continue
+        for line, count in functions((root / name).read_text()):
+            if count > MOST_BODY:
+                yield f"{name}:{line}: a function of {count} lines"
+
+
 def main(root):
     names = sources(root)
     faults = wrong_arrows(root, names)
@@ -80,6 +108,7 @@ def main(root):
     app = sum(n for name, n in lines.items() if name.startswith("host/app/"))
     if app > MOST_APP_LINES:
         faults.append(f"host/app: {app} lines")
+    faults += long_functions(root, names)
     for fault in faults:
         print(fault)
     return 1 if faults else 0
