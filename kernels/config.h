@@ -58,7 +58,8 @@
 #define GROUP 64
 #endif
 
-// rigid.cl: parameters of the motion, 3 (u, v, rotation) or 6 (affine).
+// rigid.cl: parameters of the motion, 3 (u, v, rotation), 5 (a sphere: u, v, rotation vector) or 6
+// (affine).
 #ifndef PARAMETERS
 #define PARAMETERS 3
 #endif

@@ -71,8 +71,8 @@ KERNEL_INLINE void spline_slopes(const int degree, const REAL t, REAL* w) {
 
 #ifdef __OPENCL_C_VERSION__
 
-// s(x, y) in VECTOR pixels whose positions are an affine function of the lane, x going up by
-// about 1 from lane to lane. c: the coefficient of position (0, 0), rows `pitch` apart.
+// s(x, y) in VECTOR pixels, x going up by about 1 from lane to lane. c: the coefficient of position
+// (0, 0), rows `pitch` apart.
 KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const REAL x,
                                  const REAL y) {
   const REAL floor_x = floor(x), floor_y = floor(y);
@@ -90,13 +90,10 @@ KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const
     sum += wy[j] * row;
   }
 #else
-  // Where floor(x) − lane and floor(y) are the same in all lanes, taps are neighbours in memory;
-  // both are monotone in the lane, so that the outer lanes tell.
+  // Where floor(x) − lane and floor(y) are the same in all lanes, taps are neighbours in memory.
   const REAL step_x = floor_x - LANE_NUMBERS;
-  const float low_x = fmin(FIRST_LANE(step_x), LAST_LANE(step_x));
-  const float low_y = fmin(FIRST_LANE(floor_y), LAST_LANE(floor_y));
-  const float span_x = fabs(FIRST_LANE(step_x) - LAST_LANE(step_x));
-  const float span_y = fabs(FIRST_LANE(floor_y) - LAST_LANE(floor_y));
+  const float low_x = LOWEST_LANE(step_x), low_y = LOWEST_LANE(floor_y);
+  const float span_x = HIGHEST_LANE(step_x) - low_x, span_y = HIGHEST_LANE(floor_y) - low_y;
   c += ((int)low_y - (SPLINE_DEGREE - 1) / 2) * pitch + (int)low_x - (SPLINE_DEGREE - 1) / 2;
   if (span_x == 0.0f && span_y == 0.0f) {
 #pragma unroll 1

@@ -66,11 +66,15 @@ typedef struct EqualPeak {
 } EqualPeak;
 
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
-// the radius of the disc to be compared, px, in the first frame, and a guess of its motion.
+// the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
+// sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y up,
+// Z towards the camera, whose last component is guess_rot_rad.
 typedef struct BallTask {
   idic_int first, second;
   float cx, cy, radius;
   float guess_dx, guess_dy, guess_rot_rad;
+  float ball_radius;
+  float guess_rot_x_rad, guess_rot_y_rad;
 } BallTask;
 
 // The ball's motion from the first to the second frame; NaN where it could not be measured.
@@ -79,6 +83,9 @@ typedef struct BallTask {
 // frame; 0 where the registration is rigid. *_sd: one standard deviation. correlation: ZNCC at the
 // result. residual: rms difference of the pictures, grey levels. used: share of the disc that
 // carried weight. status: a WindowStatus (host/dic/field.h). steps: Gauss–Newton steps taken.
+// Of a sphere (rot_x_rad, rot_y_rad, rot_rad) is the rotation vector, at most pi long, in the
+// camera's axes (X right, Y up, Z towards the camera), and `covariance` the lower triangle, row by
+// row, of dx, dy and the small turns about X, Y and Z of the first picture; 0 of a flat ball.
 typedef struct BallMotion {
   float dx, dy, rot_rad;
   float exx, exy, eyy;
@@ -86,6 +93,8 @@ typedef struct BallMotion {
   float exx_sd, exy_sd, eyy_sd;
   float correlation, residual, used;
   idic_int status, steps;
+  float rot_x_rad, rot_y_rad;
+  float covariance[15];
 } BallMotion;
 
 // What does not change from ball to ball.

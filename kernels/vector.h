@@ -50,6 +50,19 @@ KERNEL_INLINE float sum_lanes4(const float4 x) { return (x.s0 + x.s1) + (x.s2 + 
 KERNEL_INLINE float sum_lanes8(const float8 x) { return sum_lanes4(x.lo + x.hi); }
 KERNEL_INLINE float sum_lanes16(const float16 x) { return sum_lanes8(x.lo + x.hi); }
 #define SUM_LANES(x) VECTOR_JOIN(sum_lanes, VECTOR)(x)
+#if PARAMETERS == 5
+// A sphere's pixels lie on curves: every lane is looked at.
+KERNEL_INLINE float lowest_lane4(const float4 x) {
+  return fmin(fmin(x.s0, x.s1), fmin(x.s2, x.s3));
+}
+KERNEL_INLINE float lowest_lane8(const float8 x) { return lowest_lane4(fmin(x.lo, x.hi)); }
+KERNEL_INLINE float lowest_lane16(const float16 x) { return lowest_lane8(fmin(x.lo, x.hi)); }
+#define LOWEST_LANE(x) VECTOR_JOIN(lowest_lane, VECTOR)(x)
+#else
+// Straight lines: the outer lanes tell.
+#define LOWEST_LANE(x) fmin(FIRST_LANE(x), LAST_LANE(x))
+#endif
+#define HIGHEST_LANE(x) (-LOWEST_LANE(-(x)))
 #endif
 
 #endif  // __OPENCL_C_VERSION__

@@ -16,8 +16,8 @@ class BallEstimator : public MotionEstimator {
         radius_px_(radius_px),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
-        rigid_(engine, ball_options(options.field, false)),
-        affine_(engine, ball_options(options.field, true)) {}
+        rigid_(engine, ball_options(options.field, dic::BallModel::kRigid)),
+        affine_(engine, ball_options(options.field, dic::BallModel::kAffine)) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
@@ -107,9 +107,9 @@ class BallEstimator : public MotionEstimator {
 
 }  // namespace
 
-dic::BallOptions ball_options(const FieldOptions& field, bool affine) {
+dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model) {
   dic::BallOptions options;
-  options.affine = affine;
+  options.model = model;
   options.min_correlation = field.min_correlation;
   options.min_texture = field.min_texture;
   return options;

@@ -23,6 +23,6 @@ std::unique_ptr<MotionEstimator> make_ball_estimator(opencl::Engine& engine,
                                                      double radius_px, dic::DeviceFrames& frames);
 
 // How the whole ball is registered where windows are measured with `field`.
-dic::BallOptions ball_options(const FieldOptions& field, bool affine);
+dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model);
 
 }  // namespace impactdic::motion

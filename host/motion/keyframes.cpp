@@ -60,7 +60,7 @@ BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion&
 }
 
 dic::BallOptions affine(dic::BallOptions options) {
-  options.affine = true;
+  options.model = dic::BallModel::kAffine;
   return options;
 }
 

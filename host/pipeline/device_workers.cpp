@@ -50,8 +50,8 @@ struct DeviceWorkers::Worker {
         slots(count),
         frames(*engine, count + motion::kKeyframes),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
-    if (options.estimator != Estimator::kBall) return;
-    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, false));
+    if (options.estimator != motion::Estimator::ball) return;
+    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, dic::BallModel::kRigid));
   }
 };
 

@@ -11,6 +11,7 @@
 #include "kernels/types.h"
 #include "kernels/warp.h"
 
+#define SPHERE 5                        /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4                         /* 1, f, f X/R, f Y/R */
 #define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)        /* and r */
@@ -52,11 +53,25 @@
 #define SMALLEST_PIVOT 1e-6f
 #define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
 
+// A sphere's pixel counts by the cosine of its surface's angle to the line of sight, in the first
+// or the second picture, whichever is less, from this on: beyond, foreshortening leaves no texture.
+#define LEAST_DEPTH 0.1f
+// Σ of those weights over the whole disc, in areas of it.
+#define SPHERE_SHARE 0.63f
+// Pixels across and down whose errors are taken to be their own: beyond the size of a speckle.
+#define BLOCK_X 16
+#define BLOCK_Y 8
+
 #define STATUS_RUNNING (-1) /* of a ball that is still at work */
 
 // What the work-items of a group share about their ball.
 typedef struct Shared {
   float warp[6];
+#if PARAMETERS == SPHERE
+  float turn[9];  // from the first to the second picture; x right, y down, z to camera
+  float scores[TRIANGLE(REGRESSORS, 0)];   // Σ over blocks of their scores' products
+  float inverse[PARAMETERS * REGRESSORS];  // rows of the inverse of the normal matrix
+#endif
   float origin;                 // grey level taken off both pictures
   float light[LIGHT];           // coefficients of the light's regressors so far
   float scale;                  // of the weights, 0: all equal
@@ -64,6 +79,7 @@ typedef struct Shared {
   float correlation, variance;  // at the last step
   float carried;                // sum of weights
   float moved, pace;            // of the last step, px; see LEFT_PX
+  float stretch;                // of the last step; see LONGEST_STRETCH
   int coarse;                   // not 0: the next pass does not see all pixels
   int status, steps;
   float sums[SUMS];
@@ -76,7 +92,18 @@ typedef struct Shared {
 
 // What is compared has this area, px: the disc, or the mask's pixels in it.
 static inline float compared_area(const BallTask task, const BallLimits limits) {
-  return limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+  const float disc =
+      limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+#if PARAMETERS == SPHERE
+  return SPHERE_SHARE * disc;
+#else
+  return disc;
+#endif
+}
+
+// What a pixel of a sphere counts at this cosine of its surface's angle to the line of sight.
+static inline REAL seen_share(const REAL cosine) {
+  return fmax(cosine - LEAST_DEPTH, (REAL)0.0f) * (1.0f / (1.0f - LEAST_DEPTH));
 }
 
 // Work-items side by side take a tile of this many columns and rows: where the ball has turned, a

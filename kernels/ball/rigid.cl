@@ -6,10 +6,17 @@
 // solves the weighted regression
 //   r ≈ δoffset + (δgain + δgain_x X/R + δgain_y Y/R) f + gain ∇fᵀ D δ
 // PARAMETERS 3: D δ = (du + dθ Y, dv − dθ X); 6: (du + ux X + uy Y, dv + vx X + vy Y), X from the
-// centre. The scale of the weights is the median of |r| of the step before (a histogram's).
+// centre. A sphere (5) is turned in depth: W(X) = d + (Q q)_xy with q = (X, √(R² − X²)) and Q in
+// SO(3), pixels that are turned out of sight have no weight, and
+//   D δ = P δd + (Z, δθ), P a shift of the second picture as it looks on the first one's sphere.
+// Its motions are composed as Q exp(−δθ), d − δd. The scale of the weights is the median of |r| of
+// the step before (a histogram's).
 #include "kernels/ball/pass.h"
 #include "kernels/ball/step.h"
 #include "kernels/ball/store.h"
+#if PARAMETERS == SPHERE
+#include "kernels/ball/sphere_store.h"
+#endif
 
 // coefficients, planes: of SplineFrames (prefilter.cl), the former from element `offset` on.
 // smooth_taps: (SMOOTH_RADIUS + 1) weights of the pre-smoothing. noise: see warp_noise, and
@@ -33,6 +40,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
       SPLINE_PAD * limits.pitch + SPLINE_PAD;
   if (item == 0) {
     warp_start(shared.warp, task.guess_dx, task.guess_dy, task.guess_rot_rad);
+#if PARAMETERS == SPHERE
+    turn_start(shared.turn, task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
+#endif
     shared.origin = value[(size_t)cy * limits.plane_pitch + cx];
     shared.scale = shared.bin = shared.carried = 0.0f;
     for (int i = 0; i < LIGHT; ++i) shared.light[i] = i == 1 ? 1.0f : 0.0f;
@@ -58,8 +68,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   }
   const Box box = disc_box(task, 0, limits.width, limits.height);
   const float share = smoothed_share(value, box, task, limits, smooth_taps, scratch, &shared);
+#if PARAMETERS == SPHERE
+  sum_scores(value, second, mask, task, box, limits, scratch, &shared);
+#else
   const float second_noise =
       warp_noise(shared.warp, (float2)(task.cx, task.cy), 0.6f * task.radius, noise, shared.noise);
+#endif
   if (item != 0) return;
   int status = shared.status;
   if (status == STATUS_RUNNING) status = STATUS_NOT_CONVERGED;
@@ -72,6 +86,14 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   out->correlation = shared.correlation;
   out->residual = sqrt(shared.variance);
   out->used = shared.carried / compared_area(task, limits);
+#if PARAMETERS == SPHERE
+  (void)noise;
+  if (status == STATUS_OK) {
+    store_sphere(out, &shared, task.radius, 2.0f * ROUNDING_VARIANCE * share);
+  } else {
+    store_failure(out);
+  }
+#else
   if (status == STATUS_OK) {
     // The residual holds both frames' noise, the second one's after interpolation; pixels are
     // rounded to whole grey levels, which is noise that a residual need not show.
@@ -83,4 +105,5 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   } else {
     store_failure(out);
   }
+#endif
 }

@@ -1,9 +1,10 @@
 // One Gauss–Newton step of a ball's registration from the sums of a pass: rigid with PARAMETERS 3,
-// affine with 6.
+// of a sphere with 5, affine with 6.
 #ifndef IMPACTDIC_KERNELS_BALL_STEP_H_
 #define IMPACTDIC_KERNELS_BALL_STEP_H_
 
 #include "kernels/ball/registration.h"
+#include "kernels/ball/turn.h"
 
 // Σ a b − Σ a Σ b / Σ 1 of two columns, column >= other.
 static inline float covariance(__local const float* sums, const int column, const int other) {
@@ -26,10 +27,17 @@ static inline float correlation(__local const Shared* shared) {
 }
 
 // Applies the solution to the warp. Returns the largest displacement of a pixel by it, px.
-static inline float move(__local Shared* shared, const float radius) {
+BARRIER_INLINE float move(__local Shared* shared, const float radius) {
   __local const float* s = shared->solution + LIGHT;
   const float by_gain = 1.0f / shared->light[1], by_both = by_gain / radius;
-#if PARAMETERS == 3
+#if PARAMETERS == SPHERE
+  const float du = s[0] * by_gain, dv = s[1] * by_gain;
+  const float turn_x = s[2] * by_both, turn_y = s[3] * by_both, turn_z = s[4] * by_both;
+  shared->warp[4] -= du;
+  shared->warp[5] -= dv;
+  turn_by(shared->turn, -turn_x, -turn_y, -turn_z);
+  return fmax(fabs(du), fabs(dv)) + (fabs(turn_x) + fabs(turn_y) + fabs(turn_z)) * radius;
+#elif PARAMETERS == 3
   const float du = s[0] * by_gain, dv = s[1] * by_gain, turn = s[2] * by_both;
   warp_compose_inverse(shared->warp, cos(turn), sin(turn), -sin(turn), cos(turn), du, dv);
   return fmax(fabs(du), fabs(dv)) + fabs(turn) * radius;
@@ -71,7 +79,7 @@ static inline float median_scale(__local const Shared* shared) {
 }
 
 // Lane 0: one Gauss–Newton step from the sums, and what the next pass is to do.
-static inline void step(__local Shared* shared, const BallTask task, const BallLimits limits) {
+BARRIER_INLINE void step(__local Shared* shared, const BallTask task, const BallLimits limits) {
   __local float* sums = shared->sums;
   const float count = sums[0];
   const float area =
@@ -101,6 +109,7 @@ static inline void step(__local Shared* shared, const BallTask task, const BallL
   shared->carried = count + slight * (count - sums[NEWTON]);
   shared->variance = fmax(residual + slight * sums[CHANGE], 0.0f) / (shared->carried - REGRESSORS);
   const float stretch = clamp(count / sums[NEWTON], 1.0f, LONGEST_STRETCH);
+  shared->stretch = stretch;
   for (int k = 0; k < REGRESSORS; ++k) shared->solution[k] *= stretch;
   for (int k = 0; k < LIGHT; ++k) shared->light[k] += shared->solution[k];
   if (!(shared->light[1] > 0.0f)) {

@@ -41,12 +41,14 @@ BARRIER_INLINE float smoothed_share(__global const float* value, const Box box, 
   return shared->smoothed[1] / shared->smoothed[0];
 }
 
+#if PARAMETERS != SPHERE
 // Lane 0: standard deviations of dx, dy, rotation, exx, exy, eyy for the pixel deviation `scale`:
 // each is a sum of two parameters with weights.
 static inline void store_deviations(__global BallMotion* out, __local Shared* shared,
                                     const float radius, const float scale) {
   __global float* deviation[] = {&out->dx_sd,  &out->dy_sd,  &out->rot_sd_rad,
                                  &out->exx_sd, &out->exy_sd, &out->eyy_sd};
+  for (int k = 0; k < 15; ++k) out->covariance[k] = 0.0f;
 #if PARAMETERS == 3
   const int parameter[] = {0, 1, 2}, other[] = {0, 1, 2};
   const float weight[] = {1.0f, 1.0f, 1.0f / radius}, other_weight[] = {0.0f, 0.0f, 0.0f};
@@ -72,6 +74,7 @@ static inline void store_motion(__global BallMotion* out, __local const Shared* 
   out->dx = w[4];
   out->dy = w[5];
   out->rot_rad = turn;
+  out->rot_x_rad = out->rot_y_rad = 0.0f;
 #if PARAMETERS == 3
   out->exx = out->exy = out->eyy = 0.0f;
 #else
@@ -82,12 +85,15 @@ static inline void store_motion(__global BallMotion* out, __local const Shared* 
   out->exy = 0.5f * (c * w[1] - s * w[3] + s * w[0] + c * w[2]);
 #endif
 }
+#endif  // PARAMETERS != SPHERE
 
 static inline void store_failure(__global BallMotion* out) {
   out->dx = out->dy = out->rot_rad = NAN;
   out->exx = out->exy = out->eyy = NAN;
   out->dx_sd = out->dy_sd = out->rot_sd_rad = NAN;
   out->exx_sd = out->exy_sd = out->eyy_sd = NAN;
+  out->rot_x_rad = out->rot_y_rad = NAN;
+  for (int k = 0; k < 15; ++k) out->covariance[k] = NAN;
 }
 
 #endif  // IMPACTDIC_KERNELS_BALL_STORE_H_

@@ -194,7 +194,7 @@ TEST(BallAccuracy, AffineUnderCompression) {
     pairs.poses.push_back(second);
   }
   dic::BallOptions options;
-  options.affine = true;
+  options.model = dic::BallModel::kAffine;
   for (const double noise : {0.0, 2.0}) {
     const auto motions = measure(pairs, scene(noise), options);
     Errors position, strain, rotation_deg;

@@ -2,11 +2,13 @@
 #include "host/dic/reference/ball.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/units.h>
 
 #include <cmath>
 
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
+#include "tests/support/sphere_pictures.h"
 
 namespace impactdic {
 namespace {
@@ -19,10 +21,13 @@ constexpr double kRadiusPx = 60;
 
 struct Case {
   int degree;
-  bool affine, robust, bar;
+  dic::BallModel model;
+  bool robust, bar;
   double x_px;  // of the ball in the first frame: 40 hides a part beyond the picture's edge
   std::optional<dic::Tiling> tiling = {};  // other than this device's own
 };
+constexpr auto kRigid = dic::BallModel::kRigid, kAffine = dic::BallModel::kAffine,
+               kSphere = dic::BallModel::kSphere;
 class BallKernel : public ::testing::TestWithParam<Case> {};
 
 TEST_P(BallKernel, GivesWhatTheReferenceGives) {
@@ -33,13 +38,14 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   scene.height = kHeight;
   scene.noise_sigma = 2;
   if (param.bar) scene.bar = sim::speckle::bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
-  BallPose first = pose(param.x_px, 74.4, 10), second = pose(param.x_px + 1.37, 73.79, 13);
-  if (param.affine) second.compression = 0.01;
+  sim::speckle::BallPose first = pose(param.x_px, 74.4, 10),
+                         second = pose(param.x_px + 1.37, 73.79, 13);
+  if (param.model == dic::BallModel::kAffine) second.compression = 0.01;
   const auto pictures =
       testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {first, second});
   dic::BallOptions options;
   options.spline_degree = param.degree;
-  options.affine = param.affine;
+  options.model = param.model;
   options.robust = param.robust;
   dic::DeviceFrames frames(engine, 3);
   dic::BallRegistration registration(engine, options, param.tiling);
@@ -80,11 +86,72 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Cases, BallKernel,
-    ::testing::Values(Case{7, false, true, false, 76.3}, Case{7, false, true, true, 76.3},
-                      Case{5, false, false, false, 76.3}, Case{3, true, true, false, 76.3},
-                      Case{7, true, true, true, 76.3}, Case{7, false, true, false, 40.2},
-                      Case{7, false, true, true, 40.2, dic::Tiling{1, 128}},
-                      Case{5, true, true, true, 76.3, dic::Tiling{4, 2}}));
+    ::testing::Values(Case{7, kRigid, true, false, 76.3}, Case{7, kRigid, true, true, 76.3},
+                      Case{5, kRigid, false, false, 76.3}, Case{3, kAffine, true, false, 76.3},
+                      Case{7, kAffine, true, true, 76.3}, Case{7, kRigid, true, false, 40.2},
+                      Case{7, kRigid, true, true, 40.2, dic::Tiling{1, 128}},
+                      Case{5, kAffine, true, true, 76.3, dic::Tiling{4, 2}}));
+
+class SphereKernel : public ::testing::TestWithParam<Case> {};
+
+// The rotation vector of a turn of `angle_deg` about an axis.
+Eigen::Vector3d turn_about(double x, double y, double z, double angle_deg) {
+  return Eigen::Vector3d(x, y, z).normalized() * angle_deg * kRadPerDeg;
+}
+
+TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
+  const Case param = GetParam();
+  const testing::SpherePictures sphere(6, kRadiusPx);
+  const Eigen::Vector3d turn = turn_about(2, -3, 1.5, 5);
+  const testing::SpherePose first{param.x_px, 74.4, dic::quaternion_of({0.3, -1, 2})};
+  const testing::SpherePose second{param.x_px + 1.37, 73.79, dic::quaternion_of(turn) * first.turn};
+  const Frame pictures[] = {sphere.render(first, kWidth, kHeight, 2, 1),
+                            sphere.render(second, kWidth, kHeight, 2, 2)};
+  dic::BallOptions options;
+  options.spline_degree = param.degree;
+  options.model = param.model;
+  options.robust = param.robust;
+  dic::DeviceFrames frames(shared_engine(), 2);
+  for (int k : {0, 1}) frames.set(k, pictures[k]);
+  BallTask task{};
+  task.second = 1;
+  task.cx = static_cast<float>(first.cx_px);
+  task.cy = static_cast<float>(first.cy_px);
+  task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
+  task.ball_radius = static_cast<float>(kRadiusPx);
+  task.guess_dx = 1.2F;
+  task.guess_dy = -0.8F;
+  task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.008);
+  task.guess_rot_y_rad = static_cast<float>(turn.y() - 0.009);
+  task.guess_rot_rad = static_cast<float>(turn.z() + 0.01);
+  const BallMotion got =
+      dic::BallRegistration(shared_engine(), options, param.tiling).measure(frames, {&task, 1})[0];
+  const BallMotion want = dic::ball_reference(pictures[0], pictures[1], task, options);
+  ASSERT_EQ(want.status, static_cast<idic_int>(WindowStatus::kOk));
+  ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
+  EXPECT_NEAR(got.dx, want.dx, 3e-4);
+  EXPECT_NEAR(got.dy, want.dy, 3e-4);
+  EXPECT_NEAR(got.rot_x_rad, want.rot_x_rad, 3e-4 / kRadiusPx);
+  EXPECT_NEAR(got.rot_y_rad, want.rot_y_rad, 3e-4 / kRadiusPx);
+  EXPECT_NEAR(got.rot_rad, want.rot_rad, 1e-4 / kRadiusPx);
+  EXPECT_NEAR(got.correlation, want.correlation, 1e-5);
+  EXPECT_NEAR(got.residual, want.residual, 0.003 * want.residual);
+  EXPECT_NEAR(got.used, want.used, 0.002);
+  // And what is measured is the motion.
+  EXPECT_NEAR(got.dx, 1.37, 5 * got.dx_sd);
+  EXPECT_NEAR(got.dy, -0.61, 5 * got.dy_sd);
+  const double sd_x = std::sqrt(got.covariance[5]), sd_y = std::sqrt(got.covariance[9]);
+  EXPECT_NEAR(got.rot_x_rad, turn.x(), 5 * sd_x);
+  EXPECT_NEAR(got.rot_y_rad, turn.y(), 5 * sd_y);
+  EXPECT_NEAR(got.rot_rad, turn.z(), 5 * got.rot_sd_rad);
+  EXPECT_LT(sd_x, 2e-4);
+}
+INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
+                         ::testing::Values(Case{7, kSphere, true, false, 76.3},
+                                           Case{5, kSphere, false, false, 76.3},
+                                           Case{7, kSphere, true, false, 40.2},
+                                           Case{7, kSphere, true, false, 76.3, dic::Tiling{1, 128}},
+                                           Case{7, kSphere, true, false, 76.3, dic::Tiling{4, 2}}));
 
 // Two halves of a picture that move apart: each mask sees its own.
 TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
@@ -107,7 +174,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) options.mask(x, y) = left ? x < 68 : x > 84;
     }
-    const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
+    const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0};
     const BallMotion motion =
         dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
     ASSERT_EQ(motion.status, static_cast<idic_int>(WindowStatus::kOk)) << left;
@@ -117,7 +184,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
   }
   dic::BallOptions options;
   options.mask = Image<std::uint8_t>(kWidth + 1, kHeight, 1);
-  const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0};
+  const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0};
   EXPECT_THROW(dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
                InvalidArgument);
 }
@@ -141,7 +208,7 @@ TEST(BallKernel, SaysWhyItCannotMeasure) {
     frames.set(k, *pictures[k]);
   }
   const auto task = [](int first, int second, float x) {
-    return BallTask{first, second, x, 74, 56, 0, 0, 0};
+    return BallTask{first, second, x, 74, 56, 0, 0, 0, 0, 0, 0};
   };
   const auto motions = registration.measure(
       frames, std::vector{task(2, 0, 76), task(0, 1, 76), task(0, 0, -500), task(0, 0, 76)});

@@ -102,13 +102,13 @@ void run_icgn() {
   setting.finish();
 }
 
-void run_ball(bool affine) {
+void run_ball(dic::BallModel model) {
   Setting setting(8);
   dic::BallOptions options;
-  options.affine = affine;
+  options.model = model;
   options.spline_degree = 3;
   dic::BallRegistration ball(setting.engine, options);
-  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0};
+  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0, 0};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
 }
@@ -168,8 +168,12 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"published", run_published},
     {"icgn", run_icgn},
-    {"ball", [] { run_ball(false); }},
-    {"ball_affine", [] { run_ball(true); }},
+    {"ball", [] { run_ball(dic::BallModel::kRigid); }},
+    {"ball_sphere",
+     [] {
+       run_ball(dic::BallModel::kSphere);
+     }},
+    {"ball_affine", [] { run_ball(dic::BallModel::kAffine); }},
     {"ring", run_ring},
 };
 

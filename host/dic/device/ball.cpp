@@ -6,6 +6,18 @@
 #include "host/opencl/arguments.h"
 
 namespace impactdic::dic {
+namespace {
+
+int parameters(BallModel model) {
+  switch (model) {
+    case BallModel::kRigid: return 3;
+    case BallModel::kAffine: return 6;
+    case BallModel::kSphere: return 5;
+  }
+  return 3;
+}
+
+}  // namespace
 
 void BallOptions::validate() const {
   check_spline(spline_degree, presmooth_sigma_px);
@@ -35,7 +47,7 @@ void BallRegistration::compile() {
                            {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
                             {"VECTOR", std::to_string(tiling_.vector)},
                             {"GROUP", std::to_string(tiling_.group)},
-                            {"PARAMETERS", options_.affine ? "6" : "3"},
+                            {"PARAMETERS", std::to_string(parameters(options_.model))},
                             {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
                             {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
 }
@@ -71,6 +83,9 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
       if (frames.version(slot) == 0) throw InvalidArgument("a frame slot is empty");
     }
     if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
+    if (options_.model == BallModel::kSphere && !(task.ball_radius >= task.radius)) {
+      throw InvalidArgument("a sphere's radius must reach its disc's");
+    }
     pixels += std::numbers::pi * task.radius * task.radius;
   }
   const SplineFrames& splines =
@@ -94,7 +109,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                         splines.planes().get(), tasks_.get(), motions_.get(), limits,
                         smooth_taps_.get(), noise_, mask_.get());
   const auto group = static_cast<std::size_t>(tiling_.group);
-  const double taps = options_.spline_degree + 1.0, columns = options_.affine ? 11 : 8;
+  const double taps = options_.spline_degree + 1.0, columns = 5.0 + parameters(options_.model);
   // Four steps are typical.
   engine_.launch(engine_.queue(), kernel_, cl::NDRange(tasks.size() * group), cl::NDRange(group),
                  {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});

@@ -13,8 +13,12 @@
 
 namespace impactdic::dic {
 
+// What a ball's picture may do between two frames: move and turn in its plane, also deform (a ball
+// under compression), or be that of a sphere, which turns about any axis.
+enum class BallModel { kRigid, kAffine, kSphere };
+
 struct BallOptions {
-  bool affine = false;    // u, v and four gradients (a ball under compression), else u, v, rotation
+  BallModel model = BallModel::kRigid;
   bool robust = true;     // Tukey's biweight against what does not move with the ball
   int spline_degree = 7;  // 3, 5 or 7
   double presmooth_sigma_px = 0.5;  // Gaussian over both frames: halves the interpolation's bias
@@ -36,7 +40,8 @@ class BallRegistration {
                    std::optional<Tiling> tiling = {});
 
   // Measures every ball; the result stands at the task's index. The guess must be within about
-  // 3 px and 3° of the motion. Throws InvalidArgument for a slot that is not there.
+  // 3 px and 3° of the motion (of a sphere, at its surface, within a speckle's size). Throws
+  // InvalidArgument for a slot that is not there, and for a sphere without its radius.
   std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
 
  private:

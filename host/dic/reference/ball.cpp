@@ -12,6 +12,7 @@
 #include "host/base/statistics.h"
 #include "host/dic/frames/bspline.h"
 #include "host/dic/frames/spline_taps.h"
+#include "host/dic/reference/sphere.h"
 
 namespace impactdic::dic {
 namespace {
@@ -76,14 +77,15 @@ class Registration {
 
  private:
   static constexpr Eigen::Index kLight = 4;
-  Eigen::Index columns() const { return kLight + (options_.affine ? 6 : 3); }
+  bool is_affine() const { return options_.model == BallModel::kAffine; }
+  Eigen::Index columns() const { return kLight + (is_affine() ? 6 : 3); }
 
   VectorXd regressors(std::size_t k) const {
     const auto& s = disc_.sample[k];
     const Vector2d& p = disc_.at[k];
     VectorXd row(columns());
     const double along_x = s.value * p.x() / radius_, along_y = s.value * p.y() / radius_;
-    if (options_.affine) {
+    if (is_affine()) {
       row << 1, s.value, along_x, along_y, s.slope_x, s.slope_x * p.x(), s.slope_x * p.y(),
           s.slope_y, s.slope_y * p.x(), s.slope_y * p.y();
     } else {
@@ -137,7 +139,7 @@ class Registration {
   double compose(const VectorXd& delta) {
     Matrix2d d;
     Vector2d shift;
-    if (options_.affine) {
+    if (is_affine()) {
       d << 1 + delta(1), delta(2), delta(4), 1 + delta(5);
       shift << delta(0), delta(3);
     } else {
@@ -168,6 +170,8 @@ class Registration {
 BallMotion ball_reference(const Frame& first, const Frame& second, const BallTask& task,
                           const BallOptions& options) {
   options.validate();
+  if (options.model == BallModel::kSphere) return sphere_reference(first, second, task, options);
+  const bool affine = options.model == BallModel::kAffine;
   const BSplineImage f(to_double(first), options.spline_degree, options.presmooth_sigma_px);
   const BSplineImage g(to_double(second), options.spline_degree, options.presmooth_sigma_px);
   Registration registration(f, g, task, options, first.full_scale() / 255);
@@ -185,9 +189,9 @@ BallMotion ball_reference(const Frame& first, const Frame& second, const BallTas
   motion.dx = static_cast<float>(registration.t().x());
   motion.dy = static_cast<float>(registration.t().y());
   motion.rot_rad = static_cast<float>(turn);
-  motion.exx = options.affine ? static_cast<float>(stretch(0, 0) - 1) : 0;
-  motion.exy = options.affine ? static_cast<float>((stretch(0, 1) + stretch(1, 0)) / 2) : 0;
-  motion.eyy = options.affine ? static_cast<float>(stretch(1, 1) - 1) : 0;
+  motion.exx = affine ? static_cast<float>(stretch(0, 0) - 1) : 0;
+  motion.exy = affine ? static_cast<float>((stretch(0, 1) + stretch(1, 0)) / 2) : 0;
+  motion.eyy = affine ? static_cast<float>(stretch(1, 1) - 1) : 0;
   motion.correlation = static_cast<float>(registration.correlation());
   motion.residual = static_cast<float>(std::sqrt(registration.variance()));
   motion.used =

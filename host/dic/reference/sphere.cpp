@@ -1,0 +1,191 @@
+#include "host/dic/reference/sphere.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "host/base/statistics.h"
+#include "host/dic/frames/bspline.h"
+#include "host/dic/rotation.h"
+
+namespace impactdic::dic {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
+constexpr double kLeastDepth = 0.1;  // of the radius, as in the kernel
+constexpr double kFullShare = 0.63;  // of the disc's area, of a sphere that is seen whole
+constexpr double kTukey = 6;
+using Row = Eigen::Matrix<double, kColumns, 1>;
+using Normal = Eigen::Matrix<double, kColumns, kColumns>;
+
+// Where the sphere's motion takes a pixel: x right, y down, from the centre in the first picture.
+struct SphereWarp {
+  Vector2d shift;
+  Eigen::Matrix3d turn;
+  double radius;
+
+  Vector3d turned(const Vector2d& p) const {
+    const double depth = std::sqrt(std::max(0.0, radius * radius - p.squaredNorm()));
+    return turn * Vector3d(p.x(), p.y(), depth);
+  }
+  Vector2d operator()(const Vector2d& p) const { return shift + turned(p).head<2>(); }
+};
+
+class SphereRegistration {
+ public:
+  SphereRegistration(const BSplineImage& first, const BSplineImage& second, const BallTask& task,
+                     const BallOptions& options, double grey_level)
+      : first_(first),
+        second_(second),
+        options_(options),
+        task_(task),
+        centre_(task.cx, task.cy),
+        smallest_scale_(grey_level) {
+    const Vector3d guess(task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
+    turn_ = quaternion_of(guess);
+    shift_ = Vector2d(task.guess_dx, task.guess_dy);
+  }
+
+  // Steps of Gauss and Newton until they vanish. False where the regression is singular.
+  bool run() {
+    double moved = 1;
+    for (int k = 0; k < 100; ++k) {
+      if (!step(moved)) return false;
+      ++steps_;
+      if (moved < 1e-9 && (!options_.robust || scale_ > 0)) return true;
+    }
+    return moved < 1e-6;
+  }
+
+  BallMotion result() const {
+    const Vector3d vector = rotation_vector(turn_);
+    BallMotion motion{};
+    motion.dx = static_cast<float>(shift_.x());
+    motion.dy = static_cast<float>(shift_.y());
+    motion.rot_x_rad = static_cast<float>(vector.x());
+    motion.rot_y_rad = static_cast<float>(vector.y());
+    motion.rot_rad = static_cast<float>(vector.z());
+    motion.correlation = static_cast<float>(correlation_);
+    motion.residual = static_cast<float>(std::sqrt(variance_));
+    const double whole = kFullShare * std::numbers::pi * task_.radius * task_.radius;
+    motion.used = static_cast<float>(carried_ / whole);
+    motion.steps = steps_;
+    return motion;
+  }
+
+ private:
+  SphereWarp warp(const Vector3d& turned_on = Vector3d::Zero()) const {
+    return {shift_, in_picture(turn_ * quaternion_of(turned_on)), task_.ball_radius};
+  }
+
+  // What moves the second picture there as much as each parameter does, on the first one.
+  Eigen::Matrix<double, 2, kMotion> shifts(const Vector2d& p, const SphereWarp& here,
+                                           const std::array<SphereWarp, 6>& turned) const {
+    constexpr double kStep = 1e-4;  // px, and rad of `turned`
+    Eigen::Matrix2d local;
+    for (int axis : {0, 1}) {
+      const Vector2d step = kStep * Vector2d::Unit(axis);
+      local.col(axis) = (here(p + step) - here(p - step)) / (2 * kStep);
+    }
+    Eigen::Matrix<double, 2, kMotion> moved;
+    moved.leftCols<2>().setIdentity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      moved.col(2 + static_cast<Eigen::Index>(k)) =
+          (turned[2 * k](p) - turned[2 * k + 1](p)) / (2 * kStep);
+    }
+    return local.inverse() * moved;
+  }
+
+  bool step(double& moved) {
+    Normal normal = Normal::Zero();
+    Row right = Row::Zero();
+    std::vector<double> sizes;
+    double gg = 0, g_sum = 0;
+    const SphereWarp here = warp();
+    const double turn_step = 1e-4;
+    const std::array<SphereWarp, 6> turned = {
+        warp(turn_step * Vector3d::UnitX()), warp(-turn_step * Vector3d::UnitX()),
+        warp(turn_step * Vector3d::UnitY()), warp(-turn_step * Vector3d::UnitY()),
+        warp(turn_step * Vector3d::UnitZ()), warp(-turn_step * Vector3d::UnitZ())};
+    for (int y = 0; y < first_.height(); ++y) {
+      for (int x = 0; x < first_.width(); ++x) {
+        const Vector2d p = Vector2d(x, y) - centre_;
+        if (p.squaredNorm() >= task_.radius * task_.radius) continue;
+        const double depth = std::sqrt(task_.ball_radius * task_.ball_radius - p.squaredNorm());
+        const double cosine = std::min(depth, here.turned(p).z()) / task_.ball_radius;
+        double w = std::max(0.0, cosine - kLeastDepth) / (1 - kLeastDepth);
+        const Vector2d at = centre_ + here(p);
+        if (!(w > 0 && at.x() >= 0 && at.y() >= 0 && at.x() <= second_.width() - 1 &&
+              at.y() <= second_.height() - 1)) {
+          continue;
+        }
+        const double g = second_.value(at.x(), at.y());
+        const BSplineImage::Sample f = first_.sample(x, y);
+        Row row;
+        row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,
+            f.value * p.y() / task_.radius;
+        row.tail<kMotion>() =
+            shifts(p, here, turned).transpose() * Vector2d(f.slope_x, f.slope_y);
+        const double r = g - light_.dot(row.head<kLight>());
+        sizes.push_back(std::abs(r));
+        if (scale_ > 0) w *= std::pow(std::max(0.0, 1 - std::pow(r / (kTukey * scale_), 2)), 2);
+        normal += w * row * row.transpose();
+        right += w * g * row;
+        g_sum += w * g;
+        gg += w * g * g;
+      }
+    }
+    const Eigen::LDLT<Normal> solver(normal);
+    const Row solution = solver.solve(right);
+    carried_ = normal(0, 0);
+    const double f_mean = normal(0, 1) / carried_, g_mean = g_sum / carried_;
+    const double ff = normal(1, 1) - carried_ * f_mean * f_mean;
+    correlation_ =
+        (right(1) - carried_ * f_mean * g_mean) / std::sqrt(ff * (gg - carried_ * g_mean * g_mean));
+    variance_ = (gg - solution.dot(right)) / (carried_ - kColumns);
+    light_ = solution.head<kLight>();
+    if (!(light_(1) > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
+    const Eigen::Matrix<double, kMotion, 1> by = solution.tail<kMotion>() / light_(1);
+    shift_ -= by.head<2>();
+    turn_ = (turn_ * quaternion_of(-by.tail<3>())).normalized();
+    moved = by.head<2>().norm() + task_.radius * by.tail<3>().norm();
+    if (options_.robust && moved < 0.5) {
+      scale_ = std::max(kSdOfMad * upper_median(std::move(sizes)), smallest_scale_);
+    }
+    return true;
+  }
+
+  const BSplineImage &first_, &second_;
+  const BallOptions& options_;
+  BallTask task_;
+  Vector2d centre_, shift_;
+  Eigen::Quaterniond turn_;
+  Eigen::Vector4d light_ = {0, 1, 0, 0};
+  double scale_ = 0, smallest_scale_;
+  double correlation_ = 0, variance_ = 0, carried_ = 0;
+  int steps_ = 0;
+};
+
+}  // namespace
+
+BallMotion sphere_reference(const Frame& first, const Frame& second, const BallTask& task,
+                            const BallOptions& options) {
+  const BSplineImage f(to_double(first), options.spline_degree, options.presmooth_sigma_px);
+  const BSplineImage g(to_double(second), options.spline_degree, options.presmooth_sigma_px);
+  SphereRegistration registration(f, g, task, options, first.full_scale() / 255);
+  if (registration.run()) return registration.result();
+  BallMotion failed{};
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  failed.status = static_cast<idic_int>(WindowStatus::kNotConverged);
+  failed.dx = failed.dy = failed.rot_x_rad = failed.rot_y_rad = failed.rot_rad = nan;
+  return failed;
+}
+
+}  // namespace impactdic::dic

@@ -1,0 +1,130 @@
+// What some neighbouring pixels of the first picture say of the motion: where the motion so far
+// takes them in the second picture, and the columns of the regression there.
+#ifndef IMPACTDIC_KERNELS_BALL_PIXELS_H_
+#define IMPACTDIC_KERNELS_BALL_PIXELS_H_
+
+#include "kernels/ball/registration.h"
+
+// True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
+static inline int beyond(const float first, const float last, const float most) {
+  return (first < 0.0f && last < 0.0f) || (first > most && last > most);
+}
+
+// Whole pixels apart, floats keep their digits for the position about the centre.
+typedef struct View {
+  float whole_cx, whole_cy, rest_cx, rest_cy;  // the centre in the first picture
+  float t_x, t_y;                              // and in the second, from pixel (base_x, base_y)
+  int base_x, base_y;
+} View;
+
+BARRIER_INLINE View view_of(const BallTask task, __local const float* warp) {
+  View view;
+  view.whole_cx = rint(task.cx);
+  view.whole_cy = rint(task.cy);
+  view.rest_cx = task.cx - view.whole_cx;
+  view.rest_cy = task.cy - view.whole_cy;
+  const float whole_x = rint(warp[4]), whole_y = rint(warp[5]);
+  view.t_x = view.rest_cx + (warp[4] - whole_x);
+  view.t_y = view.rest_cy + (warp[5] - whole_y);
+  view.base_x = (int)view.whole_cx + (int)whole_x;
+  view.base_y = (int)view.whole_cy + (int)whole_y;
+  return view;
+}
+
+// value: the first picture's planes; second: coefficient of pixel (0, 0) of the second picture;
+// mask: weights of the first picture's pixels (MASKED 1). The pixels from (px, py) on: their
+// weights, without the robust ones, and their columns, the last of which is the residual r. 0 where
+// none of them counts; then nothing is set.
+BARRIER_INLINE int see_pixels(__global const float* value, __global const float* second,
+                              __global const float* mask, const View view, const BallTask task,
+                              const Box box, const BallLimits limits, __local const Shared* shared,
+                              const int px, const int py, REAL* weight, REAL* column) {
+  (void)mask;
+#if VECTOR == 1
+  if (px >= box.x1) return 0;
+#endif
+  if (py >= box.y1) return 0;
+  const size_t plane = (size_t)limits.height * limits.plane_pitch;
+  const float most_x = (float)(limits.width - 1), most_y = (float)(limits.height - 1);
+  const float by_radius = 1.0f / task.radius;
+  const REAL x = LANE_NUMBERS + ((float)(px - (int)view.whole_cx) - view.rest_cx);
+  const REAL y = (REAL)((float)(py - (int)view.whole_cy) - view.rest_cy);
+  const REAL zero = 0.0f, one = 1.0f;
+#if PARAMETERS == SPHERE
+  __local const float* turn = shared->turn;
+  const REAL depth2 = task.ball_radius * task.ball_radius - x * x - y * y;
+  const REAL z = sqrt(fmax(depth2, zero));
+  const REAL turned_x = turn[0] * x + turn[1] * y + turn[2] * z;
+  const REAL turned_y = turn[3] * x + turn[4] * y + turn[5] * z;
+  const REAL turned_z = turn[6] * x + turn[7] * y + turn[8] * z;
+  REAL w = seen_share(fmin(z, turned_z) / task.ball_radius);
+  // Behind the rim a position is of no use, but it is read.
+  const REAL to_x =
+      clamp(view.t_x + turned_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));
+  const REAL to_y =
+      clamp(view.t_y + turned_y, (REAL)(float)-view.base_y, (REAL)(most_y - (float)view.base_y));
+  const REAL view_x = view.t_x + turned_x + (float)view.base_x;
+  const REAL view_y = view.t_y + turned_y + (float)view.base_y;
+  w = x * x + y * y < task.radius * task.radius ? w : zero;
+#else
+  const REAL to_x = view.t_x + shared->warp[0] * x + shared->warp[1] * y;
+  const REAL to_y = view.t_y + shared->warp[2] * x + shared->warp[3] * y;
+  const REAL view_x = to_x + (float)view.base_x, view_y = to_y + (float)view.base_y;
+  if (beyond(FIRST_LANE(view_x), LAST_LANE(view_x), most_x) ||
+      beyond(FIRST_LANE(view_y), LAST_LANE(view_y), most_y)) {
+    return 0;
+  }
+  REAL w = x * x + y * y < task.radius * task.radius ? one : zero;
+#endif
+  w = x + (view.rest_cx + view.whole_cx) < (float)box.x1 - 0.5f ? w : zero;
+  w = fmin(view_x, most_x - view_x) >= 0.0f ? w : zero;
+  w = fmin(view_y, most_y - view_y) >= 0.0f ? w : zero;
+#if MASKED
+  w *= LOAD_REAL(mask + (size_t)py * limits.plane_pitch + px);
+#endif
+#if VECTOR == 1
+  if (w == 0.0f) return 0;
+#elif PARAMETERS == SPHERE
+  if (SUM_LANES(w) == 0.0f) return 0;
+#endif
+  __global const float* at = value + (size_t)py * limits.plane_pitch + px;
+  __global const float* origin = second + view.base_y * limits.pitch + view.base_x;
+  const REAL f = LOAD_REAL(at) - shared->origin;
+  // Light is a factor: its gradients go with the grey level itself.
+  const REAL along_x = (f + shared->origin) * x * by_radius;
+  const REAL along_y = (f + shared->origin) * y * by_radius;
+  const REAL slope_x = LOAD_REAL(at + plane), slope_y = LOAD_REAL(at + 2 * plane);
+  const REAL g = spline_sample(origin, limits.pitch, to_x, to_y) - shared->origin;
+  *weight = w;
+  column[0] = one;
+  column[1] = f;
+  column[2] = along_x;
+  column[3] = along_y;
+#if PARAMETERS == SPHERE
+  // Where a shift of the second picture leads on the first one's sphere: along the sphere at the
+  // turned point (x right or y down, and in depth to stay on it), turned back.
+  const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * task.ball_radius));
+  const REAL tilt_x = turned_x * by_depth, tilt_y = turned_y * by_depth;
+  column[4] = slope_x * (turn[0] - tilt_x * turn[6]) + slope_y * (turn[1] - tilt_x * turn[7]);
+  column[5] = slope_x * (turn[3] - tilt_y * turn[6]) + slope_y * (turn[4] - tilt_y * turn[7]);
+  column[6] = slope_y * z * by_radius;
+  column[7] = slope_x * z * by_radius;
+  column[8] = (slope_x * y - slope_y * x) * by_radius;
+#elif PARAMETERS == 3
+  column[4] = slope_x;
+  column[5] = slope_y;
+  column[6] = (slope_x * y - slope_y * x) * by_radius;
+#else
+  column[4] = slope_x;
+  column[5] = slope_x * x * by_radius;
+  column[6] = slope_x * y * by_radius;
+  column[7] = slope_y;
+  column[8] = slope_y * x * by_radius;
+  column[9] = slope_y * y * by_radius;
+#endif
+  column[REGRESSORS] = g - shared->light[0] - shared->light[1] * f - shared->light[2] * along_x -
+                       shared->light[3] * along_y;
+  return 1;
+}
+
+#endif  // IMPACTDIC_KERNELS_BALL_PIXELS_H_

@@ -1,0 +1,100 @@
+// The covariance of a sphere's registration, robust against residuals that are neither alike nor
+// independent (White 1980; clustered by blocks as Liang and Zeger 1986, Theorem 2): near the rim
+// foreshortening and the camera's blur make pictures differ by more than noise, over whole
+// speckles.
+#ifndef IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_
+#define IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_
+
+#include "kernels/ball/pixels.h"
+#include "kernels/ball/turn.h"
+
+// Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores.
+BARRIER_INLINE void sum_scores(__global const float* value, __global const float* second,
+                               __global const float* mask, const BallTask task, const Box box,
+                               const BallLimits limits, __local float* scratch,
+                               __local Shared* shared) {
+  const View view = view_of(task, shared->warp);
+  const int across = max(0, (box.x1 - box.x0 + BLOCK_X - 1) / BLOCK_X);
+  const int down = max(0, (box.y1 - box.y0 + BLOCK_Y - 1) / BLOCK_Y);
+  REAL products[TRIANGLE(REGRESSORS, 0)];
+  for (int k = 0; k < TRIANGLE(REGRESSORS, 0); ++k) products[k] = 0.0f;
+  for (int block = (int)get_local_id(0); block < across * down; block += GROUP) {
+    const int x0 = box.x0 + block % across * BLOCK_X, y0 = box.y0 + block / across * BLOCK_Y;
+    REAL score[REGRESSORS];
+    for (int i = 0; i < REGRESSORS; ++i) score[i] = 0.0f;
+    for (int unit = 0; unit < BLOCK_X / VECTOR * BLOCK_Y; ++unit) {
+      const int px = x0 + unit % (BLOCK_X / VECTOR) * VECTOR, py = y0 + unit / (BLOCK_X / VECTOR);
+      REAL w, column[COLUMNS];
+      if (!see_pixels(value, second, mask, view, task, box, limits, shared, px, py, &w, column))
+        continue;
+      REAL newton;
+      if (shared->scale > 0.0f) w *= biweight(column[REGRESSORS], shared->scale, &newton);
+      w *= column[REGRESSORS];
+#pragma unroll
+      for (int i = 0; i < REGRESSORS; ++i) score[i] += w * column[i];
+    }
+    float sum[REGRESSORS];
+#pragma unroll
+    for (int i = 0; i < REGRESSORS; ++i) sum[i] = SUM_LANES(score[i]);
+#pragma unroll
+    for (int i = 0; i < REGRESSORS; ++i) {
+#pragma unroll
+      for (int j = 0; j <= i; ++j) products[TRIANGLE(i, j)] += (REAL)(sum[i] * sum[j]);
+    }
+  }
+  for (int k = 0; k < TRIANGLE(REGRESSORS, 0); ++k) products[k] *= 1.0f / VECTOR;
+  GROUP_SUMS(products, TRIANGLE(REGRESSORS, 0), scratch, shared->scores)
+}
+
+// a' B b for rows of the inverse and the packed scores.
+BARRIER_INLINE float sandwich(__local const float* scores, __local const float* a,
+                              __local const float* b) {
+  float sum = 0.0f;
+  for (int i = 0; i < REGRESSORS; ++i) {
+    for (int j = 0; j < REGRESSORS; ++j) {
+      sum += a[i] * scores[TRIANGLE(max(i, j), min(i, j))] * b[j];
+    }
+  }
+  return sum;
+}
+
+// Lane 0: the motion and its covariance. `rounding`: variance of a pixel that a residual need not
+// show. shared->sums holds the factor of the last step's normal matrix.
+BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* shared,
+                                 const float radius, const float rounding) {
+  const float by_gain = 1.0f / shared->light[1];
+  const float unit[PARAMETERS] = {by_gain, by_gain, by_gain / radius, by_gain / radius,
+                                  by_gain / radius};
+#pragma unroll 1
+  for (int k = 0; k < PARAMETERS; ++k) {
+    for (int i = 0; i < REGRESSORS; ++i) shared->solution[i] = i == LIGHT + k ? 1.0f : 0.0f;
+    cholesky_solve(shared->sums, REGRESSORS, shared->solution);
+    for (int i = 0; i < REGRESSORS; ++i) {
+      shared->inverse[k * REGRESSORS + i] = shared->solution[i];
+    }
+  }
+#pragma unroll 1
+  for (int k = 0; k < PARAMETERS; ++k) {
+    __local const float* row = shared->inverse + k * REGRESSORS;
+    for (int j = 0; j <= k; ++j) {
+      const float found = sandwich(shared->scores, row, shared->inverse + j * REGRESSORS);
+      out->covariance[TRIANGLE(k, j)] =
+          unit[k] * unit[j] *
+          (shared->stretch * shared->stretch * found + rounding * row[LIGHT + j]);
+    }
+  }
+  float turn[3];
+  rotation_vector(shared->turn, turn);
+  out->dx = shared->warp[4];
+  out->dy = shared->warp[5];
+  out->rot_x_rad = turn[0];
+  out->rot_y_rad = turn[1];
+  out->rot_rad = turn[2];
+  out->dx_sd = sqrt(out->covariance[TRIANGLE(0, 0)]);
+  out->dy_sd = sqrt(out->covariance[TRIANGLE(1, 1)]);
+  out->rot_sd_rad = sqrt(out->covariance[TRIANGLE(4, 4)]);
+  out->exx = out->exy = out->eyy = 0.0f;
+  out->exx_sd = out->exy_sd = out->eyy_sd = 0.0f;
+}
+
+#endif  // IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_

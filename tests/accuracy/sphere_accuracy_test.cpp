@@ -1,0 +1,100 @@
+// How exactly the registration of a sphere measures turns about any axis.
+#include <gtest/gtest.h>
+#include <impactdic/units.h>
+
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "host/dic/device/ball.h"
+#include "tests/support/engine.h"
+#include "tests/support/sphere_pictures.h"
+
+namespace impactdic {
+namespace {
+
+constexpr int kSide = 300;
+constexpr double kRadiusPx = 115;
+
+Eigen::Vector3d random_axis(std::mt19937& random) {
+  std::normal_distribution<double> deviate(0, 1);
+  return Eigen::Vector3d(deviate(random), deviate(random), deviate(random)).normalized();
+}
+
+// Root mean square error of a figure, and of it over its stated deviation.
+struct Errors {
+  double squares = 0, normalised = 0;
+  int count = 0;
+  void add(double error, double sd) {
+    squares += error * error;
+    normalised += error * error / (sd * sd);
+    ++count;
+  }
+  double rms() const { return std::sqrt(squares / count); }
+  double rms_over_sd() const { return std::sqrt(normalised / count); }
+};
+
+struct Summary {
+  Errors shift, in_depth_deg, about_sight_deg;
+};
+
+// Pairs that fly up to 1.5 px and turn by up to `most_deg` about random axes.
+Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> off(-1, 1);
+  const testing::SpherePictures sphere(seed, kRadiusPx, 6);
+  dic::BallOptions options;
+  options.model = dic::BallModel::kSphere;
+  dic::DeviceFrames frames(testing::shared_engine(), 2);
+  dic::BallRegistration registration(testing::shared_engine(), options);
+  Summary summary;
+  for (int k = 0; k < count; ++k) {
+    const testing::SpherePose first{150 + off(random), 150 + off(random),
+                                    dic::quaternion_of(3 * random_axis(random))};
+    const Eigen::Vector3d turn = random_axis(random) * most_deg * std::abs(off(random)) * kRadPerDeg;
+    const testing::SpherePose second{first.cx_px + 1.5 * off(random),
+                                     first.cy_px + 1.5 * off(random),
+                                     dic::quaternion_of(turn) * first.turn};
+    const auto shot = static_cast<unsigned>(2 * k) + 1000 * seed;
+    frames.set(0, sphere.render(first, kSide, kSide, noise, shot));
+    frames.set(1, sphere.render(second, kSide, kSide, noise, shot + 1));
+    BallTask task{};
+    task.second = 1;
+    task.cx = static_cast<float>(first.cx_px);
+    task.cy = static_cast<float>(first.cy_px);
+    task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
+    task.ball_radius = static_cast<float>(kRadiusPx);
+    task.guess_dx = static_cast<float>(second.cx_px - first.cx_px + 0.05 * off(random));
+    task.guess_dy = static_cast<float>(second.cy_px - first.cy_px + 0.05 * off(random));
+    task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.01 * off(random));
+    task.guess_rot_y_rad = static_cast<float>(turn.y() + 0.01 * off(random));
+    task.guess_rot_rad = static_cast<float>(turn.z() + 0.01 * off(random));
+    const BallMotion got = registration.measure(frames, {&task, 1})[0];
+    EXPECT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk)) << k;
+    summary.shift.add(got.dx - (second.cx_px - first.cx_px), got.dx_sd);
+    summary.shift.add(got.dy - (second.cy_px - first.cy_px), got.dy_sd);
+    // The small turn that is left, in the axes of the first picture, as deviations are stated.
+    const Eigen::Vector3d found(got.rot_x_rad, got.rot_y_rad, got.rot_rad);
+    const Eigen::Vector3d left =
+        dic::rotation_vector(dic::quaternion_of(turn).conjugate() * dic::quaternion_of(found));
+    summary.in_depth_deg.add(left.x() * kDegPerRad, std::sqrt(got.covariance[5]) * kDegPerRad);
+    summary.in_depth_deg.add(left.y() * kDegPerRad, std::sqrt(got.covariance[9]) * kDegPerRad);
+    summary.about_sight_deg.add(left.z() * kDegPerRad, got.rot_sd_rad * kDegPerRad);
+  }
+  std::printf("to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
+              "sight; over sd %.2f %.2f %.2f\n",
+              most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
+              summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
+              summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
+  return summary;
+}
+
+TEST(SphereAccuracy, PairsAboutAnyAxis) {
+  const Summary got = measure_pairs(20, 8, 2, 5);
+  EXPECT_LE(got.shift.rms(), 0.0020);
+  EXPECT_LE(got.in_depth_deg.rms(), 0.0018);
+  EXPECT_LE(got.about_sight_deg.rms(), 0.0007);
+}
+
+}  // namespace
+}  // namespace impactdic
