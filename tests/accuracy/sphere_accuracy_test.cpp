@@ -96,5 +96,14 @@ TEST(SphereAccuracy, PairsAboutAnyAxis) {
   EXPECT_LE(got.about_sight_deg.rms(), 0.0007);
 }
 
+TEST(Explore, Many) {
+  if (std::getenv("EXPLORE") == nullptr) GTEST_SKIP();
+  const int n = std::atoi(std::getenv("EXPLORE"));
+  measure_pairs(n, 0.5, 0.01, 7);
+  measure_pairs(n, 8, 0.01, 7);
+  measure_pairs(n, 0.5, 2, 7);
+  measure_pairs(n, 8, 2, 7);
+}
+
 }  // namespace
 }  // namespace impactdic
