@@ -116,6 +116,14 @@ typedef struct RingTask {
   float inner, outer;
 } RingTask;
 
+// One sphere whose turn is sought between frame slots `first` and `second`: its centre in each and
+// its radius, px.
+typedef struct SphereSearchTask {
+  idic_int first, second;
+  float cx_first, cy_first, cx_second, cy_second;
+  float radius;
+} SphereSearchTask;
+
 #ifndef __OPENCL_C_VERSION__
 }  // namespace impactdic
 #endif

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "host/dic/device/ball.h"
+#include "host/dic/device/sphere_search.h"
 #include "tests/support/engine.h"
 #include "tests/support/sphere_pictures.h"
 
@@ -94,6 +95,48 @@ TEST(SphereAccuracy, PairsAboutAnyAxis) {
   EXPECT_LE(got.shift.rms(), 0.0020);
   EXPECT_LE(got.in_depth_deg.rms(), 0.0018);
   EXPECT_LE(got.about_sight_deg.rms(), 0.0007);
+}
+
+// Of `count` steps by `step_deg` about random axes, how many the search finds among its candidates
+// to within the reach of the registration. Steps that hide all of the surface are left out.
+int count_found(int count, double step_deg, double noise, unsigned seed) {
+  constexpr double kBallPx = 60;
+  constexpr double kReach_deg = 2.5;
+  std::mt19937 random(seed);
+  const testing::SpherePictures sphere(seed, kBallPx, 4.5);
+  dic::DeviceFrames frames(testing::shared_engine(), 2);
+  dic::SphereSearch search(testing::shared_engine());
+  int found = 0, first = 0, hidden = 0;
+  for (int k = 0; k < count; ++k) {
+    const testing::SpherePose one{80.3, 79.6, dic::quaternion_of(3 * random_axis(random))};
+    const Eigen::Quaterniond turn =
+        dic::quaternion_of(random_axis(random) * step_deg * kRadPerDeg);
+    // How far the point that faces the camera turns away from it.
+    if ((turn * Eigen::Vector3d::UnitZ()).z() < std::cos(125 * kRadPerDeg)) {
+      ++hidden;
+      continue;
+    }
+    const testing::SpherePose two{81.1, 79.2, turn * one.turn};
+    const auto shot = static_cast<unsigned>(2 * k) + 1000 * seed;
+    frames.set(0, sphere.render(one, 160, 160, noise, shot));
+    frames.set(1, sphere.render(two, 160, 160, noise, shot + 1));
+    SphereSearchTask task{0, 1, 80.3F, 79.6F, 81.1F, 79.2F, kBallPx};
+    const auto turns = search.find(frames, task);
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+      if (turns[i].turn.angularDistance(turn) * kDegPerRad < kReach_deg) {
+        ++found;
+        first += i == 0;
+        break;
+      }
+    }
+  }
+  std::printf("%g deg: %d of %d found, %d as the first, %d hidden\n", step_deg, found,
+              count - hidden, first, hidden);
+  return found + hidden;
+}
+
+TEST(SphereSearch, FindsAnyTurn) {
+  for (const double step : {20.0, 60.0, 90.0, 120.0, 180.0}) EXPECT_EQ(count_found(12, step, 3, 3), 12) << step;
 }
 
 TEST(Explore, Many) {
