@@ -22,6 +22,14 @@ std::unique_ptr<MotionEstimator> make_ball_estimator(opencl::Engine& engine,
                                                      const EstimatorOptions& options,
                                                      double radius_px, dic::DeviceFrames& frames);
 
+std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
+                                                       const EstimatorOptions& options,
+                                                       double radius_px, dic::DeviceFrames& frames);
+
+// The registration of a sphere from `start`, without its slots, and what comes of it.
+BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
+dic::RigidMotion sphere_motion(const BallMotion& ball);
+
 // How the whole ball is registered where windows are measured with `field`.
 dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model);
 

@@ -4,6 +4,7 @@
 
 #include "host/base/stopwatch.h"
 #include "host/dic/device/ring.h"
+#include "host/dic/rotation.h"
 #include "host/dic/window_correlator.h"
 #include "host/motion/estimators.h"
 
@@ -12,6 +13,20 @@ namespace {
 
 // Of a window that the rim cuts, the share on the ball. IC-GN asks for half, of every frame's disc.
 constexpr double kInside = 0.55;
+
+dic::RigidMotion motion_of(const dic::SphereFit& fit) {
+  dic::RigidMotion motion;
+  motion.ok = fit.ok;
+  motion.dx_px = fit.dx_px;
+  motion.dy_px = fit.dy_px;
+  const Eigen::Vector3d turn = dic::rotation_vector(fit.turn);
+  motion.rot_x_rad = turn.x();
+  motion.rot_y_rad = turn.y();
+  motion.rot_rad = turn.z();
+  motion.used = fit.used;
+  motion.residual_px = fit.residual_px;
+  return motion;
+}
 
 class FieldEstimator : public MotionEstimator {
  public:
@@ -45,7 +60,7 @@ class FieldEstimator : public MotionEstimator {
     std::vector<PairMotion*> all;
     for (PairMotion& pair : pairs) all.push_back(&pair);
     measure_from_guess(all, effort);
-    measure_lost(pairs, effort);
+    if (!options_.sphere) measure_lost(pairs, effort);
   }
 
   void measure_from_guess(std::span<PairMotion* const> pairs, Effort effort) {
@@ -113,21 +128,40 @@ class FieldEstimator : public MotionEstimator {
       window.x0 += x;
       window.y0 += y;
     }
+    if (options_.sphere) {
+      aim_on_sphere(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
+                    sphere_guess(pair));
+      return;
+    }
     aim_windows(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
                 {pair.first.cx_px, pair.first.cy_px, pair.second.cx_px - pair.first.cx_px,
                  pair.second.cy_px - pair.first.cy_px, pair.guess_rot_rad});
   }
 
+  dic::SphereGuess sphere_guess(const PairMotion& pair) const {
+    dic::SphereGuess guess;
+    guess.cx_px = pair.first.cx_px;
+    guess.cy_px = pair.first.cy_px;
+    guess.radius_px = radius_px_;
+    guess.dx_px = pair.second.cx_px - pair.first.cx_px;
+    guess.dy_px = pair.second.cy_px - pair.first.cy_px;
+    guess.turn =
+        dic::quaternion_of({pair.guess_rot_x_rad, pair.guess_rot_y_rad, pair.guess_rot_rad});
+    return guess;
+  }
+
   void fit(PairMotion& pair) const {
     const auto points = field_points(pair.windows, pair.field, options_.field.window_px);
-    pair.motion = dic::fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
+    pair.motion = options_.sphere
+                      ? motion_of(dic::fit_sphere_motion(points, sphere_guess(pair)))
+                      : dic::fit_rigid_motion(points, pair.first.cx_px, pair.first.cy_px);
     account_for_overlap(pair.motion, options_.field.window_px, options_.effective_spacing_px());
     if (pair.motion.used < options_.fewest_windows ||
         agreeing_share(pair.motion, pair.field) < kFound) {
       pair.motion.ok = false;
     }
     pair.centre = interpolate_at(points, pair.first.cx_px, pair.first.cy_px);
-    if (options_.estimator == Estimator::kBall) {
+    if (options_.estimator == Estimator::kBall && !options_.sphere) {
       pair.strain = fit_strain(points, pair.motion, pair.first.cx_px, pair.first.cy_px);
     }
     pair.status = pair.motion.ok ? TrackStatus::kOk : explain_failure(pair.field);

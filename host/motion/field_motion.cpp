@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/dic/point_columns.h"
+#include "host/dic/rotation.h"
 
 namespace impactdic::motion {
 
@@ -31,6 +32,22 @@ void aim_windows(std::span<Window> windows, int window_px, int first_slot, int s
     window.guess_u = rounded(guess.dx_px + c * x + s * y);
     window.guess_v = rounded(guess.dy_px - s * x + c * y);
     window.guess_rot_rad = static_cast<float>(guess.rot_rad);
+  }
+}
+
+void aim_on_sphere(std::span<Window> windows, int window_px, int first_slot, int second_slot,
+                   const dic::SphereGuess& guess) {
+  const double half = (window_px - 1) / 2.0;
+  const double turn_z = dic::rotation_vector(guess.turn).z();
+  for (Window& window : windows) {
+    const double x = window.x0 + half, y = window.y0 + half;
+    double to_x = x + guess.dx_px, to_y = y + guess.dy_px;
+    dic::carry(guess, x, y, to_x, to_y);
+    window.first = first_slot;
+    window.second = second_slot;
+    window.guess_u = rounded(to_x - x);
+    window.guess_v = rounded(to_y - y);
+    window.guess_rot_rad = static_cast<float>(turn_z);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
 #include "host/dic/rigid_fit.h"
+#include "host/dic/sphere_fit.h"
 
 namespace impactdic::motion {
 
@@ -21,6 +22,10 @@ struct MotionGuess {
 // Sets frames and guess of every window to where `guess` carries its centre.
 void aim_windows(std::span<Window> windows, int window_px, int first_slot, int second_slot,
                  const MotionGuess& guess);
+
+// The same on a sphere; a window that is turned out of sight is sought where it would have gone.
+void aim_on_sphere(std::span<Window> windows, int window_px, int first_slot, int second_slot,
+                   const dic::SphereGuess& guess);
 
 // The measured windows as points for the rigid fit: those with status ok, at their centres. Their
 // sd is at least `floor_px`, so that no window with a lucky residual outweighs the rest.

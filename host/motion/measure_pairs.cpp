@@ -14,16 +14,38 @@ namespace {
 constexpr double kAimed_px = 2;
 constexpr int kRounds = 3;
 
+// A rotation vector in the camera's axes; of a flat ball x and y are 0.
+struct Rotation {
+  double x = 0, y = 0, z = 0;
+};
+
+Rotation found(const PairMotion& pair) {
+  return {pair.motion.rot_x_rad, pair.motion.rot_y_rad, pair.motion.rot_rad};
+}
+
+Rotation guessed(const PairMotion& pair) {
+  return {pair.guess_rot_x_rad, pair.guess_rot_y_rad, pair.guess_rot_rad};
+}
+
+void guess(PairMotion& pair, const Rotation& rotation) {
+  pair.guess_rot_x_rad = rotation.x;
+  pair.guess_rot_y_rad = rotation.y;
+  pair.guess_rot_rad = rotation.z;
+}
+
+double between(const Rotation& a, const Rotation& b) {
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
 bool well_aimed(const PairMotion& pair, double radius_px) {
-  return pair.motion.ok &&
-         std::abs(pair.motion.rot_rad - pair.guess_rot_rad) * radius_px < kAimed_px;
+  return pair.motion.ok && between(found(pair), guessed(pair)) * radius_px < kAimed_px;
 }
 
 // The rotation of the nearest pair that has one.
-std::optional<double> nearest_rotation(std::span<const PairMotion> pairs, std::size_t at) {
+std::optional<Rotation> nearest_rotation(std::span<const PairMotion> pairs, std::size_t at) {
   for (std::size_t d = 0; d < pairs.size(); ++d) {
-    if (at >= d && pairs[at - d].motion.ok) return pairs[at - d].motion.rot_rad;
-    if (at + d < pairs.size() && pairs[at + d].motion.ok) return pairs[at + d].motion.rot_rad;
+    if (at >= d && pairs[at - d].motion.ok) return found(pairs[at - d]);
+    if (at + d < pairs.size() && pairs[at + d].motion.ok) return found(pairs[at + d]);
   }
   return std::nullopt;
 }
@@ -47,16 +69,16 @@ void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> p
                std::span<const std::size_t> candidates) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<std::size_t> again;
-    std::vector<double> guesses;
+    std::vector<Rotation> guesses;
     for (const std::size_t i : candidates) {
       if (well_aimed(pairs[i], radius_px)) continue;
-      const auto guess = nearest_rotation(pairs, i);
-      if (!guess || std::abs(*guess - pairs[i].guess_rot_rad) < 1e-3) continue;
+      const auto nearest = nearest_rotation(pairs, i);
+      if (!nearest || between(*nearest, guessed(pairs[i])) < 1e-3) continue;
       again.push_back(i);
-      guesses.push_back(*guess);
+      guesses.push_back(*nearest);
     }
     if (again.empty()) return;
-    for (std::size_t k = 0; k < again.size(); ++k) pairs[again[k]].guess_rot_rad = guesses[k];
+    for (std::size_t k = 0; k < again.size(); ++k) guess(pairs[again[k]], guesses[k]);
     measure_some(measure, pairs, again);
   }
 }
@@ -71,7 +93,7 @@ void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairM
     measure_some(aiming, pairs, ends);
     aim_again(aiming, radius_px, pairs, ends);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      pairs[i].guess_rot_rad = nearest_rotation(pairs, i).value_or(pairs[i].guess_rot_rad);
+      guess(pairs[i], nearest_rotation(pairs, i).value_or(guessed(pairs[i])));
     }
   }
   estimator.measure(pairs);

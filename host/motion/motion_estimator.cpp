@@ -27,6 +27,10 @@ namespace impactdic::motion {
 
 void EstimatorOptions::validate() const {
   field.validate();
+  if (sphere && estimator == Estimator::kRing) {
+    throw InvalidArgument("rings see turns in the picture alone", "--estimator",
+                          "a sphere needs field or ball");
+  }
   if (spacing_px < 0) throw InvalidArgument("the spacing must be at least 1 px", "--spacing");
 }
 
@@ -41,7 +45,8 @@ std::unique_ptr<MotionEstimator> make_motion_estimator(opencl::Engine& engine,
     case Estimator::kRing:
       return make_ring_estimator(engine, options, radius_px, frames);
     case Estimator::kBall:
-      return make_ball_estimator(engine, options, radius_px, frames);
+      return options.sphere ? make_sphere_estimator(engine, options, radius_px, frames)
+                            : make_ball_estimator(engine, options, radius_px, frames);
   }
   throw InvalidArgument("no such estimator");
 }

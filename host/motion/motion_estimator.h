@@ -27,6 +27,7 @@ struct EstimatorOptions {
   int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
   double rim_margin_px = 3;  // windows keep this far inside the rim
   int fewest_windows = 3;    // that may carry a motion
+  bool sphere = false;       // the ball turns about any axis (ball and field), else in the picture
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }
@@ -37,7 +38,9 @@ struct EstimatorOptions {
 struct PairMotion {
   int first_slot = 0, second_slot = 0;
   Circle first, second;      // the ball in both frames
-  double guess_rot_rad = 0;  // of a pair before this one
+  // Of a pair before this one; a sphere's is the rotation vector (x, y, and this).
+  double guess_rot_rad = 0;
+  double guess_rot_x_rad = 0, guess_rot_y_rad = 0;
   // Results.
   TrackStatus status = TrackStatus::kLowCorrelation;
   dic::RigidMotion motion;  // of the ball's centre in the first frame

@@ -15,7 +15,7 @@ namespace {
 // on: a cell in the middle is 5° of the surface.
 constexpr int kTurns = 36000, kCoarseSide = 24;
 // The best of them are moved about in steps that halve, on maps whose cells are as fine as these.
-constexpr std::size_t kKept = 48;
+constexpr std::size_t kKept = 96;
 struct Refinement {
   double step_deg;
   int side;

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <cmath>
+
+#include "host/dic/device/sphere_search.h"
+#include "host/dic/rotation.h"
+#include "host/motion/estimators.h"
+
+namespace impactdic::motion {
+namespace {
+
+// One registration of the whole sphere, started from the field. Where the windows found little, the
+// turn is sought over all of SO(3), and the windows look again where it was found.
+class SphereEstimator : public MotionEstimator {
+ public:
+  SphereEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
+                  dic::DeviceFrames& frames)
+      : radius_px_(radius_px),
+        field_(make_field_estimator(engine, options, radius_px, frames)),
+        frames_(frames),
+        sphere_(engine, ball_options(options.field, dic::BallModel::kSphere)),
+        search_(engine) {}
+
+  std::span<const Window> grid() const override { return field_->grid(); }
+  double fit_seconds() const override { return field_->fit_seconds(); }
+
+  void aim(std::span<PairMotion> pairs) override {
+    field_->aim(pairs);
+    for (PairMotion& pair : pairs) {
+      if (!is_found(pair)) search(pair);
+    }
+  }
+
+  void measure(std::span<PairMotion> pairs) override {
+    field_->measure(pairs);
+    std::vector<BallMotion> motions = measure_all(pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (!is_ok(motions[i]) && search(pairs[i])) motions[i] = measure_anew(pairs[i]);
+      if (is_ok(motions[i])) {
+        take_over(motions[i], pairs[i]);
+        continue;
+      }
+      // A field that the whole ball does not bear out is chance.
+      pairs[i].motion.ok = false;
+      if (pairs[i].status == TrackStatus::kOk) pairs[i].status = TrackStatus::kLowCorrelation;
+    }
+  }
+
+ private:
+  // Of the windows that could be found, the share that must agree for a start.
+  static constexpr double kWellFound = 0.3;
+
+  static bool is_ok(const BallMotion& motion) {
+    return motion.status == static_cast<idic_int>(WindowStatus::kOk);
+  }
+  static bool is_found(const PairMotion& pair) {
+    return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
+  }
+
+  std::vector<BallMotion> measure_all(std::span<const PairMotion> pairs) {
+    std::vector<BallTask> tasks;
+    for (const PairMotion& pair : pairs) {
+      tasks.push_back(is_found(pair) ? task_of(pair, pair.motion) : task_of(pair, guess_of(pair)));
+    }
+    return sphere_.measure(frames_, tasks);
+  }
+
+  // Windows and registration once more, from the guess that the search left.
+  BallMotion measure_anew(PairMotion& pair) {
+    field_->measure({&pair, 1});
+    const BallTask task =
+        is_found(pair) ? task_of(pair, pair.motion) : task_of(pair, guess_of(pair));
+    return sphere_.measure(frames_, {&task, 1})[0];
+  }
+
+  // Looks for the turn without any guess. Where one stands out it becomes the pair's guess and its
+  // motion.
+  bool search(PairMotion& pair) {
+    const SphereSearchTask task{pair.first_slot,
+                                pair.second_slot,
+                                static_cast<float>(pair.first.cx_px),
+                                static_cast<float>(pair.first.cy_px),
+                                static_cast<float>(pair.second.cx_px),
+                                static_cast<float>(pair.second.cy_px),
+                                static_cast<float>(radius_px_)};
+    std::vector<BallTask> tasks;
+    for (const dic::SphereTurn& candidate : search_.find(frames_, task)) {
+      dic::RigidMotion start = guess_of(pair);
+      const Eigen::Vector3d turn = dic::rotation_vector(candidate.turn);
+      start.rot_x_rad = turn.x();
+      start.rot_y_rad = turn.y();
+      start.rot_rad = turn.z();
+      tasks.push_back(task_of(pair, start));
+    }
+    const std::vector<BallMotion> motions = sphere_.measure(frames_, tasks);
+    const BallMotion* best = nullptr;
+    for (const BallMotion& motion : motions) {
+      if (is_ok(motion) && (best == nullptr || motion.correlation > best->correlation)) {
+        best = &motion;
+      }
+    }
+    if (best == nullptr) return false;
+    take_over(*best, pair);
+    pair.guess_rot_x_rad = best->rot_x_rad;
+    pair.guess_rot_y_rad = best->rot_y_rad;
+    pair.guess_rot_rad = best->rot_rad;
+    return true;
+  }
+
+  static dic::RigidMotion guess_of(const PairMotion& pair) {
+    dic::RigidMotion guess;
+    guess.dx_px = pair.second.cx_px - pair.first.cx_px;
+    guess.dy_px = pair.second.cy_px - pair.first.cy_px;
+    guess.rot_x_rad = pair.guess_rot_x_rad;
+    guess.rot_y_rad = pair.guess_rot_y_rad;
+    guess.rot_rad = pair.guess_rot_rad;
+    return guess;
+  }
+
+  BallTask task_of(const PairMotion& pair, const dic::RigidMotion& start) const {
+    BallTask task = sphere_task(pair.first, radius_px_, start);
+    task.first = pair.first_slot;
+    task.second = pair.second_slot;
+    return task;
+  }
+
+  static void take_over(const BallMotion& ball, PairMotion& pair) {
+    const int used = pair.motion.used;
+    pair.motion = sphere_motion(ball);
+    pair.motion.used = used;
+    pair.status = TrackStatus::kOk;
+  }
+
+  double radius_px_;
+  std::unique_ptr<MotionEstimator> field_;
+  dic::DeviceFrames& frames_;
+  dic::BallRegistration sphere_;
+  dic::SphereSearch search_;
+};
+
+}  // namespace
+
+BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start) {
+  BallTask task{};
+  task.cx = static_cast<float>(circle.cx_px);
+  task.cy = static_cast<float>(circle.cy_px);
+  task.radius = static_cast<float>(radius_px - dic::kRimMarginPx);
+  task.ball_radius = static_cast<float>(radius_px);
+  task.guess_dx = static_cast<float>(start.dx_px);
+  task.guess_dy = static_cast<float>(start.dy_px);
+  task.guess_rot_x_rad = static_cast<float>(start.rot_x_rad);
+  task.guess_rot_y_rad = static_cast<float>(start.rot_y_rad);
+  task.guess_rot_rad = static_cast<float>(start.rot_rad);
+  return task;
+}
+
+dic::RigidMotion sphere_motion(const BallMotion& ball) {
+  // The lower triangle of dx, dy and the turns about X, Y and Z.
+  const float* covariance = ball.covariance;
+  dic::RigidMotion motion;
+  motion.ok = true;
+  motion.dx_px = ball.dx;
+  motion.dy_px = ball.dy;
+  motion.rot_x_rad = ball.rot_x_rad;
+  motion.rot_y_rad = ball.rot_y_rad;
+  motion.rot_rad = ball.rot_rad;
+  motion.dx_sd_px = std::sqrt(covariance[0]);
+  motion.dy_sd_px = std::sqrt(covariance[2]);
+  motion.rot_x_sd_rad = std::sqrt(covariance[5]);
+  motion.rot_y_sd_rad = std::sqrt(covariance[9]);
+  motion.rot_sd_rad = std::sqrt(covariance[14]);
+  motion.dy_rot_x_corr = covariance[4] / (motion.dy_sd_px * motion.rot_x_sd_rad);
+  motion.dx_rot_y_corr = covariance[6] / (motion.dx_sd_px * motion.rot_y_sd_rad);
+  return motion;
+}
+
+std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
+                                                       const EstimatorOptions& options,
+                                                       double radius_px,
+                                                       dic::DeviceFrames& frames) {
+  return std::make_unique<SphereEstimator>(engine, options, radius_px, frames);
+}
+
+}  // namespace impactdic::motion
