@@ -280,8 +280,9 @@ const char* const kBetterPattern =
     "paint a finer pattern: by impactdic study, speckles of 4 to 20 px area over a sixth to a half "
     "of the surface (a2, f1, e1)";
 
-ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request) {
-  const std::vector<Look> looks = look_around(source, request);
+ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
+                       std::vector<BallPair>* pairs) {
+  std::vector<Look> looks = look_around(source, request);
   ClipAdvice advice;
   advice.frames = static_cast<int>(looks.size());
   advice.frames_with_ball = count_of(looks, [](const Look& l) { return l.first_ball.has_value(); });
@@ -312,6 +313,13 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request) {
   }
   warn_of_size(request, advice, looks, advice.warnings);
   if (request.with_field) warn_of_motion(request, advice, looks, advice.warnings);
+  if (pairs != nullptr) {
+    for (Look& look : looks) {
+      if (!look.second_ball) continue;
+      pairs->push_back({std::move(look.first), std::move(look.second), *look.first_ball,
+                        *look.second_ball});
+    }
+  }
   return advice;
 }
 

@@ -23,13 +23,21 @@ struct AdviceRequest {
   double rim_margin_px = 3;
 };
 
+// Neighbouring frames, cut to the region of interest, and the ball in both.
+struct BallPair {
+  Frame first, second;
+  Circle first_ball, second_ball;
+};
+
 // What to paint where there is too little texture, after the finding of the speckle study
 // (docs/accuracy.md).
 extern const char* const kBetterPattern;
 
 // Looks at three pairs of neighbouring frames: at the start, in the middle and at the end of the
 // range (of its first 48 frames in a container, which may have to be decoded in order). A frame
-// that cannot be read is left out: the run itself will say so.
-ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request);
+// that cannot be read is left out: the run itself will say so. `pairs`, where given, gets those that
+// show the ball twice.
+ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
+                       std::vector<BallPair>* pairs = nullptr);
 
 }  // namespace impactdic::advice

@@ -21,6 +21,10 @@ OptionHelps track_helps() {
        {"How the motion is measured: ball (one registration of the whole ball, the most exact, and "
         "poses without drift), field (windows alone) or ring (rotation from rings, any angle)",
         {}}},
+      {"body",
+       {"What turns: sphere (about any axis), disc (in the picture's plane) or auto (as the pictures "
+        "show)",
+        {}}},
       {"no-field", {"Circle only: no displacement field", {}}},
       {"no-checksum", {"Leave out the clip's SHA-256 (it reads the whole clip once more)", {}}},
       {"overlay", {"Annotated frames as PNGs and as MP4: circle, path, arrows, phase, spin", {}}},

@@ -12,8 +12,18 @@ namespace impactdic {
 
 namespace {
 constexpr std::array kWords = {"ok",          "no_ball",   "no_texture", "low_correlation",
-                               "out_of_view", "last_frame"};
+                               "out_of_view", "last_frame", "inconsistent"};
+constexpr std::array kBodies = {"auto", "sphere", "disc"};
 }  // namespace
+
+const char* to_string(Body body) { return kBodies[static_cast<std::size_t>(body)]; }
+
+Body parse_body(const std::string& name) {
+  for (std::size_t i = 0; i < kBodies.size(); ++i) {
+    if (name == kBodies[i]) return static_cast<Body>(i);
+  }
+  throw InvalidArgument("'" + name + "' is no body", "--body", "there are auto, sphere and disc");
+}
 
 const char* to_string(TrackStatus status) { return kWords[static_cast<std::size_t>(status)]; }
 
@@ -40,6 +50,11 @@ SiRow to_si(const TrackRow& row, const SiScale& scale) {
   si.vx_sd_m_s = row.dx_sd_px * speed;
   si.vy_sd_m_s = row.dy_sd_px * speed;
   si.omega_sd_rad_s = row.rot_sd_deg * kRadPerDeg * rate;
+  const double turn = kRadPerDeg * rate;
+  si.omega_t_rad_s = (c * row.rot_x_deg + s * row.rot_y_deg) * turn;
+  si.omega_n_rad_s = (-s * row.rot_x_deg + c * row.rot_y_deg) * turn;
+  si.omega_t_sd_rad_s = std::hypot(c * row.rot_x_sd_deg, s * row.rot_y_sd_deg) * turn;
+  si.omega_n_sd_rad_s = std::hypot(s * row.rot_x_sd_deg, c * row.rot_y_sd_deg) * turn;
   return si;
 }
 

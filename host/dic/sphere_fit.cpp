@@ -94,6 +94,10 @@ SphereFit fit_sphere_motion(std::span<const PointMotion> points, const SphereGue
     fit.dy_px -= step(1);
     fit.turn = (quaternion_of(step.tail<3>()) * fit.turn).normalized();
     fit.residual_px = scale;
+    const Eigen::Matrix<double, 5, 5> covariance =
+        solver.solve(Eigen::Matrix<double, 5, 5>::Identity());
+    fit.rot_x_sd_rad = std::sqrt(covariance(2, 2));
+    fit.rot_y_sd_rad = std::sqrt(covariance(3, 3));
     const double moved = step.head<2>().norm() + guess.radius_px * step.tail<3>().norm();
     if (moved < kSettled_px) break;
   }

@@ -24,6 +24,8 @@ struct SphereFit {
   double share = 0;        // of the points on the sphere that agree on it
   int used = 0;            // as many
   double residual_px = 0;  // robust scatter of the points
+  // Of the turns about X and Y, were the points' errors independent.
+  double rot_x_sd_rad = 0, rot_y_sd_rad = 0;
 };
 
 // Where parallel rays show the point of the sphere that is seen at (x, y) px once it has moved;

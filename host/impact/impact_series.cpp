@@ -15,7 +15,8 @@ ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_ang
   ImpactSeries series;
   bool any_motion = false;
   for (const TrackRow& row : rows) {
-    const bool circle = row.circle_ok, motion = row.motion_ok;
+    const bool circle = row.circle_ok;
+    const bool motion = row.motion_ok && row.status != TrackStatus::kInconsistent;
     any_motion |= motion;
     // Image axes have y down.
     series.position_t.push_back(circle ? c * row.cx_px - s * row.cy_px : kNotMeasured);

@@ -26,6 +26,8 @@ std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
                                                        const EstimatorOptions& options,
                                                        double radius_px, dic::DeviceFrames& frames);
 
+// A pair's turn sought without a guess.
+SphereSearchTask search_task(const PairMotion& pair, double radius_px);
 // The registration of a sphere from `start`, without its slots, and what comes of it.
 BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
 dic::RigidMotion sphere_motion(const BallMotion& ball);

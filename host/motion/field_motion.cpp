@@ -7,6 +7,7 @@
 
 #include "host/dic/point_columns.h"
 #include "host/dic/rotation.h"
+#include "host/dic/sphere_fit.h"
 
 namespace impactdic::motion {
 

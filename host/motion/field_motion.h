@@ -9,7 +9,10 @@
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
 #include "host/dic/rigid_fit.h"
-#include "host/dic/sphere_fit.h"
+
+namespace impactdic::dic {
+struct SphereGuess;
+}  // namespace impactdic::dic
 
 namespace impactdic::motion {
 

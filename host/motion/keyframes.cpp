@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/clip/roi.h"
+#include "host/dic/rotation.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::motion {
@@ -20,9 +21,36 @@ constexpr std::size_t kFewAtOnce = 4;
 // Of keyframes whose turns differ by less, the oldest has the shortest chain behind it.
 constexpr double kAlike_rad = 0.1;
 
+// Of a sphere, the share of its surface that both pictures must see.
+constexpr double kLeastSeen = 0.45;
+
 struct Point {
   double x, y;
 };
+
+bool is_sphere(const BodyPose& pose) { return std::isfinite(pose.qw) && std::isnan(pose.angle_rad); }
+
+Eigen::Quaterniond orientation(const BodyPose& pose) {
+  return Eigen::Quaterniond(pose.qw, pose.qx, pose.qy, pose.qz);
+}
+
+void set_orientation(BodyPose& pose, const Eigen::Quaterniond& turn) {
+  pose.qw = turn.w();
+  pose.qx = turn.x();
+  pose.qy = turn.y();
+  pose.qz = turn.z();
+}
+
+// From `from` to `to`, in the camera's axes.
+Eigen::Quaterniond turn_between(const BodyPose& from, const BodyPose& to) {
+  return orientation(to) * orientation(from).conjugate();
+}
+
+// (x, y) px at the depth of the centre, turned in space; y down.
+Point turned(double x, double y, const Eigen::Quaterniond& turn) {
+  const Eigen::Vector3d to = dic::in_picture(turn) * Eigen::Vector3d(x, y, 0);
+  return {to.x(), to.y()};
+}
 
 // (x, y) turned counter-clockwise on the screen, y down.
 Point turned(double x, double y, double angle_rad) {
@@ -30,8 +58,26 @@ Point turned(double x, double y, double angle_rad) {
   return {c * x + s * y, -s * x + c * y};
 }
 
+// Where the motion to the next frame takes a sphere's pose.
+BodyPose moved_sphere(const BodyPose& pose, const Circle& circle, const dic::RigidMotion& motion) {
+  const Eigen::Quaterniond turn =
+      dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
+  BodyPose next = pose;
+  const Point arm = turned(pose.x_px - circle.cx_px, pose.y_px - circle.cy_px, turn);
+  next.x_px = circle.cx_px + motion.dx_px + arm.x;
+  next.y_px = circle.cy_px + motion.dy_px + arm.y;
+  set_orientation(next, (turn * orientation(pose)).normalized());
+  next.x_sd_px = std::hypot(pose.x_sd_px, motion.dx_sd_px);
+  next.y_sd_px = std::hypot(pose.y_sd_px, motion.dy_sd_px);
+  next.tilt_x_sd_rad = std::hypot(pose.tilt_x_sd_rad, motion.rot_x_sd_rad);
+  next.tilt_y_sd_rad = std::hypot(pose.tilt_y_sd_rad, motion.rot_y_sd_rad);
+  next.angle_sd_rad = std::hypot(pose.angle_sd_rad, motion.rot_sd_rad);
+  return next;
+}
+
 // Where the motion to the next frame takes a pose.
 BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotion& motion) {
+  if (is_sphere(pose)) return moved_sphere(pose, circle, motion);
   BodyPose next = pose;
   const Point arm = turned(pose.x_px - circle.cx_px, pose.y_px - circle.cy_px, motion.rot_rad);
   next.x_px = circle.cx_px + motion.dx_px + arm.x;
@@ -47,9 +93,10 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 // turn is the one nearest to `expected_rad`.
 BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion& motion, int u,
                     int v, double expected_rad) {
-  dic::RigidMotion rigid;
+  dic::RigidMotion rigid = is_sphere(key) ? sphere_motion(motion) : dic::RigidMotion{};
   rigid.dx_px = motion.dx + u;
   rigid.dy_px = motion.dy + v;
+  if (is_sphere(key)) return moved_sphere(key, circle, rigid);
   rigid.rot_rad = motion.rot_rad;
   rigid.dx_sd_px = motion.dx_sd;
   rigid.dy_sd_px = motion.dy_sd;
@@ -72,7 +119,8 @@ KeyframeSlots::KeyframeSlots(opencl::Engine& engine, dic::DeviceFrames& frames, 
       first_slot_(first_slot),
       rigid_(engine, options),
       affine_(engine, affine(options)),
-      ring_(engine, {}) {
+      ring_(engine, {}),
+      search_(engine) {
   held_.fill(-1);
 }
 
@@ -89,6 +137,10 @@ std::vector<BallMotion> KeyframeSlots::measure(std::span<const BallTask> tasks, 
 
 dic::RingMotion KeyframeSlots::turn(const RingTask& task) {
   return ring_.measure(frames_, std::span(&task, 1))[0];
+}
+
+std::vector<dic::SphereTurn> KeyframeSlots::turns(const SphereSearchTask& task) {
+  return search_.find(frames_, task);
 }
 
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
@@ -114,6 +166,11 @@ BodyPose Keyframes::begin(const ChainedFrame& frame) {
   pose.x_px = frame.circle.cx_px;
   pose.y_px = frame.circle.cy_px;
   pose.angle_rad = pose.x_sd_px = pose.y_sd_px = pose.angle_sd_rad = 0;
+  if (sphere_) {
+    pose.angle_rad = kNotMeasured;
+    pose.tilt_x_sd_rad = pose.tilt_y_sd_rad = 0;
+    set_orientation(pose, Eigen::Quaterniond::Identity());
+  }
   pose.origin = frame.index;
   return keep(frame, pose);
 }
@@ -139,9 +196,10 @@ BodyPose Keyframes::keep(const ChainedFrame& frame, const BodyPose& pose) {
   return made.pose;
 }
 
-std::size_t Keyframes::best_for(double angle_rad) const {
+std::size_t Keyframes::best_for(const BodyPose& pose) const {
   const auto away = [&](const Keyframe& key) {
-    return std::abs(std::remainder(key.pose.angle_rad - angle_rad, 2 * kPi));
+    if (sphere_) return orientation(key.pose).angularDistance(orientation(pose));
+    return std::abs(std::remainder(key.pose.angle_rad - pose.angle_rad, 2 * kPi));
   };
   double least = kPi;
   for (const Keyframe& key : memory_.keyframes) least = std::min(least, away(key));
@@ -159,10 +217,28 @@ std::vector<BallMotion> Keyframes::measure(std::span<const ChainedFrame> frames,
   for (std::size_t i = 0; i < near.size(); ++i) {
     const Keyframe& key = memory_.keyframes[keys[i]];
     const CropOrigin origin = crop_.about(key.circle);
-    const double turn = near[i].angle_rad - key.pose.angle_rad;
-    const Point arm =
-        turned(key.circle.cx_px - key.pose.x_px, key.circle.cy_px - key.pose.y_px, turn);
     const int u = frames[i].origin.x - origin.x, v = frames[i].origin.y - origin.y;
+    const double arm_x = key.circle.cx_px - key.pose.x_px;
+    const double arm_y = key.circle.cy_px - key.pose.y_px;
+    if (sphere_) {
+      const Eigen::Quaterniond turn = turn_between(key.pose, near[i]);
+      const Point arm = turned(arm_x, arm_y, turn);
+      const Eigen::Vector3d vector = dic::rotation_vector(turn);
+      dic::RigidMotion start;
+      start.dx_px = near[i].x_px + arm.x - key.circle.cx_px - u;
+      start.dy_px = near[i].y_px + arm.y - key.circle.cy_px - v;
+      start.rot_x_rad = vector.x();
+      start.rot_y_rad = vector.y();
+      start.rot_rad = vector.z();
+      const Circle cut{key.circle.cx_px - origin.x, key.circle.cy_px - origin.y, key.circle.r_px};
+      BallTask task = sphere_task(cut, radius_px_, start);
+      task.first = hold(key, slots);
+      task.second = frames[i].slot;
+      tasks.push_back(task);
+      continue;
+    }
+    const double turn = near[i].angle_rad - key.pose.angle_rad;
+    const Point arm = turned(arm_x, arm_y, turn);
     BallTask task{};
     task.first = hold(key, slots);
     task.second = frames[i].slot;
@@ -181,7 +257,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
                                                 std::span<const BodyPose> near,
                                                 KeyframeSlots& slots) {
   std::vector<std::size_t> keys;
-  for (const BodyPose& pose : near) keys.push_back(best_for(pose.angle_rad));
+  for (const BodyPose& pose : near) keys.push_back(best_for(pose));
   std::vector<BallMotion> motions = measure(frames, near, keys, false, slots);
   std::vector<Placed> placed(frames.size());
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -191,6 +267,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
         {true, keys[i]}, {false, newest}, {true, newest}};
     for (std::size_t k = 0; k < std::size(others) && !fits(motions[i], keys[i]); ++k) {
       if (k > 0 && others[k].second == others[0].second) break;
+      if (sphere_ && others[k].first) continue;  // its compression has no model
       keys[i] = others[k].second;
       motions[i] = measure(frames.subspan(i, 1), near.subspan(i, 1), std::span(keys).subspan(i, 1),
                            others[k].first, slots)[0];
@@ -213,6 +290,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
 
 bool Keyframes::fits(const BallMotion& motion, std::size_t key) const {
   const double best = memory_.keyframes[key].residual;
+  if (sphere_ && !(motion.used > kLeastSeen)) return false;
   return motion.status == static_cast<idic_int>(WindowStatus::kOk) &&
          (best == 0 || motion.residual <= kMisfit * best);
 }
@@ -221,19 +299,40 @@ Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame, KeyframeSlots
   const auto key = std::max_element(
       memory_.keyframes.begin(), memory_.keyframes.end(),
       [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
+  for (const dic::RigidMotion& motion : sought(*key, frame, slots)) {
+    const Placed found =
+        place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)}, slots)[0];
+    if (found.fits) return found;
+  }
+  return {};
+}
+
+std::vector<dic::RigidMotion> Keyframes::sought(const Keyframe& key, const ChainedFrame& frame,
+                                                KeyframeSlots& slots) {
   PairMotion pair;
-  pair.first_slot = hold(*key, slots);
+  pair.first_slot = hold(key, slots);
   pair.second_slot = frame.slot;
-  pair.first = key->circle;
+  pair.first = key.circle;
   pair.second = frame.circle;
-  into_crops(pair, crop_.about(key->circle), frame.origin);
-  const dic::RingMotion turn = slots.turn(ring_task(pair, radius_px_));
-  if (turn.status != WindowStatus::kOk) return {};
+  into_crops(pair, crop_.about(key.circle), frame.origin);
   dic::RigidMotion motion;
-  motion.dx_px = frame.circle.cx_px - key->circle.cx_px;
-  motion.dy_px = frame.circle.cy_px - key->circle.cy_px;
-  motion.rot_rad = turn.rot_rad;
-  return place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)}, slots)[0];
+  motion.dx_px = frame.circle.cx_px - key.circle.cx_px;
+  motion.dy_px = frame.circle.cy_px - key.circle.cy_px;
+  if (!sphere_) {
+    const dic::RingMotion turn = slots.turn(ring_task(pair, radius_px_));
+    if (turn.status != WindowStatus::kOk) return {};
+    motion.rot_rad = turn.rot_rad;
+    return {motion};
+  }
+  std::vector<dic::RigidMotion> motions;
+  for (const dic::SphereTurn& found : slots.turns(search_task(pair, radius_px_))) {
+    const Eigen::Vector3d vector = dic::rotation_vector({found.w, found.x, found.y, found.z});
+    motion.rot_x_rad = vector.x();
+    motion.rot_y_rad = vector.y();
+    motion.rot_rad = vector.z();
+    motions.push_back(motion);
+  }
+  return motions;
 }
 
 BodyPose Keyframes::start(const ChainedFrame& frame, KeyframeSlots& slots) {

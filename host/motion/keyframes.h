@@ -13,6 +13,7 @@
 #include "host/clip/track_row.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/device/ring.h"
+#include "host/dic/device/sphere_search.h"
 #include "host/dic/frames/device_frames.h"
 #include "host/motion/ball_crop.h"
 #include "host/opencl/engine.h"
@@ -27,6 +28,7 @@ inline constexpr int kKeyframes = 8;
 class KeyframeSlots {
  public:
   // `engine` and `frames` must outlive the object.
+  // `options.model`: kRigid of a flat ball (affine where it is compressed), or kSphere.
   KeyframeSlots(opencl::Engine& engine, dic::DeviceFrames& frames, int first_slot,
                 const dic::BallOptions& options);
 
@@ -35,12 +37,15 @@ class KeyframeSlots {
   int slot(int place) const { return first_slot_ + place; }
   std::vector<BallMotion> measure(std::span<const BallTask> tasks, bool affine);
   dic::RingMotion turn(const RingTask& task);
+  // Turns of a sphere, likeliest first.
+  std::vector<dic::SphereTurn> turns(const SphereSearchTask& task);
 
  private:
   dic::DeviceFrames& frames_;
   int first_slot_;
   dic::BallRegistration rigid_, affine_;
   dic::RingRotation ring_;
+  dic::SphereSearch search_;
   std::array<std::int64_t, kKeyframes> held_;  // frame indices, −1: none
 };
 
@@ -63,8 +68,10 @@ struct ChainedFrame {
 // one that rolls out of sight gets as few links of a chain as the pictures allow.
 class Keyframes {
  public:
-  // `radius_px` is the ball's, `crop` the size of the frames' parts.
-  Keyframes(double radius_px, const BallCrop& crop) : radius_px_(radius_px), crop_(crop) {}
+  // `radius_px` is the ball's, `crop` the size of the frames' parts. `sphere`: it turns about any
+  // axis, and poses have orientations.
+  Keyframes(double radius_px, const BallCrop& crop, bool sphere)
+      : radius_px_(radius_px), crop_(crop), sphere_(sphere) {}
 
   // Poses of consecutive frames, the first of which may be the last one of the call before (it
   // then keeps its pose). Calls follow the order of the frames; `slots` may be another every time.
@@ -105,7 +112,7 @@ class Keyframes {
   BodyPose keep(const ChainedFrame& frame, const BodyPose& pose);
   // The pose of a frame to which no motion leads: found again, or a new chain's beginning.
   BodyPose start(const ChainedFrame& frame, KeyframeSlots& slots);
-  std::size_t best_for(double angle_rad) const;
+  std::size_t best_for(const BodyPose& pose) const;
   // Registers frames against their best keyframes from the poses expected of them, up to the first
   // that fits none.
   std::vector<Placed> place(std::span<const ChainedFrame> frames, std::span<const BodyPose> near,
@@ -116,9 +123,13 @@ class Keyframes {
   bool fits(const BallMotion& motion, std::size_t key) const;
   // Looks for the ball after a gap: the turn by rings about the circles.
   Placed find_again(const ChainedFrame& frame, KeyframeSlots& slots);
+  // Motions from the keyframe to the frame that the pictures may show, likeliest first.
+  std::vector<dic::RigidMotion> sought(const Keyframe& key, const ChainedFrame& frame,
+                                       KeyframeSlots& slots);
 
   double radius_px_;
   BallCrop crop_;
+  bool sphere_;
   Memory memory_;
   std::array<Frame, kKeyframes> pictures_;  // of the keyframes, cut, by their slots
   int made_ = 0;

@@ -75,17 +75,10 @@ class SphereEstimator : public MotionEstimator {
   // Looks for the turn without any guess. Where one stands out it becomes the pair's guess and its
   // motion.
   bool search(PairMotion& pair) {
-    const SphereSearchTask task{pair.first_slot,
-                                pair.second_slot,
-                                static_cast<float>(pair.first.cx_px),
-                                static_cast<float>(pair.first.cy_px),
-                                static_cast<float>(pair.second.cx_px),
-                                static_cast<float>(pair.second.cy_px),
-                                static_cast<float>(radius_px_)};
     std::vector<BallTask> tasks;
-    for (const dic::SphereTurn& candidate : search_.find(frames_, task)) {
+    for (const dic::SphereTurn& candidate : search_.find(frames_, search_task(pair, radius_px_))) {
       dic::RigidMotion start = guess_of(pair);
-      const Eigen::Vector3d turn = dic::rotation_vector(candidate.turn);
+      const Eigen::Vector3d turn = dic::rotation_vector({candidate.w, candidate.x, candidate.y, candidate.z});
       start.rot_x_rad = turn.x();
       start.rot_y_rad = turn.y();
       start.rot_rad = turn.z();
@@ -138,6 +131,16 @@ class SphereEstimator : public MotionEstimator {
 };
 
 }  // namespace
+
+SphereSearchTask search_task(const PairMotion& pair, double radius_px) {
+  return {pair.first_slot,
+          pair.second_slot,
+          static_cast<float>(pair.first.cx_px),
+          static_cast<float>(pair.first.cy_px),
+          static_cast<float>(pair.second.cx_px),
+          static_cast<float>(pair.second.cy_px),
+          static_cast<float>(radius_px)};
+}
 
 BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start) {
   BallTask task{};

@@ -50,8 +50,9 @@ struct DeviceWorkers::Worker {
         slots(count),
         frames(*engine, count + motion::kKeyframes),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
-    if (options.estimator != motion::Estimator::ball) return;
-    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, dic::BallModel::kRigid));
+    if (options.estimator != Estimator::kBall) return;
+    const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
+    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, model));
   }
 };
 
@@ -117,7 +118,9 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       crop_(options, radius_px, width, height),
       times_(times),
       stages_(stages) {
-  if (options.estimator == Estimator::kBall) keyframes_.emplace(radius_px, crop_);
+  if (options.estimator == Estimator::kBall) {
+    keyframes_.emplace(radius_px, crop_, options.sphere);
+  }
   int most = 0;
   for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));
   // Neighbouring workers are on different devices, so that a short clip reaches all of them.

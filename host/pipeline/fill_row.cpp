@@ -2,7 +2,28 @@
 
 #include <cmath>
 
+#include "host/dic/rotation.h"
+
 namespace impactdic::pipeline {
+
+namespace {
+
+bool is_sphere(const dic::RigidMotion& motion) { return motion.rot_x_sd_rad > 0; }
+
+// A centre that is off by (ex, ey) px is taken for the sphere's: what is measured of its motion is
+// off by (1 − Q)(ex, ey), Q the turn's part in the picture.
+void add_centre_error(TrackRow& row, const dic::RigidMotion& motion) {
+  const Eigen::Matrix3d turn = dic::in_picture(
+      dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}));
+  const auto more = [&](int axis) {
+    return std::hypot(((axis == 0 ? 1 : 0) - turn(axis, 0)) * row.cx_sd_px,
+                      ((axis == 1 ? 1 : 0) - turn(axis, 1)) * row.cy_sd_px);
+  };
+  row.dx_sd_px = std::hypot(row.dx_sd_px, more(0));
+  row.dy_sd_px = std::hypot(row.dy_sd_px, more(1));
+}
+
+}  // namespace
 
 void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.circle_ok = fit.status == circle::CircleStatus::kOk;
@@ -28,11 +49,34 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion) {
   row.dx_sd_px = motion.dx_sd_px;
   row.dy_sd_px = motion.dy_sd_px;
   row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
+  if (is_sphere(motion)) {
+    row.rot_x_deg = motion.rot_x_rad * kDegPerRad;
+    row.rot_y_deg = motion.rot_y_rad * kDegPerRad;
+    row.rot_x_sd_deg = motion.rot_x_sd_rad * kDegPerRad;
+    row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
+    row.dx_rot_y_corr = motion.dx_rot_y_corr;
+    row.dy_rot_x_corr = motion.dy_rot_x_corr;
+    add_centre_error(row, motion);
+    return;
+  }
   // The point that was followed is off the ball's centre by the circle's error, and turns about it.
   if (!row.circle_ok) return;
   const double c = std::cos(motion.rot_rad) - 1, s = std::sin(motion.rot_rad);
   row.dx_sd_px = std::hypot(row.dx_sd_px, c * row.cx_sd_px, s * row.cy_sd_px);
   row.dy_sd_px = std::hypot(row.dy_sd_px, s * row.cx_sd_px, c * row.cy_sd_px);
+}
+
+void compare_with_circles(TrackRow& row, const TrackRow& next) {
+  constexpr double kChance = 6, kLeast_px = 0.1;
+  if (row.status != TrackStatus::kOk || !row.motion_ok || !next.circle_ok) return;
+  const auto differ = [](double motion, double motion_sd, double step, double sd, double next_sd) {
+    const double off = std::abs(motion - step);
+    return off > kLeast_px && off > kChance * std::hypot(motion_sd, sd, next_sd);
+  };
+  if (differ(row.dx_px, row.dx_sd_px, next.cx_px - row.cx_px, row.cx_sd_px, next.cx_sd_px) ||
+      differ(row.dy_px, row.dy_sd_px, next.cy_px - row.cy_px, row.cy_sd_px, next.cy_sd_px)) {
+    row.status = TrackStatus::kInconsistent;
+  }
 }
 
 }  // namespace impactdic::pipeline

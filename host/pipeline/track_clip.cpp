@@ -212,6 +212,7 @@ class ClipTracker {
     motion::PairMotion& pair = batch.pairs[i];
     set_motion(row, pair.motion);
     if (row.status == TrackStatus::kOk) row.status = pair.status;
+    compare_with_circles(row, batch.rows[i + 1]);
     if (pair.centre.ok) {
       row.centre_u_px = pair.centre.u_px;
       row.centre_v_px = pair.centre.v_px;

@@ -11,7 +11,8 @@ namespace impactdic::report {
 const char* const kTrackCsvHeader =
     "frame,time_s,status,cx_px,cy_px,r_px,cx_sd_px,cy_sd_px,r_sd_px,dx_px,dy_px,rot_deg,dx_sd_px,"
     "dy_sd_px,rot_sd_deg,windows,x_m,y_m,vx_m_s,vy_m_s,vt_m_s,vn_m_s,omega_rad_s,vx_sd_m_s,"
-    "vy_sd_m_s,omega_sd_rad_s";
+    "vy_sd_m_s,omega_sd_rad_s,rot_x_deg,rot_y_deg,rot_x_sd_deg,rot_y_sd_deg,dx_rot_y_corr,"
+    "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s";
 const char* const kMotionCsvHeader =
     "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows";
 
@@ -67,6 +68,12 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   row.dy_sd_px = number(13);
   row.rot_sd_deg = number(14);
   row.windows = cells[15].empty() ? 0 : static_cast<int>(parse_int(cells[15], where));
+  row.rot_x_deg = number(26);
+  row.rot_y_deg = number(27);
+  row.rot_x_sd_deg = number(28);
+  row.rot_y_sd_deg = number(29);
+  row.dx_rot_y_corr = number(30);
+  row.dy_rot_x_corr = number(31);
   row.circle_ok = !std::isnan(row.cx_px);
   row.motion_ok = !std::isnan(row.dx_px);
   return row;
@@ -83,6 +90,9 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
   line.add_text(std::to_string(row.windows));
   line.add(si.x_m, si.y_m, si.vx_m_s, si.vy_m_s, si.vt_m_s, si.vn_m_s, si.omega_rad_s);
   line.add(si.vx_sd_m_s, si.vy_sd_m_s, si.omega_sd_rad_s);
+  line.add(row.rot_x_deg, row.rot_y_deg, row.rot_x_sd_deg, row.rot_y_sd_deg, row.dx_rot_y_corr,
+           row.dy_rot_x_corr);
+  line.add(si.omega_t_rad_s, si.omega_n_rad_s, si.omega_t_sd_rad_s, si.omega_n_sd_rad_s);
   return line.text();
 }
 

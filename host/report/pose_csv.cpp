@@ -3,6 +3,8 @@
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 
+#include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -11,7 +13,8 @@
 namespace impactdic::report {
 
 const char* const kPoseCsvHeader =
-    "frame,time_s,x_px,y_px,angle_deg,x_sd_px,y_sd_px,angle_sd_deg,origin,keyframe";
+    "frame,time_s,x_px,y_px,angle_deg,x_sd_px,y_sd_px,angle_sd_deg,origin,keyframe,qw,qx,qy,qz,"
+    "tilt_x_sd_deg,tilt_y_sd_deg";
 
 namespace {
 
@@ -45,10 +48,17 @@ void PoseCsv::add(const TrackRow& row) {
     file_ << "," << shortest(value);
   }
   if (pose.ok) {
-    file_ << "," << pose.origin << "," << pose.keyframe << "\n";
+    file_ << "," << pose.origin << "," << pose.keyframe;
   } else {
-    file_ << ",,\n";
+    file_ << ",,";
   }
+  const bool flat = std::isfinite(pose.angle_rad);
+  const std::array<double, 4> quaternion =
+      flat ? std::array{std::cos(pose.angle_rad / 2), 0.0, 0.0, std::sin(pose.angle_rad / 2)}
+           : std::array{pose.qw, pose.qx, pose.qy, pose.qz};
+  for (const double value : quaternion) file_ << "," << shortest(value);
+  file_ << "," << shortest(pose.tilt_x_sd_rad * kDegPerRad) << ","
+        << shortest(pose.tilt_y_sd_rad * kDegPerRad) << "\n";
 }
 
 void PoseCsv::flush() {

@@ -91,6 +91,12 @@ void each_of_pose(Field field, T& pose) {
   field("x_sd_px", pose.x_sd_px);
   field("y_sd_px", pose.y_sd_px);
   field("angle_sd_rad", pose.angle_sd_rad);
+  field("qw", pose.qw);
+  field("qx", pose.qx);
+  field("qy", pose.qy);
+  field("qz", pose.qz);
+  field("tilt_x_sd_rad", pose.tilt_x_sd_rad);
+  field("tilt_y_sd_rad", pose.tilt_y_sd_rad);
   field("origin", pose.origin);
   field("keyframe", pose.keyframe);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
@@ -37,6 +38,13 @@ void TrackRequest::validate() const {
   field.validate();
   if (static_cast<unsigned>(estimator) > static_cast<unsigned>(Estimator::kBall)) {
     throw InvalidArgument("this is no estimator", "--estimator", "there are field, ring and ball");
+  }
+  if (static_cast<unsigned>(body) > static_cast<unsigned>(Body::kDisc)) {
+    throw InvalidArgument("this is no body", "--body", "there are auto, sphere and disc");
+  }
+  if (body == Body::kSphere && estimator == Estimator::kRing) {
+    throw InvalidArgument("rings see turns in the picture alone", "--estimator",
+                          "a sphere needs ball or field");
   }
   run::check_spacing(spacing_px);
   if (radius_px && !(radius_px->low_px > 0 && radius_px->high_px > radius_px->low_px &&
@@ -99,8 +107,12 @@ void TrackRun::look() {
   request.field = options_.estimator.field;
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
-  result_.advice = advice::advise_clip(*source_, request);
+  const bool decide = options_.with_field && request_.body == Body::kAuto &&
+                      options_.estimator.estimator != Estimator::kRing;
+  std::vector<advice::BallPair> pairs;
+  result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
+  choose_body(pairs);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0) {
     result_.warnings.push_back(
@@ -111,6 +123,26 @@ void TrackRun::look() {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
   for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
+}
+
+void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
+  result_.body = request_.body;
+  result_.body_reason = "as was asked for";
+  if (request_.body == Body::kAuto) {
+    result_.body = Body::kDisc;
+    result_.body_reason = "no motion is measured that could tell";
+  }
+  if (!pairs.empty()) {
+    const advice::BodyAdvice judged = advice::judge_body(
+        *session_.impl().open_engines().front(), pairs, options_.estimator.field);
+    result_.body = judged.body;
+    result_.body_reason = judged.reason;
+  }
+  options_.estimator.sphere = result_.body == Body::kSphere;
+  if (options_.with_field) {
+    caller_.say(MessageKind::kNote,
+                std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
+  }
 }
 
 void TrackRun::measure(const Outputs& outputs) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 
+#include "host/advice/clip_advice.h"
 #include "host/base/stage_times.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
@@ -39,6 +40,9 @@ class TrackRun {
   void conclude();
 
  private:
+  // Sphere or disc, by the pairs of frames that the look found.
+  void choose_body(const std::vector<advice::BallPair>& pairs);
+
   const TrackRequest& request_;
   Session& session_;
   Caller& caller_;

@@ -43,6 +43,9 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
                          const Session& session) {
   nlohmann::json summary = report::summarise_track(result.rows, result.scale);
   summary["impact"] = report::describe_impact(result.impact_si);
+  summary["body"] = {{"kind", to_string(result.body)},
+                     {"asked", to_string(request.body)},
+                     {"reason", result.body_reason}};
   summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
   summary["advice"] = report::describe_advice(result.advice);
   summary["warnings"] = result.warnings;

@@ -124,7 +124,7 @@ int count_found(int count, double step_deg, double noise, unsigned seed) {
     SphereSearchTask task{0, 1, 80.3F, 79.6F, 81.1F, 79.2F, kBallPx};
     const auto turns = search.find(frames, task);
     for (std::size_t i = 0; i < turns.size(); ++i) {
-      if (turns[i].turn.angularDistance(turn) * kDegPerRad < kReach_deg) {
+      if (turn.angularDistance({turns[i].w, turns[i].x, turns[i].y, turns[i].z}) * kDegPerRad < kReach_deg) {
         ++found;
         first += i == 0;
         break;

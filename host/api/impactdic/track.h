@@ -31,6 +31,12 @@ enum class Estimator {
 const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
 
+// What turns: a flat picture in its plane (a disc, a wheel, a ball whose spin stays in the plane), or
+// a sphere about any axis. kAuto: as the pictures show.
+enum class Body { kAuto, kSphere, kDisc };
+const char* to_string(Body body);
+Body parse_body(const std::string& name);  // throws InvalidArgument
+
 enum class TrackStatus {
   kOk,
   kNoBall,          // no circle was found in this frame, or in the next one
@@ -38,6 +44,7 @@ enum class TrackStatus {
   kLowCorrelation,  // too few windows were found again in the next frame
   kOutOfView,       // the ball has left the picture
   kLastFrame,       // the circle is measured; there is no next frame to move to
+  kInconsistent,    // the measured motion is not that of the circle's centre, beyond chance
 };
 const char* to_string(TrackStatus status);
 // Throws InvalidArgument for a word that is no status.
@@ -46,11 +53,16 @@ TrackStatus parse_track_status(const std::string& word);
 // Where a ball is and how far it has turned since frame `origin`, by registration against frame
 // `keyframe` (frames of the stored file in a TrackRow): the place of the material point that was
 // the circle's centre in frame `origin`, and the angle, not wrapped, counter-clockwise on screen.
-// Standard deviations are of the pose against that of frame `origin`.
+// Standard deviations are of the pose against that of frame `origin`. A sphere has no such angle, but
+// the unit quaternion (qw, qx, qy, qz) that turns it from frame `origin` to here, in the camera's
+// axes (X right, Y up, Z towards the camera); angle_sd_rad is then that of a small turn about Z,
+// tilt_x_sd_rad and tilt_y_sd_rad those about X and Y. Of a flat ball it stands for the angle.
 struct BodyPose {
   bool ok = false;
   double x_px = kNotMeasured, y_px = kNotMeasured, angle_rad = kNotMeasured;
   double x_sd_px = kNotMeasured, y_sd_px = kNotMeasured, angle_sd_rad = kNotMeasured;
+  double qw = kNotMeasured, qx = kNotMeasured, qy = kNotMeasured, qz = kNotMeasured;
+  double tilt_x_sd_rad = kNotMeasured, tilt_y_sd_rad = kNotMeasured;
   std::int64_t origin = -1, keyframe = -1;
 };
 
@@ -69,6 +81,12 @@ struct TrackRow {
   // The displacement field interpolated at the centroid, the dissertation's velocity of the centre.
   double centre_u_px = kNotMeasured, centre_v_px = kNotMeasured;
   double centre_u_sd_px = kNotMeasured, centre_v_sd_px = kNotMeasured;
+  // Of a sphere, NaN of a flat ball: rot_deg is the component towards the camera of the rotation
+  // vector, these are those to the right and up. Displacement and turn about the axis across it look
+  // alike; the correlation of their errors.
+  double rot_x_deg = kNotMeasured, rot_y_deg = kNotMeasured;
+  double rot_x_sd_deg = kNotMeasured, rot_y_sd_deg = kNotMeasured;
+  double dx_rot_y_corr = kNotMeasured, dy_rot_x_corr = kNotMeasured;
   int windows = 0;  // interrogation windows that carried the motion
   BodyPose pose;    // where keyframes are kept
 };
@@ -85,6 +103,8 @@ struct SiScale {
 struct SiRow {
   double x_m, y_m, vx_m_s, vy_m_s, vt_m_s, vn_m_s, omega_rad_s;
   double vx_sd_m_s, vy_sd_m_s, omega_sd_rad_s;
+  // Of a sphere: spin about the surface's t and n; omega_rad_s is that about t x n, to the camera.
+  double omega_t_rad_s, omega_n_rad_s, omega_t_sd_rad_s, omega_n_sd_rad_s;
 };
 
 // Every figure NaN that has no source; lengths all NaN where `scale.metre_per_px` is 0, rates all
@@ -103,6 +123,7 @@ struct TrackRequest {
   std::optional<Roi> roi;                 // the rectangle that is looked at; all of the picture
   std::optional<RadiusRange> radius_px;   // of the ball; from the picture's size
   Estimator estimator = Estimator::kBall;
+  Body body = Body::kAuto;
   FieldOptions field;
   int spacing_px = 0;      // of the windows' centres; 0: half a window, rounded up
   bool with_field = true;  // false: circles alone, no device needed
@@ -122,6 +143,8 @@ struct TrackResult {
   Roi roi;                     // looked at
   std::vector<TrackRow> rows;  // one a frame measured, in order
   SiScale scale;               // for to_si
+  Body body = Body::kDisc;     // as which it was measured
+  std::string body_reason;     // why, in words
   double grid_radius_px = 0;   // of the ball that the windows' grid was made for; 0: no grid
   std::size_t windows = 0;     // of that grid
   ImpactAnalysis impact;       // in px and frames

@@ -29,8 +29,10 @@ constexpr std::size_t kGroup = 64;
 
 bool by_score(const SphereTurn& a, const SphereTurn& b) { return a.score > b.score; }
 
+Eigen::Quaterniond quaternion(const SphereTurn& turn) { return {turn.w, turn.x, turn.y, turn.z}; }
+
 double between_deg(const SphereTurn& a, const SphereTurn& b) {
-  return a.turn.angularDistance(b.turn) * kDegPerRad;
+  return quaternion(a).angularDistance(quaternion(b)) * kDegPerRad;
 }
 
 // The best `most`, without those that are like a better one.
@@ -54,7 +56,8 @@ std::vector<SphereTurn> about(const std::vector<SphereTurn>& turns, double step_
   for (const SphereTurn& turn : turns) {
     for (int k = 0; k < 27; ++k) {
       const Eigen::Vector3d step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      all.push_back({turn.turn * quaternion_of(step_rad * step), 0});
+      const Eigen::Quaterniond q = quaternion(turn) * quaternion_of(step_rad * step);
+      all.push_back({q.w(), q.x(), q.y(), q.z(), 0});
     }
   }
   return all;
@@ -62,15 +65,15 @@ std::vector<SphereTurn> about(const std::vector<SphereTurn>& turns, double step_
 
 }  // namespace
 
-std::vector<Eigen::Quaterniond> even_turns(int count) {
+std::vector<SphereTurn> even_turns(int count) {
   const double phi = std::sqrt(2.0), psi = 1.533751168755204288118041;  // psi⁴ = psi + 4
-  std::vector<Eigen::Quaterniond> turns;
+  std::vector<SphereTurn> turns;
   for (int i = 0; i < count; ++i) {
     const double s = i + 0.5, t = s / count;
     const double alpha = 2 * kPi * s / phi, beta = 2 * kPi * s / psi;
     const double r = std::sqrt(t), rest = std::sqrt(1 - t);
-    turns.emplace_back(r * std::sin(alpha), r * std::cos(alpha), rest * std::sin(beta),
-                       rest * std::cos(beta));
+    turns.push_back({r * std::sin(alpha), r * std::cos(alpha), rest * std::sin(beta),
+                     rest * std::cos(beta), 0});
   }
   return turns;
 }
@@ -79,7 +82,7 @@ void SphereSearch::prepare() {
   if (shrink_() != nullptr) return;
   shrink_ = engine_.kernel("ball/sphere_search.cl", "shrink_ball", {});
   score_ = engine_.kernel("ball/sphere_search.cl", "score_turns", {});
-  for (const Eigen::Quaterniond& turn : even_turns(kTurns)) everywhere_.push_back({turn, 0});
+  everywhere_ = even_turns(kTurns);
 }
 
 void SphereSearch::shrink(DeviceFrames& frames, const SphereSearchTask& task, int side) {
@@ -97,8 +100,8 @@ void SphereSearch::score(std::vector<SphereTurn>& turns, int side) {
   std::vector<cl_float4> quaternions;
   quaternions.reserve(turns.size());
   for (const SphereTurn& t : turns) {
-    quaternions.push_back({{static_cast<float>(t.turn.w()), static_cast<float>(t.turn.x()),
-                            static_cast<float>(t.turn.y()), static_cast<float>(t.turn.z())}});
+    quaternions.push_back({{static_cast<float>(t.w), static_cast<float>(t.x),
+                            static_cast<float>(t.y), static_cast<float>(t.z)}});
   }
   turns_.reserve(engine_, turns.size());
   scores_.reserve(engine_, turns.size());

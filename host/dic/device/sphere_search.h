@@ -2,7 +2,6 @@
 // (kernels/ball/sphere_search.cl): to a degree or two, for the registration to start from.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <vector>
 
 #include "host/dic/frames/device_frames.h"
@@ -12,7 +11,7 @@ namespace impactdic::dic {
 
 // score: ZNCC of the shrunk pictures, weighed by how much of the sphere both of them see.
 struct SphereTurn {
-  Eigen::Quaterniond turn;
+  double w = 1, x = 0, y = 0, z = 0;  // unit quaternion, camera axes
   double score = 0;
 };
 
@@ -40,6 +39,6 @@ class SphereSearch {
 
 // `count` turns spread evenly over SO(3): super-Fibonacci spirals (Alexa 2022, "Super-Fibonacci
 // Spirals: Fast, Low-Discrepancy Sampling of SO(3)", Algorithm 1).
-std::vector<Eigen::Quaterniond> even_turns(int count);
+std::vector<SphereTurn> even_turns(int count);
 
 }  // namespace impactdic::dic

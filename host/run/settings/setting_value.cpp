@@ -42,6 +42,7 @@ RadiusRange read_radius(const std::string& text) {
 std::string to_text(const SettingValue& value) { return std::visit(TextOf(), value); }
 
 SettingValue value_of(FieldMethod value) { return std::string(to_string(value)); }
+SettingValue value_of(Body value) { return std::string(to_string(value)); }
 SettingValue value_of(Estimator value) { return std::string(to_string(value)); }
 SettingValue value_of(ReferenceFrame value) { return std::string(to_string(value)); }
 SettingValue value_of(RegionMotion value) { return std::string(to_string(value)); }
@@ -90,6 +91,9 @@ void assign(const SettingValue& from, FieldMethod& to, const std::string&) {
 }
 void assign(const SettingValue& from, Estimator& to, const std::string&) {
   to = parse_estimator(to_text(from));
+}
+void assign(const SettingValue& from, Body& to, const std::string&) {
+  to = parse_body(to_text(from));
 }
 void assign(const SettingValue& from, ReferenceFrame& to, const std::string&) {
   to = parse_reference(to_text(from));

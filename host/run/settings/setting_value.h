@@ -27,6 +27,7 @@ inline SettingValue value_of(const std::string& value) { return value; }
 inline SettingValue value_of(const std::vector<std::string>& value) { return value; }
 SettingValue value_of(FieldMethod value);
 SettingValue value_of(Estimator value);
+SettingValue value_of(Body value);
 SettingValue value_of(ReferenceFrame value);
 SettingValue value_of(RegionMotion value);
 // Those of which "" stands for nothing asked for.
@@ -44,6 +45,7 @@ void assign(const SettingValue& from, std::string& to, const std::string& where)
 void assign(const SettingValue& from, std::vector<std::string>& to, const std::string& where);
 void assign(const SettingValue& from, FieldMethod& to, const std::string& where);
 void assign(const SettingValue& from, Estimator& to, const std::string& where);
+void assign(const SettingValue& from, Body& to, const std::string& where);
 void assign(const SettingValue& from, ReferenceFrame& to, const std::string& where);
 void assign(const SettingValue& from, RegionMotion& to, const std::string& where);
 void assign(const SettingValue& from, FrameRange& to, const std::string& where);

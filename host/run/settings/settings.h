@@ -72,6 +72,7 @@ void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"roi", kEmptyUnset}, request.roi);
   visit(Setting{"radius-px", kEmptyUnset}, request.radius_px);
   visit(Setting{"estimator", kPlain, "option_estimator"}, request.estimator);
+  visit(Setting{"body", kPlain, "option_body"}, request.body);
   visit_field(visit, request.field, request.spacing_px, folder.compression);
   visit(Setting{"no-field", kNegated}, request.with_field);
   visit(Setting{"no-checksum", kNegated | kMayChange}, folder.checksum);

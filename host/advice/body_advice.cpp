@@ -1,0 +1,147 @@
+#include "host/advice/body_advice.h"
+
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+
+#include "host/dic/device/ball.h"
+#include "host/dic/rotation.h"
+#include "host/dic/sphere_fit.h"
+#include "host/motion/estimators.h"
+
+namespace impactdic::advice {
+namespace {
+
+// Chance: squares of two deviates together pass this once in three million.
+constexpr double kSignificant = 30;
+// A smaller turn moves no point of the picture by as much as matters.
+constexpr double kSmallest_px = 0.03;
+
+// Where the windows lie flat within this, the pair is not registered as a sphere at all.
+constexpr double kFlat = 12;
+constexpr double kAgreeing = 0.5;  // share of the windows that must say so
+
+struct Tilt {
+  double turn_deg = 0;
+  double beyond_chance = 0;  // chi square of two degrees of freedom
+  bool is_out_of_plane = false;
+};
+
+class PairLook {
+ public:
+  PairLook(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field)
+      : engine_(engine), pair_(pair), field_(field), frames_(engine, 2) {
+    frames_.set(0, pair.first);
+    frames_.set(1, pair.second);
+  }
+
+  // nullopt where the pair shows no motion of a sphere.
+  std::optional<Tilt> tilt() {
+    const motion::PairMotion flat = measured(false);
+    if (const Tilt of_windows = windows_tilt(flat); of_windows.beyond_chance < kFlat) {
+      return of_windows;
+    }
+    const motion::PairMotion turned = measured(true);
+    const auto sphere = registered(turned, dic::BallModel::kSphere);
+    if (!sphere) return std::nullopt;
+    const auto disc = registered(flat, dic::BallModel::kRigid);
+    Tilt tilt = tilt_of(sphere->rot_x_rad, std::sqrt(sphere->covariance[5]), sphere->rot_y_rad,
+                        std::sqrt(sphere->covariance[9]));
+    const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
+    tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
+                           !(disc && sphere->residual >= disc->residual);
+    return tilt;
+  }
+
+ private:
+  static Tilt tilt_of(double x_rad, double x_sd_rad, double y_rad, double y_sd_rad) {
+    Tilt tilt;
+    tilt.turn_deg = std::hypot(x_rad, y_rad) * kDegPerRad;
+    tilt.beyond_chance = std::pow(x_rad / x_sd_rad, 2) + std::pow(y_rad / y_sd_rad, 2);
+    return tilt;
+  }
+
+  // What the windows of a pair measured as a disc say; beyond all chance where they say nothing.
+  Tilt windows_tilt(const motion::PairMotion& flat) const {
+    dic::SphereGuess guess;
+    guess.cx_px = pair_.first_ball.cx_px;
+    guess.cy_px = pair_.first_ball.cy_px;
+    guess.radius_px = pair_.first_ball.r_px;
+    guess.dx_px = pair_.second_ball.cx_px - pair_.first_ball.cx_px;
+    guess.dy_px = pair_.second_ball.cy_px - pair_.first_ball.cy_px;
+    guess.shift_sd_px = 0.05;
+    guess.turn = dic::quaternion_of({0, 0, flat.motion.rot_rad});
+    const dic::SphereFit fit = dic::fit_sphere_motion(
+        motion::field_points(flat.windows, flat.field, field_.window_px), guess);
+    Tilt unknown;
+    unknown.beyond_chance = std::numeric_limits<double>::infinity();
+    if (!flat.motion.ok || !fit.ok || fit.share < kAgreeing) return unknown;
+    // The pixels of a window are those of two a side.
+    constexpr double kOverlap = 2;
+    const Eigen::Vector3d turn = dic::rotation_vector(fit.turn);
+    return tilt_of(turn.x(), kOverlap * fit.rot_x_sd_rad, turn.y(), kOverlap * fit.rot_y_sd_rad);
+  }
+
+  motion::PairMotion measured(bool sphere) {
+    motion::EstimatorOptions options;
+    options.estimator = Estimator::kBall;
+    options.field = field_;
+    options.sphere = sphere;
+    motion::PairMotion pair;
+    pair.second_slot = 1;
+    pair.first = pair_.first_ball;
+    pair.second = pair_.second_ball;
+    motion::make_motion_estimator(engine_, options, pair_.first_ball.r_px, frames_)
+        ->measure({&pair, 1});
+    return pair;
+  }
+
+  // The whole ball once more, for what is left of the pictures.
+  std::optional<BallMotion> registered(const motion::PairMotion& pair, dic::BallModel model) {
+    if (!pair.motion.ok) return std::nullopt;
+    BallTask task = motion::sphere_task(pair_.first_ball, pair_.first_ball.r_px, pair.motion);
+    task.second = 1;
+    dic::BallRegistration registration(engine_, motion::ball_options(field_, model));
+    const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
+    if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
+    return motion;
+  }
+
+  opencl::Engine& engine_;
+  const BallPair& pair_;
+  FieldOptions field_;
+  dic::DeviceFrames frames_;
+};
+
+}  // namespace
+
+BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
+                      const FieldOptions& field) {
+  double most_deg = 0;
+  int measured = 0;
+  for (const BallPair& pair : pairs) {
+    const std::optional<Tilt> tilt = PairLook(engine, pair, field).tilt();
+    if (!tilt) continue;
+    ++measured;
+    most_deg = std::max(most_deg, tilt->turn_deg);
+    if (!tilt->is_out_of_plane) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
+                  tilt->turn_deg, std::sqrt(tilt->beyond_chance));
+    return {Body::kSphere, text};
+  }
+  if (measured == 0) return {Body::kDisc, "no pair of frames could be measured as a sphere"};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
+                "chance)",
+                measured, most_deg);
+  return {Body::kDisc, text};
+}
+
+}  // namespace impactdic::advice

@@ -1,0 +1,27 @@
+// Whether the pictures show a ball that turns out of their plane: a sphere, or what may be taken for
+// a flat disc.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "host/advice/clip_advice.h"
+
+namespace impactdic::opencl {
+class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::advice {
+
+struct BodyAdvice {
+  Body body = Body::kDisc;
+  std::string reason;  // one sentence
+};
+
+// A sphere where in one pair at least the turn out of the picture's plane is there beyond chance and
+// the registration of a sphere fits the pictures better than that of a disc. Else a disc: what it
+// measures is then the same, and more exact in each pair.
+BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
+                      const FieldOptions& field);
+
+}  // namespace impactdic::advice
