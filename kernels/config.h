@@ -64,6 +64,11 @@
 #define PARAMETERS 3
 #endif
 
+// rigid.cl, of a sphere: 1 where its radius is a parameter more.
+#ifndef FREE_RADIUS
+#define FREE_RADIUS 0
+#endif
+
 // rigid.cl: taps on each side of its middle of the Gaussian that both pictures went through.
 #ifndef SMOOTH_RADIUS
 #define SMOOTH_RADIUS 2

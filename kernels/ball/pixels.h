@@ -52,12 +52,12 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL zero = 0.0f, one = 1.0f;
 #if PARAMETERS == SPHERE
   __local const float* turn = shared->turn;
-  const REAL depth2 = task.ball_radius * task.ball_radius - x * x - y * y;
+  const REAL depth2 = shared->radius * shared->radius - x * x - y * y;
   const REAL z = sqrt(fmax(depth2, zero));
   const REAL turned_x = turn[0] * x + turn[1] * y + turn[2] * z;
   const REAL turned_y = turn[3] * x + turn[4] * y + turn[5] * z;
   const REAL turned_z = turn[6] * x + turn[7] * y + turn[8] * z;
-  REAL w = seen_share(fmin(z, turned_z) / task.ball_radius);
+  REAL w = seen_share(fmin(z, turned_z) / shared->radius);
   // Behind the rim a position is of no use, but it is read.
   const REAL to_x =
       clamp(view.t_x + turned_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));
@@ -103,13 +103,17 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #if PARAMETERS == SPHERE
   // Where a shift of the second picture leads on the first one's sphere: along the sphere at the
   // turned point (x right or y down, and in depth to stay on it), turned back.
-  const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * task.ball_radius));
+  const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));
   const REAL tilt_x = turned_x * by_depth, tilt_y = turned_y * by_depth;
   column[4] = slope_x * (turn[0] - tilt_x * turn[6]) + slope_y * (turn[1] - tilt_x * turn[7]);
   column[5] = slope_x * (turn[3] - tilt_y * turn[6]) + slope_y * (turn[4] - tilt_y * turn[7]);
   column[6] = slope_y * z * by_radius;
   column[7] = slope_x * z * by_radius;
   column[8] = (slope_x * y - slope_y * x) * by_radius;
+#if FREE_RADIUS
+  // A larger sphere has all of its points at a greater depth.
+  column[9] = (turn[2] * column[4] + turn[5] * column[5]) * (shared->radius / fmax(z, one));
+#endif
 #elif PARAMETERS == 3
   column[4] = slope_x;
   column[5] = slope_y;

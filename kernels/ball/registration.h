@@ -13,7 +13,8 @@
 
 #define SPHERE 5                        /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4                         /* 1, f, f X/R, f Y/R */
-#define REGRESSORS (LIGHT + PARAMETERS) /* and the slopes by the parameters over the radius */
+#define MOVES (PARAMETERS + FREE_RADIUS)
+#define REGRESSORS (LIGHT + MOVES)      /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)        /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
 #define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
@@ -53,11 +54,13 @@
 #define SMALLEST_PIVOT 1e-6f
 #define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
 
-// A sphere's pixel counts by the cosine of its surface's angle to the line of sight, in the first
-// or the second picture, whichever is less, from this on: beyond, foreshortening leaves no texture.
+// A sphere's pixel counts from the first of these cosines of its surface's angle to the line of
+// sight on, wholly from the second on, in the first or the second picture, whichever is less:
+// beyond, foreshortening leaves no texture.
 #define LEAST_DEPTH 0.1f
+#define FULL_DEPTH 0.4f
 // Σ of those weights over the whole disc, in areas of it.
-#define SPHERE_SHARE 0.63f
+#define SPHERE_SHARE 0.93f
 // Pixels across and down whose errors are taken to be their own: beyond the size of a speckle.
 #define BLOCK_X 16
 #define BLOCK_Y 8
@@ -70,7 +73,8 @@ typedef struct Shared {
 #if PARAMETERS == SPHERE
   float turn[9];  // from the first to the second picture; x right, y down, z to camera
   float scores[TRIANGLE(REGRESSORS, 0)];   // Σ over blocks of their scores' products
-  float inverse[PARAMETERS * REGRESSORS];  // rows of the inverse of the normal matrix
+  float inverse[MOVES * REGRESSORS];       // rows of the inverse of the normal matrix
+  float radius;                            // of the sphere
 #endif
   float origin;                 // grey level taken off both pictures
   float light[LIGHT];           // coefficients of the light's regressors so far
@@ -103,7 +107,8 @@ static inline float compared_area(const BallTask task, const BallLimits limits) 
 
 // What a pixel of a sphere counts at this cosine of its surface's angle to the line of sight.
 static inline REAL seen_share(const REAL cosine) {
-  return fmax(cosine - LEAST_DEPTH, (REAL)0.0f) * (1.0f / (1.0f - LEAST_DEPTH));
+  return clamp((cosine - LEAST_DEPTH) * (1.0f / (FULL_DEPTH - LEAST_DEPTH)), (REAL)0.0f,
+               (REAL)1.0f);
 }
 
 // Work-items side by side take a tile of this many columns and rows: where the ball has turned, a

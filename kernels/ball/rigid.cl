@@ -41,6 +41,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   if (item == 0) {
     warp_start(shared.warp, task.guess_dx, task.guess_dy, task.guess_rot_rad);
 #if PARAMETERS == SPHERE
+    shared.radius = task.ball_radius;
     turn_start(shared.turn, task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
 #endif
     shared.origin = value[(size_t)cy * limits.plane_pitch + cx];

@@ -66,7 +66,7 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   const float unit[PARAMETERS] = {by_gain, by_gain, by_gain / radius, by_gain / radius,
                                   by_gain / radius};
 #pragma unroll 1
-  for (int k = 0; k < PARAMETERS; ++k) {
+  for (int k = 0; k < MOVES; ++k) {
     for (int i = 0; i < REGRESSORS; ++i) shared->solution[i] = i == LIGHT + k ? 1.0f : 0.0f;
     cholesky_solve(shared->sums, REGRESSORS, shared->solution);
     for (int i = 0; i < REGRESSORS; ++i) {
@@ -83,6 +83,15 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
           (shared->stretch * shared->stretch * found + rounding * row[LIGHT + j]);
     }
   }
+  out->ball_radius = shared->radius;
+  out->ball_radius_sd = 0.0f;
+#if FREE_RADIUS
+  __local const float* of_radius = shared->inverse + PARAMETERS * REGRESSORS;
+  out->ball_radius_sd =
+      by_gain * sqrt(shared->stretch * shared->stretch *
+                         sandwich(shared->scores, of_radius, of_radius) +
+                     rounding * of_radius[LIGHT + PARAMETERS]);
+#endif
   float turn[3];
   rotation_vector(shared->turn, turn);
   out->dx = shared->warp[4];

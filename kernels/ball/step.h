@@ -36,6 +36,10 @@ BARRIER_INLINE float move(__local Shared* shared, const float radius) {
   shared->warp[4] -= du;
   shared->warp[5] -= dv;
   turn_by(shared->turn, -turn_x, -turn_y, -turn_z);
+#if FREE_RADIUS
+  // Never so small that the disc that is compared reaches beyond it.
+  shared->radius = fmax(shared->radius - s[5] * by_gain, radius + 0.5f);
+#endif
   return fmax(fabs(du), fabs(dv)) + (fabs(turn_x) + fabs(turn_y) + fabs(turn_z)) * radius;
 #elif PARAMETERS == 3
   const float du = s[0] * by_gain, dv = s[1] * by_gain, turn = s[2] * by_both;

@@ -8,11 +8,16 @@
 namespace impactdic::dic {
 namespace {
 
+bool is_sphere(BallModel model) {
+  return model == BallModel::kSphere || model == BallModel::kSphereAndRadius;
+}
+
 int parameters(BallModel model) {
   switch (model) {
     case BallModel::kRigid: return 3;
     case BallModel::kAffine: return 6;
-    case BallModel::kSphere: return 5;
+    case BallModel::kSphere:
+    case BallModel::kSphereAndRadius: return 5;
   }
   return 3;
 }
@@ -48,6 +53,8 @@ void BallRegistration::compile() {
                             {"VECTOR", std::to_string(tiling_.vector)},
                             {"GROUP", std::to_string(tiling_.group)},
                             {"PARAMETERS", std::to_string(parameters(options_.model))},
+                            {"FREE_RADIUS",
+                             options_.model == BallModel::kSphereAndRadius ? "1" : "0"},
                             {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
                             {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
 }
@@ -83,7 +90,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
       if (frames.version(slot) == 0) throw InvalidArgument("a frame slot is empty");
     }
     if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
-    if (options_.model == BallModel::kSphere && !(task.ball_radius >= task.radius)) {
+    if (is_sphere(options_.model) && !(task.ball_radius >= task.radius)) {
       throw InvalidArgument("a sphere's radius must reach its disc's");
     }
     pixels += std::numbers::pi * task.radius * task.radius;

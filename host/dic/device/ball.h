@@ -14,8 +14,9 @@
 namespace impactdic::dic {
 
 // What a ball's picture may do between two frames: move and turn in its plane, also deform (a ball
-// under compression), or be that of a sphere, which turns about any axis.
-enum class BallModel { kRigid, kAffine, kSphere };
+// under compression), or be that of a sphere, which turns about any axis, its radius known or found
+// along with its motion.
+enum class BallModel { kRigid, kAffine, kSphere, kSphereAndRadius };
 
 struct BallOptions {
   BallModel model = BallModel::kRigid;

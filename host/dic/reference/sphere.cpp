@@ -19,8 +19,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
-constexpr double kLeastDepth = 0.1;  // of the radius, as in the kernel
-constexpr double kFullShare = 0.63;  // of the disc's area, of a sphere that is seen whole
+// Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
+constexpr double kLeastDepth = 0.1, kFullDepth = 0.4;
+constexpr double kFullShare = 0.93;  // of the disc's area, of a sphere that is seen whole
 constexpr double kTukey = 6;
 using Row = Eigen::Matrix<double, kColumns, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;
@@ -120,7 +121,7 @@ class SphereRegistration {
         if (p.squaredNorm() >= task_.radius * task_.radius) continue;
         const double depth = std::sqrt(task_.ball_radius * task_.ball_radius - p.squaredNorm());
         const double cosine = std::min(depth, here.turned(p).z()) / task_.ball_radius;
-        double w = std::max(0.0, cosine - kLeastDepth) / (1 - kLeastDepth);
+        double w = std::clamp((cosine - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
         const Vector2d at = centre_ + here(p);
         if (!(w > 0 && at.x() >= 0 && at.y() >= 0 && at.x() <= second_.width() - 1 &&
               at.y() <= second_.height() - 1)) {
