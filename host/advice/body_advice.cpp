@@ -25,10 +25,28 @@ constexpr double kSmallest_px = 0.03;
 constexpr double kFlat = 12;
 constexpr double kAgreeing = 0.5;  // share of the windows that must say so
 
+// What a ball's rim says of a sphere's radius may be off by this, the same in every frame: the
+// texture is foreshortened there and its light another.
+constexpr double kRimRadiusSd_px = 0.5;
+
+class WeightedMean {
+ public:
+  void add(double value, double sd) {
+    weight_ += 1 / (sd * sd);
+    sum_ += value / (sd * sd);
+  }
+  double mean() const { return sum_ / weight_; }
+  double sd() const { return 1 / std::sqrt(weight_); }
+
+ private:
+  double weight_ = 0, sum_ = 0;
+};
+
 struct Tilt {
   double turn_deg = 0;
   double beyond_chance = 0;  // chi square of two degrees of freedom
   bool is_out_of_plane = false;
+  double radius_px = 0, radius_sd_px = 0;  // that the motion shows
 };
 
 class PairLook {
@@ -46,12 +64,14 @@ class PairLook {
       return of_windows;
     }
     const motion::PairMotion turned = measured(true);
-    const auto sphere = registered(turned, dic::BallModel::kSphere);
+    const auto sphere = registered(turned, dic::BallModel::kSphereAndRadius);
     if (!sphere) return std::nullopt;
     const auto disc = registered(flat, dic::BallModel::kRigid);
     Tilt tilt = tilt_of(sphere->rot_x_rad, std::sqrt(sphere->covariance[5]), sphere->rot_y_rad,
                         std::sqrt(sphere->covariance[9]));
     const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
+    tilt.radius_px = sphere->ball_radius;
+    tilt.radius_sd_px = sphere->ball_radius_sd;
     tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
                            !(disc && sphere->residual >= disc->residual);
     return tilt;
@@ -121,27 +141,34 @@ class PairLook {
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FieldOptions& field) {
-  double most_deg = 0;
+  double most_deg = 0, significant = 0;
   int measured = 0;
+  bool out_of_plane = false;
+  WeightedMean radius;
   for (const BallPair& pair : pairs) {
     const std::optional<Tilt> tilt = PairLook(engine, pair, field).tilt();
     if (!tilt) continue;
     ++measured;
-    most_deg = std::max(most_deg, tilt->turn_deg);
-    if (!tilt->is_out_of_plane) continue;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
-                  tilt->turn_deg, std::sqrt(tilt->beyond_chance));
-    return {Body::kSphere, text};
+    radius.add(pair.first_ball.r_px, kRimRadiusSd_px);
+    if (tilt->radius_sd_px > 0) radius.add(tilt->radius_px, tilt->radius_sd_px);
+    out_of_plane |= tilt->is_out_of_plane;
+    if (tilt->turn_deg < most_deg) continue;
+    most_deg = tilt->turn_deg;
+    significant = std::sqrt(tilt->beyond_chance);
   }
   if (measured == 0) return {Body::kDisc, "no pair of frames could be measured as a sphere"};
   char text[160];
+  if (out_of_plane) {
+    std::snprintf(text, sizeof text,
+                  "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
+                  most_deg, significant);
+    return {Body::kSphere, text, radius.mean(), radius.sd()};
+  }
   std::snprintf(text, sizeof text,
                 "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
                 "chance)",
                 measured, most_deg);
-  return {Body::kDisc, text};
+  return {Body::kDisc, text, radius.mean(), radius.sd()};
 }
 
 }  // namespace impactdic::advice

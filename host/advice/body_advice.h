@@ -16,6 +16,9 @@ namespace impactdic::advice {
 struct BodyAdvice {
   Body body = Body::kDisc;
   std::string reason;  // one sentence
+  // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it what
+  // a turn does to the picture.
+  double radius_px = 0, radius_sd_px = 0;
 };
 
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance and

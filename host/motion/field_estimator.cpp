@@ -143,7 +143,7 @@ class FieldEstimator : public MotionEstimator {
     dic::SphereGuess guess;
     guess.cx_px = pair.first.cx_px;
     guess.cy_px = pair.first.cy_px;
-    guess.radius_px = radius_px_;
+    guess.radius_px = options_.sphere_radius(radius_px_);
     guess.dx_px = pair.second.cx_px - pair.first.cx_px;
     guess.dy_px = pair.second.cy_px - pair.first.cy_px;
     guess.turn =

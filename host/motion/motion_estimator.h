@@ -28,6 +28,11 @@ struct EstimatorOptions {
   double rim_margin_px = 3;  // windows keep this far inside the rim
   int fewest_windows = 3;    // that may carry a motion
   bool sphere = false;       // the ball turns about any axis (ball and field), else in the picture
+  double sphere_radius_px = 0;  // of its surface; 0: as its rim
+  // Of the sphere, where its rim has this radius.
+  double sphere_radius(double rim_px) const {
+    return sphere_radius_px > 0 ? sphere_radius_px : rim_px;
+  }
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }

@@ -14,7 +14,7 @@ class SphereEstimator : public MotionEstimator {
  public:
   SphereEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
                   dic::DeviceFrames& frames)
-      : radius_px_(radius_px),
+      : radius_px_(options.sphere_radius(radius_px)),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
         sphere_(engine, ball_options(options.field, dic::BallModel::kSphere)),

@@ -119,7 +119,8 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       times_(times),
       stages_(stages) {
   if (options.estimator == Estimator::kBall) {
-    keyframes_.emplace(radius_px, crop_, options.sphere);
+    keyframes_.emplace(options.sphere ? options.sphere_radius(radius_px) : radius_px, crop_,
+                       options.sphere);
   }
   int most = 0;
   for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));

@@ -107,7 +107,7 @@ void TrackRun::look() {
   request.field = options_.estimator.field;
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
-  const bool decide = options_.with_field && request_.body == Body::kAuto &&
+  const bool decide = options_.with_field && request_.body != Body::kDisc &&
                       options_.estimator.estimator != Estimator::kRing;
   std::vector<advice::BallPair> pairs;
   result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
@@ -132,11 +132,14 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
     result_.body = Body::kDisc;
     result_.body_reason = "no motion is measured that could tell";
   }
-  if (!pairs.empty()) {
+  if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
     const advice::BodyAdvice judged = advice::judge_body(
         *session_.impl().open_engines().front(), pairs, options_.estimator.field);
-    result_.body = judged.body;
-    result_.body_reason = judged.reason;
+    if (request_.body == Body::kAuto) {
+      result_.body = judged.body;
+      result_.body_reason = judged.reason;
+    }
+    options_.estimator.sphere_radius_px = judged.radius_px;
   }
   options_.estimator.sphere = result_.body == Body::kSphere;
   if (options_.with_field) {

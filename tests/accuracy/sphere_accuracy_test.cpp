@@ -8,6 +8,8 @@
 
 #include "host/dic/device/ball.h"
 #include "host/dic/device/sphere_search.h"
+#include "sim/speckle/orientation.h"
+#include "sim/speckle/sphere/sphere_render.h"
 #include "tests/support/engine.h"
 #include "tests/support/sphere_pictures.h"
 
@@ -43,7 +45,16 @@ struct Summary {
 Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> off(-1, 1);
-  const testing::SpherePictures sphere(seed, kRadiusPx, 6);
+  sim::speckle::Scene scene;
+  scene.width = scene.height = kSide;
+  scene.noise_sigma = noise;
+  scene.noise_seed = seed;
+  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx), scene);
+  const auto render = [&](const testing::SpherePose& pose, std::int64_t index, Frame& frame) {
+    sim::speckle::BallPose at{pose.cx_px, pose.cy_px};
+    sim::speckle::set_orientation(at, pose.turn);
+    sphere.render(at, index, frame);
+  };
   dic::BallOptions options;
   options.model = dic::BallModel::kSphere;
   dic::DeviceFrames frames(testing::shared_engine(), 2);
@@ -56,9 +67,10 @@ Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
     const testing::SpherePose second{first.cx_px + 1.5 * off(random),
                                      first.cy_px + 1.5 * off(random),
                                      dic::quaternion_of(turn) * first.turn};
-    const auto shot = static_cast<unsigned>(2 * k) + 1000 * seed;
-    frames.set(0, sphere.render(first, kSide, kSide, noise, shot));
-    frames.set(1, sphere.render(second, kSide, kSide, noise, shot + 1));
+    Frame pictures[2];
+    render(first, 2 * k, pictures[0]);
+    render(second, 2 * k + 1, pictures[1]);
+    for (int i : {0, 1}) frames.set(i, pictures[i]);
     BallTask task{};
     task.second = 1;
     task.cx = static_cast<float>(first.cx_px);
@@ -139,6 +151,42 @@ int count_found(int count, double step_deg, double noise, unsigned seed) {
 TEST(SphereSearch, FindsAnyTurn) {
   for (const double step : {20.0, 60.0, 90.0, 120.0, 180.0}) {
     EXPECT_EQ(count_found(12, step, 3, 3), 12) << step;
+  }
+}
+
+TEST(Explore, Radius) {
+  if (std::getenv("EXPLORE") == nullptr) GTEST_SKIP();
+  const int n = std::atoi(std::getenv("EXPLORE"));
+  sim::speckle::Scene scene;
+  scene.width = scene.height = kSide;
+  scene.noise_sigma = 2;
+  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", 1, kRadiusPx), scene);
+  dic::BallOptions options;
+  options.model = dic::BallModel::kSphereAndRadius;
+  dic::DeviceFrames frames(testing::shared_engine(), 2);
+  dic::BallRegistration registration(testing::shared_engine(), options);
+  for (double deg : {0.3, 1.4, 8.0}) {
+    for (int k = 0; k < n; ++k) {
+      for (int i : {0, 1}) {
+        sim::speckle::BallPose at{150.2 + i * 0.7, 149.6};
+        sim::speckle::set_orientation(at, dic::quaternion_of({0, i * deg * kRadPerDeg, 0}));
+        Frame frame;
+        sphere.render(at, 2 * k + i, frame);
+        frames.set(i, frame);
+      }
+      BallTask task{};
+      task.second = 1;
+      task.cx = 150.2F;
+      task.cy = 149.6F;
+      task.radius = kRadiusPx - 4.5;
+      task.ball_radius = kRadiusPx - 0.4;
+      task.guess_dx = 0.7F;
+      task.guess_rot_y_rad = static_cast<float>(deg * kRadPerDeg);
+      const BallMotion got = registration.measure(frames, {&task, 1})[0];
+      std::printf("%g deg: radius %.3f sd %.3f, dx off %.4f sd %.4f, ry off %.5f deg sd %.5f\n", deg,
+                  got.ball_radius, got.ball_radius_sd, got.dx - 0.7, got.dx_sd,
+                  got.rot_y_rad * kDegPerRad - deg, std::sqrt(got.covariance[9]) * kDegPerRad);
+    }
   }
 }
 
