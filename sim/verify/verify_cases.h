@@ -24,7 +24,7 @@ struct VerifyOutcome {
   std::string error;  // what was thrown, if anything was
 };
 
-// The plane ball impacts: the source's figures, closed forms, limits, conservation, accuracy.
+// The plane ball impacts: the dissertation's figures, closed forms, limits, conservation, accuracy.
 std::vector<VerifyCase> impact_cases();
 std::vector<VerifyCase> source_cases();       // chapters 3 and 4
 std::vector<VerifyCase> closed_form_cases();  // formulas, and integrations against them

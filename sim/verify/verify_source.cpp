@@ -1,5 +1,5 @@
-// Rows of `impactdic verify`: the figures that the source prints, in the reading that reproduces
-// them, and regression values of the published rules.
+// Rows of `impactdic verify`: the figures that the dissertation prints, in the reading that
+// reproduces them, and regression values of the published rules.
 #include <cmath>
 #include <string>
 

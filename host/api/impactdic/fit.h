@@ -1,5 +1,5 @@
-// Calibration of an impact model on measured tracks (sections 3.3.1 and 4.2.1 of Ghaednia's
-// dissertation, and the sound way: least squares on the trajectory).
+// Calibration of an impact model on measured tracks (dissertation, sections 3.3.1 and
+// 4.2.1, and the sound way: least squares on the trajectory).
 //
 // World axes: metres, x right, y up, rotation counter-clockwise. Local axes: t along the surface, n
 // out of it. A value that was not measured is NaN.

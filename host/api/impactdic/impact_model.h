@@ -3,7 +3,7 @@
 // Axes are local: t along the surface, n out of it, metres; omega and angles are positive
 // counter-clockwise. The surface is inclined by surface_angle_deg, counter-clockwise from the
 // horizontal, so that gravity is (-g sin(angle), -g cos(angle)). Sources: docs/sources.md; numbers
-// of equations are those of Ghaednia's dissertation.
+// of equations are those of the dissertation.
 #pragma once
 
 #include <impactdic/export.h>
@@ -43,7 +43,7 @@ enum class NormalModel {
   kThornton
 };
 enum class FrictionModel { kNone, kCoulomb, kThreePhase, kFullSliding, kBrody, kMawBarberFawcett };
-// kPublished: the source's own rule, so that its figures can be remade. kSound: no rule that breaks
+// kPublished: the author's own rule, so that its figures can be remade. kSound: no rule that breaks
 // a law of physics.
 enum class ModelPreset { kPublished, kSound };
 // What the damper does after the maximum compression: nothing; act until the force is zero; act
@@ -113,7 +113,7 @@ struct ImpactJob {
 };
 
 // Plane motion of the mass centre. qt counts from t = 0 and qn from the first touch of the surface,
-// so that qn = -deflection for a ball in contact (the source's q1, q2, q3, its Eqs 3.1-3.4).
+// so that qn = -deflection for a ball in contact (the dissertation's q1, q2, q3, Eqs 3.1-3.4).
 struct PlaneState {
   double qt_m = 0, qn_m = 0, angle_rad = 0;
   double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;

@@ -1,4 +1,4 @@
-// Oblique impact of a round-ended rod on a flat (Akarsu 2020, chapter 5), rigid or flexible.
+// Oblique impact of a round-ended rod on a flat (dissertation, chapter 5), rigid or flexible.
 //
 // The rod leans at `angle_rad` from the flat; its lower tip, a sphere of the rod's radius, meets
 // the flat. Axes: x along the flat towards the rod's upper end, y out of the flat, rotation
