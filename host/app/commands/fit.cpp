@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/app/command.h"
 #include "host/app/job_command.h"
 #include "host/report/job/fit_files.h"
 #include "sim/fit/fit_job.h"
-#include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
@@ -34,13 +32,8 @@ void print(const FitResult& result) {
 }
 
 void run_fit(const JobOptions& options) {
-  FitRequest request = sim::fit::read_fit_job(options.job);
-  request.threads = options.threads;
-  const FitResult result = fit(request);
-  const auto folder = prepare_output_directory(options.output, options.force);
-  report::write_fit(folder, request, result);
-  sim::job::write_text(folder / "job.toml", sim::fit::to_toml(request));
-  if (!options.quiet) print(result);
+  const auto result = run_job<FitRequest, FitResult>(
+      options, {sim::fit::read_fit_job, fit, report::write_fit, sim::fit::to_toml, print});
   for (const ShotFit& shot : result.shots) print_warnings(shot.warnings, shot.shot.file);
 }
 
