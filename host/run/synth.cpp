@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "sim/contact/motion.h"
 #include "sim/speckle/clip.h"
+#include "sim/speckle/orientation.h"
+#include "sim/speckle/sphere/sphere_render.h"
 
 namespace impactdic {
 namespace {
@@ -33,6 +36,20 @@ void put_into_picture(std::vector<BallPose>& poses, const SynthRequest& request)
   for (BallPose& pose : poses) {
     pose.cx_px += x;
     pose.cy_px += y;
+  }
+}
+
+// With a distance the path was laid in the plane at that distance; the picture shows what comes
+// nearer larger.
+void put_into_perspective(std::vector<BallPose>& poses, const SynthRequest& request) {
+  const double distance = request.scene.distance_radii * request.radius_px;
+  if (distance == 0) return;
+  const double x0 = (request.scene.width - 1) / 2.0, y0 = (request.scene.height - 1) / 2.0;
+  for (BallPose& pose : poses) {
+    if (pose.z_px == 0) continue;
+    const double scale = distance / (distance - pose.z_px);
+    pose.cx_px = x0 + scale * (pose.cx_px - x0);
+    pose.cy_px = y0 + scale * (pose.cy_px - y0);
   }
 }
 
@@ -70,9 +87,9 @@ SynthTruth path_of(const SimulatedMotion& motion, const SynthRequest& request) {
 }
 
 std::optional<std::size_t> leaves_view(const SynthTruth& truth, const SynthRequest& request) {
-  const double r = request.radius_px;
   for (std::size_t k = 0; k < truth.poses.size(); ++k) {
     const BallPose& p = truth.poses[k];
+    const double r = sim::speckle::radius_seen(p, request.radius_px, request.scene.distance_radii);
     if (p.cx_px < r || p.cy_px < r || p.cx_px > request.scene.width - 1 - r ||
         p.cy_px > request.scene.height - 1 - r) {
       return k;
@@ -88,6 +105,45 @@ sim::speckle::SpeckleBall make_ball(const SynthRequest& request) {
   sim::speckle::SpeckleBall plain;
   plain.radius_px = request.radius_px;
   return plain;
+}
+
+sim::speckle::SpeckleSphere make_sphere(const SynthRequest& request) {
+  if (request.pattern != "none") {
+    return sim::speckle::paint_sphere(request.pattern, request.seed, request.radius_px);
+  }
+  sim::speckle::SpeckleSphere plain;
+  plain.radius_px = request.radius_px;
+  return plain;
+}
+
+std::unique_ptr<sim::speckle::FrameRenderer> make_renderer(const SynthRequest& request,
+                                                           const SynthScene& scene) {
+  if (request.body == SynthBody::kSphere) {
+    return std::make_unique<sim::speckle::SphereRenderer>(make_sphere(request), scene);
+  }
+  return std::make_unique<sim::speckle::BallRenderer>(make_ball(request), scene);
+}
+
+// A disc has neither far side nor depth.
+void validate_disc(const SynthRequest& request) {
+  const SynthScene& scene = request.scene;
+  const auto refuse = [](bool found, const char* what, const char* key) {
+    if (found) throw InvalidArgument(what, key, "--body sphere");
+  };
+  const auto turns = [](const BallPose& pose) {
+    return pose.rx_deg != 0 || pose.ry_deg != 0 || pose.z_px != 0;
+  };
+  refuse(scene.lamp_share > 0, "a disc is not lit by a lamp", "--lamp");
+  refuse(scene.limb_darkening > 0, "a disc has no limb", "--limb-darkening");
+  refuse(scene.distance_radii > 0, "a disc has no depth", "--distance");
+  if (const auto* motion = std::get_if<ConstantMotion>(&request.motion)) {
+    refuse(turns(motion->start) || motion->spin_x_deg != 0 || motion->spin_y_deg != 0 ||
+               motion->dz_px != 0,
+           "a disc turns and moves in its plane only", "--spin-deg, --velocity-px");
+  } else if (const auto* given = std::get_if<GivenMotion>(&request.motion)) {
+    refuse(std::any_of(given->poses.begin(), given->poses.end(), turns),
+           "a disc turns and moves in its plane only", "--motion");
+  }
 }
 
 void validate_motion(const SynthRequest& request) {
@@ -112,6 +168,21 @@ void validate_motion(const SynthRequest& request) {
 
 }  // namespace
 
+Quaternion orientation(const BallPose& pose) {
+  Eigen::Quaterniond q = sim::speckle::orientation_of(pose);
+  if (q.w() < 0) q.coeffs() *= -1;
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+BallPose oriented(BallPose pose, const Quaternion& orientation) {
+  const Eigen::Quaterniond q(orientation.w, orientation.x, orientation.y, orientation.z);
+  if (!(q.norm() > 0) || !std::isfinite(q.norm())) {
+    throw InvalidArgument("is no orientation", "quaternion", "one that is not zero");
+  }
+  sim::speckle::set_orientation(pose, q);
+  return pose;
+}
+
 void SynthRequest::validate() const {
   const auto require = [](bool good, const char* what, const char* key, const char* hint = "") {
     if (!good) throw InvalidArgument(what, key, hint);
@@ -127,6 +198,7 @@ void SynthRequest::validate() const {
           "0 ... 1");
   scene.validate();
   validate_motion(*this);
+  if (body == SynthBody::kDisc) validate_disc(*this);
 }
 
 SynthTruth synth_truth(const SynthRequest& request) {
@@ -135,6 +207,9 @@ SynthTruth synth_truth(const SynthRequest& request) {
       std::visit([&](const auto& motion) { return path_of(motion, request); }, request.motion);
   const auto* given = std::get_if<GivenMotion>(&request.motion);
   if (given == nullptr || !given->placed) put_into_picture(truth.poses, request);
+  if (std::holds_alternative<ConstantMotion>(request.motion)) {
+    put_into_perspective(truth.poses, request);
+  }
   truth.leaves_view = leaves_view(truth, request);
   return truth;
 }
@@ -150,9 +225,9 @@ SynthResult synthesize(const SynthRequest& request, const SynthSink& sink,
                                          request.radius_px, result.truth.surface_angle_deg);
     scene.bar->level = request.bar_level;
   }
-  const sim::speckle::BallRenderer renderer(make_ball(request), scene);
+  const auto renderer = make_renderer(request, scene);
   result.frames =
-      sim::speckle::render_clip(renderer, result.truth.poses, request.exposure, sink, control);
+      sim::speckle::render_clip(*renderer, result.truth.poses, request.exposure, sink, control);
   result.cancelled = result.frames < result.truth.poses.size();
   return result;
 }

@@ -8,7 +8,7 @@
 
 namespace impactdic::sim::speckle {
 
-std::size_t render_clip(const BallRenderer& renderer, std::span<const BallPose> poses,
+std::size_t render_clip(const FrameRenderer& renderer, std::span<const BallPose> poses,
                         double exposure, const std::function<void(const Frame&)>& consume,
                         const RunControl& control) {
   if (!(exposure >= 0 && exposure <= 1)) {

@@ -14,7 +14,7 @@ namespace impactdic::sim::speckle {
 // it. Frames are rendered by all threads and handed to `consume` one after the other in order.
 // What `consume` throws ends the clip and is thrown on. Returns how many frames were handed over:
 // fewer than there are poses where the caller has cancelled.
-std::size_t render_clip(const BallRenderer& renderer, std::span<const BallPose> poses,
+std::size_t render_clip(const FrameRenderer& renderer, std::span<const BallPose> poses,
                         double exposure, const std::function<void(const Frame&)>& consume,
                         const RunControl& control = {});
 

@@ -7,19 +7,6 @@
 #include "sim/speckle/render_parts.h"
 
 namespace impactdic::sim::speckle {
-namespace {
-
-Span meet(Span a, Span b) { return {std::max(a.first, b.first), std::min(a.last, b.last)}; }
-
-// Where |offset + slope x| <= half.
-Span strip(double offset, double slope, double half) {
-  if (slope == 0) return std::abs(offset) <= half ? Span{-1e30, 1e30} : Span{1, 0};
-  const double a = (-half - offset) / slope, b = (half - offset) / slope;
-  return {std::min(a, b), std::max(a, b)};
-}
-
-}  // namespace
-
 void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
   for (std::size_t i = 0; i < inks_.size(); ++i) {
     const BlurredDisc& ink = inks_[i];
@@ -101,7 +88,7 @@ void BallRenderer::sum_pixels(const Placed& placed, const Band& band, Image<doub
       const double light = placed.shade0 + placed.shade_x * band.x[i] + placed.shade_y * y;
       double value = light * (scene_.ink + contrast * clear[i]) - scene_.background;
       if (!(dx > inside.first && dx < inside.last)) value *= outline_(placed.distance(dx, dy));
-      if (scene_.bar) value *= 1 - bar_coverage(band.x[i], y);
+      if (scene_.bar) value *= 1 - bar_coverage(scene_, band.x[i], y);
       seen[i] = value;
     }
     for (std::size_t x = 0; x < columns; ++x) {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "sim/speckle/blur.h"
+#include "sim/speckle/pattern_parts.h"
 #include "sim/speckle/placement.h"
 #include "sim/speckle/render.h"
 
@@ -16,23 +17,10 @@ namespace {
 
 constexpr double kLensSigma = 0.6;          // of the pictures in which sizes are stated, px
 constexpr double kLogAreaDeviation = 0.25;  // of ln(area), (a)–(d)
-constexpr double kSpeckleGap = 1.7;         // closer speckles show as one, px
-constexpr double kLineWidth = 2;            // (f), px
 constexpr int kAttempts = 16;
 
 // Lens and pixel square together, as one Gaussian of the same variance.
 double picture_sigma() { return std::sqrt(kLensSigma * kLensSigma + 1.0 / 12); }
-
-// Radius of the disc whose picture is darker than half level over `area_px`.
-double disc_radius_for(double area_px) {
-  const double half_level_radius = std::sqrt(area_px / kPi);
-  double low = 0.2, high = half_level_radius + 2;
-  for (int i = 0; i < 24; ++i) {
-    const double r = (low + high) / 2;
-    (BlurredDisc(r, picture_sigma())(half_level_radius) < 0.5F ? low : high) = r;
-  }
-  return (low + high) / 2;
-}
 
 // Area over which the discs' joint picture is darker than half level, px².
 double half_level_area(const std::vector<InkDisc>& discs, double scale) {
@@ -61,49 +49,6 @@ double half_level_area(const std::vector<InkDisc>& discs, double scale) {
   return dark * step * step;
 }
 
-// A speckle of random shape: each disc overlaps one before it; scaled to the wanted area.
-std::vector<InkDisc> make_cluster(double area_px, Random& random) {
-  const int count = 2 + static_cast<int>(random.uniform() * std::min(5.0, 1 + area_px / 8));
-  std::vector<InkDisc> discs{{0, 0, 1}};
-  while (static_cast<int>(discs.size()) < count) {
-    const InkDisc from = discs[static_cast<std::size_t>(random.uniform() * discs.size())];
-    const double angle = 2 * kPi * random.uniform();
-    const double radius = 0.5 + 0.5 * random.uniform();
-    const double away = from.radius_px * (0.6 + 0.7 * random.uniform());
-    discs.push_back(
-        {from.x_px + away * std::cos(angle), from.y_px + away * std::sin(angle), radius});
-  }
-  double scale = std::sqrt(area_px / (kPi * 1.6));
-  for (int i = 0; i < 8; ++i) {
-    const double area = half_level_area(discs, scale);
-    if (std::abs(area - area_px) < 0.02 * area_px) break;
-    scale *= area > 0 ? std::clamp(std::sqrt(area_px / area), 0.6, 1.6) : 1.4;
-  }
-  for (InkDisc& d : discs) d = {d.x_px * scale, d.y_px * scale, d.radius_px * scale};
-  return discs;
-}
-
-// Areas of `count` speckles, largest first: lognormal of exactly the stated mean, or log-uniform
-// (stratified, so that their sum hardly scatters).
-std::vector<double> draw_areas(const PatternSpec& spec, int count, Random& random) {
-  std::vector<double> areas;
-  if (spec.mean_area_px > 0) {
-    double sum = 0;
-    for (int i = 0; i < count; ++i) {
-      areas.push_back(std::exp(kLogAreaDeviation * random.normal()));
-      sum += areas.back();
-    }
-    for (double& area : areas) area *= spec.mean_area_px * count / sum;
-  } else {
-    for (int i = 0; i < count; ++i) {
-      const double rank = (i + random.uniform()) / count;
-      areas.push_back(spec.min_area_px * std::pow(spec.max_area_px / spec.min_area_px, rank));
-    }
-  }
-  std::sort(areas.rbegin(), areas.rend());
-  return areas;
-}
-
 SpeckleBall paint(const PatternSpec& spec, double radius_px, int count, Random& random) {
   SpeckleBall ball;
   ball.radius_px = radius_px;
@@ -125,11 +70,6 @@ SpeckleBall paint(const PatternSpec& spec, double radius_px, int count, Random& 
                           radius_px * (0.8 + 1.0 * random.uniform()), kLineWidth});
   }
   return ball;
-}
-
-double mean_area(const PatternSpec& spec) {
-  if (spec.mean_area_px > 0) return spec.mean_area_px;
-  return (spec.max_area_px - spec.min_area_px) / std::log(spec.max_area_px / spec.min_area_px);
 }
 
 // 8-connected areas of the dark pixels that do not reach out of the ball, px².
@@ -165,6 +105,61 @@ std::vector<int> dark_areas(const Image<double>& picture, double level, double r
 }
 
 }  // namespace
+
+double disc_radius_for(double area_px) {
+  const double half_level_radius = std::sqrt(area_px / kPi);
+  double low = 0.2, high = half_level_radius + 2;
+  for (int i = 0; i < 24; ++i) {
+    const double r = (low + high) / 2;
+    (BlurredDisc(r, picture_sigma())(half_level_radius) < 0.5F ? low : high) = r;
+  }
+  return (low + high) / 2;
+}
+
+std::vector<InkDisc> make_cluster(double area_px, Random& random) {
+  const int count = 2 + static_cast<int>(random.uniform() * std::min(5.0, 1 + area_px / 8));
+  std::vector<InkDisc> discs{{0, 0, 1}};
+  while (static_cast<int>(discs.size()) < count) {
+    const InkDisc from = discs[static_cast<std::size_t>(random.uniform() * discs.size())];
+    const double angle = 2 * kPi * random.uniform();
+    const double radius = 0.5 + 0.5 * random.uniform();
+    const double away = from.radius_px * (0.6 + 0.7 * random.uniform());
+    discs.push_back(
+        {from.x_px + away * std::cos(angle), from.y_px + away * std::sin(angle), radius});
+  }
+  double scale = std::sqrt(area_px / (kPi * 1.6));
+  for (int i = 0; i < 8; ++i) {
+    const double area = half_level_area(discs, scale);
+    if (std::abs(area - area_px) < 0.02 * area_px) break;
+    scale *= area > 0 ? std::clamp(std::sqrt(area_px / area), 0.6, 1.6) : 1.4;
+  }
+  for (InkDisc& d : discs) d = {d.x_px * scale, d.y_px * scale, d.radius_px * scale};
+  return discs;
+}
+
+std::vector<double> draw_areas(const PatternSpec& spec, int count, Random& random) {
+  std::vector<double> areas;
+  if (spec.mean_area_px > 0) {
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+      areas.push_back(std::exp(kLogAreaDeviation * random.normal()));
+      sum += areas.back();
+    }
+    for (double& area : areas) area *= spec.mean_area_px * count / sum;
+  } else {
+    for (int i = 0; i < count; ++i) {
+      const double rank = (i + random.uniform()) / count;
+      areas.push_back(spec.min_area_px * std::pow(spec.max_area_px / spec.min_area_px, rank));
+    }
+  }
+  std::sort(areas.rbegin(), areas.rend());
+  return areas;
+}
+
+double mean_area(const PatternSpec& spec) {
+  if (spec.mean_area_px > 0) return spec.mean_area_px;
+  return (spec.max_area_px - spec.min_area_px) / std::log(spec.max_area_px / spec.min_area_px);
+}
 
 const std::vector<PatternSpec>& pattern_specs() {
   static const std::vector<PatternSpec> specs = {

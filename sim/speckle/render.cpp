@@ -10,16 +10,12 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/speckle/noise.h"
 #include "sim/speckle/render_parts.h"
 
 namespace impactdic::sim::speckle {
 namespace {
 
 constexpr int kRowsPerBand = 16;
-
-// Samples a side of a pixel that resolve the product of several edges of this blur.
-int samples_per_pixel(double sigma_px) { return sigma_px >= 0.5 ? 3 : sigma_px >= 0.4 ? 4 : 5; }
 
 // Gauss–Hermite rule for a normal deviate of standard deviation 1.
 struct NormalNode {
@@ -33,22 +29,9 @@ constexpr std::array<NormalNode, 5> kNormal5{{{-2.8569700138728056, 0.0112574113
                                               {1.3556261799742659, 0.2220759220056126},
                                               {2.8569700138728056, 0.011257411327720688}}};
 
-BallPose between(const BallPose& a, const BallPose& b, double t) {
-  const auto mix = [t](double from, double to) { return from + t * (to - from); };
-  return {mix(a.cx_px, b.cx_px), mix(a.cy_px, b.cy_px), mix(a.angle_deg, b.angle_deg),
-          mix(a.compression, b.compression), mix(a.compression_axis_deg, b.compression_axis_deg)};
-}
-
-// How far a point of the ball moves between two poses, at most (px).
-double travel_px(const BallPose& a, const BallPose& b, double radius_px) {
-  return std::hypot(b.cx_px - a.cx_px, b.cy_px - a.cy_px) +
-         radius_px * (std::abs(b.angle_deg - a.angle_deg) * kRadPerDeg +
-                      std::abs(b.compression - a.compression) +
-                      a.compression * kRadPerDeg *
-                          std::abs(b.compression_axis_deg - a.compression_axis_deg));
-}
-
 }  // namespace
+
+int samples_per_pixel(double sigma_px) { return sigma_px >= 0.5 ? 3 : sigma_px >= 0.4 ? 4 : 5; }
 
 BallRenderer::BallRenderer(SpeckleBall ball, const SynthScene& scene)
     : ball_(std::move(ball)),
@@ -58,37 +41,7 @@ BallRenderer::BallRenderer(SpeckleBall ball, const SynthScene& scene)
       pixel_(shared_samples(per_pixel_, per_pixel_ + kExtraTaps)) {
   inks_.reserve(ball_.discs.size());
   for (const InkDisc& disc : ball_.discs) inks_.emplace_back(disc.radius_px, scene.psf_sigma_px);
-  backdrop_ = make_backdrop();
-}
-
-double BallRenderer::bar_coverage(double x_px, double y_px) const {
-  if (!scene_.bar) return 0;
-  const OccludingBar& bar = *scene_.bar;
-  const Vec along = direction(bar.angle_deg);
-  const double off = std::abs((y_px - bar.y_px) * along.x - (x_px - bar.x_px) * along.y);
-  const double half = bar.width_px / 2, reach = kEdgeReach * scene_.psf_sigma_px;
-  if (off > half + reach) return 0;
-  if (off < half - reach) return 1;
-  return blurred_edge(half - off, scene_.psf_sigma_px) -
-         blurred_edge(-half - off, scene_.psf_sigma_px);
-}
-
-Image<double> BallRenderer::make_backdrop() const {
-  Image<double> out(scene_.width, scene_.height, scene_.background);
-  if (!scene_.bar) return out;
-  for (int y = 0; y < out.height(); ++y) {
-    for (int x = 0; x < out.width(); ++x) {
-      double covered = 0;
-      for (std::size_t j = 0; j < pixel_.node.size(); ++j) {
-        for (std::size_t i = 0; i < pixel_.node.size(); ++i) {
-          covered += pixel_.weight[j] * pixel_.weight[i] *
-                     bar_coverage(x + pixel_.node[i], y + pixel_.node[j]);
-        }
-      }
-      out(x, y) += covered * (scene_.bar->level - scene_.background);
-    }
-  }
-  return out;
+  backdrop_ = make_backdrop(scene_, pixel_);
 }
 
 BallRenderer::Placed BallRenderer::place(const BallPose& pose, double shift_px,
@@ -130,28 +83,8 @@ BallRenderer::Placed BallRenderer::place(const BallPose& pose, double shift_px,
 }
 
 std::vector<BallRenderer::Placed> BallRenderer::instants(const ShutterPath& path) const {
-  std::vector<std::pair<BallPose, double>> poses;
-  const auto expose = [&](const BallPose& from, const BallPose& to, double share) {
-    const double travel = travel_px(from, to, ball_.radius_px);
-    if (travel == 0) {
-      poses.emplace_back(from, share);
-      return;
-    }
-    const Quadrature time = gauss_legendre(2 + static_cast<int>(std::ceil(1.2 * travel)));
-    for (std::size_t i = 0; i < time.node.size(); ++i) {
-      poses.emplace_back(between(from, to, time.node[i] + 0.5), share * time.weight[i]);
-    }
-  };
-  const double before = travel_px(path.open, path.middle, ball_.radius_px);
-  const double after = travel_px(path.middle, path.close, ball_.radius_px);
-  if (before == 0 && after == 0) {
-    poses.emplace_back(path.middle, 1.0);
-  } else {
-    expose(path.open, path.middle, 0.5);
-    expose(path.middle, path.close, 0.5);
-  }
   std::vector<Placed> out;
-  for (const auto& [pose, weight] : poses) {
+  for (const auto& [pose, weight] : instants_of(path, ball_.radius_px)) {
     // The ball's blur is squeezed with it to σ (1 − c) along the axis; the lens has σ there.
     const double lost =
         scene_.psf_sigma_px * std::sqrt(std::max(0.0, pose.compression * (2 - pose.compression)));
@@ -181,29 +114,9 @@ Image<double> BallRenderer::exact(const ShutterPath& path) const {
   return out;
 }
 
-void BallRenderer::render(const BallPose& pose, std::int64_t frame_index, Frame& out) const {
-  render(ShutterPath{pose, pose, pose}, frame_index, out);
-}
-
 void BallRenderer::render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const {
   Image<double> grey = exact(path);
-  out.reset(scene_.width, scene_.height, scene_.bits);
-  const double top = out.full_scale();
-  tbb::parallel_for(0, scene_.height, [&](int y) {
-    double* row = grey.row(y);
-    const auto width = static_cast<std::size_t>(scene_.width);
-    if (scene_.noise_sigma > 0) {
-      add_row_noise({row, width}, scene_.noise_sigma, scene_.noise_seed, frame_index, y);
-    }
-    for (int x = 0; x < scene_.width; ++x) {
-      const double level = std::clamp(std::floor(row[x] * (top / 255) + 0.5), 0.0, top);
-      if (out.type == PixelType::kU8) {
-        out.u8(x, y) = static_cast<std::uint8_t>(level);
-      } else {
-        out.u16(x, y) = static_cast<std::uint16_t>(level);
-      }
-    }
-  });
+  develop(grey, scene_, frame_index, out);
 }
 
 }  // namespace impactdic::sim::speckle

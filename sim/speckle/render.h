@@ -28,10 +28,29 @@ namespace impactdic::sim::speckle {
 OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px,
                         double angle_deg = 0);
 
+// Makes the frames of a clip.
+class FrameRenderer {
+ public:
+  virtual ~FrameRenderer() = default;
+  // The camera's frame: noise of (seed, frame_index), rounded and clipped at scene.bits.
+  virtual void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const = 0;
+  void render(const BallPose& pose, std::int64_t frame_index, Frame& out) const;
+};
+
+// Adds the camera's noise to a picture and makes it a frame of scene.bits.
+void develop(Image<double>& grey, const SynthScene& scene, std::int64_t frame_index, Frame& out);
+
+// Background and bar.
+Image<double> make_backdrop(const SynthScene& scene, const Quadrature& pixel);
+// Share of the light that the blurred bar takes away.
+double bar_coverage(const SynthScene& scene, double x_px, double y_px);
+// Samples a side of a pixel that resolve the product of several edges of this blur.
+int samples_per_pixel(double sigma_px);
+
 // Renders one ball in one scene. All tables are made in the constructor; rendering is const, may
 // be called from several threads, and uses all of TBB's threads itself. The result does not depend
 // on their number.
-class BallRenderer {
+class BallRenderer : public FrameRenderer {
  public:
   // Throws InvalidArgument for an impossible scene.
   BallRenderer(SpeckleBall ball, const SynthScene& scene);
@@ -40,9 +59,8 @@ class BallRenderer {
   Image<double> exact(const BallPose& pose) const;
   Image<double> exact(const ShutterPath& path) const;
 
-  // The camera's frame: noise of (seed, frame_index), rounded and clipped at scene.bits.
-  void render(const BallPose& pose, std::int64_t frame_index, Frame& out) const;
-  void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const;
+  using FrameRenderer::render;
+  void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const override;
 
   const SpeckleBall& ball() const { return ball_; }
   const SynthScene& scene() const { return scene_; }
@@ -57,8 +75,6 @@ class BallRenderer {
   void paint_discs(const Placed& placed, Band& band) const;
   void paint_lines(const Placed& placed, Band& band) const;
   void sum_pixels(const Placed& placed, const Band& band, Image<double>& out) const;
-  double bar_coverage(double x_px, double y_px) const;
-  Image<double> make_backdrop() const;
 
   SpeckleBall ball_;
   SynthScene scene_;

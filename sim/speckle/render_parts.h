@@ -28,6 +28,15 @@ struct Span {
   bool empty() const { return !(first < last); }
 };
 
+inline Span meet(Span a, Span b) { return {std::max(a.first, b.first), std::min(a.last, b.last)}; }
+
+// Where |offset + slope x| <= half.
+inline Span strip(double offset, double slope, double half) {
+  if (slope == 0) return std::abs(offset) <= half ? Span{-1e30, 1e30} : Span{1, 0};
+  const double a = (-half - offset) / slope, b = (half - offset) / slope;
+  return {std::min(a, b), std::max(a, b)};
+}
+
 // The compressed ball's own (unturned) axes: u = A⁻¹ (x − centre), A⁻¹ = (m00 m01; m01 m11).
 // Squared length there: kxx dx² + 2 kxy dx dy + kyy dy².
 struct BallRenderer::Placed {

@@ -1,6 +1,8 @@
 #include <impactdic/error.h>
 #include <impactdic/synth.h>
+#include <tbb/parallel_for.h>
 
+#include "sim/speckle/noise.h"
 #include "sim/speckle/render_parts.h"
 
 namespace impactdic {
@@ -16,6 +18,14 @@ void SynthScene::validate() const {
   require(noise_sigma >= 0 && noise_sigma <= 255, "the noise is out of range",
           "a standard deviation of 0 … 255 grey levels");
   require(shading >= 0 && shading <= 1, "the shading is out of range", "0 … 1");
+  require(lamp_share >= 0 && lamp_share <= 1, "the lamp's share of the light is out of range",
+          "0 … 1");
+  require(std::abs(lamp_elevation_deg) <= 90, "the lamp's elevation is out of range",
+          "-90 … 90 degrees");
+  require(limb_darkening >= 0 && limb_darkening <= 1, "the limb darkening is out of range",
+          "0 … 1");
+  require(distance_radii == 0 || (distance_radii >= 1.5 && std::isfinite(distance_radii)),
+          "the distance is out of range", "1.5 radii of the ball or more; 0: parallel rays");
   require(bits >= 8 && bits <= 16, "the bit depth is out of range", "8 … 16 bits");
   for (const double level : {white, ink, background, bar ? bar->level : 0.0}) {
     require(level >= 0 && level <= 255, "a grey level is out of range", "0 … 255");
@@ -25,6 +35,60 @@ void SynthScene::validate() const {
 }  // namespace impactdic
 
 namespace impactdic::sim::speckle {
+
+double bar_coverage(const SynthScene& scene, double x_px, double y_px) {
+  if (!scene.bar) return 0;
+  const OccludingBar& bar = *scene.bar;
+  const Vec along = direction(bar.angle_deg);
+  const double off = std::abs((y_px - bar.y_px) * along.x - (x_px - bar.x_px) * along.y);
+  const double half = bar.width_px / 2, reach = kEdgeReach * scene.psf_sigma_px;
+  if (off > half + reach) return 0;
+  if (off < half - reach) return 1;
+  return blurred_edge(half - off, scene.psf_sigma_px) -
+         blurred_edge(-half - off, scene.psf_sigma_px);
+}
+
+Image<double> make_backdrop(const SynthScene& scene, const Quadrature& pixel) {
+  Image<double> out(scene.width, scene.height, scene.background);
+  if (!scene.bar) return out;
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      double covered = 0;
+      for (std::size_t j = 0; j < pixel.node.size(); ++j) {
+        for (std::size_t i = 0; i < pixel.node.size(); ++i) {
+          covered += pixel.weight[j] * pixel.weight[i] *
+                     bar_coverage(scene, x + pixel.node[i], y + pixel.node[j]);
+        }
+      }
+      out(x, y) += covered * (scene.bar->level - scene.background);
+    }
+  }
+  return out;
+}
+
+void FrameRenderer::render(const BallPose& pose, std::int64_t frame_index, Frame& out) const {
+  render(ShutterPath{pose, pose, pose}, frame_index, out);
+}
+
+void develop(Image<double>& grey, const SynthScene& scene, std::int64_t frame_index, Frame& out) {
+  out.reset(scene.width, scene.height, scene.bits);
+  const double top = out.full_scale();
+  tbb::parallel_for(0, scene.height, [&](int y) {
+    double* row = grey.row(y);
+    const auto width = static_cast<std::size_t>(scene.width);
+    if (scene.noise_sigma > 0) {
+      add_row_noise({row, width}, scene.noise_sigma, scene.noise_seed, frame_index, y);
+    }
+    for (int x = 0; x < scene.width; ++x) {
+      const double level = std::clamp(std::floor(row[x] * (top / 255) + 0.5), 0.0, top);
+      if (out.type == PixelType::kU8) {
+        out.u8(x, y) = static_cast<std::uint8_t>(level);
+      } else {
+        out.u16(x, y) = static_cast<std::uint16_t>(level);
+      }
+    }
+  });
+}
 
 OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px, double angle_deg) {
   if (!(fraction >= 0 && fraction <= 1)) {

@@ -141,10 +141,35 @@ TEST_F(SynthCommand, TheBallFollowsASimulatedImpact) {
             poses[1].angle_deg - poses[0].angle_deg);  // friction turns it clockwise
 }
 
+// The clip of a sphere holds the renderer's pictures, and its truth makes the same clip again.
+TEST_F(SynthCommand, ASphereTurnsAboutThreeAxesAndItsTruthIsAMotionFile) {
+  const std::string scene =
+      " --body sphere --pattern b2 --radius-px 30 --size 96x90 --noise 1 --limb-darkening 0.4"
+      " --lamp 0.5 --distance 12 ";
+  ASSERT_EQ(synth("a", scene + "--frames 4 --spin-deg 8,-5,3 --velocity-px 0.3,-0.2,1"), 0);
+  const auto poses = sim::speckle::read_motion_csv(dir_ / "a/truth.csv").poses;
+  ASSERT_EQ(poses.size(), 4u);
+  EXPECT_NEAR(poses[3].rx_deg, 24, 1e-9);
+  EXPECT_NEAR(poses[3].ry_deg, -15, 1e-9);
+  EXPECT_NEAR(poses[3].angle_deg, 9, 1e-9);
+  EXPECT_NEAR(poses[3].z_px, 3, 1e-12);
+  ASSERT_EQ(synth("b", scene + "--poses " + (dir_ / "a/truth.csv").string()), 0);
+  EXPECT_EQ(text("a/video.tif"), text("b/video.tif"));
+  EXPECT_EQ(text("a/truth.csv"), text("b/truth.csv"));
+  ASSERT_EQ(synth("c", "--job " + (dir_ / "a/job.toml").string()), 0);
+  EXPECT_EQ(text("a/video.tif"), text("c/video.tif"));
+  // About the line of sight only, the one number is that of --rotation-deg.
+  ASSERT_EQ(synth("d", scene + "--frames 2 --spin-deg 3"), 0);
+  ASSERT_EQ(synth("e", scene + "--frames 2 --rotation-deg 3"), 0);
+  EXPECT_EQ(text("d/video.tif"), text("e/video.tif"));
+}
+
 TEST_F(SynthCommand, WrongRequestsAreOneLineAndStatus2) {
   for (const char* options :
        {"--pattern z9", "--size 12", "--bits 20", "--velocity-px 1", "--blur 0.1", "--format xyz",
-        "--radius-px -3", "--unknown 1", "--motion /nowhere.csv --rotation-deg 2"}) {
+        "--radius-px -3", "--unknown 1", "--body cube", "--spin-deg 1,2,3",
+        "--body sphere --spin-deg 1,2", "--spin-deg 1 --rotation-deg 2", "--lamp 0.5",
+        "--body sphere --distance 1.1", "--motion /nowhere.csv --rotation-deg 2"}) {
     EXPECT_EQ(synth("none", options), 2) << options;
     const std::string line = text("errors");
     EXPECT_EQ(line.rfind("impactdic: error: ", 0), 0u) << line;

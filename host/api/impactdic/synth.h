@@ -1,7 +1,8 @@
 // Clips of a speckled ball with exactly known motion, rendered from formulas.
 //
 // Image axes: x right, y down, pixel centres at integers. Angles are positive counter-clockwise as
-// seen on the screen.
+// seen on the screen. Camera axes, for a sphere: X right, Y up, Z towards the camera, right-handed,
+// so that a rotation about Z is an angle on the screen.
 #pragma once
 
 #include <impactdic/control.h>
@@ -19,12 +20,30 @@
 
 namespace IMPACTDIC_PUBLIC impactdic {
 
+// What is painted and turned: a flat disc, or a sphere with ink on all of its surface.
+enum class SynthBody { kDisc, kSphere };
+
 struct BallPose {
-  double cx_px = 0, cy_px = 0;       // the ball's centre
+  double cx_px = 0, cy_px = 0;       // the ball's centre in the picture
   double angle_deg = 0;              // turned from the pattern's own position
   double compression = 0;            // 0 ... 0.5: the ball is shorter by this share along the axis
   double compression_axis_deg = 90;  // direction of that axis on the screen
+  // Of a sphere: (rx_deg, ry_deg, angle_deg) is the rotation vector, in camera axes, that turns the
+  // pattern's own position into this pose; its length is the angle. A disc has 0 here.
+  double rx_deg = 0, ry_deg = 0;
+  // How much nearer than the scene's distance the centre is; the sphere's radius in the same px.
+  double z_px = 0;
 };
+
+// Unit quaternion of an orientation, ball axes to camera axes.
+struct Quaternion {
+  double w = 1, x = 0, y = 0, z = 0;
+};
+// w >= 0.
+Quaternion orientation(const BallPose& pose);
+// The pose with that orientation; its rotation vector is at most 180 degrees long.
+// Throws InvalidArgument for a quaternion that is zero or not finite; any other is normalised.
+BallPose oriented(BallPose pose, const Quaternion& orientation);
 
 // The same step from frame to frame.
 struct ConstantMotion {
@@ -32,6 +51,11 @@ struct ConstantMotion {
   double dx_px = 0, dy_px = 0;  // per frame
   double rotation_deg = 0;      // per frame
   double compression_per_frame = 0;
+  // Of a sphere: with rotation_deg its spin vector in camera axes, degrees per frame.
+  double spin_x_deg = 0, spin_y_deg = 0;
+  // Towards the camera, per frame. With a distance, dx_px and dy_px count at that distance, and the
+  // picture of the path is in perspective.
+  double dz_px = 0;
 };
 
 // A pose for every frame.
@@ -68,6 +92,19 @@ struct SynthScene {
   double lamp_deg = 135;  // where the lamp is, counter-clockwise from image-right
   std::optional<OccludingBar> bar;
   int bits = 8;  // of the frames: 8 ... 16
+  // Of a sphere. A lamp far away gives the share lamp_share of the light, ambient light the rest: a
+  // surface whose normal is at the angle i to the lamp shows 1 - lamp_share (1 - max(0, cos i))
+  // of its grey level (Lambert 1760). The lamp stands lamp_deg on the screen and
+  // lamp_elevation_deg from the picture's plane towards the camera.
+  double lamp_share = 0;          // 0 ... 1
+  double lamp_elevation_deg = 0;  // -90 ... 90
+  // u of the linear law of limb darkening 1 - u (1 - cos e), e between normal and line of sight
+  // (Milne 1921).
+  double limb_darkening = 0;  // 0 ... 1
+  // Distance from the camera to the plane of the ball's centre, in radii of the ball; there a px
+  // of the ball is a px of the picture. The camera looks along Z through the picture's middle. The
+  // outline's radius on that axis is R / sqrt(1 - (R/D)^2). 0: parallel rays.
+  double distance_radii = 0;
 
   // Throws InvalidArgument.
   void validate() const;
@@ -78,6 +115,7 @@ struct StartPx {
 };
 
 struct SynthRequest {
+  SynthBody body = SynthBody::kDisc;
   // Painted ball: a1 ... a3, b1 ... b3, c1 ... c3, d1 ... d3, e1, e2, f1, f2; or none.
   std::string pattern = "e1";
   std::uint64_t seed = 1;  // of the pattern and of the noise (scene.noise_seed is not looked at)

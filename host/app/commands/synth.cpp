@@ -28,8 +28,8 @@ struct Options {
   Common common;
   SynthRequest synth;
   ConstantMotion step;
-  std::string output, size = "512x512", format = "tiff";
-  std::string start, velocity = kUsualVelocity, motion_file, impact_job;
+  std::string output, body = "disc", size = "512x512", format = "tiff";
+  std::string start, velocity = kUsualVelocity, spin, motion_file, impact_job;
   double touch_frame = 25;  // of an impact
 };
 
@@ -48,10 +48,37 @@ void parse_size(const std::string& text, SynthScene& scene) {
 // A file or a model says how the ball moves; options that say otherwise would be lost silently.
 void refuse_constant_motion(const Options& options, const std::string& source) {
   if (options.velocity != kUsualVelocity || options.step.rotation_deg != 0 ||
-      options.step.compression_per_frame != 0) {
+      !options.spin.empty() || options.step.compression_per_frame != 0) {
     throw InvalidArgument("the motion is given twice", source,
-                          "leave out --velocity-px, --rotation-deg and --compression");
+                          "leave out --velocity-px, --rotation-deg, --spin-deg and --compression");
   }
+}
+
+ConstantMotion constant_motion(const Options& options) {
+  ConstantMotion motion = options.step;
+  const std::vector<double> step = parse_doubles(options.velocity, ',', 0, "--velocity-px");
+  if (step.size() != 2 && step.size() != 3) {
+    throw InvalidArgument("'" + options.velocity + "' is no velocity", "--velocity-px",
+                          "DX,DY or DX,DY,DZ");
+  }
+  motion.dx_px = step[0];
+  motion.dy_px = step[1];
+  if (step.size() == 3) motion.dz_px = step[2];
+  if (options.spin.empty()) return motion;
+  if (motion.rotation_deg != 0) {
+    throw InvalidArgument("the rotation is given twice", "--rotation-deg, --spin-deg",
+                          "choose one");
+  }
+  const std::vector<double> spin = parse_doubles(options.spin, ',', 0, "--spin-deg");
+  if (spin.size() != 1 && spin.size() != 3) {
+    throw InvalidArgument("'" + options.spin + "' is no spin", "--spin-deg", "X,Y,Z or Z");
+  }
+  motion.rotation_deg = spin.back();
+  if (spin.size() == 3) {
+    motion.spin_x_deg = spin[0];
+    motion.spin_y_deg = spin[1];
+  }
+  return motion;
 }
 
 void read_motion(const Options& options, SynthRequest& request) {
@@ -66,11 +93,7 @@ void read_motion(const Options& options, SynthRequest& request) {
     refuse_constant_motion(options, "--motion");
     request.motion = sim::speckle::read_motion_csv(options.motion_file);
   } else {
-    ConstantMotion motion = options.step;
-    const std::vector<double> step = parse_doubles(options.velocity, ',', 2, "--velocity-px");
-    motion.dx_px = step[0];
-    motion.dy_px = step[1];
-    request.motion = motion;
+    request.motion = constant_motion(options);
   }
   if (!options.start.empty()) {
     const std::vector<double> at = parse_doubles(options.start, ',', 2, "--start-px");
@@ -100,7 +123,13 @@ std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
 // The truth stands beside the clip before the clip is rendered.
 void write_truth(const std::filesystem::path& folder, const SynthTruth& truth,
                  const SynthRequest& request) {
-  sim::speckle::write_truth_csv(folder / "truth.csv", truth.poses, request.radius_px, request.fps);
+  if (request.body == SynthBody::kSphere) {
+    sim::speckle::write_sphere_truth_csv(folder / "truth.csv", truth.poses, request.radius_px,
+                                         request.scene.distance_radii, request.fps);
+  } else {
+    sim::speckle::write_truth_csv(folder / "truth.csv", truth.poses, request.radius_px,
+                                  request.fps);
+  }
   if (std::any_of(truth.poses.begin(), truth.poses.end(),
                   [](const BallPose& pose) { return pose.compression != 0; })) {
     sim::speckle::write_compression_csv(folder / "compression.csv", truth.poses);
@@ -118,6 +147,7 @@ SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool qui
 void run_synth(const CLI::App& command, const Options& options) {
   const video::SinkFormat format = video::parse_sink_format(options.format);
   SynthRequest request = options.synth;
+  if (options.body == "sphere") request.body = SynthBody::kSphere;
   parse_size(options.size, request.scene);
   read_motion(options, request);
   const RunContext run(options.common, false);
@@ -151,12 +181,17 @@ void add_motion_options(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--velocity-px", options.velocity,
-                  "DX,DY: the centre's motion per frame, x right, y down, px")
+                  "DX,DY: the centre's motion per frame, x right, y down, px; a sphere's third "
+                  "number is its motion towards the camera")
       ->capture_default_str();
   command
       .add_option("--rotation-deg", options.step.rotation_deg,
                   "Rotation per frame, counter-clockwise on the screen")
       ->capture_default_str();
+  command.add_option(
+      "--spin-deg", options.spin,
+      "X,Y,Z: a sphere's spin vector per frame, X right, Y up, Z towards the camera; "
+      "one number is Z, as --rotation-deg");
   command
       .add_option("--compression", options.step.compression_per_frame,
                   "Share of its diameter by which the ball gets shorter per frame")
@@ -170,9 +205,11 @@ void add_motion_options(CLI::App& command, Options& options) {
       "--start-px", options.start,
       "X,Y: the centre in frame 0; without it the path lies in the picture's middle");
   command
-      .add_option("--motion", options.motion_file,
-                  "CSV with a row per frame: cx_px,cy_px or dx_px,dy_px, angle_deg or rot_deg, "
-                  "compression, compression_axis_deg; a truth.csv is such a file")
+      .add_option(
+          "--motion,--poses", options.motion_file,
+          "CSV with a row per frame: cx_px,cy_px (or x_px,y_px) or dx_px,dy_px, angle_deg or "
+          "rot_deg or a sphere's rotation vector rx_deg,ry_deg,rz_deg, z_px, compression, "
+          "compression_axis_deg; a truth.csv is such a file")
       ->transform(absolute_path);
   command
       .add_option("--simulate", options.impact_job,
@@ -200,6 +237,14 @@ void add_camera_options(CLI::App& command, SynthRequest& request) {
          "How much of the light is lost from the rim at the lamp to the rim opposite", 0, 1);
   number("--lamp-deg", scene.lamp_deg, "Where the lamp is, counter-clockwise from image-right",
          -360, 360);
+  number("--lamp", scene.lamp_share,
+         "Share of a sphere's light that a distant lamp gives; ambient light gives the rest", 0, 1);
+  number("--lamp-elevation-deg", scene.lamp_elevation_deg,
+         "Of the lamp, from the picture's plane towards the camera", -90, 90);
+  number("--limb-darkening", scene.limb_darkening,
+         "How much darker a sphere's rim is than its middle", 0, 1);
+  number("--distance", scene.distance_radii,
+         "Of the camera from a sphere, in its radii, 1.5 or more; 0: parallel rays", 0, 1e9);
   number("--occlude", request.hidden,
          "Share of the ball hidden by a static bar in the clip's middle frame (with "
          "--simulate: at the first touch)",
@@ -217,6 +262,11 @@ void add_options(CLI::App& command, Options& options) {
   SynthRequest& request = options.synth;
   command.add_option("-o,--output", options.output, "Folder for the clip and its truth")
       ->required();
+  command
+      .add_option("--body", options.body,
+                  "What is painted: disc, a flat ball that turns in the picture's plane, or sphere")
+      ->check(CLI::IsMember({"disc", "sphere"}))
+      ->capture_default_str();
   command
       .add_option("--pattern", request.pattern,
                   "Painted ball: a1 … a3, b1 … b3, c1 … c3, d1 … d3, e1, e2, f1, f2; or none")
