@@ -34,7 +34,7 @@ class ContactSystem {
   using Guards = std::array<double, kMostGuards>;
 
   void begin(double time_s, const State& x) {
-    friction_.begin(touch_);
+    friction_.begin(touch_, time_s);
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});
     record_.enter(ContactPhaseKind::kTangential, friction_.mode(), {time_s, &x});
   }
@@ -57,7 +57,7 @@ class ContactSystem {
   void accepted(const EventInstant<State>& next, double stretch_s,
                 const StateWithin& state_within) {
     const ContactPoint at = dynamics_.contact_point(next.x);
-    friction_.step(at);
+    friction_.step(at, next.time_s);
     record_.count_step();
     if (!dynamics_.memory.compressing) return;
     record_.step(dynamics_.normal_force_n(at), stretch_s, [&](double s) {

@@ -59,7 +59,7 @@ ContactOutcome ContactRecord::finish(bool separated, const ContactInstant& now,
   const double stored = normal.stored_j(at.deflection_m, dynamics.memory);
   outcome_.plastic_j = normal.work_j(at.deflection_m, dynamics.memory) - stored;
   outcome_.released_j = separated ? stored : 0;
-  outcome_.released_tangential_j = separated ? friction.stored_j(at) : 0;
+  outcome_.released_tangential_j = separated ? friction.stored_j(at, now.time_s) : 0;
   return std::move(outcome_);
 }
 

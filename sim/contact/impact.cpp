@@ -190,7 +190,7 @@ class ImpactRun final : public TrajectoryRequest {
       record_flight(std::numeric_limits<double>::max());
     }
     result_.final = plane_state(now_);
-    result_.energy = ledger(now_);
+    result_.energy = ledger(time_s_, now_);
   }
 
   double kinetic_j(const ImpactState& x) const {
@@ -198,7 +198,7 @@ class ImpactRun final : public TrajectoryRequest {
            0.5 * job_.body.inertia() * x[kOmega] * x[kOmega];
   }
 
-  EnergyLedger ledger(const ImpactState& x) const {
+  EnergyLedger ledger(double time_s, const ImpactState& x) const {
     EnergyLedger energy;
     energy.kinetic_start_j = kinetic_j(start_);
     energy.gravity_j = job_.body.mass_kg * (gravity_t() * (x[kQt] - start_[kQt]) +
@@ -213,7 +213,7 @@ class ImpactRun final : public TrajectoryRequest {
       energy.normal_elastic_j = normal_->stored_j(at.deflection_m, dynamics_->memory);
       energy.plastic_j +=
           normal_->work_j(at.deflection_m, dynamics_->memory) - energy.normal_elastic_j;
-      energy.tangential_elastic_j = friction_->stored_j(at);
+      energy.tangential_elastic_j = friction_->stored_j(at, time_s);
     }
     energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
                         energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
@@ -225,7 +225,7 @@ class ImpactRun final : public TrajectoryRequest {
     TrajectoryPoint point;
     point.time_s = time_s;
     point.state = plane_state(x);
-    point.energy = ledger(x);
+    point.energy = ledger(time_s, x);
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       point.deflection_m = at.deflection_m;
