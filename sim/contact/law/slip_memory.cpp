@@ -46,9 +46,8 @@ SlipMemory::Piece SlipMemory::trail_piece(const TrailPoint& from, const TrailPoi
   piece.end = to.depth_m;
   piece.begin_value = -from.way_m;
   piece.end_value = -to.way_m;
-  piece.depth =
-      quintic(from.depth_m, h * from.depth_rate, h * h * from.depth_acceleration, to.depth_m,
-              h * to.depth_rate, h * h * to.depth_acceleration);
+  piece.depth = quintic(from.depth_m, h * from.depth_rate, h * h * from.depth_acceleration,
+                        to.depth_m, h * to.depth_rate, h * h * to.depth_acceleration);
   piece.way = quintic(from.way_m, h * from.way_rate, h * h * from.way_acceleration, to.way_m,
                       h * to.way_rate, h * h * to.way_acceleration);
   return piece;
@@ -122,8 +121,8 @@ SlipMemory::Place SlipMemory::meet(const SlipEdge& edge) const {
 SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) const {
   const Piece& piece = pieces_[index];
   if (!piece.trail) {
-    const double begin = edge.side * (edge.way_m + piece.begin_value) -
-                         edge.alpha * (edge.depth_m - piece.begin);
+    const double begin =
+        edge.side * (edge.way_m + piece.begin_value) - edge.alpha * (edge.depth_m - piece.begin);
     const double slope = edge.side * piece.slope + edge.alpha;
     // A line along the edge is all of it stuck, or all of it swept away (corner_below).
     if (!(slope > 1e-6 * edge.alpha)) return end_of(piece, index);

@@ -91,7 +91,7 @@ class SlipMemory {
   void append(Piece piece);
 
   double radius_;
-  std::vector<Piece> pieces_;     // ascending in xi from 0, without gaps
+  std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
   mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only
 };
 
