@@ -38,6 +38,7 @@ ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   at.tip_m = x[kTip];
   at.springs_m2 = x[kSprings];
   const double spring = spring_n(at);
+  at.compressing = memory.compressing;
   at.damping_n_s_per_m = normal_.damper_n(at.deflection_m, 1, memory);
   const double normal = spring + normal_.damper_n(at.deflection_m, at.rate_m_s, memory);
   at.spring_n = std::max(spring, 0.0);

@@ -19,6 +19,7 @@ struct ContactPoint {
   double tip_m = 0;              // its integral since the contact began
   double springs_m2 = 0;         // the integral of Traction::springs_rate_m2_s
   double acceleration_m_s2 = 0;  // of the deflection
+  bool compressing = true;       // the deflection grows
   double damping_n_s_per_m = 0;  // of the damper at present; 0 while it rests
   double rolling_n = 0;          // the force that would keep tip_vt_m_s as it is
   double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility (force - rolling_n)

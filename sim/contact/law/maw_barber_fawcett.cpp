@@ -5,9 +5,12 @@
 // u_z = D - xi, dragged by the contact point, and clipped to |u| <= alpha (D - xi) with
 // alpha = mu E*/G*. Hence F_n = E* int u_z dx and F_t = -G* int u dx.
 //
-// D is the depth of the Hertz contact that carries the whole normal force P: k D^1.5 = P. Without a
-// damper that is the deflection. With one, the damper presses as the springs do, and gross slip
-// obeys Coulomb's law: F_t = mu P.
+// Without a damper D is the deflection delta. A damper is to share in friction: gross slip obeys
+// F_t = mu P, with P the whole normal force.
+//  - While it pushes (compression), its force is spread as the springs' is, and where the contact
+//    slips it adds its own friction. It holds nothing where the contact sticks.
+//  - While it pulls (damped restitution), it takes load off the springs: D is then the depth of the
+//    Hertz contact that carries P, k D^1.5 = P, and the contact shrinks to nothing as P does.
 //
 // All stuck springs move at the rate v of the contact point and all slipping ones at +-alpha D',
 // whatever their place. So the profile is known exactly at any time without following springs: an
@@ -31,6 +34,7 @@ class MawBarberFawcett final : public FrictionLaw {
   MawBarberFawcett(const ContactParameters& contact, double radius_m, double mass_kg)
       : radius_(radius_m),
         inverse_mass_(1 / mass_kg),
+        friction_(contact.friction_kinetic),
         stiffness_(contact.stiffness),
         shear_modulus_(0.75 * contact.stiffness / std::sqrt(radius_m) * 2 * (1 - contact.poisson) /
                        (2 - contact.poisson)),
@@ -40,10 +44,7 @@ class MawBarberFawcett final : public FrictionLaw {
   void begin(const ContactPoint& at, double time_s) override {
     memory_.clear();
     time_s_ = time_s;
-    const Depth depth = depth_of(at);
-    // The damper presses a finite area at once, with all springs at rest.
-    if (depth.value > 0) memory_.append_line(depth.value, 0, 0);
-    if (std::abs(at.tip_vt_m_s) <= alpha_ * depth.rate) {
+    if (std::abs(at.tip_vt_m_s) <= alpha_ * at.rate_m_s) {
       start_sticking(at, 0);
     } else {
       start_slip(at.tip_vt_m_s >= 0 ? 1 : -1, at);
@@ -58,24 +59,42 @@ class MawBarberFawcett final : public FrictionLaw {
       result.springs_rate_m2_s = at.tip_vt_m_s * half_width(depth.value);
       return result;
     }
-    if (!(depth.value > 0)) return result;
+    const double damper = damper_friction(at);
+    if (!(depth.value > 0)) {
+      if (!gross_) return result;
+      result.force_n = -side_ * damper;
+      result.dissipation_w = side_ * damper * at.tip_vt_m_s;
+      return result;
+    }
     const SlipEdge edge = edge_at(at, depth.value);
     const double stuck = gross_ ? 0.0 : memory_.stuck_to(edge);
-    result.force_n = -2 * shear_modulus_ * slipping_sum(edge, stuck);
-    result.dissipation_w = 2 * shear_modulus_ * alpha_ *
-                           (side_ * at.tip_vt_m_s - alpha_ * depth.rate) *
-                           pressed(depth.value, stuck);
+    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck);
+    if (holding_) {
+      result.force_n = holding_force(at);
+      result.dissipation_w = (springs - result.force_n) * at.tip_vt_m_s;
+      return result;
+    }
+    const double slipping = pressed(depth.value, stuck);
+    const double share = slipping / pressed(depth.value, 0);
+    result.force_n = springs - side_ * damper * share;
+    result.dissipation_w =
+        2 * shear_modulus_ * alpha_ * (side_ * at.tip_vt_m_s - alpha_ * depth.rate) * slipping +
+        side_ * at.tip_vt_m_s * damper * share;
     return result;
   }
 
   int guards(const ContactPoint& at, Guards& values) const override {
     const Depth depth = depth_of(at);
     values = {1, 1, 1};
-    const int count = side_ == 0 ? 2 : (gross_ ? 1 : 3);
-    if (at.normal_n <= 0 && at.damping_n_s_per_m > 0) return count;  // the surface pulls
+    const int count = side_ == 0 || holding_ ? 2 : (gross_ ? 1 : 3);
+    if (at.normal_n <= 0 && carries_all(at)) return count;  // the surface pulls
     if (side_ == 0) {
       values[0] = alpha_ * depth.rate - at.tip_vt_m_s;
       values[1] = alpha_ * depth.rate + at.tip_vt_m_s;
+    } else if (holding_) {
+      const double held = held_by_damper(at, depth);
+      values[0] = damper_friction(at) * share_at_rest(at, depth) - held;
+      values[1] = held;
     } else {
       values[0] = side_ * at.tip_vt_m_s - alpha_ * depth.rate;
       if (gross_) return count;
@@ -89,6 +108,9 @@ class MawBarberFawcett final : public FrictionLaw {
   void cross(int guard, const ContactPoint& at) override {
     if (side_ == 0) {
       start_slip(guard == 0 ? 1 : -1, at);
+    } else if (holding_) {
+      holding_ = false;
+      if (guard == 1) freeze(at);
     } else if (guard == 1) {
       next_corner(at);
     } else if (guard == 2) {
@@ -96,23 +118,12 @@ class MawBarberFawcett final : public FrictionLaw {
       memory_.follow(edge_at(at, depth_of(at).value));
       start_slip(-side_, at);
     } else {
-      // The annulus has come to rest. While the contact still grows all springs stick; while it
-      // shrinks the opposite bound catches the outermost ones at once.
-      const Depth depth = depth_of(at);
-      const SlipEdge edge = edge_at(at, depth.value);
-      const double sum = slipping_sum(edge, gross_ ? 0.0 : memory_.stuck_to(edge));
-      if (gross_) memory_.clear();
-      memory_.follow(edge);
-      if (depth.rate > 0) {
-        start_sticking(at, sum);
-      } else {
-        start_slip(-side_, at);
-      }
+      come_to_rest(at);
     }
   }
 
   const char* mode() const override {
-    if (side_ == 0) return "sticking";
+    if (side_ == 0 || holding_) return "sticking";
     return gross_ ? "gross_slip" : "partial_slip";
   }
 
@@ -144,9 +155,14 @@ class MawBarberFawcett final : public FrictionLaw {
     double value = 0, rate = 0, acceleration = 0;
   };
 
+  // Whether D is that of the whole normal force.
+  static bool carries_all(const ContactPoint& at) {
+    return !at.compressing && at.damping_n_s_per_m > 0;
+  }
+
   // D and its derivatives. The third derivative of the deflection comes from m delta'' = -P + ...
   Depth depth_of(const ContactPoint& at) const {
-    if (at.damping_n_s_per_m == 0) return {at.deflection_m, at.rate_m_s, at.acceleration_m_s2};
+    if (!carries_all(at)) return {at.deflection_m, at.rate_m_s, at.acceleration_m_s2};
     if (!(at.normal_n > 0)) return {};
     const double b = at.damping_n_s_per_m, force = at.normal_n, rate = at.rate_m_s;
     const double root = std::sqrt(std::max(at.deflection_m, 0.0));
@@ -165,6 +181,59 @@ class MawBarberFawcett final : public FrictionLaw {
 
   SlipEdge edge_at(const ContactPoint& at, double depth) const {
     return {side_, alpha_, depth, at.tip_m};
+  }
+
+  // What the damper's pressure adds to friction where all of the contact slips, N.
+  double damper_friction(const ContactPoint& at) const {
+    return at.compressing ? friction_ * at.damping_n_s_per_m * at.rate_m_s : 0.0;
+  }
+
+  // The force that keeps an annulus at rest on a bound that moves: v = side alpha delta'.
+  double holding_force(const ContactPoint& at) const {
+    return at.rolling_n + side_ * alpha_ * at.acceleration_m_s2 / at.mobility_per_kg;
+  }
+
+  // The part of it that the springs do not give.
+  double held_by_damper(const ContactPoint& at, const Depth& depth) const {
+    const SlipEdge edge = edge_at(at, depth.value);
+    const double springs =
+        -2 * shear_modulus_ * slipping_sum(edge, gross_ ? 0.0 : memory_.stuck_to(edge));
+    return side_ * (springs - holding_force(at));
+  }
+
+  double share_at_rest(const ContactPoint& at, const Depth& depth) const {
+    if (gross_) return 1;
+    const double stuck = memory_.stuck_to(edge_at(at, depth.value));
+    return pressed(depth.value, stuck) / pressed(depth.value, 0);
+  }
+
+  // The slip of the annulus has ended. A damper that pushes loses its friction there; where the
+  // springs alone would let the annulus slip again, it holds it (the Filippov solution).
+  void come_to_rest(const ContactPoint& at) {
+    const Depth depth = depth_of(at);
+    if (at.compressing && depth.rate > 0 && depth.value > 0 && damper_friction(at) > 0) {
+      const double held = held_by_damper(at, depth);
+      if (held > 0 && held < damper_friction(at) * share_at_rest(at, depth)) {
+        holding_ = true;
+        return;
+      }
+    }
+    freeze(at);
+  }
+
+  // What has come to rest becomes memory. While the contact still grows all springs stick; while it
+  // shrinks the opposite bound catches the outermost ones at once.
+  void freeze(const ContactPoint& at) {
+    const Depth depth = depth_of(at);
+    const SlipEdge edge = edge_at(at, depth.value);
+    const double sum = slipping_sum(edge, gross_ ? 0.0 : memory_.stuck_to(edge));
+    if (gross_) memory_.clear();
+    memory_.follow(edge);
+    if (depth.rate > 0) {
+      start_sticking(at, sum);
+    } else {
+      start_slip(-side_, at);
+    }
   }
 
   double half_width(double depth) const { return std::sqrt(radius_ * std::max(depth, 0.0)); }
@@ -206,12 +275,14 @@ class MawBarberFawcett final : public FrictionLaw {
   // `sum` is int u dx at this moment.
   void start_sticking(const ContactPoint& at, double sum) {
     side_ = 0;
+    holding_ = false;
     sticking_sum_ = sum - at.springs_m2;
     recorded_ = trail_point(at, time_s_);
   }
 
   void start_slip(int side, const ContactPoint& at) {
     side_ = side;
+    holding_ = false;
     gross_ = memory_.empty();
     // Where nothing slips at all neither bound is the right one: rounding must not decide.
     rim_tolerance_ = 1e-13 * alpha_ * depth_of(at).value;
@@ -230,11 +301,12 @@ class MawBarberFawcett final : public FrictionLaw {
     gross_ = true;
   }
 
-  double radius_, inverse_mass_, stiffness_, shear_modulus_, alpha_;
+  double radius_, inverse_mass_, friction_, stiffness_, shear_modulus_, alpha_;
   SlipMemory memory_;
   TrailPoint recorded_;       // where the record of a sticking loading has come to
   double time_s_ = 0;         // of the last accepted step
   int side_ = 0;              // 0: all springs stick; +-1: an annulus slips at that bound
+  bool holding_ = false;      // the annulus rests on its bound, held by the damper's friction
   bool gross_ = false;        // the annulus covers everything
   double sticking_sum_ = 0;   // int u dx less ContactPoint::springs_m2
   double rim_tolerance_ = 0;  // of guard 2
