@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "sim/contact/contact_record.h"
 #include "sim/contact/event_integrator.h"
@@ -78,7 +77,7 @@ class ContactSystem {
   double next_kink_m_;
   bool force_rises_ = true;  // in compression
   bool separated_ = false;
-  bool resting_ = false;  // the surface carries the weight and nothing else moves along the normal
+  bool resting_ = false;  // the body will not leave
   ContactRecord record_;
 };
 
@@ -148,14 +147,13 @@ void ContactSystem::switch_mode(int guard, double time_s, const State& x) {
 
 void ContactSystem::turn(double time_s, const State& x, const ContactPoint& at) {
   NormalMemory& memory = dynamics_.memory;
-  // At rest but for rounding, the deflection would turn for ever.
-  constexpr double kNegligible = 1e-7;
-  if (ball_ && memory.unloading &&
-      std::abs(at.acceleration_m_s2) <= kNegligible * std::abs(dynamics_.gravity_n())) {
-    resting_ = true;
-    return;
-  }
   if (!memory.compressing) {
+    // The weight has turned the rebound of a ball before it could leave. No law gives back more
+    // than that again, so it never will.
+    if (ball_) {
+      resting_ = true;
+      return;
+    }
     memory.compressing = true;
     force_rises_ = force_rate(dynamics_.contact_point(x)) > 0;
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});

@@ -155,7 +155,9 @@ struct ContactPhase {
 
 // NaN where the body did not leave the surface and a figure therefore does not exist.
 struct ImpactResult {
-  bool separated = false;  // the body left the surface; otherwise it came to rest on it
+  // The body left the surface; otherwise its weight holds it there, and `final` is the moment when
+  // its rebound turned back.
+  bool separated = false;
   PlaneState start, final;
   double contact_start_s = 0;
   double contact_s = 0;  // duration of the first contact

@@ -67,14 +67,14 @@ class MawBarberFawcett final : public FrictionLaw {
       return result;
     }
     const SlipEdge edge = edge_at(at, depth.value);
-    const double stuck = gross_ ? 0.0 : memory_.stuck_to(edge);
+    const SlipMemory::Stuck stuck = stuck_at(edge);
     const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck);
     if (holding_) {
       result.force_n = holding_force(at);
       result.dissipation_w = (springs - result.force_n) * at.tip_vt_m_s;
       return result;
     }
-    const double slipping = pressed(depth.value, stuck);
+    const double slipping = pressed(depth.value, stuck.xi);
     const double share = slipping / pressed(depth.value, 0);
     result.force_n = springs - side_ * damper * share;
     result.dissipation_w =
@@ -145,7 +145,7 @@ class MawBarberFawcett final : public FrictionLaw {
       return shear_modulus_ * sum;
     }
     const SlipEdge edge = edge_at(at, depth);
-    const double stuck = gross_ ? 0.0 : memory_.stuck_to(edge);
+    const double stuck = stuck_at(edge).xi;
     return shear_modulus_ * ((gross_ ? 0.0 : memory_.square_sum_to(edge)) +
                              alpha_ * alpha_ * pressed_squares(depth, stuck));
   }
@@ -196,14 +196,13 @@ class MawBarberFawcett final : public FrictionLaw {
   // The part of it that the springs do not give.
   double held_by_damper(const ContactPoint& at, const Depth& depth) const {
     const SlipEdge edge = edge_at(at, depth.value);
-    const double springs =
-        -2 * shear_modulus_ * slipping_sum(edge, gross_ ? 0.0 : memory_.stuck_to(edge));
+    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck_at(edge));
     return side_ * (springs - holding_force(at));
   }
 
   double share_at_rest(const ContactPoint& at, const Depth& depth) const {
     if (gross_) return 1;
-    const double stuck = memory_.stuck_to(edge_at(at, depth.value));
+    const double stuck = stuck_at(edge_at(at, depth.value)).xi;
     return pressed(depth.value, stuck) / pressed(depth.value, 0);
   }
 
@@ -226,7 +225,7 @@ class MawBarberFawcett final : public FrictionLaw {
   void freeze(const ContactPoint& at) {
     const Depth depth = depth_of(at);
     const SlipEdge edge = edge_at(at, depth.value);
-    const double sum = slipping_sum(edge, gross_ ? 0.0 : memory_.stuck_to(edge));
+    const double sum = slipping_sum(edge, stuck_at(edge));
     if (gross_) memory_.clear();
     memory_.follow(edge);
     if (depth.rate > 0) {
@@ -254,11 +253,14 @@ class MawBarberFawcett final : public FrictionLaw {
     return -2 * shear_modulus_ * (sticking_sum_ + at.springs_m2);
   }
 
-  // int u dx with an annulus outside xi = stuck.
-  double slipping_sum(const SlipEdge& edge, double stuck) const {
-    double sum = edge.side * alpha_ * pressed(edge.depth_m, stuck);
-    if (stuck > 0) sum += edge.way_m * half_width(stuck) + memory_.sum_to(edge);
-    return sum;
+  SlipMemory::Stuck stuck_at(const SlipEdge& edge) const {
+    return gross_ ? SlipMemory::Stuck{} : memory_.stuck(edge);
+  }
+
+  // int u dx with an annulus outside the springs that stick.
+  double slipping_sum(const SlipEdge& edge, const SlipMemory::Stuck& stuck) const {
+    return edge.side * alpha_ * pressed(edge.depth_m, stuck.xi) +
+           edge.way_m * half_width(stuck.xi) + stuck.sum;
   }
 
   TrailPoint trail_point(const ContactPoint& at, double time_s) const {

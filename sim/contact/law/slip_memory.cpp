@@ -174,14 +174,13 @@ double SlipMemory::excess_at_rim(const SlipEdge& edge) const {
   return edge.side * (edge.way_m + value) - edge.alpha * (edge.depth_m - rim);
 }
 
-double SlipMemory::stuck_to(const SlipEdge& edge) const {
-  return std::min(meet(edge).xi, std::max(edge.depth_m, 0.0));
-}
-
-double SlipMemory::sum_to(const SlipEdge& edge) const {
-  if (pieces_.empty()) return 0;
+SlipMemory::Stuck SlipMemory::stuck(const SlipEdge& edge) const {
+  if (pieces_.empty()) return {};
   const Place place = meet(edge);
-  return pieces_[place.piece].sum_before + integral(pieces_[place.piece], place);
+  if (!(place.xi > 0)) return {};
+  const Piece& piece = pieces_[place.piece];
+  return {std::min(place.xi, std::max(edge.depth_m, 0.0)),
+          piece.sum_before + integral(piece, place)};
 }
 
 // int g dx = [g x] - int x dg, and along a trail -dg = ds.

@@ -44,11 +44,13 @@ class SlipMemory {
   // Forgets all springs beyond where the edge meets g, and follows the edge from there.
   void follow(const SlipEdge& edge);
 
-  // xi up to which the springs stick; 0: none.
-  double stuck_to(const SlipEdge& edge) const;
-  // int g dx from 0 to that place.
-  double sum_to(const SlipEdge& edge) const;
-  // int (s + g)^2 dx from 0 to that place.
+  // The springs that stick.
+  struct Stuck {
+    double xi = 0;   // up to there; 0: none
+    double sum = 0;  // int g dx from 0 to that place
+  };
+  Stuck stuck(const SlipEdge& edge) const;
+  // int (s + g)^2 dx over them.
   double square_sum_to(const SlipEdge& edge) const;
   // The same over all that is remembered, and over the trail that would be appended.
   double square_sum(double way_m) const;
