@@ -64,8 +64,9 @@ void run_springs(int shots, std::uint32_t seed) {
       }
       worst = std::max(worst, error);
     }
-    std::printf("springs, %s: %d shots, worst %.1e of the speed, %d above 1e-6 (%g of them converge)\n",
-                damped ? "damped" : "undamped", shots, worst, above, sum);
+    std::printf(
+        "springs, %s: %d shots, worst %.1e of the speed, %d above 1e-6 (%g of them converge)\n",
+        damped ? "damped" : "undamped", shots, worst, above, sum);
   }
 }
 
@@ -73,7 +74,8 @@ void run_springs(int shots, std::uint32_t seed) {
 }  // namespace impactdic::bench
 
 int main(int argc, char** argv) {
-  const int shots = argc > 1 ? std::atoi(argv[1]) : 2000, springs = argc > 2 ? std::atoi(argv[2]) : 200;
+  const int shots = argc > 1 ? std::atoi(argv[1]) : 2000,
+            springs = argc > 2 ? std::atoi(argv[2]) : 200;
   const auto seed = static_cast<std::uint32_t>(argc > 3 ? std::atoi(argv[3]) : 1);
   const int broken = impactdic::bench::run_laws(shots, seed);
   impactdic::bench::run_springs(springs, seed);

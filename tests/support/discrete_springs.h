@@ -36,7 +36,8 @@ inline SpringsOutcome discrete_springs(const ImpactJob& job, int springs, int st
   const auto spring_force = [&] { return k * std::pow(std::max(delta, 0.0), 1.5); };
   const auto normal = [&] { return spring_force() + (compressing || damped ? b * rate : 0.0); };
   const double first_slip = vt + radius * omega;
-  tangential = -mu * b * speed * (std::abs(first_slip) > alpha * speed ? (first_slip > 0) - (first_slip < 0) : 0);
+  tangential = -mu * b * speed *
+               (std::abs(first_slip) > alpha * speed ? (first_slip > 0) - (first_slip < 0) : 0);
   for (int step = 0; step < 60 * steps; ++step) {
     rate -= 0.5 * dt * (normal() / m + gn);
     vt += 0.5 * dt * (tangential / m + gt);
@@ -46,8 +47,7 @@ inline SpringsOutcome discrete_springs(const ImpactJob& job, int springs, int st
     const double way = dt * (vt + radius * omega);
     const double load = normal();
     if (!compressing && load <= 0) break;
-    const double reach =
-        compressing || !damped || b == 0 ? delta : std::pow(load / k, 2.0 / 3.0);
+    const double reach = compressing || !damped || b == 0 ? delta : std::pow(load / k, 2.0 / 3.0);
     double sum = 0, slipping = 0, all = 0;
     for (int i = 0; i < springs; ++i) {
       const double uz = reach - pressed[i];

@@ -52,8 +52,7 @@ class RandomShots {
     job.body.diameter_m = decades(-2.5, -0.5);
     const double speed = decades(-1, 1.5), grazing = std::acos(between(0.05, 1));
     job.initial = {(between(0, 1) < 0.5 ? -1 : 1) * speed * std::sin(grazing),
-                   -speed * std::cos(grazing),
-                   between(-2, 2) * speed / job.body.radius_m()};
+                   -speed * std::cos(grazing), between(-2, 2) * speed / job.body.radius_m()};
     job.gravity_m_s2 = between(0, 1) < 0.5 ? 9.81 : 0;
     job.surface_angle_deg = between(-60, 60);
     contact(job);
@@ -119,14 +118,16 @@ inline std::string broken_law(const ImpactJob& job, double& seconds) {
     return "restitution " + std::to_string(r.restitution);
   }
   for (const ContactPhase& phase : r.phases) {
-    if (phase.slip_j < -1e-9 * flow) return "friction does positive work while " + std::string(phase.name);
+    if (phase.slip_j < -1e-9 * flow)
+      return "friction does positive work while " + std::string(phase.name);
   }
-  if (r.separated && std::abs(r.impulse_t_n_s) >
-                         (1 + 1e-9) * std::max(job.contact.friction_kinetic,
-                                               job.friction == FrictionModel::kThreePhase
-                                                   ? job.contact.friction_static
-                                                   : 0.0) *
-                             r.impulse_n_n_s) {
+  if (r.separated &&
+      std::abs(r.impulse_t_n_s) >
+          (1 + 1e-9) *
+              std::max(job.contact.friction_kinetic, job.friction == FrictionModel::kThreePhase
+                                                         ? job.contact.friction_static
+                                                         : 0.0) *
+              r.impulse_n_n_s) {
     return "more friction than the normal impulse allows";
   }
   if (r.evaluations > 60000 && r.separated) return "takes " + std::to_string(r.evaluations);
