@@ -112,8 +112,7 @@ void rank_rivals(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& s
     RivalFit own{laws.normal, laws.friction, laws.contact.restitution_damping};
     if (is_own(own, request.impact)) continue;
     try {
-      fit.rivals.push_back(
-          rival_of(fit_values(track, shot, other), laws, other.parameters.size()));
+      fit.rivals.push_back(rival_of(fit_values(track, shot, other), laws, other.parameters.size()));
     } catch (const Error&) {
       // A law that has no impact at its start is no rival.
     }

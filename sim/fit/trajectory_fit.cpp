@@ -32,7 +32,7 @@ constexpr double kWeak = 0.2;
 constexpr int kWeighings = 2;
 // A fit whose chi square is exceeded by chance less often is inadequate.
 constexpr double kLeastPValue = 0.01;
-constexpr std::array<double, 3> kFrictionStarts{0.05, 0.3, 1};
+constexpr std::array<double, 2> kFrictionStarts{0.15, 0.8};
 constexpr double kFirstMotionFactor = 30;
 
 class Cost final : public ceres::CostFunction {
@@ -200,20 +200,8 @@ double profile_end(const ShotModel& model, const Solution& best, std::size_t ind
   return (inside + outside) / 2;
 }
 
-// Whether much more friction fits as well: the ball then rolls from the start, and the profile is
-// not one valley.
-bool fits_far_above(const ShotModel& model, const Solution& best, std::size_t index, double rise) {
-  for (const double far : kFrictionStarts) {
-    if (far < 2 * best.values[index]) continue;
-    std::vector<double> values = best.values;
-    values[index] = far;
-    if (solve(model, values, index).chi_square - best.chi_square < rise) return true;
-  }
-  return false;
-}
-
 ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::size_t index,
-                           double sd, double inflation, const FitRequest& job) {
+                           double sd, double inflation, bool flat_above, const FitRequest& job) {
   const Unknown& unknown = model.unknowns()[index];
   ParameterEstimate p;
   p.parameter = unknown.parameter;
@@ -223,8 +211,8 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
   p.ci95_low = p.value - kNormal95 * p.sd;
   p.ci95_high = p.value + kNormal95 * p.sd;
   const bool positive = unknown.lower >= 0;  // a quantity whose size is its meaning
-  const bool weak = std::isnan(p.sd) || is_friction(unknown) ||
-                    (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
+  const bool weak =
+      std::isnan(p.sd) || flat_above || (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
   if (weak) {
     p.profiled = true;
     const double step = std::isnan(p.sd) ? std::max(std::abs(p.value), unknown.step) / 8
@@ -232,9 +220,7 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
     const double rise = kChiSquare95 * inflation;
     p.ci95_low = profile_end(model, best, index, -step, rise);
     p.ci95_high = profile_end(model, best, index, step, rise);
-    if (is_friction(unknown) && fits_far_above(model, best, index, rise)) {
-      p.ci95_high = kNotMeasured;
-    }
+    if (flat_above) p.ci95_high = kNotMeasured;
   }
   p.determined = !std::isnan(p.ci95_low) && !std::isnan(p.ci95_high);
   return p;
@@ -244,6 +230,7 @@ struct Weighed {
   Solution best;
   DeviationFactors factors{};
   double stated_chi_square = 0;
+  std::vector<bool> flat_above;  // of each unknown: much larger values fit as well
 };
 
 // Solves, sees from the residuals how far the stated deviations reach, and solves again with these.
@@ -274,21 +261,35 @@ Weighed solve_and_weigh(ShotModel& model) {
 }
 
 // Friction that rolls the ball from the start leaves a chi square that is flat above a kink, below
-// which another minimum may lie.
-void leave_local_minimum(const ShotModel& model, Solution& best) {
+// which another minimum may lie. Starts far away leave it; and where they end far away and fit as
+// well, the friction is not determined upwards.
+void leave_local_minimum(const ShotModel& model, Weighed& weighed) {
+  Solution& best = weighed.best;
+  std::vector<Solution> others;
   for (std::size_t i = 0; i < model.size(); ++i) {
     if (!is_friction(model.unknowns()[i])) continue;
     for (const double start : kFrictionStarts) {
       std::vector<double> values = best.values;
       values[i] = start;
-      const Solution other = solve(model, values, model.size());
-      if (other.chi_square < best.chi_square - 1e-6) best = other;
+      others.push_back(solve(model, values, model.size()));
+      if (others.back().chi_square < best.chi_square - 1e-6) best = others.back();
+    }
+  }
+  const double left = static_cast<double>(model.residuals() - model.size());
+  const double rise = kChiSquare95 * std::max(1.0, best.chi_square / left);
+  weighed.flat_above.assign(model.size(), false);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    if (!is_friction(model.unknowns()[i])) continue;
+    for (const Solution& other : others) {
+      if (other.chi_square - best.chi_square < rise && other.values[i] > 2 * best.values[i]) {
+        weighed.flat_above[i] = true;
+      }
     }
   }
 }
 
 ShotFit goodness(const ShotModel& model, const MeasuredShot& shot, const Weighed& weighed) {
-  const auto& [best, factors, stated_chi_square] = weighed;
+  const auto& [best, factors, stated_chi_square, flat_above] = weighed;
   ShotFit fit;
   fit.shot = shot;
   fit.chi_square = stated_chi_square;
@@ -322,7 +323,7 @@ Weighed solve_shot(ShotModel& model, const MeasuredShot& shot) {
     throw InvalidArgument("the model has no impact at its start values", shot.file,
                           "are mass, diameter and the fixed contact values right?");
   }
-  leave_local_minimum(model, weighed.best);
+  leave_local_minimum(model, weighed);
   return weighed;
 }
 
@@ -355,8 +356,8 @@ ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
   const std::size_t reported = job.parameters.size() + job.unknowns.size();
   for (std::size_t i = 0; i < reported; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    fit.parameters.push_back(
-        estimate(model, best, i, std::sqrt(unit(at, at) * inflation), inflation, job));
+    fit.parameters.push_back(estimate(model, best, i, std::sqrt(unit(at, at) * inflation),
+                                      inflation, weighed.flat_above[i], job));
     for (std::size_t j = 0; j < reported; ++j) {
       const double value = unit(at, static_cast<Eigen::Index>(j)) * inflation;
       fit.covariance.push_back(std::isfinite(value) ? value : kNotMeasured);

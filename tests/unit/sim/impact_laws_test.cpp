@@ -62,7 +62,7 @@ TEST(Laws, UncoveredCoreSlipsAtTheOtherBound) {
       EXPECT_NEAR(result.energy.residual_j / result.energy.kinetic_start_j, 0, 1e-9) << psi;
       const double springs = 2 * support::discrete_springs_tip(job, 800, 8000) -
                              support::discrete_springs_tip(job, 400, 4000);
-      EXPECT_NEAR(result.tip_vt_final_m_s, springs, 2e-6) << poisson << " " << psi;
+      EXPECT_NEAR(result.tip_vt_final_m_s, springs, 1e-5) << poisson << " " << psi;
     }
   }
 }
@@ -153,7 +153,8 @@ TEST(Laws, LargestForceIsThatOfTheClosedForm) {
     const auto force = [&](double t) {
       const double decay = v * std::exp(-zeta * omega0 * t);
       const double deflection = decay / omega * std::sin(omega * t);
-      const double rate = decay * (std::cos(omega * t) - zeta * omega0 / omega * std::sin(omega * t));
+      const double rate =
+          decay * (std::cos(omega * t) - zeta * omega0 / omega * std::sin(omega * t));
       return k * deflection + b * rate;
     };
     double largest = 0;
