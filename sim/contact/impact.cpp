@@ -293,12 +293,16 @@ EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& b
   const double dvt = after.vt_m_s - before.vt_m_s, dvn = after.vn_m_s - before.vn_m_s;
   const double gravity_s = gravity_m_s2 * contact_s;
   EffectiveFriction friction;
-  friction.published = impact::impulse_ratio(dvt, dvn);
-  friction.sound = impact::impulse_ratio(
-      impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
-      impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
   const double tip = impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m());
-  friction.rolling_cap = impact::rolling_cap(tip, body.inertia_factor(), dvn);
+  const double tip_after = impact::tip_velocity(after.vt_m_s, after.omega_rad_s, body.radius_m());
+  const double against = impact::against_slip(tip);
+  friction.published = against * impact::impulse_ratio(dvt, dvn);
+  friction.sound =
+      against *
+      impact::impulse_ratio(
+          impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
+          impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
+  friction.rolling_cap = impact::rolling_cap(tip, tip_after, body.inertia_factor(), dvn);
   return friction;
 }
 
