@@ -9,13 +9,21 @@ namespace impactdic::sim::verify {
 
 // One row: a computed figure against what it must be.
 struct VerifyCase {
-  std::string group;   // e.g. "linear spring-damper"
-  std::string name;    // e.g. "restitution against the closed form"
-  std::string source;  // e.g. "Hertz 1882", "section 3.1.3", "energy"
+  std::string group;  // e.g. "linear spring-damper"
+  std::string name;   // e.g. "restitution against the closed form"
+  // Where `expected` comes from; one of kProvenances, then what exactly.
+  std::string source;
   double expected = 0;
   double tolerance = 0;  // |computed - expected| <= tolerance, absolute
   std::function<double()> compute;
 };
+
+// printed: stands in the dissertation's text. digitised: read off one of its figures. independent
+// calculation: by another program or method. formula: a closed form of the author named.
+// regression: our own figure. conservation, limit: what physics demands.
+inline constexpr const char* kProvenances[] = {"printed", "digitised",  "independent calculation",
+                                               "formula", "regression", "conservation",
+                                               "limit"};
 
 struct VerifyOutcome {
   VerifyCase row;

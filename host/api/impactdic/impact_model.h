@@ -155,7 +155,9 @@ struct ContactPhase {
 
 // NaN where the body did not leave the surface and a figure therefore does not exist.
 struct ImpactResult {
-  bool separated = false;  // the body left the surface; otherwise it came to rest on it
+  // The body left the surface; otherwise its weight holds it there, and `final` is the moment when
+  // its rebound turned back.
+  bool separated = false;
   PlaneState start, final;
   double contact_start_s = 0;
   double contact_s = 0;  // duration of the first contact
@@ -176,11 +178,11 @@ struct ImpactResult {
   long steps = 0;                           // accepted, of all contacts
 };
 
-// Effective friction of a measured or computed impact, an impulse ratio.
+// Effective friction of an impact, an impulse ratio, positive where it opposes the slip.
 struct EffectiveFriction {
   double published = 0;    // Eq. 3.12: leaves gravity's impulse out
   double sound = 0;        // (dvt + g sin(angle) T) / (dvn + g cos(angle) T)
-  double rolling_cap = 0;  // |vt0 + R omega0| / [(1 + 1/kappa)(1 + e)|vn0|]
+  double rolling_cap = 0;  // (1 + e_t)|vt0 + R omega0| / [(1 + 1/kappa)(1 + e)|vn0|], e_t >= 0
 };
 
 // Velocities of the mass centre along and out of the surface (m/s) and spin (rad/s, positive

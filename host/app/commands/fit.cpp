@@ -11,6 +11,18 @@
 namespace impactdic::app {
 namespace {
 
+void print_goodness(const ShotFit& fit) {
+  if (fit.adequacy == Adequacy::kNotTested) return;
+  std::printf("chi square / freedom   %.4g, p %.2g: %s\n", fit.reduced_chi_square, fit.p_value,
+              fit.adequacy == Adequacy::kAdequate ? "adequate" : "INADEQUATE");
+  for (const RivalFit& rival : fit.rivals) {
+    std::printf("  %-20s %-10s %-18s AICc above the best %.4g\n",
+                std::string(name_of(rival.normal)).c_str(),
+                std::string(name_of(rival.friction)).c_str(),
+                std::string(name_of(rival.restitution_damping)).c_str(), rival.above_best);
+  }
+}
+
 void print(const FitResult& result) {
   if (result.shots.size() == 1) {
     for (const ParameterEstimate& p : result.shots[0].parameters) {
@@ -18,6 +30,7 @@ void print(const FitResult& result) {
                   p.ci95_low, p.ci95_high,
                   p.determined ? "" : "  NOT DETERMINED: ", p.determined ? "" : p.verdict.c_str());
     }
+    print_goodness(result.shots[0]);
     return;
   }
   for (const PooledEstimate& p : result.pooled) {
