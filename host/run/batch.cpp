@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "host/report/shots_csv.h"
@@ -56,6 +57,7 @@ class Batch {
   Session& session_;
   run::Caller& caller_;
   std::vector<run::BatchShot> shots_;
+  std::optional<run::OutputFolder> held_;
   fs::path output_;
   std::mutex mutex_;                // of what follows and of shots.csv
   std::vector<std::string> lines_;  // of shots.csv; empty: not measured yet
@@ -70,7 +72,8 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
   if (!request.table.empty()) run::read_shot_table(request.table, shots_);
   lines_.resize(shots_.size());
   const TrackFolder& output = request.output;
-  output_ = run::prepare_folder(output.folder, output.force || output.resume);
+  held_.emplace(output.folder, output.force || output.resume);
+  output_ = held_->path();
   fs::create_directories(shots_folder());
   if (fs::equivalent(shots_folder(), request.folder)) {
     throw InvalidArgument("the results would lie among the clips", request.folder,

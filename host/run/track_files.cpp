@@ -91,11 +91,11 @@ TrackFiles::TrackFiles(TrackFilesOptions options) : impl_(std::make_unique<Impl>
   impl_->options = std::move(options);
   impl_->take_over();
   if (!impl_->from) std::filesystem::remove(impl_->resume_path());
+  const auto keep = static_cast<std::int64_t>(impl_->earlier.size());
   impl_->csv =
-      std::make_unique<report::TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->earlier);
+      std::make_unique<report::TrackCsv>(impl_->csv_path(), impl_->options.scale, keep);
   if (impl_->options.with_poses) {
-    impl_->poses = std::make_unique<report::PoseCsv>(impl_->options.folder / "pose.csv",
-                                                     impl_->earlier.size());
+    impl_->poses = std::make_unique<report::PoseCsv>(impl_->options.folder / "pose.csv", keep);
   }
   if (impl_->options.overlay.wanted) {
     impl_->overlay = std::make_unique<report::OverlayFiles>(

@@ -73,7 +73,8 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run::Caller caller(control);
   TrackResult result;
   run::TrackRun run(request, session, caller, result, what_needs_the_rate(folder));
-  const fs::path path = run::prepare_folder(folder.folder, folder.force || folder.resume);
+  const run::OutputFolder output(folder.folder, folder.force || folder.resume);
+  const fs::path& path = output.path();
   run::SettingWriter settings;
   run::visit_track(settings, request, folder);
   run::TrackFilesOptions options = files_options(request, folder, result);
@@ -84,7 +85,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   if (folder.resume && fs::exists(path / "resume.json")) {
     run::require_same_job(path / "job.toml", settings);
   }
-  run::write_job_file(path / "job.toml", "track", settings.values());
+  run::begin_results(path, "track", settings);
   run.look();
 
   run::TrackFiles files(std::move(options));

@@ -121,10 +121,19 @@ void write_job_file(const fs::path& path, const std::string& command, const Sett
   SettingValues all = values;
   all["command"] = command;
   all["version"] = std::string(IMPACTDIC_VERSION);
-  std::ofstream file(path);
-  for (const auto& [key, value] : all) file << key << " = " << std::visit(TomlOf(), value) << '\n';
-  file << std::flush;
-  if (!file) throw FileError("cannot write the file", path.string());
+  // In one step: without its job a run cannot be gone on with.
+  const fs::path part = path.string() + ".part";
+  {
+    std::ofstream file(part);
+    for (const auto& [key, value] : all) {
+      file << key << " = " << std::visit(TomlOf(), value) << '\n';
+    }
+    file << std::flush;
+    if (!file) throw FileError("cannot write the file", path.string());
+  }
+  std::error_code error;
+  fs::rename(part, path, error);
+  if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
 }
 
 void require_same_job(const fs::path& path, const SettingWriter& now) {
