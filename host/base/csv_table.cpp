@@ -106,7 +106,7 @@ std::ofstream continue_table(const std::filesystem::path& file, const std::strin
                              std::int64_t rows) {
   if (rows == 0) {
     std::ofstream table(file, std::ios::trunc);
-    table << header << '\n';
+    table << header << '\n' << std::flush;
     if (!table) throw FileError("cannot write the file", file.string());
     return table;
   }

@@ -56,7 +56,7 @@ struct CorrelatedFrame {
   TrackStatus status = TrackStatus::kOk;
   dic::RigidMotion motion;              // of the region's centre
   std::span<const WindowMotion> field;  // per window of region_grid; empty for the reference
-  CorrelatePoint after;  // where a run goes on that ends behind this frame
+  CorrelatePoint after;                 // where a run goes on that ends behind this frame
 };
 
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;

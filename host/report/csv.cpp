@@ -80,8 +80,8 @@ MotionRow parse_motion_row(const std::vector<std::string>& cells, const std::str
   row.is_reference = cells[2] == "reference";
   if (!row.is_reference) row.status = parse_track_status(cells[2]);
   std::size_t column = 3;
-  for (double* value : {&row.dx_px, &row.dy_px, &row.rot_deg, &row.dx_sd_px, &row.dy_sd_px,
-                        &row.rot_sd_deg}) {
+  for (double* value :
+       {&row.dx_px, &row.dy_px, &row.rot_deg, &row.dx_sd_px, &row.dy_sd_px, &row.rot_sd_deg}) {
     const std::string& cell = cells[column++];
     *value = cell.empty() ? kNotMeasured : parse_double(cell, where);
   }
@@ -132,9 +132,7 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
 }
 
 TrackCsv::TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep)
-    : path_(std::move(path)),
-      scale_(scale),
-      file_(continue_table(path_, kTrackCsvHeader, keep)) {}
+    : path_(std::move(path)), scale_(scale), file_(continue_table(path_, kTrackCsvHeader, keep)) {}
 
 void TrackCsv::add(const TrackRow& row) { file_ << track_csv_line(row, scale_) << "\n"; }
 

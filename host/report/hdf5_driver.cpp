@@ -47,8 +47,8 @@ herr_t guarded(Driven& driven, Fn fn) {
 
 H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
   try {
-    auto file = (flags & H5F_ACC_TRUNC) != 0 ? JournaledFile::create(name)
-                                             : JournaledFile::open(name);
+    auto file =
+        (flags & H5F_ACC_TRUNC) != 0 ? JournaledFile::create(name) : JournaledFile::open(name);
     struct stat found = {};
     if (::stat(name, &found) != 0) return nullptr;
     return &(new Driven{{}, std::move(file), 0, {found.st_dev, found.st_ino}})->head;
@@ -100,9 +100,8 @@ herr_t flush(H5FD_t* file, hid_t, hbool_t) {
 
 herr_t truncate(H5FD_t* file, hid_t, hbool_t) {
   Driven& driven = of(file);
-  return guarded(driven, [&](JournaledFile& journaled) {
-    journaled.resize(driven.end_of_allocated);
-  });
+  return guarded(driven,
+                 [&](JournaledFile& journaled) { journaled.resize(driven.end_of_allocated); });
 }
 
 H5FD_class_t describe() {

@@ -79,8 +79,8 @@ JournaledFile::~JournaledFile() {
 void JournaledFile::read_file(std::uint64_t at, std::span<std::uint8_t> bytes) const {
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t got = ::pread(file_, bytes.data() + done, bytes.size() - done,
-                                static_cast<off_t>(at + done));
+    const ssize_t got =
+        ::pread(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail("cannot read the file", path_);
     if (got == 0) break;
@@ -92,8 +92,8 @@ void JournaledFile::read_file(std::uint64_t at, std::span<std::uint8_t> bytes) c
 void JournaledFile::write_file(std::uint64_t at, std::span<const std::uint8_t> bytes) {
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t put = ::pwrite(file_, bytes.data() + done, bytes.size() - done,
-                                 static_cast<off_t>(at + done));
+    const ssize_t put =
+        ::pwrite(file_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) fail("cannot write the file", path_);
     done += static_cast<std::size_t>(put);

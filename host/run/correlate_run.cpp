@@ -185,10 +185,9 @@ void CorrelateRun::go_on(const pipeline::CorrelatePoint& from, std::vector<Motio
   }
   options_.from = from;
   result_.rows = std::move(rows);
-  result_.frames_measured =
-      std::count_if(result_.rows.begin(), result_.rows.end(), [](const MotionRow& row) {
-        return !row.is_reference && row.status == TrackStatus::ok;
-      });
+  result_.frames_measured = std::count_if(
+      result_.rows.begin(), result_.rows.end(),
+      [](const MotionRow& row) { return !row.is_reference && row.status == TrackStatus::ok; });
 }
 
 void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
@@ -220,8 +219,9 @@ void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
   }
   note_speed();
   if (options_.times != nullptr && !times.rows().empty()) {
-    caller_.say(MessageKind::timing,
-                times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size() - before)));
+    caller_.say(
+        MessageKind::timing,
+        times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size() - before)));
   }
 }
 

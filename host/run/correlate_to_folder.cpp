@@ -36,20 +36,18 @@ class CorrelateFiles {
   CorrelateFiles(const fs::path& folder, const CorrelateRequest& request, std::size_t windows,
                  const report::Attributes& attributes, int compression, bool resume)
       : folder_(folder) {
-    if (resume && fs::exists(resume_path())) {
+    if (resume) {
       from_ = report::read_correlate_point(resume_path());
       rows_ = report::read_motion_csv(folder / "motion.csv");
-    } else {
-      fs::remove(resume_path());
     }
     const auto keep = from_ ? static_cast<std::size_t>(from_->next_row) : 0;
     table_.emplace(folder / "motion.csv", keep);  // refuses a table that is too short
     rows_.resize(keep);
     const int window_px = request.field.window_px;
     const fs::path fields = folder / "fields.h5";
-    fields_.emplace(keep > 0 ? report::FieldsFile::resume(fields, window_px, keep)
-                             : report::FieldsFile::create(fields, windows, window_px, attributes,
-                                                          compression));
+    fields_.emplace(
+        keep > 0 ? report::FieldsFile::resume(fields, window_px, keep)
+                 : report::FieldsFile::create(fields, windows, window_px, attributes, compression));
   }
 
   const std::optional<pipeline::CorrelatePoint>& from() const { return from_; }
@@ -110,14 +108,13 @@ CorrelateResult correlate_to_folder(const CorrelateRequest& request, const Corre
   report::Attributes attributes = run::attributes_of(session, run.info());
   settings.describe(attributes);
   run::visit_session(settings, session.options());
-  if (folder.resume && fs::exists(path / "resume.json")) {
-    run::require_same_job(path / "job.toml", settings);
-  }
-  run::begin_results(path, "correlate", settings);
+  const bool going_on = folder.resume && fs::exists(path / "resume.json");
+  if (going_on) run::require_same_job(path / "job.toml", settings);
+  run::begin_results(path, "correlate", settings, going_on);
   run.look();
 
   CorrelateFiles files(path, request, run.windows().size(), attributes, folder.compression,
-                       folder.resume);
+                       going_on);
   if (files.from()) run.go_on(*files.from(), std::move(files.rows()));
   run::DigestBeside digest(request.clip, run.info(), true);
   const auto finish = [&] {
@@ -129,9 +126,9 @@ CorrelateResult correlate_to_folder(const CorrelateRequest& request, const Corre
     report::write_json(path / "summary.json", summary);
   };
   try {
-    run.measure([&](const MotionRow& row, std::span<const WindowMotion> field) {
-      files.add(row, run.windows(), field);
-    }, [&](const pipeline::CorrelatePoint& point) { files.reach(point); });
+    run.measure([&](const MotionRow& row,
+                    std::span<const WindowMotion> field) { files.add(row, run.windows(), field); },
+                [&](const pipeline::CorrelatePoint& point) { files.reach(point); });
   } catch (...) {
     finish();  // what was measured is kept
     throw;

@@ -42,8 +42,16 @@ OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder
 }
 
 void begin_results(const fs::path& folder, const std::string& command,
-                   const SettingWriter& settings) {
+                   const SettingWriter& settings, bool going_on) {
   for (const char* name : {"summary.json", "SHA256SUMS"}) fs::remove(folder / name);
+  fs::remove_all(folder / "key_frames");
+  if (!going_on) {
+    // The point first: it speaks of the others.
+    for (const char* name :
+         {"resume.json", "track.csv", "motion.csv", "pose.csv", "fields.h5", "fields.h5.journal"}) {
+      fs::remove(folder / name);
+    }
+  }
   write_job_file(folder / "job.toml", command, settings.values());
 }
 

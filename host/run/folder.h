@@ -30,10 +30,11 @@ class OutputFolder {
   std::unique_ptr<FolderLock> lock_;
 };
 
-// Writes the job that `settings` make up, and takes away what an earlier run said of its results:
-// none of it holds until this one has ended. Throws FileError.
+// Writes the job that `settings` make up. Takes away what an earlier run said of its results, for
+// none of it holds until this one has ended; and its tables, unless this run is `going_on` with
+// them. Throws FileError.
 void begin_results(const std::filesystem::path& folder, const std::string& command,
-                   const SettingWriter& settings);
+                   const SettingWriter& settings, bool going_on);
 
 // Version, device, driver, source (its digest comes later) and axes, for fields.h5.
 report::Attributes attributes_of(const Session& session, const ClipInfo& info);

@@ -34,7 +34,6 @@ run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFol
   options.with_field = request.with_field;
   options.with_poses = request.with_field && request.estimator == Estimator::kBall;
   options.overlay = folder.overlay;
-  options.resume = folder.resume;
   options.roi = result.roi;
   return options;
 }
@@ -46,7 +45,11 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
   summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
   summary["advice"] = report::describe_advice(result.advice);
   summary["warnings"] = result.warnings;
-  summary["frames_per_s"] = result.frames_per_s;
+  if (result.seconds > 0) {
+    summary["frames_per_s"] = result.frames_per_s;
+  } else {
+    summary["frames_per_s"] = nullptr;  // an earlier run had measured all of them
+  }
   summary["gravity_angle_deg"] = request.gravity_angle_deg;
   if (result.cancelled) summary["cancelled"] = true;
   return summary;
@@ -82,10 +85,10 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   options.attributes = run::attributes_of(session, run.info());
   settings.describe(options.attributes);
   run::visit_session(settings, session.options());
-  if (folder.resume && fs::exists(path / "resume.json")) {
-    run::require_same_job(path / "job.toml", settings);
-  }
-  run::begin_results(path, "track", settings);
+  options.rows = result.frames.count();
+  options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);
+  if (options.resume) run::require_same_job(path / "job.toml", settings);
+  run::begin_results(path, "track", settings, options.resume);
   run.look();
 
   run::TrackFiles files(std::move(options));
@@ -112,7 +115,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
     report::write_json(path / "summary.json", summary);
   };
   try {
-    run.measure(outputs);
+    if (!files.is_complete()) run.measure(outputs);
   } catch (...) {
     finish();  // what was measured is kept
     throw;

@@ -70,7 +70,8 @@ std::string comparable(const SettingValues& job, const std::string& key) {
 }  // namespace
 
 void SettingWriter::note(const Setting& setting, SettingValue value) {
-  if (setting.kind & kMayChange) may_change_.emplace_back(setting.key);
+  if (setting.kind & (kMayChange | kAfterwards)) may_change_.emplace_back(setting.key);
+  if (setting.kind & kAfterwards) afterwards_.emplace_back(setting.key);
   if (setting.attribute != nullptr) attributes_[setting.attribute] = value;
   if (auto* flag = std::get_if<bool>(&value)) {
     if (setting.kind & kNegated) *flag = !*flag;
@@ -152,6 +153,13 @@ void require_same_job(const fs::path& path, const SettingWriter& now) {
         "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
         path.string(), "go on with the same, or start anew with --force");
   }
+}
+
+bool same_afterwards(const fs::path& path, const SettingWriter& now) {
+  const SettingValues earlier = read_job_file(path);
+  return std::all_of(now.afterwards().begin(), now.afterwards().end(), [&](const auto& key) {
+    return comparable(earlier, key) == comparable(now.values(), key);
+  });
 }
 
 }  // namespace impactdic::run
