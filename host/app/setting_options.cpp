@@ -67,6 +67,7 @@ OptionHelps other_helps() {
         {}}},
       {"raw", {"WIDTHxHEIGHTxBITS: the file is bare pixels", {}}},
       {"fps", {"Frames a second; overrides the file's own rate", positive_number()}},
+      {"max-megapixels", {"Largest picture that is read, 10^6 pixels", positive_number()}},
       {"reference", {"Measure against: first or previous", {}}},
       {"mask", {"Picture: only its non-zero pixels are measured", {}}},
       {"polygon", {"X,Y,X,Y,X,Y...: corners, px; only pixels inside are measured", {}}},

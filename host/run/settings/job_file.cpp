@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "host/base/parse.h"
+#include "host/base/toml_text.h"
 
 namespace impactdic::run {
 namespace {
@@ -104,10 +105,9 @@ void SettingWriter::describe(report::Attributes& attributes) const {
 }
 
 SettingValues read_job_file(const fs::path& path) {
-  if (!fs::is_regular_file(path)) throw FileError("cannot read the job file", path.string());
   SettingValues values;
   try {
-    for (const auto& [key, node] : toml::parse_file(path.string())) {
+    for (const auto& [key, node] : toml::parse(read_toml_text(path))) {
       const std::string name(key.str());
       values[name] = value_of_node(node, path.string() + ", key " + name);
     }
