@@ -16,6 +16,7 @@
 #include "host/run/batch_table.h"
 #include "host/run/control.h"
 #include "host/run/folder.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 
 namespace impactdic {
@@ -91,7 +92,7 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
   run::SettingWriter settings;
   run::visit_batch(settings, request);
   run::visit_session(settings, session.options());
-  run::write_job_file(output_ / "job.toml", "batch", settings.values());
+  run::begin_results(output_, "batch", settings, true);
   result_.table = (output_ / "shots.csv").string();
   for (const run::BatchShot& shot : shots_) {
     ShotResult& entry = result_.shots.emplace_back();
@@ -117,6 +118,7 @@ BatchResult Batch::run() {
   }
   if (!waiting.empty()) measure_all(waiting);
   write_table();
+  if (request_.output.checksum) run::write_digests(output_);
   conclude();
   return std::move(result_);
 }

@@ -1,6 +1,7 @@
 // `correlate` with files at its edge.
 #include <impactdic/error.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "host/run/correlate_run.h"
 #include "host/run/folder.h"
 #include "host/run/open_clip.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 
 namespace impactdic {
@@ -113,22 +115,24 @@ CorrelateResult correlate_to_folder(const CorrelateRequest& request, const Corre
   run::begin_results(path, "correlate", settings, going_on);
   run.look();
 
-  CorrelateFiles files(path, request, run.windows().size(), attributes, folder.compression,
-                       going_on);
-  if (files.from()) run.go_on(*files.from(), std::move(files.rows()));
+  auto files = std::make_unique<CorrelateFiles>(path, request, run.windows().size(), attributes,
+                                                folder.compression, going_on);
+  if (files->from()) run.go_on(*files->from(), std::move(files->rows()));
   run::DigestBeside digest(request.clip, run.info(), true);
   const auto finish = [&] {
-    files.flush();
+    files->flush();
     const video::ClipDigest found = digest.get();
-    if (digest.wanted()) files.fields().set_source_digest(found);
+    if (digest.wanted()) files->fields().set_source_digest(found);
     nlohmann::json summary = summarise(result, session);
     summary["input"] = report::describe_input(run.info(), found);
     report::write_json(path / "summary.json", summary);
+    files.reset();
+    run::write_digests(path);
   };
   try {
     run.measure([&](const MotionRow& row,
-                    std::span<const WindowMotion> field) { files.add(row, run.windows(), field); },
-                [&](const pipeline::CorrelatePoint& point) { files.reach(point); });
+                    std::span<const WindowMotion> field) { files->add(row, run.windows(), field); },
+                [&](const pipeline::CorrelatePoint& point) { files->reach(point); });
   } catch (...) {
     finish();  // what was measured is kept
     throw;

@@ -2,6 +2,7 @@
 #include <impactdic/error.h>
 
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/base/parse.h"
@@ -12,6 +13,7 @@
 #include "host/report/summary.h"
 #include "host/run/folder.h"
 #include "host/run/open_clip.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 #include "host/run/track_files.h"
 #include "host/run/track_run.h"
@@ -91,31 +93,33 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run::begin_results(path, "track", settings, options.resume);
   run.look();
 
-  run::TrackFiles files(std::move(options));
+  auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);
-  result.rows = files.earlier_rows();
+  result.rows = files->earlier_rows();
   run::TrackRun::Outputs outputs;
-  outputs.from = files.resume_point();
+  outputs.from = files->resume_point();
   outputs.grid = [&](std::span<const Window> grid, double radius_px) {
-    files.set_grid(grid, radius_px);
+    files->set_grid(grid, radius_px);
   };
-  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files.add(frame); };
-  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files.reach(point); };
+  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files->add(frame); };
+  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files->reach(point); };
   const auto finish = [&] {
     run.conclude();
-    files.finish(result);
+    files->finish(result);
     nlohmann::json summary = summarise(request, result, session);
     const Stopwatch waiting;
     const video::ClipDigest found = digest.get();
-    if (digest.wanted()) files.set_source_digest(found);
+    if (digest.wanted()) files->set_source_digest(found);
     summary["checksum_wait_s"] = waiting.seconds();
     summary["input"] = report::describe_input(run.info(), found);
     summary["key_frames"] =
         report::write_key_frames(run.source(), result.rows, result.impact_si, path);
     report::write_json(path / "summary.json", summary);
+    files.reset();
+    if (folder.checksum) run::write_digests(path);
   };
   try {
-    if (!files.is_complete()) run.measure(outputs);
+    if (!files->is_complete()) run.measure(outputs);
   } catch (...) {
     finish();  // what was measured is kept
     throw;
