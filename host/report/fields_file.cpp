@@ -200,6 +200,7 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
   for (const auto& [name, value] : attributes) {
     std::visit([&](const auto& v) { impl->file.set_attribute("/", name, v); }, value);
   }
+  impl->file.flush();  // a file without frames, from which on it is never half written
   return FieldsFile(std::move(impl));
 }
 

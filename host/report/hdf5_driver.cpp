@@ -1,7 +1,5 @@
 #include "host/report/hdf5_driver.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <compare>
 #include <cstdint>
@@ -49,9 +47,8 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
   try {
     auto file =
         (flags & H5F_ACC_TRUNC) != 0 ? JournaledFile::create(name) : JournaledFile::open(name);
-    struct stat found = {};
-    if (::stat(name, &found) != 0) return nullptr;
-    return &(new Driven{{}, std::move(file), 0, {found.st_dev, found.st_ino}})->head;
+    const auto identity = file.identity();
+    return &(new Driven{{}, std::move(file), 0, identity})->head;
   } catch (const std::exception&) {
     return nullptr;
   }

@@ -44,8 +44,9 @@ std::uint64_t number_at(const std::string& text, std::size_t at) {
 
 fs::path JournaledFile::journal_of(const fs::path& file) { return file.string() + ".journal"; }
 
-JournaledFile::JournaledFile(fs::path path, int flags) : path_(std::move(path)) {
-  file_ = ::open(path_.c_str(), flags | O_RDWR | O_CLOEXEC, 0666);
+JournaledFile::JournaledFile(fs::path path, bool is_new) : path_(std::move(path)), is_new_(is_new) {
+  const int flags = is_new ? O_CREAT | O_TRUNC : 0;
+  file_ = ::open((is_new ? unnamed() : path_).c_str(), flags | O_RDWR | O_CLOEXEC, 0666);
   if (file_ < 0) fail("cannot open the file", path_);
 }
 
@@ -53,11 +54,11 @@ JournaledFile JournaledFile::create(fs::path path) {
   std::error_code error;  // of an older file: its end would spoil this one
   fs::remove(journal_of(path), error);
   if (error) throw FileError("cannot remove the file: " + error.message(), path.string());
-  return {std::move(path), O_CREAT | O_TRUNC};
+  return {std::move(path), true};
 }
 
 JournaledFile JournaledFile::open(fs::path path) {
-  JournaledFile file(std::move(path), 0);
+  JournaledFile file(std::move(path), false);
   file.apply_journal();
   struct stat found = {};
   if (::fstat(file.file_, &found) != 0) fail("cannot read the file", file.path_);
@@ -68,12 +69,21 @@ JournaledFile JournaledFile::open(fs::path path) {
 JournaledFile::JournaledFile(JournaledFile&& other) noexcept
     : path_(std::move(other.path_)),
       file_(std::exchange(other.file_, -1)),
+      is_new_(other.is_new_),
       committed_(other.committed_),
       size_(other.size_),
       pages_(std::move(other.pages_)) {}
 
 JournaledFile::~JournaledFile() {
-  if (file_ >= 0) ::close(file_);
+  if (file_ < 0) return;
+  ::close(file_);
+  if (is_new_) ::unlink(unnamed().c_str());
+}
+
+std::pair<std::uint64_t, std::uint64_t> JournaledFile::identity() const {
+  struct stat found = {};
+  if (::fstat(file_, &found) != 0) fail("cannot read the file", path_);
+  return {found.st_dev, found.st_ino};
 }
 
 void JournaledFile::read_file(std::uint64_t at, std::span<std::uint8_t> bytes) const {
@@ -189,6 +199,9 @@ void JournaledFile::commit() {
   if (in_place) fs::remove(journal_of(path_));
   pages_.clear();
   committed_ = size_;
+  if (!is_new_) return;
+  if (::rename(unnamed().c_str(), path_.c_str()) != 0) fail("cannot write the file", path_);
+  is_new_ = false;
 }
 
 }  // namespace impactdic::report

@@ -10,13 +10,15 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace impactdic::report {
 
 class JournaledFile {
  public:
-  // Starts the file anew. Throws FileError here and below.
+  // Starts the file anew. It gets its name at the first commit, in one step. Throws FileError here
+  // and below.
   static JournaledFile create(std::filesystem::path path);
   // Opens it for reading and writing, after the end of a commit that was interrupted.
   static JournaledFile open(std::filesystem::path path);
@@ -32,12 +34,15 @@ class JournaledFile {
   std::uint64_t size() const { return size_; }
   // From here on the file holds what was written, and has this size.
   void commit();
+  // Device and inode.
+  std::pair<std::uint64_t, std::uint64_t> identity() const;
 
   // Where a commit's changes stand until they are in the file.
   static std::filesystem::path journal_of(const std::filesystem::path& file);
 
  private:
-  JournaledFile(std::filesystem::path path, int flags);
+  JournaledFile(std::filesystem::path path, bool is_new);
+  std::filesystem::path unnamed() const { return path_.string() + ".new"; }
   void read_file(std::uint64_t at, std::span<std::uint8_t> bytes) const;
   void write_file(std::uint64_t at, std::span<const std::uint8_t> bytes);
   void write_journal() const;
@@ -46,6 +51,7 @@ class JournaledFile {
 
   std::filesystem::path path_;
   int file_ = -1;
+  bool is_new_ = false;          // not committed yet
   std::uint64_t committed_ = 0;  // bytes that must stay as they are until the next commit
   std::uint64_t size_ = 0;
   std::map<std::uint64_t, std::vector<std::uint8_t>> pages_;  // changed ones before `committed_`

@@ -47,8 +47,8 @@ void begin_results(const fs::path& folder, const std::string& command,
   fs::remove_all(folder / "key_frames");
   if (!going_on) {
     // The point first: it speaks of the others.
-    for (const char* name :
-         {"resume.json", "track.csv", "motion.csv", "pose.csv", "fields.h5", "fields.h5.journal"}) {
+    for (const char* name : {"resume.json", "track.csv", "motion.csv", "pose.csv", "fields.h5",
+                             "fields.h5.journal", "fields.h5.new"}) {
       fs::remove(folder / name);
     }
   }

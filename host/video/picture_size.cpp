@@ -78,7 +78,7 @@ PictureSize size_of_pgm(const ByteFile& file) {
 
 PictureSize picture_size(const ByteFile& file) {
   const auto head = file.head(24);
-  if (head.size() < 24) refuse(file, 0);
+  if (head.empty() || (head[0] == 0x89 && head.size() < 24)) refuse(file, 0);
   if (head[0] == 0x89) return {big_endian(head, 16, 4), big_endian(head, 20, 4)};
   if (head[0] == 0xff) return size_of_jpeg(file);
   if (head[0] == 'B') return size_of_bmp(file);

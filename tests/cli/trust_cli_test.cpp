@@ -1,4 +1,5 @@
-// From outside: interrupted and competing runs, damaged and hostile files, results that are checked.
+// From outside: interrupted and competing runs, damaged and hostile files, results that are
+// checked.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,10 +42,9 @@ class LongClip {
   int interrupt(const std::string& what, const std::string& out, const std::string& then) const {
     fs::remove_all(path(out));
     const std::string point = quoted(path(out) / "resume.json");
-    const std::string script = std::string(IMPACTDIC_PROGRAM) + " " + command(what, out) +
-                               " 2> " + quoted(path("said")) +
-                               " & pid=$!; while kill -0 $pid && [ ! -e " + point +
-                               " ]; do sleep 0.01; done; " + then;
+    const std::string script = std::string(IMPACTDIC_PROGRAM) + " " + command(what, out) + " 2> " +
+                               quoted(path("said")) + " & pid=$!; while kill -0 $pid && [ ! -e " +
+                               point + " ]; do sleep 0.01; done; " + then;
     const int raw = std::system(("exec 2> /dev/null; " + script).c_str());
     return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
   }
@@ -67,7 +67,8 @@ TEST(Interrupts, SigtermEndsARunThatCanBeGoneOnWith) {
   ASSERT_EQ(clip().interrupt("track", "term", "kill -TERM $pid; wait $pid; exit $?"), 128 + 15);
   EXPECT_NE(read_text(clip().path("said")).find("--resume goes on"), std::string::npos);
   const auto summary = nlohmann::json::parse(read_text(clip().path("term/summary.json")));
-  EXPECT_TRUE(summary.value("cancelled", false));
+  // What was on its way when the signal came may have been the rest.
+  EXPECT_EQ(summary.value("cancelled", false), summary["frames_analysed"] < 300);
   ASSERT_EQ(run_program(clip().command("track", "term", "--resume")).status, 0);
   for (const char* name : {"track.csv", "pose.csv"}) {
     EXPECT_EQ(read_text(clip().path("whole") / name), read_text(clip().path("term") / name));
@@ -85,15 +86,16 @@ TEST(Interrupts, CorrelateGoesOnToTheSameBytes) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(read_text(clip().path("moved/motion.csv")), read_text(clip().path("cut/motion.csv")));
   }
-  expect_one_line(clip().command("correlate --window 21", "cut", "--resume"), 2, "window");
+  expect_one_line(clip().command("correlate --reference previous --window 21", "cut", "--resume"),
+                  2, "window");
 }
 
 TEST(Resume, WhatIsMeasuredIsNotMeasuredAgain) {
   ASSERT_EQ(run_program(clip().command("track", "again", "--force")).status, 0);
   const std::string before = read_text(clip().path("again/pose.csv"));
-  ASSERT_EQ(run_program(clip().command("track", "again", "--resume --mm-per-px 0.5 --fps 0.1"))
-                .status,
-            2);  // the rate says how frames follow each other
+  ASSERT_EQ(
+      run_program(clip().command("track", "again", "--resume --mm-per-px 0.5 --fps 0.1")).status,
+      2);  // the rate says how frames follow each other
   ASSERT_EQ(run_program(clip().command("track", "again", "--resume --surface-angle-deg 20")).status,
             0);
   const auto summary = nlohmann::json::parse(read_text(clip().path("again/summary.json")));
@@ -164,8 +166,8 @@ TEST(Batch, ACorrectedTableTakesEffectWithoutMeasuring) {
   }
   const auto batch = [&](const std::string& out, const std::string& angle,
                          const std::string& options) {
-    std::ofstream(folder / "table.csv") << "file,surface_angle_deg,notes\na.tif," << angle
-                                        << ",=1+1\n";
+    std::ofstream(folder / "table.csv")
+        << "file,surface_angle_deg,notes\na.tif," << angle << ",=1+1\n";
     return run_program("batch " + quoted(folder / "clips") + " --fps 10000 --ball-diameter-mm 67 " +
                        "-q --table " + quoted(folder / "table.csv") + " -o " +
                        quoted(folder / out) + " " + options);
@@ -202,8 +204,8 @@ TEST(Limits, SmallFilesThatAskForMuchAreRefused) {
   std::ofstream(folder / "large.pgm") << "P5 9000 9000 255\n";
   expect_one_line("info " + quoted(folder / "large.pgm"), 1, "--max-megapixels");
   expect_one_line("info " + quoted(folder / "large.pgm") + " --max-megapixels -1", 2, "positive");
-  const Outcome raised = run_program("info " + quoted(folder / "large.pgm") +
-                                     " --max-megapixels 100");
+  const Outcome raised =
+      run_program("info " + quoted(folder / "large.pgm") + " --max-megapixels 100");
   EXPECT_EQ(raised.status, 1);  // its pixels are missing
   EXPECT_EQ(raised.err.find("--max-megapixels"), std::string::npos) << raised.err;
 }

@@ -245,9 +245,10 @@ TEST(Digests, SayWhatWasChangedCutOffOrTakenAway) {
   for (const auto& file : run::check_digests(folder / "").files) {
     EXPECT_EQ(file.state, run::FileState::same) << file.file;
   }
-  EXPECT_EQ(std::system(("cd '" + folder.string() + "' && sha256sum -c --quiet --strict SHA256SUMS")
-                            .c_str()),
-            0);
+  EXPECT_EQ(
+      std::system(
+          ("cd '" + folder.string() + "' && sha256sum -c --quiet --strict SHA256SUMS").c_str()),
+      0);
   std::ofstream(folder / "track.csv") << "track.csv as it WAS";
   fs::resize_file(folder / "fields.h5", 5);
   fs::remove(folder / "pose.csv");
@@ -280,8 +281,10 @@ TEST(TomlNesting, OrdinaryJobsPassAndDeepOnesDoNot) {
     return text;
   }();
   EXPECT_NO_THROW(check_toml_nesting("a = 1.5\n[b.c]\nd = [1.0, 2.0]\n# " + dots, ""));
-  EXPECT_NO_THROW(check_toml_nesting("a = '" + dots + "'\nb = \"" + dots + "\\\"" + dots + "\"", ""));
-  EXPECT_NO_THROW(check_toml_nesting("a = '''\n" + dots + "\n'''\nb = \"\"\"" + dots + "\"\"\"", ""));
+  EXPECT_NO_THROW(
+      check_toml_nesting("a = '" + dots + "'\nb = \"" + dots + "\\\"" + dots + "\"", ""));
+  EXPECT_NO_THROW(
+      check_toml_nesting("a = '''\n" + dots + "\n'''\nb = \"\"\"" + dots + "\"\"\"", ""));
   EXPECT_NO_THROW(check_toml_nesting(deep("[", "]", 60), ""));
   EXPECT_THROW(check_toml_nesting(dots + " = 1", ""), InvalidArgument);
   EXPECT_THROW(check_toml_nesting("[" + dots + "]", ""), InvalidArgument);

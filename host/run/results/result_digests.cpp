@@ -16,8 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kDigestLength = 64;
-constexpr std::array kFiles = {"fields.h5", "job.toml",    "motion.csv",   "overlay.mp4", "pose.csv",
-                               "resume.json", "shots.csv", "summary.json", "track.csv"};
+constexpr std::array kFiles = {"fields.h5",   "job.toml",     "motion.csv",
+                               "overlay.mp4", "pose.csv",     "resume.json",
+                               "shots.csv",   "summary.json", "track.csv"};
 constexpr std::array kFolders = {"key_frames", "overlay"};
 
 std::vector<std::string> result_files(const fs::path& folder) {
