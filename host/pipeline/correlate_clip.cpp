@@ -291,6 +291,14 @@ class RegionCorrelator {
   int vain_searches_ = 0;   // since a motion was found
 };
 
+// Has the correlator go on where an earlier run ended.
+void take_up(RegionCorrelator& region, FrameSource& source, const CorrelateOptions& options) {
+  const bool from_first = options.reference == ReferenceFrame::kFirst;
+  auto before = std::make_shared<Frame>();
+  source.read(options.frames.at(from_first ? 0 : options.from->next_row - 1), *before);
+  region.go_on(*options.from, std::move(before));
+}
+
 }  // namespace
 
 std::vector<Window> region_grid(const CorrelateOptions& options) {
@@ -323,12 +331,7 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   RegionCorrelator region(engine, options, source.info(), stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
   const std::int64_t first = options.from ? options.from->next_row : 0;
-  if (first > 0) {
-    auto before = std::make_shared<Frame>();
-    const bool from_first = options.reference == ReferenceFrame::first;
-    source.read(options.frames.at(from_first ? 0 : first - 1), *before);
-    region.go_on(*options.from, std::move(before));
-  }
+  if (first > 0) take_up(region, source, options);
   BatchReader reader(source, options.frames, first, whole, kBatch);
   const auto is_cancelled = [&] { return options.cancelled && options.cancelled(); };
   std::exception_ptr error;

@@ -76,6 +76,10 @@ JournaledFile::JournaledFile(JournaledFile&& other) noexcept
 
 JournaledFile::~JournaledFile() {
   if (file_ < 0) return;
+  try {
+    if (applying_) apply_journal();  // what failed once may go now; else who opens it next does it
+  } catch (const Error&) {
+  }
   ::close(file_);
   if (is_new_) ::unlink(unnamed().c_str());
 }
@@ -190,13 +194,19 @@ void JournaledFile::apply_journal() {
 
 void JournaledFile::commit() {
   const bool in_place = !pages_.empty() || size_ < committed_;
+  const auto set_size = [&] {
+    if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail("cannot write the file", path_);
+  };
+  if (size_ >= committed_) set_size();  // harms nothing; what may fail comes before the journal
   if (in_place) write_journal();
+  applying_ = in_place;
   for (const auto& [index, bytes] : pages_) {
     const std::uint64_t begin = index * kPage;
     write_file(begin, std::span(bytes).first(std::min(kPage, committed_ - begin)));
   }
-  if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) fail("cannot write the file", path_);
+  if (size_ < committed_) set_size();
   if (in_place) fs::remove(journal_of(path_));
+  applying_ = false;
   pages_.clear();
   committed_ = size_;
   if (!is_new_) return;

@@ -52,6 +52,7 @@ class JournaledFile {
   std::filesystem::path path_;
   int file_ = -1;
   bool is_new_ = false;          // not committed yet
+  bool applying_ = false;        // its journal is not all in it
   std::uint64_t committed_ = 0;  // bytes that must stay as they are until the next commit
   std::uint64_t size_ = 0;
   std::map<std::uint64_t, std::vector<std::uint8_t>> pages_;  // changed ones before `committed_`

@@ -200,8 +200,8 @@ void check(const circle::Circle& circle) {
 
 void check(const circle::CircleFit& fit) {
   demand(static_cast<unsigned>(fit.status) <=
-         static_cast<unsigned>(circle::CircleStatus::out_of_view));
-  if (fit.status != circle::CircleStatus::ok) return;
+         static_cast<unsigned>(circle::CircleStatus::kOutOfView));
+  if (fit.status != circle::CircleStatus::kOk) return;
   check(fit.circle);
   for (const double value : {fit.e1_px, fit.e2_px}) demand(is_usual(value));
 }

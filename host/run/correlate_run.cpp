@@ -187,7 +187,7 @@ void CorrelateRun::go_on(const pipeline::CorrelatePoint& from, std::vector<Motio
   result_.rows = std::move(rows);
   result_.frames_measured = std::count_if(
       result_.rows.begin(), result_.rows.end(),
-      [](const MotionRow& row) { return !row.is_reference && row.status == TrackStatus::ok; });
+      [](const MotionRow& row) { return !row.is_reference && row.status == TrackStatus::kOk; });
 }
 
 void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
@@ -220,7 +220,7 @@ void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
   note_speed();
   if (options_.times != nullptr && !times.rows().empty()) {
     caller_.say(
-        MessageKind::timing,
+        MessageKind::kTiming,
         times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size() - before)));
   }
 }

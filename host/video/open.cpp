@@ -28,16 +28,12 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
                               "convert the clip to TIFF, or build with IMPACTDIC_CODECS");
       }
       return options.open_codec({path}, options);
-    case FileKind::unknown:
+    case FileKind::kUnknown:
       break;
   }
   throw FormatError(path, 0, "the format is not known",
                     "headerless pixels need --raw WIDTHxHEIGHTxBITS");
 }
-
-}  // namespace
-
-namespace {
 
 std::unique_ptr<FrameSource> open_any(const std::vector<std::string>& inputs,
                                       const VideoOptions& options) {

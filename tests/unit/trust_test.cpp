@@ -243,7 +243,7 @@ TEST(Digests, SayWhatWasChangedCutOffOrTakenAway) {
   EXPECT_EQ(run::check_digests(folder / "").files.size(), 4u);
   EXPECT_EQ(run::check_digests(folder / "").version, IMPACTDIC_VERSION);
   for (const auto& file : run::check_digests(folder / "").files) {
-    EXPECT_EQ(file.state, run::FileState::same) << file.file;
+    EXPECT_EQ(file.state, run::FileState::kSame) << file.file;
   }
   EXPECT_EQ(
       std::system(
@@ -252,10 +252,10 @@ TEST(Digests, SayWhatWasChangedCutOffOrTakenAway) {
   std::ofstream(folder / "track.csv") << "track.csv as it WAS";
   fs::resize_file(folder / "fields.h5", 5);
   fs::remove(folder / "pose.csv");
-  EXPECT_EQ(state("track.csv"), run::FileState::changed);
-  EXPECT_EQ(state("fields.h5"), run::FileState::shorter);
-  EXPECT_EQ(state("pose.csv"), run::FileState::missing);
-  EXPECT_EQ(state("job.toml"), run::FileState::same);
+  EXPECT_EQ(state("track.csv"), run::FileState::kChanged);
+  EXPECT_EQ(state("fields.h5"), run::FileState::kShorter);
+  EXPECT_EQ(state("pose.csv"), run::FileState::kMissing);
+  EXPECT_EQ(state("job.toml"), run::FileState::kSame);
 }
 
 TEST(Digests, NoNameLeadsOutOfTheFolder) {

@@ -47,7 +47,7 @@ void check_results(const std::string& folder, bool failures_only) {
   const run::CheckedResults results = run::check_digests(folder);
   int wrong = 0;
   for (const run::CheckedFile& file : results.files) {
-    const bool same = file.state == run::FileState::same;
+    const bool same = file.state == run::FileState::kSame;
     wrong += !same;
     if (same && failures_only) continue;
     std::printf("  %-8s %s\n", run::to_string(file.state), file.file.c_str());

@@ -95,14 +95,14 @@ bool is_alive(const Owner& owner, const fs::path& path) {
               "wait for its end, or name another folder with -o");
 }
 
-enum class Taken { yes, no, unsupported };
+enum class Taken { kYes, kNo, kUnsupported };
 
 Taken lock_file(int file) {
   struct flock lock = {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;
-  if (::fcntl(file, F_OFD_SETLK, &lock) == 0) return Taken::yes;
-  return errno == EAGAIN || errno == EACCES ? Taken::no : Taken::unsupported;
+  if (::fcntl(file, F_OFD_SETLK, &lock) == 0) return Taken::kYes;
+  return errno == EAGAIN || errno == EACCES ? Taken::kNo : Taken::kUnsupported;
 }
 
 bool is_same_file(int file, const fs::path& path) {
@@ -147,10 +147,10 @@ bool FolderLock::try_take() {
   }
   const Taken taken = lock_file(file_);
   const Owner owner = read_owner(path_);
-  system_locks_ = taken != Taken::unsupported;
+  system_locks_ = taken != Taken::kUnsupported;
   // With the system's lock in hand a process of this machine cannot be its owner any more.
   const bool may_live = !system_locks_ || owner.host != host_name();
-  if (taken == Taken::no || (may_live && is_alive(owner, path_))) {
+  if (taken == Taken::kNo || (may_live && is_alive(owner, path_))) {
     give_up();
     refuse(owner, folder_);
   }

@@ -86,11 +86,11 @@ std::vector<Noted> read_digests(const fs::path& path, std::string& version) {
 
 FileState state_of(const fs::path& file, const Noted& noted) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return FileState::missing;
+  if (!fs::is_regular_file(file, error)) return FileState::kMissing;
   const std::uintmax_t bytes = fs::file_size(file, error);
-  if (bytes < noted.bytes) return FileState::shorter;
-  if (bytes > noted.bytes) return FileState::longer;
-  return sha256_of_file(file.string()) == noted.digest ? FileState::same : FileState::changed;
+  if (bytes < noted.bytes) return FileState::kShorter;
+  if (bytes > noted.bytes) return FileState::kLonger;
+  return sha256_of_file(file.string()) == noted.digest ? FileState::kSame : FileState::kChanged;
 }
 
 void check_folder(const fs::path& folder, const std::string& prefix, CheckedResults& results) {
@@ -104,15 +104,15 @@ void check_folder(const fs::path& folder, const std::string& prefix, CheckedResu
 
 const char* to_string(FileState state) {
   switch (state) {
-    case FileState::same:
+    case FileState::kSame:
       return "same";
-    case FileState::changed:
+    case FileState::kChanged:
       return "changed";
-    case FileState::shorter:
+    case FileState::kShorter:
       return "cut off";
-    case FileState::longer:
+    case FileState::kLonger:
       return "longer";
-    case FileState::missing:
+    case FileState::kMissing:
       return "missing";
   }
   return "";

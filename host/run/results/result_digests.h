@@ -15,12 +15,12 @@ inline constexpr const char* kDigestsName = "SHA256SUMS";
 // Throws FileError.
 void write_digests(const std::filesystem::path& folder);
 
-enum class FileState { same, changed, shorter, longer, missing };
+enum class FileState { kSame, kChanged, kShorter, kLonger, kMissing };
 const char* to_string(FileState state);
 
 struct CheckedFile {
   std::string file;  // from the folder on
-  FileState state = FileState::same;
+  FileState state = FileState::kSame;
 };
 
 struct CheckedResults {
