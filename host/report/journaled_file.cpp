@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -78,7 +79,7 @@ JournaledFile::~JournaledFile() {
   if (file_ < 0) return;
   try {
     if (applying_) apply_journal();  // what failed once may go now; else who opens it next does it
-  } catch (const Error&) {
+  } catch (const std::exception&) {
   }
   ::close(file_);
   if (is_new_) ::unlink(unnamed().c_str());
