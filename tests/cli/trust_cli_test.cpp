@@ -144,6 +144,9 @@ TEST(Verify, TellsWhetherResultsAreWhatTheirRunWrote) {
   const Outcome good = run_program(command);
   EXPECT_EQ(good.status, 0) << good.err;
   EXPECT_NE(good.out.find("same     fields.h5"), std::string::npos) << good.out;
+  const Outcome again = run_program(command + " -q --again");
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_NE(again.out.find("same     track.csv, measured again"), std::string::npos) << again.out;
   fs::resize_file(clip().path("checked/track.csv"), 1000);
   const Outcome bad = run_program(command);
   EXPECT_EQ(bad.status, 1);

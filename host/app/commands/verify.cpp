@@ -7,7 +7,9 @@
 #include <memory>
 
 #include "host/app/command.h"
+#include "host/app/run_context.h"
 #include "host/base/parse.h"
+#include "host/run/results/repeat_run.h"
 #include "host/run/results/result_digests.h"
 #include "sim/verify/verify_cases.h"
 #include "sim/verify/verify_rod.h"
@@ -65,6 +67,19 @@ void check_results(const std::string& folder, bool failures_only) {
   }
 }
 
+void repeat(const std::string& folder) {
+  Terminal terminal(true);
+  int wrong = 0;
+  for (const run::RepeatedFile& file : run::repeat_run(folder, terminal.control())) {
+    wrong += !file.same;
+    std::printf("  %-8s %s, measured again\n", file.same ? "same" : "differs", file.file.c_str());
+  }
+  if (wrong > 0) {
+    throw Error(std::to_string(wrong) + " tables come out otherwise", folder,
+                "another device, driver or version, or another clip, gives other figures");
+  }
+}
+
 }  // namespace
 
 void add_verify_command(CLI::App& app) {
@@ -74,7 +89,7 @@ void add_verify_command(CLI::App& app) {
                                          "DIR, results against the digests that their run left");
   struct Options {
     std::string only, folder;
-    bool quiet = false;
+    bool quiet = false, again = false;
   };
   auto options = std::make_shared<Options>();
   command->add_option("DIR", options->folder,
@@ -82,6 +97,8 @@ void add_verify_command(CLI::App& app) {
                       "Without DIR the models are checked");
   command->add_option("--only", options->only, "Only rows whose group or name contains this text");
   command->add_flag("-q,--quiet", options->quiet, "Print only the rows that fail, and the count");
+  command->add_flag("--again", options->again,
+                    "With DIR of track or correlate: run its job once more and compare the tables");
   command->footer(
       "Reads DIR/SHA256SUMS, which sha256sum -c understands too, and changes nothing.\n"
       "Example:\n  impactdic verify --only racket\n  impactdic verify shot_01");
@@ -90,10 +107,14 @@ void add_verify_command(CLI::App& app) {
       throw InvalidArgument("DIR and --only exclude each other", "command line",
                             "--only chooses among the models");
     }
+    if (options->folder.empty() && options->again) {
+      throw InvalidArgument("there is no DIR to run again", "--again");
+    }
     if (options->folder.empty()) {
       run_verify(options->only, options->quiet);
     } else {
       check_results(options->folder, options->quiet);
+      if (options->again) repeat(options->folder);
     }
   });
 }
