@@ -193,7 +193,7 @@ void demand(bool good) {
   if (!good) throw std::runtime_error("no run ends there");
 }
 
-void check(const circle::Circle& circle) {
+void check(const Circle& circle) {
   demand(is_usual(circle.cx_px) && is_usual(circle.cy_px) && is_usual(circle.r_px));
   demand(circle.r_px > 0);
 }
