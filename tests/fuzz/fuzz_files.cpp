@@ -131,7 +131,7 @@ const std::map<std::string, Kind> kKinds = {
     {"job", {"a.toml", [](const fs::path& path) { run::read_job_file(path); }}},
     {"simulate_job", {"a.toml", [](const fs::path& path) { sim::job::read_simulate_job(path); }}},
     {"rebound_job", {"a.toml", [](const fs::path& path) { sim::job::read_rebound_job(path); }}},
-    {"rod_job", {"a.toml", [](const fs::path& path) { sim::job::read_rod_job(path); }}},
+    {"rod_job", {"a.toml", [](const fs::path& path) { sim::rod::read_rod_job(path); }}},
     {"fit_job", {"a.toml", [](const fs::path& path) { sim::fit::read_fit_job(path); }}},
     {"compare_job", {"a.toml", [](const fs::path& path) { sim::compare::read_compare_job(path); }}},
     {"rod_compare_job",
