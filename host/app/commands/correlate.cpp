@@ -30,6 +30,8 @@ void add_correlate_command(CLI::App& app) {
   OptionAdder add(*command);
   run::visit_correlate(add, options->request, options->folder);
   command->add_option("-o,--output", options->folder.folder, "Folder for the results")->required();
+  command->add_flag("--resume", options->folder.resume,
+                    "Go on where an earlier run into the folder ended");
   command->get_option("--roi")->description(
       "X,Y,W,H: the rectangle that is measured, px; without it, the picture less the search "
       "radius");
