@@ -1,6 +1,8 @@
 #include "host/app/command.h"
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "host/app/job.h"
 #include "host/run/folder.h"
@@ -65,7 +67,8 @@ void refuse_non_numbers(CLI::App& app) {
 }
 
 std::filesystem::path prepare_output_directory(const std::string& dir, bool force) {
-  return run::prepare_folder(dir, force);
+  static std::vector<std::unique_ptr<run::OutputFolder>> held;  // until the program ends
+  return held.emplace_back(std::make_unique<run::OutputFolder>(dir, force))->path();
 }
 
 }  // namespace impactdic::app

@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "host/app/command.h"
+#include "host/app/interrupt.h"
 
 namespace {
 
-enum ExitStatus { kDone = 0, kFailed = 1, kWrongRequest = 2 };
+enum ExitStatus { kDone = 0, kFailed = 1, kWrongRequest = 2, kBySignal = 128 };
 
 int report(const std::string& line, ExitStatus status) {
   std::fprintf(stderr, "impactdic: error: %s\n", line.c_str());
@@ -68,7 +69,10 @@ int run(int argc, char** argv) {
   const std::vector<std::string> given(argv + 1, argv + argc);
   try {
     app.parse(argc, argv);
-    return kDone;
+    const int signal = impactdic::app::interrupted_by();
+    if (signal == 0) return kDone;
+    std::fputs("impactdic: interrupted: what was measured stays, --resume goes on\n", stderr);
+    return kBySignal + signal;
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {

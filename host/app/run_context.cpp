@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/app/compile_progress.h"
+#include "host/app/interrupt.h"
 #include "host/base/log.h"
 #include "host/run/folder.h"
 #include "host/run/session.h"
@@ -19,7 +20,9 @@ Session open_session(const Common& common) {
 }
 
 RunControl Terminal::control() {
+  watch_for_interrupts();
   RunControl control;
+  control.cancelled = [] { return interrupted_by() != 0; };
   control.progress = [this](const Progress& progress) { show(progress); };
   control.message = [this](const Message& message) { say(message, false); };
   return control;

@@ -24,6 +24,7 @@ Session open_session(const Common& common);
 class Terminal {
  public:
   explicit Terminal(bool quiet) : quiet_(quiet) {}
+  // Interrupts end the run with what it has measured.
   RunControl control();
   // As `control`, but notes are results: bare lines on stdout.
   RunControl control_with_results();

@@ -102,4 +102,37 @@ std::vector<std::string> CsvTable::text(const std::string& column) const {
   return values;
 }
 
+std::ofstream continue_table(const std::filesystem::path& file, const std::string& header,
+                             std::int64_t rows) {
+  if (rows == 0) {
+    std::ofstream table(file, std::ios::trunc);
+    table << header << '\n' << std::flush;
+    if (!table) throw FileError("cannot write the file", file.string());
+    return table;
+  }
+  std::uintmax_t kept = 0;
+  {
+    std::ifstream table(file, std::ios::binary);
+    if (!table) throw FileError("cannot read the file", file.string());
+    std::string line;
+    if (!std::getline(table, line) || trim(line) != header) {
+      throw FormatError(file.string(), 0, "this is no such table: its header differs");
+    }
+    std::int64_t found = 0;
+    while (found < rows && std::getline(table, line) && !table.eof()) ++found;
+    if (found < rows) {
+      throw FormatError(file.string(), -1,
+                        "it holds " + std::to_string(found) + " of the " + std::to_string(rows) +
+                            " frames that were measured",
+                        "--force without --resume starts anew");
+    }
+    kept = static_cast<std::uintmax_t>(table.tellg());
+  }
+  std::error_code error;
+  std::filesystem::resize_file(file, kept, error);
+  std::ofstream table(file, std::ios::app);
+  if (error || !table) throw FileError("cannot write the file", file.string());
+  return table;
+}
+
 }  // namespace impactdic

@@ -1,7 +1,9 @@
 // Reading tables of numbers: comma-separated, one header line, one row a line.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -34,5 +36,12 @@ class CsvTable {
   std::vector<std::vector<std::string>> rows_;
   std::vector<std::size_t> lines_;  // 1 is the header's
 };
+
+// Opens a table for writing. It keeps the first `rows` rows of an earlier run as they stand, which
+// at no instant are absent from the disk, and what is written goes behind them; without rows to
+// keep the table starts anew with its header. Throws FileError; FormatError where the file has
+// another header or fewer whole rows.
+std::ofstream continue_table(const std::filesystem::path& file, const std::string& header,
+                             std::int64_t rows);
 
 }  // namespace impactdic

@@ -65,8 +65,8 @@ struct CirclePrior {
   std::optional<double> compression_axis_rad;     // image axes, y down
 };
 
-// Finds the ball anywhere in a frame (Hough transform on a prepared picture, section 3.2.1 of
-// Ghaednia's dissertation); good to about a pixel. nullopt where there is none. Every circle that
+// Finds the ball anywhere in a frame (Hough transform on a prepared picture, dissertation,
+// section 3.2.1); good to about a pixel. nullopt where there is none. Every circle that
 // the transform proposes must prove itself by its rim (measure_circle), so that speckles, a
 // highlight inside the ball or a straight edge are not taken for a ball. Safe on several threads.
 std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options);

@@ -40,7 +40,10 @@ class Figures {
   }
   double restitution(const Vector& x) const { return impact::restitution(vn0(x), vn1(x)); }
   double rolling_cap(const Vector& x) const {
-    return impact::rolling_cap(tip(x), *options_.inertia_factor, surface_impulse(vn0(x), vn1(x)));
+    // Without the spin after nothing is known of the tip's reversal.
+    const double after = std::isfinite(x[kSpin1]) ? tip_velocity(vt1(x), x[kSpin1], radius_) : 0.0;
+    return impact::rolling_cap(tip(x), after, *options_.inertia_factor,
+                               surface_impulse(vn0(x), vn1(x)));
   }
   double closing_inertia(const Vector& x) const {
     return impact::closing_inertia(impulse_t(x), radius_, x[kSpin1] - x[kSpin0]);

@@ -3,8 +3,6 @@
 // counter-clockwise. Internal.
 #pragma once
 
-#include <cmath>
-
 namespace impactdic::impact {
 
 // Newton's restitution.
@@ -25,10 +23,15 @@ inline double against_slip(double tip) { return tip > 0 ? -1 : 1; }
 // in both): no more than the coefficient of friction, less where the ball stops slipping.
 inline double impulse_ratio(double impulse_t, double impulse_n) { return impulse_t / impulse_n; }
 
-// The impulse ratio that stops the tip, so that the ball rolls:
-// |vt + R omega| / [(1 + 1/kappa)(1 + e)|vn|] before, where (1 + e)|vn| = change_n for any e.
-inline double rolling_cap(double tip_before, double inertia_factor, double change_n) {
-  return std::abs(tip_before) / ((1 + 1 / inertia_factor) * change_n);
+// The impulse ratio that stops the tip, so that the ball rolls, and turns it round as far as it
+// does: (1 + e_t)|vt + R omega| / [(1 + 1/kappa)(1 + e)|vn|] before, where (1 + e)|vn| = change_n
+// for any e, and e_t >= 0 is the tip's velocity after over before, sign turned. Without e_t a
+// surface that springs back along itself exceeds it.
+inline double rolling_cap(double tip_before, double tip_after, double inertia_factor,
+                          double change_n) {
+  const double stopped = tip_before > 0 ? tip_before : -tip_before;
+  const double reversed = tip_before > 0 ? -tip_after : tip_after;
+  return (stopped + (reversed > 0 ? reversed : 0)) / ((1 + 1 / inertia_factor) * change_n);
 }
 
 // Inertia factor I / (m R^2) for which the tangential impulse explains the change of spin.

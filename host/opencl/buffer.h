@@ -29,7 +29,8 @@ class Buffer {
     }
   }
   Buffer(Buffer&&) noexcept = default;
-  Buffer& operator=(Buffer&&) noexcept = default;
+  // OpenCL could refuse to release what was held, which only a handle that is none makes it do.
+  Buffer& operator=(Buffer&&) noexcept = default;  // NOLINT(bugprone-exception-escape)
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
 

@@ -21,7 +21,8 @@ std::string build_options(const Defines& defines) {
   if (const char* further = std::getenv("IMPACTDIC_BUILD_OPTIONS")) {
     options += std::string(" ") + further;
   }
-  for (const auto& [name, value] : defines) options += " -D" + name + "=" + value;
+  for (const auto& [name, value] : defines)
+    options.append(" -D").append(name).append("=").append(value);
   return options;
 }
 
@@ -120,8 +121,7 @@ Engine::Program Engine::program(const std::string& file, const std::string& opti
   const std::lock_guard<std::mutex> lock(shared_->mutex);
   const auto found = shared_->programs.find(key);
   if (found != shared_->programs.end()) return found->second;
-  const Program made =
-      load_or_build(kernel_source(file, shared_->options.kernel_dir), options, file);
+  Program made = load_or_build(kernel_source(file, shared_->options.kernel_dir), options, file);
   shared_->programs.emplace(key, made);
   return made;
 }
@@ -135,7 +135,7 @@ Engine::Program Engine::load_or_build(const std::string& source, const std::stri
   if (!shared_->keeps_binaries) {
     // The entry only says that this machine has met the program: asked for a binary, PoCL would
     // compile all of its kernels a second time, for groups of any size.
-    const Program made = {build(source, options, file), !binary};
+    Program made = {build(source, options, file), !binary};
     if (!binary) shared_->cache.store(key, {1});
     return made;
   }
@@ -149,7 +149,7 @@ Engine::Program Engine::load_or_build(const std::string& source, const std::stri
     }
   }
   shared_->compiling->begin(file);
-  const Program made = {build(source, options, file)};
+  Program made = {build(source, options, file)};
   shared_->compiling->end(file);
   const auto binaries = made.program.getInfo<CL_PROGRAM_BINARIES>();
   if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
@@ -173,9 +173,7 @@ cl::Program Engine::build(const std::string& source, const std::string& options,
 
 void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
                     const cl::NDRange& global, const cl::NDRange& local, WorkCount work) {
-  const auto name = [&kernel] {
-    return std::string(kernel.getInfo<CL_KERNEL_FUNCTION_NAME>().c_str());
-  };
+  const auto name = [&kernel] { return kernel.getInfo<CL_KERNEL_FUNCTION_NAME>(); };
   try {
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, global, local, nullptr, &event);

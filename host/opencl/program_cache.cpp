@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "host/base/log.h"
+#include "host/base/private_folder.h"
 #include "host/base/sha256.h"
 
 namespace impactdic::opencl {
@@ -44,6 +45,11 @@ std::optional<std::vector<unsigned char>> ProgramCache::load(const std::string& 
   if (folder_.empty()) return std::nullopt;
   std::ifstream file(path_of(key), std::ios::binary);
   if (!file) return std::nullopt;
+  if (!is_trusted_folder(folder_)) {
+    library_log().warn("the kernel cache {} is not used: others may write into it",
+                       folder_.string());
+    return std::nullopt;
+  }
   const std::string entry((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const std::size_t head = kDigestLength + key.size() + 1;
   if (entry.size() <= head || entry.compare(kDigestLength, key.size(), key) != 0 ||
@@ -58,7 +64,11 @@ std::optional<std::vector<unsigned char>> ProgramCache::load(const std::string& 
 void ProgramCache::store(const std::string& key, const std::vector<unsigned char>& binary) const {
   if (folder_.empty()) return;
   std::error_code error;
-  std::filesystem::create_directories(folder_, error);
+  if (!make_private_folder(folder_)) {
+    library_log().warn("the kernel cache {} cannot be made, or others may write into it",
+                       folder_.string());
+    return;
+  }
   const std::filesystem::path target = path_of(key);
   const std::filesystem::path temporary = target.string() + "." + std::to_string(getpid());
   {

@@ -120,6 +120,15 @@ class RegionCorrelator {
     if (upload_.valid()) upload_.wait();
   }
 
+  // Takes up an earlier run; `before` is the picture that its next motion starts from.
+  void go_on(const CorrelatePoint& from, FramePtr before) {
+    before_ = last_ = std::move(before);
+    guess_.dx_px = from.dx_px;
+    guess_.dy_px = from.dy_px;
+    guess_.rot_rad = from.rot_rad;
+    vain_searches_ = from.vain_searches;
+  }
+
   // A CPU that is the device itself gains nothing from copies beside its kernels.
   static int workers_of(const opencl::Engine& engine, const CorrelateOptions& options) {
     return options.workers > 0 ? options.workers : engine.device().is_gpu ? 2 : 1;
@@ -131,7 +140,7 @@ class RegionCorrelator {
     std::optional<Task> now = std::exchange(next_, Task{std::move(frame), index});
     const bool ahead = workers_.size() > 1;
     if (!now) {
-      before_ = next_->frame;
+      if (!before_) before_ = next_->frame;
       upload_next(std::launch::async);
       return std::nullopt;
     }
@@ -198,6 +207,7 @@ class RegionCorrelator {
       if (frame.motion.ok) guess_ = frame.motion;
     }
     if (now.index == 0 || !from_first()) before_ = now.frame;
+    frame.after = {now.index + 1, guess_.dx_px, guess_.dy_px, guess_.rot_rad, vain_searches_};
     return out;
   }
 
@@ -281,6 +291,14 @@ class RegionCorrelator {
   int vain_searches_ = 0;   // since a motion was found
 };
 
+// Has the correlator go on where an earlier run ended.
+void take_up(RegionCorrelator& region, FrameSource& source, const CorrelateOptions& options) {
+  const bool from_first = options.reference == ReferenceFrame::kFirst;
+  auto before = std::make_shared<Frame>();
+  source.read(options.frames.at(from_first ? 0 : options.from->next_row - 1), *before);
+  region.go_on(*options.from, std::move(before));
+}
+
 }  // namespace
 
 std::vector<Window> region_grid(const CorrelateOptions& options) {
@@ -312,11 +330,13 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   }
   RegionCorrelator region(engine, options, source.info(), stages);
   const Roi whole{0, 0, source.info().width, source.info().height};
-  BatchReader reader(source, options.frames, 0, whole, kBatch);
+  const std::int64_t first = options.from ? options.from->next_row : 0;
+  if (first > 0) take_up(region, source, options);
+  BatchReader reader(source, options.frames, first, whole, kBatch);
   const auto is_cancelled = [&] { return options.cancelled && options.cancelled(); };
   std::exception_ptr error;
   bool stopped = false;
-  std::int64_t done = 0;
+  std::int64_t done = first;
   const auto write = [&](Measured& measured) {
     const StageTimes::Scope timed(options.times, stages.write);
     measured.frame.field = measured.field;

@@ -16,6 +16,7 @@
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
 #include "host/dic/rigid_fit.h"
+#include "host/pipeline/resume_point.h"
 #include "host/video/frame_source.h"
 
 namespace impactdic::opencl {
@@ -37,6 +38,7 @@ struct CorrelateOptions {
   StageTimes* times = nullptr;  // gets the stages' times where given
   // As TrackOptions::cancelled.
   std::function<bool()> cancelled;
+  std::optional<CorrelatePoint> from;  // of the run that this one takes up
   int effective_spacing_px() const {
     return spacing_px > 0 ? spacing_px : (field.window_px + 1) / 2;
   }
@@ -54,6 +56,7 @@ struct CorrelatedFrame {
   TrackStatus status = TrackStatus::kOk;
   dic::RigidMotion motion;              // of the region's centre
   std::span<const WindowMotion> field;  // per window of region_grid; empty for the reference
+  CorrelatePoint after;                 // where a run goes on that ends behind this frame
 };
 
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;

@@ -152,7 +152,7 @@ int DeviceWorkers::count(std::span<opencl::Engine* const> engines) {
   return workers;
 }
 
-DeviceWorkers::Batch DeviceWorkers::submit(Batch batch) {
+DeviceWorkers::Batch DeviceWorkers::submit(const Batch& batch) {
   Batch finished;
   if (flights_.size() == workers_.size() + kWaiting) finished = take();
   const std::int64_t number = submitted_++;

@@ -48,7 +48,7 @@ class DeviceWorkers {
   // Has a worker measure the pairs of `batch`, and with the ball estimator its frames' poses. Where
   // all workers are busy it waits for the oldest batch and returns that, else nullptr. What a
   // worker throws comes out here or from `take`.
-  Batch submit(Batch batch);
+  Batch submit(const Batch& batch);
   // Waits for the oldest batch; nullptr where none is left.
   Batch take();
 

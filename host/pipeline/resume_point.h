@@ -1,4 +1,5 @@
-// What `track_clip` has to know to go on as if it had never been interrupted.
+// What `track_clip` and `correlate_clip` have to know to go on as if they had never been
+// interrupted.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +20,13 @@ struct ResumePoint {
   std::optional<double> grid_radius_px;
   std::optional<motion::Keyframes::Memory>
       keyframes;  // with the ball estimator, up to frame next_row
+};
+
+struct CorrelatePoint {
+  std::int64_t next_row = 0;  // the first frame that is not measured yet
+  // Where the region is looked for: the last motion that was measured.
+  double dx_px = 0, dy_px = 0, rot_rad = 0;
+  int vain_searches = 0;  // since
 };
 
 }  // namespace impactdic::pipeline

@@ -113,7 +113,7 @@ class ClipTracker {
     if (!options_.with_field) return batch;
     if (!workers_) open_workers(*batch);
     if (!workers_) return batch;  // no ball so far: no pairs
-    return workers_->submit(std::move(batch));
+    return workers_->submit(batch);
   }
 
   // Gives out all rows of a batch but the last, which waits for its next frame.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "host/base/csv_table.h"
 #include "host/base/parse.h"
 
 namespace impactdic::report {
@@ -79,6 +80,50 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   return row;
 }
 
+MotionRow parse_motion_row(const std::vector<std::string>& cells, const std::string& where) {
+  MotionRow row;
+  row.frame = parse_int(cells[0], where);
+  row.time_s = parse_double(cells[1], where);
+  row.is_reference = cells[2] == "reference";
+  if (!row.is_reference) row.status = parse_track_status(cells[2]);
+  std::size_t column = 3;
+  for (double* value :
+       {&row.dx_px, &row.dy_px, &row.rot_deg, &row.dx_sd_px, &row.dy_sd_px, &row.rot_sd_deg}) {
+    const std::string& cell = cells[column++];
+    *value = cell.empty() ? kNotMeasured : parse_double(cell, where);
+  }
+  row.windows = static_cast<int>(parse_int(cells[column], where));
+  row.motion_ok = !std::isnan(row.dx_px);
+  return row;
+}
+
+// The whole rows of a table; a last line that was cut off is dropped.
+template <typename Row>
+std::vector<Row> read_rows(const std::filesystem::path& path, const std::string& header,
+                           Row (*parse)(const std::vector<std::string>&, const std::string&)) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the file", path.string());
+  const std::string name = path.filename().string();
+  std::string line;
+  if (!std::getline(file, line) || trim(line) != header) {
+    throw FormatError(path.string(), 0, "this is not a " + name + ": its header differs");
+  }
+  const std::size_t columns = split(header, ',').size();
+  std::vector<Row> rows;
+  for (int number = 2; std::getline(file, line); ++number) {
+    const bool whole = !file.eof();  // the line ended with a newline
+    const auto cells = split(trim(line), ',');
+    if (cells.size() != columns) {
+      if (!whole) break;
+      throw FormatError(path.string(), -1,
+                        "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
+                            " cells, not " + std::to_string(columns));
+    }
+    if (whole) rows.push_back(parse(cells, path.string() + ", line " + std::to_string(number)));
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
@@ -96,12 +141,8 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
   return line.text();
 }
 
-TrackCsv::TrackCsv(std::filesystem::path path, const SiScale& scale,
-                   const std::vector<TrackRow>& done)
-    : path_(std::move(path)), scale_(scale), file_(open_for_writing(path_, std::ios::trunc)) {
-  file_ << kTrackCsvHeader << "\n";
-  for (const TrackRow& row : done) add(row);
-}
+TrackCsv::TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep)
+    : path_(std::move(path)), scale_(scale), file_(continue_table(path_, kTrackCsvHeader, keep)) {}
 
 void TrackCsv::add(const TrackRow& row) { file_ << track_csv_line(row, scale_) << "\n"; }
 
@@ -126,40 +167,27 @@ void TrackCsv::finish(const std::vector<TrackRow>& rows, const SiScale& scale) {
 }
 
 std::vector<TrackRow> read_track_csv(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read the file", path.string());
-  std::string line;
-  if (!std::getline(file, line) || trim(line) != kTrackCsvHeader) {
-    throw FormatError(path.string(), 0, "this is not a track.csv: its header differs");
-  }
-  const std::size_t columns = split(kTrackCsvHeader, ',').size();
-  std::vector<TrackRow> rows;
-  for (int number = 2; std::getline(file, line); ++number) {
-    const bool whole = !file.eof();  // the line ended with a newline
-    const auto cells = split(trim(line), ',');
-    if (cells.size() != columns) {
-      if (!whole) break;
-      throw FormatError(path.string(), -1,
-                        "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
-                            " cells, not " + std::to_string(columns));
-    }
-    if (whole) rows.push_back(parse_row(cells, path.string() + ", line " + std::to_string(number)));
-  }
-  return rows;
+  return read_rows<TrackRow>(path, kTrackCsvHeader, parse_row);
 }
 
-MotionCsv::MotionCsv(std::filesystem::path path)
-    : path_(std::move(path)), file_(open_for_writing(path_, std::ios::trunc)) {
-  file_ << kMotionCsvHeader << "\n";
-}
+MotionCsv::MotionCsv(std::filesystem::path path, std::int64_t keep)
+    : path_(std::move(path)), file_(continue_table(path_, kMotionCsvHeader, keep)) {}
 
 void MotionCsv::add(const MotionRow& row) {
   Line line(std::to_string(row.frame));
   line.add(row.time_s).add_text(row.is_reference ? "reference" : to_string(row.status));
   line.add(row.dx_px, row.dy_px, row.rot_deg, row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg);
   line.add_text(std::to_string(row.windows));
-  file_ << line.text() << std::endl;
+  file_ << line.text() << '\n';
+}
+
+void MotionCsv::flush() {
+  file_.flush();
   check(file_, path_);
+}
+
+std::vector<MotionRow> read_motion_csv(const std::filesystem::path& path) {
+  return read_rows<MotionRow>(path, kMotionCsvHeader, parse_motion_row);
 }
 
 }  // namespace impactdic::report

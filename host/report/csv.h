@@ -22,9 +22,9 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale);
 // may only be known at the end; `finish` then writes the whole table anew with it, in one step.
 class TrackCsv {
  public:
-  // Starts the file anew with the rows of an earlier run, if any. Throws FileError here and below
-  // where the file cannot be written.
-  TrackCsv(std::filesystem::path path, const SiScale& scale, const std::vector<TrackRow>& done);
+  // Goes on behind the first `keep` rows of an earlier run, or starts the file anew. Throws
+  // FileError here and below where the file cannot be written.
+  TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep);
   void add(const TrackRow& row);
   void flush();
   void finish(const std::vector<TrackRow>& rows, const SiScale& scale);
@@ -39,14 +39,20 @@ class TrackCsv {
 // Throws FileError, FormatError.
 std::vector<TrackRow> read_track_csv(const std::filesystem::path& path);
 
+// motion.csv while a clip is running.
 class MotionCsv {
  public:
-  explicit MotionCsv(std::filesystem::path path);
+  // As TrackCsv's.
+  MotionCsv(std::filesystem::path path, std::int64_t keep);
   void add(const MotionRow& row);
+  void flush();
 
  private:
   std::filesystem::path path_;
   std::ofstream file_;
 };
+
+// As read_track_csv, of a motion.csv.
+std::vector<MotionRow> read_motion_csv(const std::filesystem::path& path);
 
 }  // namespace impactdic::report

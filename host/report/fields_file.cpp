@@ -197,9 +197,11 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
   auto impl = std::make_unique<Impl>(hdf5::File::create(path.string(), compression), window_px);
   // Of a clip without a ball: one window, masked in every frame.
   impl->make_tables(std::max<std::size_t>(window_count, 1));
-  for (const auto& [name, value] : attributes) {
-    std::visit([&](const auto& v) { impl->file.set_attribute("/", name, v); }, value);
+  for (const auto& attribute : attributes) {
+    std::visit([&](const auto& v) { impl->file.set_attribute("/", attribute.first, v); },
+               attribute.second);
   }
+  impl->file.flush();  // a file without frames, from which on it is never half written
   return FieldsFile(std::move(impl));
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 
+#include "host/report/hdf5_driver.h"
+
 namespace impactdic::report::hdf5 {
 namespace {
 
@@ -24,6 +26,7 @@ void begin() {
 Handle file_access() {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "file access");
   check(H5Pset_libver_bounds(access.get(), H5F_LIBVER_V18, H5F_LIBVER_V110), "file access");
+  check(use_journal(access.get()), "file access");
   return access;
 }
 

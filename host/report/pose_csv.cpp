@@ -5,9 +5,8 @@
 
 #include <array>
 #include <cmath>
-#include <string>
-#include <vector>
 
+#include "host/base/csv_table.h"
 #include "host/base/parse.h"
 
 namespace impactdic::report {
@@ -16,29 +15,8 @@ const char* const kPoseCsvHeader =
     "frame,time_s,x_px,y_px,angle_deg,x_sd_px,y_sd_px,angle_sd_deg,origin,keyframe,qw,qx,qy,qz,"
     "tilt_x_sd_deg,tilt_y_sd_deg";
 
-namespace {
-
-// The first `count` rows of the file, as they stand; fewer where it has fewer.
-std::vector<std::string> first_rows(const std::filesystem::path& path, std::int64_t count) {
-  std::vector<std::string> rows;
-  std::ifstream file(path);
-  std::string line;
-  if (count == 0 || !std::getline(file, line) || trim(line) != kPoseCsvHeader) return rows;
-  while (static_cast<std::int64_t>(rows.size()) < count && std::getline(file, line)) {
-    rows.push_back(line);
-  }
-  return rows;
-}
-
-}  // namespace
-
-PoseCsv::PoseCsv(std::filesystem::path path, std::int64_t keep) : path_(std::move(path)) {
-  const std::vector<std::string> kept = first_rows(path_, keep);
-  file_.open(path_, std::ios::trunc);
-  if (!file_) throw FileError("cannot write the file", path_.string());
-  file_ << kPoseCsvHeader << "\n";
-  for (const std::string& row : kept) file_ << row << "\n";
-}
+PoseCsv::PoseCsv(std::filesystem::path path, std::int64_t keep)
+    : path_(std::move(path)), file_(continue_table(path_, kPoseCsvHeader, keep)) {}
 
 void PoseCsv::add(const TrackRow& row) {
   file_ << row.frame << "," << shortest(row.time_s);

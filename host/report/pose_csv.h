@@ -12,8 +12,8 @@ extern const char* const kPoseCsvHeader;
 
 class PoseCsv {
  public:
-  // Starts the file anew, keeping the first `keep` rows of an earlier one. Throws FileError here
-  // and below where the file cannot be written.
+  // Goes on behind the first `keep` rows of an earlier run, or starts the file anew. Throws
+  // FileError here and below where the file cannot be written.
   PoseCsv(std::filesystem::path path, std::int64_t keep);
   void add(const TrackRow& row);
   void flush();

@@ -2,12 +2,16 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 
+#include "host/base/sha256.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/report/summary.h"
 
@@ -25,6 +29,9 @@ json number(double value) {
 double number(const json& value) {
   return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
 }
+
+constexpr double kMost = 1e7;  // px, rad: far more than any clip shows
+bool is_usual(double value) { return std::isfinite(value) && std::abs(value) < kMost; }
 
 // One list of fields serves both ways.
 struct Writer {
@@ -110,6 +117,15 @@ void each_of_keyframe(Field field, T& key) {
   field("slot", key.slot);
 }
 
+template <typename Field, typename T>
+void each_of_correlate(Field field, T& point) {
+  field("next_row", point.next_row);
+  field("dx_px", point.dx_px);
+  field("dy_px", point.dy_px);
+  field("rot_rad", point.rot_rad);
+  field("vain_searches", point.vain_searches);
+}
+
 json describe(const circle::BallTracker::Memory& tracker) {
   json described = {{"seen", json::array()},
                     {"radii_px", json::array()},
@@ -131,8 +147,13 @@ circle::BallTracker::Memory tracker_of(const json& described) {
     seen.index = item.at("index").get<std::int64_t>();
     each_of_fit(Reader{item}, seen.fit);
     if (item.contains("look")) {
-      seen.fit.rim_model =
-          std::make_shared<circle::RimModel>(item.at("look").get<std::vector<double>>());
+      const auto numbers = item.at("look").get<std::vector<double>>();
+      // A width or a step of nothing has no rim.
+      if (numbers.size() < 4 || numbers[1] <= 0 || numbers[2] <= 0 ||
+          !std::all_of(numbers.begin(), numbers.end(), is_usual)) {
+        throw std::runtime_error("this is no rim model");
+      }
+      seen.fit.rim_model = std::make_shared<circle::RimModel>(numbers);
     }
   }
   tracker.next_learning = described.at("next_learning").get<std::int64_t>();
@@ -172,6 +193,81 @@ pipeline::ResumePoint point_of(const json& described) {
   return point;
 }
 
+// What follows keeps a damaged or forged file from sending the trackers outside of their pictures.
+constexpr std::int64_t kMostFrames = std::int64_t{1} << 48;
+void demand(bool good) {
+  if (!good) throw std::runtime_error("no run ends there");
+}
+
+void check(const Circle& circle) {
+  demand(is_usual(circle.cx_px) && is_usual(circle.cy_px) && is_usual(circle.r_px));
+  demand(circle.r_px > 0);
+}
+
+void check(const circle::CircleFit& fit) {
+  demand(static_cast<unsigned>(fit.status) <=
+         static_cast<unsigned>(circle::CircleStatus::kOutOfView));
+  if (fit.status != circle::CircleStatus::kOk) return;
+  check(fit.circle);
+  for (const double value : {fit.e1_px, fit.e2_px}) demand(is_usual(value));
+}
+
+void check(const BodyPose& pose, std::int64_t next_row) {
+  if (!pose.ok) return;
+  for (const double value : {pose.x_px, pose.y_px, pose.angle_rad}) demand(is_usual(value));
+  for (const std::int64_t frame : {pose.origin, pose.keyframe}) {
+    demand(frame >= 0 && frame <= next_row);
+  }
+}
+
+void check(const pipeline::ResumePoint& point) {
+  const std::int64_t row = point.next_row;
+  demand(row >= 0 && row < kMostFrames);
+  check(point.circle);
+  for (const circle::BallTracker::Seen& seen : point.tracker.seen) {
+    demand(seen.index >= 0 && seen.index <= row);
+    check(seen.fit);
+  }
+  for (const double radius : point.tracker.radii_px) demand(is_usual(radius) && radius > 0);
+  demand(!point.grid_radius_px || (is_usual(*point.grid_radius_px) && *point.grid_radius_px > 0));
+  if (!point.keyframes) return;
+  demand(point.keyframes->last_index >= -1 && point.keyframes->last_index <= row);
+  check(point.keyframes->last, row);
+  std::set<int> slots;
+  for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
+    demand(key.slot >= 0 && key.slot < motion::kKeyframes && slots.insert(key.slot).second);
+    demand(key.last_used >= 0 && key.last_used <= row && key.pose.ok);
+    check(key.pose, row);
+    check(key.circle);
+  }
+}
+
+// Throws where the file is damaged or `of` refuses what it says.
+template <typename Of>
+auto read_point(const std::filesystem::path& path, const char* command, Of of) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the file", path.string());
+  try {
+    json described = json::parse(file);
+    // Files of older versions have no digest.
+    if (described.contains("sha256")) {
+      const std::string digest = described.at("sha256").get<std::string>();
+      described.erase("sha256");
+      if (sha256_of_text(described.dump()) != digest) throw std::runtime_error("it was changed");
+    }
+    return of(described);
+  } catch (const std::exception&) {
+    throw FormatError(path.string(), -1,
+                      std::string("this is not where a run of impactdic ") + command + " ended",
+                      "--force without --resume starts anew");
+  }
+}
+
+void write_point(const std::filesystem::path& path, json described) {
+  described["sha256"] = sha256_of_text(described.dump());
+  write_json(path, described);
+}
+
 }  // namespace
 
 void write_resume_point(const std::filesystem::path& path, const pipeline::ResumePoint& point) {
@@ -180,18 +276,31 @@ void write_resume_point(const std::filesystem::path& path, const pipeline::Resum
   described["tracker"] = describe(point.tracker);
   if (point.grid_radius_px) described["grid_radius_px"] = number(*point.grid_radius_px);
   if (point.keyframes) described["keyframes"] = describe(*point.keyframes);
-  write_json(path, described);
+  write_point(path, std::move(described));
+}
+
+void write_resume_point(const std::filesystem::path& path, const pipeline::CorrelatePoint& point) {
+  json described;
+  each_of_correlate(Writer{described}, point);
+  write_point(path, std::move(described));
 }
 
 pipeline::ResumePoint read_resume_point(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw FileError("cannot read the file", path.string());
-  try {
-    return point_of(json::parse(file));
-  } catch (const std::exception&) {
-    throw FormatError(path.string(), -1, "this is not where a run of impactdic track ended",
-                      "--force without --resume starts anew");
-  }
+  return read_point(path, "track", [](const json& described) {
+    pipeline::ResumePoint point = point_of(described);
+    check(point);
+    return point;
+  });
+}
+
+pipeline::CorrelatePoint read_correlate_point(const std::filesystem::path& path) {
+  return read_point(path, "correlate", [](const json& described) {
+    pipeline::CorrelatePoint point;
+    each_of_correlate(Reader{described}, point);
+    for (const double value : {point.dx_px, point.dy_px, point.rot_rad}) demand(is_usual(value));
+    demand(point.next_row >= 0 && point.next_row < kMostFrames && point.vain_searches >= 0);
+    return point;
+  });
 }
 
 }  // namespace impactdic::report

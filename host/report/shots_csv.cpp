@@ -3,9 +3,11 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "host/base/parse.h"
 #include "host/report/impact_json.h"
@@ -15,8 +17,20 @@ namespace {
 
 using nlohmann::json;
 
-// Commas, quotes and line ends would break the row.
+bool is_number(const std::string& text) {
+  double value = 0;
+  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  return std::from_chars(begin, end, value).ptr == end;
+}
+
+// Commas, quotes and line ends would break the row. A spreadsheet takes a text that begins like a
+// formula for one and runs it: the apostrophe says that it is a text. Numbers stay as they are.
 std::string plain(std::string text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const bool like_formula =
+      begin != std::string::npos && std::string_view("=+-@").find(text[begin]) != std::string::npos;
+  if (like_formula && !is_number(text)) text.insert(0, 1, '\'');
   std::replace(text.begin(), text.end(), ',', ';');
   std::replace(text.begin(), text.end(), '"', '\'');
   std::replace(text.begin(), text.end(), '\n', ' ');

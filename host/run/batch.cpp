@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "host/report/shots_csv.h"
@@ -15,6 +16,7 @@
 #include "host/run/batch_table.h"
 #include "host/run/control.h"
 #include "host/run/folder.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 
 namespace impactdic {
@@ -39,10 +41,19 @@ class Batch {
 
  private:
   fs::path shots_folder() const { return output_ / "shots"; }
+  fs::path part_of(const run::BatchShot& shot) const {
+    return shots_folder() / (shot.name + ".part");
+  }
   fs::path quarantine() const { return output_ / "quarantine"; }
   bool is_done(const run::BatchShot& shot) const {
     return fs::exists(shots_folder() / shot.name / "summary.json");
   }
+  // What `shot` asks of `track` and where its results go.
+  TrackRequest request_of(const run::BatchShot& shot) const;
+  TrackFolder folder_of(const fs::path& into) const;
+  // With --resume: whether what an earlier run made of the shot is what this one would. Throws
+  // InvalidArgument where that would have to be measured otherwise.
+  bool is_settled(const run::BatchShot& shot) const;
   void measure_all(const std::vector<std::size_t>& waiting);
   void measure(std::size_t index);
   // Empty, or the reason why there is no result.
@@ -56,6 +67,7 @@ class Batch {
   Session& session_;
   run::Caller& caller_;
   std::vector<run::BatchShot> shots_;
+  std::optional<run::OutputFolder> held_;
   fs::path output_;
   std::mutex mutex_;                // of what follows and of shots.csv
   std::vector<std::string> lines_;  // of shots.csv; empty: not measured yet
@@ -70,7 +82,8 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
   if (!request.table.empty()) run::read_shot_table(request.table, shots_);
   lines_.resize(shots_.size());
   const TrackFolder& output = request.output;
-  output_ = run::prepare_folder(output.folder, output.force || output.resume);
+  held_.emplace(output.folder, output.force || output.resume);
+  output_ = held_->path();
   fs::create_directories(shots_folder());
   if (fs::equivalent(shots_folder(), request.folder)) {
     throw InvalidArgument("the results would lie among the clips", request.folder,
@@ -79,7 +92,7 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
   run::SettingWriter settings;
   run::visit_batch(settings, request);
   run::visit_session(settings, session.options());
-  run::write_job_file(output_ / "job.toml", "batch", settings.values());
+  run::begin_results(output_, "batch", settings, true);
   result_.table = (output_ / "shots.csv").string();
   for (const run::BatchShot& shot : shots_) {
     ShotResult& entry = result_.shots.emplace_back();
@@ -94,7 +107,7 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
 BatchResult Batch::run() {
   std::vector<std::size_t> waiting;
   for (std::size_t i = 0; i < shots_.size(); ++i) {
-    if (request_.output.resume && is_done(shots_[i])) {
+    if (request_.output.resume && is_settled(shots_[i])) {
       ShotResult shot = result_.shots[i];
       shot.done = true;
       report::read_shot(shot, shots_folder() / shots_[i].name / "summary.json");
@@ -105,6 +118,7 @@ BatchResult Batch::run() {
   }
   if (!waiting.empty()) measure_all(waiting);
   write_table();
+  if (request_.output.checksum) run::write_digests(output_);
   conclude();
   return std::move(result_);
 }
@@ -135,15 +149,37 @@ void Batch::measure_all(const std::vector<std::size_t>& waiting) {
   if (failure) std::rethrow_exception(failure);
 }
 
-std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, ShotResult& result) {
+TrackRequest Batch::request_of(const run::BatchShot& shot) const {
   TrackRequest request = request_.track;
   request.clip.source = nullptr;
   request.clip.paths = {shot.clip.string()};
   if (shot.surface_angle_deg) request.surface_angle_deg = *shot.surface_angle_deg;
+  return request;
+}
+
+TrackFolder Batch::folder_of(const fs::path& into) const {
   TrackFolder folder = request_.output;
   folder.folder = into.string();
-  folder.resume = false;
   folder.force = true;
+  return folder;
+}
+
+bool Batch::is_settled(const run::BatchShot& shot) const {
+  const TrackRequest request = request_of(shot);
+  const TrackFolder folder = folder_of(part_of(shot));
+  run::SettingWriter settings;
+  run::visit_track(settings, request, folder);
+  run::visit_session(settings, session_.options());
+  const fs::path done = shots_folder() / shot.name;
+  for (const fs::path& earlier : {done, part_of(shot)}) {
+    if (fs::exists(earlier / "job.toml")) run::require_same_job(earlier / "job.toml", settings);
+  }
+  return is_done(shot) && run::same_afterwards(done / "job.toml", settings);
+}
+
+std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, ShotResult& result) {
+  const TrackRequest request = request_of(shot);
+  const TrackFolder folder = folder_of(into);
   // The batch speaks for its shots.
   RunControl control;
   control.cancelled = [this] { return caller_.cancelled(); };
@@ -172,14 +208,19 @@ std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, Sh
 
 void Batch::measure(std::size_t index) {
   const run::BatchShot& shot = shots_[index];
-  const fs::path part = shots_folder() / (shot.name + ".part");
-  fs::remove_all(part);
+  const fs::path part = part_of(shot), done = shots_folder() / shot.name;
   fs::remove_all(quarantine() / shot.name);
-  if (is_done(shot)) fs::remove_all(shots_folder() / shot.name);
+  if (request_.output.resume) {
+    // What an earlier run measured is gone on with.
+    if (fs::exists(done) && !fs::exists(part)) fs::rename(done, part);
+  } else {
+    fs::remove_all(part);
+  }
+  fs::remove_all(done);
   ShotResult result = result_.shots[index];
   result.reason = try_shot(shot, part, result);
   if (result.done) {
-    fs::rename(part, shots_folder() / shot.name);
+    fs::rename(part, done);
   } else if (!caller_.cancelled()) {
     put_aside(shot, part, result.reason);
   }

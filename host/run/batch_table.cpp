@@ -38,6 +38,16 @@ bool is_clip(const fs::directory_entry& entry) {
   return pictures >= 2;
 }
 
+// A shot's folder is found again by its name in shots.csv, whose cells hold none of these.
+std::string as_cell(std::string name) {
+  for (char& c : name) {
+    if (c == ',') c = ';';
+    if (c == '"') c = '\'';
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return name;
+}
+
 }  // namespace
 
 std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
@@ -47,7 +57,7 @@ std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
     if (!is_clip(entry)) continue;
     BatchShot shot;
     shot.clip = fs::absolute(entry.path());
-    shot.name = entry.path().stem().string();
+    shot.name = as_cell(entry.path().stem().string());
     shots.push_back(shot);
   }
   if (shots.empty()) {
@@ -58,7 +68,13 @@ std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
   std::map<std::string, int> names;
   for (const BatchShot& shot : shots) ++names[shot.name];
   for (BatchShot& shot : shots) {
-    if (names[shot.name] > 1) shot.name = shot.clip.filename().string();
+    if (names[shot.name] > 1) shot.name = as_cell(shot.clip.filename().string());
+  }
+  std::set<std::string> taken;
+  for (const BatchShot& shot : shots) {
+    if (taken.insert(shot.name).second) continue;
+    throw InvalidArgument("two clips would have the results '" + shot.name + "'", folder.string(),
+                          "rename one of them");
   }
   std::sort(shots.begin(), shots.end(), [](const BatchShot& a, const BatchShot& b) {
     return video::natural_less(a.clip.string(), b.clip.string());

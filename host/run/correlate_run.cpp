@@ -178,15 +178,28 @@ void CorrelateRun::look() {
   for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
 }
 
-void CorrelateRun::measure(const Sink& sink) {
+void CorrelateRun::go_on(const pipeline::CorrelatePoint& from, std::vector<MotionRow> rows) {
+  if (from.next_row > options_.frames.count()) {
+    throw InvalidArgument("an earlier run has gone beyond the end of this clip", "--resume",
+                          "give the clip and the frames of that run");
+  }
+  options_.from = from;
+  result_.rows = std::move(rows);
+  result_.frames_measured = std::count_if(
+      result_.rows.begin(), result_.rows.end(),
+      [](const MotionRow& row) { return !row.is_reference && row.status == TrackStatus::kOk; });
+}
+
+void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
   StageTimes times;
   if (session_.options().profile) options_.times = &times;
   // On a queue of this run's own: the session's engine may serve others.
   const auto engine = session_.impl().open_engines().front()->beside();
+  const std::size_t before = result_.rows.size();
   const Stopwatch watch;
   const auto note_speed = [&] {
     result_.seconds = watch.seconds();
-    result_.frames_per_s = static_cast<double>(result_.rows.size()) / result_.seconds;
+    result_.frames_per_s = static_cast<double>(result_.rows.size() - before) / result_.seconds;
     result_.cancelled = caller_.cancelled() &&
                         static_cast<std::int64_t>(result_.rows.size()) < options_.frames.count();
   };
@@ -197,6 +210,7 @@ void CorrelateRun::measure(const Sink& sink) {
           result_.rows.push_back(row_of(frame));
           if (!frame.is_reference && frame.status == TrackStatus::kOk) ++result_.frames_measured;
           if (sink) sink(result_.rows.back(), frame.field);
+          if (checkpoint) checkpoint(frame.after);
         },
         [&](std::int64_t done, std::int64_t total) { caller_.progress("correlate", done, total); });
   } catch (...) {
@@ -205,8 +219,9 @@ void CorrelateRun::measure(const Sink& sink) {
   }
   note_speed();
   if (options_.times != nullptr && !times.rows().empty()) {
-    caller_.say(MessageKind::kTiming,
-                times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size())));
+    caller_.say(
+        MessageKind::kTiming,
+        times.table(result_.seconds, static_cast<std::int64_t>(result_.rows.size() - before)));
   }
 }
 

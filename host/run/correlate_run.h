@@ -27,8 +27,12 @@ class CorrelateRun {
   void look();
 
   using Sink = std::function<void(const MotionRow& row, std::span<const WindowMotion> field)>;
-  // Measures. What was measured before an error is in the result.
-  void measure(const Sink& sink);
+  using Checkpoint = std::function<void(const pipeline::CorrelatePoint&)>;
+  // Takes up an earlier run, whose rows are `rows`.
+  void go_on(const pipeline::CorrelatePoint& from, std::vector<MotionRow> rows);
+  // Measures. What was measured before an error is in the result. `checkpoint`, behind every frame,
+  // gets where a run goes on that ends there.
+  void measure(const Sink& sink, const Checkpoint& checkpoint = {});
 
  private:
   const CorrelateRequest& request_;

@@ -1,15 +1,20 @@
 // `correlate` with files at its edge.
 #include <impactdic/error.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "host/base/stopwatch.h"
 #include "host/report/advice_json.h"
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
+#include "host/report/resume_file.h"
 #include "host/report/summary.h"
 #include "host/run/correlate_run.h"
 #include "host/run/folder.h"
 #include "host/run/open_clip.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 
 namespace impactdic {
@@ -19,45 +24,115 @@ void CorrelateFolder::validate() const {
   run::check_compression(compression);
 }
 
+namespace {
+
+namespace fs = std::filesystem;
+
+// Between two writes to the disk, as for `track`.
+constexpr double kFlushEvery_s = 0.5;
+
+// What a run leaves behind, written while the clip runs.
+class CorrelateFiles {
+ public:
+  // With `resume` keeps what an earlier run finished. Throws FileError, FormatError.
+  CorrelateFiles(const fs::path& folder, const CorrelateRequest& request, std::size_t windows,
+                 const report::Attributes& attributes, int compression, bool resume)
+      : folder_(folder) {
+    if (resume) {
+      from_ = report::read_correlate_point(resume_path());
+      rows_ = report::read_motion_csv(folder / "motion.csv");
+    }
+    const auto keep = from_ ? static_cast<std::size_t>(from_->next_row) : 0;
+    table_.emplace(folder / "motion.csv", keep);  // refuses a table that is too short
+    rows_.resize(keep);
+    const int window_px = request.field.window_px;
+    const fs::path fields = folder / "fields.h5";
+    fields_.emplace(
+        keep > 0 ? report::FieldsFile::resume(fields, window_px, keep)
+                 : report::FieldsFile::create(fields, windows, window_px, attributes, compression));
+  }
+
+  const std::optional<pipeline::CorrelatePoint>& from() const { return from_; }
+  std::vector<MotionRow>& rows() { return rows_; }
+  report::FieldsFile& fields() { return *fields_; }
+  void add(const MotionRow& row, std::span<const Window> windows,
+           std::span<const WindowMotion> field) {
+    table_->add(row);
+    fields_->add(row.frame, row.time_s, windows, field, nullptr);
+  }
+  void reach(const pipeline::CorrelatePoint& point) {
+    reached_ = point;
+    if (since_flush_.seconds() > kFlushEvery_s) flush();
+  }
+  // The point last: all that it promises is on the disk then.
+  void flush() {
+    fields_->flush();
+    table_->flush();
+    if (reached_) report::write_resume_point(resume_path(), *reached_);
+    since_flush_ = {};
+  }
+
+ private:
+  fs::path resume_path() const { return folder_ / "resume.json"; }
+
+  fs::path folder_;
+  std::optional<pipeline::CorrelatePoint> from_, reached_;
+  std::vector<MotionRow> rows_;
+  std::optional<report::MotionCsv> table_;
+  std::optional<report::FieldsFile> fields_;
+  Stopwatch since_flush_;
+};
+
+nlohmann::json summarise(const CorrelateResult& result, const Session& session) {
+  nlohmann::json summary = {{"device", run::describe_device(session)},
+                            {"frames_analysed", result.rows.size()},
+                            {"frames_measured", result.frames_measured},
+                            {"windows", result.windows},
+                            {"frames_per_s", result.frames_per_s},
+                            {"advice", report::describe_advice(result.advice)},
+                            {"warnings", result.warnings}};
+  if (result.cancelled) summary["cancelled"] = true;
+  return summary;
+}
+
+}  // namespace
+
 CorrelateResult correlate_to_folder(const CorrelateRequest& request, const CorrelateFolder& folder,
                                     Session& session, const RunControl& control) {
   folder.validate();
   run::Caller caller(control);
   CorrelateResult result;
   run::CorrelateRun run(request, session, caller, result);
-  const auto path = run::prepare_folder(folder.folder, folder.force);
+  const run::OutputFolder output(folder.folder, folder.force || folder.resume);
+  const fs::path& path = output.path();
   run::SettingWriter settings;
   run::visit_correlate(settings, request, folder);
   report::Attributes attributes = run::attributes_of(session, run.info());
   settings.describe(attributes);
   run::visit_session(settings, session.options());
-  run::write_job_file(path / "job.toml", "correlate", settings.values());
+  const bool going_on = folder.resume && fs::exists(path / "resume.json");
+  if (going_on) run::require_same_job(path / "job.toml", settings);
+  run::begin_results(path, "correlate", settings, going_on);
   run.look();
 
+  auto files = std::make_unique<CorrelateFiles>(path, request, run.windows().size(), attributes,
+                                                folder.compression, going_on);
+  if (files->from()) run.go_on(*files->from(), std::move(files->rows()));
   run::DigestBeside digest(request.clip, run.info(), true);
-  report::MotionCsv motion_csv(path / "motion.csv");
-  auto fields = report::FieldsFile::create(path / "fields.h5", run.windows().size(),
-                                           request.field.window_px, attributes, folder.compression);
   const auto finish = [&] {
-    fields.flush();
+    files->flush();
     const video::ClipDigest found = digest.get();
-    if (digest.wanted()) fields.set_source_digest(found);
-    nlohmann::json summary = {{"input", report::describe_input(run.info(), found)},
-                              {"device", run::describe_device(session)},
-                              {"frames_analysed", result.rows.size()},
-                              {"frames_measured", result.frames_measured},
-                              {"windows", result.windows},
-                              {"frames_per_s", result.frames_per_s},
-                              {"advice", report::describe_advice(result.advice)},
-                              {"warnings", result.warnings}};
-    if (result.cancelled) summary["cancelled"] = true;
+    if (digest.wanted()) files->fields().set_source_digest(found);
+    nlohmann::json summary = summarise(result, session);
+    summary["input"] = report::describe_input(run.info(), found);
     report::write_json(path / "summary.json", summary);
+    files.reset();
+    run::write_digests(path);
   };
   try {
-    run.measure([&](const MotionRow& row, std::span<const WindowMotion> field) {
-      motion_csv.add(row);
-      fields.add(row.frame, row.time_s, run.windows(), field, nullptr);
-    });
+    run.measure([&](const MotionRow& row,
+                    std::span<const WindowMotion> field) { files->add(row, run.windows(), field); },
+                [&](const pipeline::CorrelatePoint& point) { files->reach(point); });
   } catch (...) {
     finish();  // what was measured is kept
     throw;

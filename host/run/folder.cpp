@@ -7,20 +7,52 @@
 
 namespace impactdic::run {
 
-std::filesystem::path prepare_folder(const std::string& folder, bool force) {
-  namespace fs = std::filesystem;
-  if (folder.empty()) throw InvalidArgument("the output folder has no name", "--output");
-  const fs::path path(folder);
+namespace {
+
+namespace fs = std::filesystem;
+
+// A run that was killed leaves its lock: that is no result.
+bool holds_files(const fs::path& folder) {
   std::error_code error;
-  if (fs::exists(path, error) && !fs::is_directory(path, error)) {
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().filename() != FolderLock::kName) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder) {
+  if (folder.empty()) throw InvalidArgument("the output folder has no name", "--output");
+  std::error_code error;
+  if (fs::exists(path_, error) && !fs::is_directory(path_, error)) {
     throw InvalidArgument("the output must be a folder", folder);
   }
-  if (fs::is_directory(path, error) && !fs::is_empty(path, error) && !force) {
-    throw InvalidArgument("the output folder is not empty", folder, "--force writes into it");
-  }
-  fs::create_directories(path, error);
+  const auto refuse_files = [&] {
+    if (!force && holds_files(path_)) {
+      throw InvalidArgument("the output folder is not empty", folder, "--force writes into it");
+    }
+  };
+  // A run that is at work here is named, rather than that its files are in the way.
+  if (!fs::exists(path_ / FolderLock::kName, error)) refuse_files();
+  fs::create_directories(path_, error);
   if (error) throw FileError("cannot make the folder: " + error.message(), folder);
-  return path;
+  lock_ = std::make_unique<FolderLock>(path_);
+  refuse_files();
+}
+
+void begin_results(const fs::path& folder, const std::string& command,
+                   const SettingWriter& settings, bool going_on) {
+  for (const char* name : {"summary.json", "SHA256SUMS"}) fs::remove(folder / name);
+  fs::remove_all(folder / "key_frames");
+  if (!going_on) {
+    // The point first: it speaks of the others.
+    for (const char* name : {"resume.json", "track.csv", "motion.csv", "pose.csv", "fields.h5",
+                             "fields.h5.journal", "fields.h5.new"}) {
+      fs::remove(folder / name);
+    }
+  }
+  write_job_file(folder / "job.toml", command, settings.values());
 }
 
 report::Attributes attributes_of(const Session& session, const ClipInfo& info) {

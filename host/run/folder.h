@@ -6,17 +6,35 @@
 
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "host/report/fields_file.h"
+#include "host/run/results/folder_lock.h"
+#include "host/run/settings/job_file.h"
 #include "host/video/clip_digest.h"
 
 namespace impactdic::run {
 
-// Makes DIR ready for results: creates it; refuses one that holds files unless `force`. Throws
-// InvalidArgument or FileError.
-std::filesystem::path prepare_folder(const std::string& folder, bool force);
+// A folder that one run writes into. As long as this lives no other run does.
+class OutputFolder {
+ public:
+  // Creates it; refuses one that holds files unless `force`. Throws InvalidArgument, FileError;
+  // Error where another run writes into it.
+  OutputFolder(const std::string& folder, bool force);
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  std::unique_ptr<FolderLock> lock_;
+};
+
+// Writes the job that `settings` make up. Takes away what an earlier run said of its results, for
+// none of it holds until this one has ended; and its tables, unless this run is `going_on` with
+// them. Throws FileError.
+void begin_results(const std::filesystem::path& folder, const std::string& command,
+                   const SettingWriter& settings, bool going_on);
 
 // Version, device, driver, source (its digest comes later) and axes, for fields.h5.
 report::Attributes attributes_of(const Session& session, const ClipInfo& info);

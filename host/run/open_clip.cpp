@@ -28,6 +28,10 @@ void ClipRequest::validate() const {
   if (!(fps >= 0) || !std::isfinite(fps)) {
     throw InvalidArgument("the frame rate must be positive, not " + shortest(fps), "--fps");
   }
+  if (!(open.max_megapixels > 0) || !std::isfinite(open.max_megapixels)) {
+    throw InvalidArgument("must be positive, not " + shortest(open.max_megapixels),
+                          "--max-megapixels");
+  }
   if (open.raw) video::check_raw_layout(*open.raw);
 }
 

@@ -18,6 +18,7 @@ constexpr double kFlushEvery_s = 0.5;
 struct TrackFiles::Impl {
   TrackFilesOptions options;
   std::vector<TrackRow> earlier;
+  bool complete = false;
   std::optional<pipeline::ResumePoint> from, reached;
   std::unique_ptr<report::TrackCsv> csv;
   std::unique_ptr<report::PoseCsv> poses;
@@ -33,24 +34,21 @@ struct TrackFiles::Impl {
 
   // Every row before the point that was reached is final; what stands behind it is measured again.
   void take_over() {
-    if (!options.resume || !std::filesystem::exists(resume_path())) return;
-    pipeline::ResumePoint point = report::read_resume_point(resume_path());
-    const auto done = static_cast<std::size_t>(point.next_row);
+    if (!options.resume) return;
     earlier = report::read_track_csv(csv_path());
-    if (earlier.size() < done) {
-      throw FormatError(csv_path().string(), -1,
-                        "it holds " + std::to_string(earlier.size()) + " of the " +
-                            std::to_string(done) + " frames that were measured",
-                        "--force without --resume starts anew");
+    complete = static_cast<std::int64_t>(earlier.size()) == options.rows;
+    if (!complete) {
+      from = reached = report::read_resume_point(resume_path());
+      const auto done = static_cast<std::size_t>(from->next_row);
+      // The table says itself where it holds fewer.
+      if (earlier.size() > done) earlier.resize(done);
     }
-    earlier.resize(done);
-    if (options.with_field && point.grid_radius_px) {
+    if (options.with_field && (complete || from->grid_radius_px)) {
       fields = std::make_unique<report::FieldsFile>(
-          report::FieldsFile::resume(fields_path(), options.window_px, done));
+          report::FieldsFile::resume(fields_path(), options.window_px, earlier.size()));
     } else if (options.with_field) {
       before_grid = earlier;
     }
-    from = reached = std::move(point);
   }
 
   void write_field(const TrackRow& row, const motion::PairMotion* pair) {
@@ -90,12 +88,11 @@ struct TrackFiles::Impl {
 TrackFiles::TrackFiles(TrackFilesOptions options) : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
   impl_->take_over();
-  if (!impl_->from) std::filesystem::remove(impl_->resume_path());
-  impl_->csv =
-      std::make_unique<report::TrackCsv>(impl_->csv_path(), impl_->options.scale, impl_->earlier);
+  const auto keep =
+      impl_->from ? impl_->from->next_row : static_cast<std::int64_t>(impl_->earlier.size());
+  impl_->csv = std::make_unique<report::TrackCsv>(impl_->csv_path(), impl_->options.scale, keep);
   if (impl_->options.with_poses) {
-    impl_->poses = std::make_unique<report::PoseCsv>(impl_->options.folder / "pose.csv",
-                                                     impl_->earlier.size());
+    impl_->poses = std::make_unique<report::PoseCsv>(impl_->options.folder / "pose.csv", keep);
   }
   if (impl_->options.overlay.wanted) {
     impl_->overlay = std::make_unique<report::OverlayFiles>(
@@ -104,6 +101,20 @@ TrackFiles::TrackFiles(TrackFilesOptions options) : impl_(std::make_unique<Impl>
 }
 
 TrackFiles::~TrackFiles() = default;
+
+bool TrackFiles::can_go_on(const std::filesystem::path& folder, std::int64_t rows) {
+  if (std::filesystem::exists(folder / "resume.json")) return true;
+  // A short clip is measured before there is a point to go on from.
+  const std::filesystem::path table = folder / "track.csv";
+  try {
+    return std::filesystem::exists(table) &&
+           static_cast<std::int64_t>(report::read_track_csv(table).size()) == rows;
+  } catch (const FormatError&) {
+    return false;  // killed before its first row
+  }
+}
+
+bool TrackFiles::is_complete() const { return impl_->complete; }
 
 const std::optional<pipeline::ResumePoint>& TrackFiles::resume_point() const { return impl_->from; }
 const std::vector<TrackRow>& TrackFiles::earlier_rows() const { return impl_->earlier; }

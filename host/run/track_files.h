@@ -19,7 +19,9 @@ struct TrackFilesOptions {
   std::filesystem::path folder;
   SiScale scale;  // metre_per_px 0 where only the ball's diameter is known
   int window_px = 15, compression = 0;
-  bool with_field = true, with_poses = false, resume = false;
+  bool with_field = true, with_poses = false;
+  bool resume = false;    // an earlier run of the same job is in the folder
+  std::int64_t rows = 0;  // frames that are analysed
   OverlayOptions overlay;
   Roi roi;
   report::Attributes attributes;
@@ -31,6 +33,12 @@ class TrackFiles {
   explicit TrackFiles(TrackFilesOptions options);
   ~TrackFiles();
 
+  // Whether `folder` holds an earlier run of so many rows that can be gone on with. Throws
+  // FileError, FormatError.
+  static bool can_go_on(const std::filesystem::path& folder, std::int64_t rows);
+
+  // True where the earlier run has measured every frame.
+  bool is_complete() const;
   // Where the earlier run ended, and its rows; nullopt and none where there was none.
   const std::optional<pipeline::ResumePoint>& resume_point() const;
   const std::vector<TrackRow>& earlier_rows() const;

@@ -2,6 +2,7 @@
 #include <impactdic/error.h>
 
 #include <cmath>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/base/parse.h"
@@ -12,6 +13,7 @@
 #include "host/report/summary.h"
 #include "host/run/folder.h"
 #include "host/run/open_clip.h"
+#include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 #include "host/run/track_files.h"
 #include "host/run/track_run.h"
@@ -34,7 +36,6 @@ run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFol
   options.with_field = request.with_field;
   options.with_poses = request.with_field && request.estimator == Estimator::kBall;
   options.overlay = folder.overlay;
-  options.resume = folder.resume;
   options.roi = result.roi;
   return options;
 }
@@ -49,7 +50,11 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
   summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
   summary["advice"] = report::describe_advice(result.advice);
   summary["warnings"] = result.warnings;
-  summary["frames_per_s"] = result.frames_per_s;
+  if (result.seconds > 0) {
+    summary["frames_per_s"] = result.frames_per_s;
+  } else {
+    summary["frames_per_s"] = nullptr;  // an earlier run had measured all of them
+  }
   summary["gravity_angle_deg"] = request.gravity_angle_deg;
   if (result.cancelled) summary["cancelled"] = true;
   return summary;
@@ -76,7 +81,8 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run::Caller caller(control);
   TrackResult result;
   run::TrackRun run(request, session, caller, result, what_needs_the_rate(folder));
-  const fs::path path = run::prepare_folder(folder.folder, folder.force || folder.resume);
+  const run::OutputFolder output(folder.folder, folder.force || folder.resume);
+  const fs::path& path = output.path();
   run::SettingWriter settings;
   run::visit_track(settings, request, folder);
   run::TrackFilesOptions options = files_options(request, folder, result);
@@ -84,37 +90,39 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   options.attributes = run::attributes_of(session, run.info());
   settings.describe(options.attributes);
   run::visit_session(settings, session.options());
-  if (folder.resume && fs::exists(path / "resume.json")) {
-    run::require_same_job(path / "job.toml", settings);
-  }
-  run::write_job_file(path / "job.toml", "track", settings.values());
+  options.rows = result.frames.count();
+  options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);
+  if (options.resume) run::require_same_job(path / "job.toml", settings);
+  run::begin_results(path, "track", settings, options.resume);
   run.look();
 
-  run::TrackFiles files(std::move(options));
+  auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);
-  result.rows = files.earlier_rows();
+  result.rows = files->earlier_rows();
   run::TrackRun::Outputs outputs;
-  outputs.from = files.resume_point();
+  outputs.from = files->resume_point();
   outputs.grid = [&](std::span<const Window> grid, double radius_px) {
-    files.set_grid(grid, radius_px);
+    files->set_grid(grid, radius_px);
   };
-  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files.add(frame); };
-  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files.reach(point); };
+  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files->add(frame); };
+  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files->reach(point); };
   const auto finish = [&] {
     run.conclude();
-    files.finish(result);
+    files->finish(result);
     nlohmann::json summary = summarise(request, result, session);
     const Stopwatch waiting;
     const video::ClipDigest found = digest.get();
-    if (digest.wanted()) files.set_source_digest(found);
+    if (digest.wanted()) files->set_source_digest(found);
     summary["checksum_wait_s"] = waiting.seconds();
     summary["input"] = report::describe_input(run.info(), found);
     summary["key_frames"] =
         report::write_key_frames(run.source(), result.rows, result.impact_si, path);
     report::write_json(path / "summary.json", summary);
+    files.reset();
+    if (folder.checksum) run::write_digests(path);
   };
   try {
-    run.measure(outputs);
+    if (!files->is_complete()) run.measure(outputs);
   } catch (...) {
     finish();  // what was measured is kept
     throw;

@@ -1,6 +1,6 @@
-// Figures 2.1 and 2.2 of the source: time and error against the number of spline points between
-// pixels, for the published method as it is described, for the same by our route, and for the
-// default method, which has no such number.
+// Figures 2.1 and 2.2 of the dissertation: time and error against the number of spline points
+// between pixels, for the published method as it is described, for the same by our route, and for
+// the default method, which has no such number.
 #pragma once
 
 #include <impactdic/study.h>

@@ -14,7 +14,8 @@ struct VideoOptions : OpenOptions {
   // Opens containers (.avi .mp4 ...) and picture files (.png .bmp .jpg); set by the program where
   // the codec library is built, empty otherwise. Gets the paths in order: one container or
   // pictures.
-  std::function<std::unique_ptr<FrameSource>(const std::vector<std::string>&)> open_codec;
+  std::function<std::unique_ptr<FrameSource>(const std::vector<std::string>&, const OpenOptions&)>
+      open_codec;
 };
 
 // Parses "WIDTHxHEIGHTxBITS", and the other way. Throws InvalidArgument.

@@ -6,6 +6,7 @@
 #include "host/video/file_kind.h"
 #include "host/video/format/readers.h"
 #include "host/video/natural_order.h"
+#include "host/video/picture_size.h"
 
 namespace impactdic::video {
 namespace {
@@ -26,7 +27,7 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
         throw InvalidArgument("this program was built without codecs", path,
                               "convert the clip to TIFF, or build with IMPACTDIC_CODECS");
       }
-      return options.open_codec({path});
+      return options.open_codec({path}, options);
     case FileKind::kUnknown:
       break;
   }
@@ -34,10 +35,8 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
                     "headerless pixels need --raw WIDTHxHEIGHTxBITS");
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
-                                        const VideoOptions& options) {
+std::unique_ptr<FrameSource> open_any(const std::vector<std::string>& inputs,
+                                      const VideoOptions& options) {
   namespace fs = std::filesystem;
   if (inputs.empty()) throw InvalidArgument("no video is named");
   if (options.raw) {
@@ -55,6 +54,17 @@ std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
     return files.size() == 1 ? open_file(files[0], options) : open_image_sequence(files, options);
   }
   return open_file(input, options);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
+                                        const VideoOptions& options) {
+  auto clip = open_any(inputs, options);
+  // The codecs have looked before they decoded; the other readers have taken no memory yet.
+  const ClipInfo& info = clip->info();
+  check_megapixels(info.path, info.width, info.height, options.max_megapixels);
+  return clip;
 }
 
 }  // namespace impactdic::video

@@ -177,10 +177,11 @@ __kernel void gradients(__global const float* coefficients, __global float* plan
   __global float* out = planes + slot * 3 * plane + (size_t)y * plane_pitch + x;
 #pragma unroll
   for (int k = 0; k < GRADIENT_DOWN; ++k) {
-    if (y + k >= height) return;
-    STORE_REAL(value[k], out);
-    STORE_REAL(along_x[k], out + plane);
-    STORE_REAL(along_y[k], out + 2 * plane);
+    if (y + k < height) {
+      STORE_REAL(value[k], out);
+      STORE_REAL(along_x[k], out + plane);
+      STORE_REAL(along_y[k], out + 2 * plane);
+    }
     out += plane_pitch;
   }
 }

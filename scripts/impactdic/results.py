@@ -31,7 +31,13 @@ def read_table(path):
     return {name: _column([row[i] for row in rows]) for i, name in enumerate(header)}
 
 
+def _plain(cell):
+    """Without the apostrophe that keeps spreadsheets from running a text that begins like a formula."""
+    return cell[1:] if cell[:1] == "'" and cell[1:].lstrip()[:1] in tuple("=+-@") else cell
+
+
 def _column(cells):
+    cells = [_plain(cell) for cell in cells]
     try:
         return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
@@ -129,4 +135,9 @@ def shots_of(folder):
     """The results of every shot that `batch` measured into `folder`, in the order of shots.csv."""
     table = read_table(Path(folder) / "shots.csv")
     done = np.asarray(table["status"]) == "ok"
-    return [load(Path(folder) / "shots" / str(name)) for name in np.asarray(table["shot"])[done]]
+    names = [str(name) for name in np.asarray(table["shot"])[done]]
+    for name in names:
+        # A table that was tampered with must not lead out of its folder.
+        if Path(name).name != name:
+            raise ResultError(f"'{name}' is no name of a shot", Path(folder) / "shots.csv")
+    return [load(Path(folder) / "shots" / name) for name in names]

@@ -51,7 +51,7 @@ CompareRequest read_compare_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
   const std::filesystem::path folder = file.parent_path();
   CompareRequest job;
-  job.calibration = fit::read_fit_tables(root);
+  job.calibration = fit::read_fit_tables(root, false);
   const double angle = fit::surface_angle(root);
   job.shots = fit::shots_at(fit::read_paths(root, "tracks", folder), angle);
   job.tables = fit::read_paths(root, "shots", folder);

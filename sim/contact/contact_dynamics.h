@@ -27,7 +27,7 @@ enum StateIndex : std::size_t {
 using ImpactState = std::array<double, kStateSize>;
 
 // m a_C = G + T, I_C alpha = r_CE x T (source Eqs 3.9, 4.7). The contact point E lies at r = (0,
-// -R) of a ball; at the lower end, which turns with the body, of a rod.
+// -R) of a ball; of a rod, R below the lower end of its axis, which turns with the body.
 class ContactDynamics {
  public:
   ContactDynamics(const ImpactJob& job, const NormalLaw& normal, const FrictionLaw& friction);
@@ -59,6 +59,7 @@ class ContactDynamics {
   double mass_, inverse_mass_, inverse_inertia_;
   double gravity_t_, gravity_n_;
   bool rod_;
+  double cap_;          // rods: radius of the round end, which lies below the axis's end
   double reach_;        // radius, or half the rod's length
   double start_angle_;  // rods: of the axis at t = 0
 };

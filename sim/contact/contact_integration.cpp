@@ -24,49 +24,47 @@ class ContactSystem {
         friction_(friction),
         dynamics_(dynamics),
         request_(request),
+        ball_(job.body.shape != BodyShape::kRod),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
         next_kink_m_(normal.next_kink_m(0)),
         record_(start_s, dynamics.normal_force_n(touch_)) {}
 
   // The guards are the normal law's, then the friction law's.
-  enum NormalGuard { kTurn, kSeparation, kReload, kKink, kNormalGuards };
+  enum NormalGuard { kTurn, kSeparation, kReload, kKink, kPeak, kNormalGuards };
   static constexpr int kMostGuards = kNormalGuards + FrictionLaw::kMaxGuards;
   using Guards = std::array<double, kMostGuards>;
 
   void begin(double time_s, const State& x) {
-    friction_.begin(touch_);
+    friction_.begin(touch_, time_s);
+    force_rises_ = force_rate(touch_) > 0;
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});
     record_.enter(ContactPhaseKind::kTangential, friction_.mode(), {time_s, &x});
   }
   const ContactPoint& touch() const { return touch_; }
   ContactOutcome finish(double time_s, const State& x) {
-    return record_.finish(done_, {time_s, &x}, dynamics_.contact_point(x), dynamics_, normal_,
+    return record_.finish(separated_, {time_s, &x}, dynamics_.contact_point(x), dynamics_, normal_,
                           friction_);
   }
 
   void rates(const State& x, State& rate) const { dynamics_(x, rate, 0); }
   int guards(const State& x, Guards& values) const;
   void switch_mode(int guard, double time_s, const State& x);
-  bool finished() const { return done_; }
+  bool finished() const { return separated_ || resting_; }
   double next_point_s() const { return request_.next_s(); }
   void take_point(double time_s, const State& x) { request_.take(time_s, x); }
   // The tolerance decides: a new mode begins as the last one ended.
   double restart_step_s(double step_s) const { return step_s; }
 
   template <typename StateWithin>
-  void accepted(const EventInstant<State>& next, double stretch_s,
-                const StateWithin& state_within) {
+  void accepted(const EventInstant<State>& next, double, const StateWithin&) {
     const ContactPoint at = dynamics_.contact_point(next.x);
-    friction_.step(at);
-    record_.count_step();
-    if (!dynamics_.memory.compressing) return;
-    record_.step(dynamics_.normal_force_n(at), stretch_s, [&](double s) {
-      return dynamics_.normal_force_n(dynamics_.contact_point(state_within(s)));
-    });
+    friction_.step(at, next.time_s);
+    record_.step(dynamics_.normal_force_n(at));
   }
 
  private:
   double separation_guard(const ContactPoint& at) const;
+  double force_rate(const ContactPoint& at) const;
   void turn(double time_s, const State& x, const ContactPoint& at);
 
   RestitutionDamping damping_;
@@ -74,9 +72,12 @@ class ContactSystem {
   FrictionLaw& friction_;
   ContactDynamics& dynamics_;
   TrajectoryRequest& request_;
+  bool ball_;
   ContactPoint touch_;
   double next_kink_m_;
-  bool done_ = false;
+  bool force_rises_ = true;  // in compression
+  bool separated_ = false;
+  bool resting_ = false;  // the body will not leave
   ContactRecord record_;
 };
 
@@ -92,12 +93,21 @@ double ContactSystem::separation_guard(const ContactPoint& at) const {
   return at.deflection_m - dynamics_.memory.residual_m;
 }
 
+// dP/dt in compression, of a ball. A damper shifts the largest force before the largest deflection.
+double ContactSystem::force_rate(const ContactPoint& at) const {
+  return normal_.spring_slope_n_per_m(at.deflection_m) * at.rate_m_s +
+         at.damping_n_s_per_m * at.acceleration_m_s2;
+}
+
 // A guard of another phase stays at 1.
 int ContactSystem::guards(const State& x, Guards& values) const {
   const ContactPoint at = dynamics_.contact_point(x);
   const NormalMemory& memory = dynamics_.memory;
   values[kTurn] = memory.compressing ? at.rate_m_s : -at.rate_m_s;
-  values[kSeparation] = values[kReload] = values[kKink] = 1;
+  values[kSeparation] = values[kReload] = values[kKink] = values[kPeak] = 1;
+  if (memory.compressing && at.damping_n_s_per_m > 0 && ball_) {
+    values[kPeak] = force_rises_ ? force_rate(at) : -force_rate(at);
+  }
   if (!memory.compressing) {
     values[kSeparation] = separation_guard(at);
   } else if (memory.unloading) {
@@ -118,10 +128,13 @@ void ContactSystem::switch_mode(int guard, double time_s, const State& x) {
       turn(time_s, x, at);
       break;
     case kSeparation:
-      done_ = true;
+      separated_ = true;
       break;
     case kReload:
       dynamics_.memory.unloading = false;
+      break;
+    case kPeak:  // its force is told of as every step's end
+      force_rises_ = !force_rises_;
       break;
     case kKink:
       next_kink_m_ = normal_.next_kink_m(at.deflection_m);
@@ -135,7 +148,14 @@ void ContactSystem::switch_mode(int guard, double time_s, const State& x) {
 void ContactSystem::turn(double time_s, const State& x, const ContactPoint& at) {
   NormalMemory& memory = dynamics_.memory;
   if (!memory.compressing) {
+    // The weight has turned the rebound of a ball before it could leave. No law gives back more
+    // than that again, so it never will.
+    if (ball_) {
+      resting_ = true;
+      return;
+    }
     memory.compressing = true;
+    force_rises_ = force_rate(dynamics_.contact_point(x)) > 0;
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});
     return;
   }

@@ -1,7 +1,6 @@
 #include "sim/contact/contact_record.h"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <string_view>
 #include <utility>
 
@@ -23,18 +22,9 @@ void ContactRecord::close(int open, const ContactInstant& now) {
   phase.slip_j = phase.kind == ContactPhaseKind::kTangential ? (*now.x)[kSlip] - phase.slip_j : 0;
 }
 
-// A damper shifts the largest force before the largest deflection; it also makes the force fall at
-// first, from what it is at the touch.
-void ContactRecord::step(double force_n, double stretch_s,
-                         const std::function<double(double)>& force_within) {
-  if (force_n < last_force_n_ && force_rises_) {
-    const auto negative = [&](double s) { return -force_within(s); };
-    const auto [place, value] = boost::math::tools::brent_find_minima(negative, 0.0, stretch_s, 26);
-    outcome_.peak_force_n = std::max(outcome_.peak_force_n, -value);
-  }
-  force_rises_ = force_n > last_force_n_;
+void ContactRecord::step(double force_n) {
+  ++outcome_.steps;
   outcome_.peak_force_n = std::max(outcome_.peak_force_n, force_n);
-  last_force_n_ = force_n;
 }
 
 void ContactRecord::turn(double time_s, const ContactPoint& at, double force_n) {
@@ -59,7 +49,7 @@ ContactOutcome ContactRecord::finish(bool separated, const ContactInstant& now,
   const double stored = normal.stored_j(at.deflection_m, dynamics.memory);
   outcome_.plastic_j = normal.work_j(at.deflection_m, dynamics.memory) - stored;
   outcome_.released_j = separated ? stored : 0;
-  outcome_.released_tangential_j = separated ? friction.stored_j(at) : 0;
+  outcome_.released_tangential_j = separated ? friction.stored_j(at, now.time_s) : 0;
   return std::move(outcome_);
 }
 

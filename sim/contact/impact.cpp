@@ -49,6 +49,18 @@ double time_to_touch(const ImpactState& x, double gravity_n) {
   return speed > 0 ? (speed + fall) / -gravity_n : 2 * height / (fall - speed);
 }
 
+// A ledger is closed to this part of the kinetic energy at the start.
+constexpr double kLedgerTolerance = 1e-9;
+constexpr double kStrictestTolerance = 1e-13;
+
+// `rounding`: of the largest term, which may be far larger than the kinetic energy.
+bool closes(const EnergyLedger& energy, double limit, double rounding) {
+  const double largest = std::max({energy.kinetic_start_j, energy.kinetic_j,
+                                   std::abs(energy.gravity_j), energy.normal_elastic_j,
+                                   energy.damping_j, std::abs(energy.slip_j), energy.plastic_j});
+  return std::abs(energy.residual_j) <= limit * energy.kinetic_start_j + rounding * largest;
+}
+
 class ImpactRun final : public TrajectoryRequest {
  public:
   ImpactRun(const ImpactJob& job, const Recording& recording)
@@ -180,6 +192,9 @@ class ImpactRun final : public TrajectoryRequest {
       result_.warnings.push_back("the surface pulls: the normal force ends at " +
                                  shortest(outcome.separation_force_n) + " N");
     }
+    if (std::string why = normal_->out_of_range(outcome.max_deflection_m); !why.empty()) {
+      result_.warnings.push_back("outside the normal law's range: " + std::move(why));
+    }
     if (!outcome.separated) {
       result_.warnings.push_back("the body did not leave the surface: it comes to rest on it");
     }
@@ -190,7 +205,7 @@ class ImpactRun final : public TrajectoryRequest {
       record_flight(std::numeric_limits<double>::max());
     }
     result_.final = plane_state(now_);
-    result_.energy = ledger(now_);
+    result_.energy = ledger(time_s_, now_);
   }
 
   double kinetic_j(const ImpactState& x) const {
@@ -198,7 +213,7 @@ class ImpactRun final : public TrajectoryRequest {
            0.5 * job_.body.inertia() * x[kOmega] * x[kOmega];
   }
 
-  EnergyLedger ledger(const ImpactState& x) const {
+  EnergyLedger ledger(double time_s, const ImpactState& x) const {
     EnergyLedger energy;
     energy.kinetic_start_j = kinetic_j(start_);
     energy.gravity_j = job_.body.mass_kg * (gravity_t() * (x[kQt] - start_[kQt]) +
@@ -213,7 +228,7 @@ class ImpactRun final : public TrajectoryRequest {
       energy.normal_elastic_j = normal_->stored_j(at.deflection_m, dynamics_->memory);
       energy.plastic_j +=
           normal_->work_j(at.deflection_m, dynamics_->memory) - energy.normal_elastic_j;
-      energy.tangential_elastic_j = friction_->stored_j(at);
+      energy.tangential_elastic_j = friction_->stored_j(at, time_s);
     }
     energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
                         energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
@@ -225,7 +240,7 @@ class ImpactRun final : public TrajectoryRequest {
     TrajectoryPoint point;
     point.time_s = time_s;
     point.state = plane_state(x);
-    point.energy = ledger(x);
+    point.energy = ledger(time_s, x);
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       point.deflection_m = at.deflection_m;
@@ -254,7 +269,21 @@ class ImpactRun final : public TrajectoryRequest {
 
 ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording) {
   job.validate();
-  return ImpactRun(job, recording).run();
+  // Hard cases (friction of 100, a weight that does far more work than the blow) add errors up.
+  ImpactJob attempt = job;
+  for (;;) {
+    ImpactResult result = ImpactRun(attempt, recording).run();
+    const double limit = std::max(kLedgerTolerance, 10 * job.solver.relative_tolerance);
+    if (closes(result.energy, limit, 1e-14)) return result;
+    if (attempt.solver.relative_tolerance <= kStrictestTolerance) {
+      if (closes(result.energy, limit, 1e-12)) return result;
+      throw Error("the energy ledger does not close: " + shortest(result.energy.residual_j) +
+                      " J of " + shortest(result.energy.kinetic_start_j) + " J are unaccounted for",
+                  "integration", "report this job");
+    }
+    attempt.solver.relative_tolerance =
+        std::max(0.01 * attempt.solver.relative_tolerance, kStrictestTolerance);
+  }
 }
 
 EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& before,
@@ -264,12 +293,16 @@ EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& b
   const double dvt = after.vt_m_s - before.vt_m_s, dvn = after.vn_m_s - before.vn_m_s;
   const double gravity_s = gravity_m_s2 * contact_s;
   EffectiveFriction friction;
-  friction.published = impact::impulse_ratio(dvt, dvn);
-  friction.sound = impact::impulse_ratio(
-      impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
-      impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
   const double tip = impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m());
-  friction.rolling_cap = impact::rolling_cap(tip, body.inertia_factor(), dvn);
+  const double tip_after = impact::tip_velocity(after.vt_m_s, after.omega_rad_s, body.radius_m());
+  const double against = impact::against_slip(tip);
+  friction.published = against * impact::impulse_ratio(dvt, dvn);
+  friction.sound =
+      against *
+      impact::impulse_ratio(
+          impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
+          impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
+  friction.rolling_cap = impact::rolling_cap(tip, tip_after, body.inertia_factor(), dvn);
   return friction;
 }
 

@@ -17,8 +17,9 @@ struct Recording {
 };
 
 // Integrates the job with an adaptive Dormand-Prince 5(4) method and every switch of the contact
-// located as an event. Throws InvalidArgument (job.validate()), or Error where the body never
-// touches the surface.
+// located as an event. Where the energy ledger does not close to 1e-9 of the initial kinetic energy
+// the tolerance is tightened. Throws InvalidArgument (job.validate()), or Error where the body
+// never touches the surface or the ledger still does not close.
 ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording = {});
 
 // `after`: where the contact ends, contact_s later. Lengths in metres, angles as in ImpactJob.

@@ -22,7 +22,7 @@ struct Arm {
 Arm arm_of(const ReboundJob& job) {
   if (job.body.shape != BodyShape::kRod) return {0, -job.body.radius_m()};
   const double axis = job.initial.angle_deg * kRadPerDeg, half = job.body.length_m / 2;
-  return {-half * std::cos(axis), -half * std::sin(axis)};
+  return {-half * std::cos(axis), -half * std::sin(axis) - job.body.radius_m()};
 }
 
 ImpactVelocities rebound(const ReboundJob& job, const ImpactVelocities& before) {

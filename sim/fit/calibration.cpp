@@ -10,6 +10,7 @@
 #include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
 #include "sim/fit/restitution_duration.h"
+#include "sim/fit/rivals.h"
 #include "sim/fit/trajectory_fit.h"
 
 namespace impactdic::sim::fit {
@@ -43,7 +44,7 @@ ShotFit fit_restitution_duration(const MeasuredShot& shot, const FitRequest& job
   fit.covariance = {k_e * k_e + k_t * k_t, k_e * b_e + k_t * b_t, k_e * b_e + k_t * b_t,
                     b_e * b_e + b_t * b_t};
   fit.measurements = fit.free_parameters = 2;
-  fit.aic = fit.chi_square = fit.reduced_chi_square = fit.rms_m = kNotMeasured;
+  fit.aic = fit.chi_square = fit.reduced_chi_square = fit.rms_m = fit.p_value = kNotMeasured;
   return fit;
 }
 
@@ -193,6 +194,7 @@ FitResult calibrate(const FitRequest& request, const RunControl& control) {
         switch (request.method) {
           case FitMethod::kTrajectory:
             result.shots[i] = fit_trajectory(track, timed, request);
+            if (request.rivals) rank_rivals(result.shots[i], track, timed, request);
             result.shots[i].shot = shot;
             break;
           case FitMethod::kPublishedGrid:

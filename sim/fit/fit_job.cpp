@@ -8,7 +8,7 @@ namespace impactdic::sim::fit {
 
 FitRequest read_fit_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
-  FitRequest job = read_fit_tables(root);
+  FitRequest job = read_fit_tables(root, true);
   job.shots = shots_at(read_paths(root, "tracks", file.parent_path()), surface_angle(root));
   root.finish();
   job::validate_in_file(job, root);

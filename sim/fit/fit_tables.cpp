@@ -49,8 +49,9 @@ std::vector<std::string> keys_of(const std::vector<FitParameter>& chosen, Normal
 
 }  // namespace
 
-FitRequest read_fit_tables(job::StrictTable& root) {
+FitRequest read_fit_tables(job::StrictTable& root, bool rivals) {
   FitRequest job;
+  job.rivals = rivals;
   root.text("normal");  // a forgotten line must not choose a law
   root.text("friction");
   job.impact = job::read_impact_tables(root, true);
@@ -65,6 +66,7 @@ FitRequest read_fit_tables(job::StrictTable& root) {
   }
   job.flight_frames = fit.integer("flight_frames", job.flight_frames);
   job.outlier_sd = fit.number("outlier_sd", job.outlier_sd);
+  job.rivals = fit.boolean("rivals", job.rivals);
   job::StrictTable& grid = root.table("grid");
   job.grid.stiffness_max = grid.number("stiffness_max", job.grid.stiffness_max);
   job.grid.damping_max_n_s_per_m =
@@ -123,6 +125,7 @@ void write_fit_tables(job::TomlText& text, const FitRequest& job, double angle_d
   text.names("unknowns", keys_of(job.unknowns, job.impact.normal));
   text.integer("flight_frames", job.flight_frames);
   text.number("outlier_sd", job.outlier_sd);
+  text.boolean("rivals", job.rivals);
   text.table("grid");
   text.number("stiffness_max", job.grid.stiffness_max);
   text.number("damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);

@@ -34,7 +34,8 @@ auto choose(const Names& names, job::StrictTable& table, const std::string& key,
 
 // The laws and the tables body, contact, environment, solver, fit and grid. Neither finished nor
 // validated; surface.angle_deg is asked for by surface_angle.
-FitRequest read_fit_tables(job::StrictTable& root);
+// `rivals`: where the job does not say.
+FitRequest read_fit_tables(job::StrictTable& root, bool rivals);
 // The files that `key` lists, relative to `folder`.
 std::vector<std::filesystem::path> read_paths(job::StrictTable& root, const std::string& key,
                                               const std::filesystem::path& folder);

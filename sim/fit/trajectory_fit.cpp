@@ -6,7 +6,10 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "sim/fit/derived_figures.h"
@@ -27,6 +30,9 @@ constexpr double kSingular = 1e-8;
 // An interval wider than this part of its value is not parabolic any more: profile it.
 constexpr double kWeak = 0.2;
 constexpr int kWeighings = 2;
+// A fit whose chi square is exceeded by chance less often is inadequate.
+constexpr double kLeastPValue = 0.01;
+constexpr std::array<double, 2> kFrictionStarts{0.15, 0.8};
 constexpr double kFirstMotionFactor = 30;
 
 class Cost final : public ceres::CostFunction {
@@ -51,6 +57,12 @@ class Cost final : public ceres::CostFunction {
   const ShotModel& model_;
   std::size_t fixed_;
 };
+
+bool is_friction(const Unknown& unknown) {
+  return unknown.kind == Unknown::Kind::kParameter &&
+         (unknown.parameter == FitParameter::kFrictionKinetic ||
+          unknown.parameter == FitParameter::kFrictionStatic);
+}
 
 struct Solution {
   std::vector<double> values;
@@ -189,7 +201,7 @@ double profile_end(const ShotModel& model, const Solution& best, std::size_t ind
 }
 
 ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::size_t index,
-                           double sd, double inflation, const FitRequest& job) {
+                           double sd, double inflation, bool flat_above, const FitRequest& job) {
   const Unknown& unknown = model.unknowns()[index];
   ParameterEstimate p;
   p.parameter = unknown.parameter;
@@ -199,7 +211,8 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
   p.ci95_low = p.value - kNormal95 * p.sd;
   p.ci95_high = p.value + kNormal95 * p.sd;
   const bool positive = unknown.lower >= 0;  // a quantity whose size is its meaning
-  const bool weak = std::isnan(p.sd) || (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
+  const bool weak =
+      std::isnan(p.sd) || flat_above || (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
   if (weak) {
     p.profiled = true;
     const double step = std::isnan(p.sd) ? std::max(std::abs(p.value), unknown.step) / 8
@@ -207,6 +220,7 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
     const double rise = kChiSquare95 * inflation;
     p.ci95_low = profile_end(model, best, index, -step, rise);
     p.ci95_high = profile_end(model, best, index, step, rise);
+    if (flat_above) p.ci95_high = kNotMeasured;
   }
   p.determined = !std::isnan(p.ci95_low) && !std::isnan(p.ci95_high);
   return p;
@@ -216,6 +230,7 @@ struct Weighed {
   Solution best;
   DeviationFactors factors{};
   double stated_chi_square = 0;
+  std::vector<bool> flat_above;  // of each unknown: much larger values fit as well
 };
 
 // Solves, sees from the residuals how far the stated deviations reach, and solves again with these.
@@ -245,17 +260,36 @@ Weighed solve_and_weigh(ShotModel& model) {
   return result;
 }
 
-}  // namespace
-
-ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
-                       const FitRequest& job) {
-  const ImpactJob laws = laws_at_start(shot, job);
-  ShotModel model(track, shot, laws, job.parameters, job.unknowns);
-  const auto [best, factors, stated_chi_square] = solve_and_weigh(model);
-  if (!std::isfinite(best.chi_square)) {
-    throw InvalidArgument("the model has no impact at its start values", shot.file,
-                          "are mass, diameter and the fixed contact values right?");
+// Friction that rolls the ball from the start leaves a chi square that is flat above a kink, below
+// which another minimum may lie. Starts far away leave it; and where they end far away and fit as
+// well, the friction is not determined upwards.
+void leave_local_minimum(const ShotModel& model, Weighed& weighed) {
+  Solution& best = weighed.best;
+  std::vector<Solution> others;
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    if (!is_friction(model.unknowns()[i])) continue;
+    for (const double start : kFrictionStarts) {
+      std::vector<double> values = best.values;
+      values[i] = start;
+      others.push_back(solve(model, values, model.size()));
+      if (others.back().chi_square < best.chi_square - 1e-6) best = others.back();
+    }
   }
+  const double left = static_cast<double>(model.residuals() - model.size());
+  const double rise = kChiSquare95 * std::max(1.0, best.chi_square / left);
+  weighed.flat_above.assign(model.size(), false);
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    if (!is_friction(model.unknowns()[i])) continue;
+    for (const Solution& other : others) {
+      if (other.chi_square - best.chi_square < rise && other.values[i] > 2 * best.values[i]) {
+        weighed.flat_above[i] = true;
+      }
+    }
+  }
+}
+
+ShotFit goodness(const ShotModel& model, const MeasuredShot& shot, const Weighed& weighed) {
+  const auto& [best, factors, stated_chi_square, flat_above] = weighed;
   ShotFit fit;
   fit.shot = shot;
   fit.chi_square = stated_chi_square;
@@ -268,14 +302,62 @@ ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
   fit.rms_m = model.path_rms_m(best.values.data());
   fit.converged = best.converged;
   if (!best.converged) fit.warnings.push_back("the fit had not converged after 100 iterations");
+  const double left = static_cast<double>(fit.measurements - fit.free_parameters);
+  fit.p_value = boost::math::gamma_q(left / 2, stated_chi_square / 2);
+  fit.adequacy = fit.p_value < kLeastPValue ? Adequacy::kInadequate : Adequacy::kAdequate;
+  if (fit.adequacy == Adequacy::kInadequate) {
+    char text[200];
+    std::snprintf(
+        text, sizeof text,
+        "inadequate: the model leaves %.3g times the chi square that the stated deviations "
+        "explain (p %.1e); the law is wrong, or the deviations are too small",
+        fit.reduced_chi_square, fit.p_value);
+    fit.warnings.emplace_back(text);
+  }
+  return fit;
+}
+
+Weighed solve_shot(ShotModel& model, const MeasuredShot& shot) {
+  Weighed weighed = solve_and_weigh(model);
+  if (!std::isfinite(weighed.best.chi_square)) {
+    throw InvalidArgument("the model has no impact at its start values", shot.file,
+                          "are mass, diameter and the fixed contact values right?");
+  }
+  leave_local_minimum(model, weighed);
+  return weighed;
+}
+
+}  // namespace
+
+ShotFit fit_values(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job) {
+  ShotModel model(track, shot, laws_at_start(shot, job), job.parameters, job.unknowns);
+  const Weighed weighed = solve_shot(model, shot);
+  ShotFit fit = goodness(model, shot, weighed);
+  for (std::size_t i = 0; i < job.parameters.size(); ++i) {
+    ParameterEstimate p;
+    p.parameter = job.parameters[i];
+    p.key = key_of(p.parameter, job.impact.normal);
+    p.value = weighed.best.values[i];
+    p.sd = p.ci95_low = p.ci95_high = kNotMeasured;
+    fit.parameters.push_back(std::move(p));
+  }
+  return fit;
+}
+
+ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
+                       const FitRequest& job) {
+  ShotModel model(track, shot, laws_at_start(shot, job), job.parameters, job.unknowns);
+  const Weighed weighed = solve_shot(model, shot);
+  const Solution& best = weighed.best;
+  ShotFit fit = goodness(model, shot, weighed);
   const double inflation =
       std::max(1.0, best.chi_square / static_cast<double>(fit.measurements - fit.free_parameters));
   const Eigen::MatrixXd unit = cofactor(model, best.values);
   const std::size_t reported = job.parameters.size() + job.unknowns.size();
   for (std::size_t i = 0; i < reported; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    fit.parameters.push_back(
-        estimate(model, best, i, std::sqrt(unit(at, at) * inflation), inflation, job));
+    fit.parameters.push_back(estimate(model, best, i, std::sqrt(unit(at, at) * inflation),
+                                      inflation, weighed.flat_above[i], job));
     for (std::size_t j = 0; j < reported; ++j) {
       const double value = unit(at, static_cast<Eigen::Index>(j)) * inflation;
       fit.covariance.push_back(std::isfinite(value) ? value : kNotMeasured);

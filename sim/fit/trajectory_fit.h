@@ -11,4 +11,7 @@ namespace impactdic::sim::fit {
 // no impact at the start values.
 ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job);
 
+// The values and the goodness of the fit alone, without deviations and verdicts.
+ShotFit fit_values(const MeasuredTrack& track, const MeasuredShot& shot, const FitRequest& job);
+
 }  // namespace impactdic::sim::fit

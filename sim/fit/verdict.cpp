@@ -67,7 +67,13 @@ std::string words(FitParameter parameter, const ImpactJob& job, const ImpactResu
 void add_verdicts(ShotFit& fit, const ImpactJob& solution) {
   const ImpactResult impact = contact::simulate_impact(solution);
   for (ParameterEstimate& p : fit.parameters) {
-    p.verdict = p.determined ? "determined by the data" : words(p.parameter, solution, impact);
+    if (!p.determined) {
+      p.verdict = words(p.parameter, solution, impact);
+    } else if (fit.adequacy == Adequacy::kInadequate) {
+      p.verdict = "determined, but of a model that does not describe the data";
+    } else {
+      p.verdict = "determined by the data";
+    }
   }
 }
 

@@ -3,22 +3,18 @@
 #include <impactdic/error.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <sstream>
+
+#include "host/base/toml_text.h"
 
 namespace impactdic::sim::job {
 
 namespace {
 
 toml::table parse(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file)) {
-    throw FileError("cannot read the job", file.string());
-  }
-  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = read_toml_text(file);
   try {
-    return toml::parse(content);
+    return toml::parse(text);
   } catch (const toml::parse_error& error) {
     throw FormatError(file.string() + ", line " + std::to_string(error.source().begin.line), -1,
                       "not TOML: " + std::string(error.description()));

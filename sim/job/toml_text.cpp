@@ -34,6 +34,10 @@ void TomlText::integer(std::string_view key, long value) {
   text_ += std::string(key) + " = " + std::to_string(value) + "\n";
 }
 
+void TomlText::boolean(std::string_view key, bool value) {
+  text_ += std::string(key) + " = " + (value ? "true" : "false") + "\n";
+}
+
 void TomlText::names(std::string_view key, const std::vector<std::string>& values) {
   std::string list;
   for (const std::string& value : values) list += (list.empty() ? "" : ", ") + quoted(value);

@@ -16,6 +16,7 @@ class TomlText {
   // In the shortest form that reads back exactly, and as a float.
   void number(std::string_view key, double value);
   void integer(std::string_view key, long value);
+  void boolean(std::string_view key, bool value);
   void names(std::string_view key, const std::vector<std::string>& values);
   // The table [body].
   void body(const ImpactBody& body);

@@ -174,7 +174,7 @@ Forces Dynamics::forces(const State& state, const Memory& memory) const {
   const double w = compression_m(state);
   forces.normal_n = memory.contact == Contact::kLoading
                         ? law_.loading_force_n(w)
-                        : law_.unloading_force_n(w, memory.largest_m);
+                        : law_.unloading_force_n(w, memory.largest_m, memory.residual_m);
   // The tip's tangential acceleration is affine in the tangential force.
   const Tip t = tip(state);
   const double radius = job_.body.radius_m;

@@ -52,7 +52,7 @@ RodModel read_rod_tables(job::StrictTable& root, bool flexible) {
   job.flexible = flexible;
   RodJob& rod = job.rod;
   rod = flexible ? flexible_rod_preset() : rigid_rod_preset();
-  // Jackson's residual is the source's; Kogut and Etsion's comes nearer to its measurements.
+  // Jackson's residual is the dissertation's; Kogut and Etsion's comes nearer to its measurements.
   job.preset = job::read_preset(root, flexible ? ModelPreset::kSound : ModelPreset::kPublished);
   rod.residual =
       job.preset == ModelPreset::kPublished ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;

@@ -179,10 +179,6 @@ void derive(MeasuredShot& shot, const ImpactBody& body, double gravity_m_s2) {
   const PlaneState before = state(shot.before);
   shot.friction = contact::effective_friction(body, before, state(shot.after), shot.contact_s.value,
                                               gravity_m_s2, shot.surface_angle_deg);
-  const double against = impact::against_slip(
-      impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m()));
-  shot.friction.published *= against;
-  shot.friction.sound *= against;
   shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,
                                 shot.friction.sound * std::hypot(in.sd, out.sd)) /
                      (out.value - in.value);

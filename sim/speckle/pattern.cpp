@@ -31,9 +31,14 @@ double half_level_area(const std::vector<InkDisc>& discs, double scale) {
     reach = std::max(reach, (std::hypot(d.x_px, d.y_px) + d.radius_px) * scale + 1);
   }
   const double step = std::max(0.2, reach / 24);
+  std::vector<double> raster;  // of both axes
+  for (double at = -reach; at < reach;) {
+    raster.push_back(at);
+    at += step;
+  }
   int dark = 0;
-  for (double y = -reach; y < reach; y += step) {
-    for (double x = -reach; x < reach; x += step) {
+  for (const double y : raster) {
+    for (const double x : raster) {
       float clear = 1;
       for (std::size_t i = 0; i < discs.size(); ++i) {
         clear *= 1 - inks[i](std::hypot(x - discs[i].x_px * scale, y - discs[i].y_px * scale));

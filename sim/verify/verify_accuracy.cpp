@@ -105,22 +105,22 @@ void add_limits(std::vector<VerifyCase>& cases) {
   job.gravity_m_s2 = 0;
   ImpactJob elastic = job;
   elastic.contact.damping_n_s_per_m = 0;
-  cases.push_back({group, "no damping: restitution", "elastic", 1, 1e-9,
+  cases.push_back({group, "no damping: restitution", "limit: elastic", 1, 1e-9,
                    [elastic] { return contact::simulate_impact(elastic).restitution; }});
   ImpactJob smooth = job;
   smooth.friction = FrictionModel::kNone;
-  cases.push_back({group, "no friction: tangential velocity kept, m/s", "frictionless",
+  cases.push_back({group, "no friction: tangential velocity kept, m/s", "limit: frictionless",
                    smooth.initial.vt_m_s, 1e-13,
                    [smooth] { return contact::simulate_impact(smooth).final.vt_m_s; }});
   ImpactJob slippery = job;
   slippery.contact.friction_kinetic = 1e-9;
-  cases.push_back({group, "maw_barber_fawcett, friction to 0: as no friction, m/s", "frictionless",
-                   job.initial.vt_m_s, 1e-8,
+  cases.push_back({group, "maw_barber_fawcett, friction to 0: as no friction, m/s",
+                   "limit: frictionless", job.initial.vt_m_s, 1e-8,
                    [slippery] { return contact::simulate_impact(slippery).final.vt_m_s; }});
   // With unbounded friction nothing slips but the springs that leave the contact, so the rebound no
   // longer depends on it.
-  cases.push_back({group, "maw_barber_fawcett, full grip: friction no longer matters, m/s", "grip",
-                   0, 2e-3, [elastic] {
+  cases.push_back({group, "maw_barber_fawcett, full grip: friction no longer matters, m/s",
+                   "limit: grip", 0, 2e-3, [elastic] {
                      ImpactJob grip = elastic;
                      const auto tip = [&grip](double friction) {
                        grip.contact.friction_kinetic = friction;
@@ -132,20 +132,20 @@ void add_limits(std::vector<VerifyCase>& cases) {
   ImpactJob sliding = job;
   sliding.friction = FrictionModel::kCoulomb;
   sliding.contact.friction_kinetic = 0.02;
-  cases.push_back(
-      {group, "coulomb sliding: as Walton's formula, m/s", "Walton 1993", 0, 1e-9, [sliding] {
-         const ImpactResult r = contact::simulate_impact(sliding);
-         const ImpactVelocities exact = contact::walton_rebound(
-             sliding.body, {sliding.initial.vt_m_s, sliding.initial.vn_m_s, 0}, r.restitution,
-             sliding.contact.friction_kinetic, 0);
-         return r.final.vt_m_s - exact.vt_m_s;
-       }});
+  cases.push_back({group, "coulomb sliding: as Walton's formula, m/s", "formula: Walton 1993", 0,
+                   1e-9, [sliding] {
+                     const ImpactResult r = contact::simulate_impact(sliding);
+                     const ImpactVelocities exact = contact::walton_rebound(
+                         sliding.body, {sliding.initial.vt_m_s, sliding.initial.vn_m_s, 0},
+                         r.restitution, sliding.contact.friction_kinetic, 0);
+                     return r.final.vt_m_s - exact.vt_m_s;
+                   }});
   ImpactJob rolling = sliding;
   rolling.contact.friction_kinetic = 0.54;
-  cases.push_back({group, "coulomb rolling: contact point at rest, m/s", "Brody 1984", 0, 1e-9,
-                   [rolling] { return contact::simulate_impact(rolling).tip_vt_final_m_s; }});
+  cases.push_back({group, "coulomb rolling: contact point at rest, m/s", "formula: Brody 1984", 0,
+                   1e-9, [rolling] { return contact::simulate_impact(rolling).tip_vt_final_m_s; }});
   ImpactJob racket = job::racket_job();
-  cases.push_back({group, "effective friction with gravity's impulse", "momentum",
+  cases.push_back({group, "effective friction with gravity's impulse", "conservation",
                    racket.contact.friction_kinetic, 1e-10, [racket] {
                      const ImpactResult r = contact::simulate_impact(racket);
                      return contact::effective_friction(racket.body, r.start, r.final, r.contact_s,
@@ -175,11 +175,12 @@ double switch_error_s(const ImpactJob& job, double tolerance) {
 void add_convergence(std::vector<VerifyCase>& cases) {
   for (const NamedJob& named : every_model()) {
     const ImpactJob job = named.job;
-    cases.push_back({"switch times", named.name + ": error at rtol 1e-10, s", "rtol 1e-13", 0,
-                     1e-12, [job] { return switch_error_s(job, 1e-10); }});
+    cases.push_back({"switch times", named.name + ": error at rtol 1e-10, s",
+                     "regression, against rtol 1e-13", 0, 1e-12,
+                     [job] { return switch_error_s(job, 1e-10); }});
   }
   cases.push_back({"convergence", "order of the method, linear spring-damper",
-                   "Dormand & Prince 1980", 5, 0.6, [] {
+                   "formula: Dormand & Prince 1980", 5, 0.6, [] {
                      ImpactJob job = job::racket_job();
                      job.gravity_m_s2 = 0;
                      const double exact =

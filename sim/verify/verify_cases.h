@@ -9,13 +9,21 @@ namespace impactdic::sim::verify {
 
 // One row: a computed figure against what it must be.
 struct VerifyCase {
-  std::string group;   // e.g. "linear spring-damper"
-  std::string name;    // e.g. "restitution against the closed form"
-  std::string source;  // e.g. "Hertz 1882", "section 3.1.3", "energy"
+  std::string group;  // e.g. "linear spring-damper"
+  std::string name;   // e.g. "restitution against the closed form"
+  // Where `expected` comes from; one of kProvenances, then what exactly.
+  std::string source;
   double expected = 0;
   double tolerance = 0;  // |computed - expected| <= tolerance, absolute
   std::function<double()> compute;
 };
+
+// printed: stands in the dissertation's text. digitised: read off one of its figures. independent
+// calculation: by another program or method. formula: a closed form of the author named.
+// regression: our own figure. conservation, limit: what physics demands.
+inline constexpr const char* kProvenances[] = {"printed", "digitised",  "independent calculation",
+                                               "formula", "regression", "conservation",
+                                               "limit"};
 
 struct VerifyOutcome {
   VerifyCase row;
@@ -24,7 +32,7 @@ struct VerifyOutcome {
   std::string error;  // what was thrown, if anything was
 };
 
-// The plane ball impacts: the source's figures, closed forms, limits, conservation, accuracy.
+// The plane ball impacts: the dissertation's figures, closed forms, limits, conservation, accuracy.
 std::vector<VerifyCase> impact_cases();
 std::vector<VerifyCase> source_cases();       // chapters 3 and 4
 std::vector<VerifyCase> closed_form_cases();  // formulas, and integrations against them

@@ -28,7 +28,8 @@ void add_linear(std::vector<VerifyCase>& cases) {
   const contact::LinearImpact exact = contact::linear_impact(
       job.body.mass_kg, job.contact.stiffness, job.contact.damping_n_s_per_m, speed);
   const auto row = [&](const char* name, double expected, double (*figure)(const ImpactResult&)) {
-    cases.push_back({group, name, "closed form", expected, kIntegrated * std::abs(expected),
+    cases.push_back({group, name, "formula: closed form", expected,
+                     kIntegrated * std::abs(expected),
                      [job, figure] { return figure(contact::simulate_impact(job)); }});
   };
   row("restitution", exact.restitution, [](const ImpactResult& r) { return r.restitution; });
@@ -43,8 +44,9 @@ void add_linear(std::vector<VerifyCase>& cases) {
        {RestitutionDamping::kToZeroForce, RestitutionDamping::kToZeroDeflection}) {
     ImpactJob damped = job;
     damped.contact.restitution_damping = damping;
-    cases.push_back({group, "restitution, damped " + std::string(name_of(damping)), "closed form",
-                     contact::damped_restitution(zeta, damping), kIntegrated,
+    cases.push_back({group, "restitution, damped " + std::string(name_of(damping)),
+                     "formula: closed form", contact::damped_restitution(zeta, damping),
+                     kIntegrated,
                      [damped] { return contact::simulate_impact(damped).restitution; }});
   }
 }
@@ -58,22 +60,22 @@ void add_linear_inverse(std::vector<VerifyCase>& cases) {
   const auto inverse = [job, exact] {
     return contact::linear_parameters(job.body.mass_kg, exact.restitution, exact.contact_s);
   };
-  cases.push_back({group, "stiffness from (e, T), N/m", "closed form", job.contact.stiffness,
-                   kRounding * job.contact.stiffness * 100,
+  cases.push_back({group, "stiffness from (e, T), N/m", "formula: closed form",
+                   job.contact.stiffness, kRounding * job.contact.stiffness * 100,
                    [inverse] { return inverse().stiffness; }});
-  cases.push_back({group, "damping from (e, T), N s/m", "closed form",
+  cases.push_back({group, "damping from (e, T), N s/m", "formula: closed form",
                    job.contact.damping_n_s_per_m, kRounding * 100,
                    [inverse] { return inverse().damping_n_s_per_m; }});
-  cases.push_back({group, "Kelvin-Voigt stiffness, N/m", "Dignall & Haake 2000", 13385.3, 0.5, [] {
-                     return contact::kelvin_voigt_parameters(0.0567, 0.73559, 6.4967e-3).stiffness;
-                   }});
   cases.push_back(
-      {group, "Kelvin-Voigt damping, N s/m", "Dignall & Haake 2000", 5.3601, 5e-4, [] {
+      {group, "Kelvin-Voigt stiffness, N/m", "formula: Dignall & Haake 2000", 13385.3, 0.5,
+       [] { return contact::kelvin_voigt_parameters(0.0567, 0.73559, 6.4967e-3).stiffness; }});
+  cases.push_back(
+      {group, "Kelvin-Voigt damping, N s/m", "formula: Dignall & Haake 2000", 5.3601, 5e-4, [] {
          return contact::kelvin_voigt_parameters(0.0567, 0.73559, 6.4967e-3).damping_n_s_per_m;
        }});
   ImpactJob force_free = job;
   force_free.contact.restitution_damping = RestitutionDamping::kToZeroForce;
-  cases.push_back({group, "stiffness from (e, T) damped to zero force, N/m", "closed form",
+  cases.push_back({group, "stiffness from (e, T) damped to zero force, N/m", "formula: closed form",
                    job.contact.stiffness, 1e-7 * job.contact.stiffness, [force_free] {
                      const ImpactResult r = contact::simulate_impact(force_free);
                      return contact::force_free_parameters(force_free.body.mass_kg, r.restitution,
@@ -83,8 +85,8 @@ void add_linear_inverse(std::vector<VerifyCase>& cases) {
   ImpactJob kelvin_voigt = job;
   kelvin_voigt.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
   cases.push_back({group, "Kelvin-Voigt stiffness from its own integration, N/m",
-                   "Dignall & Haake 2000", job.contact.stiffness, 1e-7 * job.contact.stiffness,
-                   [kelvin_voigt] {
+                   "formula: Dignall & Haake 2000", job.contact.stiffness,
+                   1e-7 * job.contact.stiffness, [kelvin_voigt] {
                      const ImpactResult r = contact::simulate_impact(kelvin_voigt);
                      return contact::kelvin_voigt_parameters(kelvin_voigt.body.mass_kg,
                                                              r.restitution, r.contact_s)
@@ -107,41 +109,41 @@ void add_hertz(std::vector<VerifyCase>& cases) {
     ImpactJob damped = job;
     damped.contact.damping_n_s_per_m = row.damping * scale;
     cases.push_back({group, "restitution at b/(m^.6 k^.4 v^.2) = " + std::to_string(row.damping),
-                     "dimensional analysis", row.restitution, 5e-6,
+                     "independent calculation, another integrator", row.restitution, 5e-6,
                      [damped] { return contact::simulate_impact(damped).restitution; }});
   }
   job.contact.damping_n_s_per_m = 0;
-  cases.push_back({group, "T (k/m)^.4 v^.2", "Hertz 1882", 3.2180, 1e-4, [=] {
+  cases.push_back({group, "T (k/m)^.4 v^.2", "formula: Hertz 1882", 3.2180, 1e-4, [=] {
                      return contact::simulate_impact(job).contact_s *
                             std::pow(stiffness / mass, 0.4) * std::pow(speed, 0.2);
                    }});
-  cases.push_back({group, "contact duration, s", "Hertz 1882",
+  cases.push_back({group, "contact duration, s", "formula: Hertz 1882",
                    contact::hertz_contact_s(mass, stiffness, speed),
                    kIntegrated * contact::hertz_contact_s(mass, stiffness, speed),
                    [job] { return contact::simulate_impact(job).contact_s; }});
-  cases.push_back({group, "maximum deflection, m", "Hertz 1882",
+  cases.push_back({group, "maximum deflection, m", "formula: Hertz 1882",
                    contact::hertz_max_deflection_m(mass, stiffness, speed),
                    kIntegrated * contact::hertz_max_deflection_m(mass, stiffness, speed),
                    [job] { return contact::simulate_impact(job).max_deflection_m; }});
-  cases.push_back({group, "T v/delta_m", "Hertz 1882", 2.94328, 5e-6, [=] {
+  cases.push_back({group, "T v/delta_m", "formula: Hertz 1882", 2.94328, 5e-6, [=] {
                      return contact::hertz_contact_s(mass, stiffness, speed) * speed /
                             contact::hertz_max_deflection_m(mass, stiffness, speed);
                    }});
   // k = 4/3 E* sqrt(R): T = 2.8683 (m^2/(R E*^2 v))^(1/5).
-  cases.push_back({group, "T (R E*^2 v / m^2)^(1/5)", "Hertz 1882", 2.8683, 5e-5, [=] {
+  cases.push_back({group, "T (R E*^2 v / m^2)^(1/5)", "formula: Hertz 1882", 2.8683, 5e-5, [=] {
                      const double radius = 0.01, modulus = 0.75 * stiffness / std::sqrt(radius);
                      return contact::hertz_contact_s(mass, stiffness, speed) *
                             std::pow(radius * modulus * modulus * speed / (mass * mass), 0.2);
                    }});
-  cases.push_back(
-      {group, "stiffness from (e, T), N/m^1.5", "inverse", stiffness, 1e-7 * stiffness, [=] {
-         ImpactJob damped = job;
-         damped.contact.damping_n_s_per_m = 9.5;
-         const ImpactResult r = contact::simulate_impact(damped);
-         return contact::hertz_parameters(mass, speed, r.restitution, r.contact_s,
-                                          RestitutionDamping::kNone)
-             .stiffness;
-       }});
+  cases.push_back({group, "stiffness from (e, T), N/m^1.5", "formula: inverse", stiffness,
+                   1e-7 * stiffness, [=] {
+                     ImpactJob damped = job;
+                     damped.contact.damping_n_s_per_m = 9.5;
+                     const ImpactResult r = contact::simulate_impact(damped);
+                     return contact::hertz_parameters(mass, speed, r.restitution, r.contact_s,
+                                                      RestitutionDamping::kNone)
+                         .stiffness;
+                   }});
 }
 
 void add_rebounds(std::vector<VerifyCase>& cases) {
@@ -153,28 +155,28 @@ void add_rebounds(std::vector<VerifyCase>& cases) {
                        std::function<double()> compute) {
     cases.push_back({group, name, source, expected, kRounding, std::move(compute)});
   };
-  row("solid superball: vt'/vt", "Garwin 1969", 3.0 / 7,
+  row("solid superball: vt'/vt", "formula: Garwin 1969", 3.0 / 7,
       [=] { return contact::garwin_rebound(solid, before).vt_m_s; });
-  row("solid superball: R omega'/vt", "Garwin 1969", -10.0 / 7,
+  row("solid superball: R omega'/vt", "formula: Garwin 1969", -10.0 / 7,
       [=] { return contact::garwin_rebound(solid, before).omega_rad_s * solid.radius_m(); });
-  row("solid ball rolls: vt'/vt", "Brody 1984", 5.0 / 7,
+  row("solid ball rolls: vt'/vt", "formula: Brody 1984", 5.0 / 7,
       [=] { return contact::brody_rebound(solid, before, 0.8, 1).vt_m_s; });
-  row("shell rolls: vt'/vt", "Brody 1984", 3.0 / 5,
+  row("shell rolls: vt'/vt", "formula: Brody 1984", 3.0 / 5,
       [=] { return contact::brody_rebound(shell, before, 0.8, 1).vt_m_s; });
-  row("sliding: vt' - vt", "Brody 1984", -0.05 * 1.8 * 2,
+  row("sliding: vt' - vt", "formula: Brody 1984", -0.05 * 1.8 * 2,
       [=] { return contact::brody_rebound(solid, before, 0.8, 0.05).vt_m_s - 1; });
-  row("e_x = 0 rolls", "Cross 2002", 5.0 / 7,
+  row("e_x = 0 rolls", "formula: Cross 2002", 5.0 / 7,
       [=] { return contact::cross_rebound(solid, before, 0.8, 0).vt_m_s; });
-  row("e_x = 0.5: vt'/vt", "Cross 2002", (1 - 0.4 * 0.5) / 1.4,
+  row("e_x = 0.5: vt'/vt", "formula: Cross 2002", (1 - 0.4 * 0.5) / 1.4,
       [=] { return contact::cross_rebound(solid, before, 0.8, 0.5).vt_m_s; });
-  row("gross slip: change of spin, rad/s", "Walton 1993", -2.5 * 0.1 * 1.8 * 2 / 0.025,
+  row("gross slip: change of spin, rad/s", "formula: Walton 1993", -2.5 * 0.1 * 1.8 * 2 / 0.025,
       [=] { return contact::walton_rebound(solid, before, 0.8, 0.1, 0.5).omega_rad_s; });
-  row("ball: energetic equals Newton's restitution", "Stronge 1990", 0.8 * 2,
+  row("ball: energetic equals Newton's restitution", "formula: Stronge 1990", 0.8 * 2,
       [=] { return contact::stronge_rebound(solid, 0, -0.025, before, 0.8, 0.1).vn_m_s; });
-  row("ball that slides: as Brody", "Stronge 1990",
+  row("ball that slides: as Brody", "formula: Stronge 1990",
       contact::brody_rebound(solid, before, 0.8, 0.05).vt_m_s,
       [=] { return contact::stronge_rebound(solid, 0, -0.025, before, 0.8, 0.05).vt_m_s; });
-  row("ball that stops sliding: as Brody", "Stronge 1990",
+  row("ball that stops sliding: as Brody", "formula: Stronge 1990",
       contact::brody_rebound(solid, before, 0.8, 1).vt_m_s,
       [=] { return contact::stronge_rebound(solid, 0, -0.025, before, 0.8, 1).vt_m_s; });
 }
@@ -192,8 +194,8 @@ double integrated_psi(double psi) {
 
 void add_partial_slip(std::vector<VerifyCase>& cases) {
   const std::string group = "elastic sphere, partial slip";
-  cases.push_back({group, "chi, solid sphere, nu 0.3", "Maw, Barber & Fawcett 1976", 1.44118, 5e-6,
-                   [] { return contact::maw_chi(0.3, 0.4); }});
+  cases.push_back({group, "chi, solid sphere, nu 0.3", "formula: Maw, Barber & Fawcett 1976",
+                   1.44118, 5e-6, [] { return contact::maw_chi(0.3, 0.4); }});
   struct Row {
     double psi, rebound;
   };
@@ -201,10 +203,10 @@ void add_partial_slip(std::vector<VerifyCase>& cases) {
   for (const Row& row :
        {Row{0.5, 0.0479}, Row{1, -0.0597}, Row{1.5, -0.4280}, Row{3, -1.3797}, Row{6, 0.2353}}) {
     cases.push_back({group, "rebound at psi = " + std::to_string(row.psi),
-                     "Maw, Barber & Fawcett 1976", row.rebound, 1e-4,
+                     "independent calculation, discrete springs", row.rebound, 1e-4,
                      [row] { return integrated_psi(row.psi); }});
   }
-  cases.push_back({group, "gross slip: psi - 4 chi", "Maw, Barber & Fawcett 1976",
+  cases.push_back({group, "gross slip: psi - 4 chi", "formula: Maw, Barber & Fawcett 1976",
                    6 - 4 * contact::maw_chi(0.3, 0.4), 1e-8, [] { return integrated_psi(6); }});
 }
 

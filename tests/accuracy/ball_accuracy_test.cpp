@@ -120,7 +120,7 @@ TEST(BallAccuracy, InterpolationBiasAtEveryFraction) {
   EXPECT_LE(got.y.rms(), 0.0004);
 }
 
-// 1,1 px and 3° a frame under noise 2, as in the source's worst case, and random motions.
+// 1,1 px and 3° a frame under noise 2, as in the dissertation's worst case, and random motions.
 TEST(BallAccuracy, MotionsUnderNoise) {
   Pairs pairs;
   std::mt19937 random(8);

@@ -1,5 +1,5 @@
-// The ready jobs of sim/jobs, one command each, against the figures of the source; and every model
-// that the interface names, with both presets.
+// The ready jobs of sim/jobs, one command each, against the figures of the dissertation; and every
+// model that the interface names, with both presets.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,7 +56,8 @@ TEST(ReadyJobs, EveryImpactRunsAndItsResolvedJobRerunsToTheSame) {
   EXPECT_GE(jobs, 23);
 }
 
-// Section 3.3.2 by this program's run of the source's law; the printed theory is met to 1-6 %.
+// Section 3.3.2 by this program's run of the dissertation's law; the printed theory is met to 1-6
+// %.
 TEST(ReadyJobs, RacketTable) {
   const ScratchFolder folder;
   const CsvTable table = compare(folder, "compare_racket.toml");

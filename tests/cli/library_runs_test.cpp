@@ -28,6 +28,7 @@
 #include "sim/shot/track_table.h"
 #include "sim/speckle/motion.h"
 #include "tests/support/program.h"
+#include "tests/support/racket_job.h"
 #include "tests/support/synthetic_track.h"
 
 namespace impactdic::testing {
@@ -54,22 +55,10 @@ void simulate_command(const ScratchFolder& folder, const std::string& toml) {
   run_command("simulate " + quoted(folder / "job.toml") + " -q -o " + quoted(folder / "cli"));
 }
 
-ImpactJob racket() {
-  ImpactJob job;
-  job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
-  job.contact.stiffness = 13385;
-  job.contact.damping_n_s_per_m = 5.36;
-  job.contact.friction_kinetic = 0.0335;
-  job.surface_angle_deg = 15;
-  job.initial.vt_m_s = -0.5176;
-  job.initial.vn_m_s = -1.9319;
-  return job;
-}
-
 TEST(LibrarySimulate, BallGivesTheCommandsBytes) {
   const ScratchFolder folder;
   for (const double rate_hz : {0.0, 25000.0}) {
-    const SimulateRequest request{racket(), rate_hz, {}};
+    const SimulateRequest request{racket_job(), rate_hz, {}};
     const ImpactResult result = simulate(request);
     sim::job::write_trajectory_csv(folder / "trajectory.csv", result.trajectory);
     sim::job::write_text(folder / "summary.json", sim::job::summary_json(request.impact, result));
@@ -81,7 +70,7 @@ TEST(LibrarySimulate, BallGivesTheCommandsBytes) {
 }
 
 TEST(LibrarySimulate, PointsAtStatedTimesLieOnTheSamePath) {
-  SimulateRequest request{racket(), 0, {-1e-3, 0, 2e-3, 9e-3}};
+  SimulateRequest request{racket_job(), 0, {-1e-3, 0, 2e-3, 9e-3}};
   const ImpactResult at = simulate(request);
   ASSERT_EQ(at.trajectory.size(), 4u);
   EXPECT_EQ(at.trajectory[0].state.vn_m_s,
@@ -97,7 +86,7 @@ TEST(LibrarySimulate, FormulaAndRodGiveTheCommandsBytes) {
   const ScratchFolder folder;
   ReboundJob formula;
   formula.model = ReboundModel::kStronge;
-  formula.body = racket().body;
+  formula.body = racket_job().body;
   formula.restitution = 0.8;
   formula.friction_kinetic = 0.1;
   formula.initial.vt_m_s = 1, formula.initial.vn_m_s = -2;
@@ -123,7 +112,7 @@ TEST(LibrarySimulate, FormulaAndRodGiveTheCommandsBytes) {
 
 FitRequest racket_fit(const std::vector<fs::path>& tracks) {
   FitRequest request;
-  request.impact = racket();
+  request.impact = racket_job();
   request.impact.initial = {};
   request.impact.surface_angle_deg = 0;
   request.parameters = {FitParameter::kStiffness, FitParameter::kDamping};
@@ -135,7 +124,7 @@ std::vector<fs::path> racket_tracks(const ScratchFolder& folder, int count) {
   std::vector<fs::path> files;
   for (int i = 0; i < count; ++i) {
     SyntheticTrack track;
-    track.job = racket();
+    track.job = racket_job();
     track.position_noise_m = 20e-6;
     track.seed = static_cast<unsigned>(i) + 1;
     files.push_back(folder / ("track_" + std::to_string(i) + ".csv"));

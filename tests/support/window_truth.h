@@ -21,7 +21,7 @@ namespace impactdic::testing {
 struct PlaneMotion {
   double dx_px, dy_px, turn_deg;
 };
-// The four of the source, whole pixels, and four that lie on no grid.
+// The four of the dissertation, whole pixels, and four that lie on no grid.
 inline constexpr PlaneMotion kEightMotions[] = {
     {1, 0, 0},        {1, 1, 0},          {0, 0, 3},          {1, 1, 3},
     {0.37, -0.61, 0}, {-1.43, 0.78, 1.7}, {0.13, 0.29, -2.3}, {2.71, -1.62, 2.9}};

@@ -61,7 +61,7 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   TrackRow lost;
   lost.frame = 1;
   lost.time_s = 0.1;
-  report::TrackCsv csv(folder / "track.csv", {}, {});
+  report::TrackCsv csv(folder / "track.csv", {}, 0);
   csv.add(example_row(0));
   csv.add(lost);
   csv.finish({example_row(0), lost}, {2e-4, 1e4, 0, 512});

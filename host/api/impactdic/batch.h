@@ -14,8 +14,9 @@ struct BatchRequest {
   std::string folder;     // of clips, or of folders of pictures
   std::string table;      // CSV: file, surface_angle_deg, drop_height_mm, notes; "": none
   TrackRequest track;     // of every shot; its clip's paths and source are those of the shot
-  TrackFolder output;     // the batch's own folder, and how shots are written; `resume` keeps the
-                          // shots that an earlier run measured
+  TrackFolder output;     // the batch's own folder, and how shots are written; `resume` keeps what
+                          // an earlier run measured, and works out anew what the table, the scale
+                          // or the angles now say otherwise
   int clips = 0;          // measured at a time, 0 … 64; 0: as many as threads, up to 4
   void validate() const;  // throws InvalidArgument
 };

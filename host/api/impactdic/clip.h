@@ -92,6 +92,9 @@ struct OpenOptions {
   // with SIGBUS, unless the program handles that signal, as the command does. Without it such a
   // file is a FormatError.
   bool lend_file_memory = false;
+  // A picture that its header says to be larger is refused before memory is taken for it, as a
+  // FormatError: few bytes can stand for very many pixels.
+  double max_megapixels = 40;
 };
 
 // Opens a clip: a .cine, .mraw/.cih/.cihx, .tif/.tiff (multi-page), .avi/.mp4/.mov/.mkv, a folder

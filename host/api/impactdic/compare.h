@@ -1,5 +1,5 @@
-// Models against measured shots (sections 3.3.2 and 4.4 of Ghaednia's dissertation), and rod models
-// against measured blows (Akarsu 2020, chapter 5). Axes as in fit.h.
+// Models against measured shots (dissertation, sections 3.3.2 and 4.4), and rod models
+// against measured blows (dissertation, chapter 5). Axes as in fit.h.
 #pragma once
 
 #include <impactdic/export.h>
@@ -33,7 +33,7 @@ struct FormulaParameters {
 };
 
 // Where a model's coefficient of friction comes from: the job, or each shot's own impulse ratio, by
-// Eq. 3.12 or with gravity's impulse (the source's way in chapter 3).
+// Eq. 3.12 or with gravity's impulse (the dissertation's way in chapter 3).
 enum class FrictionSource { kJob, kEffectivePublished, kEffectiveSound };
 
 struct CompareRequest {

@@ -86,6 +86,7 @@ void correlate(const CorrelateRequest& request, Session& session, const RunContr
 struct CorrelateFolder {
   std::string folder;
   bool force = false;   // also into a folder that holds files
+  bool resume = false;  // goes on where an earlier run of the same request ended
   int compression = 0;  // of fields.h5, as TrackFolder's
   void validate() const;
 };

@@ -1,5 +1,5 @@
-// Calibration of an impact model on measured tracks (sections 3.3.1 and 4.2.1 of Ghaednia's
-// dissertation, and the sound way: least squares on the trajectory).
+// Calibration of an impact model on measured tracks (dissertation, sections 3.3.1 and
+// 4.2.1, and the sound way: least squares on the trajectory).
 //
 // World axes: metres, x right, y up, rotation counter-clockwise. Local axes: t along the surface, n
 // out of it. A value that was not measured is NaN.
@@ -107,6 +107,8 @@ struct FitRequest {
   // A shot whose parameter lies farther from the median than so many robust standard deviations is
   // named as an outlier.
   double outlier_sd = 3.5;
+  // kTrajectory: also fits rival laws to every shot and ranks them (ShotFit::rivals).
+  bool rivals = false;
   int threads = 0;  // shots at a time; 0: as many as the machine has cores
 
   // Throws InvalidArgument naming the key, as it stands in a job file. What is not fitted must be
@@ -131,6 +133,21 @@ struct DerivedFigure {
   double value = 0, sd = 0;
 };
 
+// Whether a model with its fitted parameters describes the data as well as the stated deviations
+// ask: the chi square's upper tail (Pearson 1900) is at least 1 %.
+enum class Adequacy { kNotTested, kAdequate, kInadequate };
+
+// Another law fitted to the same shot with the same parameters.
+struct RivalFit {
+  NormalModel normal{};
+  FrictionModel friction{};
+  RestitutionDamping restitution_damping{};
+  double chi_square = 0, p_value = 0;
+  double aicc = 0;                            // Hurvich and Tsai 1989
+  double above_best = 0;                      // aicc over that of the best of all
+  std::vector<ParameterEstimate> parameters;  // of the laws; value only
+};
+
 struct ShotFit {
   // As measured without a model; of restitution_duration with the times and velocities that the
   // laws give it, from which its parameters follow.
@@ -142,6 +159,12 @@ struct ShotFit {
   long measurements = 0, free_parameters = 0;
   double reduced_chi_square = 0;  // by the deviations that the track states
   double aic = 0;                 // chi square + 2 x free parameters
+  double p_value = 0;             // of the chi square; NaN where nothing is left to test
+  // The parameters' intervals are widened by the misfit where the model is inadequate; they then
+  // say how well the data fix the numbers of a wrong law.
+  Adequacy adequacy = Adequacy::kNotTested;
+  // The request's own laws and their rivals, the best first; empty where none were asked for.
+  std::vector<RivalFit> rivals;
   // By what the stated deviations of centres, motions and rotations were multiplied, because their
   // errors are larger or last longer than stated; empty for methods that do not weigh.
   std::vector<double> deviation_factors;

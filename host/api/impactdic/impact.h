@@ -66,7 +66,7 @@ struct ImpactAnalysis {
   Measured restitution;         // -vn after / vn before
   Measured friction_published;  // Eq. 3.12, |dv_t| / |dv_n|; positive where it opposes the slip
   Measured friction;            // the same with gravity's impulse taken off
-  Measured rolling_cap;         // the friction that just brings the ball to roll; needs the inertia
+  Measured rolling_cap;         // impulse ratio that stops and turns the tip; needs the inertia
   Measured max_deflection;      // of the centre, from the touch to the maximum compression
   double touch_x = kNotMeasured,
          touch_y = kNotMeasured;  // the centre at the touch, px, global axes

@@ -3,7 +3,7 @@
 // Axes are local: t along the surface, n out of it, metres; omega and angles are positive
 // counter-clockwise. The surface is inclined by surface_angle_deg, counter-clockwise from the
 // horizontal, so that gravity is (-g sin(angle), -g cos(angle)). Sources: docs/sources.md; numbers
-// of equations are those of Ghaednia's dissertation.
+// of equations are those of the dissertation.
 #pragma once
 
 #include <impactdic/export.h>
@@ -43,7 +43,7 @@ enum class NormalModel {
   kThornton
 };
 enum class FrictionModel { kNone, kCoulomb, kThreePhase, kFullSliding, kBrody, kMawBarberFawcett };
-// kPublished: the source's own rule, so that its figures can be remade. kSound: no rule that breaks
+// kPublished: the author's own rule, so that its figures can be remade. kSound: no rule that breaks
 // a law of physics.
 enum class ModelPreset { kPublished, kSound };
 // What the damper does after the maximum compression: nothing; act until the force is zero; act
@@ -113,7 +113,7 @@ struct ImpactJob {
 };
 
 // Plane motion of the mass centre. qt counts from t = 0 and qn from the first touch of the surface,
-// so that qn = -deflection for a ball in contact (the source's q1, q2, q3, its Eqs 3.1-3.4).
+// so that qn = -deflection for a ball in contact (the dissertation's q1, q2, q3, Eqs 3.1-3.4).
 struct PlaneState {
   double qt_m = 0, qn_m = 0, angle_rad = 0;
   double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
@@ -155,7 +155,9 @@ struct ContactPhase {
 
 // NaN where the body did not leave the surface and a figure therefore does not exist.
 struct ImpactResult {
-  bool separated = false;  // the body left the surface; otherwise it came to rest on it
+  // The body left the surface; otherwise its weight holds it there, and `final` is the moment when
+  // its rebound turned back.
+  bool separated = false;
   PlaneState start, final;
   double contact_start_s = 0;
   double contact_s = 0;  // duration of the first contact
@@ -176,11 +178,11 @@ struct ImpactResult {
   long steps = 0;                           // accepted, of all contacts
 };
 
-// Effective friction of a measured or computed impact, an impulse ratio.
+// Effective friction of an impact, an impulse ratio, positive where it opposes the slip.
 struct EffectiveFriction {
   double published = 0;    // Eq. 3.12: leaves gravity's impulse out
   double sound = 0;        // (dvt + g sin(angle) T) / (dvn + g cos(angle) T)
-  double rolling_cap = 0;  // |vt0 + R omega0| / [(1 + 1/kappa)(1 + e)|vn0|]
+  double rolling_cap = 0;  // (1 + e_t)|vt0 + R omega0| / [(1 + 1/kappa)(1 + e)|vn0|], e_t >= 0
 };
 
 // Velocities of the mass centre along and out of the surface (m/s) and spin (rad/s, positive

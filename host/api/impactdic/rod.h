@@ -1,4 +1,4 @@
-// What three markers tell of a rod's impact (Akarsu 2020, chapter 5): the motion of every frame,
+// What three markers tell of a rod's impact (dissertation, chapter 5): the motion of every frame,
 // the velocities on both sides of a blow that is shorter than one frame, and four checks of the
 // data itself: free fall, agreement of the marker pairs, closure of the impulses, cone of friction.
 // Beside it, what the rod models make of the same blow.
@@ -90,7 +90,7 @@ struct RodMeasurement {
   std::vector<std::string> warnings;
 };
 
-// The defaults are the steel rod and flat of the source.
+// The defaults are the steel rod and flat of the dissertation.
 struct RodRequest {
   MarkerTable markers;
   RodMeasureOptions measure;

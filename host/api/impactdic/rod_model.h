@@ -1,4 +1,4 @@
-// Oblique impact of a round-ended rod on a flat (Akarsu 2020, chapter 5), rigid or flexible.
+// Oblique impact of a round-ended rod on a flat (dissertation, chapter 5), rigid or flexible.
 //
 // The rod leans at `angle_rad` from the flat; its lower tip, a sphere of the rod's radius, meets
 // the flat. Axes: x along the flat towards the rod's upper end, y out of the flat, rotation
@@ -52,7 +52,7 @@ struct RodJob {
   double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;  // of the centre of mass at the first touch
   double gravity_m_s2 = 9.81;
   double relative_tolerance = 1e-9;
-  double longest_s = 0.05;    // the blow is given up after this
+  double longest_s = 0.05;    // the blow is given up after this, or 20 contacts, if that is longer
   double sample_rate_hz = 0;  // of the trajectory; 0: none is kept
 
   // Throws InvalidArgument naming the key of the first impossible value.

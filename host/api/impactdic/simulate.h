@@ -26,8 +26,10 @@ struct SimulateRequest {
 };
 
 // Integrates the laws with an adaptive Dormand-Prince 5(4) method and every switch of the contact
-// located as an event. Throws InvalidArgument (validate), or Error where the body never touches the
-// surface or its contact cannot be followed.
+// located as an event. Where the energy ledger does not close to 1e-9 of the initial kinetic energy
+// (ten times the relative tolerance, where that is more), the tolerance is tightened. Throws
+// InvalidArgument (validate), or Error where the body never touches the surface, its contact cannot
+// be followed or the ledger still does not close.
 ImpactResult simulate(const SimulateRequest& request);
 
 // The motion after by a formula. Throws InvalidArgument (validate).

@@ -1,4 +1,4 @@
-// The speckle study of section 2.3 of Ghaednia's dissertation: painted balls, motions that are
+// The speckle study of the dissertation's section 2.3: painted balls, motions that are
 // exactly known, and the errors with which estimators measure them; and figures 2.1 and 2.2: time
 // and error against the number of spline points between pixels.
 //

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/app/command.h"
 #include "host/app/job_command.h"
 #include "host/report/job/compare_files.h"
 #include "sim/compare/compare_job.h"
 #include "sim/compare/rod_comparison.h"
-#include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
@@ -63,22 +61,14 @@ void print(const RodCompareResult& result) {
 
 void run_compare(const JobOptions& options) {
   if (sim::compare::is_rod_compare_job(options.job)) {
-    RodCompareRequest request = sim::compare::read_rod_compare_job(options.job);
-    request.threads = options.threads;
-    const RodCompareResult result = compare(request);
-    const auto folder = prepare_output_directory(options.output, options.force);
-    report::write_rod_comparison(folder, request, result);
-    sim::job::write_text(folder / "job.toml", sim::compare::to_toml(request));
-    if (!options.quiet) print(result);
+    run_job<RodCompareRequest, RodCompareResult>(
+        options, {sim::compare::read_rod_compare_job, compare, report::write_rod_comparison,
+                  sim::compare::to_toml, print});
     return;
   }
-  CompareRequest request = sim::compare::read_compare_job(options.job);
-  request.threads = options.threads;
-  const CompareResult result = compare(request);
-  const auto folder = prepare_output_directory(options.output, options.force);
-  report::write_comparison(folder, request, result);
-  sim::job::write_text(folder / "job.toml", sim::compare::to_toml(request));
-  if (!options.quiet) print(result);
+  run_job<CompareRequest, CompareResult>(
+      options, {sim::compare::read_compare_job, compare, report::write_comparison,
+                sim::compare::to_toml, print});
 }
 
 }  // namespace

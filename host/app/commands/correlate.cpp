@@ -3,34 +3,22 @@
 #include <cstdio>
 #include <memory>
 
+#include "host/app/clip_command.h"
 #include "host/app/command.h"
-#include "host/app/run_context.h"
 #include "host/app/setting_options.h"
 
 namespace impactdic::app {
 namespace {
 
-struct Options {
-  Common common;
-  CorrelateRequest request;
-  CorrelateFolder folder;
-};
+using Options = ClipCommand<CorrelateRequest, CorrelateFolder>;
 
 void run_correlate(Options& options) {
-  Session session = open_session(options.common);
-  options.folder.force = options.common.force;
-  options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
-  Terminal terminal(options.common.quiet);
-  const CorrelateResult result =
-      correlate_to_folder(options.request, options.folder, session, terminal.control());
-  terminal.end();
-  if (!options.common.quiet) {
+  run_clip_command(options, correlate_to_folder, [&](const CorrelateResult& result) {
     std::printf("%lld of %lld frames measured with %zu windows, %.1f frames/s; results in %s\n",
                 static_cast<long long>(result.frames_measured),
                 static_cast<long long>(result.frames.count() - 1), result.windows,
                 result.frames_per_s, options.folder.folder.c_str());
-  }
-  std::fputs(session.profile().c_str(), stderr);
+  });
 }
 
 }  // namespace
@@ -42,6 +30,8 @@ void add_correlate_command(CLI::App& app) {
   OptionAdder add(*command);
   run::visit_correlate(add, options->request, options->folder);
   command->add_option("-o,--output", options->folder.folder, "Folder for the results")->required();
+  command->add_flag("--resume", options->folder.resume,
+                    "Go on where an earlier run into the folder ended");
   command->get_option("--roi")->description(
       "X,Y,W,H: the rectangle that is measured, px; without it, the picture less the search "
       "radius");

@@ -4,14 +4,24 @@
 #include <cmath>
 #include <cstdio>
 
-#include "host/app/command.h"
 #include "host/app/job_command.h"
 #include "host/report/job/fit_files.h"
 #include "sim/fit/fit_job.h"
-#include "sim/job/result_files.h"
 
 namespace impactdic::app {
 namespace {
+
+void print_goodness(const ShotFit& fit) {
+  if (fit.adequacy == Adequacy::kNotTested) return;
+  std::printf("chi square / freedom   %.4g, p %.2g: %s\n", fit.reduced_chi_square, fit.p_value,
+              fit.adequacy == Adequacy::kAdequate ? "adequate" : "INADEQUATE");
+  for (const RivalFit& rival : fit.rivals) {
+    std::printf("  %-20s %-10s %-18s AICc above the best %.4g\n",
+                std::string(name_of(rival.normal)).c_str(),
+                std::string(name_of(rival.friction)).c_str(),
+                std::string(name_of(rival.restitution_damping)).c_str(), rival.above_best);
+  }
+}
 
 void print(const FitResult& result) {
   if (result.shots.size() == 1) {
@@ -20,6 +30,7 @@ void print(const FitResult& result) {
                   p.ci95_low, p.ci95_high,
                   p.determined ? "" : "  NOT DETERMINED: ", p.determined ? "" : p.verdict.c_str());
     }
+    print_goodness(result.shots[0]);
     return;
   }
   for (const PooledEstimate& p : result.pooled) {
@@ -34,13 +45,8 @@ void print(const FitResult& result) {
 }
 
 void run_fit(const JobOptions& options) {
-  FitRequest request = sim::fit::read_fit_job(options.job);
-  request.threads = options.threads;
-  const FitResult result = fit(request);
-  const auto folder = prepare_output_directory(options.output, options.force);
-  report::write_fit(folder, request, result);
-  sim::job::write_text(folder / "job.toml", sim::fit::to_toml(request));
-  if (!options.quiet) print(result);
+  const auto result = run_job<FitRequest, FitResult>(
+      options, {sim::fit::read_fit_job, fit, report::write_fit, sim::fit::to_toml, print});
   for (const ShotFit& shot : result.shots) print_warnings(shot.warnings, shot.shot.file);
 }
 

@@ -96,7 +96,7 @@ void add_rod_command(CLI::App& app) {
   add_options(*command, *options);
   command->footer(
       "Marker 1 sits near the struck end, 2 at the centre of mass, 3 near the upper end; a marker\n"
-      "out of sight is left empty. The defaults are the steel rod of the source, chapter 5.\n"
+      "out of sight is left empty. The defaults are the steel rod of the dissertation, chapter 5.\n"
       "Writes motion.csv, summary.json, job.toml (and deformation.csv).\n"
       "Example:\n  impactdic rod drop_45.csv -o drop_45 --vertical z");
   command->callback([command, options] { run_rod(*command, *options); });

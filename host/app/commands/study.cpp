@@ -126,7 +126,7 @@ void add_study_command(CLI::App& app) {
       ->capture_default_str();
   add_common_options(*command, options->common);
   command->footer(
-      "patterns: balls painted as in the source times eight motions times estimators; writes "
+      "patterns: balls painted as in the dissertation times eight motions times estimators; writes "
       "patterns.csv and summary.json.\n"
       "density: time and error against the spline points between pixels; writes density.csv, "
       "window.csv, window_spline.csv and summary.json.\n"

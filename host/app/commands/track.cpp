@@ -3,36 +3,24 @@
 #include <cstdio>
 #include <memory>
 
+#include "host/app/clip_command.h"
 #include "host/app/command.h"
-#include "host/app/run_context.h"
 #include "host/app/setting_options.h"
 #include "host/report/words.h"
 
 namespace impactdic::app {
 namespace {
 
-struct Options {
-  Common common;
-  TrackRequest request;
-  TrackFolder folder;
-};
+using Options = ClipCommand<TrackRequest, TrackFolder>;
 
 void run_track(Options& options) {
-  Session session = open_session(options.common);
-  options.folder.force = options.common.force;
-  options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
-  Terminal terminal(options.common.quiet);
-  const TrackResult result =
-      track_to_folder(options.request, options.folder, session, terminal.control());
-  terminal.end();
-  if (!options.common.quiet) {
+  run_clip_command(options, track_to_folder, [&](const TrackResult& result) {
     std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
                 static_cast<long long>(result.frames_ok),
                 static_cast<long long>(result.frames.count()), result.frames_per_s,
                 options.folder.folder.c_str());
     std::printf("%s\n", report::in_words(result.impact_si).c_str());
-  }
-  std::fputs(session.profile().c_str(), stderr);
+  });
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "host/base/private_folder.h"
 namespace impactdic::dic {
 namespace {
 
@@ -78,8 +79,10 @@ void store_tuning(const opencl::Engine& engine, const std::vector<TunedKernel>& 
                     {"per_second", kernel.per_second},
                     {"difference_px", kernel.difference_px}});
   }
-  std::error_code ignored;
-  std::filesystem::create_directories(path.parent_path(), ignored);
+  if (!make_private_folder(path.parent_path())) {
+    throw FileError("the cache folder cannot be made, or others may write into it",
+                    path.parent_path().string());
+  }
   // Whoever reads meanwhile sees the old file or the new one.
   const std::filesystem::path fresh = path.string() + ".new";
   std::ofstream file(fresh);

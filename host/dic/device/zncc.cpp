@@ -44,11 +44,14 @@ std::vector<cl_float> peak_weights() {
     const std::vector<double> inverse = quintic_inverse(n);
     for (int place = 0; place < n; ++place) {
       for (int k = 0; k < n; ++k) {
-        const int row = (n * kSide + place) * kSide + k;
+        const std::size_t first =
+            (static_cast<std::size_t>(n * kSide + place) * kSide + static_cast<std::size_t>(k)) *
+            PEAK_WEIGHTS;
         for (int i = 0; i < PEAK_NEAR; ++i) {
           const int coefficient = mirrored_index(place + i - kReach, n);
-          all[static_cast<std::size_t>(row * PEAK_WEIGHTS + i)] =
-              static_cast<cl_float>(inverse[static_cast<std::size_t>(coefficient * n + k)]);
+          all[first + static_cast<std::size_t>(i)] = static_cast<cl_float>(
+              inverse[static_cast<std::size_t>(coefficient) * static_cast<std::size_t>(n) +
+                      static_cast<std::size_t>(k)]);
         }
       }
     }
@@ -90,7 +93,8 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
            (std::max(pixels, side * (area | 1)) + std::max(side * side, window * window) + 16);
   }
   const std::size_t planes = fft_px == lanes * vector ? 1 : 2;
-  constexpr std::size_t kLines = PEAK_PATCH_PX * PEAK_WEIGHTS;
+  constexpr std::size_t kLines = std::size_t{PEAK_PATCH_PX} * PEAK_WEIGHTS;
+  const auto items = static_cast<std::size_t>(lanes);
   if (path == ZnccPath::kPairs && vector == 1) {
     const std::size_t plane = std::max(2 * size * pitch, 4 * side * pitch);
     return sizeof(cl_float) *
@@ -99,14 +103,14 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
   if (path == ZnccPath::kPairs) {
     const std::size_t rows = std::max(size, 2 * side);
     return sizeof(cl_float) *
-           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * lanes + 4 + 2 * kLines);
+           (planes * 2 * rows * pitch + 2 * side * side + 4 * size + 4 * items + 4 + 2 * kLines);
   }
   const std::size_t plane = planes * 2 * size * pitch;
   if (vector == 1) {
     const std::size_t later = 2 * side * (size / 2 + 1 + pitch);
     return sizeof(cl_float) * (std::max(plane, later) + std::max(side * side, 2 * size) + side + 4);
   }
-  return sizeof(cl_float) * (plane + side * side + 2 * lanes + kLines);
+  return sizeof(cl_float) * (plane + side * side + 2 * items + kLines);
 }
 
 std::string ZnccVariant::name() const {

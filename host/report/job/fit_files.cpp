@@ -29,6 +29,37 @@ Json parameter(const ParameterEstimate& p) {
           {"verdict", p.verdict}};
 }
 
+const char* adequacy_name(Adequacy adequacy) {
+  switch (adequacy) {
+    case Adequacy::kAdequate:
+      return "adequate";
+    case Adequacy::kInadequate:
+      return "inadequate";
+    case Adequacy::kNotTested:
+      break;
+  }
+  return "not_tested";
+}
+
+Json rivals_json(const std::vector<RivalFit>& rivals) {
+  Json list = Json::array();
+  for (const RivalFit& rival : rivals) {
+    Json json{{"normal", name_of(rival.normal)},
+              {"friction", name_of(rival.friction)},
+              {"restitution_damping", name_of(rival.restitution_damping)},
+              {"chi_square", json_number(rival.chi_square)},
+              {"p_value", json_number(rival.p_value)},
+              {"aicc", json_number(rival.aicc)},
+              {"above_best", json_number(rival.above_best)},
+              {"parameters", Json::object()}};
+    for (const ParameterEstimate& p : rival.parameters) {
+      json["parameters"][p.key] = json_number(p.value);
+    }
+    list.push_back(json);
+  }
+  return list;
+}
+
 Json fit_json(const ShotFit& fit) {
   Json json{{"shot", shot_json(fit.shot)}, {"parameters", Json::object()}};
   Json order = Json::array();
@@ -48,6 +79,9 @@ Json fit_json(const ShotFit& fit) {
   json["measurements"] = fit.measurements;
   json["free_parameters"] = fit.free_parameters;
   json["reduced_chi_square"] = json_number(fit.reduced_chi_square);
+  json["p_value"] = json_number(fit.p_value);
+  json["adequacy"] = adequacy_name(fit.adequacy);
+  if (!fit.rivals.empty()) json["rivals"] = rivals_json(fit.rivals);
   for (const DerivedFigure& d : fit.derived) {
     json["derived"][d.key] = {{"value", json_number(d.value)}, {"sd", json_number(d.sd)}};
   }
@@ -94,7 +128,7 @@ void write_parameters(const std::filesystem::path& file, const FitResult& result
     header += "," + p.key + "," + p.key + "_sd," + p.key + "_ci95_low," + p.key + "_ci95_high," +
               p.key + "_determined";
   }
-  TableFile table(file, header + ",reduced_chi_square,rms_m");
+  TableFile table(file, header + ",reduced_chi_square,p_value,adequacy,rms_m");
   for (const ShotFit& fit : result.shots) {
     table << fit.shot.file << fit.shot.surface_angle_deg << fit.shot.before.vt_m_s.value
           << fit.shot.before.vn_m_s.value << fit.shot.restitution.value << fit.shot.contact_s.value;
@@ -102,7 +136,8 @@ void write_parameters(const std::filesystem::path& file, const FitResult& result
       table << p.value << p.sd << p.ci95_low << p.ci95_high
             << std::string(p.determined ? "1" : "0");
     }
-    table << fit.reduced_chi_square << fit.rms_m;
+    table << fit.reduced_chi_square << fit.p_value << std::string(adequacy_name(fit.adequacy))
+          << fit.rms_m;
     table.end_row();
   }
   table.close();

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "host/base/parse.h"
+#include "host/base/toml_text.h"
 
 namespace impactdic::run {
 namespace {
@@ -70,7 +71,8 @@ std::string comparable(const SettingValues& job, const std::string& key) {
 }  // namespace
 
 void SettingWriter::note(const Setting& setting, SettingValue value) {
-  if (setting.kind & kMayChange) may_change_.emplace_back(setting.key);
+  if (setting.kind & (kMayChange | kAfterwards)) may_change_.emplace_back(setting.key);
+  if (setting.kind & kAfterwards) afterwards_.emplace_back(setting.key);
   if (setting.attribute != nullptr) attributes_[setting.attribute] = value;
   if (auto* flag = std::get_if<bool>(&value)) {
     if (setting.kind & kNegated) *flag = !*flag;
@@ -103,10 +105,9 @@ void SettingWriter::describe(report::Attributes& attributes) const {
 }
 
 SettingValues read_job_file(const fs::path& path) {
-  if (!fs::is_regular_file(path)) throw FileError("cannot read the job file", path.string());
   SettingValues values;
   try {
-    for (const auto& [key, node] : toml::parse_file(path.string())) {
+    for (const auto& [key, node] : toml::parse(read_toml_text(path))) {
       const std::string name(key.str());
       values[name] = value_of_node(node, path.string() + ", key " + name);
     }
@@ -121,10 +122,19 @@ void write_job_file(const fs::path& path, const std::string& command, const Sett
   SettingValues all = values;
   all["command"] = command;
   all["version"] = std::string(IMPACTDIC_VERSION);
-  std::ofstream file(path);
-  for (const auto& [key, value] : all) file << key << " = " << std::visit(TomlOf(), value) << '\n';
-  file << std::flush;
-  if (!file) throw FileError("cannot write the file", path.string());
+  // In one step: without its job a run cannot be gone on with.
+  const fs::path part = path.string() + ".part";
+  {
+    std::ofstream file(part);
+    for (const auto& [key, value] : all) {
+      file << key << " = " << std::visit(TomlOf(), value) << '\n';
+    }
+    file << std::flush;
+    if (!file) throw FileError("cannot write the file", path.string());
+  }
+  std::error_code error;
+  fs::rename(part, path, error);
+  if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
 }
 
 void require_same_job(const fs::path& path, const SettingWriter& now) {
@@ -143,6 +153,13 @@ void require_same_job(const fs::path& path, const SettingWriter& now) {
         "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
         path.string(), "go on with the same, or start anew with --force");
   }
+}
+
+bool same_afterwards(const fs::path& path, const SettingWriter& now) {
+  const SettingValues earlier = read_job_file(path);
+  return std::all_of(now.afterwards().begin(), now.afterwards().end(), [&](const auto& key) {
+    return comparable(earlier, key) == comparable(now.values(), key);
+  });
 }
 
 }  // namespace impactdic::run

@@ -23,13 +23,15 @@ class SettingWriter {
   const SettingValues& values() const { return values_; }
   // Keys that may differ in a run that goes on.
   const std::vector<std::string>& may_change() const { return may_change_; }
+  // Those among them that decide figures which are worked out of the rows.
+  const std::vector<std::string>& afterwards() const { return afterwards_; }
   // Those that have a place among the attributes of fields.h5.
   void describe(report::Attributes& attributes) const;
 
  private:
   void note(const Setting& setting, SettingValue value);
   SettingValues values_;
-  std::vector<std::string> may_change_;
+  std::vector<std::string> may_change_, afterwards_;
   std::map<std::string, SettingValue> attributes_;
 };
 
@@ -65,5 +67,8 @@ void write_job_file(const std::filesystem::path& path, const std::string& comman
 // Throws InvalidArgument where a setting of `now` differs from that in the job `path` of an earlier
 // run, but for those that may. Of the clip only the files' names count.
 void require_same_job(const std::filesystem::path& path, const SettingWriter& now);
+
+// Whether the job `path` has the settings of `now` that come in after the last frame.
+bool same_afterwards(const std::filesystem::path& path, const SettingWriter& now);
 
 }  // namespace impactdic::run

@@ -16,6 +16,8 @@ enum SettingKind : unsigned {
   kEmptyUnset = 4,  // so does an empty one
   kNegated = 8,     // the flag switches the member off
   kPath = 16,       // of a file or a folder that is read
+  // Comes in after the last frame: may differ, and what it decides is then worked out anew.
+  kAfterwards = 32,
 };
 
 struct Setting {
@@ -37,6 +39,7 @@ template <typename Visitor, typename Request>
 void visit_reading(Visitor&& visit, Request& clip) {
   visit(Setting{"raw", kEmptyUnset}, clip.open.raw);
   visit(Setting{"fps", kZeroUnset}, clip.fps);
+  visit(Setting{"max-megapixels", kMayChange}, clip.open.max_megapixels);
 }
 
 template <typename Visitor, typename Request>
@@ -63,11 +66,11 @@ void visit_field(Visitor&& visit, Options& field, Spacing& spacing_px, Compressi
 // How a clip is measured and written: every setting of `track` but the clip's.
 template <typename Visitor, typename Request, typename Folder>
 void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
-  visit(Setting{"ball-diameter-mm", kMayChange | kZeroUnset}, request.ball_diameter_mm);
-  visit(Setting{"mm-per-px", kMayChange | kZeroUnset}, request.mm_per_px);
-  visit(Setting{"surface-angle-deg", kMayChange}, request.surface_angle_deg);
-  visit(Setting{"gravity-angle-deg", kMayChange}, request.gravity_angle_deg);
-  visit(Setting{"inertia-factor", kMayChange | kZeroUnset}, request.inertia_factor);
+  visit(Setting{"ball-diameter-mm", kAfterwards | kZeroUnset}, request.ball_diameter_mm);
+  visit(Setting{"mm-per-px", kAfterwards | kZeroUnset}, request.mm_per_px);
+  visit(Setting{"surface-angle-deg", kAfterwards}, request.surface_angle_deg);
+  visit(Setting{"gravity-angle-deg", kAfterwards}, request.gravity_angle_deg);
+  visit(Setting{"inertia-factor", kAfterwards | kZeroUnset}, request.inertia_factor);
   visit(Setting{"frames", kEmptyUnset}, request.frames);
   visit(Setting{"roi", kEmptyUnset}, request.roi);
   visit(Setting{"radius-px", kEmptyUnset}, request.radius_px);

@@ -15,8 +15,9 @@ namespace impactdic::video {
 // For VideoOptions::open_codec. One container (.avi .mp4 .mov .mkv), or pictures (.png .bmp .jpg
 // .pgm) as a sequence. Colour becomes luminance. Containers give 8 bits; reads in order are fast,
 // going back in a clip with inter-frame compression decodes it again from its start.
-// Throws FileError, FormatError.
-std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths);
+// Throws FileError, FormatError, the latter also for a picture above OpenOptions::max_megapixels.
+std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths,
+                                        const OpenOptions& options = {});
 
 // For open_sink: SinkFormat::kPng (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
 // Throws InvalidArgument (more than 8 bits for a container), FileError.

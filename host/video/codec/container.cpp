@@ -12,13 +12,19 @@
 #include "host/video/byte_file.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
+#include "host/video/picture_size.h"
 
 namespace impactdic::video {
 namespace {
 
 constexpr std::size_t kKept = 16;  // decoded frames that stay at hand
 
-std::string code_name(int fourcc) {
+// OpenCV gives whole numbers as doubles; what is none of 48 bits is 0.
+std::int64_t whole(double value) {
+  return std::abs(value) < 0x1p48 ? static_cast<std::int64_t>(value) : 0;
+}
+
+std::string code_name(std::int64_t fourcc) {
   std::string name;
   for (int i = 0; i < 4; ++i) {
     const char c = static_cast<char>(fourcc >> (8 * i) & 0xff);
@@ -41,7 +47,8 @@ bool is_lossless(const std::string& code) {
 // frames nearly but not exactly in order.
 class ContainerSource : public FrameSource {
  public:
-  explicit ContainerSource(const std::string& path) {
+  ContainerSource(const std::string& path, double max_megapixels)
+      : max_megapixels_(max_megapixels) {
     info_.path = path;
     open_decoder();
     fill_info();
@@ -81,14 +88,18 @@ class ContainerSource : public FrameSource {
   }
 
   void fill_info() {
-    const std::string code = code_name(static_cast<int>(capture_.get(cv::CAP_PROP_FOURCC)));
+    const std::string code = code_name(whole(capture_.get(cv::CAP_PROP_FOURCC)));
     intra_only_ = is_intra_only(code);
     info_.format = lower_extension(info_.path) == ".avi" ? "AVI" : "video container";
     info_.storage = "8-bit, " + (code.empty() ? "uncompressed" : code);
-    const double width = capture_.get(cv::CAP_PROP_FRAME_WIDTH);
-    const double height = capture_.get(cv::CAP_PROP_FRAME_HEIGHT);
-    check_frame_size(info_.path, static_cast<std::int64_t>(width),
-                     static_cast<std::int64_t>(height), 3);
+    const std::int64_t width = whole(capture_.get(cv::CAP_PROP_FRAME_WIDTH));
+    const std::int64_t height = whole(capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
+    if (width < 1 || height < 1) {
+      throw FormatError(info_.path, -1, "the container does not say how large its pictures are",
+                        "it is damaged, or holds no pictures");
+    }
+    check_frame_size(info_.path, width, height, 3);
+    check_megapixels(info_.path, width, height, max_megapixels_);
     info_.width = static_cast<int>(width);
     info_.height = static_cast<int>(height);
     info_.bits = 8;
@@ -175,6 +186,7 @@ class ContainerSource : public FrameSource {
     open_decoder();
   }
 
+  double max_megapixels_;
   ClipInfo info_;
   std::mutex mutex_;
   cv::VideoCapture capture_;
@@ -185,8 +197,8 @@ class ContainerSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_container(const std::string& path) {
-  return std::make_unique<ContainerSource>(path);
+std::unique_ptr<FrameSource> open_container(const std::string& path, double max_megapixels) {
+  return std::make_unique<ContainerSource>(path, max_megapixels);
 }
 
 }  // namespace impactdic::video

@@ -10,6 +10,7 @@
 #include "host/video/codec/container.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
+#include "host/video/picture_size.h"
 
 namespace impactdic::video {
 namespace {
@@ -50,9 +51,11 @@ void check_png_chunks(const ByteFile& file) {
   }
 }
 
-cv::Mat load_picture(const std::string& path) {
+cv::Mat load_picture(const std::string& path, double max_megapixels) {
   silence_codecs();
   const ByteFile file(path);
+  const PictureSize size = picture_size(file);
+  check_megapixels(path, size.width, size.height, max_megapixels);
   check_png_chunks(file);
   check_jpeg_end(file);
   cv::Mat picture;
@@ -68,8 +71,8 @@ cv::Mat load_picture(const std::string& path) {
 // One picture, decoded when it is opened.
 class PictureSource : public FrameSource {
  public:
-  explicit PictureSource(const std::string& path) {
-    const cv::Mat picture = load_picture(path);
+  PictureSource(const std::string& path, double max_megapixels) {
+    const cv::Mat picture = load_picture(path, max_megapixels);
     to_frame(picture, path, frame_);
     info_.path = path;
     info_.format = lower_extension(path).empty() ? "picture" : lower_extension(path).substr(1);
@@ -93,14 +96,12 @@ class PictureSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths) {
-  if (paths.size() != 1) {
-    VideoOptions options;
-    options.open_codec = open_codec;
-    return open_video(paths, options);
-  }
-  if (tell_file_kind(paths[0]) == FileKind::kContainer) return open_container(paths[0]);
-  return std::make_unique<PictureSource>(paths[0]);
+std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths,
+                                        const OpenOptions& options) {
+  if (paths.size() != 1) return open_video(paths, VideoOptions{options, open_codec});
+  const double most = options.max_megapixels;
+  if (tell_file_kind(paths[0]) == FileKind::kContainer) return open_container(paths[0], most);
+  return std::make_unique<PictureSource>(paths[0], most);
 }
 
 }  // namespace impactdic::video

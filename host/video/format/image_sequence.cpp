@@ -21,7 +21,7 @@ std::unique_ptr<FrameSource> open_picture(const std::string& path, const VideoOp
     throw InvalidArgument("this program was built without codecs", path,
                           "only TIFF pictures are read");
   }
-  return options.open_codec({path});
+  return options.open_codec({path}, options);
 }
 
 class ImageSequence : public FrameSource {

@@ -74,7 +74,8 @@ def write(path, title, subtitle, warnings, figures, tables, texts):
     for name, text in texts:
         sections[name].append(f"<pre>{html.escape(text)}</pre>")
     sections = {name: bodies for name, bodies in sections.items() if bodies}
-    data = json.dumps(panels, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    # No text can end the script or begin a comment in it.
+    data = json.dumps(panels, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     links = "\n".join(f'<a href="#{_id(s)}">{html.escape(s)}</a>' for s in sections)
     parts = [
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
@@ -181,7 +182,7 @@ def _faint(colour):
 
 
 def _trace(panel, s):
-    trace = {"type": "scatter", "x": _numbers(s.x), "y": _numbers(s.y), "name": s.name,
+    trace = {"type": "scatter", "x": _numbers(s.x), "y": _numbers(s.y), "name": html.escape(s.name),
              "legendgroup": s.name}
     if s.kind == "markers":
         size = 4 if len(s.x) > 150 else 8
@@ -200,7 +201,7 @@ def _trace(panel, s):
         trace["customdata"] = _numbers(s.sd, 3)
         value += " ± %{customdata}"
     if s.labels is not None:
-        trace["text"] = s.labels
+        trace["text"] = [html.escape(label) for label in s.labels]
         value += "<br>%{text}"
     if _by_time(panel):
         trace["hovertemplate"] = f"{html.escape(s.name)} {value}<extra></extra>"

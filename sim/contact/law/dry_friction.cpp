@@ -37,7 +37,7 @@ class DryFriction final : public FrictionLaw {
         static_(std::max(contact.friction_static, contact.friction_kinetic)),
         load_(load) {}
 
-  void begin(const ContactPoint& at) override {
+  void begin(const ContactPoint& at, double) override {
     stuck_before_ = false;
     if (rule_ == Rule::kFrictionless) {
       mode_ = Mode::kFrictionless;
@@ -230,7 +230,7 @@ Rule rule_of(const ImpactJob& job) {
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s) {
   if (job.friction == FrictionModel::kMawBarberFawcett) {
-    return make_maw_barber_fawcett(job.contact, job.body.radius_m());
+    return make_maw_barber_fawcett(job.contact, job.body.radius_m(), job.body.mass_kg);
   }
   // The printed figures of chapter 4 follow only if friction takes the spring's force alone, scaled
   // by the sine of the angle of incidence.

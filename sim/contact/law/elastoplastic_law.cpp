@@ -68,6 +68,10 @@ class ElasticPlasticNormal final : public NormalLaw {
     return std::numeric_limits<double>::infinity();
   }
 
+  std::string out_of_range(double deflection_m) const override {
+    return law_.out_of_range(deflection_m);
+  }
+
   // Half a period of Hertz's contact to the same depth.
   double duration_estimate_s(double mass_kg, double speed_m_s) const override {
     return 2.94328 * deflection_estimate_m(mass_kg, speed_m_s) / speed_m_s;

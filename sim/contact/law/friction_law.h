@@ -19,6 +19,8 @@ struct ContactPoint {
   double tip_m = 0;              // its integral since the contact began
   double springs_m2 = 0;         // the integral of Traction::springs_rate_m2_s
   double acceleration_m_s2 = 0;  // of the deflection
+  bool compressing = true;       // the deflection grows
+  double damping_n_s_per_m = 0;  // of the damper at present; 0 while it rests
   double rolling_n = 0;          // the force that would keep tip_vt_m_s as it is
   double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility (force - rolling_n)
   double holding_n = 0;          // the force that would keep centre_vt_m_s as it is
@@ -38,7 +40,7 @@ class FrictionLaw {
 
   virtual ~FrictionLaw() = default;
   // Chooses the first mode; called when a contact begins.
-  virtual void begin(const ContactPoint& at) = 0;
+  virtual void begin(const ContactPoint& at, double time_s) = 0;
   virtual Traction traction(const ContactPoint& at) const = 0;
   // Fills the functions that are positive while the mode lasts and returns how many they are. One
   // that falls through zero ends the mode.
@@ -48,9 +50,9 @@ class FrictionLaw {
   // The mode's name, as in Phase::name.
   virtual const char* mode() const = 0;
   // Told of every accepted step, for laws that remember the path.
-  virtual void step(const ContactPoint&) {}
+  virtual void step(const ContactPoint&, double /*time_s*/) {}
   // Energy stored in tangential springs, J.
-  virtual double stored_j(const ContactPoint&) const { return 0; }
+  virtual double stored_j(const ContactPoint&, double /*time_s*/) const { return 0; }
 };
 
 // The law that the job names. `speed_t`, `speed_n`: of the mass centre when the contact begins (the
@@ -58,6 +60,6 @@ class FrictionLaw {
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s);
 std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
-                                                     double radius_m);
+                                                     double radius_m, double mass_kg);
 
 }  // namespace impactdic::sim::contact

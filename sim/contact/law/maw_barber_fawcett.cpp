@@ -1,378 +1,325 @@
 // Partial slip with friction memory: Maw, Barber and Fawcett (1976), by the method of
 // dimensionality reduction (Popov and Hess 2015).
 //
-// Independent springs stand at |x| <= a = sqrt(R delta). With xi = x^2/R, a spring is pressed by
-// u_z = delta - xi, dragged by the contact point, and clipped to |u| <= c = alpha (delta - xi) with
+// Independent springs stand at |x| <= a = sqrt(R D). With xi = x^2/R, a spring is pressed by
+// u_z = D - xi, dragged by the contact point, and clipped to |u| <= alpha (D - xi) with
 // alpha = mu E*/G*. Hence F_n = E* int u_z dx and F_t = -G* int u dx.
 //
-// All stuck springs move at the rate v of the contact point and all slipping ones at +-alpha
-// delta', whatever their place. So the profile is known exactly at any time without following
-// springs: an inner stuck part u = s + g(xi), where s is the way of the contact point and g the
-// memory, and an outer annulus at one of the bounds. Only the places where the mode changes are
-// events, and the memory g is kept as polynomial pieces in xi.
+// Without a damper D is the deflection delta. A damper is to share in friction: gross slip obeys
+// F_t = mu P, with P the whole normal force.
+//  - While it pushes (compression), its force is spread as the springs' is, and where the contact
+//    slips it adds its own friction. It holds nothing where the contact sticks.
+//  - While it pulls (damped restitution), it takes load off the springs: D is then the depth of the
+//    Hertz contact that carries P, k D^1.5 = P, and the contact shrinks to nothing as P does.
+//
+// All stuck springs move at the rate v of the contact point and all slipping ones at +-alpha D',
+// whatever their place. So the profile is known exactly at any time without following springs: an
+// inner stuck part u = s + g(xi), where s is the way of the contact point and g the memory
+// (slip_memory.h), and an outer annulus at one of the bounds. The other bound cannot cut into the
+// stuck part, because g is nowhere steeper than alpha; but a contact that shrinks faster than its
+// stuck part loses the annulus, and then the other bound takes hold at the rim. Only the places
+// where the mode changes are events.
 #include <algorithm>
-#include <array>
-#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <vector>
 
 #include "sim/contact/law/friction_law.h"
+#include "sim/contact/law/slip_memory.h"
 
 namespace impactdic::sim::contact {
 
 namespace {
 
-// g on [begin, end], a polynomial in z = xi - begin.
-struct Piece {
-  double begin = 0, end = 0;
-  std::array<double, 6> c{};
-  bool corner = false;       // g is not smooth at `begin`
-  bool along_bound = false;  // a slipped part that has come to rest: slope +-alpha
-  double sum_before = 0;     // int g dx from 0 to x(begin)
-
-  double value(double xi) const {
-    const double z = xi - begin;
-    return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
-  }
-  double slope(double xi) const {
-    const double z = xi - begin;
-    return c[1] + z * (2 * c[2] + z * (3 * c[3] + z * (4 * c[4] + z * 5 * c[5])));
-  }
-};
-
-// Value, first and second derivative of g with respect to xi.
-struct Jet {
-  double value, slope, curvature;
-};
-
-// The quintic through both jets.
-Piece hermite_piece(double begin, double end, const Jet& from, const Jet& to) {
-  const double h = end - begin;
-  const double d0 = h * from.slope, s0 = h * h * from.curvature;
-  const double rise = to.value - from.value - d0 - 0.5 * s0;
-  const double turn = h * to.slope - d0 - s0;
-  const double bend = h * h * to.curvature - s0;
-  Piece piece;
-  piece.begin = begin;
-  piece.end = end;
-  piece.c = {from.value,
-             from.slope,
-             0.5 * from.curvature,
-             (10 * rise - 4 * turn + 0.5 * bend) / (h * h * h),
-             (-15 * rise + 7 * turn - bend) / (h * h * h * h),
-             (6 * rise - 3 * turn + 0.5 * bend) / (h * h * h * h * h)};
-  return piece;
-}
-
 class MawBarberFawcett final : public FrictionLaw {
  public:
-  MawBarberFawcett(const ContactParameters& contact, double radius_m)
+  MawBarberFawcett(const ContactParameters& contact, double radius_m, double mass_kg)
       : radius_(radius_m),
+        inverse_mass_(1 / mass_kg),
         friction_(contact.friction_kinetic),
-        modulus_(0.75 * contact.stiffness / std::sqrt(radius_m)),
-        shear_modulus_(modulus_ * 2 * (1 - contact.poisson) / (2 - contact.poisson)),
-        alpha_(friction_ * modulus_ / shear_modulus_) {}
+        stiffness_(contact.stiffness),
+        shear_modulus_(0.75 * contact.stiffness / std::sqrt(radius_m) * 2 * (1 - contact.poisson) /
+                       (2 - contact.poisson)),
+        alpha_(contact.friction_kinetic * (2 - contact.poisson) / (2 * (1 - contact.poisson))),
+        memory_(radius_m) {}
 
-  void begin(const ContactPoint& at) override {
-    pieces_.clear();
-    touch_rate_ = at.rate_m_s;
+  void begin(const ContactPoint& at, double time_s) override {
+    memory_.clear();
+    time_s_ = time_s;
     if (std::abs(at.tip_vt_m_s) <= alpha_ * at.rate_m_s) {
       start_sticking(at, 0);
-      touching_ = true;
     } else {
-      start_slip(at.tip_vt_m_s >= 0 ? 1 : -1);
+      start_slip(at.tip_vt_m_s >= 0 ? 1 : -1, at);
     }
   }
 
   Traction traction(const ContactPoint& at) const override {
     Traction result;
+    const Depth depth = depth_of(at);
     if (side_ == 0) {
-      result.force_n = -2 * shear_modulus_ * sticking_sum(at);
-      result.springs_rate_m2_s = sticking_rate(at, result.force_n);
+      result.force_n = sticking_force(at);
+      result.springs_rate_m2_s = at.tip_vt_m_s * half_width(depth.value);
       return result;
     }
-    const double limit = gross_ ? 0.0 : stuck_to(at);
-    result.force_n = -2 * shear_modulus_ * slipping_sum(at, limit);
-    result.dissipation_w = 2 * shear_modulus_ * alpha_ *
-                           (side_ * at.tip_vt_m_s - alpha_ * at.rate_m_s) * pressed(at, limit);
+    const double damper = damper_friction(at);
+    if (!(depth.value > 0)) {
+      if (!gross_) return result;
+      result.force_n = -side_ * damper;
+      result.dissipation_w = side_ * damper * at.tip_vt_m_s;
+      return result;
+    }
+    const SlipEdge edge = edge_at(at, depth.value);
+    const SlipMemory::Stuck stuck = stuck_at(edge);
+    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck);
+    if (holding_) {
+      result.force_n = holding_force(at);
+      result.dissipation_w = (springs - result.force_n) * at.tip_vt_m_s;
+      return result;
+    }
+    const double slipping = pressed(depth.value, stuck.xi);
+    const double share = slipping / pressed(depth.value, 0);
+    result.force_n = springs - side_ * damper * share;
+    result.dissipation_w =
+        2 * shear_modulus_ * alpha_ * (side_ * at.tip_vt_m_s - alpha_ * depth.rate) * slipping +
+        side_ * at.tip_vt_m_s * damper * share;
     return result;
   }
 
   int guards(const ContactPoint& at, Guards& values) const override {
-    const double bound_rate = alpha_ * at.rate_m_s;
+    const Depth depth = depth_of(at);
+    values = {1, 1, 1};
+    const int count = side_ == 0 || holding_ ? 2 : (gross_ ? 1 : 3);
+    if (at.normal_n <= 0 && carries_all(at)) return count;  // the surface pulls
     if (side_ == 0) {
-      values[0] = bound_rate - at.tip_vt_m_s;
-      values[1] = bound_rate + at.tip_vt_m_s;
-      values[2] = at.rate_m_s - 0.5 * touch_rate_;
-      return touching_ ? 3 : 2;
+      values[0] = alpha_ * depth.rate - at.tip_vt_m_s;
+      values[1] = alpha_ * depth.rate + at.tip_vt_m_s;
+    } else if (holding_) {
+      const double held = held_by_damper(at, depth);
+      values[0] = damper_friction(at) * share_at_rest(at, depth) - held;
+      values[1] = held;
+    } else {
+      values[0] = side_ * at.tip_vt_m_s - alpha_ * depth.rate;
+      if (gross_) return count;
+      const SlipEdge edge = edge_at(at, depth.value);
+      values[1] = -memory_.excess_at_corner(corner_, edge);
+      values[2] = memory_.excess_at_rim(edge) + rim_tolerance_;
     }
-    values[0] = side_ * at.tip_vt_m_s - bound_rate;
-    if (gross_) return 1;
-    values[1] = -excess(at, corner_);
-    return 2;
+    return count;
   }
 
   void cross(int guard, const ContactPoint& at) override {
-    if (side_ == 0 && guard == 2) {
-      start_sticking(at, sticking_sum(at));
-    } else if (side_ == 0) {
-      start_slip(guard == 0 ? 1 : -1);
+    if (side_ == 0) {
+      start_slip(guard == 0 ? 1 : -1, at);
+    } else if (holding_) {
+      holding_ = false;
+      if (guard == 1) freeze(at);
     } else if (guard == 1) {
       next_corner(at);
+    } else if (guard == 2) {
+      // The annulus is gone; the other bound takes hold.
+      memory_.follow(edge_at(at, depth_of(at).value));
+      start_slip(-side_, at);
     } else {
-      // The annulus has come to rest. While the contact still grows all springs stick; while it
-      // shrinks the opposite bound catches the outermost ones at once.
-      const double sum = slipping_sum(at, gross_ ? 0.0 : stuck_to(at));
-      freeze(at);
-      if (at.rate_m_s > 0) {
-        start_sticking(at, sum);
-      } else {
-        start_slip(-side_);
-      }
+      come_to_rest(at);
     }
   }
 
   const char* mode() const override {
-    if (side_ == 0) return "sticking";
+    if (side_ == 0 || holding_) return "sticking";
     return gross_ ? "gross_slip" : "partial_slip";
   }
 
-  void step(const ContactPoint& at) override {
+  void step(const ContactPoint& at, double time_s) override {
+    time_s_ = time_s;
     if (side_ != 0) return;
-    if (at.deflection_m > recorded_.deflection_m) append(recorded_piece(at));
-    recorded_ = at;
+    const TrailPoint point = trail_point(at, time_s);
+    if (point.depth_m > recorded_.depth_m) memory_.append_trail(recorded_, point);
+    recorded_ = point;
   }
 
-  double stored_j(const ContactPoint& at) const override {
-    if (at.deflection_m <= 0) return 0;
-    const double stuck = side_ == 0 ? at.deflection_m : (gross_ ? 0.0 : stuck_to(at));
-    double sum = integral_of_square(pieces_, at.tip_m, stuck);
-    if (side_ == 0 && at.deflection_m > recorded_.deflection_m) {
-      sum += integral_of_square({recorded_piece(at)}, at.tip_m, stuck);
+  double stored_j(const ContactPoint& at, double time_s) const override {
+    const double depth = depth_of(at).value;
+    if (!(depth > 0)) return 0;
+    if (side_ == 0) {
+      double sum = memory_.square_sum(at.tip_m);
+      const TrailPoint point = trail_point(at, time_s);
+      if (point.depth_m > recorded_.depth_m) sum += memory_.square_sum_of_trail(recorded_, point);
+      return shear_modulus_ * sum;
     }
-    const auto slipping = [&](double x) {
-      const double u = alpha_ * (at.deflection_m - x * x / radius_);
-      return u * u;
-    };
-    sum += Gauss<7>::integrate(slipping, std::sqrt(radius_ * stuck), contact_half_width(at));
-    return shear_modulus_ * sum;
+    const SlipEdge edge = edge_at(at, depth);
+    const double stuck = stuck_at(edge).xi;
+    return shear_modulus_ * ((gross_ ? 0.0 : memory_.square_sum_to(edge)) +
+                             alpha_ * alpha_ * pressed_squares(depth, stuck));
   }
 
  private:
-  // For int g dx, of degree 10 in x, 7 points are exact; for int g^2 dx, of degree 20, 11 points.
-  template <unsigned points>
-  using Gauss = boost::math::quadrature::gauss<double, points>;
+  struct Depth {
+    double value = 0, rate = 0, acceleration = 0;
+  };
 
-  // (2/3) a delta = int (delta - x^2/R) dx over the contact.
-  double wedge(const ContactPoint& at) const {
-    return 2.0 / 3.0 * contact_half_width(at) * at.deflection_m;
+  // Whether D is that of the whole normal force.
+  static bool carries_all(const ContactPoint& at) {
+    return !at.compressing && at.damping_n_s_per_m > 0;
   }
 
-  // The same over the annulus outside xi = limit.
-  double pressed(const ContactPoint& at, double limit) const {
-    const double inner = std::sqrt(radius_ * limit);
-    return wedge(at) - inner * (at.deflection_m - limit / 3);
+  // D and its derivatives. The third derivative of the deflection comes from m delta'' = -P + ...
+  Depth depth_of(const ContactPoint& at) const {
+    if (!carries_all(at)) return {at.deflection_m, at.rate_m_s, at.acceleration_m_s2};
+    if (!(at.normal_n > 0)) return {};
+    const double b = at.damping_n_s_per_m, force = at.normal_n, rate = at.rate_m_s;
+    const double root = std::sqrt(std::max(at.deflection_m, 0.0));
+    const double force_rate = 1.5 * stiffness_ * root * rate + b * at.acceleration_m_s2;
+    double force_turn =
+        1.5 * stiffness_ * root * at.acceleration_m_s2 - b * force_rate * inverse_mass_;
+    if (root > 0) force_turn += 0.75 * stiffness_ * rate * rate / root;
+    const double pressed = force / stiffness_, growth = force_rate / force;
+    Depth depth;
+    depth.value = std::cbrt(pressed * pressed);
+    depth.rate = 2.0 / 3.0 * depth.value * growth;
+    depth.acceleration =
+        2.0 / 3.0 * (depth.rate * growth + depth.value * (force_turn / force - growth * growth));
+    return depth;
   }
 
-  // delta' while all springs stick, kept from zero where a step looks beyond that.
-  double approach(const ContactPoint& at) const {
-    return std::max(at.rate_m_s, 1e-6 * touch_rate_);
+  SlipEdge edge_at(const ContactPoint& at, double depth) const {
+    return {side_, alpha_, depth, at.tip_m};
   }
 
-  double tip_acceleration(const ContactPoint& at, double force_n) const {
-    return at.mobility_per_kg * (force_n - at.rolling_n);
+  // What the damper's pressure adds to friction where all of the contact slips, N.
+  double damper_friction(const ContactPoint& at) const {
+    return at.compressing ? friction_ * at.damping_n_s_per_m * at.rate_m_s : 0.0;
   }
 
-  // int u dx while all springs stick. Its rate, v a, grows like sqrt(t) at the touch, which no
-  // integrator likes: there only the smooth remainder is integrated beside (2/3) a delta v/delta',
-  // the sum that springs dragged along a straight path would have.
-  double sticking_sum(const ContactPoint& at) const {
-    const double sum = sticking_sum_ + at.springs_m2;
-    return touching_ ? sum + wedge(at) * at.tip_vt_m_s / approach(at) : sum;
+  // The force that keeps an annulus at rest on a bound that moves: v = side alpha delta'.
+  double holding_force(const ContactPoint& at) const {
+    return at.rolling_n + side_ * alpha_ * at.acceleration_m_s2 / at.mobility_per_kg;
   }
 
-  double sticking_rate(const ContactPoint& at, double force_n) const {
-    if (!touching_) return at.tip_vt_m_s * contact_half_width(at);
-    const double rate = approach(at);
-    return -wedge(at) *
-           (tip_acceleration(at, force_n) * rate - at.tip_vt_m_s * at.acceleration_m_s2) /
-           (rate * rate);
+  // The part of it that the springs do not give.
+  double held_by_damper(const ContactPoint& at, const Depth& depth) const {
+    const SlipEdge edge = edge_at(at, depth.value);
+    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck_at(edge));
+    return side_ * (springs - holding_force(at));
   }
 
-  // int u dx with an annulus outside xi = limit.
-  double slipping_sum(const ContactPoint& at, double limit) const {
-    double sum = side_ * alpha_ * pressed(at, limit);
-    if (limit > 0) sum += at.tip_m * std::sqrt(radius_ * limit) + memory_sum(limit);
-    return sum;
+  double share_at_rest(const ContactPoint& at, const Depth& depth) const {
+    if (gross_) return 1;
+    const double stuck = stuck_at(edge_at(at, depth.value)).xi;
+    return pressed(depth.value, stuck) / pressed(depth.value, 0);
   }
 
-  // int g dx from 0 to x(xi).
-  double memory_sum(double xi) const {
-    const Piece& piece = pieces_[piece_at(xi)];
-    return piece.sum_before + integral(piece, xi);
-  }
-
-  double integral(const Piece& piece, double xi) const {
-    const auto g = [&](double x) { return piece.value(x * x / radius_); };
-    return Gauss<7>::integrate(g, std::sqrt(radius_ * piece.begin), std::sqrt(radius_ * xi));
-  }
-
-  void append(Piece piece) {
-    if (!pieces_.empty()) {
-      const Piece& last = pieces_.back();
-      piece.sum_before = last.sum_before + integral(last, last.end);
+  // The slip of the annulus has ended. A damper that pushes loses its friction there; where the
+  // springs alone would let the annulus slip again, it holds it (the Filippov solution).
+  void come_to_rest(const ContactPoint& at) {
+    const Depth depth = depth_of(at);
+    if (at.compressing && depth.rate > 0 && depth.value > 0 && damper_friction(at) > 0) {
+      const double held = held_by_damper(at, depth);
+      if (held > 0 && held < damper_friction(at) * share_at_rest(at, depth)) {
+        holding_ = true;
+        return;
+      }
     }
-    pieces_.push_back(piece);
+    freeze(at);
+  }
+
+  // What has come to rest becomes memory. While the contact still grows all springs stick; while it
+  // shrinks the opposite bound catches the outermost ones at once.
+  void freeze(const ContactPoint& at) {
+    const Depth depth = depth_of(at);
+    const SlipEdge edge = edge_at(at, depth.value);
+    const double sum = slipping_sum(edge, stuck_at(edge));
+    if (gross_) memory_.clear();
+    memory_.follow(edge);
+    if (depth.rate > 0) {
+      start_sticking(at, sum);
+    } else {
+      start_slip(-side_, at);
+    }
+  }
+
+  double half_width(double depth) const { return std::sqrt(radius_ * std::max(depth, 0.0)); }
+
+  // int (D - x^2/R) dx over the annulus outside xi = stuck.
+  double pressed(double depth, double stuck) const {
+    return 2.0 / 3.0 * half_width(depth) * depth - half_width(stuck) * (depth - stuck / 3);
+  }
+
+  // int (D - x^2/R)^2 dx over the annulus outside xi = stuck.
+  double pressed_squares(double depth, double stuck) const {
+    return 8.0 / 15.0 * half_width(depth) * depth * depth -
+           half_width(stuck) * (depth * depth - 2.0 / 3.0 * depth * stuck + stuck * stuck / 5);
+  }
+
+  // int u dx while all springs stick: its rate is v a, since the outermost are at u = 0.
+  double sticking_force(const ContactPoint& at) const {
+    return -2 * shear_modulus_ * (sticking_sum_ + at.springs_m2);
+  }
+
+  SlipMemory::Stuck stuck_at(const SlipEdge& edge) const {
+    return gross_ ? SlipMemory::Stuck{} : memory_.stuck(edge);
+  }
+
+  // int u dx with an annulus outside the springs that stick.
+  double slipping_sum(const SlipEdge& edge, const SlipMemory::Stuck& stuck) const {
+    return edge.side * alpha_ * pressed(edge.depth_m, stuck.xi) +
+           edge.way_m * half_width(stuck.xi) + stuck.sum;
+  }
+
+  TrailPoint trail_point(const ContactPoint& at, double time_s) const {
+    const Depth depth = depth_of(at);
+    return {time_s,
+            depth.value,
+            depth.rate,
+            depth.acceleration,
+            at.tip_m,
+            at.tip_vt_m_s,
+            at.mobility_per_kg * (sticking_force(at) - at.rolling_n)};
   }
 
   // `sum` is int u dx at this moment.
   void start_sticking(const ContactPoint& at, double sum) {
     side_ = 0;
-    touching_ = false;
-    recorded_ = at;
+    holding_ = false;
     sticking_sum_ = sum - at.springs_m2;
+    recorded_ = trail_point(at, time_s_);
   }
 
-  double contact_half_width(const ContactPoint& at) const {
-    return std::sqrt(radius_ * std::max(at.deflection_m, 0.0));
-  }
-
-  // How far the stuck profile lies beyond the annulus's bound at xi; not decreasing in xi.
-  double excess(const ContactPoint& at, double xi) const {
-    return side_ * (at.tip_m + memory(xi)) - alpha_ * (at.deflection_m - xi);
-  }
-
-  double memory(double xi) const { return pieces_.empty() ? 0.0 : pieces_[piece_at(xi)].value(xi); }
-
-  std::size_t piece_at(double xi) const {
-    std::size_t index = std::min(hint_, pieces_.size() - 1);
-    while (index > 0 && xi < pieces_[index].begin) --index;
-    while (index + 1 < pieces_.size() && xi > pieces_[index].end) ++index;
-    return hint_ = index;
-  }
-
-  // xi up to which the springs stick: the root of `excess`.
-  double stuck_to(const ContactPoint& at) const {
-    if (pieces_.empty() || excess(at, 0) >= 0) return 0;
-    const double edge = std::min(at.deflection_m, pieces_.back().end);
-    if (edge <= 0 || excess(at, edge) <= 0) return std::max(edge, 0.0);
-    std::size_t index = piece_at(std::min(edge, boundary_hint_));
-    while (index > 0 && excess_in(at, index, pieces_[index].begin) > 0) --index;
-    while (index + 1 < pieces_.size() && excess_in(at, index, pieces_[index].end) < 0) ++index;
-    hint_ = index;
-    const double low = pieces_[index].begin, high = std::min(pieces_[index].end, edge);
-    return boundary_hint_ = root_in(at, index, low, high);
-  }
-
-  double excess_in(const ContactPoint& at, std::size_t index, double xi) const {
-    return side_ * (at.tip_m + pieces_[index].value(xi)) - alpha_ * (at.deflection_m - xi);
-  }
-
-  // Newton's method kept inside a shrinking bracket.
-  double root_in(const ContactPoint& at, std::size_t index, double low, double high) const {
-    double xi = std::clamp(boundary_hint_, low, high);
-    for (int iteration = 0; iteration < 60; ++iteration) {
-      const double value = excess_in(at, index, xi);
-      (value > 0 ? high : low) = xi;
-      const double slope = side_ * pieces_[index].slope(xi) + alpha_;
-      double next = xi - value / slope;
-      const bool bisect = !(next >= low && next <= high);
-      if (bisect) next = 0.5 * (low + high);
-      // The error that is left is of the order of the step's square; and `excess` is a difference
-      // of lengths like the deflection, of which the rounding remains.
-      const double step = std::abs(next - xi) / at.deflection_m;
-      if (step <= (bisect ? 4e-16 : 1e-9)) return next;
-      xi = next;
-    }
-    return xi;
-  }
-
-  void start_slip(int side) {
+  void start_slip(int side, const ContactPoint& at) {
     side_ = side;
-    gross_ = pieces_.empty();
-    if (gross_) return;
-    boundary_hint_ = pieces_.back().end;
-    corner_ = 0;
-    for (const Piece& piece : pieces_) {
-      if (piece.corner) corner_ = piece.begin;
-    }
+    holding_ = false;
+    gross_ = memory_.empty();
+    // Where nothing slips at all neither bound is the right one: rounding must not decide.
+    rim_tolerance_ = 1e-13 * alpha_ * depth_of(at).value;
+    if (!gross_) corner_ = memory_.corner_below(memory_.end());
   }
 
   // The annulus has reached a corner of the memory. A part of it that lies along the bound is taken
   // in one stroke.
   void next_corner(const ContactPoint& at) {
-    const double along_bound = 1e-10 * alpha_ * at.deflection_m;
+    const SlipEdge edge = edge_at(at, depth_of(at).value);
+    const double along_bound = 1e-10 * alpha_ * edge.depth_m;
     while (corner_ > 0) {
-      double below = 0;
-      for (const Piece& piece : pieces_) {
-        if (piece.corner && piece.begin < corner_) below = piece.begin;
-      }
-      corner_ = below;
-      if (excess(at, corner_) < -along_bound) return;
+      corner_ = memory_.corner_below(corner_);
+      if (memory_.excess_at_corner(corner_, edge) < -along_bound) return;
     }
     gross_ = true;
   }
 
-  // The profile as it stands becomes the memory.
-  void freeze(const ContactPoint& at) {
-    const double stuck = gross_ ? 0.0 : stuck_to(at);
-    while (!pieces_.empty() && pieces_.back().begin >= stuck) pieces_.pop_back();
-    if (!pieces_.empty()) pieces_.back().end = stuck;
-    const double edge = std::max(at.deflection_m, 0.0);
-    if (edge > stuck) {
-      const double value = side_ * alpha_ * (at.deflection_m - stuck) - at.tip_m;
-      append({stuck, edge, {value, -side_ * alpha_}, true, true});
-    }
-  }
-
-  // Springs touched while everything sticks start from zero: g(xi) = -s at the touch.
-  Piece recorded_piece(const ContactPoint& at) const {
-    const auto jet = [this](const ContactPoint& p) {
-      const double rate = approach(p);
-      const double tip_rate = tip_acceleration(p, -2 * shear_modulus_ * sticking_sum(p));
-      const double curvature =
-          (tip_rate * rate - p.tip_vt_m_s * p.acceleration_m_s2) / (rate * rate * rate);
-      return Jet{-p.tip_m, -p.tip_vt_m_s / rate, -curvature};
-    };
-    Piece piece = hermite_piece(recorded_.deflection_m, at.deflection_m, jet(recorded_), jet(at));
-    piece.corner = !pieces_.empty() && pieces_.back().along_bound;
-    return piece;
-  }
-
-  // int u^2 dx over the stuck part, 0 <= x <= sqrt(R limit), u = s + g.
-  double integral_of_square(const std::vector<Piece>& pieces, double tip, double limit) const {
-    double sum = 0;
-    for (const Piece& piece : pieces) {
-      const double end = std::min(piece.end, limit);
-      if (end <= piece.begin) break;
-      const auto square = [&](double x) {
-        const double u = tip + piece.value(x * x / radius_);
-        return u * u;
-      };
-      sum +=
-          Gauss<11>::integrate(square, std::sqrt(radius_ * piece.begin), std::sqrt(radius_ * end));
-    }
-    return sum;
-  }
-
-  double radius_, friction_, modulus_, shear_modulus_, alpha_;
-  std::vector<Piece> pieces_;     // of g, ascending in xi from 0, without gaps
-  ContactPoint recorded_;         // where the record of a sticking loading has come to
-  int side_ = 0;                  // 0: all springs stick; +-1: an annulus slips at +-c
-  bool touching_ = false;         // all springs have stuck since the touch, not long ago
-  double touch_rate_ = 0;         // delta' at the touch
-  bool gross_ = false;            // the annulus covers everything
-  double sticking_sum_ = 0;       // the constant of sticking_sum
-  double corner_ = 0;             // the next corner that the annulus's inner edge will reach
-  mutable std::size_t hint_ = 0;  // where the last search ended: speed only
-  mutable double boundary_hint_ = 0;
+  double radius_, inverse_mass_, friction_, stiffness_, shear_modulus_, alpha_;
+  SlipMemory memory_;
+  TrailPoint recorded_;       // where the record of a sticking loading has come to
+  double time_s_ = 0;         // of the last accepted step
+  int side_ = 0;              // 0: all springs stick; +-1: an annulus slips at that bound
+  bool holding_ = false;      // the annulus rests on its bound, held by the damper's friction
+  bool gross_ = false;        // the annulus covers everything
+  double sticking_sum_ = 0;   // int u dx less ContactPoint::springs_m2
+  double rim_tolerance_ = 0;  // of guard 2
+  double corner_ = 0;         // the next corner that the annulus's inner edge will reach
 };
 
 }  // namespace
 
 std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
-                                                     double radius_m) {
-  return std::make_unique<MawBarberFawcett>(contact, radius_m);
+                                                     double radius_m, double mass_kg) {
+  return std::make_unique<MawBarberFawcett>(contact, radius_m, mass_kg);
 }
 
 }  // namespace impactdic::sim::contact

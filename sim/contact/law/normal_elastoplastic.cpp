@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <string>
 
+#include "sim/contact/law/normal_law.h"
+
 namespace impactdic {
 namespace {
 
@@ -39,11 +41,22 @@ constexpr double kHardnessOverYield = 2.8;
 // Jackson & Green: elastic below, in units of the critical compression.
 constexpr double kJacksonElasticLimit = 1.9;
 
-// Jackson & Green 2005, Eqs. 2.17-2.20: pressure falls as the contact circle nears the radius.
-double jackson_hardness_over_yield(double x, double yield_constant, double yield_over_modulus) {
+// Jackson, Green & Marghitu 2010: up to here the recovered deflection x (1 - fit) grows with x.
+constexpr double kJacksonTurn = 2400;
+
+double jackson_residual(double x) { return 1.02 * (1 - std::pow((x + 5.9) / 6.9, -0.54)); }
+
+// Jackson & Green 2005, Eqs. 2.17-2.20.
+double jackson_contact_over_radius(double x, double yield_constant, double yield_over_modulus) {
   const double exponent = 0.14 * std::exp(23 * yield_over_modulus);
-  const double contact_over_radius = kPi * yield_constant / 2 * yield_over_modulus *
-                                     std::sqrt(x * std::pow(x / kJacksonElasticLimit, exponent));
+  return kPi * yield_constant / 2 * yield_over_modulus *
+         std::sqrt(x * std::pow(x / kJacksonElasticLimit, exponent));
+}
+
+// The pressure falls as the contact circle nears the radius.
+double jackson_hardness_over_yield(double x, double yield_constant, double yield_over_modulus) {
+  const double contact_over_radius =
+      jackson_contact_over_radius(x, yield_constant, yield_over_modulus);
   return 2.84 * (1 - std::exp(-0.82 * std::pow(contact_over_radius, -0.7)));
 }
 
@@ -95,6 +108,17 @@ double ElasticPlasticLaw::loading_force_n(double w_m) const {
 }
 
 double ElasticPlasticLaw::residual_m(double largest_m) const {
+  const double fitted = fitted_residual_m(largest_m);
+  if (!(largest_m > 0)) return fitted;
+  // Just above yield the fits' jumps would give back more than was put in: there the rebound is
+  // elastic. released = P_m (w_m - w_r)/(n + 1) = loaded.
+  const double recovered = (unloading_exponent(largest_m) + 1) * loading_energy_j(largest_m) /
+                           loading_force_n(largest_m);
+  const double least = largest_m - recovered;
+  return least > fitted && least > 1e-13 * largest_m ? least : fitted;
+}
+
+double ElasticPlasticLaw::fitted_residual_m(double largest_m) const {
   const double x = largest_m / critical_compression_m_;
   if (!(x > 1)) return 0;
   if (loading_ == PlasticLoading::kThornton) {
@@ -108,7 +132,26 @@ double ElasticPlasticLaw::residual_m(double largest_m) const {
   }
   // Jackson's fit holds from x = 1.9; below, the loading is Hertz and nothing stays.
   if (x < kJacksonElasticLimit && loading_ == PlasticLoading::kJacksonGreen) return 0;
-  return largest_m * 1.02 * (1 - std::pow((x + 5.9) / 6.9, -0.54));
+  if (x <= kJacksonTurn) return largest_m * jackson_residual(x);
+  // Beyond, the fit would let less recover the deeper the contact, and then exceed w_m.
+  return largest_m - critical_compression_m_ * kJacksonTurn * (1 - jackson_residual(kJacksonTurn));
+}
+
+std::string ElasticPlasticLaw::out_of_range(double largest_m) const {
+  const double x = largest_m / critical_compression_m_;
+  if (loading_ == PlasticLoading::kKogutEtsion && x > 110) {
+    return beyond_limit("the largest deflection over the critical one", x, 110);
+  }
+  if (loading_ == PlasticLoading::kJacksonGreen && x > kJacksonElasticLimit) {
+    const double width = jackson_contact_over_radius(
+        x, yield_constant_, surface_.yield_strength_pa / surface_.effective_modulus_pa);
+    if (width > 0.41) return beyond_limit("the contact's radius over the body's", width, 0.41);
+  }
+  if (largest_m > 0.2 * surface_.radius_m) {
+    return beyond_limit("the largest deflection over the radius", largest_m / surface_.radius_m,
+                        0.2);
+  }
+  return "";
 }
 
 double ElasticPlasticLaw::unloading_exponent(double largest_m) const {
@@ -120,7 +163,10 @@ double ElasticPlasticLaw::unloading_exponent(double largest_m) const {
 }
 
 double ElasticPlasticLaw::unloading_force_n(double w_m, double largest_m) const {
-  const double residual = residual_m(largest_m);
+  return unloading_force_n(w_m, largest_m, residual_m(largest_m));
+}
+
+double ElasticPlasticLaw::unloading_force_n(double w_m, double largest_m, double residual) const {
   if (!(w_m > residual)) return 0;
   return loading_force_n(largest_m) *
          std::pow((w_m - residual) / (largest_m - residual), unloading_exponent(largest_m));

@@ -10,6 +10,8 @@
 
 #include <impactdic/rod_model.h>
 
+#include <string>
+
 namespace impactdic::sim::contact {
 
 // 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2, in pascal.
@@ -32,10 +34,13 @@ class ElasticPlasticLaw {
   double loading_force_n(double w_m) const;
   // Compression that stays after a largest one of `largest_m`.
   double residual_m(double largest_m) const;
+  // Why the law should not be used up to there; empty where it may.
+  std::string out_of_range(double largest_m) const;
   // Exponent n of the way back: P = P_m ((w - w_r) / (w_m - w_r))^n.
   double unloading_exponent(double largest_m) const;
   // Force at `w_m` on the way back from (or again towards) `largest_m`. Zero for w_m <= residual.
   double unloading_force_n(double w_m, double largest_m) const;
+  double unloading_force_n(double w_m, double largest_m, double residual_m) const;
   // Energy put in up to `w_m` (J), integrated to 1e-12 relative, and energy given back from there.
   double loading_energy_j(double w_m) const;
   double released_energy_j(double largest_m) const;
@@ -48,6 +53,7 @@ class ElasticPlasticLaw {
 
  private:
   double normalised_loading(double x) const;
+  double fitted_residual_m(double largest_m) const;
 
   ElasticPlasticSurface surface_;
   PlasticLoading loading_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace impactdic::sim::contact {
@@ -25,6 +26,14 @@ NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) co
   return turned;
 }
 
+double NormalLaw::spring_slope_n_per_m(double) const { return 0; }
+
+std::string beyond_limit(const char* what, double value, double limit) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s is %.3g, and the law holds to %g", what, value, limit);
+  return text;
+}
+
 double NormalLaw::next_kink_m(double) const { return std::numeric_limits<double>::infinity(); }
 
 double NormalLaw::deflection_estimate_m(double mass_kg, double speed_m_s) const {
@@ -37,10 +46,11 @@ namespace {
 // deflection the spring continues as an odd function, so that an integration step may overshoot.
 class SpringDamper final : public NormalLaw {
  public:
-  SpringDamper(bool hertz, const ContactParameters& contact)
+  SpringDamper(bool hertz, const ContactParameters& contact, double radius_m)
       : hertz_(hertz),
         stiffness_(contact.stiffness),
         damping_(contact.damping_n_s_per_m),
+        radius_(radius_m),
         damped_restitution_(contact.restitution_damping != RestitutionDamping::kNone) {}
 
   double spring_n(double deflection_m, const NormalMemory&) const override {
@@ -56,6 +66,17 @@ class SpringDamper final : public NormalLaw {
     return spring_n(deflection_m, memory) * deflection_m / (hertz_ ? 2.5 : 2.0);
   }
 
+  double spring_slope_n_per_m(double deflection_m) const override {
+    return hertz_ ? 1.5 * stiffness_ * std::sqrt(std::abs(deflection_m)) : stiffness_;
+  }
+
+  // A linear spring does not ask what presses it, but nothing is pressed deeper than through.
+  std::string out_of_range(double deflection_m) const override {
+    const double limit = hertz_ ? 0.2 : 1, part = deflection_m / radius_;
+    if (part <= limit) return "";
+    return beyond_limit("the largest deflection over the radius", part, limit);
+  }
+
   // Undamped: pi sqrt(m/k), and 0.8 sqrt(pi) Gamma(0.4)/Gamma(0.9) delta_m/v (Hertz 1882).
   double duration_estimate_s(double mass_kg, double speed_m_s) const override {
     if (!hertz_) return kPi * std::sqrt(mass_kg / stiffness_);
@@ -69,7 +90,7 @@ class SpringDamper final : public NormalLaw {
 
  private:
   bool hertz_;
-  double stiffness_, damping_;
+  double stiffness_, damping_, radius_;
   bool damped_restitution_;
 };
 
@@ -78,9 +99,9 @@ class SpringDamper final : public NormalLaw {
 std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job) {
   switch (job.normal) {
     case NormalModel::kLinearSpringDamper:
-      return std::make_unique<SpringDamper>(false, job.contact);
+      return std::make_unique<SpringDamper>(false, job.contact, job.body.radius_m());
     case NormalModel::kHertzDamper:
-      return std::make_unique<SpringDamper>(true, job.contact);
+      return std::make_unique<SpringDamper>(true, job.contact, job.body.radius_m());
     default:
       return make_elastoplastic_law(job.normal, job.contact, job.body.radius_m());
   }

@@ -4,6 +4,7 @@
 #include <impactdic/impact_model.h>
 
 #include <memory>
+#include <string>
 
 namespace impactdic::sim::contact {
 
@@ -39,11 +40,19 @@ class NormalLaw {
   // The next deflection above this one at which loading is not smooth (the integration restarts
   // there); infinite if there is none.
   virtual double next_kink_m(double deflection_m) const;
+  // d(spring_n)/d(deflection), N/m, while the contact is being compressed; only asked of laws with
+  // a damper.
+  virtual double spring_slope_n_per_m(double deflection_m) const;
+  // Why the law should not be used up to this deflection; empty where it may.
+  virtual std::string out_of_range(double deflection_m) const = 0;
   // The duration of the contact, roughly (within a factor of about three): sets scales, s.
   virtual double duration_estimate_s(double mass_kg, double speed_m_s) const = 0;
   // The largest deflection, roughly, m.
   virtual double deflection_estimate_m(double mass_kg, double speed_m_s) const;
 };
+
+// "WHAT is VALUE, and the law holds to LIMIT", for out_of_range.
+std::string beyond_limit(const char* what, double value, double limit);
 
 // The law that the job names. Throws InvalidArgument.
 std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job);

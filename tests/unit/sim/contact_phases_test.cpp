@@ -127,7 +127,9 @@ TEST(Phases, RandomJobsEndWithTheirEnergyAccountedFor) {
     EXPECT_LT(result.evaluations, 10000) << run;
     if (job.preset == ModelPreset::kSound && job.friction != FrictionModel::kFullSliding) {
       for (const std::string& warning : result.warnings) {
-        EXPECT_NE(warning.find("pulls"), std::string::npos) << run << ": " << warning;
+        EXPECT_TRUE(warning.find("pulls") != std::string::npos ||
+                    warning.find("outside the normal law's range") != std::string::npos)
+            << run << ": " << warning;
       }
     }
   }

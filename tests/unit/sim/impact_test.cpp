@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "sim/job/source_jobs.h"
 #include "sim/verify/verify_cases.h"
+#include "sim/verify/verify_rod.h"
 
 namespace impactdic {
 namespace {
@@ -27,6 +29,17 @@ TEST(Verify, EveryRowOfTheTablePasses) {
     EXPECT_TRUE(outcome.passed) << outcome.row.group << ", " << outcome.row.name << ": "
                                 << outcome.computed << ", expected " << outcome.row.expected
                                 << " +- " << outcome.row.tolerance << " " << outcome.error;
+  }
+}
+
+TEST(Verify, EveryRowSaysWhereItsFigureComesFrom) {
+  std::vector<sim::verify::VerifyCase> cases = sim::verify::impact_cases();
+  for (sim::verify::VerifyCase& row : sim::verify::rod_cases()) cases.push_back(std::move(row));
+  for (const sim::verify::VerifyCase& row : cases) {
+    const bool known =
+        std::any_of(std::begin(sim::verify::kProvenances), std::end(sim::verify::kProvenances),
+                    [&](const char* provenance) { return row.source.starts_with(provenance); });
+    EXPECT_TRUE(known) << row.group << ", " << row.name << ": " << row.source;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <functional>
 
 #include "sim/compare/compare_job.h"
+#include "tests/support/racket_job.h"
 
 namespace impactdic {
 namespace {
@@ -25,21 +26,9 @@ std::string where_refused(const std::function<void()>& run) {
   return "accepted";
 }
 
-ImpactJob racket() {
-  ImpactJob job;
-  job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
-  job.contact.stiffness = 13385;
-  job.contact.damping_n_s_per_m = 5.36;
-  job.contact.friction_kinetic = 0.0335;
-  job.surface_angle_deg = 15;
-  job.initial.vt_m_s = -0.5176;
-  job.initial.vn_m_s = -1.9319;
-  return job;
-}
-
 FitRequest racket_fit() {
   FitRequest request;
-  request.impact = racket();
+  request.impact = testing::racket_job();
   request.parameters = {FitParameter::kStiffness, FitParameter::kDamping};
   request.shots = {{"no_such_track.csv", 15, {}}};
   return request;
@@ -47,7 +36,7 @@ FitRequest racket_fit() {
 
 TEST(Requests, SimulateRefusesImpossibleValuesByName) {
   const auto simulating = [](const std::function<void(SimulateRequest&)>& change) {
-    SimulateRequest request{racket(), 0, {}};
+    SimulateRequest request{testing::racket_job(), 0, {}};
     change(request);
     return where_refused([&] { simulate(request); });
   };

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 class Patterns : public testing::TestWithParam<sim::speckle::PatternSpec> {};
 
-// Figures of the source's section 2.3, as measured on the rendered picture.
+// Figures of the dissertation's section 2.3, as measured on the rendered picture.
 TEST_P(Patterns, HasTheStatedDensityAndArea) {
   const sim::speckle::PatternSpec& spec = GetParam();
   const sim::speckle::InkMeasure ink =

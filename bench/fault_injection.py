@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""`track` of 100 small frames with one call after the other failing: writes, reads, opens, renames
+and truncations of files, and large allocations.
+
+What must hold: the run ends 0, or 1 with one line; what is on the disk then can be read and holds
+nothing but what a whole run holds; --resume without faults ends in the same bytes.
+
+Usage: fault_injection.py PROGRAM SHIM [--kinds write,read,...] [--every 1] [--from]
+SHIM: the library of tests/support/fault_shim.c. --every N: every N-th call alone. --from: that call
+and all behind it fail, as on a disk that stays full.
+"""
+
+import argparse
+import collections
+import errno
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import h5py
+import numpy as np
+
+KINDS = {"write": errno.ENOSPC, "read": errno.EIO, "open": errno.EMFILE, "rename": errno.EDQUOT,
+         "truncate": errno.EIO, "alloc": errno.ENOMEM}
+COLUMNS = 16  # of track.csv that do not hang on the scale, known only when the clip is done
+
+
+def run(program, folder, options, fault):
+    clip = str(folder / "clip/video.cihx")
+    command = [program, "track", clip, "-q", "-j2", "--spacing", "13", "-o", str(folder / "out"),
+               *options]
+    return subprocess.run(command, env=os.environ | fault, capture_output=True, text=True,
+                          timeout=300)
+
+
+def table(path):
+    """The whole lines of a table, as cells."""
+    text = path.read_text()
+    return [line.split(",")[:COLUMNS] for line in text[:text.rfind("\n") + 1].splitlines()]
+
+
+def fields(path):
+    with h5py.File(path) as file:
+        return {name: file[name][()] for name in file}
+
+
+def untrue(out, whole):
+    """What the folder holds that the whole run does not."""
+    wrong = []
+    for name in ("track.csv", "pose.csv"):
+        if not (out / name).exists():
+            continue
+        rows = table(out / name)
+        want = whole[name][:len(rows)]
+        # The last row of a run that was cut short has no next frame.
+        if rows[:-1] != want[:-1]:
+            wrong.append(f"{name} differs")
+    if (out / "fields.h5").exists() and (out / "fields.h5").stat().st_size > 0:
+        try:
+            for name, values in fields(out / "fields.h5").items():
+                rows = max(len(values) - 1, 0)  # the last one has no next frame here either
+                want = whole["fields.h5"][name][:rows]
+                if rows and not np.array_equal(values[:rows], want, equal_nan=True):
+                    wrong.append(f"fields.h5, {name} differs")
+        except (OSError, KeyError) as error:
+            wrong.append(f"fields.h5: {error}")
+    for name in ("summary.json", "resume.json"):
+        if (out / name).exists():
+            try:
+                json.loads((out / name).read_text())
+            except ValueError as error:
+                wrong.append(f"{name}: {error}")
+    return wrong
+
+
+def results(out):
+    found = {name: (out / name).read_bytes() for name in ("track.csv", "pose.csv")}
+    tables = fields(out / "fields.h5")
+    return found | {name: (a.shape, a.tobytes()) for name, a in tables.items()}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program")
+    parser.add_argument("shim")
+    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--from", dest="behind", action="store_true")
+    given = parser.parse_args()
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="fault_injection_"))
+    out = folder / "out"
+    subprocess.run([given.program, "synth", "--pattern", "e1", "--size", "96x96", "--radius-px",
+                    "28", "--noise", "1", "--format", "mraw", "--frames", "100", "--velocity-px",
+                    "0.1,0.05", "--rotation-deg", "0.5", "-q", "-o", folder / "clip"], check=True)
+    first = run(given.program, folder, [], {})
+    assert first.returncode == 0, first.stderr
+    whole = {name: table(out / name) for name in ("track.csv", "pose.csv")}
+    whole["fields.h5"] = fields(out / "fields.h5")
+    same = results(out)
+    faults, runs = [], collections.Counter()
+    for kind in given.kinds.split(","):
+        common = {"LD_PRELOAD": given.shim, "FAULT_FOLDER": str(folder), "FAULT_KIND": kind,
+                  "FAULT_ERRNO": str(KINDS[kind]), "FAULT_FROM": str(int(given.behind))}
+        shutil.rmtree(out)
+        run(given.program, folder, [], common | {"FAULT_AT": "0",
+                                                 "FAULT_COUNT": str(folder / "count")})
+        calls = int((folder / "count").read_text())
+        for call in range(1, calls + 1, given.every):
+            shutil.rmtree(out, ignore_errors=True)
+            ended = run(given.program, folder, [], common | {"FAULT_AT": str(call)})
+            runs[kind] += 1
+            lines = ended.stderr.splitlines()
+            wrong = untrue(out, whole) if out.exists() else []
+            if ended.returncode not in (0, 1):
+                wrong.append(f"ended {ended.returncode}: {ended.stderr[-300:]}")
+            elif ended.returncode == 1 and (len(lines) != 1 or
+                                            not lines[0].startswith("impactdic: error: ")):
+                wrong.append(f"said: {ended.stderr[-300:]}")
+            again = run(given.program, folder, ["--resume"], {})
+            if again.returncode != 0:
+                wrong.append(f"--resume ended {again.returncode}: {again.stderr[-300:]}")
+            elif results(out) != same:
+                wrong.append("--resume ends in other bytes")
+            for what in wrong:
+                faults.append(f"{kind} {call} of {calls}: {what}")
+                print(faults[-1], flush=True)
+        print(f"{kind}: {runs[kind]} runs of {calls} calls", flush=True)
+    print(json.dumps({"runs": runs, "faults": faults}))
+    shutil.rmtree(folder)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,21 @@
+// How large a picture is, by its header alone: before anything is decoded or memory is taken.
+#pragma once
+
+#include <cstdint>
+
+#include "host/video/byte_file.h"
+
+namespace impactdic::video {
+
+struct PictureSize {
+  std::int64_t width = 0, height = 0;
+};
+
+// Of a .png, .jpg, .bmp or .pgm. Throws FormatError where the header is cut off or says none.
+PictureSize picture_size(const ByteFile& file);
+
+// Throws FormatError, naming --max-megapixels, for a picture of more than `max_megapixels`.
+void check_megapixels(const std::string& path, std::int64_t width, std::int64_t height,
+                      double max_megapixels);
+
+}  // namespace impactdic::video

@@ -1,0 +1,100 @@
+// What the springs of a partially slipping contact remember (maw_barber_fawcett.cpp).
+//
+// A spring at xi = x^2/R that sticks stands at u = s + g(xi), where s is the way of the contact
+// point and g does not change while it sticks. Two things lay g down: springs touched while all
+// others stick start from u = 0, so that g = -s at the touch (a trail); and an annulus that comes
+// to rest at its bound u = side alpha (D - xi) keeps that line.
+//
+// A trail is kept as two polynomials of time, D and s, and not as one of xi: where the contact
+// stops growing, g has a vertical tangent in xi, and none in time.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace impactdic::sim::contact {
+
+// The tangential contact at one instant: its depth D, the way s, and their rates.
+struct TrailPoint {
+  double time_s = 0;
+  double depth_m = 0, depth_rate = 0, depth_acceleration = 0;
+  double way_m = 0, way_rate = 0, way_acceleration = 0;
+};
+
+// The straight edge of an annulus that slips: u = side alpha (depth - xi).
+struct SlipEdge {
+  int side = 1;
+  double alpha = 0, depth_m = 0, way_m = 0;
+};
+
+class SlipMemory {
+ public:
+  explicit SlipMemory(double radius_m) : radius_(radius_m) {}
+
+  void clear();
+  bool empty() const { return pieces_.empty(); }
+  // The outermost spring that is remembered.
+  double end() const { return pieces_.back().end; }
+
+  // Springs from the present end (0 at first) to `to.depth_m`, touched one after the other.
+  void append_trail(const TrailPoint& from, const TrailPoint& to);
+  // Springs from the present end to xi = end on g = value + slope (xi - begin).
+  void append_line(double end, double value, double slope);
+  // Forgets all springs beyond where the edge meets g, and follows the edge from there.
+  void follow(const SlipEdge& edge);
+
+  // The springs that stick.
+  struct Stuck {
+    double xi = 0;   // up to there; 0: none
+    double sum = 0;  // int g dx from 0 to that place
+  };
+  Stuck stuck(const SlipEdge& edge) const;
+  // int (s + g)^2 dx over them.
+  double square_sum_to(const SlipEdge& edge) const;
+  // The same over all that is remembered, and over the trail that would be appended.
+  double square_sum(double way_m) const;
+  double square_sum_of_trail(const TrailPoint& from, const TrailPoint& to) const;
+
+  // How far g lies beyond the edge at the contact's rim, or at the end of the memory where the
+  // contact is larger. Below zero the edge no longer meets g: the annulus is gone.
+  double excess_at_rim(const SlipEdge& edge) const;
+  // The next place below xi, not smooth in g, that an edge will reach; 0 is the last.
+  double corner_below(double xi) const;
+  // How far g at a corner (or at 0) lies beyond the edge; it grows with xi.
+  double excess_at_corner(double corner, const SlipEdge& edge) const;
+
+ private:
+  struct Piece {
+    bool trail = false;
+    double begin = 0, end = 0;  // xi
+    double begin_value = 0, end_value = 0;
+    double slope = 0;  // of a line
+    // Of a trail: polynomials of tau = (t - t0)/(t1 - t0), and the tau of `end`.
+    std::array<double, 6> depth{}, way{};
+    double end_tau = 1;
+    bool corner = false;    // g is not smooth at `begin`
+    double sum_before = 0;  // int g dx from 0 to `begin`
+  };
+  // Where an edge meets g: piece, and the place in it.
+  struct Place {
+    std::size_t piece = 0;
+    double xi = 0, value = 0, tau = 0;
+  };
+
+  static Piece trail_piece(const TrailPoint& from, const TrailPoint& to);
+  Place meet(const SlipEdge& edge) const;
+  Place meet_in(std::size_t index, const SlipEdge& edge) const;
+  double value_at(double xi) const;
+  double integral(const Piece& piece, const Place& to) const;
+  double square_integral(const Piece& piece, const Place& to, double way_m) const;
+  double squares_before(std::size_t index, double way_m) const;
+  static Place end_of(const Piece& piece, std::size_t index);
+  void append(Piece piece);
+
+  double radius_;
+  std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
+  mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only
+};
+
+}  // namespace impactdic::sim::contact

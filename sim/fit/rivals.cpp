@@ -1,0 +1,126 @@
+#include "sim/fit/rivals.h"
+
+#include <impactdic/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/fit/trajectory_fit.h"
+
+namespace impactdic::sim::fit {
+namespace {
+
+// Laws so near by the criterion fit equally well (Burnham and Anderson 2002).
+constexpr double kEqual = 2, kBetter = 6;
+
+double aicc_of(const ShotFit& fit) {
+  const auto n = static_cast<double>(fit.measurements);
+  const auto p = static_cast<double>(fit.free_parameters);
+  return fit.chi_square + 2 * p + 2 * p * (p + 1) / std::max(n - p - 1, 1.0);
+}
+
+RivalFit rival_of(const ShotFit& fit, const ImpactJob& laws, std::size_t parameters) {
+  RivalFit rival{laws.normal, laws.friction, laws.contact.restitution_damping};
+  rival.chi_square = fit.chi_square;
+  rival.p_value = fit.p_value;
+  rival.aicc = aicc_of(fit);
+  rival.parameters.assign(fit.parameters.begin(),
+                          fit.parameters.begin() + static_cast<std::ptrdiff_t>(parameters));
+  return rival;
+}
+
+std::string words(const RivalFit& rival) {
+  return std::string(name_of(rival.normal)) + ", " + std::string(name_of(rival.friction)) +
+         ", restitution_damping " + std::string(name_of(rival.restitution_damping));
+}
+
+bool is_own(const RivalFit& rival, const ImpactJob& laws) {
+  return rival.normal == laws.normal && rival.friction == laws.friction &&
+         rival.restitution_damping == laws.contact.restitution_damping;
+}
+
+// The laws compared: both springs, every damping, the friction of the request and, where it has
+// one, none.
+std::vector<ImpactJob> rival_laws(const FitRequest& request) {
+  const auto fits = [&](FitParameter p) {
+    return std::find(request.parameters.begin(), request.parameters.end(), p) !=
+           request.parameters.end();
+  };
+  std::vector<NormalModel> normals{request.impact.normal};
+  // Another spring has another unit: only its own fit gives it.
+  if (fits(FitParameter::kStiffness) && fits(FitParameter::kDamping) &&
+      request.impact.friction != FrictionModel::kMawBarberFawcett) {
+    normals = {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper};
+  }
+  std::vector<ImpactJob> laws;
+  for (const NormalModel normal : normals) {
+    for (const RestitutionDamping damping :
+         {RestitutionDamping::kNone, RestitutionDamping::kToZeroForce,
+          RestitutionDamping::kToZeroDeflection}) {
+      ImpactJob rival = request.impact;
+      rival.normal = normal;
+      rival.contact.restitution_damping = damping;
+      laws.push_back(rival);
+    }
+  }
+  if (request.impact.friction == FrictionModel::kNone) {
+    // How much friction there is does not matter to the question whether there is any.
+    ImpactJob rough = request.impact;
+    rough.friction = FrictionModel::kCoulomb;
+    laws.push_back(rough);
+  }
+  return laws;
+}
+
+void warn(ShotFit& fit, const ImpactJob& own) {
+  const RivalFit& best = fit.rivals.front();
+  for (const RivalFit& rival : fit.rivals) {
+    if (!is_own(rival, own) || rival.above_best <= kBetter) continue;
+    char text[60];
+    std::snprintf(text, sizeof text, " (AICc lower by %.3g)", rival.above_best);
+    fit.warnings.push_back("another law describes the data better: " + words(best) + text);
+  }
+  for (const ParameterEstimate& p : best.parameters) {
+    double low = p.value, high = p.value;
+    for (const RivalFit& rival : fit.rivals) {
+      if (rival.above_best > kEqual) continue;
+      for (const ParameterEstimate& q : rival.parameters) {
+        if (q.key == p.key) low = std::min(low, q.value), high = std::max(high, q.value);
+      }
+    }
+    if (high - low <= 0.02 * std::abs(high)) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "laws that fit equally well give %s from %.4g to %.4g",
+                  p.key.c_str(), low, high);
+    fit.warnings.emplace_back(text);
+  }
+}
+
+}  // namespace
+
+void rank_rivals(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& shot,
+                 const FitRequest& request) {
+  const std::size_t parameters = request.parameters.size();
+  fit.rivals.push_back(rival_of(fit, request.impact, parameters));
+  for (const ImpactJob& laws : rival_laws(request)) {
+    FitRequest other = request;
+    other.impact = laws;
+    if (laws.friction != request.impact.friction) {
+      other.parameters.push_back(FitParameter::kFrictionKinetic);
+    }
+    RivalFit own{laws.normal, laws.friction, laws.contact.restitution_damping};
+    if (is_own(own, request.impact)) continue;
+    try {
+      fit.rivals.push_back(rival_of(fit_values(track, shot, other), laws, other.parameters.size()));
+    } catch (const Error&) {
+      // A law that has no impact at its start is no rival.
+    }
+  }
+  std::sort(fit.rivals.begin(), fit.rivals.end(),
+            [](const RivalFit& a, const RivalFit& b) { return a.aicc < b.aicc; });
+  for (RivalFit& rival : fit.rivals) rival.above_best = rival.aicc - fit.rivals.front().aicc;
+  warn(fit, request.impact);
+}
+
+}  // namespace impactdic::sim::fit
