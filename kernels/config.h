@@ -34,9 +34,9 @@
 #define LANES (FFT_PX / VECTOR)
 #endif
 
-// Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Where such a device
-// multiplies matrices of bytes (compute capability 8 and above): MATRIX_UNITS, likewise. Of kernels
-// that read stored pictures: WIDTH, their width, defined or not.
+// Wherever a group is one warp of an NVIDIA device: WARP_BARRIER, defined or not. Where such a
+// device multiplies matrices of bytes (compute capability 8 and above): MATRIX_UNITS, likewise. Of
+// kernels that read stored pictures: WIDTH, their width, defined or not.
 
 // equal.cl: pictures after each other that a work-group follows its windows through.
 #ifndef CHAIN

@@ -35,10 +35,10 @@ typedef struct WindowMotion {
   idic_int status;
 } WindowMotion;
 
-// The highest value of a correlation map, `value` at the displacement (shift_x, shift_y) px, and the
-// coefficients of the quintic spline about it, row by row, −3 … 3 lags away; (start_x, start_y):
-// where parabolas through its neighbours have their peak, px from it. second: the highest other
-// peak (see peak_ratio). status: ok, or why there is none. The spline goes through the
+// The highest value of a correlation map, `value` at the displacement (shift_x, shift_y) px, and
+// the coefficients of the quintic spline about it, row by row, −3 … 3 lags away; (start_x,
+// start_y): where parabolas through its neighbours have their peak, px from it. second: the highest
+// other peak (see peak_ratio). status: ok, or why there is none. The spline goes through the
 // PEAK_PATCH_PX² values about the peak, or as many of them as the lags reach.
 #define PEAK_PATCH_PX 13
 #define PEAK_NEAR 7
@@ -56,8 +56,9 @@ typedef struct CorrelationPeak {
 // coefficient, and a zero).
 #define PEAK_WEIGHTS 8
 
-// The highest value of the circular correlation of a pair of equal windows, at (x, y) of it, and its
-// neighbours left, right, above, below; energies of both windows about their means, grey levels².
+// The highest value of the circular correlation of a pair of equal windows, at (x, y) of it, and
+// its neighbours left, right, above, below; energies of both windows about their means, grey
+// levels².
 #define EQUAL_CROSS 5
 typedef struct EqualPeak {
   idic_int x, y;
@@ -67,8 +68,8 @@ typedef struct EqualPeak {
 
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
-// sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y up,
-// Z towards the camera, whose last component is guess_rot_rad.
+// sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
+// up, Z towards the camera, whose last component is guess_rot_rad.
 typedef struct BallTask {
   idic_int first, second;
   float cx, cy, radius;
@@ -103,11 +104,11 @@ typedef struct BallMotion {
 typedef struct BallLimits {
   idic_int width, height, pitch, plane_pitch;  // of SplineFrames
   idic_int max_steps;
-  idic_int robust;         // not 0: Tukey's weights
-  float grey_level;        // of 255, in grey levels of the file
-  float min_contrast;      // rms, grey levels of the file
-  float min_correlation;   // ZNCC
-  float mask_area;         // px; 0: no mask
+  idic_int robust;        // not 0: Tukey's weights
+  float grey_level;       // of 255, in grey levels of the file
+  float min_contrast;     // rms, grey levels of the file
+  float min_correlation;  // ZNCC
+  float mask_area;        // px; 0: no mask
 } BallLimits;
 
 // One ball whose turn is sought between frame slots `first` and `second`: its centre in each, and

@@ -164,10 +164,11 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                   most_deg, significant);
     return {Body::kSphere, text, radius.mean(), radius.sd()};
   }
-  std::snprintf(text, sizeof text,
-                "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
-                "chance)",
-                measured, most_deg);
+  std::snprintf(
+      text, sizeof text,
+      "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
+      "chance)",
+      measured, most_deg);
   return {Body::kDisc, text, radius.mean(), radius.sd()};
 }
 

@@ -1,5 +1,5 @@
-// Whether the pictures show a ball that turns out of their plane: a sphere, or what may be taken for
-// a flat disc.
+// Whether the pictures show a ball that turns out of their plane: a sphere, or what may be taken
+// for a flat disc.
 #pragma once
 
 #include <span>
@@ -16,14 +16,14 @@ namespace impactdic::advice {
 struct BodyAdvice {
   Body body = Body::kDisc;
   std::string reason;  // one sentence
-  // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it what
-  // a turn does to the picture.
+  // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it
+  // what a turn does to the picture.
   double radius_px = 0, radius_sd_px = 0;
 };
 
-// A sphere where in one pair at least the turn out of the picture's plane is there beyond chance and
-// the registration of a sphere fits the pictures better than that of a disc. Else a disc: what it
-// measures is then the same, and more exact in each pair.
+// A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
+// and the registration of a sphere fits the pictures better than that of a disc. Else a disc: what
+// it measures is then the same, and more exact in each pair.
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FieldOptions& field);
 

@@ -316,8 +316,8 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
   if (pairs != nullptr) {
     for (Look& look : looks) {
       if (!look.second_ball) continue;
-      pairs->push_back({std::move(look.first), std::move(look.second), *look.first_ball,
-                        *look.second_ball});
+      pairs->push_back(
+          {std::move(look.first), std::move(look.second), *look.first_ball, *look.second_ball});
     }
   }
   return advice;

@@ -35,8 +35,8 @@ extern const char* const kBetterPattern;
 
 // Looks at three pairs of neighbouring frames: at the start, in the middle and at the end of the
 // range (of its first 48 frames in a container, which may have to be decoded in order). A frame
-// that cannot be read is left out: the run itself will say so. `pairs`, where given, gets those that
-// show the ball twice.
+// that cannot be read is left out: the run itself will say so. `pairs`, where given, gets those
+// that show the ball twice.
 ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
                        std::vector<BallPair>* pairs = nullptr);
 

@@ -22,7 +22,8 @@ OptionHelps track_helps() {
         "poses without drift), field (windows alone) or ring (rotation from rings, any angle)",
         {}}},
       {"body",
-       {"What turns: sphere (about any axis), disc (in the picture's plane) or auto (as the pictures "
+       {"What turns: sphere (about any axis), disc (in the picture's plane) or auto (as the "
+        "pictures "
         "show)",
         {}}},
       {"no-field", {"Circle only: no displacement field", {}}},

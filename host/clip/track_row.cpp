@@ -11,7 +11,7 @@
 namespace impactdic {
 
 namespace {
-constexpr std::array kWords = {"ok",          "no_ball",   "no_texture", "low_correlation",
+constexpr std::array kWords = {"ok",          "no_ball",    "no_texture",  "low_correlation",
                                "out_of_view", "last_frame", "inconsistent"};
 constexpr std::array kBodies = {"auto", "sphere", "disc"};
 }  // namespace

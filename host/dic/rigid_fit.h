@@ -16,8 +16,8 @@ struct RigidMotion {
   double rot_rad = 0;           // counter-clockwise as seen on the screen
   double dx_sd_px = 0, dy_sd_px = 0, rot_sd_rad = 0;
   // Of a sphere: the whole turn is the rotation vector (rot_x_rad, rot_y_rad, rot_rad) in the
-  // camera's axes, X right, Y up, Z towards the camera. Its displacement and its turn about the axis
-  // across it look alike: the correlation of their errors. 0 of a flat ball.
+  // camera's axes, X right, Y up, Z towards the camera. Its displacement and its turn about the
+  // axis across it look alike: the correlation of their errors. 0 of a flat ball.
   double rot_x_rad = 0, rot_y_rad = 0;
   double rot_x_sd_rad = 0, rot_y_sd_rad = 0;
   double dx_rot_y_corr = 0, dy_rot_x_corr = 0;

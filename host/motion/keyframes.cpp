@@ -28,7 +28,9 @@ struct Point {
   double x, y;
 };
 
-bool is_sphere(const BodyPose& pose) { return std::isfinite(pose.qw) && std::isnan(pose.angle_rad); }
+bool is_sphere(const BodyPose& pose) {
+  return std::isfinite(pose.qw) && std::isnan(pose.angle_rad);
+}
 
 Eigen::Quaterniond orientation(const BodyPose& pose) {
   return Eigen::Quaterniond(pose.qw, pose.qx, pose.qy, pose.qz);

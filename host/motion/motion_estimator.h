@@ -42,7 +42,7 @@ struct EstimatorOptions {
 // One pair of frames: what is known before, and what comes out.
 struct PairMotion {
   int first_slot = 0, second_slot = 0;
-  Circle first, second;      // the ball in both frames
+  Circle first, second;  // the ball in both frames
   // Of a pair before this one; a sphere's is the rotation vector (x, y, and this).
   double guess_rot_rad = 0;
   double guess_rot_x_rad = 0, guess_rot_y_rad = 0;

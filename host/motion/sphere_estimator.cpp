@@ -78,7 +78,8 @@ class SphereEstimator : public MotionEstimator {
     std::vector<BallTask> tasks;
     for (const dic::SphereTurn& candidate : search_.find(frames_, search_task(pair, radius_px_))) {
       dic::RigidMotion start = guess_of(pair);
-      const Eigen::Vector3d turn = dic::rotation_vector({candidate.w, candidate.x, candidate.y, candidate.z});
+      const Eigen::Vector3d turn =
+          dic::rotation_vector({candidate.w, candidate.x, candidate.y, candidate.z});
       start.rot_x_rad = turn.x();
       start.rot_y_rad = turn.y();
       start.rot_rad = turn.z();

@@ -13,8 +13,8 @@ bool is_sphere(const dic::RigidMotion& motion) { return motion.rot_x_sd_rad > 0;
 // A centre that is off by (ex, ey) px is taken for the sphere's: what is measured of its motion is
 // off by (1 − Q)(ex, ey), Q the turn's part in the picture.
 void add_centre_error(TrackRow& row, const dic::RigidMotion& motion) {
-  const Eigen::Matrix3d turn = dic::in_picture(
-      dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}));
+  const Eigen::Matrix3d turn =
+      dic::in_picture(dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}));
   const auto more = [&](int axis) {
     return std::hypot(((axis == 0 ? 1 : 0) - turn(axis, 0)) * row.cx_sd_px,
                       ((axis == 1 ? 1 : 0) - turn(axis, 1)) * row.cy_sd_px);

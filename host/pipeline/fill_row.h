@@ -10,8 +10,8 @@ namespace impactdic::pipeline {
 void set_circle(TrackRow& row, const circle::CircleFit& fit);
 // After set_circle: the circle's deviations are a part of the motion's, which is the centre's.
 void set_motion(TrackRow& row, const dic::RigidMotion& motion);
-// Last: a motion that is not the one of the circles' centres, by more than 0.1 px and six deviations
-// of what both state, is kInconsistent.
+// Last: a motion that is not the one of the circles' centres, by more than 0.1 px and six
+// deviations of what both state, is kInconsistent.
 void compare_with_circles(TrackRow& row, const TrackRow& next);
 
 }  // namespace impactdic::pipeline

@@ -133,8 +133,8 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
     result_.body_reason = "no motion is measured that could tell";
   }
   if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
-    const advice::BodyAdvice judged = advice::judge_body(
-        *session_.impl().open_engines().front(), pairs, options_.estimator.field);
+    const advice::BodyAdvice judged = advice::judge_body(*session_.impl().open_engines().front(),
+                                                         pairs, options_.estimator.field);
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;

@@ -11,11 +11,11 @@
 #include "kernels/types.h"
 #include "kernels/warp.h"
 
-#define SPHERE 5                        /* PARAMETERS of a sphere: u, v and three turns */
-#define LIGHT 4                         /* 1, f, f X/R, f Y/R */
+#define SPHERE 5 /* PARAMETERS of a sphere: u, v and three turns */
+#define LIGHT 4  /* 1, f, f X/R, f Y/R */
 #define MOVES (PARAMETERS + FREE_RADIUS)
-#define REGRESSORS (LIGHT + MOVES)      /* and the slopes by the parameters over the radius */
-#define COLUMNS (REGRESSORS + 1)        /* and r */
+#define REGRESSORS (LIGHT + MOVES) /* and the slopes by the parameters over the radius */
+#define COLUMNS (REGRESSORS + 1)   /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
 #define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
 #define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
@@ -72,9 +72,9 @@ typedef struct Shared {
   float warp[6];
 #if PARAMETERS == SPHERE
   float turn[9];  // from the first to the second picture; x right, y down, z to camera
-  float scores[TRIANGLE(REGRESSORS, 0)];   // Σ over blocks of their scores' products
-  float inverse[MOVES * REGRESSORS];       // rows of the inverse of the normal matrix
-  float radius;                            // of the sphere
+  float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
+  float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
+  float radius;                           // of the sphere
 #endif
   float origin;                 // grey level taken off both pictures
   float light[LIGHT];           // coefficients of the light's regressors so far

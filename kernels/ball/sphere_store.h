@@ -1,5 +1,5 @@
 // The covariance of a sphere's registration, robust against residuals that are neither alike nor
-// independent (White 1980; clustered by blocks as Liang and Zeger 1986, Theorem 2): near the rim
+// independent (Liang and Zeger 1986, Theorem 2, with blocks of pixels as clusters): near the rim
 // foreshortening and the camera's blur make pictures differ by more than noise, over whole
 // speckles.
 #ifndef IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_
@@ -87,10 +87,9 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   out->ball_radius_sd = 0.0f;
 #if FREE_RADIUS
   __local const float* of_radius = shared->inverse + PARAMETERS * REGRESSORS;
-  out->ball_radius_sd =
-      by_gain * sqrt(shared->stretch * shared->stretch *
-                         sandwich(shared->scores, of_radius, of_radius) +
-                     rounding * of_radius[LIGHT + PARAMETERS]);
+  out->ball_radius_sd = by_gain * sqrt(shared->stretch * shared->stretch *
+                                           sandwich(shared->scores, of_radius, of_radius) +
+                                       rounding * of_radius[LIGHT + PARAMETERS]);
 #endif
   float turn[3];
   rotation_vector(shared->turn, turn);

@@ -45,13 +45,14 @@ struct Summary {
 Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> off(-1, 1);
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = noise;
   scene.noise_seed = seed;
-  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx), scene);
+  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
+                                            scene);
   const auto render = [&](const testing::SpherePose& pose, std::int64_t index, Frame& frame) {
-    sim::speckle::BallPose at{pose.cx_px, pose.cy_px};
+    BallPose at{pose.cx_px, pose.cy_px};
     sim::speckle::set_orientation(at, pose.turn);
     sphere.render(at, index, frame);
   };
@@ -63,7 +64,8 @@ Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
   for (int k = 0; k < count; ++k) {
     const testing::SpherePose first{150 + off(random), 150 + off(random),
                                     dic::quaternion_of(3 * random_axis(random))};
-    const Eigen::Vector3d turn = random_axis(random) * most_deg * std::abs(off(random)) * kRadPerDeg;
+    const Eigen::Vector3d turn =
+        random_axis(random) * most_deg * std::abs(off(random)) * kRadPerDeg;
     const testing::SpherePose second{first.cx_px + 1.5 * off(random),
                                      first.cy_px + 1.5 * off(random),
                                      dic::quaternion_of(turn) * first.turn};
@@ -94,11 +96,12 @@ Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
     summary.in_depth_deg.add(left.y() * kDegPerRad, std::sqrt(got.covariance[9]) * kDegPerRad);
     summary.about_sight_deg.add(left.z() * kDegPerRad, got.rot_sd_rad * kDegPerRad);
   }
-  std::printf("to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
-              "sight; over sd %.2f %.2f %.2f\n",
-              most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
-              summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
-              summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
+  std::printf(
+      "to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
+      "sight; over sd %.2f %.2f %.2f\n",
+      most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
+      summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
+      summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
   return summary;
 }
 
@@ -122,8 +125,7 @@ int count_found(int count, double step_deg, double noise, unsigned seed) {
   int found = 0, first = 0, hidden = 0;
   for (int k = 0; k < count; ++k) {
     const testing::SpherePose one{80.3, 79.6, dic::quaternion_of(3 * random_axis(random))};
-    const Eigen::Quaterniond turn =
-        dic::quaternion_of(random_axis(random) * step_deg * kRadPerDeg);
+    const Eigen::Quaterniond turn = dic::quaternion_of(random_axis(random) * step_deg * kRadPerDeg);
     // How far the point that faces the camera turns away from it.
     if ((turn * Eigen::Vector3d::UnitZ()).z() < std::cos(85 * kRadPerDeg)) {
       ++hidden;
@@ -136,7 +138,9 @@ int count_found(int count, double step_deg, double noise, unsigned seed) {
     SphereSearchTask task{0, 1, 80.3F, 79.6F, 81.1F, 79.2F, kBallPx};
     const auto turns = search.find(frames, task);
     for (std::size_t i = 0; i < turns.size(); ++i) {
-      if (turn.angularDistance({turns[i].w, turns[i].x, turns[i].y, turns[i].z}) * kDegPerRad < kReach_deg) {
+      if (turn.angularDistance(Eigen::Quaterniond(turns[i].w, turns[i].x, turns[i].y, turns[i].z)) *
+              kDegPerRad <
+          kReach_deg) {
         ++found;
         first += i == 0;
         break;
@@ -157,7 +161,7 @@ TEST(SphereSearch, FindsAnyTurn) {
 TEST(Explore, Radius) {
   if (std::getenv("EXPLORE") == nullptr) GTEST_SKIP();
   const int n = std::atoi(std::getenv("EXPLORE"));
-  sim::speckle::Scene scene;
+  SynthScene scene;
   scene.width = scene.height = kSide;
   scene.noise_sigma = 2;
   const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", 1, kRadiusPx), scene);
@@ -168,7 +172,7 @@ TEST(Explore, Radius) {
   for (double deg : {0.3, 1.4, 8.0}) {
     for (int k = 0; k < n; ++k) {
       for (int i : {0, 1}) {
-        sim::speckle::BallPose at{150.2 + i * 0.7, 149.6};
+        BallPose at{150.2 + i * 0.7, 149.6};
         sim::speckle::set_orientation(at, dic::quaternion_of({0, i * deg * kRadPerDeg, 0}));
         Frame frame;
         sphere.render(at, 2 * k + i, frame);
@@ -183,8 +187,8 @@ TEST(Explore, Radius) {
       task.guess_dx = 0.7F;
       task.guess_rot_y_rad = static_cast<float>(deg * kRadPerDeg);
       const BallMotion got = registration.measure(frames, {&task, 1})[0];
-      std::printf("%g deg: radius %.3f sd %.3f, dx off %.4f sd %.4f, ry off %.5f deg sd %.5f\n", deg,
-                  got.ball_radius, got.ball_radius_sd, got.dx - 0.7, got.dx_sd,
+      std::printf("%g deg: radius %.3f sd %.3f, dx off %.4f sd %.4f, ry off %.5f deg sd %.5f\n",
+                  deg, got.ball_radius, got.ball_radius_sd, got.dx - 0.7, got.dx_sd,
                   got.rot_y_rad * kDegPerRad - deg, std::sqrt(got.covariance[9]) * kDegPerRad);
     }
   }

@@ -169,10 +169,7 @@ const std::map<std::string, std::function<void()>> kCases = {
     {"published", run_published},
     {"icgn", run_icgn},
     {"ball", [] { run_ball(dic::BallModel::kRigid); }},
-    {"ball_sphere",
-     [] {
-       run_ball(dic::BallModel::kSphere);
-     }},
+    {"ball_sphere", [] { run_ball(dic::BallModel::kSphere); }},
     {"ball_affine", [] { run_ball(dic::BallModel::kAffine); }},
     {"ring", run_ring},
 };

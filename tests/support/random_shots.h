@@ -19,7 +19,7 @@ namespace impactdic::support {
 using LawPair = std::pair<NormalModel, FrictionModel>;
 
 // Every law that claims to break no law of physics. Full sliding adds energy by its rule.
-inline constexpr std::array<LawPair, 13> kSoundLaws{
+inline constexpr std::array<LawPair, 13> kSoundLaws = {
     {{NormalModel::kLinearSpringDamper, FrictionModel::kNone},
      {NormalModel::kLinearSpringDamper, FrictionModel::kCoulomb},
      {NormalModel::kLinearSpringDamper, FrictionModel::kThreePhase},

@@ -44,7 +44,9 @@ class SpherePictures {
         const double depth = radius_px_ * radius_px_ - x * x - y * y;
         float& level = fine[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) +
                             static_cast<std::size_t>(i)];
-        level = depth < 0 ? 60 : static_cast<float>(paint(back * Eigen::Vector3d(x, y, std::sqrt(depth))));
+        level = depth < 0
+                    ? 60
+                    : static_cast<float>(paint(back * Eigen::Vector3d(x, y, std::sqrt(depth))));
       }
     }
     std::array<float, 2 * kReach + 1> taps;
@@ -81,8 +83,9 @@ class SpherePictures {
         double mean = 0;
         for (int j = 0; j < kSide; ++j) {
           for (int i = 0; i < kSide; ++i) {
-            mean += fine[static_cast<std::size_t>(kSide * y + j) * static_cast<std::size_t>(across) +
-                         static_cast<std::size_t>(kSide * x + i)];
+            mean +=
+                fine[static_cast<std::size_t>(kSide * y + j) * static_cast<std::size_t>(across) +
+                     static_cast<std::size_t>(kSide * x + i)];
           }
         }
         mean = mean / (kSide * kSide) + noise * deviate(random);

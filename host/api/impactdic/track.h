@@ -31,8 +31,8 @@ enum class Estimator {
 const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
 
-// What turns: a flat picture in its plane (a disc, a wheel, a ball whose spin stays in the plane), or
-// a sphere about any axis. kAuto: as the pictures show.
+// What turns: a flat picture in its plane (a disc, a wheel, a ball whose spin stays in the plane),
+// or a sphere about any axis. kAuto: as the pictures show.
 enum class Body { kAuto, kSphere, kDisc };
 const char* to_string(Body body);
 Body parse_body(const std::string& name);  // throws InvalidArgument
@@ -53,10 +53,11 @@ TrackStatus parse_track_status(const std::string& word);
 // Where a ball is and how far it has turned since frame `origin`, by registration against frame
 // `keyframe` (frames of the stored file in a TrackRow): the place of the material point that was
 // the circle's centre in frame `origin`, and the angle, not wrapped, counter-clockwise on screen.
-// Standard deviations are of the pose against that of frame `origin`. A sphere has no such angle, but
-// the unit quaternion (qw, qx, qy, qz) that turns it from frame `origin` to here, in the camera's
-// axes (X right, Y up, Z towards the camera); angle_sd_rad is then that of a small turn about Z,
-// tilt_x_sd_rad and tilt_y_sd_rad those about X and Y. Of a flat ball it stands for the angle.
+// Standard deviations are of the pose against that of frame `origin`. A sphere has no such angle,
+// but the unit quaternion (qw, qx, qy, qz) that turns it from frame `origin` to here, in the
+// camera's axes (X right, Y up, Z towards the camera); angle_sd_rad is then that of a small turn
+// about Z, tilt_x_sd_rad and tilt_y_sd_rad those about X and Y. Of a flat ball it stands for the
+// angle.
 struct BodyPose {
   bool ok = false;
   double x_px = kNotMeasured, y_px = kNotMeasured, angle_rad = kNotMeasured;
@@ -82,8 +83,8 @@ struct TrackRow {
   double centre_u_px = kNotMeasured, centre_v_px = kNotMeasured;
   double centre_u_sd_px = kNotMeasured, centre_v_sd_px = kNotMeasured;
   // Of a sphere, NaN of a flat ball: rot_deg is the component towards the camera of the rotation
-  // vector, these are those to the right and up. Displacement and turn about the axis across it look
-  // alike; the correlation of their errors.
+  // vector, these are those to the right and up. Displacement and turn about the axis across it
+  // look alike; the correlation of their errors.
   double rot_x_deg = kNotMeasured, rot_y_deg = kNotMeasured;
   double rot_x_sd_deg = kNotMeasured, rot_y_sd_deg = kNotMeasured;
   double dx_rot_y_corr = kNotMeasured, dy_rot_x_corr = kNotMeasured;

@@ -14,10 +14,13 @@ bool is_sphere(BallModel model) {
 
 int parameters(BallModel model) {
   switch (model) {
-    case BallModel::kRigid: return 3;
-    case BallModel::kAffine: return 6;
+    case BallModel::kRigid:
+      return 3;
+    case BallModel::kAffine:
+      return 6;
     case BallModel::kSphere:
-    case BallModel::kSphereAndRadius: return 5;
+    case BallModel::kSphereAndRadius:
+      return 5;
   }
   return 3;
 }
@@ -48,15 +51,15 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
 
 void BallRegistration::compile() {
   if (kernel_() != nullptr) return;
-  kernel_ = engine_.kernel("ball/rigid.cl", "register_balls",
-                           {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
-                            {"VECTOR", std::to_string(tiling_.vector)},
-                            {"GROUP", std::to_string(tiling_.group)},
-                            {"PARAMETERS", std::to_string(parameters(options_.model))},
-                            {"FREE_RADIUS",
-                             options_.model == BallModel::kSphereAndRadius ? "1" : "0"},
-                            {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
-                            {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
+  kernel_ =
+      engine_.kernel("ball/rigid.cl", "register_balls",
+                     {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
+                      {"VECTOR", std::to_string(tiling_.vector)},
+                      {"GROUP", std::to_string(tiling_.group)},
+                      {"PARAMETERS", std::to_string(parameters(options_.model))},
+                      {"FREE_RADIUS", options_.model == BallModel::kSphereAndRadius ? "1" : "0"},
+                      {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
+                      {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
 }
 
 void BallRegistration::write_mask(const SplineFrames& splines) {

@@ -20,8 +20,8 @@ enum class BallModel { kRigid, kAffine, kSphere, kSphereAndRadius };
 
 struct BallOptions {
   BallModel model = BallModel::kRigid;
-  bool robust = true;     // Tukey's biweight against what does not move with the ball
-  int spline_degree = 7;  // 3, 5 or 7
+  bool robust = true;               // Tukey's biweight against what does not move with the ball
+  int spline_degree = 7;            // 3, 5 or 7
   double presmooth_sigma_px = 0.5;  // Gaussian over both frames: halves the interpolation's bias
   int max_steps = 30;
   double min_correlation = 0.6;  // ZNCC below which a ball is low_correlation

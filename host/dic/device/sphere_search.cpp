@@ -36,8 +36,7 @@ double between_deg(const SphereTurn& a, const SphereTurn& b) {
 }
 
 // The best `most`, without those that are like a better one.
-std::vector<SphereTurn> best_of(std::vector<SphereTurn> turns, std::size_t most,
-                                double alike_deg) {
+std::vector<SphereTurn> best_of(std::vector<SphereTurn> turns, std::size_t most, double alike_deg) {
   std::sort(turns.begin(), turns.end(), by_score);
   std::vector<SphereTurn> best;
   for (const SphereTurn& turn : turns) {

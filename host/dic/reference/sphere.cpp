@@ -132,8 +132,7 @@ class SphereRegistration {
         Row row;
         row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,
             f.value * p.y() / task_.radius;
-        row.tail<kMotion>() =
-            shifts(p, here, turned).transpose() * Vector2d(f.slope_x, f.slope_y);
+        row.tail<kMotion>() = shifts(p, here, turned).transpose() * Vector2d(f.slope_x, f.slope_y);
         const double r = g - light_.dot(row.head<kLight>());
         sizes.push_back(std::abs(r));
         if (scale_ > 0) w *= std::pow(std::max(0.0, 1 - std::pow(r / (kTukey * scale_), 2)), 2);

@@ -7,8 +7,8 @@
 
 namespace impactdic::dic {
 
-// What ball_reference does for BallModel::kSphere. The derivatives are differences of the warp itself
-// taken on the first picture's B-spline, so that a slip in the kernel's algebra shows.
+// What ball_reference does for BallModel::kSphere. The derivatives are differences of the warp
+// itself taken on the first picture's B-spline, so that a slip in the kernel's algebra shows.
 BallMotion sphere_reference(const Frame& first, const Frame& second, const BallTask& task,
                             const BallOptions& options);
 
