@@ -1,0 +1,117 @@
+// `track` on a ball that turns about any axis: what `--body` takes it for, and what it measures.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+
+namespace impactdic::testing {
+namespace {
+
+// A ball of 60 px on small pictures.
+class SphereClip {
+ public:
+  explicit SphereClip(const std::string& options) {
+    const Outcome outcome =
+        run_program("synth --body sphere --radius-px 60 --size 176x176 --noise 2 --frames 9 " +
+                    options + " -o " + quoted(folder_ / "clip"));
+    if (outcome.status != 0) throw std::runtime_error(outcome.err);
+  }
+  Outcome track(const std::string& options = "") const {
+    return run_program("track " + quoted(folder_ / "clip/video.tif") + " --fps 10000 --force -o " +
+                       quoted(folder_ / "out") + " " + options);
+  }
+  CsvTable rows() const { return CsvTable(folder_ / "out/track.csv"); }
+  CsvTable poses() const { return CsvTable(folder_ / "out/pose.csv"); }
+  CsvTable truth() const { return CsvTable(folder_ / "clip/truth.csv"); }
+  nlohmann::json summary() const {
+    return nlohmann::json::parse(read_text(folder_ / "out/summary.json"));
+  }
+
+ private:
+  ScratchFolder folder_;
+};
+
+// Every row within six stated deviations of the truth, all but the last row, which has no next one.
+void expect_right(const CsvTable& rows, const CsvTable& truth, const std::string& column,
+                  const std::string& sd_column, double largest_sd) {
+  const auto got = rows.numbers(column), sd = rows.numbers(sd_column), want = truth.numbers(column);
+  for (std::size_t i = 0; i + 1 < want.size(); ++i) {
+    EXPECT_LE(std::abs(got[i] - want[i]), 6 * sd[i]) << column << " of row " << i;
+    EXPECT_LE(sd[i], largest_sd) << column << " of row " << i;
+  }
+}
+
+TEST(Sphere, TurnsAboutAnyAxisAreMeasuredWithoutBeingAskedFor) {
+  const SphereClip clip("--velocity-px 0.73,-0.41 --spin-deg 1.8,-2.2,3");
+  const Outcome outcome = clip.track();
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(clip.summary()["body"]["kind"], "sphere");
+  const CsvTable rows = clip.rows(), truth = clip.truth();
+  for (std::size_t i = 0; i + 1 < rows.rows; ++i) EXPECT_EQ(rows.text("status")[i], "ok") << i;
+  expect_right(rows, truth, "dx_px", "dx_sd_px", 0.02);
+  expect_right(rows, truth, "dy_px", "dy_sd_px", 0.02);
+  expect_right(rows, truth, "rot_x_deg", "rot_x_sd_deg", 0.02);
+  expect_right(rows, truth, "rot_y_deg", "rot_y_sd_deg", 0.02);
+  expect_right(rows, truth, "rot_deg", "rot_sd_deg", 0.01);
+}
+
+TEST(Sphere, PosesAreOrientationsWithoutDrift) {
+  const SphereClip clip("--velocity-px 0.4,0.2 --spin-deg 5,-7,4");
+  ASSERT_EQ(clip.track().status, 0);
+  const CsvTable poses = clip.poses(), truth = clip.truth();
+  const auto quaternion = [](const CsvTable& table, std::size_t i) {
+    return Eigen::Quaterniond(table.numbers("qw")[i], table.numbers("qx")[i],
+                              table.numbers("qy")[i], table.numbers("qz")[i]);
+  };
+  for (std::size_t i = 0; i < truth.rows; ++i) {
+    const double off_deg = quaternion(poses, i).angularDistance(quaternion(truth, i)) * 180 / M_PI;
+    EXPECT_LE(off_deg, 0.05) << i;
+    EXPECT_TRUE(std::isnan(poses.numbers("angle_deg")[i]));
+  }
+}
+
+TEST(Sphere, LargeTurnsAreFoundWithoutAGuess) {
+  const SphereClip clip("--velocity-px 0.5,0.5 --spin-deg 20,-25,15");
+  ASSERT_EQ(clip.track().status, 0);
+  const CsvTable rows = clip.rows(), truth = clip.truth();
+  expect_right(rows, truth, "rot_x_deg", "rot_x_sd_deg", 0.05);
+  expect_right(rows, truth, "rot_y_deg", "rot_y_sd_deg", 0.05);
+  expect_right(rows, truth, "rot_deg", "rot_sd_deg", 0.03);
+}
+
+// What looked like flight: two thirds of the radius times the turn.
+TEST(Sphere, AStillBallThatTurnsDoesNotFly) {
+  const SphereClip clip("--velocity-px 0,0 --spin-deg 0,1,0");
+  ASSERT_EQ(clip.track().status, 0);
+  expect_right(clip.rows(), clip.truth(), "dx_px", "dx_sd_px", 0.02);
+  ASSERT_EQ(clip.track("--body disc").status, 0);
+  const CsvTable rows = clip.rows();
+  for (std::size_t i = 0; i + 1 < rows.rows; ++i) {
+    EXPECT_EQ(rows.text("status")[i], "inconsistent") << i;
+    EXPECT_TRUE(rows.text("rot_x_deg")[i].empty());
+  }
+}
+
+TEST(Sphere, ASpinInThePictureIsADiscs) {
+  const SphereClip clip("--velocity-px 1,0.5 --spin-deg 0,0,3");
+  ASSERT_EQ(clip.track().status, 0);
+  EXPECT_EQ(clip.summary()["body"]["kind"], "disc");
+  expect_right(clip.rows(), clip.truth(), "dx_px", "dx_sd_px", 0.01);
+  ASSERT_EQ(clip.track("--body sphere").status, 0);
+  EXPECT_EQ(clip.summary()["body"]["kind"], "sphere");
+  expect_right(clip.rows(), clip.truth(), "rot_x_deg", "rot_x_sd_deg", 0.02);
+}
+
+TEST(Sphere, WordsThatAreNoBodyAreRefused) {
+  const SphereClip clip("--velocity-px 1,0 --spin-deg 0,0,1");
+  const Outcome outcome = clip.track("--body cube");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("there are auto, sphere and disc"), std::string::npos) << outcome.err;
+  EXPECT_EQ(clip.track("--body sphere --estimator ring").status, 2);
+}
+
+}  // namespace
+}  // namespace impactdic::testing
