@@ -126,10 +126,11 @@ TEST(Resume, ADamagedPointIsRefused) {
 }
 
 TEST(Locks, TheSecondRunSaysWhoHoldsTheFolder) {
-  // The second one while the first is at work.
-  const std::string second = std::string(IMPACTDIC_PROGRAM) + " " +
+  // The second one while the first is at work: it is stopped, so that it does not end before.
+  const std::string second = "kill -STOP $pid; " + std::string(IMPACTDIC_PROGRAM) + " " +
                              clip().command("track", "shared", "--force") + " 2> " +
-                             quoted(clip().path("second")) + "; [ $? = 1 ] && wait $pid";
+                             quoted(clip().path("second")) +
+                             "; said=$?; kill -CONT $pid; wait $pid && [ $said = 1 ]";
   ASSERT_EQ(clip().interrupt("track", "shared", second), 0);
   EXPECT_NE(read_text(clip().path("second")).find("impactdic: error: process "), std::string::npos)
       << read_text(clip().path("second"));

@@ -4,7 +4,6 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -19,20 +18,20 @@ namespace impactdic::support {
 using LawPair = std::pair<NormalModel, FrictionModel>;
 
 // Every law that claims to break no law of physics. Full sliding adds energy by its rule.
-inline constexpr std::array<LawPair, 13> kSoundLaws = {
-    {{NormalModel::kLinearSpringDamper, FrictionModel::kNone},
-     {NormalModel::kLinearSpringDamper, FrictionModel::kCoulomb},
-     {NormalModel::kLinearSpringDamper, FrictionModel::kThreePhase},
-     {NormalModel::kLinearSpringDamper, FrictionModel::kBrody},
-     {NormalModel::kHertzDamper, FrictionModel::kCoulomb},
-     {NormalModel::kHertzDamper, FrictionModel::kThreePhase},
-     {NormalModel::kHertzDamper, FrictionModel::kMawBarberFawcett},
-     {NormalModel::kJacksonGreen, FrictionModel::kNone},
-     {NormalModel::kJacksonGreen, FrictionModel::kCoulomb},
-     {NormalModel::kKogutEtsion, FrictionModel::kNone},
-     {NormalModel::kKogutEtsion, FrictionModel::kCoulomb},
-     {NormalModel::kThornton, FrictionModel::kNone},
-     {NormalModel::kThornton, FrictionModel::kCoulomb}}};
+inline constexpr LawPair kSoundLaws[] = {
+    {NormalModel::kLinearSpringDamper, FrictionModel::kNone},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kCoulomb},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kThreePhase},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kBrody},
+    {NormalModel::kHertzDamper, FrictionModel::kCoulomb},
+    {NormalModel::kHertzDamper, FrictionModel::kThreePhase},
+    {NormalModel::kHertzDamper, FrictionModel::kMawBarberFawcett},
+    {NormalModel::kJacksonGreen, FrictionModel::kNone},
+    {NormalModel::kJacksonGreen, FrictionModel::kCoulomb},
+    {NormalModel::kKogutEtsion, FrictionModel::kNone},
+    {NormalModel::kKogutEtsion, FrictionModel::kCoulomb},
+    {NormalModel::kThornton, FrictionModel::kNone},
+    {NormalModel::kThornton, FrictionModel::kCoulomb}};
 
 class RandomShots {
  public:

@@ -17,17 +17,17 @@ const ParameterEstimate& parameter(const ShotFit& fit, FitParameter which) {
 TEST(Adequacy, TheRightLawIsAdequate) {
   const ImpactJob truth = testing::tennis_shot(30, -1.6, -2.8);
   int inadequate = 0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
     inadequate += testing::fit_of_shot(truth, truth, seed, false).adequacy != Adequacy::kAdequate;
   }
-  EXPECT_LE(inadequate, 2);  // 0.2 are to be expected
+  EXPECT_LE(inadequate, 1);  // 0.12 are to be expected
 }
 
 TEST(Adequacy, AnotherLawIsInadequateAndTheTruthIsNamed) {
   ImpactJob truth = testing::tennis_shot(30, -1.6, -2.8);
   truth.contact.restitution_damping = RestitutionDamping::kToZeroForce;
   const ImpactJob wrong = testing::tennis_shot(30, -1.6, -2.8);
-  for (unsigned seed = 1; seed <= 3; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     const ShotFit fit = testing::fit_of_shot(truth, wrong, seed, true);
     EXPECT_EQ(fit.adequacy, Adequacy::kInadequate) << seed;
     EXPECT_LT(fit.p_value, 0.01) << seed;
@@ -35,12 +35,12 @@ TEST(Adequacy, AnotherLawIsInadequateAndTheTruthIsNamed) {
     EXPECT_EQ(fit.rivals[0].normal, truth.normal) << seed;
     EXPECT_EQ(fit.rivals[0].restitution_damping, RestitutionDamping::kToZeroForce) << seed;
     EXPECT_EQ(fit.rivals[0].above_best, 0);
-    EXPECT_TRUE(std::is_sorted(
-        fit.rivals.begin(), fit.rivals.end(),
-        [](const RivalFit& a, const RivalFit& b) { return a.aicc < b.aicc; }));
+    EXPECT_TRUE(
+        std::is_sorted(fit.rivals.begin(), fit.rivals.end(),
+                       [](const RivalFit& a, const RivalFit& b) { return a.aicc < b.aicc; }));
     EXPECT_NE(parameter(fit, FitParameter::kStiffness).verdict, "determined by the data");
-    const bool named = std::any_of(
-        fit.warnings.begin(), fit.warnings.end(), [](const std::string& warning) {
+    const bool named =
+        std::any_of(fit.warnings.begin(), fit.warnings.end(), [](const std::string& warning) {
           return warning.find("another law describes the data better") != std::string::npos;
         });
     EXPECT_TRUE(named) << seed;
@@ -62,7 +62,7 @@ TEST(Adequacy, FrictionOfARollingBallHasNoUpperBound) {
   ImpactJob truth = testing::tennis_shot(30, -1.76, -3.4);
   truth.contact.friction_kinetic = 0.3;
   truth.initial.omega_rad_s = -truth.initial.vt_m_s / truth.body.radius_m();
-  for (unsigned seed = 1; seed <= 4; ++seed) {
+  for (unsigned seed = 1; seed <= 2; ++seed) {
     const ShotFit fit = testing::fit_of_shot(truth, truth, seed, false);
     const ParameterEstimate& friction = parameter(fit, FitParameter::kFrictionKinetic);
     EXPECT_FALSE(friction.determined) << seed << ": " << friction.value;
