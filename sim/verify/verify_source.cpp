@@ -1,5 +1,5 @@
-// Rows of `impactdic verify` for chapters 3 and 4: what the dissertation prints, and beside it our own
-// figures as regression values.
+// Rows of `impactdic verify` for chapters 3 and 4: what the dissertation prints, and beside it our
+// own figures as regression values.
 #include <cmath>
 #include <string>
 

@@ -41,6 +41,24 @@ struct Summary {
   Errors shift, in_depth_deg, about_sight_deg;
 };
 
+// The registration of a pair, started beside the truth.
+BallTask task_near(const testing::SpherePose& first, const testing::SpherePose& second,
+                   const Eigen::Vector3d& turn, std::mt19937& random) {
+  std::uniform_real_distribution<double> off(-1, 1);
+  BallTask task{};
+  task.second = 1;
+  task.cx = static_cast<float>(first.cx_px);
+  task.cy = static_cast<float>(first.cy_px);
+  task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
+  task.ball_radius = static_cast<float>(kRadiusPx);
+  task.guess_dx = static_cast<float>(second.cx_px - first.cx_px + 0.05 * off(random));
+  task.guess_dy = static_cast<float>(second.cy_px - first.cy_px + 0.05 * off(random));
+  task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.01 * off(random));
+  task.guess_rot_y_rad = static_cast<float>(turn.y() + 0.01 * off(random));
+  task.guess_rot_rad = static_cast<float>(turn.z() + 0.01 * off(random));
+  return task;
+}
+
 // Pairs that fly up to 1.5 px and turn by up to `most_deg` about random axes.
 Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
   std::mt19937 random(seed);
@@ -73,17 +91,7 @@ Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
     render(first, 2 * k, pictures[0]);
     render(second, 2 * k + 1, pictures[1]);
     for (int i : {0, 1}) frames.set(i, pictures[i]);
-    BallTask task{};
-    task.second = 1;
-    task.cx = static_cast<float>(first.cx_px);
-    task.cy = static_cast<float>(first.cy_px);
-    task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
-    task.ball_radius = static_cast<float>(kRadiusPx);
-    task.guess_dx = static_cast<float>(second.cx_px - first.cx_px + 0.05 * off(random));
-    task.guess_dy = static_cast<float>(second.cy_px - first.cy_px + 0.05 * off(random));
-    task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.01 * off(random));
-    task.guess_rot_y_rad = static_cast<float>(turn.y() + 0.01 * off(random));
-    task.guess_rot_rad = static_cast<float>(turn.z() + 0.01 * off(random));
+    const BallTask task = task_near(first, second, turn, random);
     const BallMotion got = registration.measure(frames, {&task, 1})[0];
     EXPECT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk)) << k;
     summary.shift.add(got.dx - (second.cx_px - first.cx_px), got.dx_sd);

@@ -33,7 +33,7 @@ class SpherePictures {
 
   // Grey levels of 255; 4 × 4 samples a pixel under a Gaussian point spread function of 0.6 px.
   Frame render(const SpherePose& pose, int width, int height, double noise, unsigned seed) const {
-    constexpr int kSide = 4, kReach = 8;
+    constexpr int kSide = 4;
     const int across = kSide * width, down = kSide * height;
     std::vector<float> fine(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
     const Eigen::Matrix3d back = pose.turn.conjugate().toRotationMatrix();
@@ -49,31 +49,7 @@ class SpherePictures {
                     : static_cast<float>(paint(back * Eigen::Vector3d(x, y, std::sqrt(depth))));
       }
     }
-    std::array<float, 2 * kReach + 1> taps;
-    for (int k = -kReach; k <= kReach; ++k) {
-      taps[static_cast<std::size_t>(k + kReach)] =
-          static_cast<float>(std::exp(-k * k / (2 * 0.36 * kSide * kSide)));
-    }
-    const float sum = std::accumulate(taps.begin(), taps.end(), 0.0F);
-    for (float& tap : taps) tap /= sum;
-    for (const bool rows : {true, false}) {
-      std::vector<float> smooth(fine.size());
-      for (int j = 0; j < down; ++j) {
-        for (int i = 0; i < across; ++i) {
-          float mean = 0;
-          for (int k = -kReach; k <= kReach; ++k) {
-            const int x = std::clamp(rows ? i + k : i, 0, across - 1);
-            const int y = std::clamp(rows ? j : j + k, 0, down - 1);
-            mean += taps[static_cast<std::size_t>(k + kReach)] *
-                    fine[static_cast<std::size_t>(y) * static_cast<std::size_t>(across) +
-                         static_cast<std::size_t>(x)];
-          }
-          smooth[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) +
-                 static_cast<std::size_t>(i)] = mean;
-        }
-      }
-      fine.swap(smooth);
-    }
+    blur(fine, across, down, kSide);
     std::mt19937 random(seed);
     std::normal_distribution<double> deviate(0, 1);
     Frame frame;
@@ -96,6 +72,36 @@ class SpherePictures {
   }
 
  private:
+  // A Gaussian of 0.6 px, `side` samples a pixel.
+  static void blur(std::vector<float>& fine, int across, int down, int side) {
+    constexpr int kReach = 8;
+    std::array<float, 2 * kReach + 1> taps;
+    for (int k = -kReach; k <= kReach; ++k) {
+      taps[static_cast<std::size_t>(k + kReach)] =
+          static_cast<float>(std::exp(-k * k / (2 * 0.36 * side * side)));
+    }
+    const float sum = std::accumulate(taps.begin(), taps.end(), 0.0F);
+    for (float& tap : taps) tap /= sum;
+    for (const bool rows : {true, false}) {
+      std::vector<float> smooth(fine.size());
+      for (int j = 0; j < down; ++j) {
+        for (int i = 0; i < across; ++i) {
+          float mean = 0;
+          for (int k = -kReach; k <= kReach; ++k) {
+            const int x = std::clamp(rows ? i + k : i, 0, across - 1);
+            const int y = std::clamp(rows ? j : j + k, 0, down - 1);
+            mean += taps[static_cast<std::size_t>(k + kReach)] *
+                    fine[static_cast<std::size_t>(y) * static_cast<std::size_t>(across) +
+                         static_cast<std::size_t>(x)];
+          }
+          smooth[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) +
+                 static_cast<std::size_t>(i)] = mean;
+        }
+      }
+      fine.swap(smooth);
+    }
+  }
+
   // Light and dark blots some grain_px_ across, with soft edges.
   double paint(const Eigen::Vector3d& at) const {
     return 140 + 75 * std::tanh(5 * field(at / grain_px_));
