@@ -30,7 +30,8 @@ std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
 SphereSearchTask search_task(const PairMotion& pair, double radius_px);
 // The registration of a sphere from `start`, without its slots, and what comes of it.
 BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
-dic::RigidMotion sphere_motion(const BallMotion& ball);
+// `radius_sd_px`: of the sphere's radius, whose error is part of what the deviations say.
+dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px);
 
 // How the whole ball is registered where windows are measured with `field`.
 dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model);

@@ -94,8 +94,9 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 // Of a frame that was registered against a keyframe, its part's corner (u, v) from that one's; the
 // turn is the one nearest to `expected_rad`.
 BodyPose registered(const BodyPose& key, const Circle& circle, const BallMotion& motion, int u,
-                    int v, double expected_rad) {
-  dic::RigidMotion rigid = is_sphere(key) ? sphere_motion(motion) : dic::RigidMotion{};
+                    int v, double expected_rad, double radius_sd_px) {
+  dic::RigidMotion rigid =
+      is_sphere(key) ? sphere_motion(motion, radius_sd_px) : dic::RigidMotion{};
   rigid.dx_px = motion.dx + u;
   rigid.dy_px = motion.dy + v;
   if (is_sphere(key)) return moved_sphere(key, circle, rigid);
@@ -279,7 +280,7 @@ std::vector<Keyframes::Placed> Keyframes::place(std::span<const ChainedFrame> fr
     placed[i].fits = true;
     const CropOrigin origin = crop_.about(key.circle);
     placed[i].pose = registered(key.pose, key.circle, motions[i], frames[i].origin.x - origin.x,
-                                frames[i].origin.y - origin.y, near[i].angle_rad);
+                                frames[i].origin.y - origin.y, near[i].angle_rad, radius_sd_px_);
     const double residual = motions[i].residual;
     // A residual far below the best is no better fit but the same picture once more: a clip that
     // repeats itself, a camera that stored a frame twice.

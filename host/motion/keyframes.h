@@ -69,9 +69,9 @@ struct ChainedFrame {
 class Keyframes {
  public:
   // `radius_px` is the ball's, `crop` the size of the frames' parts. `sphere`: it turns about any
-  // axis, and poses have orientations.
-  Keyframes(double radius_px, const BallCrop& crop, bool sphere)
-      : radius_px_(radius_px), crop_(crop), sphere_(sphere) {}
+  // axis, and poses have orientations; `radius_sd_px` is then its radius's deviation.
+  Keyframes(double radius_px, const BallCrop& crop, bool sphere, double radius_sd_px)
+      : radius_px_(radius_px), radius_sd_px_(radius_sd_px), crop_(crop), sphere_(sphere) {}
 
   // Poses of consecutive frames, the first of which may be the last one of the call before (it
   // then keeps its pose). Calls follow the order of the frames; `slots` may be another every time.
@@ -127,7 +127,7 @@ class Keyframes {
   std::vector<dic::RigidMotion> sought(const Keyframe& key, const ChainedFrame& frame,
                                        KeyframeSlots& slots);
 
-  double radius_px_;
+  double radius_px_, radius_sd_px_;
   BallCrop crop_;
   bool sphere_;
   Memory memory_;

@@ -29,6 +29,7 @@ struct EstimatorOptions {
   int fewest_windows = 3;    // that may carry a motion
   bool sphere = false;       // the ball turns about any axis (ball and field), else in the picture
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
+  double sphere_radius_sd_px = 0.5;
   // Of the sphere, where its rim has this radius.
   double sphere_radius(double rim_px) const {
     return sphere_radius_px > 0 ? sphere_radius_px : rim_px;

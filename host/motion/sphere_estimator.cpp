@@ -15,6 +15,7 @@ class SphereEstimator : public MotionEstimator {
   SphereEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
                   dic::DeviceFrames& frames)
       : radius_px_(options.sphere_radius(radius_px)),
+        radius_sd_px_(options.sphere_radius_sd_px),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
         sphere_(engine, ball_options(options.field, dic::BallModel::kSphere)),
@@ -117,14 +118,14 @@ class SphereEstimator : public MotionEstimator {
     return task;
   }
 
-  static void take_over(const BallMotion& ball, PairMotion& pair) {
+  void take_over(const BallMotion& ball, PairMotion& pair) const {
     const int used = pair.motion.used;
-    pair.motion = sphere_motion(ball);
+    pair.motion = sphere_motion(ball, radius_sd_px_);
     pair.motion.used = used;
     pair.status = TrackStatus::kOk;
   }
 
-  double radius_px_;
+  double radius_px_, radius_sd_px_;
   std::unique_ptr<MotionEstimator> field_;
   dic::DeviceFrames& frames_;
   dic::BallRegistration sphere_;
@@ -157,7 +158,7 @@ BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMot
   return task;
 }
 
-dic::RigidMotion sphere_motion(const BallMotion& ball) {
+dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {
   // The lower triangle of dx, dy and the turns about X, Y and Z.
   const float* covariance = ball.covariance;
   dic::RigidMotion motion;
@@ -167,13 +168,24 @@ dic::RigidMotion sphere_motion(const BallMotion& ball) {
   motion.rot_x_rad = ball.rot_x_rad;
   motion.rot_y_rad = ball.rot_y_rad;
   motion.rot_rad = ball.rot_rad;
-  motion.dx_sd_px = std::sqrt(covariance[0]);
-  motion.dy_sd_px = std::sqrt(covariance[2]);
-  motion.rot_x_sd_rad = std::sqrt(covariance[5]);
-  motion.rot_y_sd_rad = std::sqrt(covariance[9]);
   motion.rot_sd_rad = std::sqrt(covariance[14]);
-  motion.dy_rot_x_corr = covariance[4] / (motion.dy_sd_px * motion.rot_x_sd_rad);
-  motion.dx_rot_y_corr = covariance[6] / (motion.dx_sd_px * motion.rot_y_sd_rad);
+  // A radius that is too large by e puts every point deeper by e R/Z. Over the disc that looks like
+  // kShift less and kDepth Z/R more (least squares on 1 and Z/R, where pixels have their weight),
+  // so that a turn by r is found larger by kDepth r e/R and the shift along with it smaller by
+  // kShift r e: an error of all pairs alike.
+  constexpr double kShift = 3.65, kDepth = 2.93;
+  const auto axis = [&](double turn, double shift_variance, double cross, double turn_variance,
+                        double sign, double& shift_sd, double& turn_sd, double& correlation) {
+    const double shift = kShift * turn * radius_sd_px;
+    const double more = kDepth * turn * radius_sd_px / ball.ball_radius;
+    shift_sd = std::sqrt(shift_variance + shift * shift);
+    turn_sd = std::sqrt(turn_variance + more * more);
+    correlation = (cross + sign * shift * more) / (shift_sd * turn_sd);
+  };
+  axis(ball.rot_y_rad, covariance[0], covariance[6], covariance[9], -1, motion.dx_sd_px,
+       motion.rot_y_sd_rad, motion.dx_rot_y_corr);
+  axis(ball.rot_x_rad, covariance[2], covariance[4], covariance[5], -1, motion.dy_sd_px,
+       motion.rot_x_sd_rad, motion.dy_rot_x_corr);
   return motion;
 }
 

@@ -120,7 +120,7 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       stages_(stages) {
   if (options.estimator == Estimator::kBall) {
     keyframes_.emplace(options.sphere ? options.sphere_radius(radius_px) : radius_px, crop_,
-                       options.sphere);
+                       options.sphere, options.sphere_radius_sd_px);
   }
   int most = 0;
   for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));

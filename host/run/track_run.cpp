@@ -139,7 +139,10 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
     }
-    options_.estimator.sphere_radius_px = judged.radius_px;
+    if (judged.radius_px > 0) {
+      options_.estimator.sphere_radius_px = judged.radius_px;
+      options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
+    }
   }
   options_.estimator.sphere = result_.body == Body::kSphere;
   if (options_.with_field) {

@@ -275,10 +275,19 @@ def velocity(shot):
 def spin(shot):
     """Figs 2.13, 2.17, 4.5 and 4.7."""
     series = [Series("angular velocity", shot.mid_time, shot.spin, shot.spin_sd)]
+    note = "Counter-clockwise positive. Band: 95 %."
+    track = shot.track
+    if "rot_x_deg" in track and np.isfinite(track["rot_x_deg"]).any():  # a sphere
+        series[0].name = "towards the camera"
+        for name, column, colour in (("to the right", "rot_x", RED), ("upwards", "rot_y", GREEN)):
+            rate = np.deg2rad(track[f"{column}_deg"]) * shot.per_second
+            deviation = np.deg2rad(track[f"{column}_sd_deg"]) * shot.per_second
+            series.append(Series(name, shot.mid_time, rate, deviation, colour))
+        note = "Components of the spin vector; its sense by the right hand. Bands: 95 %."
     return Figure(
         "angular_velocity",
         "Angular velocity",
-        "Counter-clockwise positive. Band: 95 %.",
+        note,
         [shot.time_panel("", f"angular velocity, {shot.spin_unit}", series)],
     )
 
@@ -289,6 +298,8 @@ def angle(shot):
     if not path.exists():
         return None
     pose = read_table(path)
+    if not np.isfinite(pose["angle_deg"]).any():  # a sphere has an orientation, and no such angle
+        return None
     steps = np.concatenate([[0.0], np.cumsum(shot.track["rot_deg"][:-1])])
     time = 1e3 * pose["time_s"] if shot.time_unit == "ms" else pose["frame"] - pose["frame"][0]
     series = [
