@@ -32,7 +32,7 @@ constexpr double kWeak = 0.2;
 constexpr int kWeighings = 2;
 // A fit whose chi square is exceeded by chance less often is inadequate.
 constexpr double kLeastPValue = 0.01;
-constexpr std::array<double, 2> kFrictionStarts{0.15, 0.8};
+constexpr std::array<double, 2> kFrictionStarts{0.15, 0.6};
 constexpr double kFirstMotionFactor = 30;
 
 class Cost final : public ceres::CostFunction {
@@ -271,8 +271,9 @@ void leave_local_minimum(const ShotModel& model, Weighed& weighed) {
     for (const double start : kFrictionStarts) {
       std::vector<double> values = best.values;
       values[i] = start;
-      others.push_back(solve(model, values, model.size()));
-      if (others.back().chi_square < best.chi_square - 1e-6) best = others.back();
+      others.push_back(solve(model, values, i));  // held there, so that no step leaves the plateau
+      if (others.back().chi_square > best.chi_square - 1e-6) continue;
+      best = solve(model, others.back().values, model.size());
     }
   }
   const double left = static_cast<double>(model.residuals() - model.size());

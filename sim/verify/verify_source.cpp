@@ -118,6 +118,21 @@ void add_racket_oblique(std::vector<VerifyCase>& cases) {
   }
 }
 
+// How far the normal velocity after lies below the measured 2.27 m/s, %, 15 degrees. The tangential
+// errors (6.7 and 10.1 % printed, 4.3 and 6.8 % ours) are of the second printed digit of 0.41 m/s.
+void add_racket_errors(std::vector<VerifyCase>& cases) {
+  const std::string group = "ball on a racket, oblique 15 deg";
+  ImpactJob job = job::racket_job();
+  job.initial.vt_m_s = -0.57;
+  job.initial.vn_m_s = -2.50;
+  const Figure error = [](const ImpactResult& r) { return 100 * (2.27 - r.final.vn_m_s) / 2.27; };
+  add_printed(cases, group, job,
+              {"error of the normal velocity, %", "section 3.3.2", 5.4, 1, 4.785078, error});
+  job.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
+  add_printed(cases, group, job,
+              {"the same, damped in restitution, %", "section 3.4", 19.8, 1, 19.27979, error});
+}
+
 // The printed figures do not follow from the printed friction; the preset's reading meets them to 4
 // % in time and spin and to 0.02 m/s.
 void add_wood_regression(std::vector<VerifyCase>& cases) {
@@ -230,6 +245,7 @@ std::vector<VerifyCase> source_cases() {
   std::vector<VerifyCase> cases;
   add_racket(cases);
   add_racket_oblique(cases);
+  add_racket_errors(cases);
   add_wood_regression(cases);
   add_wood_steeper(cases);
   add_wood_sound(cases);
