@@ -38,8 +38,7 @@ TEST_P(BallKernel, GivesWhatTheReferenceGives) {
   scene.height = kHeight;
   scene.noise_sigma = 2;
   if (param.bar) scene.bar = sim::speckle::bar_hiding(0.25, pose(param.x_px, 74, 0), kRadiusPx);
-  BallPose first = pose(param.x_px, 74.4, 10),
-                         second = pose(param.x_px + 1.37, 73.79, 13);
+  BallPose first = pose(param.x_px, 74.4, 10), second = pose(param.x_px + 1.37, 73.79, 13);
   if (param.model == dic::BallModel::kAffine) second.compression = 0.01;
   const auto pictures =
       testing::render_frames(testing::quick_ball(6, kRadiusPx), scene, {first, second});
