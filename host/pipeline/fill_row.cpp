@@ -21,6 +21,12 @@ void add_centre_error(TrackRow& row, const dic::RigidMotion& motion) {
   };
   row.dx_sd_px = std::hypot(row.dx_sd_px, more(0));
   row.dy_sd_px = std::hypot(row.dy_sd_px, more(1));
+  // Points are also lifted to a wrong depth, by X ex/Z, which a turn about X shows as one about Z:
+  // kLean (rx ex + ry ey)/R, by least squares over the disc.
+  constexpr double kLean = 0.96;
+  const double lean = kLean / row.r_px *
+                      std::hypot(motion.rot_x_rad * row.cx_sd_px, motion.rot_y_rad * row.cy_sd_px);
+  row.rot_sd_deg = std::hypot(row.rot_sd_deg, lean * kDegPerRad);
 }
 
 }  // namespace
