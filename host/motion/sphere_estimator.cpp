@@ -3,6 +3,7 @@
 
 #include "host/dic/device/sphere_search.h"
 #include "host/dic/rotation.h"
+#include "host/dic/sphere_errors.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::motion {
@@ -169,23 +170,13 @@ dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {
   motion.rot_y_rad = ball.rot_y_rad;
   motion.rot_rad = ball.rot_rad;
   motion.rot_sd_rad = std::sqrt(covariance[14]);
-  // A radius that is too large by e puts every point deeper by e R/Z. Over the disc that looks like
-  // kShift less and kDepth Z/R more (least squares on 1 and Z/R, where pixels have their weight),
-  // so that a turn by r is found larger by kDepth r e/R and the shift along with it smaller by
-  // kShift r e: an error of all pairs alike.
-  constexpr double kShift = 3.65, kDepth = 2.93;
-  const auto axis = [&](double turn, double shift_variance, double cross, double turn_variance,
-                        double sign, double& shift_sd, double& turn_sd, double& correlation) {
-    const double shift = kShift * turn * radius_sd_px;
-    const double more = kDepth * turn * radius_sd_px / ball.ball_radius;
-    shift_sd = std::sqrt(shift_variance + shift * shift);
-    turn_sd = std::sqrt(turn_variance + more * more);
-    correlation = (cross + sign * shift * more) / (shift_sd * turn_sd);
-  };
-  axis(ball.rot_y_rad, covariance[0], covariance[6], covariance[9], -1, motion.dx_sd_px,
-       motion.rot_y_sd_rad, motion.dx_rot_y_corr);
-  axis(ball.rot_x_rad, covariance[2], covariance[4], covariance[5], -1, motion.dy_sd_px,
-       motion.rot_x_sd_rad, motion.dy_rot_x_corr);
+  motion.dx_sd_px = std::sqrt(covariance[0]);
+  motion.dy_sd_px = std::sqrt(covariance[2]);
+  motion.rot_x_sd_rad = std::sqrt(covariance[5]);
+  motion.rot_y_sd_rad = std::sqrt(covariance[9]);
+  motion.dy_rot_x_corr = covariance[4] / (motion.dy_sd_px * motion.rot_x_sd_rad);
+  motion.dx_rot_y_corr = covariance[6] / (motion.dx_sd_px * motion.rot_y_sd_rad);
+  dic::add_source_errors(motion, {ball.ball_radius, radius_sd_px, 0, 0});
   return motion;
 }
 

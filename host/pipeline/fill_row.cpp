@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/dic/rotation.h"
+#include "host/dic/sphere_errors.h"
 
 namespace impactdic::pipeline {
 
@@ -10,23 +10,20 @@ namespace {
 
 bool is_sphere(const dic::RigidMotion& motion) { return motion.rot_x_sd_rad > 0; }
 
-// A centre that is off by (ex, ey) px is taken for the sphere's: what is measured of its motion is
-// off by (1 − Q)(ex, ey), Q the turn's part in the picture.
-void add_centre_error(TrackRow& row, const dic::RigidMotion& motion) {
-  const Eigen::Matrix3d turn =
-      dic::in_picture(dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}));
-  const auto more = [&](int axis) {
-    return std::hypot(((axis == 0 ? 1 : 0) - turn(axis, 0)) * row.cx_sd_px,
-                      ((axis == 1 ? 1 : 0) - turn(axis, 1)) * row.cy_sd_px);
-  };
-  row.dx_sd_px = std::hypot(row.dx_sd_px, more(0));
-  row.dy_sd_px = std::hypot(row.dy_sd_px, more(1));
-  // Points are also lifted to a wrong depth, by X ex/Z, which a turn about X shows as one about Z:
-  // kLean (rx ex + ry ey)/R, by least squares over the disc.
-  constexpr double kLean = 0.96;
-  const double lean = kLean / row.r_px *
-                      std::hypot(motion.rot_x_rad * row.cx_sd_px, motion.rot_y_rad * row.cy_sd_px);
-  row.rot_sd_deg = std::hypot(row.rot_sd_deg, lean * kDegPerRad);
+// The motion was taken to be that of a sphere about the circle's centre.
+void set_sphere(TrackRow& row, dic::RigidMotion motion) {
+  if (row.circle_ok) {
+    dic::add_source_errors(motion, {row.r_px, 0, row.cx_sd_px, row.cy_sd_px});
+  }
+  row.dx_sd_px = motion.dx_sd_px;
+  row.dy_sd_px = motion.dy_sd_px;
+  row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
+  row.rot_x_deg = motion.rot_x_rad * kDegPerRad;
+  row.rot_y_deg = motion.rot_y_rad * kDegPerRad;
+  row.rot_x_sd_deg = motion.rot_x_sd_rad * kDegPerRad;
+  row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
+  row.dx_rot_y_corr = motion.dx_rot_y_corr;
+  row.dy_rot_x_corr = motion.dy_rot_x_corr;
 }
 
 }  // namespace
@@ -56,13 +53,7 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion) {
   row.dy_sd_px = motion.dy_sd_px;
   row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
   if (is_sphere(motion)) {
-    row.rot_x_deg = motion.rot_x_rad * kDegPerRad;
-    row.rot_y_deg = motion.rot_y_rad * kDegPerRad;
-    row.rot_x_sd_deg = motion.rot_x_sd_rad * kDegPerRad;
-    row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
-    row.dx_rot_y_corr = motion.dx_rot_y_corr;
-    row.dy_rot_x_corr = motion.dy_rot_x_corr;
-    add_centre_error(row, motion);
+    set_sphere(row, motion);
     return;
   }
   // The point that was followed is off the ball's centre by the circle's error, and turns about it.
