@@ -1,163 +1,20 @@
-// How exactly the registration of a sphere measures turns about any axis.
+// How exactly the registration of a sphere measures turns about any axis, and whether large ones
+// are found.
 #include <gtest/gtest.h>
-#include <impactdic/units.h>
 
-#include <cmath>
-#include <cstdio>
-#include <random>
+#include "tests/support/sphere_pairs.h"
 
-#include "host/dic/device/ball.h"
-#include "host/dic/device/sphere_search.h"
-#include "sim/speckle/orientation.h"
-#include "sim/speckle/sphere/sphere_render.h"
-#include "tests/support/engine.h"
-#include "tests/support/sphere_pictures.h"
-
-namespace impactdic {
+namespace impactdic::testing {
 namespace {
-
-constexpr int kSide = 300;
-constexpr double kRadiusPx = 115;
-
-Eigen::Vector3d random_axis(std::mt19937& random) {
-  std::normal_distribution<double> deviate(0, 1);
-  return Eigen::Vector3d(deviate(random), deviate(random), deviate(random)).normalized();
-}
-
-// Root mean square error of a figure, and of it over its stated deviation.
-struct Errors {
-  double squares = 0, normalised = 0;
-  int count = 0;
-  void add(double error, double sd) {
-    squares += error * error;
-    normalised += error * error / (sd * sd);
-    ++count;
-  }
-  double rms() const { return std::sqrt(squares / count); }
-  double rms_over_sd() const { return std::sqrt(normalised / count); }
-};
-
-struct Summary {
-  Errors shift, in_depth_deg, about_sight_deg;
-};
-
-// The registration of a pair, started beside the truth.
-BallTask task_near(const testing::SpherePose& first, const testing::SpherePose& second,
-                   const Eigen::Vector3d& turn, std::mt19937& random) {
-  std::uniform_real_distribution<double> off(-1, 1);
-  BallTask task{};
-  task.second = 1;
-  task.cx = static_cast<float>(first.cx_px);
-  task.cy = static_cast<float>(first.cy_px);
-  task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
-  task.ball_radius = static_cast<float>(kRadiusPx);
-  task.guess_dx = static_cast<float>(second.cx_px - first.cx_px + 0.05 * off(random));
-  task.guess_dy = static_cast<float>(second.cy_px - first.cy_px + 0.05 * off(random));
-  task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.01 * off(random));
-  task.guess_rot_y_rad = static_cast<float>(turn.y() + 0.01 * off(random));
-  task.guess_rot_rad = static_cast<float>(turn.z() + 0.01 * off(random));
-  return task;
-}
-
-// Pairs that fly up to 1.5 px and turn by up to `most_deg` about random axes.
-Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> off(-1, 1);
-  SynthScene scene;
-  scene.width = scene.height = kSide;
-  scene.noise_sigma = noise;
-  scene.noise_seed = seed;
-  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
-                                            scene);
-  const auto render = [&](const testing::SpherePose& pose, std::int64_t index, Frame& frame) {
-    BallPose at{pose.cx_px, pose.cy_px};
-    sim::speckle::set_orientation(at, pose.turn);
-    sphere.render(at, index, frame);
-  };
-  dic::BallOptions options;
-  options.model = dic::BallModel::kSphere;
-  dic::DeviceFrames frames(testing::shared_engine(), 2);
-  dic::BallRegistration registration(testing::shared_engine(), options);
-  Summary summary;
-  for (int k = 0; k < count; ++k) {
-    const testing::SpherePose first{150 + off(random), 150 + off(random),
-                                    dic::quaternion_of(3 * random_axis(random))};
-    const Eigen::Vector3d turn =
-        random_axis(random) * most_deg * std::abs(off(random)) * kRadPerDeg;
-    const testing::SpherePose second{first.cx_px + 1.5 * off(random),
-                                     first.cy_px + 1.5 * off(random),
-                                     dic::quaternion_of(turn) * first.turn};
-    Frame pictures[2];
-    render(first, 2 * k, pictures[0]);
-    render(second, 2 * k + 1, pictures[1]);
-    for (int i : {0, 1}) frames.set(i, pictures[i]);
-    const BallTask task = task_near(first, second, turn, random);
-    const BallMotion got = registration.measure(frames, {&task, 1})[0];
-    EXPECT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk)) << k;
-    summary.shift.add(got.dx - (second.cx_px - first.cx_px), got.dx_sd);
-    summary.shift.add(got.dy - (second.cy_px - first.cy_px), got.dy_sd);
-    // The small turn that is left, in the axes of the first picture, as deviations are stated.
-    const Eigen::Vector3d found(got.rot_x_rad, got.rot_y_rad, got.rot_rad);
-    const Eigen::Vector3d left =
-        dic::rotation_vector(dic::quaternion_of(turn).conjugate() * dic::quaternion_of(found));
-    summary.in_depth_deg.add(left.x() * kDegPerRad, std::sqrt(got.covariance[5]) * kDegPerRad);
-    summary.in_depth_deg.add(left.y() * kDegPerRad, std::sqrt(got.covariance[9]) * kDegPerRad);
-    summary.about_sight_deg.add(left.z() * kDegPerRad, got.rot_sd_rad * kDegPerRad);
-  }
-  std::printf(
-      "to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
-      "sight; over sd %.2f %.2f %.2f\n",
-      most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
-      summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
-      summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
-  return summary;
-}
 
 TEST(SphereAccuracy, PairsAboutAnyAxis) {
   const Summary got = measure_pairs(20, 8, 2, 5);
+  EXPECT_EQ(got.lost, 0);
   EXPECT_LE(got.shift.rms(), 0.0020);
   EXPECT_LE(got.in_depth_deg.rms(), 0.0018);
   EXPECT_LE(got.about_sight_deg.rms(), 0.0007);
-}
-
-// Of `count` steps by `step_deg` about random axes, how many the search finds among its candidates
-// to within the reach of the registration. Steps that hide nearly all of the surface that was seen
-// are left out.
-int count_found(int count, double step_deg, double noise, unsigned seed) {
-  constexpr double kBallPx = 60;
-  constexpr double kReach_deg = 2.5;
-  std::mt19937 random(seed);
-  const testing::SpherePictures sphere(seed, kBallPx, 4.5);
-  dic::DeviceFrames frames(testing::shared_engine(), 2);
-  dic::SphereSearch search(testing::shared_engine());
-  int found = 0, first = 0, hidden = 0;
-  for (int k = 0; k < count; ++k) {
-    const testing::SpherePose one{80.3, 79.6, dic::quaternion_of(3 * random_axis(random))};
-    const Eigen::Quaterniond turn = dic::quaternion_of(random_axis(random) * step_deg * kRadPerDeg);
-    // How far the point that faces the camera turns away from it.
-    if ((turn * Eigen::Vector3d::UnitZ()).z() < std::cos(85 * kRadPerDeg)) {
-      ++hidden;
-      continue;
-    }
-    const testing::SpherePose two{81.1, 79.2, turn * one.turn};
-    const auto shot = static_cast<unsigned>(2 * k) + 1000 * seed;
-    frames.set(0, sphere.render(one, 160, 160, noise, shot));
-    frames.set(1, sphere.render(two, 160, 160, noise, shot + 1));
-    SphereSearchTask task{0, 1, 80.3F, 79.6F, 81.1F, 79.2F, kBallPx};
-    const auto turns = search.find(frames, task);
-    for (std::size_t i = 0; i < turns.size(); ++i) {
-      if (turn.angularDistance(Eigen::Quaterniond(turns[i].w, turns[i].x, turns[i].y, turns[i].z)) *
-              kDegPerRad <
-          kReach_deg) {
-        ++found;
-        first += i == 0;
-        break;
-      }
-    }
-  }
-  std::printf("%g deg: %d of %d found, %d as the first, %d hidden\n", step_deg, found,
-              count - hidden, first, hidden);
-  return found + hidden;
+  EXPECT_NEAR(got.shift.rms_over_sd(), 1, 0.35);
+  EXPECT_NEAR(got.in_depth_deg.rms_over_sd(), 1, 0.35);
 }
 
 TEST(SphereSearch, FindsAnyTurn) {
@@ -166,50 +23,5 @@ TEST(SphereSearch, FindsAnyTurn) {
   }
 }
 
-TEST(Explore, Radius) {
-  if (std::getenv("EXPLORE") == nullptr) GTEST_SKIP();
-  const int n = std::atoi(std::getenv("EXPLORE"));
-  SynthScene scene;
-  scene.width = scene.height = kSide;
-  scene.noise_sigma = 2;
-  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", 1, kRadiusPx), scene);
-  dic::BallOptions options;
-  options.model = dic::BallModel::kSphereAndRadius;
-  dic::DeviceFrames frames(testing::shared_engine(), 2);
-  dic::BallRegistration registration(testing::shared_engine(), options);
-  for (double deg : {0.3, 1.4, 8.0}) {
-    for (int k = 0; k < n; ++k) {
-      for (int i : {0, 1}) {
-        BallPose at{150.2 + i * 0.7, 149.6};
-        sim::speckle::set_orientation(at, dic::quaternion_of({0, i * deg * kRadPerDeg, 0}));
-        Frame frame;
-        sphere.render(at, 2 * k + i, frame);
-        frames.set(i, frame);
-      }
-      BallTask task{};
-      task.second = 1;
-      task.cx = 150.2F;
-      task.cy = 149.6F;
-      task.radius = kRadiusPx - 4.5;
-      task.ball_radius = kRadiusPx - 0.4;
-      task.guess_dx = 0.7F;
-      task.guess_rot_y_rad = static_cast<float>(deg * kRadPerDeg);
-      const BallMotion got = registration.measure(frames, {&task, 1})[0];
-      std::printf("%g deg: radius %.3f sd %.3f, dx off %.4f sd %.4f, ry off %.5f deg sd %.5f\n",
-                  deg, got.ball_radius, got.ball_radius_sd, got.dx - 0.7, got.dx_sd,
-                  got.rot_y_rad * kDegPerRad - deg, std::sqrt(got.covariance[9]) * kDegPerRad);
-    }
-  }
-}
-
-TEST(Explore, Many) {
-  if (std::getenv("EXPLORE") == nullptr) GTEST_SKIP();
-  const int n = std::atoi(std::getenv("EXPLORE"));
-  measure_pairs(n, 0.5, 0.01, 7);
-  measure_pairs(n, 8, 0.01, 7);
-  measure_pairs(n, 0.5, 2, 7);
-  measure_pairs(n, 8, 2, 7);
-}
-
 }  // namespace
-}  // namespace impactdic
+}  // namespace impactdic::testing
