@@ -11,9 +11,9 @@
 namespace impactdic::dic {
 namespace {
 
-// Turns over all of SO(3), about 6° from each other, and the side of the maps that they are scored
+// Turns over all of SO(3), about 5° from each other, and the side of the maps that they are scored
 // on: a cell in the middle is 5° of the surface.
-constexpr int kTurns = 36000, kCoarseSide = 24;
+constexpr int kTurns = 72000, kCoarseSide = 24;
 // The best of them are moved about in steps that halve, on maps whose cells are as fine as these.
 constexpr std::size_t kKept = 96;
 struct Refinement {
