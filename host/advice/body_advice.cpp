@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "host/dic/device/ball.h"
-#include "host/dic/rotation.h"
-#include "host/dic/sphere_fit.h"
+#include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_fit.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::advice {

@@ -4,8 +4,8 @@
 
 #include "host/base/stopwatch.h"
 #include "host/dic/device/ring.h"
-#include "host/dic/rotation.h"
-#include "host/dic/sphere_fit.h"
+#include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_fit.h"
 #include "host/dic/window_correlator.h"
 #include "host/motion/estimators.h"
 

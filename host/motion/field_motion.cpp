@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "host/dic/point_columns.h"
-#include "host/dic/rotation.h"
-#include "host/dic/sphere_fit.h"
+#include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_fit.h"
 
 namespace impactdic::motion {
 

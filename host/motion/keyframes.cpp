@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host/clip/roi.h"
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::motion {

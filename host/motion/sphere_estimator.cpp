@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "host/dic/device/sphere_search.h"
-#include "host/dic/rotation.h"
-#include "host/dic/sphere_errors.h"
+#include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::motion {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "host/dic/sphere_errors.h"
+#include "host/dic/sphere/sphere_errors.h"
 
 namespace impactdic::pipeline {
 

@@ -11,7 +11,7 @@
 #include <random>
 #include <vector>
 
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 #include "impactdic/image.h"
 
 namespace impactdic::testing {

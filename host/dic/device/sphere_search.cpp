@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 #include "host/opencl/arguments.h"
 
 namespace impactdic::dic {

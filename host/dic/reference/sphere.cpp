@@ -10,7 +10,7 @@
 
 #include "host/base/statistics.h"
 #include "host/dic/frames/bspline.h"
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 
 namespace impactdic::dic {
 namespace {

@@ -1,5 +1,5 @@
 // A sphere's motion from points on it, and what errors of its centre and radius do to it.
-#include "host/dic/sphere_fit.h"
+#include "host/dic/sphere/sphere_fit.h"
 
 #include <gtest/gtest.h>
 #include <impactdic/units.h>
@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "host/dic/rotation.h"
-#include "host/dic/sphere_errors.h"
+#include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_errors.h"
 
 namespace impactdic::dic {
 namespace {

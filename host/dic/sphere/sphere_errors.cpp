@@ -1,10 +1,10 @@
-#include "host/dic/sphere_errors.h"
+#include "host/dic/sphere/sphere_errors.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 
 namespace impactdic::dic {
 namespace {

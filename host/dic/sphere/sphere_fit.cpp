@@ -1,4 +1,4 @@
-#include "host/dic/sphere_fit.h"
+#include "host/dic/sphere/sphere_fit.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
-#include "host/dic/rotation.h"
+#include "host/dic/sphere/rotation.h"
 
 namespace impactdic::dic {
 namespace {
