@@ -119,6 +119,11 @@ void TrackRun::look() {
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
         "metres");
   }
+  if (options_.estimator.sphere) {
+    result_.warnings.push_back(
+        "parallel rays are assumed: from N ball radii away a turn out of the picture's plane reads "
+        "about 100/N % too large, which is not part of the deviations");
+  }
   if (result_.advice.texture) {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }

@@ -49,6 +49,7 @@ TEST(Sphere, TurnsAboutAnyAxisAreMeasuredWithoutBeingAskedFor) {
   const Outcome outcome = clip.track();
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(clip.summary()["body"]["kind"], "sphere");
+  EXPECT_NE(outcome.err.find("parallel rays are assumed"), std::string::npos) << outcome.err;
   const CsvTable rows = clip.rows(), truth = clip.truth();
   for (std::size_t i = 0; i + 1 < rows.rows; ++i) EXPECT_EQ(rows.text("status")[i], "ok") << i;
   expect_right(rows, truth, "dx_px", "dx_sd_px", 0.02);
