@@ -80,6 +80,16 @@ std::vector<double> times(std::vector<double> values, double factor) {
   return values;
 }
 
+// A motion that the circles contradict is left out, as `track` does.
+void leave_out_contradicted(const CsvTable& table, MeasuredTrack& track) {
+  const std::vector<std::string> status = table.text("status");
+  for (std::size_t i = 0; i < status.size(); ++i) {
+    if (status[i] != "inconsistent") continue;
+    track.dx_m[i] = track.dy_m[i] = track.motion_sd_m[i] = kNotMeasured;
+    track.turn_rad[i] = track.turn_sd_rad[i] = kNotMeasured;
+  }
+}
+
 }  // namespace
 
 MeasuredTrack read_track(const std::filesystem::path& file) {
@@ -119,6 +129,7 @@ MeasuredTrack read_track(const std::filesystem::path& file) {
   track.motion_sd_m = joint_sd(table, "dx_sd_px", "dy_sd_px", scale);
   track.turn_rad = times(table.numbers("rot_deg"), kRadPerDeg);
   track.turn_sd_rad = times(joint_sd(table, "rot_sd_deg", "rot_sd_deg", 1), kRadPerDeg);
+  leave_out_contradicted(table, track);
   track.surface_angle_deg = surface_angle_deg(table);
   return track;
 }
