@@ -214,7 +214,11 @@ void check(const circle::CircleFit& fit) {
 
 void check(const BodyPose& pose, std::int64_t next_row) {
   if (!pose.ok) return;
-  for (const double value : {pose.x_px, pose.y_px, pose.angle_rad}) demand(is_usual(value));
+  for (const double value : {pose.x_px, pose.y_px}) demand(is_usual(value));
+  const double square =
+      pose.qw * pose.qw + pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz;
+  const bool is_sphere = std::isnan(pose.angle_rad) && std::abs(square - 1) < 1e-6;
+  demand(is_sphere || is_usual(pose.angle_rad));
   for (const std::int64_t frame : {pose.origin, pose.keyframe}) {
     demand(frame >= 0 && frame <= next_row);
   }
