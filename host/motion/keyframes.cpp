@@ -15,8 +15,6 @@ namespace {
 // A residual this many times the keyframe's best one is more than noise: interpolation alone makes
 // it vary by a fifth.
 constexpr double kMisfit = 1.5;
-// Of a sphere that turns out of the plane, foreshortening adds to it.
-constexpr double kSphereMisfit = 3;
 constexpr double kSamePicture = 0.5;
 // Frames that are registered together behind one that did not fit: likely the next does not either.
 constexpr std::size_t kFewAtOnce = 4;
@@ -297,7 +295,7 @@ bool Keyframes::fits(const BallMotion& motion, std::size_t key) const {
   const double best = memory_.keyframes[key].residual;
   if (sphere_ && !(motion.used > kLeastSeen)) return false;
   return motion.status == static_cast<idic_int>(WindowStatus::kOk) &&
-         (best == 0 || motion.residual <= (sphere_ ? kSphereMisfit : kMisfit) * best);
+         (best == 0 || motion.residual <= kMisfit * best);
 }
 
 Keyframes::Placed Keyframes::find_again(const ChainedFrame& frame, KeyframeSlots& slots) {
