@@ -212,7 +212,8 @@ TEST_P(TrackResume, AKilledRunGoesOnToTheSameFiles) {
   EXPECT_TRUE(same_fields(clip.path("whole"), clip.path("parts")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Estimators, TrackResume, ::testing::Values("field", "ball", "ball --body sphere"));
+INSTANTIATE_TEST_SUITE_P(Estimators, TrackResume,
+                         ::testing::Values("field", "ball", "ball --body sphere"));
 
 TEST(Track, ResumeWithOtherOptionsIsRefused) {
   const LongClip& clip = long_clip();

@@ -102,26 +102,6 @@ KnownShot known_shot(double noise_m, unsigned seed, double fps = 10000, double t
       sim::contact::simulate_impact(track.job), (track.frames_before + track.touch) / track.fps};
 }
 
-// As `track` does: what the circles contradict is no motion.
-TEST(TrackTable, LeavesOutMotionsThatTheCirclesContradict) {
-  ScratchFolder folder;
-  SyntheticTrack track{tennis(30, -1.6, -2.8)};
-  track.motion = true;
-  write_track(track, folder / "track.csv");
-  std::string text = testing::read_text(folder / "track.csv");
-  const std::size_t row = text.find("\n5,");
-  ASSERT_NE(row, std::string::npos);
-  const std::size_t ok = text.find(",ok,", row);
-  text.replace(ok, 4, ",inconsistent,");
-  std::ofstream(folder / "track.csv") << text;
-  const auto read = sim::shot::read_track(folder / "track.csv");
-  for (const std::size_t i : {4U, 5U, 6U}) {
-    EXPECT_EQ(std::isnan(read.dx_m[i]), i == 5) << i;
-    EXPECT_EQ(std::isnan(read.turn_rad[i]), i == 5) << i;
-    EXPECT_FALSE(std::isnan(read.x_m[i])) << i;
-  }
-}
-
 // With a thousandth of a nanometre of noise: what less noise leaves is rounding.
 TEST(Shot, WithoutNoiseIsTheTruth) {
   for (const auto& [touch, vn_m_s] : {std::pair{0.37, -2.8}, {0.472, -2.262}, {0.9, -3.3}}) {
