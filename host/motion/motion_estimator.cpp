@@ -27,9 +27,9 @@ namespace impactdic::motion {
 
 void EstimatorOptions::validate() const {
   field.validate();
-  if (sphere && estimator == Estimator::kRing) {
-    throw InvalidArgument("rings see turns in the picture alone", "--estimator",
-                          "a sphere needs field or ball");
+  if (sphere && estimator != Estimator::kBall) {
+    throw InvalidArgument("measures turns in the picture alone", "--estimator",
+                          "a sphere needs ball");
   }
   if (spacing_px < 0) throw InvalidArgument("the spacing must be at least 1 px", "--spacing");
 }

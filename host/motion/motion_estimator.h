@@ -24,10 +24,10 @@ namespace impactdic::motion {
 struct EstimatorOptions {
   Estimator estimator = Estimator::kField;
   FieldOptions field;
-  int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
-  double rim_margin_px = 3;  // windows keep this far inside the rim
-  int fewest_windows = 3;    // that may carry a motion
-  bool sphere = false;       // the ball turns about any axis (ball and field), else in the picture
+  int spacing_px = 0;           // of the windows' grid; 0: half a window, rounded up
+  double rim_margin_px = 3;     // windows keep this far inside the rim
+  int fewest_windows = 3;       // that may carry a motion
+  bool sphere = false;          // the ball turns about any axis (kBall alone), else in the picture
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;
   // Of the sphere, where its rim has this radius.

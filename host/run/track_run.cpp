@@ -42,9 +42,9 @@ void TrackRequest::validate() const {
   if (static_cast<unsigned>(body) > static_cast<unsigned>(Body::kDisc)) {
     throw InvalidArgument("this is no body", "--body", "there are auto, sphere and disc");
   }
-  if (body == Body::kSphere && estimator == Estimator::kRing) {
-    throw InvalidArgument("rings see turns in the picture alone", "--estimator",
-                          "a sphere needs ball or field");
+  if (body == Body::kSphere && estimator != Estimator::kBall) {
+    throw InvalidArgument("measures turns in the picture alone", "--estimator",
+                          "a sphere needs ball");
   }
   run::check_spacing(spacing_px);
   if (radius_px && !(radius_px->low_px > 0 && radius_px->high_px > radius_px->low_px &&
@@ -108,7 +108,7 @@ void TrackRun::look() {
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
   const bool decide = options_.with_field && request_.body != Body::kDisc &&
-                      options_.estimator.estimator != Estimator::kRing;
+                      options_.estimator.estimator == Estimator::kBall;
   std::vector<advice::BallPair> pairs;
   result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
@@ -135,7 +135,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
   result_.body_reason = "as was asked for";
   if (request_.body == Body::kAuto) {
     result_.body = Body::kDisc;
-    result_.body_reason = "no motion is measured that could tell";
+    result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
   }
   if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
     const advice::BodyAdvice judged = advice::judge_body(*session_.impl().open_engines().front(),

@@ -97,6 +97,17 @@ TEST(Sphere, AStillBallThatTurnsDoesNotFly) {
   }
 }
 
+// Windows alone are fitted as a disc's: the circles must say that this is none.
+TEST(Sphere, WindowsAloneAreContradictedByTheCircles) {
+  const SphereClip clip("--velocity-px 0,0 --spin-deg 0,1,0");
+  ASSERT_EQ(clip.track("--estimator field").status, 0);
+  const CsvTable rows = clip.rows();
+  for (std::size_t i = 0; i + 1 < rows.rows; ++i) {
+    EXPECT_EQ(rows.text("status")[i], "inconsistent") << i;
+    EXPECT_GT(rows.numbers("dx_sd_px")[i], 0) << i;
+  }
+}
+
 TEST(Sphere, ASpinInThePictureIsADiscs) {
   const SphereClip clip("--velocity-px 1,0.5 --spin-deg 0,0,3");
   ASSERT_EQ(clip.track().status, 0);
@@ -113,6 +124,7 @@ TEST(Sphere, WordsThatAreNoBodyAreRefused) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_NE(outcome.err.find("there are auto, sphere and disc"), std::string::npos) << outcome.err;
   EXPECT_EQ(clip.track("--body sphere --estimator ring").status, 2);
+  EXPECT_EQ(clip.track("--body sphere --estimator field").status, 2);
 }
 
 }  // namespace

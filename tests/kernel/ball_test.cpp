@@ -152,6 +152,36 @@ INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
                                            Case{7, kSphere, true, false, 76.3, dic::Tiling{1, 128}},
                                            Case{7, kSphere, true, false, 76.3, dic::Tiling{4, 2}}));
 
+// The depth of what turns tells the radius.
+TEST(SphereKernel, FindsTheRadiusAlongWithTheTurn) {
+  const testing::SpherePictures sphere(8, kRadiusPx);
+  const Eigen::Vector3d turn = turn_about(1, 2, 0.5, 8);
+  const testing::SpherePose first{76.3, 74.4, dic::quaternion_of({1, 0.4, -2})};
+  const testing::SpherePose second{77.1, 74.0, dic::quaternion_of(turn) * first.turn};
+  dic::DeviceFrames frames(shared_engine(), 2);
+  frames.set(0, sphere.render(first, kWidth, kHeight, 2, 1));
+  frames.set(1, sphere.render(second, kWidth, kHeight, 2, 2));
+  dic::BallOptions options;
+  options.model = dic::BallModel::kSphereAndRadius;
+  BallTask task{};
+  task.second = 1;
+  task.cx = 76.3F;
+  task.cy = 74.4F;
+  task.radius = static_cast<float>(kRadiusPx - 5);
+  task.ball_radius = static_cast<float>(kRadiusPx - 0.5);
+  task.guess_dx = 0.8F;
+  task.guess_dy = -0.4F;
+  task.guess_rot_x_rad = static_cast<float>(turn.x());
+  task.guess_rot_y_rad = static_cast<float>(turn.y());
+  task.guess_rot_rad = static_cast<float>(turn.z());
+  const BallMotion got =
+      dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
+  ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
+  EXPECT_LT(got.ball_radius_sd, 0.1);
+  EXPECT_NEAR(got.ball_radius, kRadiusPx, 4 * got.ball_radius_sd);
+  EXPECT_NEAR(got.rot_y_rad, turn.y(), 4 * std::sqrt(got.covariance[9]));
+}
+
 // Two halves of a picture that move apart: each mask sees its own.
 TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
   SynthScene scene;

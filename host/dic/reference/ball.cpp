@@ -170,6 +170,9 @@ class Registration {
 BallMotion ball_reference(const Frame& first, const Frame& second, const BallTask& task,
                           const BallOptions& options) {
   options.validate();
+  if (options.model == BallModel::kSphereAndRadius) {
+    throw InvalidArgument("the reference knows its sphere's radius");
+  }
   if (options.model == BallModel::kSphere) return sphere_reference(first, second, task, options);
   const bool affine = options.model == BallModel::kAffine;
   const BSplineImage f(to_double(first), options.spline_degree, options.presmooth_sigma_px);
