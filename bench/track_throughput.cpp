@@ -1,8 +1,8 @@
 // `impactdic track` from a clip in the page cache to its files: frames a second of the whole
 // program, with the error against the truth beside it. Renders a ball that goes around once and
-// plays that again and again. JSON on standard output.
+// plays that again and again; a sphere turns about a tilted axis. JSON on standard output.
 //   track_throughput PROGRAM FOLDER [--frames N] [--distinct N] [--format mraw|cine|...]
-//                    [-- options of track]
+//                    [--body disc|sphere] [-- options of track]
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 #include <sys/wait.h>
@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "host/report/csv.h"
 #include "host/video/frame_sink.h"
 #include "sim/speckle/render.h"
+#include "sim/speckle/sphere/sphere_render.h"
 
 namespace impactdic::bench {
 namespace {
@@ -28,7 +30,7 @@ namespace {
 constexpr double kRadius = 115;
 
 struct Request {
-  std::string program, folder, format = "mraw", options;
+  std::string program, folder, format = "mraw", body = "disc", options;
   std::int64_t frames = 20000, distinct = 720;
 };
 
@@ -36,7 +38,7 @@ Request parse(int argc, char** argv) {
   if (argc < 3) {
     throw InvalidArgument(
         "usage: track_throughput PROGRAM FOLDER [--frames N] [--distinct N] "
-        "[--format F] [-- options of track]");
+        "[--format F] [--body disc|sphere] [-- options of track]");
   }
   Request request;
   request.program = argv[1];
@@ -50,6 +52,8 @@ Request parse(int argc, char** argv) {
       request.distinct = parse_int(value, name);
     } else if (name == "--format") {
       request.format = value;
+    } else if (name == "--body" && (value == "disc" || value == "sphere")) {
+      request.body = value;
     } else {
       throw InvalidArgument("no such option", name);
     }
@@ -58,20 +62,43 @@ Request parse(int argc, char** argv) {
   return request;
 }
 
+// Unit vector, camera axes: a disc turns about the line of sight, a sphere about a tilted axis.
+struct Axis {
+  double x, y, z;
+};
+Axis axis_of(const Request& request) {
+  return request.body == "sphere" ? Axis{0.48, 0.6, 0.64} : Axis{0, 0, 1};
+}
+
 // Once around a circle and once about itself in `distinct` frames.
-BallPose pose_of(std::int64_t frame, std::int64_t distinct) {
-  const double turn = static_cast<double>(frame % distinct) / static_cast<double>(distinct);
+BallPose pose_of(std::int64_t frame, const Request& request) {
+  const double turn =
+      static_cast<double>(frame % request.distinct) / static_cast<double>(request.distinct);
   const double at = 2 * kPi * turn;
-  return {255.63 + 60 * std::cos(at), 255.41 + 60 * std::sin(at), 360 * turn};
+  const Axis axis = axis_of(request);
+  BallPose pose{255.63 + 60 * std::cos(at), 255.41 + 60 * std::sin(at), 360 * turn * axis.z};
+  pose.rx_deg = 360 * turn * axis.x;
+  pose.ry_deg = 360 * turn * axis.y;
+  return pose;
+}
+
+std::unique_ptr<sim::speckle::FrameRenderer> renderer_of(const Request& request,
+                                                         const SynthScene& scene) {
+  if (request.body == "sphere") {
+    return std::make_unique<sim::speckle::SphereRenderer>(
+        sim::speckle::paint_sphere("e1", 7, kRadius), scene);
+  }
+  return std::make_unique<sim::speckle::BallRenderer>(sim::speckle::paint_ball("e1", 7, kRadius),
+                                                      scene);
 }
 
 void write_clip(const Request& request, const std::string& path, video::SinkFormat format) {
   SynthScene scene;
   scene.noise_sigma = 2;
-  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", 7, kRadius), scene);
+  const auto renderer = renderer_of(request, scene);
   std::vector<Frame> frames(static_cast<std::size_t>(request.distinct));
   for (std::int64_t k = 0; k < request.distinct; ++k) {
-    renderer.render(pose_of(k, request.distinct), k, frames[static_cast<std::size_t>(k)]);
+    renderer->render(pose_of(k, request), k, frames[static_cast<std::size_t>(k)]);
   }
   ClipInfo info;
   info.width = scene.width;
@@ -96,12 +123,14 @@ struct Rms {
   double value() const { return std::sqrt(squares / static_cast<double>(count)); }
 };
 
-nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) {
-  Rms centre, motion, rotation;
+nlohmann::json errors(const std::vector<TrackRow>& rows, const Request& request) {
+  const double step_deg = 360.0 / static_cast<double>(request.distinct);
+  const Axis axis = axis_of(request);
+  Rms centre, motion, rotation, across;
   std::int64_t ok = 0;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const TrackRow& row = rows[i];
-    const BallPose a = pose_of(row.frame, distinct), b = pose_of(row.frame + 1, distinct);
+    const BallPose a = pose_of(row.frame, request), b = pose_of(row.frame + 1, request);
     if (row.status != TrackStatus::kOk) continue;
     ++ok;
     centre.add(row.cx_px - a.cx_px);
@@ -109,12 +138,17 @@ nlohmann::json errors(const std::vector<TrackRow>& rows, std::int64_t distinct) 
     if (!row.motion_ok) continue;
     motion.add(row.dx_px - (b.cx_px - a.cx_px));
     motion.add(row.dy_px - (b.cy_px - a.cy_px));
-    rotation.add(std::remainder(row.rot_deg - (b.angle_deg - a.angle_deg), 360));
+    rotation.add(row.rot_deg - step_deg * axis.z);
+    if (request.body != "sphere") continue;
+    across.add(row.rot_x_deg - step_deg * axis.x);
+    across.add(row.rot_y_deg - step_deg * axis.y);
   }
-  return {{"frames_ok", ok},
-          {"rms_centre_px", centre.value()},
-          {"rms_motion_px", motion.value()},
-          {"rms_rotation_deg", rotation.value()}};
+  nlohmann::json result = {{"frames_ok", ok},
+                           {"rms_centre_px", centre.value()},
+                           {"rms_motion_px", motion.value()},
+                           {"rms_rotation_deg", rotation.value()}};
+  if (request.body == "sphere") result["rms_rotation_xy_deg"] = across.value();
+  return result;
 }
 
 int run(const Request& request) {
@@ -136,7 +170,7 @@ int run(const Request& request) {
   if (status != 0) throw Error("the program failed: " + command);
   nlohmann::json summary;
   std::ifstream(out + "/summary.json") >> summary;
-  nlohmann::json result = errors(report::read_track_csv(out + "/track.csv"), request.distinct);
+  nlohmann::json result = errors(report::read_track_csv(out + "/track.csv"), request);
   result["command"] = "track" + request.options;
   result["format"] = request.format;
   result["frames"] = request.frames;

@@ -28,6 +28,8 @@ constexpr double kAgreeing = 0.5;  // share of the windows that must say so
 // What a ball's rim says of a sphere's radius may be off by this, the same in every frame: the
 // texture is foreshortened there and its light another.
 constexpr double kRimRadiusSd_px = 0.5;
+// Of all that turns show of the radius: one texture's errors are alike in every pair.
+constexpr double kTurnRadiusSd_px = 0.05;
 
 class WeightedMean {
  public:
@@ -47,6 +49,7 @@ struct Tilt {
   double beyond_chance = 0;  // chi square of two degrees of freedom
   bool is_out_of_plane = false;
   double radius_px = 0, radius_sd_px = 0;  // that the motion shows
+  dic::RigidMotion motion;                 // of the sphere; not ok where it was not registered
 };
 
 class PairLook {
@@ -72,6 +75,7 @@ class PairLook {
     const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
     tilt.radius_px = sphere->ball_radius;
     tilt.radius_sd_px = sphere->ball_radius_sd;
+    tilt.motion = motion::sphere_motion(*sphere, 0);
     tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
                            !(disc && sphere->residual >= disc->residual);
     return tilt;
@@ -140,7 +144,7 @@ class PairLook {
 }  // namespace
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field) {
+                      const FieldOptions& field, const FarFrames& far) {
   double most_deg = 0, significant = 0;
   int measured = 0;
   bool out_of_plane = false;
@@ -150,7 +154,11 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
     if (!tilt) continue;
     ++measured;
     radius.add(pair.first_ball.r_px, kRimRadiusSd_px);
-    if (tilt->radius_sd_px > 0) radius.add(tilt->radius_px, tilt->radius_sd_px);
+    if (tilt->radius_sd_px > 0) {
+      const auto from_far = radius_from_turn(engine, pair, tilt->motion, field, far);
+      radius.add(from_far ? from_far->value : tilt->radius_px,
+                 from_far ? from_far->sd : tilt->radius_sd_px);
+    }
     out_of_plane |= tilt->is_out_of_plane;
     if (tilt->turn_deg < most_deg) continue;
     most_deg = tilt->turn_deg;
@@ -162,14 +170,14 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
     std::snprintf(text, sizeof text,
                   "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
                   most_deg, significant);
-    return {Body::kSphere, text, radius.mean(), radius.sd()};
+    return {Body::kSphere, text, radius.mean(), std::max(radius.sd(), kTurnRadiusSd_px)};
   }
   std::snprintf(
       text, sizeof text,
       "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
       "chance)",
       measured, most_deg);
-  return {Body::kDisc, text, radius.mean(), radius.sd()};
+  return {Body::kDisc, text, radius.mean(), std::max(radius.sd(), kTurnRadiusSd_px)};
 }
 
 }  // namespace impactdic::advice

@@ -6,10 +6,7 @@
 #include <string>
 
 #include "host/advice/clip_advice.h"
-
-namespace impactdic::opencl {
-class Engine;
-}  // namespace impactdic::opencl
+#include "host/advice/sphere_radius.h"
 
 namespace impactdic::advice {
 
@@ -23,8 +20,9 @@ struct BodyAdvice {
 
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
 // and the registration of a sphere fits the pictures better than that of a disc. Else a disc: what
-// it measures is then the same, and more exact in each pair.
+// it measures is then the same, and more exact in each pair. `far`: frames from which the radius
+// can be had (radius_from_turn).
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field);
+                      const FieldOptions& field, const FarFrames& far);
 
 }  // namespace impactdic::advice

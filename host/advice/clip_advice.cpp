@@ -19,6 +19,7 @@ namespace {
 
 // Two neighbouring frames and the ball in them.
 struct Look {
+  std::int64_t index = 0;
   bool read = false;
   Frame first, second;  // cropped
   std::optional<Circle> first_ball, second_ball;
@@ -96,6 +97,7 @@ Roi about(const Frame& frame, const std::optional<Circle>& ball) {
 
 Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t index, bool two) {
   Look look;
+  look.index = index;
   Frame whole;
   try {
     source.read(request.frames.at(index), whole);
@@ -128,11 +130,7 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
 }
 
 std::vector<Look> look_around(FrameSource& source, const AdviceRequest& request) {
-  constexpr std::int64_t kOfContainer = 48;
-  const std::string& format = source.info().format;
-  const bool container = format == "AVI" || format == "video container";
-  const std::int64_t count =
-      container ? std::min(request.frames.count(), kOfContainer) : request.frames.count();
+  const std::int64_t count = last_looked_at(source, request.frames) + 1;
   std::vector<std::int64_t> starts = {0};
   if (count >= 4) starts = {0, count - 2};
   if (count >= 6) starts = {0, count / 2, count - 2};
@@ -280,6 +278,29 @@ const char* const kBetterPattern =
     "paint a finer pattern: by impactdic study, speckles of 4 to 20 px area over a sixth to a half "
     "of the surface (a2, f1, e1)";
 
+std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames) {
+  constexpr std::int64_t kOfContainer = 48;
+  const std::string& format = source.info().format;
+  const bool container = format == "AVI" || format == "video container";
+  return (container ? std::min(frames.count(), kOfContainer) : frames.count()) - 1;
+}
+
+std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,
+                                         std::int64_t index, const Circle& near) {
+  BallPicture found;
+  try {
+    Frame whole;
+    source.read(request.frames.at(index), whole);
+    crop(whole, request.roi, found.picture);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  const std::optional<Circle> ball = find_next(found.picture, near, request.circle);
+  if (!ball) return std::nullopt;
+  found.ball = *ball;
+  return found;
+}
+
 ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
                        std::vector<BallPair>* pairs) {
   std::vector<Look> looks = look_around(source, request);
@@ -316,8 +337,8 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
   if (pairs != nullptr) {
     for (Look& look : looks) {
       if (!look.second_ball) continue;
-      pairs->push_back(
-          {std::move(look.first), std::move(look.second), *look.first_ball, *look.second_ball});
+      pairs->push_back({look.index, std::move(look.first), std::move(look.second), *look.first_ball,
+                        *look.second_ball});
     }
   }
   return advice;

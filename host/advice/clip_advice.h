@@ -2,6 +2,7 @@
 // before it is measured.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,9 +26,22 @@ struct AdviceRequest {
 
 // Neighbouring frames, cut to the region of interest, and the ball in both.
 struct BallPair {
+  std::int64_t index = 0;  // of the first among the analysed frames
   Frame first, second;
   Circle first_ball, second_ball;
 };
+
+// One frame, cut to the region of interest, and the ball in it.
+struct BallPicture {
+  Frame picture;
+  Circle ball;
+};
+// Of the frame `index` among the analysed ones, the ball looked for near `near` first; nullopt
+// where there is none or the frame cannot be read.
+std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,
+                                         std::int64_t index, const Circle& near);
+// The last frame that advice reads, so that a container need not be decoded to its end.
+std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames);
 
 // What to paint where there is too little texture, after the finding of the speckle study
 // (docs/accuracy.md).

@@ -112,7 +112,7 @@ void TrackRun::look() {
   std::vector<advice::BallPair> pairs;
   result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
-  choose_body(pairs);
+  choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0) {
     result_.warnings.push_back(
@@ -130,7 +130,8 @@ void TrackRun::look() {
   for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
 }
 
-void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
+void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
+                           const advice::AdviceRequest& looked) {
   result_.body = request_.body;
   result_.body_reason = "as was asked for";
   if (request_.body == Body::kAuto) {
@@ -138,8 +139,12 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
     result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
   }
   if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
+    const advice::FarFrames far = {advice::last_looked_at(*source_, looked.frames) + 1,
+                                   [&](std::int64_t index, const Circle& near) {
+                                     return advice::look_for_ball(*source_, looked, index, near);
+                                   }};
     const advice::BodyAdvice judged = advice::judge_body(*session_.impl().open_engines().front(),
-                                                         pairs, options_.estimator.field);
+                                                         pairs, options_.estimator.field, far);
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
@@ -153,6 +158,12 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs) {
   if (options_.with_field) {
     caller_.say(MessageKind::kNote,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
+  }
+  if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
+    char text[80];
+    std::snprintf(text, sizeof text, "radius of the sphere: %.3f +- %.3f px",
+                  options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px);
+    caller_.say(MessageKind::kNote, text);
   }
 }
 

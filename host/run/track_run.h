@@ -41,7 +41,7 @@ class TrackRun {
 
  private:
   // Sphere or disc, by the pairs of frames that the look found.
-  void choose_body(const std::vector<advice::BallPair>& pairs);
+  void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
 
   const TrackRequest& request_;
   Session& session_;

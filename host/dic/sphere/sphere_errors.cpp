@@ -51,12 +51,20 @@ Response response_to(const Eigen::Quaterniond& turn, double radius_px) {
   return response;
 }
 
+Eigen::Quaterniond turn_of(const RigidMotion& motion) {
+  return quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
+}
+
 }  // namespace
 
+Eigen::Matrix<double, 5, 1> response_to_radius(const RigidMotion& motion, double radius_px) {
+  Eigen::Matrix<double, 5, 1> response = response_to(turn_of(motion), radius_px).col(2);
+  response[1] = -response[1];  // y down
+  return response;
+}
+
 void add_source_errors(RigidMotion& motion, const SphereSource& source) {
-  const Eigen::Quaterniond turn =
-      quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
-  const Response response = response_to(turn, source.radius_px);
+  const Response response = response_to(turn_of(motion), source.radius_px);
   if (!response.allFinite()) return;
   const Eigen::Vector3d sd(source.cx_sd_px, source.cy_sd_px, source.radius_sd_px);
   const Response spread = response * sd.asDiagonal();

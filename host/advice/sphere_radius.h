@@ -1,0 +1,33 @@
+// The radius of a sphere from two pictures between which it has turned far.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "host/advice/clip_advice.h"
+#include "host/dic/rigid_fit.h"
+
+namespace impactdic::opencl {
+class Engine;
+}  // namespace impactdic::opencl
+
+namespace impactdic::advice {
+
+// The analysed frames, read one by one.
+struct FarFrames {
+  std::int64_t count = 0;
+  // The ball in frame `index`, looked for near a circle; nullopt where it is not found.
+  std::function<std::optional<BallPicture>(std::int64_t index, const Circle& near)> find;
+};
+
+// An error of the radius shows in proportion to the turn. The first picture of `pair` is therefore
+// registered, with the radius free, against one in which the ball, if it goes on moving by `step`
+// a frame, has turned out of the picture's plane by some 25 degrees, or nearer ones where that
+// fails: at an impact it does not go on. The displacement that the radius makes of such a turn must
+// also be that of the circles. Camera pixels; nullopt where no picture a few frames away could be
+// registered.
+std::optional<Measured> radius_from_turn(opencl::Engine& engine, const BallPair& pair,
+                                         const dic::RigidMotion& step, const FieldOptions& field,
+                                         const FarFrames& frames);
+
+}  // namespace impactdic::advice
