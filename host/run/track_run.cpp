@@ -218,6 +218,12 @@ void TrackRun::conclude() {
   analyse_impact(request_, result_.rows, result_.scale, result_.impact, result_.impact_si);
 }
 
+void hand_on(const pipeline::TrackedFrame& frame, int window_px, const TrackSink& sink) {
+  FieldView field;
+  if (frame.pair != nullptr) field = FieldView(frame.pair->windows, frame.pair->field, window_px);
+  sink({frame.row, frame.frame, field});
+}
+
 }  // namespace run
 
 void track(const TrackRequest& request, Session& session, const RunControl& control,
@@ -228,11 +234,7 @@ void track(const TrackRequest& request, Session& session, const RunControl& cont
   run::TrackRun::Outputs outputs;
   if (sink) {
     outputs.frame = [&](const pipeline::TrackedFrame& frame) {
-      FieldView field;
-      if (frame.pair != nullptr) {
-        field = FieldView(frame.pair->windows, frame.pair->field, request.field.window_px);
-      }
-      sink({frame.row, frame.frame, field});
+      run::hand_on(frame, request.field.window_px, sink);
     };
   }
   try {

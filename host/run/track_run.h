@@ -51,4 +51,7 @@ class TrackRun {
   pipeline::TrackOptions options_;
 };
 
+// Gives a frame to a caller's sink, which is not empty.
+void hand_on(const pipeline::TrackedFrame& frame, int window_px, const TrackSink& sink);
+
 }  // namespace impactdic::run

@@ -76,7 +76,7 @@ void TrackFolder::validate() const {
 }
 
 TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& folder,
-                            Session& session, const RunControl& control) {
+                            Session& session, const RunControl& control, const TrackSink& sink) {
   folder.validate();
   run::Caller caller(control);
   TrackResult result;
@@ -104,7 +104,10 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   outputs.grid = [&](std::span<const Window> grid, double radius_px) {
     files->set_grid(grid, radius_px);
   };
-  outputs.frame = [&](const pipeline::TrackedFrame& frame) { files->add(frame); };
+  outputs.frame = [&](const pipeline::TrackedFrame& frame) {
+    files->add(frame);
+    if (sink) run::hand_on(frame, request.field.window_px, sink);
+  };
   outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files->reach(point); };
   const auto finish = [&] {
     run.conclude();

@@ -2,18 +2,18 @@
 
 import csv
 import json
-import tomllib
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from . import tables
+from .errors import ResultError
 
-class ResultError(Exception):
-    """What is wrong, where, and a hint; in one line."""
-
-    def __init__(self, what, where, hint=""):
-        super().__init__(f"{what} ({where})" + (f": {hint}" if hint else ""))
+try:
+    import tomllib
+except ImportError:  # before Python 3.11
+    import tomli as tomllib
 
 
 def read_table(path):
@@ -78,46 +78,63 @@ class Result:
         """job.toml as a dictionary."""
         return tomllib.loads(self.job_text)
 
+    def columns(self, name):
+        """A table of the folder as a dictionary of arrays: "track", "pose", "motion", …"""
+        return read_table(self.folder / f"{name}.csv")
+
+    def table(self, name):
+        """The same as a pandas.DataFrame, units in attrs["units"]."""
+        return tables.frame(self.columns(name))
+
     @cached_property
     def track(self):
-        """track.csv: a dictionary of arrays, one value a frame."""
-        return read_table(self.folder / "track.csv")
+        """track.csv, one row a frame: a pandas.DataFrame, units in attrs["units"]."""
+        return self.table("track")
+
+    @cached_property
+    def pose(self):
+        """pose.csv: where the ball is and how far it has turned since the first frame."""
+        return self.table("pose")
 
     @cached_property
     def motion(self):
         """motion.csv of `correlate`."""
-        return read_table(self.folder / "motion.csv")
+        return self.table("motion")
 
     @cached_property
     def trajectory(self):
         """trajectory.csv of `simulate`."""
-        return read_table(self.folder / "trajectory.csv")
+        return self.table("trajectory")
 
     @cached_property
     def fields(self):
-        """fields.h5, open for reading (h5py.File)."""
-        import h5py
+        """fields.h5 as an xarray.Dataset (time, window); values are read when they are used."""
+        from .fields import open_fields
 
-        path = self.folder / "fields.h5"
-        try:
-            return h5py.File(path, "r")
-        except OSError as error:
-            raise ResultError("cannot read the displacement fields", path, str(error)) from error
+        return open_fields(self.folder / "fields.h5")
 
     def field(self, frame):
         """The windows of one frame that were found, as a dictionary of arrays: x_px, y_px (their
         centres), u_px, v_px (displacement to the next frame), correlation and more."""
-        file = self.fields
-        rows = np.flatnonzero(file["frame"][:] == frame)
-        if len(rows) == 0:
-            raise ResultError(f"there is no field of frame {frame}", self.folder / "fields.h5")
-        row = int(rows[0])
-        found = file["status"][row] == 0
-        return {
-            name: data[row][found]
-            for name, data in file.items()
-            if data.ndim == 2 and name != "status"
-        }
+        from . import engine
+
+        path = self.folder / "fields.h5"
+        h5py = engine.package("h5py", "a displacement field")
+        try:
+            file = h5py.File(path, "r")
+        except OSError as error:
+            raise ResultError("cannot read the displacement fields", path, error) from error
+        with file:
+            rows = np.flatnonzero(file["frame"][:] == frame)
+            if len(rows) == 0:
+                raise ResultError(f"there is no field of frame {frame}", path)
+            row = int(rows[0])
+            found = file["status"][row] == 0
+            return {
+                name: data[row][found]
+                for name, data in file.items()
+                if data.ndim == 2 and name != "status"
+            }
 
     @property
     def impact(self):
@@ -125,9 +142,21 @@ class Result:
         impact = self.summary.get("impact") or {}
         return impact if impact.get("found") else None
 
+    @property
+    def warnings(self):
+        """What a person should check, one line each."""
+        return list(self.summary.get("warnings") or [])
+
 
 def load(folder):
-    """The results in `folder`."""
+    """The results in `folder`: a Shot of `track`, a Batch of `batch`, else a Result."""
+    from .shot import Batch, Shot
+
+    folder = Path(folder)
+    if (folder / "shots.csv").exists():
+        return Batch(folder)
+    if (folder / "track.csv").exists():
+        return Shot(folder)
     return Result(folder)
 
 

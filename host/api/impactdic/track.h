@@ -197,8 +197,10 @@ struct TrackFolder {
 
 // `track` with files: track.csv, pose.csv, fields.h5, summary.json, job.toml, key_frames/ and,
 // where wanted, overlay/ and overlay.mp4 (docs/file-formats.md). What was measured before an error,
-// or before the run was cancelled, is on the disk. Throws also FileError where the disk refuses.
+// or before the run was cancelled, is on the disk. `sink` gets every frame that this run measures,
+// after the files have it. Throws also FileError where the disk refuses.
 TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& folder,
-                            Session& session, const RunControl& control = {});
+                            Session& session, const RunControl& control = {},
+                            const TrackSink& sink = {});
 
 }  // namespace impactdic

@@ -14,7 +14,8 @@ namespace {
 using Options = ClipCommand<TrackRequest, TrackFolder>;
 
 void run_track(Options& options) {
-  run_clip_command(options, track_to_folder, [&](const TrackResult& result) {
+  const auto run = [](auto&&... given) { return track_to_folder(given...); };
+  run_clip_command(options, run, [&](const TrackResult& result) {
     std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
                 static_cast<long long>(result.frames_ok),
                 static_cast<long long>(result.frames.count()), result.frames_per_s,

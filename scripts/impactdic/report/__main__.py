@@ -6,7 +6,8 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from ..results import ResultError, load, read_table, shots_of
+from ..errors import MissingPackage, ResultError
+from ..results import load, read_table, shots_of
 
 
 def missing_packages():
@@ -115,6 +116,23 @@ def _save(figure, into):
     draw.save(figure, into)
 
 
+def make(folder, program=None, threads=0):
+    """Draws the figures of the results in `folder` and writes report.html there; returns what
+    stands on the page. `program`: the impactdic that integrates models; none: they are left out.
+    Raises ResultError, MissingPackage."""
+    folder = Path(folder)
+    missing = missing_packages()
+    if missing:
+        raise MissingPackage(f"Python packages are missing ({', '.join(missing)})", "",
+                             f"on Debian: apt-get install {' '.join(missing)}")
+    if not folder.is_dir():
+        raise ResultError("there is no such folder", folder)
+    report = Report(folder, program)
+    report.gather()
+    report.write(threads or os.cpu_count() or 1)
+    return report
+
+
 def main():
     parser = argparse.ArgumentParser(prog="impactdic report")
     parser.add_argument("folder", type=Path)
@@ -122,17 +140,11 @@ def main():
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--quiet", action="store_true")
     options = parser.parse_args()
-    missing = missing_packages()
-    if missing:
-        print(f"impactdic: error: Python packages are missing ({', '.join(missing)}): "
-              f"on Debian: apt-get install {' '.join(missing)}", file=sys.stderr)
-        return 1
     try:
-        if not options.folder.is_dir():
-            raise ResultError("there is no such folder", options.folder)
-        report = Report(options.folder, options.program)
-        report.gather()
-        report.write(options.threads or os.cpu_count() or 1)
+        report = make(options.folder, options.program, options.threads)
+    except MissingPackage as error:
+        print(f"impactdic: error: {error}", file=sys.stderr)
+        return 1
     except ResultError as error:
         print(f"impactdic: error: {error}", file=sys.stderr)
         return 1

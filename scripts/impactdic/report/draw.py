@@ -3,10 +3,9 @@
 import io
 
 import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import matplotlib.figure
+import matplotlib.image
+import numpy as np
 
 MARKERS = {
     "circle": "o",
@@ -34,30 +33,36 @@ PANEL_INCHES = (4.4, 3.3)
 DPI = 150
 
 
-def save(figure, folder):
-    """Writes NAME.png and NAME.svg into `folder`."""
+def drawn(figure):
+    """A figure of figure.py as a matplotlib.figure.Figure. It belongs to no backend: the caller's
+    own stays as it is."""
     with matplotlib.rc_context(STYLE):
         width, height = PANEL_INCHES
         columns = min(3, len(figure.panels))
         rows = -(-len(figure.panels) // columns)
         size = (width * columns, height * rows)
-        drawn, axes = plt.subplots(
-            rows, columns, figsize=size, squeeze=False, layout="constrained"
-        )
+        made = matplotlib.figure.Figure(figsize=size, layout="constrained")
+        axes = made.subplots(rows, columns, squeeze=False)
         for axis, panel in zip(axes.flat, figure.panels):
             _draw_panel(axis, panel)
         for axis in list(axes.flat)[len(figure.panels) :]:
             axis.axis("off")
-        drawn.suptitle(figure.title)
-        drawn.savefig(folder / f"{figure.name}.png", dpi=DPI)
-        drawn.savefig(folder / f"{figure.name}.svg", dpi=DPI, metadata={"Date": None})
-        plt.close(drawn)
+        made.suptitle(figure.title)
+    return made
+
+
+def save(figure, folder):
+    """Writes NAME.png and NAME.svg into `folder`."""
+    made = drawn(figure)
+    with matplotlib.rc_context(STYLE):
+        made.savefig(folder / f"{figure.name}.png", dpi=DPI)
+        made.savefig(folder / f"{figure.name}.svg", dpi=DPI, metadata={"Date": None})
 
 
 def png_of(grey):
     """A grey picture as the bytes of a PNG file."""
     file = io.BytesIO()
-    plt.imsave(file, grey, cmap="gray", vmin=0, vmax=255, format="png")
+    matplotlib.image.imsave(file, grey, cmap="gray", vmin=0, vmax=255, format="png")
     return file.getvalue()
 
 

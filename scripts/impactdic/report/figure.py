@@ -1,6 +1,8 @@
 """What a figure shows, apart from how it is drawn: draw.py makes PNG and SVG of it, page.py a
 figure that answers to the mouse."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

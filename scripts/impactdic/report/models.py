@@ -165,7 +165,7 @@ def integrate(result, shot, model, program):
         path.write_text(_to_toml(sections), encoding="utf-8")
         subprocess.run([program, "simulate", path, "-o", Path(scratch) / "out", "-q"],
                        check=True, capture_output=True, text=True)
-        return load(Path(scratch) / "out").trajectory
+        return load(Path(scratch) / "out").columns("trajectory")
 
 
 def _to_toml(sections):

@@ -17,7 +17,7 @@ class Shot:
 
     def __init__(self, result):
         self.result = result
-        self.track = track = result.track
+        self.track = track = result.columns("track")
         summary = result.summary
         if "frames_analysed" not in summary:
             raise ResultError("the summary is not one of track", result.folder / "summary.json")

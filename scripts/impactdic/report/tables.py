@@ -1,10 +1,13 @@
 """Tables and warnings of a report, as rows of text."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
 from ..results import read_table
 from .models import kind_of, name_of
+from .text import rounded, with_sd
 
 
 @dataclass
@@ -13,25 +16,6 @@ class Table:
     header: list[str]
     rows: list[list[str]]
     section: str = "Figures of the impact"
-
-
-def with_sd(figure, factor=1.0, unit=""):
-    """A figure {"value", "sd"} as text, rounded to two digits of its deviation."""
-    if not figure or figure.get("value") is None:
-        return "not measured"
-    value, sd = factor * figure["value"], figure.get("sd")
-    return (rounded(value, None if sd is None else factor * sd) + " " + unit).strip()
-
-
-def rounded(value, sd=None):
-    if not math.isfinite(value):
-        return "not measured"
-    if not sd or not math.isfinite(sd):
-        return f"{value:.6g}"
-    digits = max(0, 1 - math.floor(math.log10(sd)))
-    if digits > 12:
-        return f"{value:.6g}"
-    return f"{value:.{digits}f} ± {sd:.{digits}f}"
 
 
 def impact_tables(summary):
@@ -86,7 +70,7 @@ def run_table(summary, job):
     radius, metres = ball.get("radius_px"), ball.get("radius_m")
     rows = [
         ["clip", str(source.get("path", "unknown"))],
-        ["SHA-256", str(source.get("sha256", "unknown"))],
+        ["SHA-256", str(source.get("sha256") or "not worked out")],
         ["format", f"{source.get('format')}, {source.get('width_px')} × {source.get('height_px')} "
                    f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
         ["camera", str(source.get("camera") or "not stated")],

@@ -1,0 +1,22 @@
+"""Figures with their deviation, as people read them."""
+
+import math
+
+
+def with_sd(figure, factor=1.0, unit=""):
+    """A figure {"value", "sd"} as text, rounded to two digits of its deviation."""
+    if not figure or figure.get("value") is None:
+        return "not measured"
+    value, sd = factor * figure["value"], figure.get("sd")
+    return (rounded(value, None if sd is None else factor * sd) + " " + unit).strip()
+
+
+def rounded(value, sd=None):
+    if not math.isfinite(value):
+        return "not measured"
+    if not sd or not math.isfinite(sd):
+        return f"{value:.6g}"
+    digits = max(0, 1 - math.floor(math.log10(sd)))
+    if digits > 12:
+        return f"{value:.6g}"
+    return f"{value:.{digits}f} ± {sd:.{digits}f}"
