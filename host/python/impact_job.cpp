@@ -71,6 +71,9 @@ ImpactJob impact_job(nb::dict job) {
   initial("vt_m_s", impact.initial.vt_m_s);
   initial("vn_m_s", impact.initial.vn_m_s);
   initial("omega_rad_s", impact.initial.omega_rad_s);
+  initial("vb_m_s", impact.initial.vb_m_s);
+  initial("omega_t_rad_s", impact.initial.omega_t_rad_s);
+  initial("omega_n_rad_s", impact.initial.omega_n_rad_s);
   initial("gap_m", impact.initial.gap_m);
   initial("angle_deg", impact.initial.angle_deg);
   initial.finish("initial");

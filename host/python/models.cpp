@@ -21,7 +21,7 @@ nb::dict pair_of(const Measured& measured) {
   return pair;
 }
 
-nb::dict state_of(const PlaneState& state) {
+nb::dict state_of(const BodyState& state) {
   nb::dict values;
   values["qt_m"] = state.qt_m;
   values["qn_m"] = state.qn_m;
@@ -29,6 +29,10 @@ nb::dict state_of(const PlaneState& state) {
   values["vt_m_s"] = state.vt_m_s;
   values["vn_m_s"] = state.vn_m_s;
   values["omega_rad_s"] = state.omega_rad_s;
+  values["qb_m"] = state.qb_m;
+  values["vb_m_s"] = state.vb_m_s;
+  values["omega_t_rad_s"] = state.omega_t_rad_s;
+  values["omega_n_rad_s"] = state.omega_n_rad_s;
   return values;
 }
 
@@ -46,6 +50,10 @@ nb::dict trajectory_of(const std::vector<TrajectoryPoint>& points) {
   column("vt_m_s", [](const auto& p) { return p.state.vt_m_s; });
   column("vn_m_s", [](const auto& p) { return p.state.vn_m_s; });
   column("omega_rad_s", [](const auto& p) { return p.state.omega_rad_s; });
+  column("qb_m", [](const auto& p) { return p.state.qb_m; });
+  column("vb_m_s", [](const auto& p) { return p.state.vb_m_s; });
+  column("omega_t_rad_s", [](const auto& p) { return p.state.omega_t_rad_s; });
+  column("omega_n_rad_s", [](const auto& p) { return p.state.omega_n_rad_s; });
   column("normal_force_n", [](const auto& p) { return p.normal_force_n; });
   column("tangential_force_n", [](const auto& p) { return p.tangential_force_n; });
   column("deflection_m", [](const auto& p) { return p.deflection_m; });
@@ -66,7 +74,8 @@ nb::dict outcome_of(const ImpactResult& impact) {
       {"peak_force_n", impact.peak_force_n},
       {"restitution", impact.restitution},
       {"impulse_t_n_s", impact.impulse_t_n_s},
-      {"impulse_n_n_s", impact.impulse_n_n_s}};
+      {"impulse_n_n_s", impact.impulse_n_n_s},
+      {"impulse_b_n_s", impact.impulse_b_n_s}};
   for (const auto& [name, value] : figures) outcome[name] = value;
   nb::list phases;
   for (const ContactPhase& phase : impact.phases) {

@@ -80,8 +80,13 @@ SynthTruth path_of(const SimulatedMotion& motion, const SynthRequest& request) {
       static_cast<std::size_t>(std::clamp(std::lround(motion.touch_frame), 0L, frames - 1L));
   for (const sim::contact::FramePose& at :
        sim::contact::simulate_motion(job, request.fps, frames, motion.touch_frame)) {
-    truth.poses.push_back({at.x_m * px_per_m, -at.y_m * px_per_m, at.angle_rad * kDegPerRad,
-                           at.compression, job.surface_angle_deg + 90});
+    BallPose pose{at.x_m * px_per_m, -at.y_m * px_per_m, at.angle_rad * kDegPerRad, at.compression,
+                  job.surface_angle_deg + 90};
+    if (!job.initial.plane()) {
+      pose = oriented(pose, at.orientation);
+      pose.z_px = at.z_m * px_per_m;
+    }
+    truth.poses.push_back(pose);
   }
   return truth;
 }
@@ -143,6 +148,9 @@ void validate_disc(const SynthRequest& request) {
   } else if (const auto* given = std::get_if<GivenMotion>(&request.motion)) {
     refuse(std::any_of(given->poses.begin(), given->poses.end(), turns),
            "a disc turns and moves in its plane only", "--motion");
+  } else if (const auto* impact = std::get_if<SimulatedMotion>(&request.motion)) {
+    refuse(!impact->impact.initial.plane(), "a disc turns and moves in its plane only",
+           "--simulate");
   }
 }
 
@@ -161,6 +169,9 @@ void validate_motion(const SynthRequest& request) {
   } else if (const auto* impact = std::get_if<SimulatedMotion>(&request.motion)) {
     if (impact->impact.body.shape == BodyShape::kRod) {
       throw InvalidArgument("the renderer knows balls only", "--simulate", "not a rod");
+    }
+    if (impact->impact.other) {
+      throw InvalidArgument("the renderer shows one ball", "--simulate", "without [other]");
     }
     impact->impact.validate();
   }
@@ -207,7 +218,7 @@ SynthTruth synth_truth(const SynthRequest& request) {
       std::visit([&](const auto& motion) { return path_of(motion, request); }, request.motion);
   const auto* given = std::get_if<GivenMotion>(&request.motion);
   if (given == nullptr || !given->placed) put_into_picture(truth.poses, request);
-  if (std::holds_alternative<ConstantMotion>(request.motion)) {
+  if (given == nullptr) {
     put_into_perspective(truth.poses, request);
   }
   truth.leaves_view = leaves_view(truth, request);

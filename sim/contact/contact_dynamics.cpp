@@ -27,14 +27,56 @@ ContactDynamics::Arm ContactDynamics::arm(double angle_rad) const {
   return {-reach_ * std::cos(axis), -reach_ * std::sin(axis) - cap_};
 }
 
+void ContactDynamics::aim(const ImpactState& touch) {
+  const double t = tip_t(touch), b = tip_b(touch);
+  line_ = {};
+  turning_ = false;
+  if (b == 0) return;
+  const double speed = std::hypot(t, b);
+  line_ = {t / speed, b / speed};
+  turning_ = gravity_t_ != 0;
+}
+
+void ContactDynamics::stop_turning(bool keep_line) {
+  turning_ = false;
+  if (!keep_line) line_ = {gravity_t_ > 0 ? 1.0 : -1.0, 0};
+}
+
+void ContactDynamics::turn_on(const ImpactState& x) {
+  const double t = tip_t(x), b = tip_b(x), speed = std::hypot(t, b);
+  if (speed == 0) return;
+  line_ = {t / speed, b / speed};
+  turning_ = true;
+}
+
+void ContactDynamics::rest(ImpactState& x) const {
+  const double mobility = inverse_mass_ + reach_ * reach_ * inverse_inertia_;
+  const double impulse_t = -tip_t(x) / mobility, impulse_b = -tip_b(x) / mobility;
+  x[kVt] += impulse_t * inverse_mass_;
+  x[kOmega] += reach_ * impulse_t * inverse_inertia_;
+  x[kVb] += impulse_b * inverse_mass_;
+  x[kOmegaT] -= reach_ * impulse_b * inverse_inertia_;
+}
+
+// Once the slip has stopped and come back within a step its last direction holds: the law finds the
+// moment as the zero of the velocity along it.
+SlipLine ContactDynamics::line(const ImpactState& x) const {
+  if (!turning_) return line_;
+  const double t = tip_t(x), b = tip_b(x);
+  if (!(t * line_.t + b * line_.b > 0)) return line_;
+  const double speed = std::hypot(t, b);
+  return {t / speed, b / speed};
+}
+
 ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   const Arm r = arm(x[kAngle]);
+  const SlipLine along = line(x);
   ContactPoint at;
   at.deflection_m = 0.0 - x[kQn];  // not -0 at the touch
   if (rod_) at.deflection_m -= r.n + cap_ + reach_ * std::sin(start_angle_);
   at.rate_m_s = -(x[kVn] + x[kOmega] * r.t);
-  at.centre_vt_m_s = x[kVt];
-  at.tip_vt_m_s = x[kVt] - x[kOmega] * r.n;
+  at.centre_vt_m_s = x[kVt] * along.t + x[kVb] * along.b;
+  at.tip_vt_m_s = (x[kVt] - x[kOmega] * r.n) * along.t + (x[kVb] + x[kOmegaT] * r.n) * along.b;
   at.tip_m = x[kTip];
   at.springs_m2 = x[kSprings];
   const double spring = spring_n(at);
@@ -46,10 +88,10 @@ ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   at.acceleration_m_s2 = -(normal * inverse_mass_ + gravity_n_);  // of a ball
   // d(tip velocity)/dt = 0, with r' = omega x r for a rod's axis; its cap only rolls.
   at.mobility_per_kg = inverse_mass_ + r.n * r.n * inverse_inertia_;
-  at.rolling_n =
-      (-gravity_t_ + r.n * r.t * at.normal_n * inverse_inertia_ + x[kOmega] * x[kOmega] * r.t) /
-      at.mobility_per_kg;
-  at.holding_n = -mass_ * gravity_t_;
+  at.rolling_n = (-gravity_t_ * along.t + r.n * r.t * at.normal_n * inverse_inertia_ +
+                  x[kOmega] * x[kOmega] * r.t) /
+                 at.mobility_per_kg;
+  at.holding_n = -mass_ * gravity_t_ * along.t;
   return at;
 }
 
@@ -64,16 +106,22 @@ void ContactDynamics::operator()(const ImpactState& x, ImpactState& rate, double
   const double damper = normal_.damper_n(at.deflection_m, at.rate_m_s, memory);
   const double normal = spring_n(at) + damper;
   const Traction traction = friction_.traction(at);
+  const SlipLine along = line(x);
+  const double force_t = traction.force_n * along.t, force_b = traction.force_n * along.b;
   rate[kQt] = x[kVt];
   rate[kQn] = x[kVn];
   rate[kAngle] = x[kOmega];
-  rate[kVt] = (traction.force_n + traction.centre_force_n) * inverse_mass_ + gravity_t_;
+  rate[kVt] = (force_t + traction.centre_force_n) * inverse_mass_ + gravity_t_;
   rate[kVn] = normal * inverse_mass_ + gravity_n_;
-  rate[kOmega] = (r.t * normal - r.n * traction.force_n) * inverse_inertia_;
+  rate[kOmega] = (r.t * normal - r.n * force_t) * inverse_inertia_;
   rate[kDamping] = damper * at.rate_m_s;
   rate[kSlip] = traction.dissipation_w;
   rate[kTip] = at.tip_vt_m_s;
   rate[kSprings] = traction.springs_rate_m2_s;
+  rate[kQb] = x[kVb];
+  rate[kVb] = force_b * inverse_mass_;
+  rate[kOmegaT] = r.n * force_b * inverse_inertia_;
+  rate[kOmegaN] = 0;
 }
 
 }  // namespace impactdic::sim::contact

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "sim/contact/contact_record.h"
 #include "sim/contact/event_integrator.h"
@@ -25,6 +26,7 @@ class ContactSystem {
         dynamics_(dynamics),
         request_(request),
         ball_(job.body.shape != BodyShape::kRod),
+        keeps_direction_(job.friction == FrictionModel::kFullSliding),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
         next_kink_m_(normal.next_kink_m(0)),
         record_(start_s, dynamics.normal_force_n(touch_)) {}
@@ -48,7 +50,7 @@ class ContactSystem {
 
   void rates(const State& x, State& rate) const { dynamics_(x, rate, 0); }
   int guards(const State& x, Guards& values) const;
-  void switch_mode(int guard, double time_s, const State& x);
+  void switch_mode(int guard, double time_s, State& x);
   bool finished() const { return separated_ || resting_; }
   double next_point_s() const { return request_.next_s(); }
   void take_point(double time_s, const State& x) { request_.take(time_s, x); }
@@ -58,6 +60,8 @@ class ContactSystem {
   template <typename StateWithin>
   void accepted(const EventInstant<State>& next, double, const StateWithin&) {
     const ContactPoint at = dynamics_.contact_point(next.x);
+    if (dynamics_.turning()) dynamics_.follow(next.x);
+    request_.reach(next.time_s, next.x);
     friction_.step(at, next.time_s);
     record_.step(dynamics_.normal_force_n(at));
   }
@@ -66,6 +70,7 @@ class ContactSystem {
   double separation_guard(const ContactPoint& at) const;
   double force_rate(const ContactPoint& at) const;
   void turn(double time_s, const State& x, const ContactPoint& at);
+  void cross_friction(int guard, State& x, const ContactPoint& at);
 
   RestitutionDamping damping_;
   const NormalLaw& normal_;
@@ -73,6 +78,7 @@ class ContactSystem {
   ContactDynamics& dynamics_;
   TrajectoryRequest& request_;
   bool ball_;
+  bool keeps_direction_;  // friction goes on as it was when the contact point has stopped
   ContactPoint touch_;
   double next_kink_m_;
   bool force_rises_ = true;  // in compression
@@ -121,7 +127,7 @@ int ContactSystem::guards(const State& x, Guards& values) const {
   return kNormalGuards + count;
 }
 
-void ContactSystem::switch_mode(int guard, double time_s, const State& x) {
+void ContactSystem::switch_mode(int guard, double time_s, State& x) {
   const ContactPoint at = dynamics_.contact_point(x);
   switch (guard) {
     case kTurn:
@@ -140,8 +146,20 @@ void ContactSystem::switch_mode(int guard, double time_s, const State& x) {
       next_kink_m_ = normal_.next_kink_m(at.deflection_m);
       break;
     default:
-      friction_.cross(guard - kNormalGuards, at);
+      cross_friction(guard - kNormalGuards, x, at);
       record_.enter(ContactPhaseKind::kTangential, friction_.mode(), {time_s, &x});
+  }
+}
+
+// Where a line of slip turns the law slides, and its one guard is the end of that.
+void ContactSystem::cross_friction(int guard, State& x, const ContactPoint& at) {
+  if (!dynamics_.turning()) return friction_.cross(guard, at);
+  dynamics_.stop_turning(keeps_direction_);
+  friction_.cross(guard, dynamics_.contact_point(x));
+  if (std::string_view(friction_.mode()) == "sliding") {
+    dynamics_.turn_on(x);
+  } else if (!keeps_direction_) {
+    dynamics_.rest(x);
   }
 }
 

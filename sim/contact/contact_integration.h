@@ -30,6 +30,8 @@ class TrajectoryRequest {
   // The next time wanted; infinite when there is none.
   virtual double next_s() const = 0;
   virtual void take(double time_s, const ImpactState& x) = 0;
+  // An accepted step, or a part of one, has come here.
+  virtual void reach(double time_s, const ImpactState& x) = 0;
 };
 
 // Integrates one contact that begins at `start_s` in state `start` (event_integrator.h).

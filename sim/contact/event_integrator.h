@@ -39,7 +39,7 @@ struct EventLimits {
 //   rates(x, rate)          the right-hand side in the present mode
 //   guards(x, values)       fills the functions that are positive while the mode lasts, returns
 //                           their number; one that falls through zero ends the mode
-//   switch_mode(guard, time_s, x)
+//   switch_mode(guard, time_s, x)    may correct x by less than the tolerance
 //   finished()              asked after every step and switch
 //   accepted(instant, stretch_s, state_within)   told of every step; state_within(s) is the state s
 //                           after the step before it began, which lasted stretch_s up to here

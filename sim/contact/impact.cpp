@@ -11,6 +11,8 @@
 #include "host/base/parse.h"
 #include "host/impact/impulse_figures.h"
 #include "sim/contact/contact_integration.h"
+#include "sim/contact/orientation_path.h"
+#include "sim/contact/two_bodies.h"
 
 namespace impactdic::sim::contact {
 
@@ -18,8 +20,18 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-PlaneState plane_state(const ImpactState& x) {
-  return {x[kQt], x[kQn], x[kAngle], x[kVt], x[kVn], x[kOmega]};
+BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q) {
+  return {x[kQt],
+          x[kQn],
+          x[kAngle],
+          x[kVt],
+          x[kVn],
+          x[kOmega],
+          x[kQb],
+          x[kVb],
+          x[kOmegaT],
+          x[kOmegaN],
+          {q.w(), q.x(), q.y(), q.z()}};
 }
 
 // The motion `elapsed` after (or before) a state in free flight.
@@ -27,6 +39,7 @@ ImpactState fly(const ImpactState& from, double gravity_t, double gravity_n, dou
   ImpactState x = from;
   x[kQt] += elapsed * (from[kVt] + 0.5 * gravity_t * elapsed);
   x[kQn] += elapsed * (from[kVn] + 0.5 * gravity_n * elapsed);
+  x[kQb] += elapsed * from[kVb];
   x[kAngle] += elapsed * from[kOmega];
   x[kVt] += gravity_t * elapsed;
   x[kVn] += gravity_n * elapsed;
@@ -64,15 +77,23 @@ bool closes(const EnergyLedger& energy, double limit, double rounding) {
 class ImpactRun final : public TrajectoryRequest {
  public:
   ImpactRun(const ImpactJob& job, const Recording& recording)
-      : job_(job), recording_(recording), normal_(make_normal_law(job)) {}
+      : job_(job),
+        recording_(recording),
+        normal_(make_normal_law(job)),
+        orientation_(job.body),
+        turns_(job.body.shape != BodyShape::kRod) {}
 
   ImpactResult run() {
     now_[kVt] = job_.initial.vt_m_s;
     now_[kVn] = job_.initial.vn_m_s;
     now_[kOmega] = job_.initial.omega_rad_s;
     now_[kQn] = job_.initial.gap_m;
+    now_[kVb] = job_.initial.vb_m_s;
+    now_[kOmegaT] = job_.initial.omega_t_rad_s;
+    now_[kOmegaN] = job_.initial.omega_n_rad_s;
     start_ = now_;
-    result_.start = plane_state(now_);
+    orientation_.start(0, start_);
+    result_.start = state(0, now_);
     for (int contact = 0; contact < job_.solver.contacts; ++contact) {
       if (!reach_surface(contact)) break;
       follow_contact(contact);
@@ -92,7 +113,15 @@ class ImpactRun final : public TrajectoryRequest {
     result_.trajectory.push_back(point(time_s, x));
   }
 
+  void reach(double time_s, const ImpactState& x) override {
+    if (turns_) orientation_.reach(time_s, x);
+  }
+
  private:
+  BodyState state(double time_s, const ImpactState& x) const {
+    return body_state(x, turns_ ? orientation_.at(time_s, x) : Eigen::Quaterniond::Identity());
+  }
+
   double gravity_t() const {
     return -job_.gravity_m_s2 * std::sin(job_.surface_angle_deg * kRadPerDeg);
   }
@@ -115,6 +144,7 @@ class ImpactRun final : public TrajectoryRequest {
       now_ = fly(now_, gravity_t(), gravity_n(), flight);
       now_[kQn] = 0;
       time_s_ = touch_s;
+      reach(time_s_, now_);
     } else {
       record_flight(-std::numeric_limits<double>::min());
     }
@@ -132,6 +162,11 @@ class ImpactRun final : public TrajectoryRequest {
     now_[kTip] = now_[kSprings] = 0;
     friction_ = make_friction_law(job_, now_[kVt], now_[kVn]);
     dynamics_.emplace(job_, *normal_, *friction_);
+    dynamics_->aim(now_);
+    if (dynamics_->turning() && job_.friction == FrictionModel::kMawBarberFawcett) {
+      throw InvalidArgument("maw_barber_fawcett knows no slip that the weight turns", "friction",
+                            "gravity 0, a level surface, or coulomb");
+    }
     const ContactPoint touch = dynamics_->contact_point(now_);
     if (!(touch.rate_m_s > 0)) {
       throw InvalidArgument("the body does not approach the surface", "initial.vn_m_s",
@@ -151,7 +186,7 @@ class ImpactRun final : public TrajectoryRequest {
     result_.separated = outcome.separated;
     result_.phases.insert(result_.phases.end(), outcome.phases.begin(), outcome.phases.end());
     warn(outcome);
-    if (contact == 0) describe_first(touch_s, touch, before, outcome);
+    if (contact == 0) describe_first(touch_s, touch.rate_m_s, before, outcome);
     if (outcome.separated) {
       dynamics_.reset();  // from here on the body flies
       plastic_j_ += outcome.plastic_j;
@@ -160,7 +195,7 @@ class ImpactRun final : public TrajectoryRequest {
     }
   }
 
-  void describe_first(double touch_s, const ContactPoint& touch, const ImpactState& before,
+  void describe_first(double touch_s, double touch_rate_m_s, const ImpactState& before,
                       const ContactOutcome& outcome) {
     const double nan = kNotMeasured;
     const ImpactState& after = outcome.end;
@@ -172,10 +207,13 @@ class ImpactRun final : public TrajectoryRequest {
     result_.max_force_n = outcome.max_force_n;
     result_.peak_force_n = outcome.peak_force_n;
     result_.separation_force_n = outcome.separation_force_n;
-    result_.restitution = outcome.separated ? -outcome.end_point.rate_m_s / touch.rate_m_s : nan;
-    result_.tip_vt_start_m_s = touch.tip_vt_m_s;
-    result_.tip_vt_final_m_s = outcome.end_point.tip_vt_m_s;
+    result_.restitution = outcome.separated ? -outcome.end_point.rate_m_s / touch_rate_m_s : nan;
+    result_.tip_vt_start_m_s = dynamics_->tip_t(before);
+    result_.tip_vt_final_m_s = dynamics_->tip_t(after);
+    result_.tip_vb_start_m_s = dynamics_->tip_b(before);
+    result_.tip_vb_final_m_s = dynamics_->tip_b(after);
     result_.impulse_t_n_s = mass * (after[kVt] - before[kVt] - gravity_t() * duration);
+    result_.impulse_b_n_s = mass * (after[kVb] - before[kVb]);
     result_.impulse_n_n_s = mass * (after[kVn] - before[kVn] - gravity_n() * duration);
   }
 
@@ -204,13 +242,15 @@ class ImpactRun final : public TrajectoryRequest {
     if (result_.separated && recording_.rate_hz <= 0) {
       record_flight(std::numeric_limits<double>::max());
     }
-    result_.final = plane_state(now_);
+    result_.final = state(time_s_, now_);
+    result_.end_s = time_s_;
     result_.energy = ledger(time_s_, now_);
   }
 
   double kinetic_j(const ImpactState& x) const {
-    return 0.5 * job_.body.mass_kg * (x[kVt] * x[kVt] + x[kVn] * x[kVn]) +
-           0.5 * job_.body.inertia() * x[kOmega] * x[kOmega];
+    return 0.5 * job_.body.mass_kg * (x[kVt] * x[kVt] + x[kVn] * x[kVn] + x[kVb] * x[kVb]) +
+           0.5 * job_.body.inertia() * x[kOmega] * x[kOmega] +
+           0.5 * job_.body.inertia() * (x[kOmegaT] * x[kOmegaT] + x[kOmegaN] * x[kOmegaN]);
   }
 
   EnergyLedger ledger(double time_s, const ImpactState& x) const {
@@ -239,16 +279,21 @@ class ImpactRun final : public TrajectoryRequest {
   TrajectoryPoint point(double time_s, const ImpactState& x) const {
     TrajectoryPoint point;
     point.time_s = time_s;
-    point.state = plane_state(x);
+    point.state = state(time_s, x);
     point.energy = ledger(time_s, x);
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       point.deflection_m = at.deflection_m;
       point.normal_force_n = dynamics_->normal_force_n(at);
-      point.tangential_force_n = friction_->traction(at).force_n;
-      point.tip_vt_m_s = at.tip_vt_m_s;
+      const double friction = friction_->traction(at).force_n;
+      const SlipLine line = dynamics_->line(x);
+      point.tangential_force_n = friction * line.t;
+      point.tangential_force_b_n = friction * line.b;
+      point.tip_vt_m_s = dynamics_->tip_t(x);
+      point.tip_vb_m_s = dynamics_->tip_b(x);
     } else {
       point.tip_vt_m_s = x[kVt] + x[kOmega] * job_.body.radius_m();
+      point.tip_vb_m_s = x[kVb] - x[kOmegaT] * job_.body.radius_m();
     }
     return point;
   }
@@ -258,6 +303,8 @@ class ImpactRun final : public TrajectoryRequest {
   std::unique_ptr<NormalLaw> normal_;
   std::unique_ptr<FrictionLaw> friction_;
   std::optional<ContactDynamics> dynamics_;  // while in contact
+  OrientationPath orientation_;
+  bool turns_;  // an orientation is told of balls
   ImpactState now_{}, start_{};
   double time_s_ = 0;
   double plastic_j_ = 0;  // of the contacts before
@@ -269,6 +316,9 @@ class ImpactRun final : public TrajectoryRequest {
 
 ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording) {
   job.validate();
+  if (job.other) {
+    return of_two_bodies(job, simulate_impact(relative_job(job), recording));
+  }
   // Hard cases (friction of 100, a weight that does far more work than the blow) add errors up.
   ImpactJob attempt = job;
   for (;;) {
@@ -286,23 +336,26 @@ ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording) {
   }
 }
 
-EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& before,
-                                     const PlaneState& after, double contact_s, double gravity_m_s2,
+EffectiveFriction effective_friction(const ImpactBody& body, const BodyState& before,
+                                     const BodyState& after, double contact_s, double gravity_m_s2,
                                      double surface_angle_deg) {
   const double angle = surface_angle_deg * kRadPerDeg;
   const double dvt = after.vt_m_s - before.vt_m_s, dvn = after.vn_m_s - before.vn_m_s;
+  const double dvb = after.vb_m_s - before.vb_m_s;
   const double gravity_s = gravity_m_s2 * contact_s;
   EffectiveFriction friction;
-  const double tip = impact::tip_velocity(before.vt_m_s, before.omega_rad_s, body.radius_m());
-  const double tip_after = impact::tip_velocity(after.vt_m_s, after.omega_rad_s, body.radius_m());
-  const double against = impact::against_slip(tip);
-  friction.published = against * impact::impulse_ratio(dvt, dvn);
-  friction.sound =
-      against *
-      impact::impulse_ratio(
-          impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle)),
-          impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
-  friction.rolling_cap = impact::rolling_cap(tip, tip_after, body.inertia_factor(), dvn);
+  const auto tip = [&](const BodyState& s) {
+    return impact::tip_velocity({s.vt_m_s, s.vb_m_s}, s.omega_rad_s, s.omega_t_rad_s,
+                                body.radius_m());
+  };
+  const impact::Tangential slip = impact::slip_direction(tip(before));
+  friction.published = -impact::impulse_ratio(impact::along(slip, {dvt, dvb}), dvn);
+  const double dvt_sound =
+      impact::surface_impulse(before.vt_m_s, after.vt_m_s, -gravity_s * std::sin(angle));
+  friction.sound = -impact::impulse_ratio(
+      impact::along(slip, {dvt_sound, dvb}),
+      impact::surface_impulse(before.vn_m_s, after.vn_m_s, -gravity_s * std::cos(angle)));
+  friction.rolling_cap = impact::rolling_cap(tip(before), tip(after), body.inertia_factor(), dvn);
   return friction;
 }
 

@@ -23,8 +23,8 @@ struct Recording {
 ImpactResult simulate_impact(const ImpactJob& job, const Recording& recording = {});
 
 // `after`: where the contact ends, contact_s later. Lengths in metres, angles as in ImpactJob.
-EffectiveFriction effective_friction(const ImpactBody& body, const PlaneState& before,
-                                     const PlaneState& after, double contact_s, double gravity_m_s2,
+EffectiveFriction effective_friction(const ImpactBody& body, const BodyState& before,
+                                     const BodyState& after, double contact_s, double gravity_m_s2,
                                      double surface_angle_deg);
 
 }  // namespace impactdic::sim::contact

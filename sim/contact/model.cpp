@@ -108,6 +108,47 @@ void validate_friction(const ImpactJob& job) {
   }
 }
 
+void require_finite(const InitialMotion& m, const std::string& table) {
+  for (const auto& [value, key] :
+       {std::pair{m.vt_m_s, "vt_m_s"}, std::pair{m.vn_m_s, "vn_m_s"}, std::pair{m.vb_m_s, "vb_m_s"},
+        std::pair{m.omega_rad_s, "omega_rad_s"}, std::pair{m.omega_t_rad_s, "omega_t_rad_s"},
+        std::pair{m.omega_n_rad_s, "omega_n_rad_s"}, std::pair{m.angle_deg, "angle_deg"}}) {
+    require(std::isfinite(value), "must be a finite number", (table + "." + key).c_str());
+  }
+}
+
+// Motion out of the plane of t and n.
+void validate_space(const ImpactJob& job) {
+  if (job.initial.plane() && (!job.other || job.other->initial.plane())) return;
+  require(job.body.shape != BodyShape::kRod, "a rod moves in the plane of t and n only",
+          "initial.vb_m_s");
+  const bool chapter4 = job.friction == FrictionModel::kThreePhase ||
+                        job.friction == FrictionModel::kFullSliding ||
+                        job.friction == FrictionModel::kBrody;
+  require(job.preset == ModelPreset::kSound || !chapter4,
+          "the published rule knows motion in the plane of t and n only", "preset", "sound");
+}
+
+void validate_other(const ImpactJob& job) {
+  const OtherBody& other = *job.other;
+  const auto in_other = [](const Error& error) {
+    std::string key = error.where();
+    if (key.rfind("body.", 0) == 0) key = "other" + key.substr(4);
+    return key;
+  };
+  try {
+    other.body.validate();
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument(error.what(), in_other(error), error.hint());
+  }
+  require_finite(other.initial, "other");
+  require(job.body.shape != BodyShape::kRod && other.body.shape != BodyShape::kRod,
+          "two bodies that both move must be balls", "other.shape");
+  require(job.surface_radius_m == 0, "the other ball is the surface", "surface.radius_m",
+          "leave it out");
+  require(job.solver.contacts == 1, "only one contact is followed of two balls", "solver.contacts");
+}
+
 }  // namespace
 
 std::string_view name_of(NormalModel model) { return find_name(kNormalModels, model); }
@@ -142,12 +183,11 @@ void ImpactJob::validate() const {
   require_not_negative(gravity_m_s2, "environment.gravity_m_s2");
   require(std::isfinite(surface_angle_deg) && std::abs(surface_angle_deg) <= 180,
           "must be from -180 to 180", "surface.angle_deg");
-  for (const auto& [value, key] :
-       {std::pair{initial.vt_m_s, "initial.vt_m_s"}, std::pair{initial.vn_m_s, "initial.vn_m_s"},
-        std::pair{initial.omega_rad_s, "initial.omega_rad_s"},
-        std::pair{initial.angle_deg, "initial.angle_deg"}}) {
-    require(std::isfinite(value), "must be a finite number", key);
-  }
+  require_finite(initial, "initial");
+  validate_space(*this);
+  if (other) validate_other(*this);
+  require(std::isfinite(surface_radius_m) && !(surface_radius_m < 0 && contact_radius_m() <= 0),
+          "a hollow must be wider than the ball", "surface.radius_m");
   require_not_negative(initial.gap_m, "initial.gap_m");
   const double tolerance = solver.relative_tolerance;
   require(tolerance >= 1e-14 && tolerance <= 1e-3, "must be from 1e-14 to 1e-3",

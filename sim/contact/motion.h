@@ -7,12 +7,13 @@
 
 namespace impactdic::sim::contact {
 
-// One frame of a filmed impact. World axes: x right, y up, metres; the origin is where the centre
-// of the ball is at the first touch.
+// One frame of a filmed impact. World axes: x right, y up, z towards the camera, metres; the origin
+// is where the centre of the ball is at the first touch.
 struct FramePose {
   double time_s = 0;  // from the first touch
-  double x_m = 0, y_m = 0;
+  double x_m = 0, y_m = 0, z_m = 0;
   double angle_rad = 0;    // counter-clockwise, 0 at frame 0
+  Quaternion orientation;  // since frame 0, world axes; about z by angle_rad in plane motion
   double compression = 0;  // deflection / diameter along the surface's normal, 0 out of contact
 };
 

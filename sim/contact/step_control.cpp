@@ -9,17 +9,20 @@ ContactScales contact_scales(const ImpactJob& job, const NormalLaw& normal,
   const double speed_n = touch.rate_m_s;
   const double reach =
       job.body.shape == BodyShape::kRod ? job.body.length_m / 2 : job.body.radius_m();
-  const double speed = std::max({speed_n, std::abs(start[kVt]), std::abs(start[kOmega]) * reach});
+  const double spin =
+      std::max({std::abs(start[kOmega]), std::abs(start[kOmegaT]), std::abs(start[kOmegaN])});
+  const double speed =
+      std::max({speed_n, std::abs(start[kVt]), std::abs(start[kVb]), spin * reach});
   const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
   const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);
   const double energy = 0.5 * job.body.mass_kg * speed * speed;
   ContactScales scales{duration, {}};
-  scales.state[kQt] = scales.state[kTip] = speed * duration;
+  scales.state[kQt] = scales.state[kQb] = scales.state[kTip] = speed * duration;
   scales.state[kQn] = deflection;
   scales.state[kAngle] = speed / reach * duration;
-  scales.state[kVt] = speed;
+  scales.state[kVt] = scales.state[kVb] = speed;
   scales.state[kVn] = speed_n;
-  scales.state[kOmega] = speed / reach;
+  scales.state[kOmega] = scales.state[kOmegaT] = scales.state[kOmegaN] = speed / reach;
   scales.state[kDamping] = scales.state[kSlip] = energy;
   // It starts like t^1.5, of which the error estimate sees too little.
   scales.state[kSprings] = 0.3 * deflection * std::sqrt(job.body.radius_m() * deflection);

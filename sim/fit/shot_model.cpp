@@ -175,7 +175,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
   const double c = std::cos(angle), s = std::sin(angle);
   for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy}) v->resize(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const PlaneState& state = impact.trajectory[i].state;
+    const BodyState& state = impact.trajectory[i].state;
     p.x[i] = x + c * state.qt_m - s * state.qn_m;
     p.y[i] = y + s * state.qt_m + c * state.qn_m;
     p.vx[i] = c * state.vt_m_s - s * state.vn_m_s;

@@ -1,21 +1,16 @@
 #include "sim/job/job_toml.h"
 
 #include <impactdic/error.h>
+#include <impactdic/units.h>
 
 #include "sim/contact/closed_form.h"
+#include "sim/job/materials_toml.h"
 #include "sim/job/strict_toml.h"
 #include "sim/job/toml_text.h"
 
 namespace impactdic::sim::job {
 
 namespace {
-
-bool has_spring_damper(const ImpactJob& job) {
-  return job.normal == NormalModel::kLinearSpringDamper || job.normal == NormalModel::kHertzDamper;
-}
-const char* stiffness_key(const ImpactJob& job) {
-  return job.normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
-}
 
 // One of our enumerations, its error placed in the file.
 template <typename Parser>
@@ -37,7 +32,11 @@ double needed(StrictTable& table, const char* key, bool partial) {
 ContactParameters read_contact(StrictTable& table, const ImpactJob& job, bool partial) {
   ContactParameters contact;
   if (has_spring_damper(job)) {
-    contact.stiffness = needed(table, stiffness_key(job), partial);
+    // Materials, where they are given, say it once more (take_materials).
+    const bool follows = job.normal == NormalModel::kHertzDamper &&
+                         !table.has(stiffness_key(job)) && job.materials &&
+                         job.materials->body.young_pa > 0;
+    if (!follows) contact.stiffness = needed(table, stiffness_key(job), partial);
     contact.damping_n_s_per_m = table.number("damping_n_s_per_m", 0);
     contact.restitution_damping =
         choose(table, "restitution_damping", "none", parse_restitution_damping);
@@ -45,7 +44,8 @@ ContactParameters read_contact(StrictTable& table, const ImpactJob& job, bool pa
     table.hint("stiffness_n_per_m", takes);
     table.hint("stiffness_n_per_m1p5", takes);
   } else {
-    contact.reduced_modulus_pa = needed(table, "reduced_modulus_pa", partial);
+    const bool follows = job.materials && job.materials->body.young_pa > 0;
+    contact.reduced_modulus_pa = needed(table, "reduced_modulus_pa", partial || follows);
     contact.yield_strength_pa = needed(table, "yield_strength_pa", partial);
     contact.poisson = needed(table, "poisson", partial);
     contact.residual = choose(table, "residual", "jackson", parse_residual_law);
@@ -59,7 +59,8 @@ ContactParameters read_contact(StrictTable& table, const ImpactJob& job, bool pa
     table.hint("friction_static", "only three_phase has a static friction");
   }
   if (job.friction == FrictionModel::kMawBarberFawcett) {
-    contact.poisson = needed(table, "poisson", partial);
+    const bool follows = job.materials && job.materials->body.young_pa > 0;
+    contact.poisson = needed(table, "poisson", partial || follows);
   }
   return contact;
 }
@@ -112,12 +113,27 @@ ModelPreset read_preset(StrictTable& root, ModelPreset fallback) {
   return choose(root, "preset", std::string(name_of(fallback)), parse_preset);
 }
 
+namespace {
+
+// In kilograms, or of a solid sphere from its density.
+double read_mass(StrictTable& table, const ImpactBody& body, bool partial) {
+  if (!table.has("density_kg_m3")) return needed(table, "mass_kg", partial);
+  if (body.shape != BodyShape::kSolidSphere || table.has("mass_kg")) {
+    throw InvalidArgument("is for a solid_sphere without mass_kg", table.place("density_kg_m3"));
+  }
+  const double density = table.number("density_kg_m3");
+  if (!(density > 0)) throw InvalidArgument("must be positive", table.place("density_kg_m3"));
+  return density * kPi / 6 * body.diameter_m * body.diameter_m * body.diameter_m;
+}
+
+}  // namespace
+
 ImpactBody read_body(StrictTable& table, bool partial) {
   ImpactBody body;
   const bool inertia_given = table.has("inertia_kg_m2");
   body.shape = choose(table, "shape", inertia_given ? "other" : "solid_sphere", parse_shape);
-  body.mass_kg = needed(table, "mass_kg", partial);
   body.diameter_m = needed(table, "diameter_m", partial);
+  body.mass_kg = read_mass(table, body, partial);
   if (body.shape == BodyShape::kRod) body.length_m = needed(table, "length_m", partial);
   body.inertia_kg_m2 = table.number("inertia_kg_m2", 0);
   if (inertia_given && !(body.inertia_kg_m2 > 0)) {
@@ -125,6 +141,26 @@ ImpactBody read_body(StrictTable& table, bool partial) {
   }
   return body;
 }
+
+namespace {
+
+void read_motion(StrictTable& table, InitialMotion& motion) {
+  motion.vt_m_s = table.number("vt_m_s", 0);
+  motion.vb_m_s = table.number("vb_m_s", 0);
+  motion.vn_m_s = table.number("vn_m_s", 0);
+  motion.omega_rad_s = table.number("omega_rad_s", 0);
+  motion.omega_t_rad_s = table.number("omega_t_rad_s", 0);
+  motion.omega_n_rad_s = table.number("omega_n_rad_s", 0);
+}
+
+OtherBody read_other(StrictTable& table) {
+  OtherBody other;
+  other.body = read_body(table, false);
+  read_motion(table, other.initial);
+  return other;
+}
+
+}  // namespace
 
 ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   ImpactJob job;
@@ -139,13 +175,19 @@ ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   job.preset = read_preset(root, ModelPreset::kSound);
   job.body = read_body(root.table("body"), partial);
   StrictTable& contact = root.table("contact");
-  job.contact =
-      kelvin_voigt ? read_kelvin_voigt(contact, job) : read_contact(contact, job, partial);
+  if (root.has("other")) job.other = read_other(root.table("other"));
   job.surface_angle_deg = root.table("surface").number("angle_deg", 0);
+  job.surface_radius_m = root.table("surface").number("radius_m", 0);
+  if (kelvin_voigt) {
+    job.contact = read_kelvin_voigt(contact, job);
+  } else {
+    job.materials = read_materials(root, contact, job);
+    job.contact = read_contact(contact, job, partial);
+    if (job.materials) take_materials(contact, job, *job.materials);
+  }
   StrictTable& initial = root.table("initial");
-  job.initial.vt_m_s = initial.number("vt_m_s", 0);
+  read_motion(initial, job.initial);
   job.initial.vn_m_s = needed(initial, "vn_m_s", partial);
-  job.initial.omega_rad_s = initial.number("omega_rad_s", 0);
   job.initial.gap_m = initial.number("gap_m", 0);
   if (job.body.shape == BodyShape::kRod)
     job.initial.angle_deg = needed(initial, "angle_deg", partial);
@@ -176,6 +218,19 @@ SimulateRequest read_simulate_job(const std::filesystem::path& file) {
   return job;
 }
 
+namespace {
+
+void write_motion(TomlText& text, const InitialMotion& motion) {
+  text.number("vt_m_s", motion.vt_m_s);
+  text.number("vn_m_s", motion.vn_m_s);
+  text.number("vb_m_s", motion.vb_m_s);
+  text.number("omega_rad_s", motion.omega_rad_s);
+  text.number("omega_t_rad_s", motion.omega_t_rad_s);
+  text.number("omega_n_rad_s", motion.omega_n_rad_s);
+}
+
+}  // namespace
+
 std::string to_toml(const SimulateRequest& job) {
   const ImpactJob& impact = job.impact;
   TomlText text;
@@ -183,13 +238,20 @@ std::string to_toml(const SimulateRequest& job) {
   text.name("friction", name_of(impact.friction));
   text.name("preset", name_of(impact.preset));
   text.body(impact.body);
+  const bool elastic = impact.materials && impact.materials->body.young_pa > 0;
+  if (elastic) write_material(text, impact.materials->body);
+  if (impact.other) {
+    text.body(impact.other->body, "other");
+    if (elastic) write_material(text, impact.materials->surface);
+    write_motion(text, impact.other->initial);
+  }
   write_contact(text, impact);
   text.table("surface");
   text.number("angle_deg", impact.surface_angle_deg);
+  if (!impact.other) text.number("radius_m", impact.surface_radius_m);
+  if (elastic && !impact.other) write_material(text, impact.materials->surface);
   text.table("initial");
-  text.number("vt_m_s", impact.initial.vt_m_s);
-  text.number("vn_m_s", impact.initial.vn_m_s);
-  text.number("omega_rad_s", impact.initial.omega_rad_s);
+  write_motion(text, impact.initial);
   text.number("gap_m", impact.initial.gap_m);
   if (impact.body.shape == BodyShape::kRod) text.number("angle_deg", impact.initial.angle_deg);
   text.table("environment");
@@ -209,6 +271,15 @@ void write_contact(TomlText& text, const ImpactJob& job) {
     text.number(stiffness_key(job), contact.stiffness);
     text.number("damping_n_s_per_m", contact.damping_n_s_per_m);
     text.name("restitution_damping", name_of(contact.restitution_damping));
+    if (job.materials && job.materials->restitution > 0) {
+      text.number("restitution", job.materials->restitution);
+      if (job.normal == NormalModel::kHertzDamper) {
+        text.number("restitution_speed_m_s", job.materials->restitution_speed_m_s);
+      }
+    }
+    if (job.materials && job.materials->body.young_pa > 0) {
+      text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
+    }
   } else {
     text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
     text.number("yield_strength_pa", contact.yield_strength_pa);

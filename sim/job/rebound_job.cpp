@@ -84,7 +84,7 @@ std::string rebound_summary_json(const ReboundJob& job, const ReboundResult& res
     return Json{{"vt_m_s", v.vt_m_s}, {"vn_m_s", v.vn_m_s}, {"omega_rad_s", v.omega_rad_s}};
   };
   const auto plane = [](const ImpactVelocities& v) {
-    PlaneState s;
+    BodyState s;
     s.vt_m_s = v.vt_m_s, s.vn_m_s = v.vn_m_s, s.omega_rad_s = v.omega_rad_s;
     return s;
   };

@@ -3,6 +3,7 @@
 #include <impactdic/error.h>
 
 #include <fstream>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "host/base/parse.h"
@@ -13,9 +14,33 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json state_json(const PlaneState& state) {
-  return {{"qt_m", state.qt_m},     {"qn_m", state.qn_m},     {"angle_rad", state.angle_rad},
-          {"vt_m_s", state.vt_m_s}, {"vn_m_s", state.vn_m_s}, {"omega_rad_s", state.omega_rad_s}};
+Json state_json(const BodyState& state) {
+  return {{"qt_m", state.qt_m},
+          {"qn_m", state.qn_m},
+          {"angle_rad", state.angle_rad},
+          {"vt_m_s", state.vt_m_s},
+          {"vn_m_s", state.vn_m_s},
+          {"omega_rad_s", state.omega_rad_s},
+          {"qb_m", state.qb_m},
+          {"vb_m_s", state.vb_m_s},
+          {"omega_t_rad_s", state.omega_t_rad_s},
+          {"omega_n_rad_s", state.omega_n_rad_s}};
+}
+
+// The columns of an impact that leaves the plane, and of a second ball.
+constexpr const char* kSpaceColumns =
+    ",qb_m,vb_m_s,omega_t_rad_s,omega_n_rad_s,tangential_force_b_n,tip_vb_m_s,"
+    "orientation_w,orientation_t,orientation_n,orientation_b";
+constexpr const char* kOtherColumns =
+    ",other_qt_m,other_qn_m,other_qb_m,other_vt_m_s,other_vn_m_s,other_vb_m_s,other_omega_rad_s,"
+    "other_omega_t_rad_s,other_omega_n_rad_s";
+
+void append(std::string& text, std::initializer_list<double> values) {
+  for (const double value : values) text += ',' + shortest(value);
+}
+
+bool in_space(const ImpactJob& job) {
+  return !job.initial.plane() || (job.other && !job.other->initial.plane());
 }
 
 Json energy_json(const EnergyLedger& energy) {
@@ -28,6 +53,18 @@ Json energy_json(const EnergyLedger& energy) {
           {"slip_j", energy.slip_j},
           {"plastic_j", energy.plastic_j},
           {"residual_j", energy.residual_j}};
+}
+
+// What the laws took from the materials.
+Json materials_json(const ImpactJob& job) {
+  Json json;
+  if (job.materials->body.young_pa > 0) {
+    json["reduced_modulus_pa"] = job.contact.reduced_modulus_pa;
+    json["contact_radius_m"] = job.contact_radius_m();
+  }
+  json["stiffness"] = job.contact.stiffness;
+  json["damping_n_s_per_m"] = job.contact.damping_n_s_per_m;
+  return json;
 }
 
 Json phases_json(const std::vector<ContactPhase>& phases) {
@@ -46,14 +83,18 @@ Json phases_json(const std::vector<ContactPhase>& phases) {
 
 }  // namespace
 
-void write_trajectory_csv(const std::filesystem::path& file,
+void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& job,
                           const std::vector<TrajectoryPoint>& trajectory) {
+  const bool space = in_space(job);
   std::string text =
       "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,"
       "deflection_m,tip_vt_m_s,gravity_j,kinetic_j,normal_elastic_j,damping_j,"
-      "tangential_elastic_j,slip_j,plastic_j,residual_j\n";
+      "tangential_elastic_j,slip_j,plastic_j,residual_j";
+  if (space) text += kSpaceColumns;
+  if (job.other) text += kOtherColumns;
+  text += '\n';
   for (const TrajectoryPoint& point : trajectory) {
-    const PlaneState& state = point.state;
+    const BodyState& state = point.state;
     const EnergyLedger& energy = point.energy;
     const double values[] = {point.time_s,
                              state.qt_m,
@@ -80,43 +121,63 @@ void write_trajectory_csv(const std::filesystem::path& file,
       text += shortest(value);
       separator = ',';
     }
+    if (space) {
+      const Quaternion& q = state.orientation;
+      append(text, {state.qb_m, state.vb_m_s, state.omega_t_rad_s, state.omega_n_rad_s,
+                    point.tangential_force_b_n, point.tip_vb_m_s, q.w, q.x, q.y, q.z});
+    }
+    if (job.other) {
+      const BodyState& o = point.other;
+      append(text, {o.qt_m, o.qn_m, o.qb_m, o.vt_m_s, o.vn_m_s, o.vb_m_s, o.omega_rad_s,
+                    o.omega_t_rad_s, o.omega_n_rad_s});
+    }
     text += '\n';
   }
   write_text(file, text);
 }
 
 std::string summary_json(const ImpactJob& job, const ImpactResult& result) {
-  const EffectiveFriction friction =
-      contact::effective_friction(job.body, result.start, result.final, result.contact_s,
-                                  job.gravity_m_s2, job.surface_angle_deg);
-  const Json summary = {
-      {"normal", name_of(job.normal)},
-      {"friction", name_of(job.friction)},
-      {"preset", name_of(job.preset)},
-      {"separated", result.separated},
-      {"restitution", result.restitution},
-      {"contact_start_s", result.contact_start_s},
-      {"contact_s", result.contact_s},
-      {"t_max_compression_s", result.t_max_compression_s},
-      {"max_deflection_m", result.max_deflection_m},
-      {"max_force_n", result.max_force_n},
-      {"peak_force_n", result.peak_force_n},
-      {"separation_force_n", result.separation_force_n},
-      {"start", state_json(result.start)},
-      {"final", state_json(result.final)},
-      {"tip_vt_start_m_s", result.tip_vt_start_m_s},
-      {"tip_vt_final_m_s", result.tip_vt_final_m_s},
-      {"impulse", {{"t_n_s", result.impulse_t_n_s}, {"n_n_s", result.impulse_n_n_s}}},
-      {"effective_friction",
-       {{"published", friction.published},
-        {"sound", friction.sound},
-        {"rolling_cap", friction.rolling_cap}}},
-      {"phases", phases_json(result.phases)},
-      {"energy", energy_json(result.energy)},
-      {"warnings", result.warnings},
-      {"steps", result.steps},
-      {"evaluations", result.evaluations},
-      {"version", IMPACTDIC_VERSION}};
+  Json friction = nullptr;
+  if (!job.other) {
+    const EffectiveFriction f =
+        contact::effective_friction(job.body, result.start, result.final, result.contact_s,
+                                    job.gravity_m_s2, job.surface_angle_deg);
+    friction = {{"published", f.published}, {"sound", f.sound}, {"rolling_cap", f.rolling_cap}};
+  }
+  Json summary = {{"normal", name_of(job.normal)},
+                  {"friction", name_of(job.friction)},
+                  {"preset", name_of(job.preset)},
+                  {"separated", result.separated},
+                  {"restitution", result.restitution},
+                  {"contact_start_s", result.contact_start_s},
+                  {"contact_s", result.contact_s},
+                  {"t_max_compression_s", result.t_max_compression_s},
+                  {"max_deflection_m", result.max_deflection_m},
+                  {"max_force_n", result.max_force_n},
+                  {"peak_force_n", result.peak_force_n},
+                  {"separation_force_n", result.separation_force_n},
+                  {"start", state_json(result.start)},
+                  {"final", state_json(result.final)},
+                  {"tip_vt_start_m_s", result.tip_vt_start_m_s},
+                  {"tip_vt_final_m_s", result.tip_vt_final_m_s},
+                  {"tip_vb_start_m_s", result.tip_vb_start_m_s},
+                  {"tip_vb_final_m_s", result.tip_vb_final_m_s},
+                  {"impulse",
+                   {{"t_n_s", result.impulse_t_n_s},
+                    {"n_n_s", result.impulse_n_n_s},
+                    {"b_n_s", result.impulse_b_n_s}}},
+                  {"effective_friction", friction},
+                  {"phases", phases_json(result.phases)},
+                  {"energy", energy_json(result.energy)},
+                  {"warnings", result.warnings},
+                  {"steps", result.steps},
+                  {"evaluations", result.evaluations},
+                  {"version", IMPACTDIC_VERSION}};
+  if (job.other) {
+    summary["other_start"] = state_json(result.other_start);
+    summary["other_final"] = state_json(result.other_final);
+  }
+  if (job.materials) summary["materials"] = materials_json(job);
   return summary.dump(2) + "\n";
 }
 

@@ -44,8 +44,8 @@ void TomlText::names(std::string_view key, const std::vector<std::string>& value
   text_ += std::string(key) + " = [" + list + "]\n";
 }
 
-void TomlText::body(const ImpactBody& body) {
-  table("body");
+void TomlText::body(const ImpactBody& body, std::string_view table_name) {
+  table(table_name);
   name("shape", name_of(body.shape));
   number("mass_kg", body.mass_kg);
   number("diameter_m", body.diameter_m);

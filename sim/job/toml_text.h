@@ -18,8 +18,8 @@ class TomlText {
   void integer(std::string_view key, long value);
   void boolean(std::string_view key, bool value);
   void names(std::string_view key, const std::vector<std::string>& values);
-  // The table [body].
-  void body(const ImpactBody& body);
+  // The table [body], or that of another body.
+  void body(const ImpactBody& body, std::string_view table_name = "body");
 
   const std::string& str() const { return text_; }
 

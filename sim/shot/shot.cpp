@@ -171,12 +171,12 @@ void derive(MeasuredShot& shot, const ImpactBody& body, double gravity_m_s2) {
   const double e = impact::restitution(in.value, out.value);
   shot.restitution = {e, std::hypot(out.sd, e * in.sd) / std::abs(in.value)};
   const auto state = [](const ShotFlight& flight) {
-    PlaneState s;
+    BodyState s;
     s.vt_m_s = flight.vt_m_s.value, s.vn_m_s = flight.vn_m_s.value;
     if (!std::isnan(flight.omega_rad_s.value)) s.omega_rad_s = flight.omega_rad_s.value;
     return s;
   };
-  const PlaneState before = state(shot.before);
+  const BodyState before = state(shot.before);
   shot.friction = contact::effective_friction(body, before, state(shot.after), shot.contact_s.value,
                                               gravity_m_s2, shot.surface_angle_deg);
   shot.friction_sd = std::hypot(shot.before.vt_m_s.sd, shot.after.vt_m_s.sd,

@@ -90,7 +90,7 @@ void add_momentum(std::vector<VerifyCase>& cases) {
     cases.push_back({"angular momentum about the contact", named.name + ", relative change",
                      "conservation", 0, 1e-9, [job] {
                        const ImpactResult r = contact::simulate_impact(job);
-                       const auto momentum = [&](const PlaneState& s) {
+                       const auto momentum = [&](const BodyState& s) {
                          return job.body.inertia() * s.omega_rad_s -
                                 job.body.mass_kg * job.body.radius_m() * s.vt_m_s;
                        };

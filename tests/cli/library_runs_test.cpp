@@ -60,7 +60,7 @@ TEST(LibrarySimulate, BallGivesTheCommandsBytes) {
   for (const double rate_hz : {0.0, 25000.0}) {
     const SimulateRequest request{racket_job(), rate_hz, {}};
     const ImpactResult result = simulate(request);
-    sim::job::write_trajectory_csv(folder / "trajectory.csv", result.trajectory);
+    sim::job::write_trajectory_csv(folder / "trajectory.csv", request.impact, result.trajectory);
     sim::job::write_text(folder / "summary.json", sim::job::summary_json(request.impact, result));
     fs::remove_all(folder / "cli");
     simulate_command(folder, sim::job::to_toml(request));

@@ -141,6 +141,30 @@ TEST_F(SynthCommand, TheBallFollowsASimulatedImpact) {
             poses[1].angle_deg - poses[0].angle_deg);  // friction turns it clockwise
 }
 
+// With velocity and spin out of the picture's plane: the ball comes nearer, and its axis turns.
+TEST_F(SynthCommand, ASphereFollowsAnImpactInSpace) {
+  std::ofstream(dir_ / "job.toml")
+      << "normal = \"hertz_damper\"\nfriction = \"coulomb\"\n"
+         "[body]\ndiameter_m = 0.06\nmass_kg = 0.1\n"
+         "[contact]\nstiffness_n_per_m1p5 = 1e6\nfriction_kinetic = 0.3\n"
+         "[initial]\nvt_m_s = 0.5\nvn_m_s = -2.0\nvb_m_s = 0.6\nomega_rad_s = 10.0\n"
+         "omega_t_rad_s = -50.0\nomega_n_rad_s = 30.0\n"
+         "[environment]\ngravity_m_s2 = 0.0\n";
+  const std::string job = " --pattern none --radius-px 40 --size 200x200 --simulate " +
+                          (dir_ / "job.toml").string() + " --touch-frame 20";
+  EXPECT_EQ(synth("disc", job), 2);
+  EXPECT_NE(text("errors").find("--body sphere"), std::string::npos);
+  ASSERT_EQ(synth("clip", job + " --body sphere"), 0);
+  const auto poses = sim::speckle::read_motion_csv(dir_ / "clip/truth.csv").poses;
+  const double per_frame = 80 / 0.06 / 10000;
+  EXPECT_NEAR(poses[1].z_px - poses[0].z_px, 0.6 * per_frame, 1e-9);
+  EXPECT_NEAR(poses[15].rx_deg, -50 * 15 / 10000.0 * 180 / kPi, 1e-9);
+  EXPECT_NEAR(poses[15].ry_deg, 30 * 15 / 10000.0 * 180 / kPi, 1e-9);
+  EXPECT_NEAR(poses[15].angle_deg, 10 * 15 / 10000.0 * 180 / kPi, 1e-9);
+  // The contact point came towards the camera, at 0.6 + 0.03 * 50 m/s: friction takes from it.
+  EXPECT_LT(poses[109].z_px - poses[108].z_px, 0.5 * per_frame);
+}
+
 // The clip of a sphere holds the renderer's pictures, and its truth makes the same clip again.
 TEST_F(SynthCommand, ASphereTurnsAboutThreeAxesAndItsTruthIsAMotionFile) {
   const std::string scene =

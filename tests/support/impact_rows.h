@@ -63,7 +63,7 @@ inline FilmedImpact lacrosse_on_wood() {
 
 struct FilmedTruth {
   double start, turn, end;  // frames
-  PlaneState before, after;
+  BodyState before, after;
   double deflection_px, restitution, friction, rolling_cap;
 };
 
@@ -76,14 +76,12 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
   std::mt19937_64 random(f.seed);
   std::normal_distribution<double> noise(0, 1);
   const double step_sd = f.speed(f.step_noise_m_s), turn_sd = f.spin_noise_rad_s / f.fps;
-  const auto x_px = [&](const PlaneState& p) { return (c * p.qt_m - s * p.qn_m) / f.metre_per_px; };
-  const auto y_px = [&](const PlaneState& p) {
-    return -(s * p.qt_m + c * p.qn_m) / f.metre_per_px;
-  };
+  const auto x_px = [&](const BodyState& p) { return (c * p.qt_m - s * p.qn_m) / f.metre_per_px; };
+  const auto y_px = [&](const BodyState& p) { return -(s * p.qt_m + c * p.qn_m) / f.metre_per_px; };
   rows.assign(static_cast<std::size_t>(f.frames), {});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     TrackRow& row = rows[i];
-    const PlaneState& here = impact.trajectory[i].state;
+    const BodyState& here = impact.trajectory[i].state;
     row.frame = static_cast<std::int64_t>(i);
     row.time_s = static_cast<double>(i) / f.fps;
     row.status = TrackStatus::kOk;
@@ -93,7 +91,7 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
     row.r_px = f.job.body.radius_m() / f.metre_per_px;
     row.cx_sd_px = row.cy_sd_px = row.r_sd_px = f.position_noise_px;
     if (!f.with_motion || i + 1 == rows.size()) continue;
-    const PlaneState& next = impact.trajectory[i + 1].state;
+    const BodyState& next = impact.trajectory[i + 1].state;
     row.motion_ok = true;
     row.dx_px = x_px(next) - x_px(here) + step_sd * noise(random);
     row.dy_px = y_px(next) - y_px(here) + step_sd * noise(random);

@@ -47,7 +47,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   std::ofstream out(file);
   out << track_header();
   const auto position = [&](int i, bool vertical) {
-    const PlaneState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const BodyState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
     return vertical ? n * p.qt_m + c * p.qn_m : c * p.qt_m - n * p.qn_m;
   };
   for (int i = 0; i < count; ++i) {
@@ -73,7 +73,7 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
     }
     // The velocities of the truth: a calibration takes only the direction of the local axes from
     // them.
-    const PlaneState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
+    const BodyState& state = impact.trajectory[static_cast<std::size_t>(i)].state;
     out << text(x) << ',' << text(y) << ',' << text(c * state.vt_m_s - n * state.vn_m_s) << ','
         << text(n * state.vt_m_s + c * state.vn_m_s) << ',' << text(state.vt_m_s) << ','
         << text(state.vn_m_s) << ",,,,\n";

@@ -1,13 +1,15 @@
 // Models of an impact on a surface: what they are asked, and what they answer.
 //
-// Axes are local: t along the surface, n out of it, metres; omega and angles are positive
-// counter-clockwise. The surface is inclined by surface_angle_deg, counter-clockwise from the
-// horizontal, so that gravity is (-g sin(angle), -g cos(angle)). Sources: docs/sources.md; numbers
-// of equations are those of the dissertation.
+// Axes are local, metres: t along the surface, n out of it, b = t x n. An impact in the plane of t
+// and n spins about b alone: omega and angles without another axis are about b, positive
+// counter-clockwise where t runs right and n up. The surface is inclined by surface_angle_deg,
+// counter-clockwise from the horizontal, so that gravity is (-g sin(angle), -g cos(angle)).
+// Sources: docs/sources.md; numbers of equations are those of the dissertation.
 #pragma once
 
 #include <impactdic/export.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,7 +19,7 @@ namespace IMPACTDIC_PUBLIC impactdic {
 // kOther: a ball whose moment of inertia is given.
 enum class BodyShape { kHollowSphere, kSolidSphere, kRod, kOther };
 
-// A rigid body in plane motion. A ball touches the surface below its centre; a rod touches it with
+// A rigid body. A ball touches the surface below its centre; a rod touches it with
 // the end that hangs lower, whose cap has the radius diameter_m / 2.
 struct ImpactBody {
   BodyShape shape = BodyShape::kSolidSphere;
@@ -81,6 +83,30 @@ struct ContactParameters {
   ResidualLaw residual = ResidualLaw::kJackson;
 };
 
+// Of one body, as handbooks state it.
+struct ElasticMaterial {
+  double young_pa = 0;
+  double poisson = 0;
+
+  double shear_pa() const { return young_pa / (2 * (1 + poisson)); }
+};
+
+// The materials of a contact, and what it restitutes at one speed.
+struct ContactMaterials {
+  ElasticMaterial body, surface;     // `surface`: of the surface, or of the other body
+  double restitution = 0;            // in normal impact; 0: not given
+  double restitution_speed_m_s = 0;  // at which it was measured; a linear spring needs none
+};
+
+// E*: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (Hertz 1882). Pa.
+double reduced_modulus_pa(const ElasticMaterial& a, const ElasticMaterial& b);
+// G*: 1/G* = (2 - nu1)/(4 G1) + (2 - nu2)/(4 G2) (Mindlin 1949). Pa.
+double reduced_shear_modulus_pa(const ElasticMaterial& a, const ElasticMaterial& b);
+// Poisson's ratio of two equal bodies with the same G*/E* = 2(1 - nu)/(2 - nu).
+double equivalent_poisson(const ElasticMaterial& a, const ElasticMaterial& b);
+// k = 4/3 E* sqrt(R) of P = k delta^1.5 (Hertz 1882). N/m^1.5.
+double hertz_stiffness(double reduced_modulus_pa, double contact_radius_m);
+
 // The motion of the mass centre at t = 0.
 struct InitialMotion {
   double vt_m_s = 0;
@@ -89,6 +115,19 @@ struct InitialMotion {
   double gap_m = 0;      // distance left to the surface; 0: contact begins at t = 0
   double angle_deg = 0;  // rods: the angle of the axis from the surface, of the centre seen from
                          // the striking end: 90 is upright
+  // Out of the plane of t and n, balls only.
+  double vb_m_s = 0;
+  double omega_t_rad_s = 0, omega_n_rad_s = 0;
+
+  // The motion stays in the plane of t and n.
+  bool plane() const { return vb_m_s == 0 && omega_t_rad_s == 0 && omega_n_rad_s == 0; }
+};
+
+// A second ball that moves freely, on the other side of the surface: its centre lies below the
+// plane of contact, so that the first ball's contact point meets the top of this one.
+struct OtherBody {
+  ImpactBody body;
+  InitialMotion initial;  // without gap and angle
 };
 
 struct SolverOptions {
@@ -107,16 +146,43 @@ struct ImpactJob {
   InitialMotion initial;
   double gravity_m_s2 = 9.81;
   SolverOptions solver;
+  // Of curvature of the surface where the ball meets it; 0: flat; below zero: hollow.
+  double surface_radius_m = 0;
+  // What the ball meets instead of a surface that rests.
+  std::optional<OtherBody> other;
+  // What the contact's stiffness and damping were computed from, for the record only.
+  std::optional<ContactMaterials> materials;
+
+  // 1/R = 1/R_ball + 1/R_surface, or of both balls (Hertz 1882).
+  double contact_radius_m() const;
+  // The mass that the contact moves: the body's, or m1 m2/(m1 + m2).
+  double contact_mass_kg() const;
+  // Computes from the materials what the laws take: reduced modulus; the stiffness of
+  // hertz_damper; the Poisson's ratio of maw_barber_fawcett, that of two equal bodies with the same
+  // ratio of tangential to normal stiffness; the damping, where a restitution is given. Throws
+  // InvalidArgument naming the key.
+  void take_materials(const ContactMaterials& from);
 
   // Throws InvalidArgument naming the key, as it stands in a job file, and why.
   void validate() const;
 };
 
-// Plane motion of the mass centre. qt counts from t = 0 and qn from the first touch of the surface,
-// so that qn = -deflection for a ball in contact (the dissertation's q1, q2, q3, Eqs 3.1-3.4).
-struct PlaneState {
+// A rotation as a unit quaternion.
+struct Quaternion {
+  double w = 1, x = 0, y = 0, z = 0;
+};
+
+// Motion of the mass centre. q counts from t = 0, but for qn, which counts from the first touch of
+// the surface, so that qn = -deflection for a ball in contact (the dissertation's q1, q2, q3, Eqs
+// 3.1-3.4). angle_rad is the integral of omega_rad_s; where the body spins about b alone it is the
+// angle that the body has turned.
+struct BodyState {
   double qt_m = 0, qn_m = 0, angle_rad = 0;
   double vt_m_s = 0, vn_m_s = 0, omega_rad_s = 0;
+  double qb_m = 0, vb_m_s = 0;
+  double omega_t_rad_s = 0, omega_n_rad_s = 0;
+  // Of a ball since t = 0, its x, y, z along t, n, b; not followed where two balls move.
+  Quaternion orientation;
 };
 
 // Energy in joules, since the start: kinetic_start_j + gravity_j = the sum of all others.
@@ -134,11 +200,13 @@ struct EnergyLedger {
 
 struct TrajectoryPoint {
   double time_s = 0;
-  PlaneState state;
+  BodyState state;
   double deflection_m = 0;
   double normal_force_n = 0, tangential_force_n = 0;
   double tip_vt_m_s = 0;  // tangential velocity of the contact point
   EnergyLedger energy;
+  double tangential_force_b_n = 0, tip_vb_m_s = 0;
+  BodyState other;  // of the second ball, where there is one
 };
 
 enum class ContactPhaseKind { kFlight, kNormal, kTangential };
@@ -158,9 +226,10 @@ struct ImpactResult {
   // The body left the surface; otherwise its weight holds it there, and `final` is the moment when
   // its rebound turned back.
   bool separated = false;
-  PlaneState start, final;
+  BodyState start, final;
   double contact_start_s = 0;
   double contact_s = 0;  // duration of the first contact
+  double end_s = 0;      // of `final`
   // From the contact's start, as are the phases of a job without gap.
   double t_max_compression_s = 0;
   double max_deflection_m = 0;
@@ -176,6 +245,8 @@ struct ImpactResult {
   std::vector<TrajectoryPoint> trajectory;  // as the request asks
   long evaluations = 0;                     // of the right-hand side
   long steps = 0;                           // accepted, of all contacts
+  double tip_vb_start_m_s = 0, tip_vb_final_m_s = 0, impulse_b_n_s = 0;
+  BodyState other_start, other_final;  // of the second ball, where there is one
 };
 
 // Effective friction of an impact, an impulse ratio, positive where it opposes the slip.

@@ -35,11 +35,7 @@ struct BallPose {
   double z_px = 0;
 };
 
-// Unit quaternion of an orientation, ball axes to camera axes.
-struct Quaternion {
-  double w = 1, x = 0, y = 0, z = 0;
-};
-// w >= 0.
+// Ball axes to camera axes; w >= 0.
 Quaternion orientation(const BallPose& pose);
 // The pose with that orientation; its rotation vector is at most 180 degrees long.
 // Throws InvalidArgument for a quaternion that is zero or not finite; any other is normalised.

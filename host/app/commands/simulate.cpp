@@ -22,11 +22,19 @@ ImpactResult integrate(const SimulateRequest& request, const std::string& file) 
   }
 }
 
-void print(const ImpactResult& result) {
+void print(const ImpactJob& job, const ImpactResult& result) {
   std::printf("restitution %.4f, contact %.4f ms, maximum deflection %.4f mm\n", result.restitution,
               1e3 * result.contact_s, 1e3 * result.max_deflection_m);
-  std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.final.vt_m_s,
-              result.final.vn_m_s, result.final.omega_rad_s);
+  const auto motion = [](const char* whose, const BodyState& s, bool plane) {
+    std::printf("%s: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", whose, s.vt_m_s, s.vn_m_s,
+                s.omega_rad_s);
+    if (plane) return;
+    std::printf("  across: vb %.4f m/s, omega_t %.3f rad/s, omega_n %.3f rad/s\n", s.vb_m_s,
+                s.omega_t_rad_s, s.omega_n_rad_s);
+  };
+  const bool plane = job.initial.plane() && (!job.other || job.other->initial.plane());
+  motion("after", result.final, plane);
+  if (job.other) motion("the other after", result.other_final, plane);
   for (const ContactPhase& phase : result.phases) {
     std::printf("  %-16s %9.4f to %9.4f ms\n", phase.name, 1e3 * phase.start_s, 1e3 * phase.end_s);
   }
@@ -70,10 +78,10 @@ void run_simulate(const JobOptions& options) {
   const SimulateRequest job = sim::job::read_simulate_job(options.job);
   const ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);
-  sim::job::write_trajectory_csv(dir / "trajectory.csv", result.trajectory);
+  sim::job::write_trajectory_csv(dir / "trajectory.csv", job.impact, result.trajectory);
   sim::job::write_text(dir / "summary.json", sim::job::summary_json(job.impact, result));
   sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
-  if (!options.quiet) print(result);
+  if (!options.quiet) print(job.impact, result);
   print_warnings(result.warnings);
 }
 

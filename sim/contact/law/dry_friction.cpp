@@ -230,7 +230,7 @@ Rule rule_of(const ImpactJob& job) {
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s) {
   if (job.friction == FrictionModel::kMawBarberFawcett) {
-    return make_maw_barber_fawcett(job.contact, job.body.radius_m(), job.body.mass_kg);
+    return make_maw_barber_fawcett(job.contact, job.contact_radius_m(), job.body.mass_kg);
   }
   // The printed figures of chapter 4 follow only if friction takes the spring's force alone, scaled
   // by the sine of the angle of incidence.

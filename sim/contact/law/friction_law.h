@@ -9,7 +9,8 @@
 
 namespace impactdic::sim::contact {
 
-// All that a friction law may look at, at one instant.
+// All that a friction law may look at, at one instant. Tangential figures are those along the line
+// of slip (contact_dynamics.h).
 struct ContactPoint {
   double deflection_m = 0, rate_m_s = 0;  // of the normal contact, positive in compression
   double spring_n = 0;                    // the normal law's spring, not below zero

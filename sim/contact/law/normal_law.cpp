@@ -99,11 +99,11 @@ class SpringDamper final : public NormalLaw {
 std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job) {
   switch (job.normal) {
     case NormalModel::kLinearSpringDamper:
-      return std::make_unique<SpringDamper>(false, job.contact, job.body.radius_m());
+      return std::make_unique<SpringDamper>(false, job.contact, job.contact_radius_m());
     case NormalModel::kHertzDamper:
-      return std::make_unique<SpringDamper>(true, job.contact, job.body.radius_m());
+      return std::make_unique<SpringDamper>(true, job.contact, job.contact_radius_m());
     default:
-      return make_elastoplastic_law(job.normal, job.contact, job.body.radius_m());
+      return make_elastoplastic_law(job.normal, job.contact, job.contact_radius_m());
   }
 }
 

@@ -140,7 +140,7 @@ TEST(ResultFiles, TrajectoryReadsBackExactly) {
   const ImpactResult result =
       sim::contact::simulate_impact(sim::job::racket_job(), {.rate_hz = 10000});
   const fs::path file = fs::path(testing::TempDir()) / "impact_trajectory.csv";
-  sim::job::write_trajectory_csv(file, result.trajectory);
+  sim::job::write_trajectory_csv(file, sim::job::racket_job(), result.trajectory);
   std::ifstream stream(file);
   std::string header, line;
   std::getline(stream, header);
@@ -159,6 +159,29 @@ TEST(ResultFiles, TrajectoryReadsBackExactly) {
   }
   EXPECT_FALSE(std::getline(stream, line));
   EXPECT_EQ(result.trajectory.back().time_s, result.contact_s);
+}
+
+// Columns of an impact that leaves the plane, and of a second ball.
+TEST(ResultFiles, TrajectoryInSpaceHasItsColumns) {
+  ImpactJob job = sim::job::racket_job();
+  job.initial.vb_m_s = 0.7;
+  OtherBody other;
+  other.body = job.body;
+  job.other = other;
+  const ImpactResult result = sim::contact::simulate_impact(job, {.rate_hz = 1000});
+  const fs::path file = fs::path(testing::TempDir()) / "impact_trajectory_in_space.csv";
+  sim::job::write_trajectory_csv(file, job, result.trajectory);
+  std::ifstream stream(file);
+  std::string header, line;
+  std::getline(stream, header);
+  for (const char* column : {",vb_m_s", ",omega_t_rad_s", ",orientation_w", ",other_vn_m_s"}) {
+    EXPECT_NE(header.find(column), std::string::npos) << column;
+  }
+  ASSERT_TRUE(std::getline(stream, line));
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','),
+            std::count(header.begin(), header.end(), ','));
+  const std::string summary = sim::job::summary_json(job, result);
+  EXPECT_NE(summary.find("\"other_final\""), std::string::npos);
 }
 
 TEST(ResultFiles, SummaryHasTheKeysAndNullForWhatDoesNotExist) {
