@@ -8,9 +8,15 @@ namespace {
 OptionHelps track_helps() {
   return {
       {"ball-diameter-mm", {"Scale: the ball's diameter", positive_number()}},
+      {"ball-diameter-sd-mm", {"Standard deviation of the diameter", positive_number()}},
       {"mm-per-px", {"Scale: millimetres a pixel", positive_number()}},
+      {"mm-per-px-sd", {"Standard deviation of the millimetres a pixel", positive_number()}},
       {"surface-angle-deg", {"Inclination of the surface, counter-clockwise from image-right", {}}},
+      {"surface-angle-sd-deg", {"Standard deviation of the inclination", positive_number()}},
       {"gravity-angle-deg", {"Direction of gravity, counter-clockwise from image-right", {}}},
+      {"drop-height-mm",
+       {"Height that the ball fell freely to the touch: a check of scale and frame rate",
+        positive_number()}},
       {"inertia-factor",
        {"I / (m R^2) of the ball: 0.667 hollow, 0.4 solid; for rolling cap and closure",
         CLI::Range(0.01, 1.0)}},

@@ -36,7 +36,8 @@ TrackStatus parse_track_status(const std::string& word) {
 
 SiRow to_si(const TrackRow& row, const SiScale& scale) {
   const double length = scale.metre_per_px > 0 ? scale.metre_per_px : kNotMeasured;
-  const double rate = scale.fps > 0 ? scale.fps : kNotMeasured;
+  // Of the motion to the next frame that there is.
+  const double rate = scale.fps > 0 ? scale.fps / row.periods : kNotMeasured;
   const double speed = length * rate;
   const double c = std::cos(scale.surface_angle_rad), s = std::sin(scale.surface_angle_rad);
   SiRow si{};
@@ -47,14 +48,19 @@ SiRow to_si(const TrackRow& row, const SiScale& scale) {
   si.vt_m_s = c * si.vx_m_s + s * si.vy_m_s;
   si.vn_m_s = -s * si.vx_m_s + c * si.vy_m_s;
   si.omega_rad_s = row.rot_deg * kRadPerDeg * rate;
-  si.vx_sd_m_s = row.dx_sd_px * speed;
-  si.vy_sd_m_s = row.dy_sd_px * speed;
-  si.omega_sd_rad_s = row.rot_sd_deg * kRadPerDeg * rate;
+  // Relative: of scale and rate, the same in every row.
+  const double rate_sd = scale.fps_sd / scale.fps;
+  const double speed_sd = std::hypot(scale.metre_per_px_sd / length, rate_sd);
+  si.vx_sd_m_s = std::hypot(row.dx_sd_px * speed, si.vx_m_s * speed_sd);
+  si.vy_sd_m_s = std::hypot(row.dy_sd_px * speed, si.vy_m_s * speed_sd);
+  si.omega_sd_rad_s = std::hypot(row.rot_sd_deg * kRadPerDeg * rate, si.omega_rad_s * rate_sd);
   const double turn = kRadPerDeg * rate;
   si.omega_t_rad_s = (c * row.rot_x_deg + s * row.rot_y_deg) * turn;
   si.omega_n_rad_s = (-s * row.rot_x_deg + c * row.rot_y_deg) * turn;
-  si.omega_t_sd_rad_s = std::hypot(c * row.rot_x_sd_deg, s * row.rot_y_sd_deg) * turn;
-  si.omega_n_sd_rad_s = std::hypot(s * row.rot_x_sd_deg, c * row.rot_y_sd_deg) * turn;
+  si.omega_t_sd_rad_s = std::hypot(std::hypot(c * row.rot_x_sd_deg, s * row.rot_y_sd_deg) * turn,
+                                   si.omega_t_rad_s * rate_sd);
+  si.omega_n_sd_rad_s = std::hypot(std::hypot(s * row.rot_x_sd_deg, c * row.rot_y_sd_deg) * turn,
+                                   si.omega_n_rad_s * rate_sd);
   return si;
 }
 

@@ -8,9 +8,7 @@
 
 namespace impactdic {
 
-// Median radius of the rows with a circle; nullopt where there is none. The dissertation's scale
-// (section 3.2.1) is the ball's diameter over the mean one; the median stands a ball that is
-// compressed for a while.
+// Median radius of the rows with a circle; nullopt where there is none.
 std::optional<double> median_radius_px(const std::vector<TrackRow>& rows);
 
 }  // namespace impactdic

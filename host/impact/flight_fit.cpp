@@ -20,7 +20,7 @@ constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 struct Datum {
   std::array<int, 2> column;    // of the state: position and velocity
   std::array<double, 2> slope;  // what they contribute
-  double gravity_slope;
+  double gravity_slope, across_slope;
   double value, sd;
   bool is_step;
   bool used = true;
@@ -32,8 +32,8 @@ using Matrix = Eigen::MatrixXd;
 class FlightSolver {
  public:
   FlightSolver(const ImpactSeries& series, const GravityDirection& direction,
-               std::optional<double> gravity)
-      : series_(series), direction_(direction), gravity_(gravity) {}
+               std::optional<double> gravity, bool across = false)
+      : series_(series), direction_(direction), gravity_(gravity), across_(across) {}
 
   void add(const FlightRange& range, int first_column) {
     for (std::size_t i = range.first; i <= range.last; ++i) {
@@ -41,18 +41,32 @@ class FlightSolver {
       for (const bool normal : {true, false}) {
         const int column = first_column + (normal ? 0 : 2);
         const double pull = normal ? direction_.n : direction_.t;
+        const double across = normal ? direction_.t : -direction_.n;
         const double centre = normal ? series_.position_n[i] : series_.position_t[i];
         const double step = normal ? series_.step_n[i] : series_.step_t[i];
         add({{column, column + 1},
              {1, from},
              pull * from * from / 2,
+             across * from * from / 2,
              centre,
              series_.position_sd[i],
              false});
         if (i == range.last || series_.from_circle) continue;
-        add({{column, column + 1}, {0, 1}, pull * (from + 0.5), step, series_.step_sd[i], true});
+        add({{column, column + 1},
+             {0, 1},
+             pull * (from + 0.5),
+             across * (from + 0.5),
+             step,
+             series_.step_sd[i],
+             true});
       }
     }
+  }
+
+  // Of the acceleration across the direction of gravity, with `gravity` along it.
+  Measured solve_across() {
+    if (!solve().ok) return {};
+    return {solution_[kGravityColumn], std::sqrt(covariance_(kGravityColumn, kGravityColumn))};
   }
 
   FlightFit solve() {
@@ -69,6 +83,8 @@ class FlightSolver {
     fit.covariance = covariance_.topLeftCorner<kFlightStates, kFlightStates>();
     take_common_part(fit);
     take_disagreement(fit);
+    fit.covariance += fit.common;
+    if (gravity_) fit.per_gravity = (-covariance_ * pull_).head<kFlightStates>();
     fit.gravity = gravity();
     fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(kGravityColumn, kGravityColumn));
     fit.position_scale = scale_[0];
@@ -102,24 +118,31 @@ class FlightSolver {
   double residual(const Datum& d) const {
     double model = d.slope[0] * solution_[d.column[0]] + d.slope[1] * solution_[d.column[1]];
     model += d.gravity_slope * gravity();
+    if (across_) model += d.across_slope * solution_[kGravityColumn];
     return d.value - model;
   }
 
   bool least_squares() {
-    const int size = kFlightStates + (gravity_ ? 0 : 1);
+    const int size = kFlightStates + (gravity_ && !across_ ? 0 : 1);
     Matrix normal = Matrix::Zero(size, size);
     Vector right = Vector::Zero(size);
+    pull_ = Vector::Zero(size);
     int used = 0;
     for (const Datum& d : data_) {
       if (!d.used) continue;
       Vector row = Vector::Zero(size);
       row[d.column[0]] = d.slope[0];
       row[d.column[1]] = d.slope[1];
-      if (!gravity_) row[kGravityColumn] = d.gravity_slope;
+      if (across_) {
+        row[kGravityColumn] = d.across_slope;
+      } else if (!gravity_) {
+        row[kGravityColumn] = d.gravity_slope;
+      }
       const double value = d.value - (gravity_ ? d.gravity_slope * *gravity_ : 0.0);
       const double weight = 1 / (sd(d) * sd(d));
       normal += weight * row * row.transpose();
       right += weight * value * row;
+      pull_ += weight * d.gravity_slope * row;
       ++used;
     }
     if (used < kFewestData) return false;
@@ -165,7 +188,7 @@ class FlightSolver {
     const double share = common_share(scale_[1], stated.size());
     const double usual = upper_median(finite(stated));
     for (const int velocity : kVelocities) {
-      fit.covariance(velocity, velocity) += share * usual * usual;
+      fit.common(velocity, velocity) += share * usual * usual;
     }
   }
 
@@ -189,7 +212,7 @@ class FlightSolver {
     fit.disagreement = std::sqrt(squares / static_cast<double>(kVelocities.size()));
     for (std::size_t i = 0; i < kVelocities.size(); ++i) {
       const double more = std::max(farther[i], fit.disagreement / 2);
-      fit.covariance(kVelocities[i], kVelocities[i]) += more * more;
+      fit.common(kVelocities[i], kVelocities[i]) += more * more;
     }
   }
 
@@ -233,9 +256,11 @@ class FlightSolver {
   const ImpactSeries& series_;
   GravityDirection direction_;
   std::optional<double> gravity_;
+  bool across_;  // fits the acceleration across gravity, too
   std::vector<Datum> data_;
   std::array<double, 2> scale_ = {1, 1};
   Vector solution_;
+  Vector pull_;  // of gravity on the right-hand side
   Matrix covariance_;
 };
 
@@ -248,6 +273,14 @@ FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
   solver.add(before, kN0);
   solver.add(after, kN1);
   return solver.solve();
+}
+
+Measured fall_across(const ImpactSeries& series, const FlightRange& before,
+                     const FlightRange& after, const GravityDirection& direction, double gravity) {
+  FlightSolver solver(series, direction, gravity, true);
+  solver.add(before, kN0);
+  solver.add(after, kN1);
+  return solver.solve_across();
 }
 
 }  // namespace impactdic::impact

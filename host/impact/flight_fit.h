@@ -26,6 +26,12 @@ struct FlightFit {
       kNotMeasured);  // px, px/frame; 0 before, 1 after
   Eigen::Matrix<double, kFlightStates, kFlightStates> covariance =
       Eigen::Matrix<double, kFlightStates, kFlightStates>::Zero();
+  // Of `covariance` what no scatter shows: the errors that all frames of a flight share.
+  Eigen::Matrix<double, kFlightStates, kFlightStates> common =
+      Eigen::Matrix<double, kFlightStates, kFlightStates>::Zero();
+  // Of the state, for a change of the gravity that was given, frames^2.
+  Eigen::Matrix<double, kFlightStates, 1> per_gravity =
+      Eigen::Matrix<double, kFlightStates, 1>::Zero();
   double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
   double position_scale = 1;           // scatter over the deviations that the track states
   double step_scale = 1;
@@ -46,5 +52,10 @@ struct GravityDirection {
 FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
                       const FlightRange& after, const GravityDirection& direction,
                       std::optional<double> gravity);
+
+// The acceleration that both flights show across `direction`, counter-clockwise of it, where
+// `gravity` acts along it; px/frame^2. NaN where there is too little to tell.
+Measured fall_across(const ImpactSeries& series, const FlightRange& before,
+                     const FlightRange& after, const GravityDirection& direction, double gravity);
 
 }  // namespace impactdic::impact

@@ -10,6 +10,8 @@
 #include "host/impact/contact_edge.h"
 #include "host/impact/contact_guess.h"
 #include "host/impact/flight_fit.h"
+#include "host/impact/flight_spin.h"
+#include "host/impact/free_radius.h"
 #include "host/impact/impact_figures.h"
 #include "host/impact/impact_series.h"
 
@@ -18,21 +20,24 @@ namespace {
 
 constexpr std::size_t kFewestFlightFrames = 6;
 constexpr std::size_t kFewestContactFrames = 8;
-constexpr double kSignificant = 8;  // deviations that an impact must stand out by
+constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
+constexpr double kSignificant = 8;      // deviations that an impact must stand out by
 
 class Analysis {
  public:
   Analysis(const std::vector<TrackRow>& rows, const ImpactOptions& options)
-      : options_(options), series_(impact_series(rows, options.surface_angle_rad)) {
+      : rows_(rows), options_(options), series_(impact_series(rows, options.surface_angle_rad)) {
     const double angle = options.gravity_angle_rad - options.surface_angle_rad;
     direction_ = {std::cos(angle), std::sin(angle)};
-    result_.radius_px = median_radius_px(rows).value_or(kNotMeasured);
   }
 
   ImpactAnalysis run() {
+    set_radius(free_radius(rows_));
     guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
     if (!guess_.found) return result_;
     if (!set_flights()) {
+      set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},
+                             {guess_.last + kLeastGuard, series_.size() - 1, 0}));
       result_.status = ImpactStatus::kFlightTooShort;
       return result_;
     }
@@ -56,12 +61,15 @@ class Analysis {
   void refit(double length);
   void find_edges(double start_guess, double end_guess);
   ContactEdge edge(bool end, double near) const;
-  Measured spin(const FlightRange& range) const;
+  double edge_per_gravity(bool end) const;
+  void set_radius(const FreeRadius& radius);
   using Instant = std::function<double(const ImpactSources::Vector&)>;
-  Measured above_lowest(const ImpactSources& sources, const Instant& instant) const;
+  ImpactSources sources(bool timed) const;
+  Propagated above_lowest(const ImpactSources& sources, const Instant& instant) const;
   void place(const ImpactSources& sources, bool timed);
   void finish();
 
+  const std::vector<TrackRow>& rows_;
   ImpactOptions options_;
   ImpactSeries series_;
   GravityDirection direction_;
@@ -75,7 +83,7 @@ class Analysis {
 
 bool Analysis::set_flights() {
   const std::size_t length = guess_.last - guess_.first;
-  std::size_t guard = std::max<std::size_t>(3, length * 3 / 20);
+  std::size_t guard = std::max(kLeastGuard, length * 3 / 20);
   const std::size_t last_row = series_.size() - 1;
   // In a short clip rather a shorter guard than no flight.
   while (guard > 2 && (guess_.first < guard + 2 * kFewestFlightFrames ||
@@ -156,6 +164,23 @@ ContactEdge Analysis::edge(bool end, double near) const {
   return fit_edge(series_, request);
 }
 
+// Frames for a change of gravity, px/frame^2, which bends the flight that the edge is found on.
+double Analysis::edge_per_gravity(bool end) const {
+  constexpr double kStep = 0.05;  // of gravity
+  const ContactEdge& known = end ? end_ : start_;
+  const double change = kStep * flights_.gravity;
+  double instants[2] = {};
+  for (const int side : {0, 1}) {
+    Analysis other = *this;
+    other.flights_.gravity += side == 0 ? -change : change;
+    other.flights_.state += flights_.per_gravity * (other.flights_.gravity - flights_.gravity);
+    const ContactEdge found = other.edge(end, known.instant);
+    if (!found.ok || found.reach != known.reach) return 0;  // another fit: no slope
+    instants[side] = found.instant;
+  }
+  return (instants[1] - instants[0]) / (2 * change);
+}
+
 void Analysis::find_edges(double start_guess, double end_guess) {
   start_ = edge(false, start_guess);
   end_ = edge(true, end_guess);
@@ -205,82 +230,61 @@ void Analysis::find_contact() {
   if (!start_.ok || !end_.ok) result_.status = ImpactStatus::kNotResolved;
 }
 
-// Weighted mean of the turns, its deviation from their scatter and from what they may have in
-// common.
-Measured Analysis::spin(const FlightRange& range) const {
-  std::vector<double> turns, sds;
-  for (std::size_t i = range.first; i < range.last; ++i) {
-    if (std::isfinite(series_.turn[i])) {
-      turns.push_back(series_.turn[i]);
-      sds.push_back(series_.turn_sd[i]);
-    }
-  }
-  if (turns.size() < 3) return {};
-  const double usual = upper_median(finite(sds)), centre = upper_median(finite(turns));
-  std::vector<double> off;
-  for (double turn : turns) off.push_back(std::abs(turn - centre));
-  const double limit = 5 * kSdOfMad * upper_median(finite(off)) + 1e-12;
-  double weights = 0, sum = 0, squares = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < turns.size(); ++i) {
-    if (std::abs(turns[i] - centre) > limit) continue;
-    const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
-    weights += 1 / (sd * sd), sum += (turns[i] - centre) / (sd * sd), ++count;
-  }
-  if (count < 3) return {};
-  const double mean = centre + sum / weights;
-  for (std::size_t i = 0; i < turns.size(); ++i) {
-    if (std::abs(turns[i] - centre) > limit) continue;
-    const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
-    squares += (turns[i] - mean) * (turns[i] - mean) / (sd * sd);
-  }
-  const double scatter_sq = squares / static_cast<double>(count - 1);
-  const double common = common_share(std::sqrt(scatter_sq), count) * usual * usual;
-  return {mean, std::sqrt(scatter_sq / weights + common)};
+void Analysis::set_radius(const FreeRadius& radius) {
+  if (radius.frames == 0) return;
+  result_.radius_px = options_.radius_px.value_or(radius.px);
+  result_.radius_frames = radius.frames;
+  result_.radius_drift_px = radius.drift;
 }
 
 // From the flight before, carried on to `instant`, down to the turn: less the steps that were
 // measured since, or the height of the centres there.
-Measured Analysis::above_lowest(const ImpactSources& sources, const Instant& instant) const {
+// Turned axes see a part of the way along the surface, too.
+Propagated Analysis::above_lowest(const ImpactSources& sources, const Instant& instant) const {
+  using Vector = ImpactSources::Vector;
   const std::size_t from = before_.last;
   const auto to = static_cast<std::size_t>(std::floor(turn_.instant));
-  const double g = flights_.gravity * direction_.n;
+  const auto pull = [&](const Vector& x) { return x[kGravity] * direction_.n; };
   if (series_.from_circle) {
-    Measured depth = propagate(sources, [&](const ImpactSources::Vector& x) {
+    Propagated depth = propagate(sources, [&](const Vector& x) {
       const double since = instant(x) - before_.at;
-      return x[kN0] + x[kVn0] * since + g * since * since / 2 - turn_.height;
+      return x[kN0] + x[kVn0] * since + pull(x) * since * since / 2 - turn_.height;
     });
-    depth.sd = std::hypot(depth.sd, turn_.height_sd);
+    depth.add(ErrorSource::kNoise, turn_.height_sd);
     return depth;
   }
-  double path = 0, variance = 0;
+  double path_n = 0, path_t = 0, variance = 0;
   for (std::size_t i = from; i < to; ++i) {
-    path += series_.step_n[i];
+    path_n += series_.step_n[i];
+    path_t += series_.step_t[i];
     variance += std::pow(series_.step_sd[i] * flights_.step_scale, 2);
   }
   const double rest = turn_.instant - static_cast<double>(to);
-  path -= (guess_.peak_acceleration + flights_.gravity * direction_.n) * rest * rest / 2;
-  Measured depth = propagate(sources, [&](const ImpactSources::Vector& x) {
+  path_n -= (guess_.peak_acceleration + flights_.gravity * direction_.n) * rest * rest / 2;
+  if (std::isfinite(series_.step_t[to])) path_t += rest * series_.step_t[to];
+  Propagated depth = propagate(sources, [&](const Vector& x) {
     const double since = static_cast<double>(from) - before_.at, touch = instant(x) - before_.at;
-    const double flown = x[kVn0] * (touch - since) + g * (touch * touch - since * since) / 2;
-    return flown - path;
+    const double square = (touch * touch - since * since) / 2;
+    const double flown_n = x[kVn0] * (touch - since) + pull(x) * square;
+    const double flown_t = x[kVt0] * (touch - since);
+    return std::cos(x[kAngle]) * (flown_n - path_n) - std::sin(x[kAngle]) * (flown_t - path_t);
   });
-  if (!std::isfinite(path)) return {};
-  depth.sd = std::sqrt(depth.sd * depth.sd + variance);
+  if (!std::isfinite(path_n)) return {};
+  depth.add(ErrorSource::kNoise, std::sqrt(variance));
   return depth;
 }
 
 // What needs no edges: where the flights cross; and what follows from the touch.
 void Analysis::place(const ImpactSources& s, bool timed) {
   const Instant crossing = [&](const ImpactSources::Vector& x) { return crossing_of(s, x); };
-  result_.crossing = propagate(s, crossing);
+  result_.crossing = propagate(s, crossing).measured;
   if (turn_.ok) {
     result_.turn = {turn_.instant, turn_.sd};
-    result_.crossing_above_lowest = above_lowest(s, crossing);
+    result_.crossing_above_lowest = above_lowest(s, crossing).measured;
   }
   const double since = s.value[kStart] - s.before.at;
   const auto at_touch = [&](int place, int speed, double pull) {
-    return s.value[place] + s.value[speed] * since + s.gravity * pull * since * since / 2;
+    return s.value[place] + s.value[speed] * since + s.gravity() * pull * since * since / 2;
   };
   const double t = at_touch(kT0, kVt0, direction_.t), n = at_touch(kN0, kVn0, direction_.n);
   const double c = std::cos(options_.surface_angle_rad), up = std::sin(options_.surface_angle_rad);
@@ -291,60 +295,66 @@ void Analysis::place(const ImpactSources& s, bool timed) {
       {start_.instant, start_.sd}, {start_.exponent, start_.exponent_sd}, start_.law_holds};
   result_.end = {{end_.instant, end_.sd}, {end_.exponent, end_.exponent_sd}, end_.law_holds};
   result_.duration =
-      propagate(s, [](const ImpactSources::Vector& x) { return x[kEnd] - x[kStart]; });
+      noted(result_, ImpactFigure::kContactDuration,
+            propagate(s, [](const ImpactSources::Vector& x) { return x[kEnd] - x[kStart]; }));
   result_.max_deflection =
-      above_lowest(s, [](const ImpactSources::Vector& x) { return x[kStart]; });
+      noted(result_, ImpactFigure::kMaxDeflection,
+            above_lowest(s, [](const ImpactSources::Vector& x) { return x[kStart]; }));
+}
+
+ImpactSources Analysis::sources(bool timed) const {
+  ImpactSources s;
+  s.before = before_, s.after = after_;
+  s.direction = direction_;
+  s.value.head<kFlightStates>() = flights_.state;
+  const auto part = [&](ErrorSource kind) -> auto& {
+    return s.covariance[static_cast<std::size_t>(kind)];
+  };
+  part(ErrorSource::kNoise).topLeftCorner<kFlightStates, kFlightStates>() =
+      flights_.covariance - flights_.common;
+  part(ErrorSource::kCircle).topLeftCorner<kFlightStates, kFlightStates>() = flights_.common;
+  // A contact that was not resolved is taken for an instant, known to its guessed length.
+  const double unresolved = static_cast<double>(guess_.last - guess_.first) / 2;
+  s.value[kStart] = timed ? start_.instant : turn_.instant;
+  s.value[kEnd] = timed ? end_.instant : turn_.instant;
+  s.add(ErrorSource::kContact, kStart, timed ? start_.sd : unresolved);
+  s.add(ErrorSource::kContact, kEnd, timed ? end_.sd : unresolved);
+  const FlightSpin spin0 = flight_spin(series_, before_), spin1 = flight_spin(series_, after_);
+  s.value[kSpin0] = spin0.value, s.value[kSpin1] = spin1.value;
+  s.add(ErrorSource::kNoise, kSpin0, spin0.noise_sd);
+  s.add(ErrorSource::kNoise, kSpin1, spin1.noise_sd);
+  s.add(ErrorSource::kCircle, kSpin0, spin0.common_sd);
+  s.add(ErrorSource::kCircle, kSpin1, spin1.common_sd);
+  s.value[kRadius] = result_.radius_px.value;
+  s.add(ErrorSource::kCircle, kRadius, result_.radius_px.sd);
+  s.add(ErrorSource::kAngle, kAngle, options_.surface_angle_sd_rad);
+  s.value[kGravity] = flights_.gravity;
+  s.per_gravity.head<kFlightStates>() = flights_.per_gravity;
+  s.per_gravity[kGravity] = 1;
+  if (timed && options_.gravity && *options_.gravity > 0) {
+    s.per_gravity[kStart] = edge_per_gravity(false);
+    s.per_gravity[kEnd] = edge_per_gravity(true);
+  }
+  return s;
 }
 
 void Analysis::finish() {
   const bool timed = result_.status == ImpactStatus::kFound;
-  ImpactSources s;
-  s.before = before_, s.after = after_;
-  s.direction = direction_;
-  s.gravity = flights_.gravity;
-  s.value.setZero();
-  s.covariance.setZero();
-  s.value.head<kFlightStates>() = flights_.state;
-  s.covariance.topLeftCorner<kFlightStates, kFlightStates>() = flights_.covariance;
-  const auto put = [&](int i, double value, double sd) {
-    s.value[i] = value;
-    s.covariance(i, i) = std::isfinite(sd) ? sd * sd : 0.0;
-  };
-  // A contact that was not resolved is taken for an instant, known to its guessed length.
-  const double unresolved = static_cast<double>(guess_.last - guess_.first) / 2;
-  put(kStart, timed ? start_.instant : turn_.instant, timed ? start_.sd : unresolved);
-  put(kEnd, timed ? end_.instant : turn_.instant, timed ? end_.sd : unresolved);
-  const Measured spin0 = spin(before_), spin1 = spin(after_);
-  put(kSpin0, spin0.value, spin0.sd);
-  put(kSpin1, spin1.value, spin1.sd);
+  set_radius(free_radius(rows_, before_, after_));
+  const ImpactSources s = sources(timed);
   fill_figures(s, options_, result_);
   place(s, timed);
   const FlightFit fall = fit_flights(series_, before_, after_, direction_, std::nullopt);
-  if (fall.ok) result_.fall = {fall.gravity, fall.gravity_sd};
+  if (fall.ok) {
+    result_.fall = {fall.gravity, fall.gravity_sd};
+    result_.fall_across = fall_across(series_, before_, after_, direction_, fall.gravity);
+  }
   result_.position_scatter = flights_.position_scale;
   result_.step_scatter = flights_.step_scale;
   result_.disagreement = flights_.disagreement;
 }
 
 }  // namespace
-
-}  // namespace impactdic::impact
-
-namespace impactdic {
-
-const char* to_string(ImpactStatus status) {
-  constexpr std::array kWords = {"found", "none", "wrong_side", "flight_too_short", "not_resolved"};
-  return kWords[static_cast<std::size_t>(status)];
-}
-
-const char* to_string(ClosureVerdict verdict) {
-  constexpr std::array kWords = {"undetermined", "closes", "signs", "lever_arm", "scale"};
-  return kWords[static_cast<std::size_t>(verdict)];
-}
-
-}  // namespace impactdic
-
-namespace impactdic::impact {
 
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();

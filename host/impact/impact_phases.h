@@ -16,12 +16,15 @@
 namespace impactdic::impact {
 
 struct ImpactOptions {
-  double surface_angle_rad = 0;  // counter-clockwise from image-right
+  double surface_angle_rad = 0;     // counter-clockwise from image-right
+  double surface_angle_sd_rad = 0;  // 0: exact
   double gravity_angle_rad = -kPi / 2;
   // px/frame^2; nullopt: unknown, fitted to the flights.
   std::optional<double> gravity;
   // I / (m R^2): 2/3 of a thin shell, 2/5 of a solid sphere.
   std::optional<double> inertia_factor;
+  // The free ball's, where the rim is not what tells it; nullopt: from the rows.
+  std::optional<Measured> radius_px;
   int flight_frames = 100;  // longest flight used on each side (dissertation, section 3.2.2)
 };
 

@@ -189,7 +189,7 @@ class RegionCorrelator {
     CorrelatedFrame& frame = out.frame;
     frame.frame = options_.frames.at(now.index);
     const double rate =
-        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : 1.0;
+        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : kNotMeasured;
     frame.time_s = static_cast<double>(now.index) / rate;
     if (now.index == 0) {
       frame.is_reference = true;

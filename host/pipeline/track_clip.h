@@ -24,9 +24,12 @@ struct TrackOptions {
   motion::EstimatorOptions estimator;
   circle::BallTrackerOptions ball;
   FrameRange frames;
-  Roi roi;                      // in whole-picture pixels, as every result
-  bool with_field = true;       // false: circles only, no device needed
-  double fps = 0;               // of the stored frames; 0 where unknown (time_s then counts frames)
+  Roi roi;                 // in whole-picture pixels, as every result
+  bool with_field = true;  // false: circles only, no device needed
+  double fps = 0;          // of the stored frames; 0 where unknown
+  // Periods of the analysed frames since the first one, of each of them, where the camera lost some
+  // in between; empty: none are missing.
+  std::vector<std::int64_t> periods;
   int batch = 0;                // frames handed on at once; 0: as many as fill 16 MB
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.

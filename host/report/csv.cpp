@@ -54,7 +54,7 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   };
   TrackRow row;
   row.frame = parse_int(cells[0], where);
-  row.time_s = parse_double(cells[1], where);
+  row.time_s = number(1);
   row.status = parse_track_status(cells[2]);
   row.cx_px = number(3);
   row.cy_px = number(4);
@@ -83,7 +83,7 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
 MotionRow parse_motion_row(const std::vector<std::string>& cells, const std::string& where) {
   MotionRow row;
   row.frame = parse_int(cells[0], where);
-  row.time_s = parse_double(cells[1], where);
+  row.time_s = cells[1].empty() ? kNotMeasured : parse_double(cells[1], where);
   row.is_reference = cells[2] == "reference";
   if (!row.is_reference) row.status = parse_track_status(cells[2]);
   std::size_t column = 3;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/report/words.h"
 
@@ -16,6 +17,19 @@ json number(double value) { return std::isfinite(value) ? json(value) : json(nul
 json figure(const Measured& m) {
   if (!std::isfinite(m.value)) return nullptr;
   return {{"value", m.value}, {"sd", number(m.sd)}};
+}
+
+// With the parts of the deviation that are not 0, and whether something contradicts it.
+json figure(const ImpactFigures& impact, ImpactFigure which, const Measured& m) {
+  json result = figure(m);
+  if (result.is_null()) return result;
+  const ErrorParts& parts = impact.budget(which);
+  json& described = result["sd_parts"] = json::object();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i] > 0) described[to_string(static_cast<ErrorSource>(i))] = parts[i];
+  }
+  result["status"] = impact.is_doubtful(which) ? "doubtful" : "ok";
+  return result;
 }
 
 json instant(const ImpactInstant& at) {
@@ -34,21 +48,36 @@ json edge(const ImpactInstant& at, const Measured& exponent, bool law_holds) {
   return result;
 }
 
-json motion(const ImpactMotion& m, bool in_si) {
+// `first`: kVx… of the flight.
+json motion(const ImpactFigures& impact, const ImpactMotion& m, ImpactFigure first) {
   if (!m.known) return nullptr;
-  const std::string unit = in_si ? "_m_s" : "_px_per_frame";
-  return {{"frames_used", {m.first_frame, m.last_frame}},
-          {"vx" + unit, figure(m.vx)},
-          {"vy" + unit, figure(m.vy)},
-          {"vt" + unit, figure(m.vt)},
-          {"vn" + unit, figure(m.vn)},
-          {in_si ? "omega_rad_s" : "omega_rad_per_frame", figure(m.spin)}};
+  const std::string unit = impact.in_si ? "_m_s" : "_px_per_frame";
+  auto next = static_cast<int>(first);
+  json result = {{"frames_used", {m.first_frame, m.last_frame}}};
+  for (const auto& [name, value] : {std::pair{"vx", m.vx}, std::pair{"vy", m.vy},
+                                    std::pair{"vt", m.vt}, std::pair{"vn", m.vn}}) {
+    result[name + unit] = figure(impact, static_cast<ImpactFigure>(next++), value);
+  }
+  result[impact.in_si ? "omega_rad_s" : "omega_rad_per_frame"] =
+      figure(impact, static_cast<ImpactFigure>(next), m.spin);
+  return result;
+}
+
+json contradictions(const ImpactFigures& impact) {
+  json result = json::array();
+  for (const Contradiction& c : impact.contradictions) {
+    json figures = json::array();
+    for (const ImpactFigure concerned : c.figures) figures.push_back(to_string(concerned));
+    result.push_back({{"what", c.what}, {"message", c.message}, {"doubtful", figures}});
+  }
+  return result;
 }
 
 json closure(const ImpactFigures& impact) {
   const ImpulseClosure& c = impact.closure;
   return {{"ratio", figure(c.ratio)},
-          {"inertia_factor_that_closes", figure(c.inertia_factor)},
+          {"inertia_factor_that_closes",
+           figure(impact, ImpactFigure::kClosingInertia, c.inertia_factor)},
           {"inertia_factor_given",
            impact.inertia_factor ? json(*impact.inertia_factor) : json(nullptr)},
           {"verdict", to_string(c.verdict)},
@@ -93,31 +122,50 @@ void read_word(const json& from, const std::string& pointer, const std::array<Wo
   }
 }
 
+void read_contradictions(const json& from, ImpactFigures& impact) {
+  if (!from.contains("contradictions")) return;
+  for (const json& one : from.at("contradictions")) {
+    Contradiction read{one.at("what"), one.at("message"), {}};
+    for (std::size_t i = 0; i < kImpactFigures; ++i) {
+      const auto figure = static_cast<ImpactFigure>(i);
+      for (const json& name : one.at("doubtful")) {
+        if (name == to_string(figure)) read.figures.push_back(figure);
+      }
+    }
+    impact.contradictions.push_back(std::move(read));
+  }
+}
+
 }  // namespace
 
 json describe_impact(const ImpactFigures& impact) {
   json result = {{"found", impact.found()},
                  {"status", to_string(impact.status)},
                  {"explanation", explain(impact.status)}};
+  result["contradictions"] = contradictions(impact);
   if (!impact.found()) return result;
   result["units"] = impact.in_si ? "si" : "px_and_frames";
   result["t0"] = edge(impact.t0, impact.start_exponent, impact.start_law_holds);
   result["t_max_compression"] = instant(impact.t_max_compression);
   result["t_end"] = edge(impact.t_end, impact.end_exponent, impact.end_law_holds);
   result["contact_frames"] = figure(impact.contact_frames);
-  result["contact_s"] = figure(impact.contact_s);
-  result["before"] = motion(impact.before, impact.in_si);
-  result["after"] = motion(impact.after, impact.in_si);
-  result["restitution"] = figure(impact.restitution);
-  result["friction"] = {{"eq_3_12", figure(impact.friction_published)},
-                        {"gravity_corrected", figure(impact.friction)},
-                        {"rolling_cap", figure(impact.rolling_cap)}};
+  result["contact_s"] = figure(impact, ImpactFigure::kContactDuration, impact.contact_s);
+  result["before"] = motion(impact, impact.before, ImpactFigure::kVxBefore);
+  result["after"] = motion(impact, impact.after, ImpactFigure::kVxAfter);
+  result["restitution"] = figure(impact, ImpactFigure::kRestitution, impact.restitution);
+  result["friction"] = {
+      {"eq_3_12", figure(impact, ImpactFigure::kFrictionPublished, impact.friction_published)},
+      {"gravity_corrected", figure(impact, ImpactFigure::kFriction, impact.friction)},
+      {"rolling_cap", figure(impact, ImpactFigure::kRollingCap, impact.rolling_cap)}};
   result["max_deflection_px"] = figure(impact.max_deflection_px);
-  result["max_deflection_m"] = figure(impact.max_deflection_m);
+  result["max_deflection_m"] =
+      figure(impact, ImpactFigure::kMaxDeflection, impact.max_deflection_m);
   result["impulse_closure"] = closure(impact);
   result["gravity"] = {
       {"measured_m_s2", figure(impact.gravity_m_s2)},
       {"agrees_with_9_81", impact.gravity_agrees ? json(*impact.gravity_agrees) : json(nullptr)}};
+  result["gravity"]["direction_deg"] = figure(impact.gravity_angle_deg);
+  result["surface_angle_found_deg"] = figure(impact.surface_angle_deg);
   result["centre_against_motion_px_per_frame"] = number(impact.centre_against_motion_px_per_frame);
   result["scatter_over_stated"] = {{"centre", number(impact.centre_scatter)},
                                    {"motion", number(impact.motion_scatter)}};
@@ -146,6 +194,8 @@ ImpactFigures read_impact(const json& described) {
   read_figure(described, "/friction/gravity_corrected", impact.friction);
   read_figure(described, "/friction/rolling_cap", impact.rolling_cap);
   read_figure(described, "/max_deflection_m", impact.max_deflection_m);
+  read_figure(described, "/surface_angle_found_deg", impact.surface_angle_deg);
+  read_contradictions(described, impact);
   return impact;
 }
 

@@ -46,6 +46,21 @@ void add(std::vector<std::string>& cells, const Measured& m) {
   cells.push_back(known ? cell(m.sd) : "");
 }
 
+// What contradicts what, and the figures concerned: lists, divided by semicolons.
+void add_contradictions(std::vector<std::string>& cells, const ImpactFigures& impact) {
+  std::string what, doubtful;
+  const auto append = [](std::string& list, const std::string& item) {
+    list += (list.empty() ? "" : "; ") + item;
+  };
+  for (const Contradiction& c : impact.contradictions) append(what, c.message);
+  for (std::size_t i = 0; i < kImpactFigures; ++i) {
+    const auto figure = static_cast<ImpactFigure>(i);
+    if (impact.is_doubtful(figure)) append(doubtful, to_string(figure));
+  }
+  cells.push_back(plain(what));
+  cells.push_back(plain(doubtful));
+}
+
 }  // namespace
 
 const char* const kShotsCsvHeader =
@@ -55,7 +70,9 @@ const char* const kShotsCsvHeader =
     "vn_before_sd_m_s,vt_after_m_s,vt_after_sd_m_s,vn_after_m_s,vn_after_sd_m_s,"
     "omega_before_rad_s,omega_before_sd_rad_s,omega_after_rad_s,omega_after_sd_rad_s,"
     "restitution,restitution_sd,friction_eq_3_12,friction_eq_3_12_sd,friction,friction_sd,"
-    "rolling_cap,rolling_cap_sd,max_deflection_m,max_deflection_sd_m,impulse_closure";
+    "rolling_cap,rolling_cap_sd,max_deflection_m,max_deflection_sd_m,impulse_closure,"
+    "scale_sd_m_per_px,ball,mass_g,ball_diameter_mm,inertia_factor,surface_angle_found_deg,"
+    "surface_angle_found_sd_deg,contradictions,doubtful";
 
 double as_given_deg(double angle_rad) { return std::round(angle_rad * kDegPerRad * 1e9) / 1e9; }
 
@@ -64,6 +81,8 @@ void fill_shot(ShotResult& shot, const TrackResult& measured) {
   shot.frames = static_cast<std::int64_t>(measured.rows.size());
   shot.frames_ok = measured.frames_ok;
   shot.metre_per_px = measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px : kNotMeasured;
+  shot.metre_per_px_sd =
+      measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px_sd : kNotMeasured;
   shot.impact = measured.impact_si;
 }
 
@@ -76,6 +95,10 @@ void read_shot(ShotResult& shot, const std::filesystem::path& summary) {
     };
     shot.surface_angle_deg = number("surface_angle_deg");
     shot.metre_per_px = number("scale_m_per_px");
+    const json::json_pointer scale_sd("/scale/sd_m_per_px");
+    if (read.contains(scale_sd) && read.at(scale_sd).is_number()) {
+      shot.metre_per_px_sd = read.at(scale_sd).get<double>();
+    }
     shot.frames = read.at("frames_analysed").get<std::int64_t>();
     shot.frames_ok = 0;
     for (const char* status : {"ok", "last_frame"}) {
@@ -114,6 +137,13 @@ std::string shots_csv_line(const ShotResult& shot) {
     add(cells, figure);
   }
   cells.push_back(shot.done && impact.found() ? to_string(impact.closure.verdict) : "");
+  cells.push_back(shot.done ? cell(shot.metre_per_px_sd) : "");
+  cells.push_back(plain(shot.ball));
+  cells.push_back(plain(shot.mass_g));
+  cells.push_back(shot.done ? cell(shot.ball_diameter_mm) : "");
+  cells.push_back(shot.done ? cell(shot.inertia_factor) : "");
+  add(cells, impact.surface_angle_deg);
+  add_contradictions(cells, impact);
   std::string line = cells[0];
   for (std::size_t i = 1; i < cells.size(); ++i) line += "," + cells[i];
   return line;

@@ -46,13 +46,14 @@ json describe_input(const ClipInfo& info, const video::ClipDigest& digest) {
   return input;
 }
 
-json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale) {
+json summarise_track(const TrackResult& result) {
+  const std::vector<TrackRow>& rows = result.rows;
+  const SiScale& scale = result.scale;
   std::map<std::string, int> statuses;
-  Mean speed, circle_speed, radius, rotation, windows;
+  Mean speed, circle_speed, rotation, windows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const TrackRow& row = rows[i];
     ++statuses[to_string(row.status)];
-    if (row.circle_ok) radius.add(row.r_px);
     if (row.circle_ok && i + 1 < rows.size() && rows[i + 1].circle_ok) {
       circle_speed.add(std::hypot(rows[i + 1].cx_px - row.cx_px, rows[i + 1].cy_px - row.cy_px));
     }
@@ -62,14 +63,16 @@ json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale) {
       windows.add(row.windows);
     }
   }
+  const Measured& radius = result.impact.radius_px;
   const bool metres = scale.metre_per_px > 0;
   const double to_m_s = metres && scale.fps > 0 ? scale.metre_per_px * scale.fps : kNotMeasured;
   return {
       {"frames_analysed", rows.size()},
       {"frames_by_status", statuses},
       {"ball",
-       {{"radius_px", number(radius.value())},
-        {"radius_m", number(metres ? radius.value() * scale.metre_per_px : kNotMeasured)}}},
+       {{"radius_px", number(radius.value)},
+        {"radius_sd_px", number(radius.sd)},
+        {"radius_m", number(metres ? radius.value * scale.metre_per_px : kNotMeasured)}}},
       {"mean_motion",
        {{"speed_px_per_frame", number(speed.value())},
         {"speed_m_s", number(speed.value() * to_m_s)},

@@ -15,7 +15,7 @@ namespace impactdic::report {
 nlohmann::json describe_input(const ClipInfo& info, const video::ClipDigest& digest);
 
 // Frames by status, mean speed, ball, scale. Figures that were not measured are null.
-nlohmann::json summarise_track(const std::vector<TrackRow>& rows, const SiScale& scale);
+nlohmann::json summarise_track(const TrackResult& result);
 
 // Writes `summary` to a temporary file and renames it. Throws FileError.
 void write_json(const std::filesystem::path& path, const nlohmann::json& summary);

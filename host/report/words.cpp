@@ -53,8 +53,12 @@ std::string in_words(const ImpactFigures& impact) {
   };
   add(impact.t0.frame, impact.t0.sd_frames, "; contact from frame %.2f +- %.2f");
   add(impact.t_end.frame, impact.t_end.sd_frames, " to %.2f +- %.2f");
-  add(impact.restitution.value, impact.restitution.sd, "; restitution %.4f +- %.4f");
-  add(impact.friction.value, impact.friction.sd, "; friction %.4f +- %.4f");
+  const auto add_figure = [&](ImpactFigure which, const Measured& m, const char* format) {
+    add(m.value, m.sd, format);
+    if (std::isfinite(m.value) && impact.is_doubtful(which)) line += " (doubtful)";
+  };
+  add_figure(ImpactFigure::kRestitution, impact.restitution, "; restitution %.4f +- %.4f");
+  add_figure(ImpactFigure::kFriction, impact.friction, "; friction %.4f +- %.4f");
   return line;
 }
 

@@ -58,6 +58,11 @@ class Batch {
   void measure(std::size_t index);
   // Empty, or the reason why there is no result.
   std::string try_shot(const run::BatchShot& shot, const fs::path& into, ShotResult& result);
+  void warn_of_contradictions(const ShotResult& shot) {
+    for (const Contradiction& found : shot.impact.contradictions) {
+      caller_.say(MessageKind::kWarning, shot.name + ": " + found.message);
+    }
+  }
   void put_aside(const run::BatchShot& shot, const fs::path& part, const std::string& reason);
   void note(std::size_t index, ShotResult shot);
   void write_table() const;
@@ -101,6 +106,12 @@ Batch::Batch(const BatchRequest& request, Session& session, run::Caller& caller)
     entry.listed = shot.listed;
     entry.drop_height_mm = shot.drop_height_mm;
     entry.notes = shot.notes;
+    entry.ball = shot.ball;
+    entry.mass_g = shot.mass_g;
+    const TrackRequest of_it = request_of(shot);
+    of_it.validate();
+    if (of_it.ball_diameter_mm > 0) entry.ball_diameter_mm = of_it.ball_diameter_mm;
+    if (of_it.inertia_factor > 0) entry.inertia_factor = of_it.inertia_factor;
   }
 }
 
@@ -111,6 +122,7 @@ BatchResult Batch::run() {
       ShotResult shot = result_.shots[i];
       shot.done = true;
       report::read_shot(shot, shots_folder() / shots_[i].name / "summary.json");
+      warn_of_contradictions(shot);
       note(i, std::move(shot));
     } else {
       waiting.push_back(i);
@@ -154,6 +166,12 @@ TrackRequest Batch::request_of(const run::BatchShot& shot) const {
   request.clip.source = nullptr;
   request.clip.paths = {shot.clip.string()};
   if (shot.surface_angle_deg) request.surface_angle_deg = *shot.surface_angle_deg;
+  if (shot.ball_diameter_mm) {
+    request.ball_diameter_mm = *shot.ball_diameter_mm;
+    request.mm_per_px = request.mm_per_px_sd = 0;  // the shot's own scale
+  }
+  if (shot.inertia_factor) request.inertia_factor = *shot.inertia_factor;
+  if (shot.height_mm) request.drop_height_mm = *shot.height_mm;
   return request;
 }
 
@@ -196,6 +214,7 @@ std::string Batch::try_shot(const run::BatchShot& shot, const fs::path& into, Sh
     caller_.say(MessageKind::kNote, shot.name + ": " + std::to_string(measured.frames_ok) + " of " +
                                         std::to_string(measured.frames.count()) + " frames ok; " +
                                         report::in_words(measured.impact_si));
+    warn_of_contradictions(result);
     return "";
   } catch (const OpenClError&) {
     throw;  // the device fails for every shot

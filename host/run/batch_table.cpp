@@ -84,14 +84,23 @@ std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
 
 void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
   const CsvTable table = CsvTable::read(path);
-  const std::set<std::string> known = {"file", "surface_angle_deg", "drop_height_mm", "notes"};
+  const std::set<std::string> known = {"file",
+                                       "surface_angle_deg",
+                                       "ball_diameter_mm",
+                                       "inertia_factor",
+                                       "drop_height_mm",
+                                       "ball",
+                                       "mass_g",
+                                       "notes"};
   for (const std::string& column : table.columns()) {
     if (known.count(column) == 0) {
       throw InvalidArgument("unknown column '" + column + "'", path.string(),
-                            "there are file, surface_angle_deg, drop_height_mm, notes");
+                            "there are file, surface_angle_deg, ball_diameter_mm, inertia_factor, "
+                            "drop_height_mm, ball, mass_g, notes");
     }
   }
-  for (const char* numbers : {"surface_angle_deg", "drop_height_mm"}) {
+  for (const char* numbers :
+       {"surface_angle_deg", "ball_diameter_mm", "inertia_factor", "drop_height_mm", "mass_g"}) {
     if (table.has(numbers)) table.numbers(numbers);  // says where one is none
   }
   const std::vector<std::string> files = table.text("file");
@@ -110,8 +119,25 @@ void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
       throw InvalidArgument("the clip '" + files[row] + "' stands twice", table.where(row));
     }
     shot->listed = true;
-    const std::string angle = cell("surface_angle_deg", row);
-    if (!angle.empty()) shot->surface_angle_deg = parse_double(angle, table.where(row));
+    const auto number = [&](const char* column) -> std::optional<double> {
+      const std::string text = cell(column, row);
+      if (text.empty()) return std::nullopt;
+      return parse_double(text, table.where(row) + ", column " + column);
+    };
+    const auto positive = [&](const char* column) {
+      const std::optional<double> value = number(column);
+      if (value && !(*value > 0)) {
+        throw InvalidArgument("must be positive, not " + shortest(*value),
+                              table.where(row) + ", column " + column);
+      }
+      return value;
+    };
+    shot->surface_angle_deg = number("surface_angle_deg");
+    shot->ball_diameter_mm = positive("ball_diameter_mm");
+    shot->inertia_factor = positive("inertia_factor");
+    shot->height_mm = positive("drop_height_mm");
+    shot->mass_g = positive("mass_g") ? cell("mass_g", row) : "";
+    shot->ball = cell("ball", row);
     shot->drop_height_mm = cell("drop_height_mm", row);
     shot->notes = cell("notes", row);
   }

@@ -10,9 +10,10 @@ namespace impactdic::run {
 
 struct BatchShot {
   std::filesystem::path clip;
-  std::string name;                         // of the folder of its results
-  std::optional<double> surface_angle_deg;  // as the table has it; else as the job says
-  std::string drop_height_mm, notes;
+  std::string name;  // of the folder of its results
+  // As the table has them; else as the job says.
+  std::optional<double> surface_angle_deg, ball_diameter_mm, inertia_factor, height_mm;
+  std::string drop_height_mm, notes, ball, mass_g;
   bool listed = false;  // stands in the table
 };
 
@@ -20,10 +21,10 @@ struct BatchShot {
 // pictures (two at least). Throws InvalidArgument where there is none.
 std::vector<BatchShot> shots_in_folder(const std::filesystem::path& folder);
 
-// Reads the table (CSV with a column `file`, and of surface_angle_deg, drop_height_mm, notes those
-// that it has) into `shots`. `file` is a clip's name with or without its extension. Throws
-// FileError, FormatError; InvalidArgument for a file that is not in the folder or stands twice, an
-// unknown column, or a value that is no number.
+// Reads the table (CSV with a column `file`, and of surface_angle_deg, ball_diameter_mm,
+// inertia_factor, drop_height_mm, ball, mass_g, notes those that it has) into `shots`. `file` is a
+// clip's name with or without its extension. Throws FileError, FormatError; InvalidArgument for a
+// file that is not in the folder or stands twice, an unknown column, or a value that is no number.
 void read_shot_table(const std::filesystem::path& table, std::vector<BatchShot>& shots);
 
 }  // namespace impactdic::run

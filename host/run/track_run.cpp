@@ -12,7 +12,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
-#include "host/run/impact_figures.h"
+#include "host/run/metres/scale.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
 
@@ -56,8 +56,16 @@ void TrackRequest::validate() const {
   run::check_frames(frames);
   if (roi) run::check_rectangle(*roi);
   check(ball_diameter_mm >= 0, "positive", ball_diameter_mm, "--ball-diameter-mm");
+  check(ball_diameter_sd_mm >= 0 &&
+            (ball_diameter_sd_mm == 0 || ball_diameter_sd_mm < ball_diameter_mm),
+        "positive and less than --ball-diameter-mm", ball_diameter_sd_mm, "--ball-diameter-sd-mm");
   check(mm_per_px >= 0, "positive", mm_per_px, "--mm-per-px");
+  check(mm_per_px_sd >= 0 && (mm_per_px_sd == 0 || mm_per_px_sd < mm_per_px),
+        "positive and less than --mm-per-px", mm_per_px_sd, "--mm-per-px-sd");
   check(true, "a finite number", surface_angle_deg, "--surface-angle-deg");
+  check(surface_angle_sd_deg >= 0 && surface_angle_sd_deg < 90, "between 0 and 90",
+        surface_angle_sd_deg, "--surface-angle-sd-deg");
+  check(drop_height_mm >= 0, "positive", drop_height_mm, "--drop-height-mm");
   check(true, "a finite number", gravity_angle_deg, "--gravity-angle-deg");
   check(inertia_factor == 0 || (inertia_factor >= 0.01 && inertia_factor <= 1),
         "between 0.01 and 1", inertia_factor, "--inertia-factor");
@@ -210,12 +218,16 @@ void TrackRun::measure(const Outputs& outputs) {
 }
 
 void TrackRun::conclude() {
-  const auto radius_px = median_radius_px(result_.rows);
-  if (request_.ball_diameter_mm > 0 && radius_px) {
-    result_.scale.metre_per_px = request_.ball_diameter_mm * 1e-3 / (2 * *radius_px);
-  }
   result_.frames_ok = frames_ok(result_.rows);
-  analyse_impact(request_, result_.rows, result_.scale, result_.impact, result_.impact_si);
+  std::optional<Measured> sphere;
+  if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
+    sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
+  }
+  conclude_metres(request_, sphere, result_);
+  for (const Contradiction& found : result_.impact_si.contradictions) {
+    result_.warnings.push_back(found.message);
+    caller_.say(MessageKind::kWarning, found.message);
+  }
 }
 
 void hand_on(const pipeline::TrackedFrame& frame, int window_px, const TrackSink& sink) {

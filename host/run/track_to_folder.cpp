@@ -1,6 +1,7 @@
 // `track` with files at its edge.
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -40,9 +41,31 @@ run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFol
   return options;
 }
 
+// Where the scale comes from, and what its deviation is made of.
+nlohmann::json describe_scale(const TrackRequest& request, const TrackResult& result) {
+  if (!(result.scale.metre_per_px > 0)) return nullptr;
+  nlohmann::json scale = {{"m_per_px", result.scale.metre_per_px},
+                          {"sd_m_per_px", result.scale.metre_per_px_sd}};
+  if (request.mm_per_px > 0) {
+    scale["from"] = "--mm-per-px";
+    return scale;
+  }
+  const double radius_px = request.ball_diameter_mm / 2e3 / result.scale.metre_per_px;
+  const double given = request.ball_diameter_sd_mm / request.ball_diameter_mm;
+  const double all = result.scale.metre_per_px_sd / result.scale.metre_per_px;
+  const double by_radius = std::sqrt(std::max(0.0, all * all - given * given));
+  scale["from"] = "--ball-diameter-mm";
+  scale["radius_px"] = {{"value", radius_px}, {"sd", by_radius * radius_px}};
+  scale["radius_frames"] = result.impact.radius_frames;
+  scale["sd_parts_m_per_px"] = {{"radius", by_radius * result.scale.metre_per_px},
+                                {"diameter", given * result.scale.metre_per_px}};
+  return scale;
+}
+
 nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
                          const Session& session) {
-  nlohmann::json summary = report::summarise_track(result.rows, result.scale);
+  nlohmann::json summary = report::summarise_track(result);
+  summary["scale"] = describe_scale(request, result);
   summary["impact"] = report::describe_impact(result.impact_si);
   summary["body"] = {{"kind", to_string(result.body)},
                      {"asked", to_string(request.body)},

@@ -11,8 +11,10 @@
 namespace IMPACTDIC_PUBLIC impactdic {
 
 struct BatchRequest {
-  std::string folder;     // of clips, or of folders of pictures
-  std::string table;      // CSV: file, surface_angle_deg, drop_height_mm, notes; "": none
+  std::string folder;  // of clips, or of folders of pictures
+  // CSV: file, and any of surface_angle_deg, ball_diameter_mm, inertia_factor, drop_height_mm,
+  // ball, mass_g, notes; an empty cell is as if the column were missing. "": none.
+  std::string table;
   TrackRequest track;     // of every shot; its clip's paths and source are those of the shot
   TrackFolder output;     // the batch's own folder, and how shots are written; `resume` keeps what
                           // an earlier run measured, and works out anew what the table, the scale
@@ -26,12 +28,13 @@ struct ShotResult {
   std::string file, name;  // of the clip, and of the folder of its results
   bool listed = false;     // stands in the table
   bool done = false;
-  bool measured_now = false;          // false: taken over from an earlier run
-  std::string reason;                 // why it failed, one line
-  std::string drop_height_mm, notes;  // as the table has them
+  bool measured_now = false;                        // false: taken over from an earlier run
+  std::string reason;                               // why it failed, one line
+  std::string drop_height_mm, notes, ball, mass_g;  // as the table has them
+  double ball_diameter_mm = kNotMeasured, inertia_factor = kNotMeasured;  // as the shot was given
   double surface_angle_deg = kNotMeasured;
   std::int64_t frames = 0, frames_ok = 0;
-  double metre_per_px = kNotMeasured;
+  double metre_per_px = kNotMeasured, metre_per_px_sd = kNotMeasured;
   ImpactFigures impact;
 };
 

@@ -7,11 +7,15 @@
 
 #include <impactdic/export.h>
 #include <impactdic/measured.h>
+#include <impactdic/uncertainty.h>
 #include <impactdic/units.h>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace IMPACTDIC_PUBLIC impactdic {
 
@@ -23,6 +27,37 @@ enum class ImpactStatus {
   kNotResolved,     // contact of fewer than 8 frames: its start and end are not measured
 };
 const char* to_string(ImpactStatus status);
+
+// The figures that have a budget of their uncertainty.
+enum class ImpactFigure {
+  kVxBefore,
+  kVyBefore,
+  kVtBefore,
+  kVnBefore,
+  kSpinBefore,
+  kVxAfter,
+  kVyAfter,
+  kVtAfter,
+  kVnAfter,
+  kSpinAfter,
+  kRestitution,
+  kFrictionPublished,
+  kFriction,
+  kRollingCap,
+  kClosingInertia,
+  kContactDuration,
+  kMaxDeflection,
+};
+inline constexpr std::size_t kImpactFigures = 17;
+const char* to_string(ImpactFigure figure);
+
+// In px and frames, as the analysis has it.
+struct FigureBudget {
+  ErrorParts parts{};  // kScale and kTime are 0 here
+  // Change of the figure for a change of gravity by its own size: scale and frame rate enter the
+  // flights through gravity in px/frame^2 as well.
+  double per_gravity = 0;
+};
 
 // One free flight, where it meets the contact.
 struct FlightMotion {
@@ -75,12 +110,21 @@ struct ImpactAnalysis {
   Measured crossing, crossing_above_lowest;
   ImpulseClosure closure;
   Measured fall;  // gravity as the flights show it, px/frame^2: a check of scale and frame rate
-  double radius_px = kNotMeasured;
+  Measured
+      fall_across;  // the same across the given direction, counter-clockwise: 0 if that is right
+  // How far the surface lies counter-clockwise of the angle given, rad: the impulse along the
+  // surface must be the one that changes the spin. NaN where the spin was not measured.
+  Measured surface_off_rad;
+  // Of the free ball, from the frames of the flights alone; of all frames where none is found.
+  Measured radius_px;
+  std::size_t radius_frames = 0;           // that it is the mean of
+  double radius_drift_px = kNotMeasured;   // after the contact less before it
   double position_scatter = kNotMeasured;  // in flight, over what the track states
   double step_scatter = kNotMeasured;
   // px/frame: between the velocities of centres and of measured motions, beyond chance; 0 where
   // they agree. It is part of the velocities' deviations.
   double disagreement = kNotMeasured;
+  std::array<FigureBudget, kImpactFigures> budgets{};  // indexed by ImpactFigure
 };
 
 // A moment of the contact on the clocks of the clip.
@@ -96,6 +140,14 @@ struct ImpactMotion {
   bool known = false;
   double first_frame = kNotMeasured, last_frame = kNotMeasured;  // of the stored file, of the fit
   Measured vx, vy, vt, vn, spin;
+};
+
+// Two things that cannot both be true: something given, and what the clip shows.
+struct Contradiction {
+  std::string what;     // "surface_angle", "inertia_factor", "gravity", "gravity_angle", "scale",
+                        // "drop_height", "restitution", "friction", "radius"
+  std::string message;  // one line, which names the likely slip
+  std::vector<ImpactFigure> figures;  // that are doubtful for it
 };
 
 // The same impact as people read it and files state it: frames of the stored file, seconds, metres.
@@ -115,8 +167,20 @@ struct ImpactFigures {
   std::optional<double> inertia_factor;  // as it was given
   Measured gravity_m_s2;                 // as the flights show it
   std::optional<bool> gravity_agrees;    // with 9.81 m/s^2, within what can be expected
+  Measured surface_angle_deg;  // as path and spin show it; NaN where the spin was not measured
+  Measured gravity_angle_deg;  // as the flights show it
   double centre_against_motion_px_per_frame = kNotMeasured;
   double centre_scatter = kNotMeasured, motion_scatter = kNotMeasured;  // over what is stated
+  // What the deviations above are made of, in the figures' own units; indexed by ImpactFigure.
+  std::array<ErrorParts, kImpactFigures> budgets{};
+  const ErrorParts& budget(ImpactFigure figure) const {
+    return budgets[static_cast<std::size_t>(figure)];
+  }
+
+  std::vector<Contradiction> contradictions;
+  // Whether a contradiction concerns the figure: its value and deviation are then not to be relied
+  // on.
+  bool is_doubtful(ImpactFigure figure) const;
 
   // Whether there is an impact: `not_resolved` is one, whose start and end are not measured.
   bool found() const {

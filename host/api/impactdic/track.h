@@ -72,7 +72,7 @@ struct BodyPose {
 // those of track.csv: a row that is read back is the same to the last bit.
 struct TrackRow {
   std::int64_t frame = 0;  // in the stored file
-  double time_s = 0;       // since the first analysed frame
+  double time_s = 0;       // since the first analysed frame; NaN without a frame rate
   TrackStatus status = TrackStatus::kNoBall;
   bool circle_ok = false, motion_ok = false;
   double cx_px = kNotMeasured, cy_px = kNotMeasured, r_px = kNotMeasured;
@@ -89,6 +89,7 @@ struct TrackRow {
   double rot_x_sd_deg = kNotMeasured, rot_y_sd_deg = kNotMeasured;
   double dx_rot_y_corr = kNotMeasured, dy_rot_x_corr = kNotMeasured;
   int windows = 0;  // interrogation windows that carried the motion
+  int periods = 1;  // of the analysed frames to the next one: more where the camera lost frames
   BodyPose pose;    // where keyframes are kept
 };
 
@@ -96,11 +97,14 @@ struct TrackRow {
 // of the bottom-left pixel. Local axes: t along the surface, n out of it.
 struct SiScale {
   double metre_per_px = 0;
-  double fps = 0;                // analysed frames a second
+  double metre_per_px_sd = 0;
+  double fps = 0;  // analysed frames a second
+  double fps_sd = 0;
   double surface_angle_rad = 0;  // of the surface, counter-clockwise from image-right
   int image_height = 0;
 };
 
+// Deviations hold those of scale and rate, which all rows have in common.
 struct SiRow {
   double x_m, y_m, vx_m_s, vy_m_s, vt_m_s, vn_m_s, omega_rad_s;
   double vx_sd_m_s, vy_sd_m_s, omega_sd_rad_s;
@@ -128,14 +132,25 @@ struct TrackRequest {
   FieldOptions field;
   int spacing_px = 0;      // of the windows' centres; 0: half a window, rounded up
   bool with_field = true;  // false: circles alone, no device needed
-  // Scale: one of both, or neither for results in px alone. With the diameter the scale is that
-  // over twice the median radius of all rows.
+  // Scale: one of both, or neither for results in px alone, and their standard deviations. With the
+  // diameter the scale is that over twice the free ball's radius (ImpactAnalysis::radius_px).
   double ball_diameter_mm = 0, mm_per_px = 0;
+  double ball_diameter_sd_mm = 0, mm_per_px_sd = 0;
   // Both counter-clockwise from image-right: the surface's inclination, and where gravity points.
   double surface_angle_deg = 0, gravity_angle_deg = -90;
-  double inertia_factor = 0;  // I / (m R^2): 2/3 hollow, 2/5 solid, 0.01 … 1; 0: not known
+  double surface_angle_sd_deg = 0;  // standard deviation of the surface's inclination
+  double drop_height_mm = 0;        // from which the ball fell, to the touch; 0: not known
+  double inertia_factor = 0;        // I / (m R^2): 2/3 hollow, 2/5 solid, 0.01 … 1; 0: not known
   // Throws InvalidArgument naming the setting, by its name on the command line.
   void validate() const;
+};
+
+// When the frames were taken, by the camera's own clock.
+struct FrameTimes {
+  bool measured = false;     // the file has a time for every frame, and no rate was given instead
+  double jitter_s = 0;       // scatter of the times about an even rate
+  std::int64_t missing = 0;  // frames that the camera did not store, between others
+  std::int64_t missing_after = -1;  // the stored frame before the first of them
 };
 
 struct TrackResult {
@@ -143,13 +158,14 @@ struct TrackResult {
   FrameRange frames;           // analysed
   Roi roi;                     // looked at
   std::vector<TrackRow> rows;  // one a frame measured, in order
-  SiScale scale;               // for to_si
-  Body body = Body::kDisc;     // as which it was measured
-  std::string body_reason;     // why, in words
-  double grid_radius_px = 0;   // of the ball that the windows' grid was made for; 0: no grid
-  std::size_t windows = 0;     // of that grid
-  ImpactAnalysis impact;       // in px and frames
-  ImpactFigures impact_si;     // the same in SI
+  FrameTimes times;
+  SiScale scale;              // for to_si
+  Body body = Body::kDisc;    // as which it was measured
+  std::string body_reason;    // why, in words
+  double grid_radius_px = 0;  // of the ball that the windows' grid was made for; 0: no grid
+  std::size_t windows = 0;    // of that grid
+  ImpactAnalysis impact;      // in px and frames
+  ImpactFigures impact_si;    // the same in SI
   ClipAdvice advice;
   std::vector<std::string> warnings;  // one line each
   std::int64_t frames_ok = 0;         // rows with a circle and, but for the last, its motion

@@ -67,9 +67,13 @@ void visit_field(Visitor&& visit, Options& field, Spacing& spacing_px, Compressi
 template <typename Visitor, typename Request, typename Folder>
 void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"ball-diameter-mm", kAfterwards | kZeroUnset}, request.ball_diameter_mm);
+  visit(Setting{"ball-diameter-sd-mm", kAfterwards | kZeroUnset}, request.ball_diameter_sd_mm);
   visit(Setting{"mm-per-px", kAfterwards | kZeroUnset}, request.mm_per_px);
+  visit(Setting{"mm-per-px-sd", kAfterwards | kZeroUnset}, request.mm_per_px_sd);
   visit(Setting{"surface-angle-deg", kAfterwards}, request.surface_angle_deg);
+  visit(Setting{"surface-angle-sd-deg", kAfterwards | kZeroUnset}, request.surface_angle_sd_deg);
   visit(Setting{"gravity-angle-deg", kAfterwards}, request.gravity_angle_deg);
+  visit(Setting{"drop-height-mm", kAfterwards | kZeroUnset}, request.drop_height_mm);
   visit(Setting{"inertia-factor", kAfterwards | kZeroUnset}, request.inertia_factor);
   visit(Setting{"frames", kEmptyUnset}, request.frames);
   visit(Setting{"roi", kEmptyUnset}, request.roi);

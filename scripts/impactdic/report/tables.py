@@ -56,6 +56,7 @@ def impact_tables(summary):
          else with_sd(impact["max_deflection_px"], 1, "px")],
         ["impulse closure", f"{closure['verdict']}: {closure['explanation']}"],
         ["gravity seen in the flights", with_sd(impact["gravity"]["measured_m_s2"], 1, "m/s²")],
+        ["surface seen by path and spin", with_sd(impact.get("surface_angle_found_deg"), 1, "°")],
     ]
     return [
         Table("Impact", ["figure", "value ± standard deviation"], figures),
@@ -68,6 +69,7 @@ def run_table(summary, job):
     source, device = summary.get("input") or {}, summary.get("device") or {}
     ball = summary.get("ball") or {}
     radius, metres = ball.get("radius_px"), ball.get("radius_m")
+    scale = summary.get("scale") or {}
     rows = [
         ["clip", str(source.get("path", "unknown"))],
         ["SHA-256", str(source.get("sha256") or "not worked out")],
@@ -75,8 +77,9 @@ def run_table(summary, job):
                    f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
         ["camera", str(source.get("camera") or "not stated")],
         ["analysed frames/s", _or(summary.get("analysed_fps"), "{:g}", "unknown")],
-        ["scale", _or(summary.get("scale_m_per_px"), "{:.6g} m/px", "unknown: results in px")],
-        ["radius", _or(radius, "{:.3f} px", "not measured")
+        ["scale", with_sd({"value": scale["m_per_px"], "sd": scale["sd_m_per_px"]}, 1e3, "mm/px")
+                  if scale else "unknown: results in px"],
+        ["radius of the free ball", _or(radius, "{:.3f} px", "not measured")
                    + (f" = {1e3 * metres:.3f} mm" if metres else "")],
         ["frames", ", ".join(f"{count} {status}" for status, count in
                              (summary.get("frames_by_status") or {}).items())],
@@ -108,6 +111,8 @@ def shots_table(table):
         if status == "ok":
             impact = str(table["impact"][i])
             status = "ok" if impact == "found" else f"impact: {impact}"
+            if "doubtful" in table and str(table["doubtful"][i]) not in ("", "nan"):
+                status = f"doubtful: {table['contradictions'][i]}"
         rows.append([
             str(table["shot"][i]),
             status if status != "failed" else f"failed: {table['reason'][i]}",
@@ -215,6 +220,8 @@ def warnings_of(summary):
         elif not edge.get("onset_law_holds", True):
             found.append(f"no contact law describes the {name} of the contact; "
                          "its deviation is widened")
+    if impact.get("contradictions"):  # they stand among the warnings, with the likely slip
+        return found
     closure = impact["impulse_closure"]
     if closure["verdict"] in ("signs", "lever_arm", "scale"):
         found.append(f"impulse closure: {closure['explanation']}")

@@ -8,7 +8,8 @@ def with_sd(figure, factor=1.0, unit=""):
     if not figure or figure.get("value") is None:
         return "not measured"
     value, sd = factor * figure["value"], figure.get("sd")
-    return (rounded(value, None if sd is None else factor * sd) + " " + unit).strip()
+    text = (rounded(value, None if sd is None else factor * sd) + " " + unit).strip()
+    return text + (" (doubtful)" if figure.get("status") == "doubtful" else "")
 
 
 def rounded(value, sd=None):

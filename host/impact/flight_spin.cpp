@@ -1,0 +1,43 @@
+#include "host/impact/flight_spin.h"
+
+#include <cmath>
+#include <vector>
+
+#include "host/base/statistics.h"
+
+namespace impactdic::impact {
+
+FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range) {
+  std::vector<double> turns, sds;
+  for (std::size_t i = range.first; i < range.last; ++i) {
+    if (std::isfinite(series.turn[i])) {
+      turns.push_back(series.turn[i]);
+      sds.push_back(series.turn_sd[i]);
+    }
+  }
+  if (turns.size() < 3) return {};
+  const double usual = upper_median(finite(sds)), centre = upper_median(finite(turns));
+  std::vector<double> off;
+  for (double turn : turns) off.push_back(std::abs(turn - centre));
+  const double limit = 5 * kSdOfMad * upper_median(finite(off)) + 1e-12;
+  double weights = 0, sum = 0, squares = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (std::abs(turns[i] - centre) > limit) continue;
+    const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
+    weights += 1 / (sd * sd), sum += (turns[i] - centre) / (sd * sd), ++count;
+  }
+  if (count < 3) return {};
+  const double mean = centre + sum / weights;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    if (std::abs(turns[i] - centre) > limit) continue;
+    const double sd = sds[i] > 0 ? sds[i] : usual > 0 ? usual : 1.0;
+    squares += (turns[i] - mean) * (turns[i] - mean) / (sd * sd);
+  }
+  const double scatter_sq = squares / static_cast<double>(count - 1);
+  const double share = common_share(std::sqrt(scatter_sq), count);
+  const double common = usual > 0 ? share * usual * usual : 0.0;
+  return {mean, std::sqrt(scatter_sq / weights), std::sqrt(common)};
+}
+
+}  // namespace impactdic::impact

@@ -1,0 +1,163 @@
+#include "host/run/metres/impact_figures.h"
+
+#include <cmath>
+
+#include "host/impact/impact_phases.h"
+
+namespace impactdic::run {
+namespace {
+
+// Drag on a ball and rounded angles: the fall may differ by this part without meaning anything.
+constexpr double kFallTolerance = 0.05;
+
+Measured in(const Measured& m, double unit) { return {m.value * unit, m.sd * std::abs(unit)}; }
+
+double norm(const ErrorParts& parts) {
+  double squares = 0;
+  for (const double part : parts) squares += part * part;
+  return std::sqrt(squares);
+}
+
+// From analysed frames to the clocks of the clip, from px to metres.
+class Converter {
+ public:
+  Converter(const std::vector<TrackRow>& rows, const SiScale& scale, const ImpactAnalysis& analysis,
+            ImpactFigures& figures)
+      : scale_(scale), analysis_(analysis), figures_(figures) {
+    if (!rows.empty()) first_ = static_cast<double>(rows[0].frame);
+    if (rows.size() > 1) step_ = static_cast<double>(rows[1].frame - rows[0].frame);
+    in_si_ = scale.metre_per_px > 0 && scale.fps > 0;
+    if (scale.metre_per_px > 0) metre_sd_ = scale.metre_per_px_sd / scale.metre_per_px;
+    if (scale.fps > 0) rate_sd_ = scale.fps_sd / scale.fps;
+  }
+
+  void convert() {
+    const ImpactAnalysis& a = analysis_;
+    figures_.in_si = in_si_;
+    figures_.t0 = instant(a.start.instant);
+    figures_.t_max_compression = instant(a.turn);
+    figures_.t_end = instant(a.end.instant);
+    figures_.before = motion(a.before, ImpactFigure::kVxBefore);
+    figures_.after = motion(a.after, ImpactFigure::kVxAfter);
+    figures_.restitution = figure(ImpactFigure::kRestitution, a.restitution, 0, 0);
+    figures_.friction_published =
+        figure(ImpactFigure::kFrictionPublished, a.friction_published, 0, 0);
+    figures_.friction = figure(ImpactFigure::kFriction, a.friction, 0, 0);
+    figures_.rolling_cap = figure(ImpactFigure::kRollingCap, a.rolling_cap, 0, 0);
+    figures_.closure = a.closure;
+    figures_.closure.inertia_factor =
+        figure(ImpactFigure::kClosingInertia, a.closure.inertia_factor, 0, 0);
+    figures_.contact_frames = a.duration;
+    figures_.contact_s = figure(ImpactFigure::kContactDuration, a.duration, 0, -1);
+    figures_.max_deflection_px = a.max_deflection;
+    figures_.max_deflection_m = figure(ImpactFigure::kMaxDeflection, a.max_deflection, 1, 0);
+    fall();
+  }
+
+ private:
+  // A figure that goes with these powers of scale and rate, with its budget. Figures that need one
+  // which is not known are NaN.
+  Measured figure(ImpactFigure which, const Measured& m, int metres, int rate) {
+    double unit = 1;
+    if (metres != 0) unit *= scale_.metre_per_px > 0 ? scale_.metre_per_px : kNotMeasured;
+    if (rate != 0) unit *= scale_.fps > 0 ? std::pow(scale_.fps, rate) : kNotMeasured;
+    const double value = m.value * unit;
+    if (!std::isfinite(value)) return {};
+    const FigureBudget& budget = analysis_.budgets[static_cast<std::size_t>(which)];
+    ErrorParts parts = budget.parts;
+    for (double& part : parts) part *= std::abs(unit);
+    if (in_si_) {  // gravity in px/frame^2 is 9.81 m/s^2 over scale and squared rate
+      const double by_gravity = budget.per_gravity * unit;
+      parts[static_cast<std::size_t>(ErrorSource::kScale)] =
+          std::abs(metres * value - by_gravity) * metre_sd_;
+      parts[static_cast<std::size_t>(ErrorSource::kTime)] =
+          std::abs(rate * value - 2 * by_gravity) * rate_sd_;
+    } else {
+      parts[static_cast<std::size_t>(ErrorSource::kScale)] = std::abs(metres * value) * metre_sd_;
+      parts[static_cast<std::size_t>(ErrorSource::kTime)] = std::abs(rate * value) * rate_sd_;
+    }
+    figures_.budgets[static_cast<std::size_t>(which)] = parts;
+    return {value, norm(parts)};
+  }
+
+  ImpactInstant instant(const Measured& m) const {
+    if (!std::isfinite(m.value)) return {};
+    const double rate = scale_.fps > 0 ? scale_.fps : kNotMeasured;
+    const double time_s = m.value / rate;
+    return {first_ + step_ * m.value, step_ * m.sd, time_s,
+            std::hypot(m.sd / rate, time_s * rate_sd_)};
+  }
+
+  ImpactMotion motion(const FlightMotion& m, ImpactFigure first) {
+    if (m.last == 0) return {};
+    ImpactMotion motion;
+    motion.known = true;
+    motion.first_frame = first_ + step_ * static_cast<double>(m.first);
+    motion.last_frame = first_ + step_ * static_cast<double>(m.last);
+    const int si = in_si_ ? 1 : 0;
+    auto next = static_cast<int>(first);
+    const auto velocity = [&](const Measured& v) {
+      return figure(static_cast<ImpactFigure>(next++), v, si, si);
+    };
+    motion.vx = velocity(m.vx);
+    motion.vy = velocity(m.vy);
+    motion.vt = velocity(m.vt);
+    motion.vn = velocity(m.vn);
+    motion.spin = figure(static_cast<ImpactFigure>(next), m.spin, 0, si);
+    return motion;
+  }
+
+  void fall() {
+    const Measured& fall = analysis_.fall;
+    const double unit = in_si_ ? scale_.metre_per_px * scale_.fps * scale_.fps : kNotMeasured;
+    figures_.gravity_m_s2 = in(fall, unit);
+    figures_.gravity_m_s2.sd =
+        std::hypot(figures_.gravity_m_s2.sd, figures_.gravity_m_s2.value * metre_sd_,
+                   2 * figures_.gravity_m_s2.value * rate_sd_);
+    const double off = std::abs(fall.value * unit - kGravity_m_s2);
+    const double allowed = 3 * figures_.gravity_m_s2.sd + kFallTolerance * kGravity_m_s2;
+    if (std::isfinite(off)) figures_.gravity_agrees = off <= allowed;
+  }
+
+  const SiScale& scale_;
+  const ImpactAnalysis& analysis_;
+  ImpactFigures& figures_;
+  double first_ = 0, step_ = 1;
+  double metre_sd_ = 0, rate_sd_ = 0;  // relative
+  bool in_si_ = false;
+};
+
+}  // namespace
+
+ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                              const SiScale& scale, const std::optional<Measured>& radius_px) {
+  impact::ImpactOptions options;
+  options.surface_angle_rad = scale.surface_angle_rad;
+  options.surface_angle_sd_rad = request.surface_angle_sd_deg * kRadPerDeg;
+  options.gravity_angle_rad = request.gravity_angle_deg * kRadPerDeg;
+  options.radius_px = radius_px;
+  if (request.inertia_factor > 0) options.inertia_factor = request.inertia_factor;
+  if (scale.metre_per_px > 0 && scale.fps > 0) {
+    options.gravity = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
+  }
+  return impact::analyse_impact(rows, options);
+}
+
+ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                             const SiScale& scale, const ImpactAnalysis& analysis) {
+  ImpactFigures figures;
+  figures.status = analysis.status;
+  if (request.inertia_factor > 0) figures.inertia_factor = request.inertia_factor;
+  if (!figures.found()) return figures;
+  figures.start_exponent = analysis.start.exponent;
+  figures.end_exponent = analysis.end.exponent;
+  figures.start_law_holds = analysis.start.law_holds;
+  figures.end_law_holds = analysis.end.law_holds;
+  figures.centre_against_motion_px_per_frame = analysis.disagreement;
+  figures.centre_scatter = analysis.position_scatter;
+  figures.motion_scatter = analysis.step_scatter;
+  Converter(rows, scale, analysis, figures).convert();
+  return figures;
+}
+
+}  // namespace impactdic::run

@@ -1,0 +1,23 @@
+// The impact of a track, in the units that people read.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <optional>
+#include <vector>
+
+namespace impactdic::run {
+
+inline constexpr double kGravity_m_s2 = 9.81;
+
+// The analysis of the impact in `rows`. Gravity's strength is known where scale and rate are.
+// `radius_px` of the free ball, where its rim is not what tells it.
+ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                              const SiScale& scale, const std::optional<Measured>& radius_px);
+
+// What was found, in frames of the stored file, seconds and metres as far as `scale` knows them;
+// its deviations are part of theirs.
+ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                             const SiScale& scale, const ImpactAnalysis& analysis);
+
+}  // namespace impactdic::run

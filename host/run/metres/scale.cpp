@@ -1,0 +1,85 @@
+#include "host/run/metres/scale.h"
+
+#include <cmath>
+#include <utility>
+
+#include "host/clip/track_row.h"
+#include "host/run/metres/contradictions.h"
+#include "host/run/metres/impact_figures.h"
+
+namespace impactdic::run {
+namespace {
+
+// The rim of a sphere lies inside of where its surface turns away, by 0.1 to 0.35 px
+// (docs/accuracy.md): that much a radius by the rim alone is in doubt.
+constexpr double kSphereRimSd_px = 0.25;
+
+void set_scale(const TrackRequest& request, const Measured& radius_px, SiScale& scale) {
+  if (request.mm_per_px > 0) {
+    scale.metre_per_px = request.mm_per_px * 1e-3;
+    scale.metre_per_px_sd = request.mm_per_px_sd * 1e-3;
+  } else if (request.ball_diameter_mm > 0 && radius_px.value > 0) {
+    scale.metre_per_px = request.ball_diameter_mm * 1e-3 / (2 * radius_px.value);
+    const double radius_sd = std::isfinite(radius_px.sd) ? radius_px.sd / radius_px.value : 0.0;
+    scale.metre_per_px_sd =
+        scale.metre_per_px *
+        std::hypot(radius_sd, request.ball_diameter_sd_mm / request.ball_diameter_mm);
+  }
+}
+
+bool is_found(const ImpactAnalysis& impact) {
+  return impact.status == ImpactStatus::kFound || impact.status == ImpactStatus::kNotResolved;
+}
+
+// With which gravity is fitted to the flights.
+SiScale no_scale(const TrackResult& result) {
+  SiScale scale = result.scale;
+  scale.metre_per_px = 0;
+  return scale;
+}
+
+// A surface far from the one that was given shows no impact, or one that turns the wrong way.
+void look_for_another_surface(const TrackRequest& request, const std::optional<Measured>& radius_px,
+                              TrackResult& result) {
+  for (const double off_deg : {45.0, -45.0, 90.0, -90.0, 135.0, -135.0}) {
+    SiScale scale = result.scale;
+    scale.surface_angle_rad += off_deg * kRadPerDeg;
+    const ImpactAnalysis other = analyse_impact(request, result.rows, scale, radius_px);
+    if (other.status != ImpactStatus::kFound) continue;
+    note_other_surface(request, other, request.surface_angle_deg + off_deg, result.impact_si);
+    return;
+  }
+}
+
+}  // namespace
+
+void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
+                     TrackResult& result) {
+  // The flights are found with gravity in px/frame^2, for which about the scale will do.
+  const auto about = median_radius_px(result.rows);
+  set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
+  result.impact = analyse_impact(request, result.rows, result.scale, sphere_radius_px);
+  std::optional<Measured> radius = sphere_radius_px;
+  if (result.body == Body::kSphere && !radius) {
+    radius = result.impact.radius_px;
+    radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
+  }
+  set_scale(request, radius.value_or(result.impact.radius_px), result.scale);
+  const auto conclude = [&](ImpactAnalysis impact) {
+    result.impact = std::move(impact);
+    result.impact_si = convert_impact(request, result.rows, result.scale, result.impact);
+    find_contradictions(request, result.impact, result.impact_si);
+  };
+  conclude(analyse_impact(request, result.rows, result.scale, radius));
+  if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
+  // With a scale or rate that is far off, so is gravity, and bends the flights.
+  ImpactAnalysis free = analyse_impact(request, result.rows, no_scale(result), radius);
+  if (!is_found(free)) {
+    look_for_another_surface(request, radius, result);
+    return;
+  }
+  set_scale(request, radius.value_or(free.radius_px), result.scale);
+  conclude(std::move(free));
+}
+
+}  // namespace impactdic::run

@@ -1,0 +1,16 @@
+// What follows from all rows of a run: the scale, and the impact in its units.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <optional>
+
+namespace impactdic::run {
+
+// Sets scale and impact of `result` from its rows. With the ball's diameter the scale is that over
+// twice the free ball's radius: from the flights' frames alone, since a ball in contact is
+// compressed. `sphere_radius_px`: of a sphere, where its turns tell it.
+void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
+                     TrackResult& result);
+
+}  // namespace impactdic::run

@@ -1,0 +1,77 @@
+// A shot as `track` is asked for it and as its frames show it: an integrated impact with noise, a
+// circle whose radius errs by the same in every frame, a ball that is smaller while it is
+// compressed, and what a person gives with it.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <random>
+
+#include "host/run/metres/scale.h"
+#include "tests/support/impact_rows.h"
+
+namespace impactdic::testing {
+
+enum class ScaleBy { kDiameter, kRuler };
+
+struct FilmedShot {
+  FilmedImpact filmed;
+  FilmedTruth truth;
+  TrackRequest request;  // right, but for the tolerances that it states
+  TrackResult result;    // with its rows; `conclude` does the rest
+
+  void conclude() { run::conclude_metres(request, std::nullopt, result); }
+};
+
+struct Tolerances {
+  double radius_sd_px = 0.02;    // of the clip's radius
+  double diameter_sd_mm = 0.03;  // of the ball's
+  double ruler_sd = 5e-4;        // of millimetres a pixel, relative
+  double angle_sd_deg = 0.03;    // of the surface
+};
+
+// Any of the two balls, at any surface, speed, framing and frame rate, by `random`.
+inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Tolerances& t = {}) {
+  std::uniform_real_distribution<double> part(0, 1);
+  std::normal_distribution<double> normal(0, 1);
+  FilmedShot shot;
+  FilmedImpact& f = shot.filmed = part(random) < 0.5 ? tennis_on_racket() : lacrosse_on_wood();
+  f.seed = static_cast<unsigned>(random());
+  f.touch = part(random);
+  f.frames_before = 40 + static_cast<int>(80 * part(random));
+  f.metre_per_px = (0.2 + 0.3 * part(random)) * 1e-3;
+  f.job.surface_angle_deg = -50 + 100 * part(random);
+  if (std::abs(f.job.surface_angle_deg) < 8) f.job.surface_angle_deg = 12;
+  const double side = f.job.surface_angle_deg > 0 ? -1 : 1;
+  f.job.initial.vn_m_s *= 0.7 + 0.8 * part(random);
+  f.job.initial.vt_m_s = side * (0.3 + 1.2 * part(random));
+  f.job.initial.omega_rad_s = 10 * (part(random) - 0.5);
+  f.frames = f.frames_before + 40 + static_cast<int>(80 * part(random)) +
+             static_cast<int>(sim::contact::simulate_impact(f.job).contact_s * f.fps);
+  shot.truth = film(f, shot.result.rows);
+  const double off = t.radius_sd_px * normal(random);
+  for (TrackRow& row : shot.result.rows) {
+    const double at = static_cast<double>(row.frame);
+    const double in = (at - shot.truth.start) / (shot.truth.end - shot.truth.start);
+    if (in > 0 && in < 1) row.r_px -= shot.truth.deflection_px * in * (1 - in);
+    row.r_px += off + t.radius_sd_px / 4 * normal(random);
+    row.r_sd_px = t.radius_sd_px * 1.03;
+  }
+  TrackRequest& request = shot.request;
+  request.surface_angle_deg = f.job.surface_angle_deg + t.angle_sd_deg * normal(random);
+  request.surface_angle_sd_deg = t.angle_sd_deg;
+  request.inertia_factor = f.job.body.inertia_factor();
+  if (by == ScaleBy::kDiameter) {
+    request.ball_diameter_mm = 1e3 * f.job.body.diameter_m + t.diameter_sd_mm * normal(random);
+    request.ball_diameter_sd_mm = t.diameter_sd_mm;
+  } else {
+    request.mm_per_px = 1e3 * f.metre_per_px * (1 + t.ruler_sd * normal(random));
+    request.mm_per_px_sd = t.ruler_sd * request.mm_per_px;
+  }
+  shot.result.scale.fps = f.fps;
+  shot.result.scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
+  shot.result.scale.image_height = 512;
+  return shot;
+}
+
+}  // namespace impactdic::testing
