@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
@@ -12,6 +13,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
+#include "host/run/metres/frame_clock.h"
 #include "host/run/metres/scale.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
@@ -101,7 +103,13 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   options_.cancelled = [this] { return caller_.cancelled(); };
   // As far as it is known before the ball is.
   result_.scale.metre_per_px = request.mm_per_px * 1e-3;
-  result_.scale.fps = options_.fps / static_cast<double>(options_.frames.step);
+  FrameClock clock = read_clock(*source_, options_.frames, request.clip.fps > 0, options_.fps);
+  result_.times = clock.times;
+  result_.scale.fps = clock.fps;
+  result_.scale.fps_sd = clock.fps_sd;
+  options_.fps = clock.fps * static_cast<double>(options_.frames.step);
+  options_.periods = std::move(clock.periods);
+  clock_warnings_ = std::move(clock.warnings);
   result_.scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
   result_.scale.image_height = info().height;
 }
@@ -122,6 +130,7 @@ void TrackRun::look() {
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
+  result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());
   if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0) {
     result_.warnings.push_back(
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
@@ -218,6 +227,10 @@ void TrackRun::measure(const Outputs& outputs) {
 }
 
 void TrackRun::conclude() {
+  for (std::size_t i = 0; i + 1 < result_.rows.size() && !options_.periods.empty(); ++i) {
+    // Rows of an earlier run do not hold it.
+    result_.rows[i].periods = static_cast<int>(options_.periods[i + 1] - options_.periods[i]);
+  }
   result_.frames_ok = frames_ok(result_.rows);
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {

@@ -49,6 +49,7 @@ class TrackRun {
   TrackResult& result_;
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
+  std::vector<std::string> clock_warnings_;
 };
 
 // Gives a frame to a caller's sink, which is not empty.

@@ -62,9 +62,19 @@ nlohmann::json describe_scale(const TrackRequest& request, const TrackResult& re
   return scale;
 }
 
+nlohmann::json describe_times(const FrameTimes& times) {
+  nlohmann::json described = {{"from_file", times.measured}, {"missing_frames", times.missing}};
+  described["jitter_s"] = times.measured ? nlohmann::json(times.jitter_s) : nlohmann::json(nullptr);
+  if (times.missing > 0) described["missing_after_frame"] = times.missing_after;
+  return described;
+}
+
 nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
                          const Session& session) {
   nlohmann::json summary = report::summarise_track(result);
+  summary["analysed_fps_sd"] =
+      result.scale.fps > 0 ? nlohmann::json(result.scale.fps_sd) : nlohmann::json(nullptr);
+  summary["frame_times"] = describe_times(result.times);
   summary["scale"] = describe_scale(request, result);
   summary["impact"] = report::describe_impact(result.impact_si);
   summary["body"] = {{"kind", to_string(result.body)},

@@ -119,6 +119,35 @@ TEST(Batch, GoesOnAfterItWasKilled) {
   EXPECT_EQ(fs::last_write_time(first), before);
 }
 
+// What the table says of a shot counts, also when it is corrected after the clips were measured.
+TEST(Batch, ACorrectedTableTakesEffect) {
+  const auto table = [](const char* rows) {
+    std::ofstream(clips().path("ball.csv"))
+        << "file,surface_angle_deg,ball_diameter_mm,inertia_factor,ball,mass_g\n"
+        << rows;
+  };
+  const std::string options = "--table " + quoted(clips().path("ball.csv"));
+  table("shot_1,10,67,0.667,tennis,56.7\n");
+  ASSERT_EQ(clips().batch("corrected", options).status, 0);
+  const double wrong = CsvTable(clips().path("corrected/shots.csv")).numbers("scale_m_per_px")[0];
+  table("shot_1,30,63.25,0.4,lacrosse,145.66\n");
+  ASSERT_EQ(clips().batch("corrected", options + " --resume").status, 0);
+  const CsvTable now(clips().path("corrected/shots.csv"));
+  EXPECT_EQ(now.text("surface_angle_deg")[0], "30");
+  EXPECT_EQ(now.text("ball")[0], "lacrosse");
+  EXPECT_EQ(now.text("mass_g")[0], "145.66");
+  EXPECT_EQ(now.text("inertia_factor")[0], "0.4");
+  EXPECT_NEAR(now.numbers("scale_m_per_px")[0], wrong * 63.25 / 67, 1e-9);
+  EXPECT_GT(now.numbers("scale_sd_m_per_px")[0], 0);
+  EXPECT_EQ(now.text("ball_diameter_mm")[1], "67");  // as the command says
+  // Nothing was measured again.
+  const auto summary =
+      nlohmann::json::parse(read_text(clips().path("corrected/shots/shot_1/summary.json")));
+  EXPECT_TRUE(summary["frames_per_s"].is_null());
+  table("shot_1,30,-5,0.4,lacrosse,145\n");
+  EXPECT_EQ(clips().batch("corrected", options + " --resume").status, 2);
+}
+
 TEST(Batch, WrongRequestsAreRefused) {
   std::ofstream(clips().path("bad.csv")) << "file\nshot_77.tif\n";
   const Outcome unknown = clips().batch("bad", "--table " + quoted(clips().path("bad.csv")));

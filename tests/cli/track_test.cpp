@@ -132,6 +132,30 @@ TEST(Track, FilesHoldWhatTheInterfacePromises) {
   }
 }
 
+TEST(Track, WithoutARateTimesAreEmpty) {
+  const ScratchFolder folder;
+  ASSERT_EQ(run_program("synth --size 160x160 --radius-px 40 --frames 6 --velocity-px 1,0.5 "
+                        "--format raw -o " +
+                        quoted(folder / "clip"))
+                .status,
+            0);
+  const Outcome tracked = run_program("track " + quoted(folder / "clip/video.raw") +
+                                      " --raw 160x160x8 -o " + quoted(folder / "out"));
+  ASSERT_EQ(tracked.status, 0) << tracked.err;
+  const CsvTable table(folder / "out/track.csv");
+  ASSERT_EQ(table.rows, 6u);
+  for (const char* empty : {"time_s", "x_m", "vx_m_s", "omega_rad_s"}) {
+    for (const std::string& cell : table.text(empty)) EXPECT_EQ(cell, "") << empty;
+  }
+  EXPECT_EQ(CsvTable(folder / "out/pose.csv").text("time_s")[1], "");
+  EXPECT_EQ(table.text("dx_px")[0].empty(), false);
+  // The table is read again.
+  EXPECT_EQ(run_program("track " + quoted(folder / "clip/video.raw") +
+                        " --raw 160x160x8 --resume -o " + quoted(folder / "out"))
+                .status,
+            0);
+}
+
 TEST(Track, JobFileRerunsBitForBit) {
   const SyntheticClip& clip = turning_clip();
   ASSERT_EQ(clip.track("first", "--force --window 17 --ball-diameter-mm 67").status, 0);

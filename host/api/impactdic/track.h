@@ -97,11 +97,10 @@ struct TrackRow {
 // of the bottom-left pixel. Local axes: t along the surface, n out of it.
 struct SiScale {
   double metre_per_px = 0;
-  double metre_per_px_sd = 0;
-  double fps = 0;  // analysed frames a second
-  double fps_sd = 0;
+  double fps = 0;                // analysed frames a second
   double surface_angle_rad = 0;  // of the surface, counter-clockwise from image-right
   int image_height = 0;
+  double metre_per_px_sd = 0, fps_sd = 0;  // standard deviations
 };
 
 // Deviations hold those of scale and rate, which all rows have in common.

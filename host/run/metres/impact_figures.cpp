@@ -1,5 +1,6 @@
 #include "host/run/metres/impact_figures.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/impact/impact_phases.h"
@@ -24,8 +25,7 @@ class Converter {
   Converter(const std::vector<TrackRow>& rows, const SiScale& scale, const ImpactAnalysis& analysis,
             ImpactFigures& figures)
       : scale_(scale), analysis_(analysis), figures_(figures) {
-    if (!rows.empty()) first_ = static_cast<double>(rows[0].frame);
-    if (rows.size() > 1) step_ = static_cast<double>(rows[1].frame - rows[0].frame);
+    number_frames(rows);
     in_si_ = scale.metre_per_px > 0 && scale.fps > 0;
     if (scale.metre_per_px > 0) metre_sd_ = scale.metre_per_px_sd / scale.metre_per_px;
     if (scale.fps > 0) rate_sd_ = scale.fps_sd / scale.fps;
@@ -80,20 +80,40 @@ class Converter {
     return {value, norm(parts)};
   }
 
+  // Rows of missing frames have the number of the one before: they lie evenly up to the next.
+  void number_frames(const std::vector<TrackRow>& rows) {
+    for (const TrackRow& row : rows) stored_.push_back(static_cast<double>(row.frame));
+    for (std::size_t i = 0, next = 1; i < rows.size(); i = next++) {
+      while (next < rows.size() && rows[next].frame == rows[i].frame) ++next;
+      if (next == rows.size()) break;
+      const double step =
+          static_cast<double>(rows[next].frame - rows[i].frame) / static_cast<double>(next - i);
+      for (std::size_t k = i + 1; k < next; ++k) stored_[k] += step * static_cast<double>(k - i);
+    }
+  }
+
+  // The stored frame, with its fraction, at an instant of the analysis.
+  double stored(double instant) const {
+    if (stored_.size() < 2) return instant;
+    const double last = static_cast<double>(stored_.size() - 2);
+    const auto i = static_cast<std::size_t>(std::clamp(std::floor(instant), 0.0, last));
+    return stored_[i] + (instant - static_cast<double>(i)) * (stored_[i + 1] - stored_[i]);
+  }
+
   ImpactInstant instant(const Measured& m) const {
     if (!std::isfinite(m.value)) return {};
     const double rate = scale_.fps > 0 ? scale_.fps : kNotMeasured;
     const double time_s = m.value / rate;
-    return {first_ + step_ * m.value, step_ * m.sd, time_s,
-            std::hypot(m.sd / rate, time_s * rate_sd_)};
+    return {stored(m.value), m.sd * (stored(std::floor(m.value) + 1) - stored(std::floor(m.value))),
+            time_s, std::hypot(m.sd / rate, time_s * rate_sd_)};
   }
 
   ImpactMotion motion(const FlightMotion& m, ImpactFigure first) {
     if (m.last == 0) return {};
     ImpactMotion motion;
     motion.known = true;
-    motion.first_frame = first_ + step_ * static_cast<double>(m.first);
-    motion.last_frame = first_ + step_ * static_cast<double>(m.last);
+    motion.first_frame = stored(static_cast<double>(m.first));
+    motion.last_frame = stored(static_cast<double>(m.last));
     const int si = in_si_ ? 1 : 0;
     auto next = static_cast<int>(first);
     const auto velocity = [&](const Measured& v) {
@@ -122,7 +142,7 @@ class Converter {
   const SiScale& scale_;
   const ImpactAnalysis& analysis_;
   ImpactFigures& figures_;
-  double first_ = 0, step_ = 1;
+  std::vector<double> stored_;         // frames of the rows
   double metre_sd_ = 0, rate_sd_ = 0;  // relative
   bool in_si_ = false;
 };

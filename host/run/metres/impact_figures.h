@@ -10,8 +10,9 @@ namespace impactdic::run {
 
 inline constexpr double kGravity_m_s2 = 9.81;
 
-// The analysis of the impact in `rows`. Gravity's strength is known where scale and rate are.
-// `radius_px` of the free ball, where its rim is not what tells it.
+// The analysis of the impact in `rows`, which are evenly spaced in time (frame_clock.h). Gravity's
+// strength is known where scale and rate are. `radius_px` of the free ball, where its rim is not
+// what tells it.
 ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
                               const SiScale& scale, const std::optional<Measured>& radius_px);
 

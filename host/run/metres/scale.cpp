@@ -5,6 +5,7 @@
 
 #include "host/clip/track_row.h"
 #include "host/run/metres/contradictions.h"
+#include "host/run/metres/frame_clock.h"
 #include "host/run/metres/impact_figures.h"
 
 namespace impactdic::run {
@@ -39,12 +40,12 @@ SiScale no_scale(const TrackResult& result) {
 }
 
 // A surface far from the one that was given shows no impact, or one that turns the wrong way.
-void look_for_another_surface(const TrackRequest& request, const std::optional<Measured>& radius_px,
-                              TrackResult& result) {
+void look_for_another_surface(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                              const std::optional<Measured>& radius_px, TrackResult& result) {
   for (const double off_deg : {45.0, -45.0, 90.0, -90.0, 135.0, -135.0}) {
     SiScale scale = result.scale;
     scale.surface_angle_rad += off_deg * kRadPerDeg;
-    const ImpactAnalysis other = analyse_impact(request, result.rows, scale, radius_px);
+    const ImpactAnalysis other = analyse_impact(request, rows, scale, radius_px);
     if (other.status != ImpactStatus::kFound) continue;
     note_other_surface(request, other, request.surface_angle_deg + off_deg, result.impact_si);
     return;
@@ -55,10 +56,11 @@ void look_for_another_surface(const TrackRequest& request, const std::optional<M
 
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
                      TrackResult& result) {
+  const std::vector<TrackRow> rows = evenly_spaced(result.rows);
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
   const auto about = median_radius_px(result.rows);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
-  result.impact = analyse_impact(request, result.rows, result.scale, sphere_radius_px);
+  result.impact = analyse_impact(request, rows, result.scale, sphere_radius_px);
   std::optional<Measured> radius = sphere_radius_px;
   if (result.body == Body::kSphere && !radius) {
     radius = result.impact.radius_px;
@@ -67,15 +69,15 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
   set_scale(request, radius.value_or(result.impact.radius_px), result.scale);
   const auto conclude = [&](ImpactAnalysis impact) {
     result.impact = std::move(impact);
-    result.impact_si = convert_impact(request, result.rows, result.scale, result.impact);
+    result.impact_si = convert_impact(request, rows, result.scale, result.impact);
     find_contradictions(request, result.impact, result.impact_si);
   };
-  conclude(analyse_impact(request, result.rows, result.scale, radius));
+  conclude(analyse_impact(request, rows, result.scale, radius));
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
-  ImpactAnalysis free = analyse_impact(request, result.rows, no_scale(result), radius);
+  ImpactAnalysis free = analyse_impact(request, rows, no_scale(result), radius);
   if (!is_found(free)) {
-    look_for_another_surface(request, radius, result);
+    look_for_another_surface(request, rows, radius, result);
     return;
   }
   set_scale(request, radius.value_or(free.radius_px), result.scale);

@@ -4,6 +4,7 @@ import matplotlib.image
 import numpy as np
 
 from ..results import ResultError, read_table
+from . import budget
 from .figure import BLACK, BLUE, GREEN, ORANGE, RED, SKY, Figure, Panel, Picture, Series, Span
 from .series import deflection, slope
 
@@ -91,7 +92,7 @@ def figures(result):
     made = [key_frames(shot), trajectory(shot), position(shot)]
     if np.isfinite(shot.vx).any():
         made += [velocity(shot), spin(shot), angle(shot), contact_point(shot), force_loop(shot)]
-    made.append(quality(shot))
+    made += [quality(shot), budget.figure(result.impact)]
     return [figure for figure in made if figure is not None]
 
 

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..results import read_table
+from . import budget
 from .models import kind_of, name_of
 from .text import rounded, with_sd
 
@@ -62,7 +63,9 @@ def impact_tables(summary):
         Table("Impact", ["figure", "value ± standard deviation"], figures),
         Table("Instants", ["instant", "frame", "time"], instants),
         Table("Motion before and after the contact", ["component", "before", "after"], motion),
-    ]
+    ] + ([Table("What the deviations are made of, shares of the variance",
+                ["figure", "± (one deviation)", *budget.SOURCES], budget.rows(impact))]
+         if budget.rows(impact) else [])
 
 
 def run_table(summary, job):
@@ -77,6 +80,7 @@ def run_table(summary, job):
                    f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
         ["camera", str(source.get("camera") or "not stated")],
         ["analysed frames/s", _or(summary.get("analysed_fps"), "{:g}", "unknown")],
+        ["frame times", frame_times(summary.get("frame_times") or {})],
         ["scale", with_sd({"value": scale["m_per_px"], "sd": scale["sd_m_per_px"]}, 1e3, "mm/px")
                   if scale else "unknown: results in px"],
         ["radius of the free ball", _or(radius, "{:.3f} px", "not measured")
@@ -89,6 +93,16 @@ def run_table(summary, job):
         ["impactdic", str(job.get("version", "unknown"))],
     ]
     return Table("Run", ["", ""], rows, "Run")
+
+
+def frame_times(times):
+    """What the camera's own clock says."""
+    missing = times.get("missing_frames", 0)
+    lost = f", {missing} frames missing" if missing else ""
+    jitter = times.get("jitter_s")
+    if jitter is None:
+        return "by the rate" + lost
+    return f"by the file's clock, scatter {1e6 * jitter:.3g} µs" + lost
 
 
 def _or(value, text, otherwise):
