@@ -146,7 +146,8 @@ def batch(folder, out, ball=None, *, table=None, surface_deg=None, force=False, 
           progress=False, on_message=None, device="auto", threads=0, **options):
     """`track` for every clip of a folder, as `impactdic batch`; returns a Batch.
 
-    table: a CSV file with the columns file, surface_angle_deg, drop_height_mm, notes.
+    table: a CSV file with the column file and any of surface_angle_deg, ball_diameter_mm,
+    inertia_factor, drop_height_mm, ball, mass_g, notes.
     options: those of `impactdic batch`, underscores for dashes.
     """
     if surface_deg is not None:
