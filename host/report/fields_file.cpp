@@ -76,6 +76,9 @@ std::recursive_mutex& hdf5_lock() {
 }
 using Hdf5Guard = std::lock_guard<std::recursive_mutex>;
 
+// Grows where a reader must know of a change; datasets and attributes are only ever added.
+constexpr double kSchemaVersion = 1;
+
 constexpr std::array kCentreNames = {"centre_u_px", "centre_v_px", "centre_u_sd_px",
                                      "centre_v_sd_px"};
 
@@ -149,6 +152,37 @@ struct FieldsFile::Impl {
     describe("status", "1",
              "0 ok, 1 masked, 2 no_texture, 3 low_correlation, 4 at_search_edge, "
              "5 not_converged, 6 out_of_view");
+    explain_flags();
+    show_to_viewers();
+  }
+
+  // As the CF conventions write flags, which readers of them turn into words.
+  void explain_flags() {
+    std::string words;
+    std::vector<std::uint8_t> values;
+    for (int k = 0; k <= static_cast<int>(WindowStatus::kOutOfView); ++k) {
+      words += (k > 0 ? " " : "") + std::string(to_string(static_cast<WindowStatus>(k)));
+      values.push_back(static_cast<std::uint8_t>(k));
+    }
+    file.set_attribute("status", "flag_meanings", words);
+    file.set_attribute("status", "flag_values", values);
+  }
+
+  // NXdata of the NeXus format: a viewer plots the group that `default` names, with its errors.
+  void show_to_viewers() {
+    file.make_group("displacement");
+    for (const char* name : {"time", "window", "u_px", "v_px"}) {
+      file.link(std::string("/") + name, std::string("displacement/") + name);
+    }
+    file.link("/u_sd_px", "displacement/u_px_errors");
+    file.link("/v_sd_px", "displacement/v_px_errors");
+    file.set_attribute("displacement", "NX_class", "NXdata");
+    file.set_attribute("displacement", "signal", "u_px");
+    file.set_attribute("displacement", "auxiliary_signals", std::vector<std::string>{"v_px"});
+    file.set_attribute("displacement", "axes", std::vector<std::string>{"time", "window"});
+    file.set_attribute("/", "NX_class", "NXroot");
+    file.set_attribute("/", "default", "displacement");
+    file.set_attribute("/", "schema_version", kSchemaVersion);
   }
 
   void attach(hdf5::Table& table) {
@@ -262,6 +296,16 @@ void FieldsFile::flush() {
   impl_->write_behind();
   impl_->wait();
   const Hdf5Guard guard(hdf5_lock());
+  impl_->file.flush();
+}
+void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle_deg) {
+  const Hdf5Guard guard(hdf5_lock());
+  const auto set = [this](const char* name, double value, bool known) {
+    if (known) impl_->file.set_attribute("/", name, value);
+  };
+  set("scale_m_per_px", metre_per_px, metre_per_px > 0);
+  set("analysed_fps", fps, fps > 0);
+  set("surface_angle_deg", surface_angle_deg, std::isfinite(surface_angle_deg));
   impl_->file.flush();
 }
 void FieldsFile::set_source_digest(const video::ClipDigest& digest) {

@@ -1,5 +1,6 @@
 // fields.h5: the displacement field of every frame, self-describing. Datasets of shape
 // (time, window) with dimension scales `time` (s) and `window` (index); see docs/file-formats.md.
+// The group `displacement` shows them once more as NXdata (NeXus), which viewers of HDF5 plot.
 #pragma once
 
 #include <filesystem>
@@ -37,6 +38,9 @@ class FieldsFile {
            std::span<const WindowMotion> field, const TrackRow* row);
   // Frames are gathered; this puts all of them on the disk.
   void flush();
+  // Known when the run ends: attributes `scale_m_per_px`, `analysed_fps`, `surface_angle_deg`. What
+  // is not known (0, 0, NaN) is left out.
+  void set_scale(double metre_per_px, double fps, double surface_angle_deg);
   // Of the clip, known when all of it has been read.
   void set_source_digest(const video::ClipDigest& digest);
   std::size_t rows() const;

@@ -72,6 +72,38 @@ void File::set_attribute(const std::string& object, const std::string& name, dou
   check(H5LTset_attribute_double(get(), object.c_str(), name.c_str(), &value, 1), name);
 }
 
+void File::set_attribute(const std::string& object, const std::string& name,
+                         const std::vector<std::string>& texts) {
+  std::size_t longest = 1;
+  for (const std::string& text : texts) longest = std::max(longest, text.size());
+  std::string cells;
+  for (const std::string& text : texts) cells += text + std::string(longest - text.size(), '\0');
+  const hsize_t count = texts.size();
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, name);
+  check(H5Tset_size(type.get(), longest), name);
+  check(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), name);
+  const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose, name);
+  const Handle attribute(H5Acreate_by_name(get(), object.c_str(), name.c_str(), type.get(),
+                                           space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, name);
+  check(H5Awrite(attribute.get(), type.get(), cells.data()), name);
+}
+
+void File::set_attribute(const std::string& object, const std::string& name,
+                         const std::vector<std::uint8_t>& values) {
+  check(H5LTset_attribute_uchar(get(), object.c_str(), name.c_str(), values.data(), values.size()),
+        name);
+}
+
+void File::make_group(const std::string& path) {
+  const Handle group(H5Gcreate2(get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose, path);
+}
+
+void File::link(const std::string& target, const std::string& path) {
+  check(H5Lcreate_soft(target.c_str(), get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT), path);
+}
+
 Table Table::create(File& file, const std::string& name, std::size_t columns, hid_t type,
                     const void* fill) {
   // Chunks of about 256 KiB: few enough to index, small enough to read one window's history.

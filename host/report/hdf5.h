@@ -66,6 +66,13 @@ class File {
 
   void set_attribute(const std::string& object, const std::string& name, const std::string& text);
   void set_attribute(const std::string& object, const std::string& name, double value);
+  void set_attribute(const std::string& object, const std::string& name,
+                     const std::vector<std::string>& texts);
+  void set_attribute(const std::string& object, const std::string& name,
+                     const std::vector<std::uint8_t>& values);
+  void make_group(const std::string& path);
+  // `path` shows the same as `target`, both from the root on.
+  void link(const std::string& target, const std::string& path);
 
  private:
   File(std::string path, Handle handle) : path_(std::move(path)), handle_(std::move(handle)) {}

@@ -145,6 +145,10 @@ void TrackFiles::finish(const TrackResult& result) {
   // A clip without any ball still gets its (empty) field file.
   if (impl_->options.with_field) impl_->open_fields(0, 0);
   impl_->flush();
+  if (impl_->fields) {
+    impl_->fields->set_scale(result.scale.metre_per_px, result.scale.fps,
+                             result.scale.surface_angle_rad * kDegPerRad);
+  }
   impl_->csv->finish(result.rows, result.scale);
   if (impl_->overlay) impl_->overlay->finish(result.rows, result.scale, result.impact_si);
 }

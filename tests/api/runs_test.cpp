@@ -78,7 +78,8 @@ TrackRequest request_of(const fs::path& path) {
 bool same_datasets(const fs::path& a, const fs::path& b) {
   const std::string script =
       "import h5py, sys; a, b = map(h5py.File, sys.argv[1:]); "
-      "same = lambda k: a[k].shape == b[k].shape and a[k][()].tobytes() == b[k][()].tobytes(); "
+      "same = lambda k: not isinstance(a[k], h5py.Dataset) or (a[k].shape == b[k].shape and "
+      "a[k][()].tobytes() == b[k][()].tobytes()); "
       "sys.exit(set(a) != set(b) or not all(map(same, a)) or dict(a.attrs) != dict(b.attrs))";
   const std::string command = "/usr/bin/python3 -c '" + script + "' " + quoted(a / "fields.h5") +
                               " " + quoted(b / "fields.h5");

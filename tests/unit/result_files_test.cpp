@@ -120,6 +120,7 @@ TEST_P(FieldsFileTest, GrowsIsReadByH5pyAndResumes) {
     EXPECT_EQ(file.rows(), 4u);
     EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr), InvalidArgument);
     file.add(4, 0.4, windows, field, nullptr);
+    file.set_scale(2.5e-4, 0, 30);
   }
   EXPECT_THROW(report::FieldsFile::resume(path, 15, 6), FormatError);
   std::ofstream(folder / "check.py") << R"(
@@ -131,7 +132,16 @@ assert numpy.isnan(f['u_px'][4][1]) and f['u_px'][4][2] == 2.5
 assert list(f['status'][2]) == [0, 3, 0]
 assert f['u_px'].dims[0].keys() == ['time'] and f['u_px'].dims[1].keys() == ['window']
 assert f['u_px'].attrs['units'] == b'px' and f.attrs['axes'] == b'x right'
-assert f.attrs['grid_radius_px'] == 42.5
+assert f.attrs['grid_radius_px'] == 42.5 and f.attrs['schema_version'] == 1
+assert f.attrs['scale_m_per_px'] == 2.5e-4 and f.attrs['surface_angle_deg'] == 30
+assert 'analysed_fps' not in f.attrs
+words = f['status'].attrs['flag_meanings'].decode().split()
+assert words[3] == 'low_correlation' and list(f['status'].attrs['flag_values']) == list(range(7))
+shown = f[f.attrs['default'].decode()]
+assert shown.attrs['NX_class'] == b'NXdata' and list(shown.attrs['axes']) == [b'time', b'window']
+signal = shown.attrs['signal'].decode()
+assert shown[signal] == f['u_px'] and shown[signal + '_errors'] == f['u_sd_px']
+assert list(shown.attrs['auxiliary_signals']) == [b'v_px'] and shown['time'] == f['time']
 level = int(sys.argv[2])
 assert f['u_px'].compression_opts == (level or None) and f['u_px'].shuffle == (level > 0)
 )";
