@@ -43,6 +43,7 @@ FileKind tell_file_kind(const std::string& path) {
   if (at(0, "II\x2a\0"sv) || at(0, "MM\0\x2a"sv) || at(0, "II\x2b\0"sv) || at(0, "MM\0\x2b"sv)) {
     return FileKind::kTiff;
   }
+  if (at(0, "\xed\xfe\0\0N\0o\0r\0p\0i\0x\0"sv)) return FileKind::kSeq;
   if (at(256, "CIHX") || at(0, "#Camera Information Header")) return FileKind::kCih;
   if ((at(0, "RIFF") && at(8, "AVI ")) || at(4, "ftyp") || at(0, "\x1a\x45\xdf\xa3")) {
     return FileKind::kContainer;

@@ -5,7 +5,7 @@
 
 namespace impactdic::video {
 
-enum class FileKind { kUnknown, kCine, kMraw, kCih, kTiff, kContainer, kPicture };
+enum class FileKind { kUnknown, kCine, kMraw, kCih, kTiff, kSeq, kContainer, kPicture };
 
 // The contents decide; the extension only where they say nothing (.mraw, a cine without mark).
 // Throws FileError (absent, unreadable) and FormatError (empty file).

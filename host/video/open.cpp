@@ -18,6 +18,8 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
     case FileKind::kMraw:
     case FileKind::kCih:
       return open_mraw(path, options.lend_file_memory);
+    case FileKind::kSeq:
+      return open_seq(path, options.lend_file_memory);
     case FileKind::kTiff:
       return open_tiff(path);
     case FileKind::kPicture:

@@ -120,6 +120,7 @@ const std::map<std::string, Kind> kKinds = {
     {"cine", {"a.cine", read_clip}},
     {"cihx", {"a.cihx", read_photron}},
     {"cih", {"a.cih", read_photron}},
+    {"seq", {"a.seq", read_clip}},
     {"tiff", {"a.tif", read_clip}},
     {"raw", {"a.raw", read_raw}},
     {"png", {"a.png", read_clip}},

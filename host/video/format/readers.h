@@ -15,6 +15,7 @@ std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_cod
                                        bool lend = false);
 // `path` is a .cih, .cihx or .mraw; the other file lies beside it under the same name.
 std::unique_ptr<FrameSource> open_mraw(const std::string& path, bool lend = false);
+std::unique_ptr<FrameSource> open_seq(const std::string& path, bool lend = false);
 // Multi-page TIFF: one page, one frame.
 std::unique_ptr<FrameSource> open_tiff(const std::string& path);
 std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout,
