@@ -3,6 +3,7 @@
 import importlib
 import sys
 
+from . import opencl
 from .errors import InvalidArgument, MissingPackage
 
 _session = {}  # the last one that was opened, by its device
@@ -10,6 +11,7 @@ _session = {}  # the last one that was opened, by its device
 
 def module():
     """The module _impactdic. Reading results does without it."""
+    opencl.offer()
     for name in ("impactdic._impactdic", "_impactdic"):
         try:
             return importlib.import_module(name)

@@ -133,7 +133,7 @@ class Result:
             return {
                 name: data[row][found]
                 for name, data in file.items()
-                if data.ndim == 2 and name != "status"
+                if isinstance(data, h5py.Dataset) and data.ndim == 2 and name != "status"
             }
 
     @property

@@ -23,11 +23,11 @@ struct ReportRequest {
   bool quiet = false;
 };
 
-// The folder that holds the Python package: in the checkout that the program was built in, or
-// where it was installed to.
+// The folder that holds the Python package: in the checkout that the program was built in, where it
+// was installed to, or that of the package which the program is in.
 fs::path find_scripts(const fs::path& program) {
   for (fs::path at = program.parent_path(); at.has_relative_path(); at = at.parent_path()) {
-    for (const char* place : {"scripts", "share/impactdic/scripts"}) {
+    for (const char* place : {"scripts", "share/impactdic/scripts", "."}) {
       if (fs::exists(at / place / "impactdic" / "report" / "__main__.py")) return at / place;
     }
   }
