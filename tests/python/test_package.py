@@ -16,7 +16,7 @@ import impactdic as idic
 from conftest import SOURCE
 
 STUB = SOURCE / "scripts" / "impactdic" / "__init__.pyi"
-LEAK_RUNS = int(os.environ.get("IMPACTDIC_LEAK_RUNS", 20))
+LEAK_RUNS = int(os.environ.get("IMPACTDIC_LEAK_RUNS", 10))
 
 
 def environment():
