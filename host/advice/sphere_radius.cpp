@@ -7,8 +7,8 @@
 
 #include "host/dic/device/ball.h"
 #include "host/dic/sphere/rotation.h"
-#include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/estimators.h"
+#include "host/sphere/source_response.h"
 
 namespace impactdic::advice {
 namespace {
@@ -86,13 +86,14 @@ class FarRegistration {
   // The radii with which the displacements would be those of the circles.
   static void add_circles(const dic::RigidMotion& motion, const dic::RigidMotion& of_circles,
                           double radius_px, Sum& sum) {
-    const auto response = dic::response_to_radius(motion, radius_px);
+    const auto response =
+        sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px);
     const auto add = [&](double circles, double measured, double measured_sd, double slope) {
       const double sd_px = std::hypot(measured_sd, kCircleSd_px);
       if (slope != 0) sum.add(radius_px + (circles - measured) / slope, sd_px / std::abs(slope));
     };
-    add(of_circles.dx_px, motion.dx_px, motion.dx_sd_px, response[0]);
-    add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response[1]);
+    add(of_circles.dx_px, motion.dx_px, motion.dx_sd_px, response.dx[sphere::kToRadius]);
+    add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response.dy[sphere::kToRadius]);
   }
 
   Circle first_ball_;

@@ -1,6 +1,9 @@
-// The two free flights on both sides of an impact, fitted together. Internal to the impact
-// analysis; pixels, frames, local axes.
+// The two free flights on both sides of an impact, or a whole track that is one, fitted together:
+// of a sphere positions, motions, turns about three axes and its radius as one least-squares
+// problem. Internal to the impact analysis; pixels, frames, radians, local axes.
 #pragma once
+
+#include <impactdic/measured.h>
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -18,6 +21,8 @@ struct FlightRange {
 
 // Indices of the state.
 enum FlightState { kN0, kVn0, kT0, kVt0, kN1, kVn1, kT1, kVt1, kFlightStates };
+// Of a sphere: spin about t and n, before and after.
+enum SphereSpin { kSpinT0, kSpinN0, kSpinT1, kSpinN1, kSphereSpins };
 
 struct FlightFit {
   bool ok = false;
@@ -32,6 +37,12 @@ struct FlightFit {
   // Of the state, for a change of the gravity that was given, frames^2.
   Eigen::Matrix<double, kFlightStates, 1> per_gravity =
       Eigen::Matrix<double, kFlightStates, 1>::Zero();
+  // rad/frame; NaN of a flat ball.
+  Eigen::Matrix<double, kSphereSpins, 1> spin =
+      Eigen::Matrix<double, kSphereSpins, 1>::Constant(kNotMeasured);
+  Eigen::Matrix<double, kSphereSpins, kSphereSpins> spin_covariance =
+      Eigen::Matrix<double, kSphereSpins, kSphereSpins>::Zero();
+  Measured radius_error;               // px by which a sphere's radius was taken too large
   double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
   double position_scale = 1;           // scatter over the deviations that the track states
   double step_scale = 1;
@@ -48,7 +59,9 @@ struct GravityDirection {
 // Weighted least squares on centres and measured steps; every centre and step that is further off
 // than five times the scatter is left out. The deviations that the track states are scaled by the
 // scatter found here; what the steps' say beyond their scatter is common to all of a flight's.
-// `gravity` nullopt: fitted, one for both flights.
+// An error of a sphere's radius bends its steps and turns in a known proportion
+// (sphere::source_response): where the centres contradict the steps, that shows it. `gravity`
+// nullopt: fitted, one for both flights.
 FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
                       const FlightRange& after, const GravityDirection& direction,
                       std::optional<double> gravity);
@@ -57,5 +70,8 @@ FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
 // `gravity` acts along it; px/frame^2. NaN where there is too little to tell.
 Measured fall_across(const ImpactSeries& series, const FlightRange& before,
                      const FlightRange& after, const GravityDirection& direction, double gravity);
+// The same of one flight; what is after is NaN.
+FlightFit fit_flight(const ImpactSeries& series, const FlightRange& range,
+                     const GravityDirection& direction, std::optional<double> gravity);
 
 }  // namespace impactdic::impact

@@ -14,6 +14,7 @@
 #include "host/impact/free_radius.h"
 #include "host/impact/impact_figures.h"
 #include "host/impact/impact_series.h"
+#include "host/impact/whole_flight.h"
 
 namespace impactdic::impact {
 namespace {
@@ -26,7 +27,9 @@ constexpr double kSignificant = 8;      // deviations that an impact must stand 
 class Analysis {
  public:
   Analysis(const std::vector<TrackRow>& rows, const ImpactOptions& options)
-      : rows_(rows), options_(options), series_(impact_series(rows, options.surface_angle_rad)) {
+      : rows_(rows),
+        options_(options),
+        series_(impact_series(rows, options.surface_angle_rad, sphere_radius_sd_px(options))) {
     const double angle = options.gravity_angle_rad - options.surface_angle_rad;
     direction_ = {std::cos(angle), std::sin(angle)};
   }
@@ -325,6 +328,8 @@ ImpactSources Analysis::sources(bool timed) const {
   s.add(ErrorSource::kNoise, kSpin1, spin1.noise_sd);
   s.add(ErrorSource::kCircle, kSpin0, spin0.common_sd);
   s.add(ErrorSource::kCircle, kSpin1, spin1.common_sd);
+  s.add(ErrorSource::kCircle, kSpin0, tilted_spin_sd(flights_, kSpinT0));
+  s.add(ErrorSource::kCircle, kSpin1, tilted_spin_sd(flights_, kSpinT1));
   s.value[kRadius] = result_.radius_px.value;
   s.add(ErrorSource::kCircle, kRadius, result_.radius_px.sd);
   s.add(ErrorSource::kAngle, kAngle, options_.surface_angle_sd_rad);
@@ -343,6 +348,8 @@ void Analysis::finish() {
   set_radius(free_radius(rows_, before_, after_));
   const ImpactSources s = sources(timed);
   fill_figures(s, options_, result_);
+  put_spins(flights_, kSpinT0, result_.before);
+  put_spins(flights_, kSpinT1, result_.after);
   place(s, timed);
   const FlightFit fall = fit_flights(series_, before_, after_, direction_, std::nullopt);
   if (fall.ok) {
@@ -359,6 +366,7 @@ void Analysis::finish() {
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
   if (result.status != ImpactStatus::kNone) return result;
+  result.flight = whole_flight(rows, options);
   ImpactOptions turned = options;
   turned.surface_angle_rad += kPi;
   const ImpactStatus other = Analysis(rows, turned).run().status;

@@ -1,22 +1,111 @@
 #include "host/impact/impact_series.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "host/sphere/source_response.h"
+
 namespace impactdic::impact {
+namespace {
+
+using Vector4 = Eigen::Vector4d;  // dx, dy, turns about X and Y: px, px, rad, rad; y down
+using Matrix4 = Eigen::Matrix4d;
+
+Matrix4 stated_covariance(const TrackRow& row) {
+  const double rx = row.rot_x_sd_deg * kRadPerDeg, ry = row.rot_y_sd_deg * kRadPerDeg;
+  Matrix4 covariance = Vector4(row.dx_sd_px, row.dy_sd_px, rx, ry).cwiseAbs2().asDiagonal();
+  covariance(0, 3) = covariance(3, 0) = row.dx_rot_y_corr * row.dx_sd_px * ry;
+  covariance(1, 2) = covariance(2, 1) = row.dy_rot_x_corr * row.dy_sd_px * rx;
+  return covariance;
+}
+
+// Less what an error of the radius is a part of, as far as something is left of it. It moves all
+// four together; a row keeps no more than stated_covariance does.
+Matrix4 without_radius(const Matrix4& stated, const Vector4& to_radius, double radius_sd_px) {
+  constexpr double kLeft = 1e-3;  // of each variance
+  Matrix4 shared = to_radius * to_radius.transpose();
+  shared(0, 1) = shared(1, 0) = shared(0, 2) = shared(2, 0) = 0;
+  shared(1, 3) = shared(3, 1) = shared(2, 3) = shared(3, 2) = 0;
+  double sd = radius_sd_px;
+  for (int attempt = 0; attempt < 20; ++attempt, sd *= 0.8) {
+    const Matrix4 own = stated - sd * sd * shared;
+    const Vector4 scale = stated.diagonal().cwiseSqrt().cwiseInverse();
+    const Matrix4 unit = scale.asDiagonal() * own * scale.asDiagonal();
+    if (unit.diagonal().minCoeff() > kLeft &&
+        Eigen::SelfAdjointEigenSolver<Matrix4>(unit).eigenvalues()[0] > 1e-6) {
+      return own;
+    }
+  }
+  return stated;
+}
+
+bool has_motion(const TrackRow& row) {
+  return row.motion_ok && row.status != TrackStatus::kInconsistent;
+}
+
+}  // namespace
+
+SphereSteps::SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
+                         std::optional<double> radius_sd_px)
+    : rows_(rows),
+      c_(std::cos(surface_angle_rad)),
+      s_(std::sin(surface_angle_rad)),
+      radius_px_(median_radius_px(rows).value_or(kNotMeasured)),
+      radius_sd_px_(radius_sd_px) {}
+
+SphereStep SphereSteps::operator[](std::size_t i) const {
+  const TrackRow& row = rows_[i];
+  SphereStep step;
+  if (!has_motion(row) || !std::isfinite(row.rot_x_deg)) return step;
+  const Eigen::Vector3d turn =
+      Eigen::Vector3d(row.rot_x_deg, row.rot_y_deg, row.rot_deg) * kRadPerDeg;
+  const auto response = sphere::source_response({turn[0], turn[1], turn[2]}, radius_px_);
+  constexpr std::size_t r = sphere::kToRadius;
+  const Vector4 to_radius(response.dx[r], response.dy[r], response.rot_x[r], response.rot_y[r]);
+  const Matrix4 own =
+      without_radius(stated_covariance(row), to_radius, radius_sd_px_.value_or(kOfTurns_px));
+  Matrix4 local = Matrix4::Zero();  // to step t, n and turn t, n; steps have y down
+  local.topLeftCorner<2, 2>() << c_, -s_, -s_, -c_;
+  local.bottomRightCorner<2, 2>() << c_, s_, -s_, c_;
+  const Matrix4 covariance = local * own * local.transpose();
+  const Vector4 radius = local * to_radius;
+  const Eigen::Matrix2d steps = covariance.topLeftCorner<2, 2>();
+  const Eigen::Matrix2d by_step = covariance.bottomLeftCorner<2, 2>() * steps.inverse();
+  const Eigen::Matrix2d rest =
+      covariance.bottomRightCorner<2, 2>() - by_step * covariance.topRightCorner<2, 2>();
+  if (!by_step.allFinite() || !(rest.diagonal().minCoeff() > 0)) return step;
+  step.ok = true;
+  for (int k = 0; k < 2; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    step.turn[at] = k == 0 ? c_ * turn.x() + s_ * turn.y() : -s_ * turn.x() + c_ * turn.y();
+    step.step_sd[at] = std::sqrt(steps(k, k));
+    step.turn_sd[at] = std::sqrt(rest(k, k));
+    step.by_step[at] = {by_step(k, 0), by_step(k, 1)};
+    step.step_to_radius[at] = radius[k];
+    step.turn_to_radius[at] = radius[2 + k];
+  }
+  return step;
+}
 
 double common_share(double scatter, std::size_t count) {
   const double chance = 3 * std::sqrt(2 / static_cast<double>(count));
   return std::max(0.0, 1 - scatter * scatter - chance);
 }
 
-ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad) {
+ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad,
+                           std::optional<double> radius_sd_px) {
   const double c = std::cos(surface_angle_rad), s = std::sin(surface_angle_rad);
   ImpactSeries series;
   bool any_motion = false;
+  if (std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) {
+        return has_motion(row) && std::isfinite(row.rot_x_deg);
+      })) {
+    series.sphere.emplace(rows, surface_angle_rad, radius_sd_px);
+  }
   for (const TrackRow& row : rows) {
     const bool circle = row.circle_ok;
-    const bool motion = row.motion_ok && row.status != TrackStatus::kInconsistent;
+    const bool motion = has_motion(row);
     any_motion |= motion;
     // Image axes have y down.
     series.position_t.push_back(circle ? c * row.cx_px - s * row.cy_px : kNotMeasured);

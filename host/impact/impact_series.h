@@ -1,12 +1,45 @@
 // A track turned into the surface's axes, in pixels and frames. Internal to the impact analysis.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "host/clip/track_row.h"
 
 namespace impactdic::impact {
+
+// The motion of a sphere from one instant to the next, beside what a flat ball has. Pairs are
+// components t, n. Errors of the radius are taken out of the deviations: they are alike in all
+// rows.
+struct SphereStep {
+  bool ok = false;
+  std::array<double, 2> turn{};                    // rad, about t and n
+  std::array<double, 2> step_sd{};                 // px
+  std::array<double, 2> turn_sd{};                 // rad, were the step known
+  std::array<std::array<double, 2>, 2> by_step{};  // rad a px: what a wrong step makes of each turn
+  // For each px by which the radius is told too large.
+  std::array<double, 2> step_to_radius{}, turn_to_radius{};
+};
+
+class SphereSteps {
+ public:
+  // `rows` must outlive the object. `radius_sd_px`: as the rows' deviations have it; nullopt: not
+  // known, no more than as a rim shows it, and in the rows as little as turns ever leave of it.
+  SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
+              std::optional<double> radius_sd_px);
+  double radius_sd_px() const { return radius_sd_px_.value_or(kOfRim_px); }
+  // Of row `i` to the next. Costs some ten microseconds.
+  SphereStep operator[](std::size_t i) const;
+
+ private:
+  const std::vector<TrackRow>& rows_;
+  static constexpr double kOfRim_px = 0.5, kOfTurns_px = 0.05;
+  double c_, s_;  // cosine and sine of the surface's angle
+  double radius_px_;
+  std::optional<double> radius_sd_px_;
+};
 
 // Row i of the track is the instant i. Local axes: t along the surface, n out of it, both px.
 // What was not measured is NaN.
@@ -14,13 +47,16 @@ struct ImpactSeries {
   std::vector<double> position_t, position_n, position_sd;  // of the circle's centre
   std::vector<double> step_t, step_n, step_sd;              // motion from i to i + 1
   std::vector<double> turn, turn_sd;                        // rad, from i to i + 1
+  std::optional<SphereSteps> sphere;                        // nullopt: a flat ball
   bool from_circle = false;  // no motion was measured: steps are differences of positions
 
   std::size_t size() const { return position_n.size(); }
 };
 
-// `surface_angle_rad` counter-clockwise from image-right.
-ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad);
+// `surface_angle_rad` counter-clockwise from image-right; `rows` must outlive the series of a
+// sphere. `radius_sd_px`: of its radius (SphereSteps).
+ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad,
+                           std::optional<double> radius_sd_px);
 
 // `count` values that scatter by `scatter` of the deviation which each of them states: the share of
 // its square that they must have in common, beyond chance (three deviations). A steady ball meets

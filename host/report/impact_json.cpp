@@ -48,6 +48,28 @@ json edge(const ImpactInstant& at, const Measured& exponent, bool law_holds) {
   return result;
 }
 
+// Of a sphere, about the surface's t and n.
+void put_spins(const ImpactMotion& m, const std::string& rate, json& result) {
+  if (!std::isfinite(m.spin_t.value)) return;
+  result["omega_t" + rate] = figure(m.spin_t);
+  result["omega_n" + rate] = figure(m.spin_n);
+}
+
+// A clip without an impact.
+json flight(const ImpactMotion& m, bool in_si) {
+  if (!m.known) return nullptr;
+  const std::string unit = in_si ? "_m_s" : "_px_per_frame";
+  const std::string rate = in_si ? "_rad_s" : "_rad_per_frame";
+  json result = {{"frames_used", {m.first_frame, m.last_frame}},
+                 {"vx" + unit, figure(m.vx)},
+                 {"vy" + unit, figure(m.vy)},
+                 {"vt" + unit, figure(m.vt)},
+                 {"vn" + unit, figure(m.vn)},
+                 {"omega" + rate, figure(m.spin)}};
+  put_spins(m, rate, result);
+  return result;
+}
+
 // `first`: kVx… of the flight.
 json motion(const ImpactFigures& impact, const ImpactMotion& m, ImpactFigure first) {
   if (!m.known) return nullptr;
@@ -58,8 +80,9 @@ json motion(const ImpactFigures& impact, const ImpactMotion& m, ImpactFigure fir
                                     std::pair{"vt", m.vt}, std::pair{"vn", m.vn}}) {
     result[name + unit] = figure(impact, static_cast<ImpactFigure>(next++), value);
   }
-  result[impact.in_si ? "omega_rad_s" : "omega_rad_per_frame"] =
-      figure(impact, static_cast<ImpactFigure>(next), m.spin);
+  const std::string rate = impact.in_si ? "_rad_s" : "_rad_per_frame";
+  result["omega" + rate] = figure(impact, static_cast<ImpactFigure>(next), m.spin);
+  put_spins(m, rate, result);
   return result;
 }
 
@@ -110,6 +133,8 @@ void read_motion(const json& from, const std::string& pointer, ImpactMotion& to)
   read_figure(from, pointer + "/vt_m_s", to.vt);
   read_figure(from, pointer + "/vn_m_s", to.vn);
   read_figure(from, pointer + "/omega_rad_s", to.spin);
+  read_figure(from, pointer + "/omega_t_rad_s", to.spin_t);
+  read_figure(from, pointer + "/omega_n_rad_s", to.spin_n);
 }
 
 template <typename Word, std::size_t n>
@@ -143,8 +168,11 @@ json describe_impact(const ImpactFigures& impact) {
                  {"status", to_string(impact.status)},
                  {"explanation", explain(impact.status)}};
   result["contradictions"] = contradictions(impact);
-  if (!impact.found()) return result;
   result["units"] = impact.in_si ? "si" : "px_and_frames";
+  if (!impact.found()) {
+    result["flight"] = flight(impact.flight, impact.in_si);
+    return result;
+  }
   result["t0"] = edge(impact.t0, impact.start_exponent, impact.start_law_holds);
   result["t_max_compression"] = instant(impact.t_max_compression);
   result["t_end"] = edge(impact.t_end, impact.end_exponent, impact.end_law_holds);

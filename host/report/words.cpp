@@ -1,6 +1,9 @@
 // Results in a line for people.
 #include "host/report/words.h"
 
+#include <impactdic/units.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -45,8 +48,36 @@ const char* explain(ClosureVerdict verdict) {
   return kTexts[static_cast<std::size_t>(verdict)];
 }
 
+namespace {
+
+// One ball in free flight: its speed, and its spin with what of it is out of the picture's plane.
+std::string flight_in_words(const ImpactMotion& flight, bool in_si) {
+  const double speed = std::hypot(flight.vx.value, flight.vy.value);
+  const double speed_sd =
+      std::hypot(flight.vx.value * flight.vx.sd, flight.vy.value * flight.vy.sd) /
+      std::max(speed, 1e-300);
+  std::string line = say(in_si ? "; one free flight at %.4f +- %.4f m/s"
+                               : "; one free flight at %.5f +- %.5f px/frame",
+                         speed, speed_sd);
+  const double unit = in_si ? 1 : kDegPerRad;
+  const char* const rate = in_si ? "rad/s" : "deg/frame";
+  if (std::isfinite(flight.spin_t.value)) {
+    const auto part = [&](const Measured& spin) {
+      return say("%.5f +- %.5f", spin.value * unit, spin.sd * unit);
+    };
+    line += ", spin about t, n and the line of sight " + part(flight.spin_t) + ", " +
+            part(flight.spin_n) + ", " + part(flight.spin) + " " + rate;
+  } else if (std::isfinite(flight.spin.value)) {
+    line += say(", spin %.5f +- %.5f ", flight.spin.value * unit, flight.spin.sd * unit) + rate;
+  }
+  return line;
+}
+
+}  // namespace
+
 std::string in_words(const ImpactFigures& impact) {
   std::string line = explain(impact.status);
+  if (impact.flight.known) line += flight_in_words(impact.flight, impact.in_si);
   if (!impact.found()) return line;
   const auto add = [&](double value, double sd, const char* format) {
     if (std::isfinite(value)) line += say(format, value, sd);

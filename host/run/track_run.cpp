@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "host/advice/body_advice.h"
@@ -176,12 +177,13 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     caller_.say(MessageKind::kNote,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
   }
-  if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
-    char text[80];
-    std::snprintf(text, sizeof text, "radius of the sphere: %.3f +- %.3f px",
-                  options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px);
-    caller_.say(MessageKind::kNote, text);
-  }
+  const double radius_px = options_.estimator.sphere_radius_px;
+  if (!options_.estimator.sphere || !(radius_px > 0)) return;
+  result_.sphere_radius_px = {radius_px, options_.estimator.sphere_radius_sd_px};
+  char text[80];
+  std::snprintf(text, sizeof text, "radius of the sphere: %.3f +- %.3f px", radius_px,
+                result_.sphere_radius_px.sd);
+  caller_.say(MessageKind::kNote, text);
 }
 
 void TrackRun::measure(const Outputs& outputs) {

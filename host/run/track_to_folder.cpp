@@ -80,6 +80,10 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
   summary["body"] = {{"kind", to_string(result.body)},
                      {"asked", to_string(request.body)},
                      {"reason", result.body_reason}};
+  if (std::isfinite(result.sphere_radius_px.value)) {
+    summary["body"]["radius_px"] = {{"value", result.sphere_radius_px.value},
+                                    {"sd", result.sphere_radius_px.sd}};
+  }
   summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
   summary["advice"] = report::describe_advice(result.advice);
   summary["warnings"] = result.warnings;

@@ -57,10 +57,10 @@
 // A sphere's pixel counts from the first of these cosines of its surface's angle to the line of
 // sight on, wholly from the second on, in the first or the second picture, whichever is less:
 // beyond, foreshortening leaves no texture.
-#define LEAST_DEPTH 0.1f
-#define FULL_DEPTH 0.4f
+#define LEAST_DEPTH 0.2f
+#define FULL_DEPTH 0.5f
 // Σ of those weights over the whole disc, in areas of it.
-#define SPHERE_SHARE 0.93f
+#define SPHERE_SHARE 0.87f
 // Pixels across and down whose errors are taken to be their own: beyond the size of a speckle.
 #define BLOCK_X 16
 #define BLOCK_Y 8

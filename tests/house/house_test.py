@@ -17,7 +17,7 @@ MOST_BODY = 60  # lines of a function, from the line of its brace on; kernels ho
 
 # What sim/ may use of host/: it knows neither devices nor correlation, so that truth stays
 # independent of the solver.
-GROUND_FLOOR = {"host/api", "host/base", "host/clip", "host/impact"}
+GROUND_FLOOR = {"host/api", "host/base", "host/clip", "host/impact", "host/sphere"}
 
 
 def sources(root):

@@ -59,10 +59,12 @@ struct FigureBudget {
   double per_gravity = 0;
 };
 
-// One free flight, where it meets the contact.
+// One free flight, where it meets the contact. Of a sphere the spin has three components: `spin` is
+// that towards the camera, about t x n.
 struct FlightMotion {
   std::size_t first = 0, last = 0;  // rows of the fit
   Measured vx, vy, vt, vn, spin;
+  Measured spin_t, spin_n;  // about t and n; NaN of a flat ball
 };
 
 // One side of the contact.
@@ -117,8 +119,11 @@ struct ImpactAnalysis {
   Measured surface_off_rad;
   // Of the free ball, from the frames of the flights alone; of all frames where none is found.
   Measured radius_px;
-  std::size_t radius_frames = 0;           // that it is the mean of
-  double radius_drift_px = kNotMeasured;   // after the contact less before it
+  std::size_t radius_frames = 0;          // that it is the mean of
+  double radius_drift_px = kNotMeasured;  // after the contact less before it
+  // Where there is no impact and the whole track is one free flight: its motion in the middle of
+  // the rows, out of positions, motions, turns and gravity together. `last` is 0 where it is none.
+  FlightMotion flight;
   double position_scatter = kNotMeasured;  // in flight, over what the track states
   double step_scatter = kNotMeasured;
   // px/frame: between the velocities of centres and of measured motions, beyond chance; 0 where
@@ -140,6 +145,7 @@ struct ImpactMotion {
   bool known = false;
   double first_frame = kNotMeasured, last_frame = kNotMeasured;  // of the stored file, of the fit
   Measured vx, vy, vt, vn, spin;
+  Measured spin_t, spin_n;  // of a sphere, about t and n
 };
 
 // Two things that cannot both be true: something given, and what the clip shows.
@@ -161,6 +167,7 @@ struct ImpactFigures {
   bool start_law_holds = false, end_law_holds = false;
   Measured contact_frames, contact_s;
   ImpactMotion before, after;
+  ImpactMotion flight;  // where there is no impact and the whole track is one free flight
   Measured restitution, friction_published, friction, rolling_cap;
   Measured max_deflection_px, max_deflection_m;
   ImpulseClosure closure;

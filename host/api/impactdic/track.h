@@ -158,9 +158,11 @@ struct TrackResult {
   Roi roi;                     // looked at
   std::vector<TrackRow> rows;  // one a frame measured, in order
   FrameTimes times;
-  SiScale scale;              // for to_si
-  Body body = Body::kDisc;    // as which it was measured
-  std::string body_reason;    // why, in words
+  SiScale scale;            // for to_si
+  Body body = Body::kDisc;  // as which it was measured
+  std::string body_reason;  // why, in words
+  // Of a sphere, from its turns and its rim; NaN where only its rim told.
+  Measured sphere_radius_px;
   double grid_radius_px = 0;  // of the ball that the windows' grid was made for; 0: no grid
   std::size_t windows = 0;    // of that grid
   ImpactAnalysis impact;      // in px and frames

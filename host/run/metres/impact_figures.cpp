@@ -54,6 +54,24 @@ class Converter {
     fall();
   }
 
+  void convert_flight() {
+    const FlightMotion& m = analysis_.flight;
+    figures_.in_si = in_si_;
+    if (m.last == 0) return;
+    const int si = in_si_ ? 1 : 0;
+    ImpactMotion& motion = figures_.flight;
+    motion.known = true;
+    motion.first_frame = stored(static_cast<double>(m.first));
+    motion.last_frame = stored(static_cast<double>(m.last));
+    motion.vx = plain(m.vx, si, si);
+    motion.vy = plain(m.vy, si, si);
+    motion.vt = plain(m.vt, si, si);
+    motion.vn = plain(m.vn, si, si);
+    motion.spin = plain(m.spin, 0, si);
+    motion.spin_t = plain(m.spin_t, 0, si);
+    motion.spin_n = plain(m.spin_n, 0, si);
+  }
+
  private:
   // A figure that goes with these powers of scale and rate, with its budget. Figures that need one
   // which is not known are NaN.
@@ -78,6 +96,13 @@ class Converter {
     }
     figures_.budgets[static_cast<std::size_t>(which)] = parts;
     return {value, norm(parts)};
+  }
+
+  // The same without a budget.
+  Measured plain(const Measured& m, int metres, int rate) const {
+    const double unit = std::pow(scale_.metre_per_px, metres) * std::pow(scale_.fps, rate);
+    const double value = m.value * unit;
+    return {value, std::hypot(m.sd * unit, metres * value * metre_sd_, rate * value * rate_sd_)};
   }
 
   // Rows of missing frames have the number of the one before: they lie evenly up to the next.
@@ -124,6 +149,8 @@ class Converter {
     motion.vt = velocity(m.vt);
     motion.vn = velocity(m.vn);
     motion.spin = figure(static_cast<ImpactFigure>(next), m.spin, 0, si);
+    motion.spin_t = plain(m.spin_t, 0, si);
+    motion.spin_n = plain(m.spin_n, 0, si);
     return motion;
   }
 
@@ -168,7 +195,10 @@ ImpactFigures convert_impact(const TrackRequest& request, const std::vector<Trac
   ImpactFigures figures;
   figures.status = analysis.status;
   if (request.inertia_factor > 0) figures.inertia_factor = request.inertia_factor;
-  if (!figures.found()) return figures;
+  if (!figures.found()) {
+    Converter(rows, scale, analysis, figures).convert_flight();
+    return figures;
+  }
   figures.start_exponent = analysis.start.exponent;
   figures.end_exponent = analysis.end.exponent;
   figures.start_law_holds = analysis.start.law_holds;
