@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
-constexpr double kFullShare = 0.93;  // of the disc's area, of a sphere that is seen whole
+constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
 constexpr double kTukey = 6;
 using Row = Eigen::Matrix<double, kColumns, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;

@@ -86,7 +86,7 @@ Parameters found_off(const Eigen::Quaterniond& turn, const Eigen::Vector3d& sour
       if (p.norm() >= kRadius) continue;
       const Eigen::Vector3d at(x, y, std::sqrt(kRadius * kRadius - p.squaredNorm()));
       const double depth = std::min(at.z(), (turn * at).z()) / kRadius;
-      const double weight = std::clamp((depth - 0.1) / 0.3, 0.0, 1.0);
+      const double weight = std::clamp((depth - 0.2) / 0.3, 0.0, 1.0);
       if (weight == 0) continue;
       const Eigen::Vector3d none = Eigen::Vector3d::Zero();
       const auto shift = [&](const Eigen::Vector2d& from, const Parameters& by) {

@@ -1,0 +1,145 @@
+// A sphere's flight solved as one, on rows made of an exact motion.
+#include <gtest/gtest.h>
+#include <impactdic/units.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/impact/impact_phases.h"
+#include "host/sphere/source_response.h"
+
+namespace impactdic::testing {
+namespace {
+
+constexpr double kRadius_px = 115;
+
+struct Flight {
+  double vx = 0.73, vy = 0.41;                              // px/frame, y up
+  double rot_x_deg = 1.1, rot_y_deg = -0.8, rot_deg = 0.6;  // a frame
+  double radius_error_px = 0;
+  double circle_px = 0.01, step_px = 0.002, turn_deg = 0.0012;  // noise
+  int frames = 60;
+};
+
+// What `track` would say of it, its steps and turns bent by the wrong radius. Step and turn err
+// together as they do in pictures.
+std::vector<TrackRow> rows_of(const Flight& f, unsigned seed, double radius_sd_px) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> deviate(0, 1);
+  const auto bent = sphere::source_response(
+      {f.rot_x_deg * kRadPerDeg, f.rot_y_deg * kRadPerDeg, f.rot_deg * kRadPerDeg}, kRadius_px);
+  constexpr std::size_t r = sphere::kToRadius;
+  constexpr double kCorrelation = 0.94;
+  const double rest = std::sqrt(1 - kCorrelation * kCorrelation);
+  std::vector<TrackRow> rows;
+  for (int i = 0; i < f.frames; ++i) {
+    TrackRow row;
+    row.frame = i;
+    row.status = TrackStatus::kOk;
+    row.circle_ok = true;
+    row.cx_px = 200 + f.vx * i + f.circle_px * deviate(random);
+    row.cy_px = 250 - f.vy * i + f.circle_px * deviate(random);
+    row.r_px = kRadius_px;
+    row.cx_sd_px = row.cy_sd_px = f.circle_px;
+    row.r_sd_px = 0.02;
+    row.motion_ok = i + 1 < f.frames;
+    if (row.motion_ok) {
+      const double across = deviate(random), down = deviate(random);
+      row.dx_px = f.vx + f.step_px * across + bent.dx[r] * f.radius_error_px;
+      row.dy_px = -f.vy + f.step_px * down + bent.dy[r] * f.radius_error_px;
+      row.rot_y_deg = f.rot_y_deg + bent.rot_y[r] * f.radius_error_px * kDegPerRad -
+                      f.turn_deg * (kCorrelation * across + rest * deviate(random));
+      row.rot_x_deg = f.rot_x_deg + bent.rot_x[r] * f.radius_error_px * kDegPerRad -
+                      f.turn_deg * (kCorrelation * down + rest * deviate(random));
+      row.rot_deg = f.rot_deg + 0.0004 * deviate(random);
+      row.rot_sd_deg = 0.0004;
+      const auto stated = [&](double own, double to_radius) {
+        return std::hypot(own, to_radius * radius_sd_px);
+      };
+      row.dx_sd_px = stated(f.step_px, bent.dx[r]);
+      row.dy_sd_px = stated(f.step_px, bent.dy[r]);
+      row.rot_x_sd_deg = stated(f.turn_deg, bent.rot_x[r] * kDegPerRad);
+      row.rot_y_sd_deg = stated(f.turn_deg, bent.rot_y[r] * kDegPerRad);
+      const auto together = [&](double step, double turn, double step_sd, double turn_sd) {
+        return (-kCorrelation * f.step_px * f.turn_deg +
+                step * turn * kDegPerRad * radius_sd_px * radius_sd_px) /
+               (step_sd * turn_sd);
+      };
+      row.dx_rot_y_corr = together(bent.dx[r], bent.rot_y[r], row.dx_sd_px, row.rot_y_sd_deg);
+      row.dy_rot_x_corr = together(bent.dy[r], bent.rot_x[r], row.dy_sd_px, row.rot_x_sd_deg);
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+impact::ImpactOptions options_of(double radius_sd_px) {
+  impact::ImpactOptions options;
+  options.gravity = 0;
+  options.radius_px = Measured{kRadius_px, radius_sd_px};
+  return options;
+}
+
+TEST(SphereFlight, CentresShowWhatTheRadiusDoesToStepsAndTurns) {
+  constexpr double kRadiusSd_px = 0.1;
+  Flight truth;
+  truth.radius_error_px = 0.15;  // 0.3 % of each turn
+  double squares = 0;
+  int figures = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const auto rows = rows_of(truth, seed, kRadiusSd_px);
+    const FlightMotion flight = impact::analyse_impact(rows, options_of(kRadiusSd_px)).flight;
+    ASSERT_EQ(flight.last, rows.size() - 1);
+    const auto score = [&](const Measured& found, double wanted) {
+      squares += std::pow((found.value - wanted) / found.sd, 2);
+      ++figures;
+    };
+    score(flight.vx, truth.vx);
+    score(flight.vy, truth.vy);
+    score(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
+    score(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
+    score(flight.spin, truth.rot_deg * kRadPerDeg);
+    // A third of what the steps alone would be wrong by.
+    EXPECT_NEAR(flight.spin_t.value * kDegPerRad, truth.rot_x_deg, 0.0012);
+  }
+  EXPECT_LT(std::sqrt(squares / figures), 1.2);
+  EXPECT_GT(std::sqrt(squares / figures), 0.4);  // the model's own part is here no error
+}
+
+TEST(SphereFlight, HoldsInTheSurfacesAxes) {
+  const Flight truth;
+  const auto rows = rows_of(truth, 3, 0.05);
+  impact::ImpactOptions options = options_of(0.05);
+  options.surface_angle_rad = 30 * kRadPerDeg;
+  const FlightMotion flight = impact::analyse_impact(rows, options).flight;
+  const double c = std::cos(options.surface_angle_rad), s = std::sin(options.surface_angle_rad);
+  EXPECT_NEAR(flight.vx.value, truth.vx, 4 * flight.vx.sd);
+  EXPECT_NEAR(flight.vt.value, c * truth.vx + s * truth.vy, 4 * flight.vt.sd);
+  EXPECT_NEAR(flight.vn.value, -s * truth.vx + c * truth.vy, 4 * flight.vn.sd);
+  EXPECT_NEAR(flight.spin_t.value * kDegPerRad, c * truth.rot_x_deg + s * truth.rot_y_deg,
+              4 * flight.spin_t.sd * kDegPerRad);
+  EXPECT_NEAR(flight.spin_n.value * kDegPerRad, -s * truth.rot_x_deg + c * truth.rot_y_deg,
+              4 * flight.spin_n.sd * kDegPerRad);
+}
+
+TEST(SphereFlight, APathThatIsNoFlightIsNotReported) {
+  auto rows = rows_of(Flight{}, 5, 0.05);
+  for (std::size_t i = 0; i < rows.size(); ++i) {  // around a circle
+    const double at = 2 * kPi * static_cast<double>(i) / static_cast<double>(rows.size());
+    rows[i].cx_px = 200 + 60 * std::cos(at);
+    rows[i].cy_px = 200 + 60 * std::sin(at);
+  }
+  EXPECT_EQ(impact::analyse_impact(rows, options_of(0.05)).flight.last, 0u);
+}
+
+TEST(SphereFlight, AFlatBallHasNoSpinOutOfThePlane) {
+  auto rows = rows_of(Flight{}, 7, 0.05);
+  for (TrackRow& row : rows) row.rot_x_deg = row.rot_y_deg = kNotMeasured;
+  const FlightMotion flight = impact::analyse_impact(rows, options_of(0.05)).flight;
+  ASSERT_EQ(flight.last, rows.size() - 1);
+  EXPECT_NEAR(flight.spin.value * kDegPerRad, Flight{}.rot_deg, 4 * flight.spin.sd * kDegPerRad);
+  EXPECT_TRUE(std::isnan(flight.spin_t.value));
+}
+
+}  // namespace
+}  // namespace impactdic::testing
