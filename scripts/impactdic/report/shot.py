@@ -51,7 +51,8 @@ class Shot:
         self.spin = np.deg2rad(track["rot_deg"]) * self.per_second
         self.spin_sd = np.deg2rad(track["rot_sd_deg"]) * self.per_second
         known = track["r_px"][np.isfinite(track["r_px"])]
-        self.radius = mm * np.median(known) if len(known) else np.nan
+        free = (self.result.summary.get("ball") or {}).get("radius_px")  # compressed frames aside
+        self.radius = mm * (free or (np.median(known) if len(known) else np.nan))
         c, s = np.cos(self.angle), np.sin(self.angle)
         self.vt, self.vn = c * self.vx + s * self.vy, c * self.vy - s * self.vx
         self.vt_sd = np.hypot(c * self.vx_sd, s * self.vy_sd)
