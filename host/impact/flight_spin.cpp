@@ -1,5 +1,6 @@
 #include "host/impact/flight_spin.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -37,7 +38,11 @@ FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range) {
   const double scatter_sq = squares / static_cast<double>(count - 1);
   const double share = common_share(std::sqrt(scatter_sq), count);
   const double common = usual > 0 ? share * usual * usual : 0.0;
-  return {mean, std::sqrt(scatter_sq / weights), std::sqrt(common)};
+  // Student's distribution of a mean whose scatter is known from few turns is wider (JCGM 101:2008,
+  // section 6.4.9).
+  const double freedom = std::max(static_cast<double>(count - 1), 3.0);
+  const double wider = std::sqrt(freedom / (freedom - 2));
+  return {mean, wider * std::sqrt(scatter_sq / weights), std::sqrt(common)};
 }
 
 }  // namespace impactdic::impact
