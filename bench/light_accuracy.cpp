@@ -1,0 +1,232 @@
+// How exact and how honest `track` is on balls as cameras show them: lamps, backgrounds, obstacles,
+// blur, compression, small and large balls; clips with exactly known poses, through the library.
+//   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
+// CONDITIONS is a list with commas, or "all"; FIRST and LAST are seeds. With "circles" the motion
+// is not measured, and no device is needed. Pictures are kept in the folder KEEP and read from
+// there the next time (painting takes longer than all the rest).
+#include <impactdic/device.h>
+#include <impactdic/track.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/support/light_scenes.h"
+#include "tests/support/motion_truth.h"
+
+namespace impactdic::bench {
+namespace {
+
+using testing::Backdrop;
+using testing::Errors;
+using testing::LightClip;
+using testing::LightScene;
+
+constexpr LightScene kScenes[] = {
+    {.name = "disc"},
+    {.name = "disc_shade", .shading = 0.4},
+    {.name = "disc_wood", .backdrop = Backdrop::kWood},
+    {.name = "disc_tiles", .backdrop = Backdrop::kTiles},
+    {.name = "disc_bar", .hidden = 0.3},
+    {.name = "disc_upright", .hidden = 0.3, .bar_angle_deg = 90},
+    {.name = "disc_over", .gain = 1.5},
+    {.name = "disc_blur", .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3},
+    {.name = "disc_dim", .gain = 0.3},
+    {.name = "disc_noise", .noise = 8},
+    {.name = "disc_squash", .compression = 0.1},
+    {.name = "disc_small", .radius_px = 30},
+    {.name = "disc_large", .radius_px = 230},
+    {.name = "disc_enters", .enters = true},
+    {.name = "sphere", .sphere = true},
+    {.name = "sphere_plain", .sphere = true, .pattern = "a1"},
+    {.name = "sphere_mild", .sphere = true, .lamp_share = 0.4, .lamp_elevation_deg = 30},
+    {.name = "sphere_half", .sphere = true, .lamp_share = 0.5},
+    {.name = "sphere_front",
+     .sphere = true,
+     .lamp_share = 0.7,
+     .lamp_elevation_deg = 60,
+     .limb_darkening = 0.3},
+    {.name = "sphere_hard",
+     .sphere = true,
+     .lamp_share = 0.9,
+     .lamp_elevation_deg = 20,
+     .limb_darkening = 0.3},
+    {.name = "sphere_limb", .sphere = true, .limb_darkening = 0.5},
+    {.name = "sphere_half_a1", .sphere = true, .pattern = "a1", .lamp_share = 0.5},
+    {.name = "sphere_wood", .sphere = true, .lamp_share = 0.3, .backdrop = Backdrop::kWood},
+    {.name = "sphere_bar", .sphere = true, .hidden = 0.3},
+    {.name = "sphere_over", .sphere = true, .lamp_share = 0.5, .gain = 1.5},
+    {.name = "sphere_small", .sphere = true, .radius_px = 40, .lamp_share = 0.5},
+    {.name = "sphere_enters", .sphere = true, .lamp_share = 0.3, .enters = true},
+};
+
+// One figure of a row against the truth. Wrong: beyond five deviations, and by so much that it
+// matters.
+constexpr double kBeyond = 5, kMatters_px = 0.02;
+
+struct Table {
+  Errors centre, radius, shift, turn;
+  int rows = 0, lost = 0, wrong = 0, wrong_motion = 0, flagged = 0;
+
+  static bool is_wrong(double error, double sd, double matters) {
+    return !(std::abs(error) <= kBeyond * sd || std::abs(error) <= matters);
+  }
+  void add_circle(const TrackRow& row, const BallPose& pose, double radius_px) {
+    const double x = row.cx_px - pose.cx_px, y = row.cy_px - pose.cy_px;
+    const double r = row.r_px - radius_px * (1 - pose.compression / 2);
+    centre.add(x, row.cx_sd_px);
+    centre.add(y, row.cy_sd_px);
+    radius.add(r, row.r_sd_px);
+    if (row.status != TrackStatus::kOk && row.status != TrackStatus::kLastFrame) return;
+    wrong += is_wrong(x, row.cx_sd_px, kMatters_px) || is_wrong(y, row.cy_sd_px, kMatters_px) ||
+             is_wrong(r, row.r_sd_px, kMatters_px);
+  }
+  void add_motion(const TrackRow& row, const LightScene& scene, const BallPose& pose,
+                  const BallPose& next) {
+    if (!row.motion_ok || row.status != TrackStatus::kOk) return;
+    const double x = row.dx_px - (next.cx_px - pose.cx_px);
+    const double y = row.dy_px - (next.cy_px - pose.cy_px);
+    const double z = row.rot_deg - scene.rotation_deg;
+    const double matters_deg = kMatters_px / scene.radius_px * kDegPerRad;
+    shift.add(x, row.dx_sd_px);
+    shift.add(y, row.dy_sd_px);
+    turn.add(z, row.rot_sd_deg);
+    bool off = is_wrong(x, row.dx_sd_px, kMatters_px) || is_wrong(y, row.dy_sd_px, kMatters_px) ||
+               is_wrong(z, row.rot_sd_deg, matters_deg);
+    if (std::isfinite(row.rot_x_deg)) {
+      const double about_x = row.rot_x_deg - scene.spin_x_deg;
+      const double about_y = row.rot_y_deg - scene.spin_y_deg;
+      turn.add(about_x, row.rot_x_sd_deg);
+      turn.add(about_y, row.rot_y_sd_deg);
+      off = off || is_wrong(about_x, row.rot_x_sd_deg, matters_deg) ||
+            is_wrong(about_y, row.rot_y_sd_deg, matters_deg);
+    }
+    wrong_motion += off;
+  }
+  void print(const char* name) const {
+    const auto two = [](const Errors& e) {
+      std::printf("  %8.4f %6.2f", e.rms(), e.over_sd());
+    };
+    std::printf("%-14s %5d %4d %4d %5d %5d", name, rows, lost, flagged, wrong, wrong_motion);
+    two(centre);
+    std::printf(" %8.4f", centre.largest);
+    two(radius);
+    std::printf(" %+8.4f", radius.mean());
+    two(shift);
+    two(turn);
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+};
+
+bool all_in_view(const BallPose& pose, const LightScene& scene, const LightClip& clip) {
+  const double r = scene.radius_px + 4;
+  return pose.cx_px > r && pose.cy_px > r && pose.cx_px < clip.width() - 1 - r &&
+         pose.cy_px < clip.height() - 1 - r;
+}
+
+// 8-bit pictures of a clip, from the folder `keep` where they are there.
+std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::uint64_t seed,
+                               const std::string& keep) {
+  std::vector<Frame> pictures(clip.poses().size());
+  const std::string name = keep + '/' + scene.name + '-' + std::to_string(seed) + '-' +
+                           std::to_string(pictures.size());
+  const auto bytes = static_cast<std::streamsize>(clip.width()) * clip.height();
+  if (!keep.empty() && std::filesystem::exists(name)) {
+    std::ifstream file(name, std::ios::binary);
+    for (Frame& picture : pictures) {
+      picture.reset(clip.width(), clip.height(), 8);
+      file.read(reinterpret_cast<char*>(picture.u8.data()), bytes);
+    }
+    return pictures;
+  }
+  for (std::size_t k = 0; k < pictures.size(); ++k) clip.render(k, pictures[k]);
+  if (!keep.empty()) {
+    std::ofstream file(name, std::ios::binary);
+    for (const Frame& picture : pictures) {
+      file.write(reinterpret_cast<const char*>(picture.u8.data()), bytes);
+    }
+  }
+  return pictures;
+}
+
+struct Way {
+  int first = 1, last = 3, frames = 12;
+  bool circles = false;
+  std::string keep;
+};
+
+void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Session& session,
+             Table& table) {
+  LightClip clip(scene, seed, way.frames);
+  const std::vector<Frame> pictures = pictures_of(scene, clip, seed, way.keep);
+  ClipInfo info;
+  info.width = clip.width();
+  info.height = clip.height();
+  info.bits = 8;
+  info.frame_count = way.frames;
+  TrackRequest request;
+  request.clip.source = clip_from_callback(
+      info,
+      [&](std::int64_t k, Frame& frame) { frame = pictures[static_cast<std::size_t>(k)]; });
+  request.clip.fps = 10000;
+  request.with_field = !way.circles;
+  request.body = scene.sphere ? Body::kSphere : Body::kDisc;
+  const TrackResult result = track(request, session);
+  const std::vector<BallPose>& poses = clip.poses();
+  for (std::size_t k = 0; k < result.rows.size(); ++k) {
+    const TrackRow& row = result.rows[k];
+    ++table.rows;
+    const bool good = row.status == TrackStatus::kOk || row.status == TrackStatus::kLastFrame;
+    table.flagged += row.status == TrackStatus::kInconsistent;
+    if (!row.circle_ok) {
+      table.lost += all_in_view(poses[k], scene, clip);
+      continue;
+    }
+    table.lost += !good && row.status != TrackStatus::kInconsistent &&
+                  all_in_view(poses[k], scene, clip);
+    table.add_circle(row, poses[k], scene.radius_px);
+    if (k + 1 < poses.size()) table.add_motion(row, scene, poses[k], poses[k + 1]);
+  }
+}
+
+int run(int argc, char** argv) {
+  const auto argument = [&](int i, const char* usual) {
+    return std::string(argc > i ? argv[i] : usual);
+  };
+  std::vector<std::string> wanted;
+  std::istringstream names(argument(1, "all"));
+  for (std::string name; std::getline(names, name, ',');) wanted.push_back(name);
+  Way way;
+  way.first = std::atoi(argument(2, "1").c_str());
+  way.last = std::atoi(argument(3, "3").c_str());
+  way.frames = std::atoi(argument(4, "12").c_str());
+  way.circles = argument(5, "motion") == "circles";
+  way.keep = argument(6, "");
+  if (!way.keep.empty()) std::filesystem::create_directories(way.keep);
+  Session session;
+  std::printf(
+      "condition: rows, lost, inconsistent, wrong circle and motion with status ok; centre rms, "
+      "over sd, largest; radius rms, over sd, mean; dx, dy rms, over sd; turn rms, over sd (px, "
+      "deg)\n");
+  for (const LightScene& scene : kScenes) {
+    const bool one = std::find(wanted.begin(), wanted.end(), scene.name) != wanted.end();
+    if (wanted[0] != "all" && !one) continue;
+    Table table;
+    for (int seed = way.first; seed <= way.last; ++seed) {
+      measure(scene, static_cast<std::uint64_t>(seed), way, session, table);
+    }
+    table.print(scene.name);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace impactdic::bench
+
+int main(int argc, char** argv) { return impactdic::bench::run(argc, argv); }
