@@ -133,12 +133,28 @@ class CineSource : public FrameSource {
     return values;
   }
 
-  // The median interval of the first stamps in seconds.
-  double median_interval_s() const {
+  // The usual interval of the first stamps, s, and how far it may be off because a camera stamps
+  // whole microseconds. Their mean: intervals of 28.5 µs are stamped as 28 and 29. A pause, which
+  // is far from the median, does not count.
+  struct Interval {
+    double s = 0, off_s = 0;
+  };
+  Interval usual_interval() const {
+    constexpr double kGrid_s = 1e-6, kUsual = 0.5;
     auto intervals = stamps(0, std::min<std::int64_t>(info_.frame_count, 1001));
     std::adjacent_difference(intervals.begin(), intervals.end(), intervals.begin());
     intervals.erase(intervals.begin());  // no difference
-    return static_cast<double>(upper_median(std::move(intervals))) / kStampsPerSecond;
+    const auto median = static_cast<double>(upper_median(intervals));
+    double sum = 0;
+    int n = 0;
+    for (const std::int64_t interval : intervals) {
+      const auto one = static_cast<double>(interval);
+      if (std::abs(one - median) > kUsual * median) continue;
+      sum += one;
+      ++n;
+    }
+    if (n == 0) return {};
+    return {sum / n / kStampsPerSecond, kGrid_s / n};
   }
 
   // The first frame whose stamp lies before its neighbour's or absurdly far after it; −1: none.
@@ -161,7 +177,7 @@ class CineSource : public FrameSource {
   // A file may hold every k-th frame of a recording; only the time stamps tell.
   void compare_rate_with_times() {
     if (!info_.has_timestamps || info_.frame_count < 2) return;
-    const double interval_s = median_interval_s();
+    const auto [interval_s, off_s] = usual_interval();
     const std::int64_t wrong = interval_s > 0 ? first_wrong_stamp(interval_s) : 1;
     if (wrong >= 0) {
       info_.has_timestamps = false;
@@ -176,7 +192,7 @@ class CineSource : public FrameSource {
       return;
     }
     const double step = *info_.fps / measured;
-    if (std::abs(step - 1) < 0.01) return;
+    if (std::abs(step - 1) < 0.01 + off_s / interval_s) return;
     if (step > 1.5 && step < 1e9 && std::abs(step - std::round(step)) < 0.01 + 1e-4 * step) {
       info_.record_step = std::llround(step);
       *info_.fps /= static_cast<double>(info_.record_step);

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
+#include <cmath>
+#include <cstring>
+#include <fstream>
 #include <thread>
 
 #include "host/base/sha256.h"
@@ -85,6 +88,51 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   }
   EXPECT_THROW(clip->read(5, frame), InvalidArgument);
   EXPECT_THROW(clip->read(-1, frame), InvalidArgument);
+}
+
+// A camera stamps whole microseconds: frames of 28.5 µs are stamped 28 and 29 µs apart.
+TEST(CineTimes, StampsOfWholeMicrosecondsAreTheHeadersRate) {
+  const testing::ScratchFolder folder;
+  const std::string path = (folder / "fast.cine").string();
+  const double interval_s = 28.5e-6;
+  ClipInfo info;
+  info.width = 16;
+  info.height = 8;
+  info.bits = 8;
+  constexpr int kFrames = 9;
+  info.fps = 1 / interval_s;
+  info.frame_count = kFrames;
+  info.exposure_s = 5e-6;
+  const auto sink = video::open_sink(path, video::SinkFormat::kCine, info);
+  for (std::uint32_t k = 0; k < kFrames; ++k) sink->write(random_frame(16, 8, 8, k));
+  sink->finish();
+  std::string bytes = testing::read_text(path);
+  const auto stamp = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    if (at + 8 <= bytes.size()) std::memcpy(&value, &bytes[at], 8);
+    return value;
+  };
+  // The stamps are eight bytes each, in 2^-32 s, one after the other.
+  std::size_t first = 0;
+  const auto is_stamps = [&](std::size_t at) {
+    for (std::size_t k = 0; k + 1 < kFrames; ++k) {
+      const double step = static_cast<double>(stamp(at + 8 * (k + 1)) - stamp(at + 8 * k));
+      if (std::abs(step - interval_s * 0x1p32) > 8) return false;
+    }
+    return true;
+  };
+  while (first < bytes.size() && !is_stamps(first)) ++first;
+  ASSERT_LT(first, bytes.size());
+  for (std::size_t k = 0; k < kFrames; ++k) {
+    const double whole_s = std::floor(static_cast<double>(k) * 28.5) * 1e-6;
+    const std::uint64_t value = stamp(first) + static_cast<std::uint64_t>(whole_s * 0x1p32);
+    if (k > 0) std::memcpy(&bytes[first + 8 * k], &value, 8);
+  }
+  std::ofstream(path, std::ios::binary) << bytes;
+  const ClipInfo read = video::open_video({path})->info();
+  EXPECT_TRUE(read.warnings.empty()) << read.warnings.front();
+  EXPECT_TRUE(read.has_timestamps);
+  EXPECT_DOUBLE_EQ(read.fps.value(), 1 / interval_s);
 }
 
 INSTANTIATE_TEST_SUITE_P(
