@@ -5,11 +5,14 @@
 #include <cmath>
 #include <deque>
 #include <mutex>
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <optional>
 #include <set>
 
 #include "host/base/parse.h"
 #include "host/video/byte_file.h"
+#include "host/video/codec/display_turn.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
 #include "host/video/picture_size.h"
@@ -50,6 +53,7 @@ class ContainerSource : public FrameSource {
   ContainerSource(const std::string& path, double max_megapixels)
       : max_megapixels_(max_megapixels) {
     info_.path = path;
+    turns_ = display_quarter_turns(ByteFile(path));
     open_decoder();
     fill_info();
   }
@@ -84,6 +88,8 @@ class ContainerSource : public FrameSource {
       throw FormatError(info_.path, -1, "the container cannot be read",
                         "it is damaged, or its codec is not installed");
     }
+    // OpenCV turns pictures that are to be shown on their side, in some versions the wrong way.
+    if (turns_) capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
     next_ = 0;
   }
 
@@ -100,10 +106,14 @@ class ContainerSource : public FrameSource {
     }
     check_frame_size(info_.path, width, height, 3);
     check_megapixels(info_.path, width, height, max_megapixels_);
-    info_.width = static_cast<int>(width);
-    info_.height = static_cast<int>(height);
+    info_.width = static_cast<int>(on_its_side() ? height : width);
+    info_.height = static_cast<int>(on_its_side() ? width : height);
     info_.bits = 8;
     count_frames();
+    if (turns_.value_or(0) != 0) {
+      info_.warnings.push_back("the pictures are turned by " + std::to_string(90 * *turns_) +
+                               " degrees clockwise, as the film says it is to be shown");
+    }
     if (!is_lossless(code)) {
       info_.warnings.push_back("lossy compression (" + code + "): grey levels are not exact");
     }
@@ -135,12 +145,21 @@ class ContainerSource : public FrameSource {
     open_decoder();
   }
 
+  bool on_its_side() const { return turns_.value_or(0) % 2 == 1; }
+
   cv::Mat grab_next() {
     cv::Mat picture;
     if (!capture_.read(picture) || picture.empty()) {
       throw FormatError(info_.path, -1, "frame " + std::to_string(next_) + " cannot be decoded",
                         "the container states " + std::to_string(info_.frame_count) +
                             " frames; was it copied whole?");
+    }
+    if (turns_.value_or(0) != 0) {
+      constexpr int kTurns[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
+                                cv::ROTATE_90_COUNTERCLOCKWISE};
+      cv::Mat turned;
+      cv::rotate(picture, turned, kTurns[*turns_ - 1]);
+      picture = turned;
     }
     if (picture.cols != info_.width || picture.rows != info_.height) {
       throw FormatError(info_.path, -1, "the picture size changes within the clip");
@@ -190,6 +209,7 @@ class ContainerSource : public FrameSource {
   ClipInfo info_;
   std::mutex mutex_;
   cv::VideoCapture capture_;
+  std::optional<int> turns_;  // quarters clockwise; unknown: left to OpenCV
   bool intra_only_ = false;
   std::int64_t next_ = 0;  // the frame that the decoder gives next
   std::deque<Decoded> kept_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
+#include <fstream>
 #include <thread>
 
 #include "tests/support/data.h"
@@ -266,6 +267,58 @@ TEST(CodecThreads, ShareOneClip) {
   }
   for (auto& thread : threads) thread.join();
   EXPECT_EQ(wrong, std::vector<int>(3, 0));
+}
+
+// A telephone notes in the track header how it was held.
+TEST(Codec, FilmIsTurnedAsItIsToBeShown) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("film.mp4");
+  {
+    video::Mp4Writer writer(path, 64, 48, 30);
+    std::vector<std::uint8_t> bgr(64 * 48 * 3, 30);
+    for (std::size_t y = 0; y < 16; ++y) {
+      for (std::size_t x = 0; x < 3 * 16; ++x) bgr[3 * 64 * y + x] = 230;
+    }
+    for (int k = 0; k < 3; ++k) writer.write(bgr.data(), 64 * 3);
+    writer.finish();
+  }
+  std::string bytes = testing::read_text(path);
+  const std::size_t header = bytes.find("tkhd");
+  ASSERT_NE(header, std::string::npos);
+  const std::size_t matrix = header + 4 + (bytes[header + 4] == 1 ? 52 : 40);
+  const char one[] = {0, 1, 0, 0}, minus[] = {-1, -1, 0, 0};
+  // Turned clockwise by so many quarters: a, b, c, d; and where the bright corner then is.
+  struct Turn {
+    int a, b, c, d;
+    bool right, bottom;
+  };
+  const Turn turns[] = {{1, 0, 0, 1, false, false},
+                        {0, 1, -1, 0, true, false},
+                        {-1, 0, 0, -1, true, true},
+                        {0, -1, 1, 0, false, true}};
+  for (int k = 0; k < 4; ++k) {
+    const auto put = [&](int entry, int value) {
+      const std::string four = value > 0   ? std::string(one, 4)
+                               : value < 0 ? std::string(minus, 4)
+                                           : std::string(4, '\0');
+      bytes.replace(matrix + 4 * static_cast<std::size_t>(entry), 4, four);
+    };
+    put(0, turns[k].a);
+    put(1, turns[k].b);
+    put(3, turns[k].c);
+    put(4, turns[k].d);
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto clip = open_clip(path);
+    Frame frame;
+    clip->read(1, frame);
+    EXPECT_EQ(frame.width(), k % 2 == 0 ? 64 : 48);
+    EXPECT_EQ(clip->info().width, frame.width());
+    const int x = turns[k].right ? frame.width() - 5 : 4;
+    const int y = turns[k].bottom ? frame.height() - 5 : 4;
+    EXPECT_GT(frame.u8(x, y), 150) << k;
+    EXPECT_LT(frame.u8(frame.width() - 1 - x, y), 90) << k;
+    EXPECT_LT(frame.u8(x, frame.height() - 1 - y), 90) << k;
+  }
 }
 
 }  // namespace
