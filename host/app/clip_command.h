@@ -16,17 +16,18 @@ struct ClipCommand {
 };
 
 // Opens the devices asked for and has `run` (track_to_folder and the like) measure the clip, shows
-// how that goes, and has `print` say the result unless the command is quiet.
+// how that goes, and has `print` say the result unless the command is quiet. Returns the result.
 template <typename Request, typename Folder, typename Run, typename Print>
-void run_clip_command(ClipCommand<Request, Folder>& command, Run run, Print print) {
+auto run_clip_command(ClipCommand<Request, Folder>& command, Run run, Print print) {
   Session session = open_session(command.common);
   command.folder.force = command.common.force;
   command.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
   Terminal terminal(command.common.quiet);
-  const auto result = run(command.request, command.folder, session, terminal.control());
+  auto result = run(command.request, command.folder, session, terminal.control());
   terminal.end();
   if (!command.common.quiet) print(result);
   std::fputs(session.profile().c_str(), stderr);
+  return result;
 }
 
 }  // namespace impactdic::app

@@ -29,6 +29,16 @@ std::string write_raw(const ScratchFolder& folder, int frames) {
   return quoted(folder / "noise.raw");
 }
 
+TEST(Errors, NoBallInAnyFrameExitsOne) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "grey.raw", std::ios::binary) << std::string(5 * 64 * 48, '\x40');
+  const Outcome outcome = run_program("track " + quoted(folder / "grey.raw") +
+                                      " --raw 64x48x8 --fps 100 -q -o " + quoted(folder / "out"));
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("no ball was found in any frame"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/track.csv"));
+}
+
 TEST(Errors, WrongRequestsExitTwo) {
   const ScratchFolder folder;
   const std::string clip = write_raw(folder, 3) + " --raw 64x48x8";

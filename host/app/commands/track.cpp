@@ -1,5 +1,7 @@
+#include <impactdic/error.h>
 #include <impactdic/track.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -13,15 +15,25 @@ namespace {
 
 using Options = ClipCommand<TrackRequest, TrackFolder>;
 
+// What was written says so row by row; the exit status says it to scripts.
+void require_a_ball(const TrackResult& result) {
+  const bool seen = std::any_of(result.rows.begin(), result.rows.end(),
+                                [](const TrackRow& row) { return row.circle_ok; });
+  if (seen || result.cancelled || result.rows.empty()) return;
+  throw Error("no ball was found in any frame", result.clip.path,
+              "impactdic info shows the clip; --radius-px says how large the ball is");
+}
+
 void run_track(Options& options) {
   const auto run = [](auto&&... given) { return track_to_folder(given...); };
-  run_clip_command(options, run, [&](const TrackResult& result) {
+  const TrackResult measured = run_clip_command(options, run, [&](const TrackResult& result) {
     std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
                 static_cast<long long>(result.frames_ok),
                 static_cast<long long>(result.frames.count()), result.frames_per_s,
                 options.folder.folder.c_str());
     std::printf("%s\n", report::in_words(result.impact_si).c_str());
   });
+  require_a_ball(measured);
 }
 
 }  // namespace
