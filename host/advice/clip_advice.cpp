@@ -195,7 +195,8 @@ void warn_of_motion(const AdviceRequest& request, const ClipAdvice& advice,
             "looks: --search %d would do",
             *shift, search, enough));
   }
-  if (!advice.turn_deg || !advice.ball || request.estimator == Estimator::kRing) return;
+  // The whole ball and rings are found at any turn.
+  if (!advice.turn_deg || !advice.ball || request.estimator != Estimator::kField) return;
   const double rim = advice.ball->r_px - request.rim_margin_px - request.field.window_px / 2.0;
   const double move = 2 * rim * std::sin(*advice.turn_deg * kRadPerDeg / 2);
   if (move <= search) return;
