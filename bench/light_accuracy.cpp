@@ -109,9 +109,7 @@ struct Table {
     wrong_motion += off;
   }
   void print(const char* name) const {
-    const auto two = [](const Errors& e) {
-      std::printf("  %8.4f %6.2f", e.rms(), e.over_sd());
-    };
+    const auto two = [](const Errors& e) { std::printf("  %8.4f %6.2f", e.rms(), e.over_sd()); };
     std::printf("%-14s %5d %4d %4d %5d %5d", name, rows, lost, flagged, wrong, wrong_motion);
     two(centre);
     std::printf(" %8.4f", centre.largest);
@@ -134,8 +132,8 @@ bool all_in_view(const BallPose& pose, const LightScene& scene, const LightClip&
 std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::uint64_t seed,
                                const std::string& keep) {
   std::vector<Frame> pictures(clip.poses().size());
-  const std::string name = keep + '/' + scene.name + '-' + std::to_string(seed) + '-' +
-                           std::to_string(pictures.size());
+  const std::string name =
+      keep + '/' + scene.name + '-' + std::to_string(seed) + '-' + std::to_string(pictures.size());
   const auto bytes = static_cast<std::streamsize>(clip.width()) * clip.height();
   if (!keep.empty() && std::filesystem::exists(name)) {
     std::ifstream file(name, std::ios::binary);
@@ -172,8 +170,7 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
   info.frame_count = way.frames;
   TrackRequest request;
   request.clip.source = clip_from_callback(
-      info,
-      [&](std::int64_t k, Frame& frame) { frame = pictures[static_cast<std::size_t>(k)]; });
+      info, [&](std::int64_t k, Frame& frame) { frame = pictures[static_cast<std::size_t>(k)]; });
   request.clip.fps = 10000;
   request.with_field = !way.circles;
   request.body = scene.sphere ? Body::kSphere : Body::kDisc;
@@ -188,8 +185,8 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
       table.lost += all_in_view(poses[k], scene, clip);
       continue;
     }
-    table.lost += !good && row.status != TrackStatus::kInconsistent &&
-                  all_in_view(poses[k], scene, clip);
+    table.lost +=
+        !good && row.status != TrackStatus::kInconsistent && all_in_view(poses[k], scene, clip);
     table.add_circle(row, poses[k], scene.radius_px);
     if (k + 1 < poses.size()) table.add_motion(row, scene, poses[k], poses[k + 1]);
   }

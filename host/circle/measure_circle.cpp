@@ -13,6 +13,7 @@
 #include "host/circle/model_fit.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/settings/judgement.h"
+#include "host/circle/settings/sphere.h"
 
 namespace impactdic::circle {
 namespace {
@@ -61,7 +62,17 @@ void fill(const Fit& fit, double edge_sigma_px, CircleFit& result) {
   result.rim_points = fit.points;
 }
 
-CircleFit describe(const ModelFit& m, const LineTrace& trace, bool bright) {
+// Paint of a bright ball, or the background of a dark one, at the end of the camera's scale. How
+// bright it would be is not known, nor then where half of that is.
+bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool bright, double scale) {
+  const double paint = surface == Surface::kSphere ? levels.sphere.at(0, 0, 1)
+                                                   : static_cast<double>(levels.light[0]);
+  const double most =
+      bright ? paint : -*std::min_element(levels.ground.begin(), levels.ground.end());
+  return most > kJudge.over_exposed * scale;
+}
+
+CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace, bool bright) {
   CircleFit result;
   const double sigma = m.rim_model->edge_sigma_px();
   LineFit fit = m.fit;
@@ -69,6 +80,12 @@ CircleFit describe(const ModelFit& m, const LineTrace& trace, bool bright) {
     fit.sd[i] = std::hypot(fit.sd[i], m.rim_model->place_sd_px() * std::sqrt(fit.misplaced[i]));
   }
   fill(fit, sigma, result);
+  if (m.rim_model->surface() == Surface::kSphere) {
+    result.r_sd_px = std::hypot(result.r_sd_px, kSphere.radius_sd_of_r * result.circle.r_px);
+  }
+  if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
+    result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
+  }
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;
@@ -111,7 +128,24 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
   }
   if (!is_enough(m.fit)) m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
   if (!is_enough(m.fit)) return std::nullopt;
-  return describe(m, lines, *prior.bright);
+  return describe(frame, m, lines, *prior.bright);
+}
+
+// By the prior's rim model of a sphere, from where search or crossings found the rim. Crossings of
+// the half level lie too far inside on a lit sphere, and on its dark side they may be wrong.
+std::optional<CircleFit> follow_from(const Rim& found, const Frame& frame, CirclePrior prior,
+                                     const CircleOptions& options, LineTrace& lines) {
+  if (!prior.rim_model || prior.rim_model->surface() != Surface::kSphere) return std::nullopt;
+  prior.e1_px = prior.e2_px = 0;
+  // The last frame's radius is better known than what was found.
+  constexpr double kSeek = kSphere.seek_px;
+  const double steps[5][2] = {{0, 0}, {kSeek, 0}, {-kSeek, 0}, {0, kSeek}, {0, -kSeek}};
+  for (const auto& [x, y] : steps) {
+    prior.predicted = {found.cx + x, found.cy + y, prior.predicted.r_px};
+    const ModelFit m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
+    if (is_enough(m.fit)) return describe(frame, m, lines, *prior.bright);
+  }
+  return std::nullopt;
 }
 
 // Crossings of the half level about the rim that the search found, and the fit through them.
@@ -140,6 +174,15 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     sharp |= sharpen;
   }
   return m;
+}
+
+// What the crossings may misplace the rim of a sphere by: more where its radius is another than in
+// the frame before.
+void doubt_crossings(const CirclePrior& prior, CircleFit& fit) {
+  const double off = fit.circle.r_px - prior.predicted.r_px;
+  fit.cx_sd_px = std::hypot(fit.cx_sd_px, kSphere.crossings_centre_px, off);
+  fit.cy_sd_px = std::hypot(fit.cy_sd_px, kSphere.crossings_centre_px, off);
+  fit.r_sd_px = std::hypot(fit.r_sd_px, kSphere.crossings_radius_px, off);
 }
 
 double free_distance(const RimTrace& trace, const Rim& rim) {
@@ -205,10 +248,15 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   const RimFit& fit = crossings.fit;
   if (!is_enough(fit)) return result;
 
+  for (const Rim& found : {fit.rim, search.rim}) {
+    if (!prior.bright || *prior.bright != bright) break;
+    const auto followed = follow_from(found, frame, prior, options, lines);
+    if (followed) return accepted(*followed, frame, options);
+  }
   ModelFit learnt;
   if (prior.learn) learnt = learn_rim(frame, fit, search, prior, options, lines);
   if (is_enough(learnt.fit)) {
-    result = describe(learnt, lines, bright);
+    result = describe(frame, learnt, lines, bright);
   } else {
     fill(fit, trace.edge_sigma_px, result);
     result.rim_fraction = static_cast<double>(fit.points) / options.rays;
@@ -216,6 +264,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // Crossings end more sharply at what hides the rim.
   result.circle.free_px = free_distance(trace, fit.rim);
   result.inked = fit.inked > kJudge.dense;
+  if (prior.rim_model && prior.rim_model->surface() == Surface::kSphere && !result.rim_model) {
+    doubt_crossings(prior, result);
+  }
   return accepted(result, frame, options);
 }
 

@@ -1,18 +1,31 @@
 #include "host/circle/model_fit.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "host/circle/settings/judgement.h"
 #include "host/circle/settings/levels.h"
 #include "host/circle/settings/rim_model.h"
+#include "host/circle/settings/sphere.h"
 
 namespace impactdic::circle {
 namespace {
 
+// A fit farther from its lines' rim is traced again: the light on a sphere is told along the lines
+// from where the rim was expected.
+double retrace_px(Surface surface, double step_px) {
+  return step_px * (surface == Surface::kSphere ? kSphere.retrace_steps : kJudge.retrace_steps);
+}
+
 // The fit by the model lies where the crossings allow it: an edge of another shape, or a ball whose
 // ink near its rim is not as it is inside, shows here.
-bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px) {
+bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px, Surface surface) {
+  // A sphere's foreshortened ink, light and limb move crossings of the half level.
+  if (surface == Surface::kSphere) return distance(rim, crossings.rim) < kSphere.most_shift_px;
   const auto near = [](double off, double sd) {
     return std::abs(off) < kLearning.agree_sds * sd + kLearning.apart_px;
   };
@@ -22,30 +35,60 @@ bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px) {
          std::abs(rim.r - other.r) < kLearning.most_shift * edge_sigma_px;
 }
 
+// How much likelier than a disc a sphere must be: more in even light, where a ball with little ink
+// looks the same as either.
+double margin(const SphereLight& light) {
+  double least = 1e300, most = -1e300;
+  for (int k = 0; k < kLevelSectors; ++k) {
+    const double angle = 2 * kPi * k / kLevelSectors;
+    const double level = light.at(std::cos(angle), std::sin(angle), kSphere.rim_z);
+    least = std::min(least, level);
+    most = std::max(most, level);
+  }
+  return std::abs(least / most) > kSphere.even ? kSphere.likelier_even : kSphere.likelier;
+}
+
 class Learner {
  public:
   Learner(const Frame& frame, const RimFit& known, const RimSearch& search,
-          const CirclePrior& prior, const CircleOptions& options, LineTrace& trace)
+          const CirclePrior& prior, const CircleOptions& options, Surface surface, LineTrace& trace)
       : frame_(frame),
+        surface_(surface),
         known_(known),
         polarity_(search.polarity),
         prior_(prior),
         options_(options),
         trace_(trace),
-        sigma_px_(std::max(kLearning.sigma_of_blur * search.blur_px, kLearning.least_sigma_px)) {
-    fit_.rim = known.rim;
-  }
+        first_sigma_px_(
+            std::max(kLearning.sigma_of_blur * search.blur_px, kLearning.least_sigma_px)) {}
 
-  ModelFit run() {
+  // From a rim that is `grown_px` larger than the one that is known. Gives up where the lines are
+  // far less likely than `rival`, the logarithm of how likely another model makes them.
+  ModelFit run(double grown_px = 0, std::optional<double> rival = std::nullopt) {
+    fit_ = {};
+    fit_.rim = known_.rim;
+    fit_.rim.r += grown_px;
+    sigma_px_ = first_sigma_px_;
+    rival_ = rival;
     if (!find_place() || !find_width() || !holds()) return {};
     state_place_sd();
     return {fit_, model_};
   }
+  // Of the lines' grey levels, if they were fitted at all.
+  std::optional<double> log_likelihood() const {
+    if (!model_ || !fit_.ok) return std::nullopt;
+    return circle::log_likelihood(trace_, *model_, from_, fit_);
+  }
 
  private:
+  RimTexture texture() const {
+    return texture_.result(surface_ == Surface::kSphere ? kSphere.paint_sd : kInk.paint_sd);
+  }
+
   // Fits under the present texture and width, from `start` if there is one.
   bool fit(const Rim* start) {
-    model_ = std::make_shared<RimModel>(texture_.result(), trace_.noise, sigma_px_, trace_.step_px);
+    model_ = std::make_shared<RimModel>(texture(), trace_.noise, sigma_px_, trace_.step_px);
+    if (surface_ == Surface::kSphere) model_->set_sphere(trace_.levels.sphere);
     fit_ = fit_lines(trace_, *model_, from_, prior_, shapes_of(options_),
                      {Thoroughness::kWithWidth, start});
     return fit_.ok;
@@ -59,13 +102,16 @@ class Learner {
       texture_ = {};
       LineRequest request{polarity_, step_px_of(sigma_px_, from_.r), options_.rays};
       request.texture = &texture_;
+      request.surface = surface_;
+      request.edge_sigma_px = sigma_px_;
       trace_lines(frame_, from_, request, trace_);
       if (trace_.lines.empty()) return false;
       if (!fit(nullptr)) {
         const Rim start = rim_by_area(trace_, from_);  // which fine ink does not mislead
         if (!fit(&start)) return false;
       }
-      if (distance(fit_.rim, from_) < kJudge.retrace_steps * trace_.step_px) break;
+      if (rival_ && *log_likelihood() < *rival_ - kSphere.hopeless) return false;
+      if (distance(fit_.rim, from_) < retrace_px(surface_, trace_.step_px)) break;
       sigma_px_ *= std::exp(std::clamp(fit_.width, -kLearning.most_change, kLearning.most_change));
     }
     return true;
@@ -95,15 +141,14 @@ class Learner {
   }
 
   bool holds() const {
-    return fit_.misfit < kLearning.misfit && agree(fit_.rim, known_, sigma_px_) &&
+    return fit_.misfit < kLearning.misfit && agree(fit_.rim, known_, sigma_px_, surface_) &&
            fit_.points > kLearning.explained * static_cast<double>(trace_.lines.size());
   }
 
   // How far the model may misplace the rim: what a little wider an edge does to the radius.
   void state_place_sd() {
     constexpr double kWider = kLearning.wider;
-    const RimModel wider(texture_.result(), trace_.noise, sigma_px_ * std::exp(kWider),
-                         trace_.step_px);
+    const RimModel wider(texture(), trace_.noise, sigma_px_ * std::exp(kWider), trace_.step_px);
     const LineFit other = fit_lines(trace_, wider, from_, prior_, shapes_of(options_),
                                     {Thoroughness::kFinely, &fit_.rim});
     const double moved = other.ok ? (other.rim.r - fit_.rim.r) / kWider : sigma_px_;
@@ -111,13 +156,16 @@ class Learner {
   }
 
   const Frame& frame_;
+  const Surface surface_;
   const RimFit& known_;
   const Polarity polarity_;
   const CirclePrior& prior_;
   const CircleOptions& options_;
   LineTrace& trace_;
-  double sigma_px_;  // of the edge
-  Rim from_;         // that the lines were traced about
+  const double first_sigma_px_;
+  double sigma_px_ = 1;  // of the edge
+  std::optional<double> rival_;
+  Rim from_;  // that the lines were traced about
   TextureSums texture_;
   std::shared_ptr<RimModel> model_;
   LineFit fit_;
@@ -143,6 +191,9 @@ ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOp
     LineRequest request{polarity_of(*prior.bright), model.step_px(),
                         preview ? options.rays / kJudge.preview_of_lines : options.rays};
     if (pass > 0) request.levels = LineRequest::Levels::kAsBefore;
+    request.surface = model.surface();
+    request.edge_sigma_px = model.edge_sigma_px();
+    request.light = model.light();
     trace_lines(frame, from, request, trace);
     if (trace.noise > kJudge.noisier * model.noise()) break;
     if (trace.in_view < kJudge.in_view * trace.cast) break;
@@ -154,14 +205,28 @@ ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOp
     if (fit.points < kJudge.followable * static_cast<double>(trace.lines.size())) break;
     const double moved = distance(fit.rim, from) / trace.step_px;
     if (moved > farthest) break;
-    if (!preview && moved < kJudge.retrace_steps) return {fit, prior.rim_model};
+    if (!preview && moved * trace.step_px < retrace_px(model.surface(), trace.step_px))
+      return {fit, prior.rim_model};
   }
   return {};
 }
 
 ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& search,
                    const CirclePrior& prior, const CircleOptions& options, LineTrace& trace) {
-  return Learner(frame, known, search, prior, options, trace).run();
+  Learner as_disc(frame, known, search, prior, options, Surface::kFlat, trace);
+  const ModelFit disc = as_disc.run();
+  const auto of_disc = as_disc.log_likelihood();
+  thread_local LineTrace other;  // memory only
+  Learner as_sphere(frame, known, search, prior, options, Surface::kSphere, other);
+  ModelFit sphere;
+  for (const double grown_px : kSphere.grown_px) {
+    sphere = as_sphere.run(grown_px, of_disc);
+    if (sphere.fit.ok) break;
+  }
+  if (!sphere.fit.ok) return disc;
+  if (of_disc && *as_sphere.log_likelihood() < *of_disc + margin(other.levels.sphere)) return disc;
+  std::swap(trace, other);
+  return sphere;
 }
 
 }  // namespace impactdic::circle

@@ -35,6 +35,7 @@ Sighting sight(FrameSource& source, std::int64_t index, const Roi& roi,
   CirclePrior prior;
   prior.predicted = *found;
   prior.centre_sd_px = kScout.found_sd_px;
+  prior.learn = false;  // roughly will do
   const CircleFit fit = measure_circle(frame, prior, options);
   if (fit.status != CircleStatus::kOk || fit.rim_fraction < kScout.well_seen) return {};
   return {fit.circle.r_px, fit.rim_fraction};

@@ -72,8 +72,8 @@ class LightClip {
     camera_.limb_darkening = scene.limb_darkening;
     lay_path(frames);
     if (scene.hidden > 0) {
-      camera_.bar = sim::speckle::bar_hiding(
-          scene.hidden, poses_[poses_.size() / 2], scene.radius_px, scene.bar_angle_deg);
+      camera_.bar = sim::speckle::bar_hiding(scene.hidden, poses_[poses_.size() / 2],
+                                             scene.radius_px, scene.bar_angle_deg);
     }
   }
 
@@ -83,8 +83,7 @@ class LightClip {
 
   void render(std::size_t index, Frame& out) {
     if (!before_dark_) make_renderers();
-    const sim::speckle::ShutterPath path =
-        sim::speckle::shutter_path(poses_, index, how_.exposure);
+    const sim::speckle::ShutterPath path = sim::speckle::shutter_path(poses_, index, how_.exposure);
     Image<double> grey = exact(*before_dark_, path);
     if (before_white_) {
       // The share of the background that each pixel shows, exactly.

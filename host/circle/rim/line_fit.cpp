@@ -349,6 +349,26 @@ Estimate choose_shape(Task task, Shapes shapes, Workspace& work) {
 
 }  // namespace
 
+double log_likelihood(const LineTrace& trace, const RimModel& model, const Rim& rim,
+                      const LineFit& fit) {
+  Vector5 delta;
+  delta << fit.rim.cx - rim.cx, fit.rim.cy - rim.cy, fit.rim.r - rim.r, fit.rim.e1 - rim.e1,
+      fit.rim.e2 - rim.e2;
+  std::vector<Evidence> room;
+  double sum = 0;
+  std::size_t line = 0;
+  for (const Evidence& e : model.evidence(trace, shift_of(delta, trace.step_px), 1, room)) {
+    for (int lane = 0; lane < kLanes && e.present[lane] > 0; ++lane, ++line) {
+      double density = std::exp(static_cast<double>(model.stray()));
+      for (int k = 0; k < kKinds; ++k) {
+        density += std::exp(static_cast<double>(e.value[k][lane] + fit.shares[k]));
+      }
+      sum += std::log(density) - static_cast<double>(trace.lines.log_scale[line]);
+    }
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(line, 1));
+}
+
 LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
                   const CirclePrior& prior, Shapes shapes, const LineStart& start) {
   LineFit fit;

@@ -132,9 +132,10 @@ struct RimSearch {
   bool found = false;
   Rim rim;
   Polarity polarity = Polarity::kBright;
-  double support = 0;  // share of the rays in view that have a strong edge within 1 px of the rim
-  double in_view = 0;  // share of the full rim whose rays lie in the picture
-  double blur_px = 1;  // scale of the edge: contrast / steepest slope / √(2π)
+  double support = 0;   // share of the rays in view that have a strong edge within 1 px of the rim
+  double strength = 0;  // grey levels that a fifth of the rays' strongest edges exceed
+  double in_view = 0;   // share of the full rim whose rays lie in the picture
+  double blur_px = 1;   // scale of the edge: contrast / steepest slope / √(2π)
 };
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options);
 

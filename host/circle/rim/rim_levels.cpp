@@ -1,12 +1,16 @@
 // The levels about a rim, from lines across it.
 #include "host/circle/rim/rim_levels.h"
 
+#include <impactdic/units.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <vector>
+
+#include "host/circle/settings/sphere.h"
 
 namespace impactdic::circle {
 namespace {
@@ -264,6 +268,28 @@ class LineLight {
 };
 
 }  // namespace
+
+bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& request,
+                        const CastLines& lines, LineTrace::Levels& levels) {
+  thread_local std::vector<float> outermost;  // memory only
+  thread_local SphereSamples samples;         // memory only
+  outermost.clear();
+  for (const Eight& level : lines.level) outermost.push_back(level.v[kSamples - 1]);
+  levels.noise = sample_noise(outermost);
+  levels.ground = ground_levels(lines, outermost, levels.noise);
+  const float ground = quantile(levels.ground, 0.5);
+  sample_sphere(frame, rim, request.polarity, request.step_px, levels.noise, samples);
+  const auto light = fit_sphere_light(samples, ground, levels.noise, request.light);
+  if (!light) return false;
+  levels.sphere = *light;
+  levels.usual = kLineLevels.least_contrast;
+  for (int k = 0; k < kLevelSectors; ++k) {
+    const double angle = (k + 0.5) * 2 * kPi / kLevelSectors;
+    const double level = light->at(std::cos(angle), std::sin(angle), kSphere.rim_z);
+    levels.usual = std::max(levels.usual, static_cast<float>(level) - ground);
+  }
+  return true;
+}
 
 IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {
   drop_hidden_deep_lines(lines);

@@ -22,6 +22,7 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "host/circle/rim/rim_cast.h"
 #include "host/circle/rim/rim_lines.h"
@@ -65,5 +66,11 @@ inline bool is_clear(float contrast, float usual_contrast, float seen, float gro
 
 // Finds the levels and leaves only the deep lines that show the ball. False where too few do.
 bool find_levels(CastLines& lines, LineTrace::Levels& levels);
+// The same of a sphere.
+bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& request,
+                        const CastLines& lines, LineTrace::Levels& levels);
+// The background at each line from the lines' outermost samples.
+void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
+                float contrast, std::vector<float>& out);
 
 }  // namespace impactdic::circle

@@ -11,25 +11,10 @@
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/rim/rim_texture.h"
 #include "host/circle/settings/levels.h"
+#include "host/circle/sphere/sphere_lines.h"
 
 namespace impactdic::circle {
 namespace {
-
-// The background at lines from their outermost samples.
-void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
-                float contrast, std::vector<float>& out) {
-  const int n = lines.size();
-  out.resize(static_cast<std::size_t>(n));
-  for (int b = -1, i = 0; i < n; ++b) {
-    const float a = levels[b < 0 ? kLevelSectors - 1 : b];
-    const float c = levels[b + 1 < kLevelSectors ? b + 1 : 0];
-    const float from = static_cast<float>(b) + 0.5f, to = from + 1;
-    for (; i < n && lines.turn[i] * (kLevelSectors / 4) < to; ++i) {
-      const float t = lines.turn[i] * (kLevelSectors / 4) - from;
-      out[i] = ground_between(a, c, t, lines.level[i].v[kSamples - 1], contrast);
-    }
-  }
-}
 
 // Windows of the ball's inside at one line, from the innermost of its deep samples to the innermost
 // of its profile.
@@ -80,6 +65,7 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
     out.sector[count] = lines.sector(i, kRimSectors);
     kept[count++] = i;
     if (texture == nullptr) continue;
+    out.log_scale[count - 1] = static_cast<float>(kSamples) * std::log(contrast);
     const std::size_t deeps = lines.deep_line.size();
     while (next_deep < deeps && lines.deep_line[next_deep] < i) ++next_deep;
     if (next_deep < deeps && lines.deep_line[next_deep] == i) {
@@ -92,6 +78,21 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
 
 }  // namespace
 
+void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
+                float contrast, std::vector<float>& out) {
+  const int n = lines.size();
+  out.resize(static_cast<std::size_t>(n));
+  for (int b = -1, i = 0; i < n; ++b) {
+    const float a = levels[b < 0 ? kLevelSectors - 1 : b];
+    const float c = levels[b + 1 < kLevelSectors ? b + 1 : 0];
+    const float from = static_cast<float>(b) + 0.5f, to = from + 1;
+    for (; i < n && lines.turn[i] * (kLevelSectors / 4) < to; ++i) {
+      const float t = lines.turn[i] * (kLevelSectors / 4) - from;
+      out[i] = ground_between(a, c, t, lines.level[i].v[kSamples - 1], contrast);
+    }
+  }
+}
+
 void RimLines::make_room(std::size_t lines) {
   const std::size_t room = lines + kLanes;
   profile.resize(room);
@@ -99,6 +100,7 @@ void RimLines::make_room(std::size_t lines) {
   sin.resize(room);
   weight.resize(room);
   sector.resize(room);
+  log_scale.resize(room);
 }
 
 void RimLines::keep(std::size_t lines) {
@@ -118,20 +120,30 @@ void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request,
   const bool anew = request.levels == LineRequest::Levels::kFoundAnew;
   // A texture wants all that it can get, the light a hundred lines or two.
   const bool many = request.most_lines > kLine.deep_all_up_to;
-  const int deep_every = request.texture ? 1 : !anew ? 0 : many ? kLine.deep_every : 1;
+  const bool sphere = request.surface == Surface::kSphere;
+  const int deep_every = sphere ? 0 : request.texture ? 1 : !anew ? 0 : many ? kLine.deep_every : 1;
   cast_lines(frame, rim, {request.polarity, request.step_px, request.most_lines, deep_every},
              lines);
   trace.cast = lines.cast;
   trace.in_view = lines.size();
   trace.step_px = request.step_px;
-  if (lines.size() < kLine.least_lines || (anew && !find_levels(lines, trace.levels))) {
+  const auto find = [&] {
+    return sphere ? find_sphere_levels(frame, rim, request, lines, trace.levels)
+                  : find_levels(lines, trace.levels);
+  };
+  if (lines.size() < kLine.least_lines || (anew && !find())) {
     trace.lines.keep(0);
     return;
   }
   const LineTrace::Levels& levels = trace.levels;
   trace.noise = std::max(levels.noise / levels.usual, kLine.least_noise);
   grounds_at(lines, levels.ground, levels.usual, ground);
-  keep_clear_lines(lines, ground, request.texture, trace);
+  if (!sphere) {
+    keep_clear_lines(lines, ground, request.texture, trace);
+    return;
+  }
+  keep_clear_sphere_lines(lines, ground, rim, request, trace);
+  if (request.texture) add_sphere_texture(frame, rim, request, trace);
 }
 
 // The sum over a line is what the ball's mean level makes of its length inside the rim, wherever

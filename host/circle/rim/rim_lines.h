@@ -12,6 +12,7 @@
 
 #include "host/circle/rim/lanes.h"
 #include "host/circle/rim/rim.h"
+#include "host/circle/sphere/sphere_light.h"
 
 namespace impactdic::circle {
 
@@ -28,6 +29,8 @@ struct RimLines {
   std::vector<float> cos, sin;  // direction from the rim's centre
   std::vector<float> weight;    // usual noise over this line's, squared
   std::vector<int> sector;      // 0 … kRimSectors − 1, by the angle
+  // Sum of ln of the contrasts that the profile is in shares of; while a texture is learnt.
+  std::vector<float> log_scale;
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
@@ -40,13 +43,18 @@ struct RimLines {
   std::size_t size_ = 0;
 };
 
+// What a ball shows inside its rim: a picture that lies flat, or ink and light on a sphere, which
+// both change more and more quickly towards the rim.
+enum class Surface { kFlat, kSphere };
+
 struct LineTrace {
   // Grey levels, every ball made bright: see rim_levels.h.
   struct Levels {
     float noise = 0;  // of a sample
     float usual = 1;  // contrast
     std::array<float, kLevelSectors> ground{};
-    std::array<float, 5> light{};
+    std::array<float, 5> light{};  // of a flat ball
+    SphereLight sphere;            // of a sphere
   } levels;
   RimLines lines;  // that show the background outside
   int cast = 0;
@@ -62,6 +70,10 @@ struct LineRequest {
   // The levels of the trace before are right (the same frame), or they are found anew.
   enum class Levels { kFoundAnew, kAsBefore } levels = Levels::kFoundAnew;
   TextureSums* texture = nullptr;  // gets what the ball looks like inside, if there is one
+  Surface surface = Surface::kFlat;
+  // Of a sphere: the width of the edge, and its light in an earlier frame.
+  double edge_sigma_px = 0;
+  const SphereLight* light = nullptr;
 };
 // Casts lines across `rim`. `trace` keeps its memory from call to call.
 void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request, LineTrace& trace);
@@ -97,6 +109,9 @@ struct LineStart {
 };
 LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
                   const CirclePrior& prior, Shapes shapes, const LineStart& start);
+// Mean of ln p of the lines' grey levels where the fit to them is.
+double log_likelihood(const LineTrace& trace, const RimModel& model, const Rim& rim,
+                      const LineFit& fit);
 // A rough fit from farther away, by the area that the ball covers.
 Rim rim_by_area(const LineTrace& trace, const Rim& rim);
 

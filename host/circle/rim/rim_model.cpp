@@ -43,7 +43,7 @@ namespace {
 constexpr std::size_t kNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
 
 RimTexture texture_of(const std::vector<double>& numbers) {
-  if (numbers.size() != kNumbers) {
+  if (numbers.size() != kNumbers && numbers.size() != kNumbers + kLightTerms) {
     throw InvalidArgument("a rim model has another count of numbers", "resume");
   }
   RimTexture texture;
@@ -63,6 +63,10 @@ RimTexture texture_of(const std::vector<double>& numbers) {
 RimModel::RimModel(const std::vector<double>& numbers)
     : RimModel(texture_of(numbers), numbers[0], numbers[1], numbers[2]) {
   place_sd_px_ = numbers[3];
+  if (numbers.size() == kNumbers) return;
+  LightTerms terms;
+  std::copy(numbers.begin() + kNumbers, numbers.end(), terms.begin());
+  light_.emplace(terms);
 }
 
 std::vector<double> RimModel::numbers() const {
@@ -73,6 +77,10 @@ std::vector<double> RimModel::numbers() const {
     for (const auto& row : kind.covariance) {
       numbers.insert(numbers.end(), std::begin(row), std::end(row));
     }
+  }
+  if (light_) {
+    const LightTerms& terms = light_->terms();
+    numbers.insert(numbers.end(), terms.begin(), terms.end());
   }
   return numbers;
 }

@@ -13,6 +13,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,10 @@ class RimModel {
   double place_sd_px() const { return place_sd_px_; }
   void set_place_sd_px(double sd) { place_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
+  // What the ball shows, and of a sphere the light in which it was learnt.
+  Surface surface() const { return light_ ? Surface::kSphere : Surface::kFlat; }
+  const SphereLight* light() const { return light_ ? &*light_ : nullptr; }
+  void set_sphere(const SphereLight& light) { light_ = light; }
   // The same model through more noise: its likelihood has no maxima beside the rim's, so that it
   // finds the rim from farther away, and less exactly.
   const RimModel& blurred() const { return *blurred_; }
@@ -100,6 +105,7 @@ class RimModel {
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
   double place_sd_px_ = 0;
+  std::optional<SphereLight> light_;
   std::unique_ptr<const RimModel> blurred_;
   std::array<float, kKinds> log_share_{};
   float log_stray_ = 0;

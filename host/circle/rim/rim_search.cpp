@@ -113,7 +113,8 @@ Polarity likely_polarity(const Profiles& p) {
 }
 
 // Finds the strong edges of each ray that fall (ball bright) or rise (dark) outwards.
-void find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
+// Returns how strong a fifth of them are at least.
+float find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
   const float sign = sign_of(polarity);
   p.scratch.clear();
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
@@ -124,12 +125,13 @@ void find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
     }
     p.scratch.push_back(strongest);
   }
-  if (p.scratch.empty()) return;
+  if (p.scratch.empty()) return 0;
   const auto rank =
       p.scratch.begin() + static_cast<std::ptrdiff_t>(kSearch.strong_rank * p.scratch.size());
   std::nth_element(p.scratch.begin(), rank, p.scratch.end());
+  const float strong = *rank;
   const float threshold =
-      std::max(static_cast<float>(kSearch.strong) * *rank, kSearch.least_strength);
+      std::max(static_cast<float>(kSearch.strong) * strong, kSearch.least_strength);
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
     Ray& ray = p.rays[i];
     ray.edges = 0;
@@ -144,6 +146,7 @@ void find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
       ray.rho[ray.edges++] = rim_at + k + peak;
     }
   }
+  return strong;
 }
 
 // What the prior says of (x, y, R, e1, e2), as 1/sd² in units of a coarse edge's scatter.
@@ -289,7 +292,7 @@ RimSearch search_one(Profiles& p, const Task& task, Polarity polarity) {
   RimSearch result;
   result.polarity = polarity;
   result.in_view = static_cast<double>(p.in_view) / p.cast;
-  find_edges(p, start, polarity);
+  result.strength = find_edges(p, start, polarity);
   if (p.rays.size() < static_cast<std::size_t>(kSearch.least_rays)) return result;
   const Vector5 model = consensus(p, task);
   result.support = support(p, model);
@@ -336,9 +339,18 @@ RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleO
 
   const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
   RimSearch first = search_one(profiles, task, likely);
-  if (prior.bright || first.support > kSearch.trusted) return first;
+  if (prior.bright || first.support > kSearch.plain) return first;
   RimSearch second = search_one(profiles, task, opposite(likely));
-  return second.support > first.support ? second : first;
+  // A lamp leaves one side of a ball darker than the background: both edges lie on the same rim,
+  // and the stronger one tells more.
+  const bool same = first.found && second.found &&
+                    std::hypot(first.rim.cx - second.rim.cx, first.rim.cy - second.rim.cy) +
+                            std::abs(first.rim.r - second.rim.r) <
+                        kSearch.same_rim_of_r * task.start.r;
+  if (!same && first.support > kSearch.trusted) return first;
+  const double a = first.support * (same ? first.strength : 1);
+  const double b = second.support * (same ? second.strength : 1);
+  return b > a ? second : first;
 }
 
 }  // namespace impactdic::circle

@@ -57,14 +57,14 @@ void TextureSums::add(const float* samples, float noise) {
   }
 }
 
-RimTexture TextureSums::result() const {
+RimTexture TextureSums::result(double paint_sd) const {
   RimTexture texture;
   const double all = windows_ + kInk.all_worth;
   RimTexture::Kind& bare = texture.kinds[0];
   bare.share = (kinds_[0].n + kInk.bare_worth) / all;
   for (int m = 0; m < kTexture; ++m) {
     bare.mean[m] = 1;
-    for (int n = 0; n < kTexture; ++n) bare.covariance[m][n] = kInk.paint_sd * kInk.paint_sd;
+    for (int n = 0; n < kTexture; ++n) bare.covariance[m][n] = paint_sd * paint_sd;
   }
   for (int k = 1; k < kKinds; ++k) {
     const Sums& s = kinds_[k];

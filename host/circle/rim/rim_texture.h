@@ -24,7 +24,8 @@ class TextureSums {
  public:
   // kTexture samples from the innermost on, 0 background, 1 bare paint.
   void add(const float* samples, float noise);
-  RimTexture result() const;
+  // `paint_sd`: of the level of bare paint from place to place.
+  RimTexture result(double paint_sd) const;
 
  private:
   struct Sums {

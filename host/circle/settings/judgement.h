@@ -34,6 +34,9 @@ struct JudgementSettings {
   double noisier = 2;           // than when the model was learnt: learn again [hand]
   double followable = 0.9;      // share of the lines that must have to do with the rim where no
                                 // search confirms it [hand]
+  // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
+  // radius, over the edge's width [measured]: white one half beyond the scale.
+  double over_exposed = 0.985, over_exposed_sd = 0.25;
 };
 inline constexpr JudgementSettings kJudge;
 

@@ -79,6 +79,8 @@ struct RimSearchSettings {
   double least_r_px = 2;        // [hand]
   double least_support = 0.08;  // share of the rays in view [hand]
   double most_oval = 0.3;       // |e| / R [hand]
+  double plain = 0.85;  // support of one polarity that leaves no doubt about the other [hand]
+  double same_rim_of_r = 0.05;  // rims of both polarities that lie so near are one [hand]
   // The edge's width.
   int blur_half_px = 4;             // levels are read so far beside the edge [hand]
   int blur_near_px = 2;             // the steepest slope lies so near [hand]

@@ -1,0 +1,53 @@
+// Numbers of a rim that is a sphere's: the light on it, and its ink foreshortened. Marks in
+// brackets: README.md in this folder.
+#pragma once
+
+#include <cstddef>
+
+namespace impactdic::circle {
+
+struct SphereSettings {
+  // fit_sphere_light.
+  float margin_px = 1.5f;  // that samples keep from the picture's edge [definition]: bilinear
+  double least_deg = 17;   // of a normal that is sampled, from the line of sight [hand]
+  float beside_px = 1;     // samples are compared with their surroundings so far off [hand]
+  float uneven_noise = 3.5f, uneven_least = 1;  // difference that ink makes: noises, plus grey
+                                                // levels [hand]
+  std::size_t cell_samples = 2;  // of a cell whose bright quantile is believed [hand]
+  double bright = 0.97;          // of a cell's samples lie below its level of the paint [hand]
+  int least_cells = 20;          // or there is no light [definition]: more than terms
+  int envelope_passes = 12;      // of each start [hand]
+  double start_deg[4] = {0, 25, 50, -15};  // elevations of the lamp to start from [hand]
+  int settling_passes = 2;                 // of each window [hand]
+  // Weights of no light of a kind, in cells; and what a cell is worth in samples.
+  double held_lamp = 1e-3, held_limb = 0.01, held_soft = 0.3;  // [hand]
+  double samples_of_cell = 8;                                  // [definition]: about
+  double damping = 1e-6;                                       // settles what is undetermined
+  double most_limb_step = 0.3;                                 // of one step [hand]
+  double rim_z = 0.1;  // cosine of the normal where the rim's contrast is told [hand]
+  // What shows background outside and ball inside.
+  float least_contrast = 0.3f;  // of the usual contrast [hand]
+  // The ink foreshortened, from strips of the surface that face the camera.
+  double strip_px = 1;           // between the samples of a strip [hand]
+  double most_strip = 0.75;      // sine of the normal at its end, at most [hand]
+  int strips = 4;                // along each direction, begun at different places [hand]
+  std::size_t strips_every = 2;  // lines from one with strips to the next [hand]
+  double blur_reach = 3;         // of the edge's blur, deviations [definition]
+  double retrace_steps = 0.06;   // as JudgementSettings::retrace_steps [hand]
+  // How far crossings of the half level may lie from the rim of a sphere.
+  // And how far off what they or the search found the rim may be sought by its model, px.
+  double seek_px = 1.5;                                          // [hand]
+  double crossings_centre_px = 0.1, crossings_radius_px = 0.35;  // [measured] light_accuracy
+  // Of the radius, beside what the model says: how a texture learnt from one frame misplaces it.
+  double radius_sd_of_r = 7e-4;  // [measured] light_accuracy
+  // learn_rim.
+  double paint_sd = 0.03;    // of the level of bare paint about that of the light [hand]
+  double most_shift_px = 2;  // of the crossings, which ink, light and limb move inwards [hand]
+  double grown_px[3] = {0, 0.8, 1.6};       // from which the rim is tried [hand]
+  double hopeless = 2;                      // so far below a disc nothing can be gained [hand]
+  double likelier_even = 0.3, even = 0.85;  // in light whose least is so much of its most [hand]
+  double likelier = 0.02;  // of a line's ln p that a sphere must be above a disc [hand]
+};
+inline constexpr SphereSettings kSphere;
+
+}  // namespace impactdic::circle

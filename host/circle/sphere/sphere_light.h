@@ -1,0 +1,57 @@
+// The light on a sphere, fixed to the camera: what its bare paint shows where the surface has a
+// given normal. Internal to host/circle.
+//
+//   level(n) = (ambient + max(0, lamp · n)) (1 − limb (1 − n_z)) + Σ soft_m Y_m(n)
+//
+// with n = (x, y, z), x right, y down, z towards the camera: ambient light and a far lamp (Lambert,
+// 1760), limb darkening (Milne, 1921), and harmonics of the second order for lamps that are broad
+// or many (Ramamoorthi and Hanrahan, 2001). It is found as the flat paint's level is
+// (rim_levels.h): an upper envelope of cells that settles on the crowd about it.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "host/circle/rim/rim.h"
+
+namespace impactdic::circle {
+
+inline constexpr int kLightTerms = 13;
+
+// Ambient, lamp (x, y, z), limb, soft.
+typedef std::array<double, kLightTerms> LightTerms;
+
+class SphereLight {
+ public:
+  SphereLight() = default;
+  explicit SphereLight(const LightTerms& terms) : w_(terms) {}
+  const LightTerms& terms() const { return w_; }
+  double at(double x, double y, double z) const;
+
+ private:
+  LightTerms w_{};
+};
+
+// Samples of a sphere's inside along directions from the centre, at kRings normals of the surface.
+inline constexpr int kDirections = 480, kRings = 8;
+inline constexpr float kNoLevel = -1e9f;
+struct SphereSamples {
+  struct Direction {
+    float cos, sin;
+    std::array<float, kRings> level;  // kNoLevel where ink ends beside it
+  };
+  std::vector<Direction> directions;  // those that show the ball, in the order of the angle
+  std::array<float, kRings> x, z;     // of the normals: distance from the axis of sight, and along
+};
+// `step_px` of the lines across the rim; `noise` of a sample. `samples` keeps its memory from call
+// to call.
+void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double step_px,
+                   double noise, SphereSamples& samples);
+
+// `ground`: the background's level; `noise` of a sample; `start`: the light of an earlier frame.
+// nullopt where too little of the ball is seen.
+std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double ground,
+                                            double noise, const SphereLight* start);
+
+}  // namespace impactdic::circle

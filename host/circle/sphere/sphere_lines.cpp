@@ -1,0 +1,187 @@
+#include "host/circle/sphere/sphere_lines.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/circle/rim/blurred_edge.h"
+#include "host/circle/rim/rim_levels.h"
+#include "host/circle/rim/rim_texture.h"
+#include "host/circle/settings/rim_model.h"
+#include "host/circle/settings/sphere.h"
+
+namespace impactdic::circle {
+namespace {
+
+// Cosine to the line of sight, and distance from the axis in radii, of what a sample of a line
+// sees of the sphere: means over the edge's blur.
+struct Seen {
+  double x, z;
+};
+
+// `depth_px` inside the rim.
+Seen seen_at(double depth_px, double sigma_px, double r_px) {
+  constexpr int kNodes = 48;
+  const double from = std::max(0.0, depth_px - kSphere.blur_reach * sigma_px);
+  const double to = std::max(depth_px, 0.0) + kSphere.blur_reach * sigma_px;
+  double sum = 0, x_sum = 0, z_sum = 0;
+  for (int i = 0; i < kNodes; ++i) {
+    const double d = std::lerp(from, to, (i + 0.5) / kNodes), off = (d - depth_px) / sigma_px;
+    const double weight = std::exp(-0.5 * off * off), x = std::max(0.0, 1 - d / r_px);
+    sum += weight;
+    x_sum += weight * x;
+    z_sum += weight * std::sqrt(1 - x * x);
+  }
+  return {x_sum / sum, z_sum / sum};
+}
+
+std::array<Seen, kSamples> seen_along(const LineRequest& request, double r_px) {
+  std::array<Seen, kSamples> seen;
+  for (int k = 0; k < kSamples; ++k) {
+    seen[k] = seen_at((kInside - k) * request.step_px, request.edge_sigma_px, r_px);
+  }
+  return seen;
+}
+
+// Light dims paint and ink alike, but not the background: with less light ink falls farther below
+// the background, in shares of the contrast. What is missing to bare paint is told as it would be
+// in the usual contrast, by this factor.
+float as_usual(float contrast, float ground, const LineTrace::Levels& levels) {
+  if (ground <= 0) return 1;  // a ball darker than the background
+  const float usual = (levels.usual + ground) / levels.usual;
+  return std::min(usual * contrast / (contrast + ground), 1.0f);
+}
+
+// How the surface's length goes into the samples of a line, from the rim on inwards.
+struct Foreshortening {
+  int length = 0;       // samples of a strip
+  double step_rad = 0;  // between them
+  std::vector<std::array<double, kTexture>> weight;
+
+  Foreshortening(const LineRequest& request, double r_px) {
+    const double sigma = request.edge_sigma_px;
+    const double deepest = kInside * request.step_px + kSphere.blur_reach * sigma;
+    const double end = std::acos(std::max(1 - deepest / r_px, 0.0));
+    step_rad = kSphere.strip_px / r_px;
+    length = static_cast<int>(end / step_rad) + 1;
+    weight.resize(static_cast<std::size_t>(length));
+    std::array<double, kTexture> sum{};
+    for (int i = 0; i < length; ++i) {
+      const double angle = (i + 0.5) * step_rad, depth = r_px * (1 - std::cos(angle));
+      for (int k = 0; k < kTexture; ++k) {
+        const double off = (depth - (kInside - k) * request.step_px) / sigma;
+        const double w = std::exp(-0.5 * off * off) * std::sin(angle);
+        weight[i][k] = w;
+        sum[k] += w;
+      }
+    }
+    for (auto& w : weight) {
+      for (int k = 0; k < kTexture; ++k) w[k] /= sum[k];
+    }
+  }
+};
+
+template <typename T>
+void add_strips(ImageView<const T> picture, const Rim& rim, const LineRequest& request,
+                const LineTrace& trace) {
+  const Sampler<T> sampler(picture);
+  const float sign = sign_of(request.polarity);
+  const Foreshortening shape(request, rim.r);
+  const double last = std::asin(kSphere.most_strip), span = shape.length * shape.step_rad;
+  if (span > last) return;
+  const RimLines& lines = trace.lines;
+  const double ground = quantile(trace.levels.ground, 0.5);
+  for (std::size_t i = 0; i < lines.size(); i += kSphere.strips_every) {
+    const double c = lines.cos[i], s = lines.sin[i];
+    for (int strip = 0; strip < kSphere.strips; ++strip) {
+      const double begin = (last - span) * strip / (kSphere.strips - 1.0);
+      double b[kTexture] = {};
+      bool inside = true;
+      for (int m = 0; m < shape.length && inside; ++m) {
+        const double angle = begin + (shape.length - 1 - m) * shape.step_rad;
+        const double x = std::sin(angle);
+        const auto px = static_cast<float>(rim.cx + rim.r * x * c);
+        const auto py = static_cast<float>(rim.cy + rim.r * x * s);
+        inside = sampler.inside(px, py, kSphere.margin_px);
+        if (!inside) break;
+        const double paint = trace.levels.sphere.at(x * c, x * s, std::cos(angle)) - ground;
+        const double level = static_cast<double>(sign * sampler.bilinear(px, py)) - ground;
+        inside = paint > kSphere.least_contrast * static_cast<double>(trace.levels.usual);
+        const double ink = (1 - level / paint) * as_usual(static_cast<float>(paint),
+                                                          static_cast<float>(ground), trace.levels);
+        for (int k = 0; k < kTexture; ++k) b[k] += shape.weight[m][k] * (1 - ink);
+      }
+      if (!inside) continue;
+      float samples[kTexture];
+      for (int k = 0; k < kTexture; ++k) samples[k] = static_cast<float>(b[k]);
+      request.texture->add(samples, static_cast<float>(trace.noise));
+    }
+  }
+}
+
+}  // namespace
+
+void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& grounds,
+                             const Rim& rim, const LineRequest& request, LineTrace& trace) {
+  const LineTrace::Levels& levels = trace.levels;
+  const std::array<Seen, kSamples> seen = seen_along(request, rim.r);
+  const SampleVector ball = blurred_edge(0, request.edge_sigma_px / request.step_px,
+                                         kRimModel.kernel_px / request.step_px)
+                                .level;
+  RimLines& out = trace.lines;
+  const int n = lines.size();
+  out.make_room(static_cast<std::size_t>(n));
+  constexpr int kBeside = kClear.beside;
+  thread_local std::vector<int> kept;  // number of each line kept; memory only
+  kept.resize(static_cast<std::size_t>(n));
+  int count = 0, blocked = -kBeside - 1;  // the last line with something else outside
+  for (int i = 0; i < n; ++i) {
+    const Profile& level = lines.level[i].v;
+    const double c = lines.cos[i], s = lines.sin[i];
+    const float ground = grounds[i];
+    float paint[kSamples];
+    for (int k = 0; k < kSamples; ++k) {
+      paint[k] =
+          static_cast<float>(levels.sphere.at(seen[k].x * c, seen[k].x * s, seen[k].z)) - ground;
+    }
+    const float contrast = paint[kInside];
+    if (contrast < kSphere.least_contrast * levels.usual) continue;
+    if (!is_clear(contrast, levels.usual, level[kSamples - 1], ground, levels.noise)) {
+      blocked = i;
+      while (count > 0 && kept[count - 1] >= i - kBeside) --count;
+      continue;
+    }
+    if (i - blocked <= kBeside) continue;
+    // Ink, or an obstacle across the rim.
+    const float inside = std::max({level[0], level[1], level[2]}) - ground;
+    if (inside < std::max(kClear.nothing * contrast, kClear.nothing_noise * levels.noise)) continue;
+    const float relative = contrast / levels.usual;
+    float log_scale = 0;
+    out.profile[count].v[kSamples] = 0;
+    for (int k = 0; k < kSamples; ++k) {
+      const float scale = std::max(paint[k], 0.5f * contrast);
+      const auto all = static_cast<float>(ball[k]);
+      const float less = as_usual(scale, ground, levels);
+      out.profile[count].v[k] = all - (all - (level[k] - ground) / scale) * less;
+      if (request.texture) log_scale += std::log(scale / less);
+    }
+    out.cos[count] = lines.cos[i];
+    out.sin[count] = lines.sin[i];
+    out.weight[count] = relative * relative;
+    out.sector[count] = lines.sector(i, kRimSectors);
+    out.log_scale[count] = log_scale;
+    kept[count++] = i;
+  }
+  out.keep(static_cast<std::size_t>(count));
+}
+
+void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,
+                        const LineTrace& trace) {
+  if (frame.type == PixelType::kU8) {
+    add_strips(frame.u8.view(), rim, request, trace);
+  } else {
+    add_strips(frame.u16.view(), rim, request, trace);
+  }
+}
+
+}  // namespace impactdic::circle
