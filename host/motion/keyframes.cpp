@@ -373,7 +373,8 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
     const std::vector<Placed> placed = place(frames.subspan(i, near.size()), near, slots);
     for (std::size_t k = 0; k < placed.size() && placed[k].fits; ++k) poses[i++] = placed[k].pose;
     if (std::any_of(placed.begin(), placed.end(), [](const Placed& p) { return !p.fits; })) {
-      poses[i] = keep(frames[i], step(poses[i - 1], i));
+      const BodyPose reached = step(poses[i - 1], i);
+      poses[i] = frames[i].compressed ? reached : keep(frames[i], reached);
       ++i;
       at_once = kFewAtOnce;
     } else {

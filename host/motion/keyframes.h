@@ -54,6 +54,7 @@ class KeyframeSlots {
 struct ChainedFrame {
   std::int64_t index = 0;  // among the analysed frames
   bool circle_ok = false;
+  bool compressed = false;  // plainly no circle: in contact
   Circle circle;
   const Frame* frame = nullptr;
   const dic::RigidMotion* next = nullptr;  // nullptr where it was not measured
@@ -64,6 +65,8 @@ struct ChainedFrame {
 // The first frame with a ball is the first keyframe. A frame is registered against the keyframe
 // whose turn is nearest to its own (lamp and shadow look alike then); where that no longer fits as
 // well as it did, it is placed by the motion from the frame before and becomes a keyframe itself.
+// A compressed ball's place among others is right, its picture is not that of the round ball: it is
+// placed and becomes no keyframe, so that the poses after a contact lean on those before it.
 // So a ball that turns in the picture's plane meets its first keyframe again after every turn, and
 // one that rolls out of sight gets as few links of a chain as the pictures allow.
 class Keyframes {

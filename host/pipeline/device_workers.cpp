@@ -242,6 +242,7 @@ void DeviceWorkers::place_part(Worker& worker, TrackBatch& batch, std::size_t fi
     frame.index = batch.first_index + static_cast<std::int64_t>(i);
     frame.circle_ok = batch.rows[i].circle_ok;
     frame.circle = batch.circles[i];
+    frame.compressed = batch.compressed[i];
     frame.frame = batch.frames[i];
     if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
     frame.slot = static_cast<int>(k);

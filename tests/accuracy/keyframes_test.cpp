@@ -79,6 +79,26 @@ TEST(Keyframes, AChangingLookIsFollowedByNewKeyframes) {
   EXPECT_LE(keyframes.size(), 20u);
 }
 
+// A contact of 10 % compression in the middle of a flight.
+TEST(Keyframes, PosesAfterAContactLeanOnThoseBeforeIt) {
+  std::vector<BallPose> poses = path(30, 138);
+  for (std::size_t k = 11; k < 18; ++k) {
+    poses[k].compression = 0.1 * std::sin(kPi * (static_cast<double>(k) - 10) / 8);
+    poses[k].compression_axis_deg = 90;
+  }
+  RenderedClip clip(sim::speckle::paint_ball("e1", 3), noisy(280), poses);
+  const auto rows = track(clip, Estimator::kBall);
+  for (std::size_t k = 18; k < rows.size(); ++k) {
+    ASSERT_TRUE(rows[k].pose.ok) << k;
+    EXPECT_TRUE(rows[k].pose.keyframe <= 11 || rows[k].pose.keyframe >= 17)
+        << k << " leans on " << rows[k].pose.keyframe;
+    const double off =
+        rows[k].pose.angle_rad * kDegPerRad - (poses[k].angle_deg - poses[0].angle_deg);
+    EXPECT_LT(std::abs(off), 0.005) << k;
+    EXPECT_LT(std::abs(off), 6 * rows[k].pose.angle_sd_rad * kDegPerRad) << k;
+  }
+}
+
 TEST(Keyframes, AnotherBallBeginsAnew) {
   const std::vector<BallPose> poses = path(20, 68);
   std::vector<Frame> frames = render_frames(quick_ball(5, 50), noisy(140), poses);
