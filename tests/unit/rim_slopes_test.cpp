@@ -39,7 +39,7 @@ circle::RimTexture inked_texture() {
     }
     sums.add(samples, 0.01f);
   }
-  return sums.result();
+  return sums.result(circle::kInk.paint_sd);
 }
 
 circle::BlurredEdge edge_at(double excess, double log_sigma) {
