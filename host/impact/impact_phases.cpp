@@ -14,6 +14,7 @@
 #include "host/impact/free_radius.h"
 #include "host/impact/impact_figures.h"
 #include "host/impact/impact_series.h"
+#include "host/impact/space/space_impact.h"
 #include "host/impact/whole_flight.h"
 
 namespace impactdic::impact {
@@ -365,6 +366,9 @@ void Analysis::finish() {
 
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
+  if (result.status == ImpactStatus::kFound || result.status == ImpactStatus::kNotResolved) {
+    result.space = space_impact(options, result);
+  }
   if (result.status != ImpactStatus::kNone) return result;
   result.flight = whole_flight(rows, options);
   ImpactOptions turned = options;

@@ -1,5 +1,7 @@
 #include "host/report/impact_json.h"
 
+#include <impactdic/units.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -161,6 +163,39 @@ void read_contradictions(const json& from, ImpactFigures& impact) {
   }
 }
 
+Measured in_degrees(const Measured& rad) { return {rad.value * kDegPerRad, rad.sd * kDegPerRad}; }
+
+// The spin as a vector, and as people say it: how fast, and how far its axis leans out of the
+// line of sight.
+json spin(const MeasuredVector& v, bool in_si) {
+  const std::string unit = in_si ? "_rad_s" : "_rad_per_frame";
+  json result = {{"omega_t" + unit, figure(v.t)},
+                 {"omega_n" + unit, figure(v.n)},
+                 {"omega_b" + unit, figure(v.b)}};
+  const double size = std::hypot(v.t.value, v.n.value, v.b.value);
+  if (!(size > 0)) return result;
+  if (in_si) result["rpm"] = size * 30 / kPi;
+  result["tilt_deg"] = std::atan2(std::hypot(v.t.value, v.n.value), v.b.value) * kDegPerRad;
+  return result;
+}
+
+// What a sphere's impact does out of the picture's plane; null of a disc.
+json space(const ImpactFigures& impact) {
+  if (!impact.space) return nullptr;
+  const SpaceImpact& s = *impact.space;
+  const std::string speed = impact.in_si ? "_m_s" : "_px_per_frame";
+  const std::string rate = impact.in_si ? "_rad_s" : "_rad_per_frame";
+  return {{"spin_before", spin(s.spin_before, impact.in_si)},
+          {"spin_after", spin(s.spin_after, impact.in_si)},
+          {"slip_t" + speed, figure(s.slip_t)},
+          {"slip_b" + speed, figure(s.slip_b)},
+          {"friction_t", figure(s.friction_t)},
+          {"friction_b", figure(s.friction_b)},
+          {"friction", figure(s.friction)},
+          {"friction_off_slip_deg", figure(in_degrees(s.friction_off_rad))},
+          {"spin_change_n" + rate, figure(s.spin_change_n)}};
+}
+
 }  // namespace
 
 json describe_impact(const ImpactFigures& impact) {
@@ -195,6 +230,7 @@ json describe_impact(const ImpactFigures& impact) {
   result["gravity"]["direction_deg"] = figure(impact.gravity_angle_deg);
   result["surface_angle_found_deg"] = figure(impact.surface_angle_deg);
   result["centre_against_motion_px_per_frame"] = number(impact.centre_against_motion_px_per_frame);
+  result["space"] = space(impact);
   result["scatter_over_stated"] = {{"centre", number(impact.centre_scatter)},
                                    {"motion", number(impact.motion_scatter)}};
   return result;

@@ -151,6 +151,17 @@ class Figures(unittest.TestCase):
         self.assertEqual(tables.rounded(13384.97, 31.98), "13385 ± 32")
         self.assertEqual(tables.rounded(float("nan"), 1.0), "not measured")
 
+    def test_spins_about_three_axes_are_shown(self):
+        known = {"value": 12.34, "sd": 0.02}
+        spin = {f"omega_{axis}_rad_s": known for axis in "tnb"}
+        rows = dict(tables.space_rows(
+            {"spin_before": spin, "spin_after": spin, "slip_t_m_s": known, "slip_b_m_s": known,
+             "friction": None, "friction_off_slip_deg": known}, True))
+        self.assertEqual(len(rows), 10)
+        self.assertIn("12.34", rows["spin after about n"])
+        self.assertNotIn("12", rows["friction as a vector, size"])
+        self.assertEqual(tables.space_rows(None, True), [])
+
     def test_warnings_are_gathered(self):
         said = tables.warnings_of(impactdic.load(self.folder).summary)
         self.assertEqual(len(said), 2)

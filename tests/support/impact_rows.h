@@ -3,6 +3,7 @@
 
 #include <impactdic/units.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -65,7 +66,15 @@ struct FilmedTruth {
   double start, turn, end;  // frames
   BodyState before, after;
   double deflection_px, restitution, friction, rolling_cap;
+  double slip_t_m_s, slip_b_m_s, friction_t, friction_b;  // impulse ratios, gravity taken off
 };
+
+// The rotation vector from one orientation to the next, local axes t, n, b.
+inline Eigen::Vector3d turn_between(const Quaternion& from, const Quaternion& to) {
+  const Eigen::Quaterniond a(from.w, from.x, from.y, from.z), b(to.w, to.x, to.y, to.z);
+  const Eigen::AngleAxisd turn(b * a.conjugate());
+  return turn.angle() * turn.axis();
+}
 
 inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
   std::vector<double> times;
@@ -96,6 +105,14 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
     row.dx_px = x_px(next) - x_px(here) + step_sd * noise(random);
     row.dy_px = y_px(next) - y_px(here) + step_sd * noise(random);
     row.rot_deg = (next.angle_rad - here.angle_rad + turn_sd * noise(random)) * kDegPerRad;
+    if (!f.job.initial.plane()) {
+      const Eigen::Vector3d turn = turn_between(here.orientation, next.orientation);
+      row.rot_deg = (turn.z() + turn_sd * noise(random)) * kDegPerRad;
+      row.rot_x_deg = (c * turn.x() - s * turn.y() + 3 * turn_sd * noise(random)) * kDegPerRad;
+      row.rot_y_deg = (s * turn.x() + c * turn.y() + 3 * turn_sd * noise(random)) * kDegPerRad;
+      row.rot_x_sd_deg = row.rot_y_sd_deg = 3 * turn_sd * kDegPerRad;
+      row.dx_rot_y_corr = row.dy_rot_x_corr = 0;
+    }
     row.dx_sd_px = row.dy_sd_px = step_sd;
     row.rot_sd_deg = turn_sd * kDegPerRad;
     row.windows = 200;
@@ -114,6 +131,9 @@ inline FilmedTruth film(const FilmedImpact& f, std::vector<TrackRow>& rows) {
                                        f.job.gravity_m_s2, f.job.surface_angle_deg);
   truth.friction = std::abs(friction.sound);
   truth.rolling_cap = friction.rolling_cap;
+  truth.slip_t_m_s = impact.tip_vt_start_m_s, truth.slip_b_m_s = impact.tip_vb_start_m_s;
+  truth.friction_t = impact.impulse_t_n_s / impact.impulse_n_n_s;
+  truth.friction_b = impact.impulse_b_n_s / impact.impulse_n_n_s;
   return truth;
 }
 

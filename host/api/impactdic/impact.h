@@ -91,6 +91,24 @@ struct ImpulseClosure {
   ClosureVerdict verdict = ClosureVerdict::kUndetermined;
 };
 
+// Of a ball that was measured as a sphere, in the surface's axes t, n and b = t x n, towards the
+// camera.
+struct MeasuredVector {
+  Measured t, n, b;
+};
+
+// What an impact does out of the picture's plane; plane figures are elsewhere. The velocity along b
+// is not seen by parallel rays: before the contact it is taken for 0, and the friction along b is
+// what the spin about t shows, which needs the inertia factor (I d(omega_t) = -R J_b).
+struct SpaceImpact {
+  MeasuredVector spin_before, spin_after;
+  Measured slip_t, slip_b;  // velocity of the contact point along the surface, before
+  // Impulse ratios along t and b, gravity taken off, and the size of the two.
+  Measured friction_t, friction_b, friction;
+  Measured friction_off_rad;  // from the direction against the slip to the friction: 0 expected
+  Measured spin_change_n;     // a contact at a point cannot change the spin about n: 0 expected
+};
+
 // The analysis in the track's own units: instants count analysed frames from 0; lengths are px,
 // velocities px/frame, spins rad/frame. Everything comes out of the motion itself, no model of the
 // contact beyond its onset is assumed.
@@ -130,6 +148,7 @@ struct ImpactAnalysis {
   // they agree. It is part of the velocities' deviations.
   double disagreement = kNotMeasured;
   std::array<FigureBudget, kImpactFigures> budgets{};  // indexed by ImpactFigure
+  std::optional<SpaceImpact> space;                    // of a sphere
 };
 
 // A moment of the contact on the clocks of the clip.
@@ -188,6 +207,7 @@ struct ImpactFigures {
   // Whether a contradiction concerns the figure: its value and deviation are then not to be relied
   // on.
   bool is_doubtful(ImpactFigure figure) const;
+  std::optional<SpaceImpact> space;  // of a sphere; in m/s and rad/s where in_si
 
   // Whether there is an impact: `not_resolved` is one, whose start and end are not measured.
   bool found() const {

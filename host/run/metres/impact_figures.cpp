@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/impact/impact_phases.h"
+#include "host/run/metres/space_figures.h"
 
 namespace impactdic::run {
 namespace {
@@ -51,6 +52,7 @@ class Converter {
     figures_.contact_s = figure(ImpactFigure::kContactDuration, a.duration, 0, -1);
     figures_.max_deflection_px = a.max_deflection;
     figures_.max_deflection_m = figure(ImpactFigure::kMaxDeflection, a.max_deflection, 1, 0);
+    figures_.space = to_si(a.space, scale_);
     fall();
   }
 

@@ -58,7 +58,7 @@ def impact_tables(summary):
         ["impulse closure", f"{closure['verdict']}: {closure['explanation']}"],
         ["gravity seen in the flights", with_sd(impact["gravity"]["measured_m_s2"], 1, "m/s²")],
         ["surface seen by path and spin", with_sd(impact.get("surface_angle_found_deg"), 1, "°")],
-    ]
+    ] + space_rows(impact.get("space"), si)
     return [
         Table("Impact", ["figure", "value ± standard deviation"], figures),
         Table("Instants", ["instant", "frame", "time"], instants),
@@ -66,6 +66,26 @@ def impact_tables(summary):
     ] + ([Table("What the deviations are made of, shares of the variance",
                 ["figure", "± (one deviation)", *budget.SOURCES], budget.rows(impact))]
          if budget.rows(impact) else [])
+
+
+def space_rows(space, si):
+    """What a sphere's impact does out of the picture's plane."""
+    if not space:
+        return []
+    speed, rate = ("m/s", "rad/s") if si else ("px/frame", "rad/frame")
+    speed_key, rate_key = ("_m_s", "_rad_s") if si else ("_px_per_frame", "_rad_per_frame")
+    rows = []
+    for when in ("before", "after"):
+        spin = space[f"spin_{when}"]
+        for axis in "tnb":
+            rows.append([f"spin {when} about {axis}",
+                         with_sd(spin[f"omega_{axis}{rate_key}"], 1, rate)])
+    return rows + [
+        ["slip of the contact point along t", with_sd(space["slip_t" + speed_key], 1, speed)],
+        ["slip along b, as the spin makes it", with_sd(space["slip_b" + speed_key], 1, speed)],
+        ["friction as a vector, size", with_sd(space["friction"])],
+        ["friction's angle off the slip", with_sd(space["friction_off_slip_deg"], 1, "°")],
+    ]
 
 
 def run_table(summary, job):
