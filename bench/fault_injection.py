@@ -45,7 +45,7 @@ def table(path):
 
 def fields(path):
     with h5py.File(path) as file:
-        return {name: file[name][()] for name in file}
+        return {name: data[()] for name, data in file.items() if isinstance(data, h5py.Dataset)}
 
 
 def untrue(out, whole):

@@ -55,7 +55,8 @@ def bits(path):
         return path.read_bytes()
     import h5py
     with h5py.File(path) as file:
-        tables = {name: (file[name].shape, file[name][()].tobytes()) for name in file}
+        tables = {name: (data.shape, data[()].tobytes()) for name, data in file.items()
+                  if isinstance(data, h5py.Dataset)}  # a group of links shows them to viewers
         return tables, {name: str(value) for name, value in file.attrs.items()}
 
 

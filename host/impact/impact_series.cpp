@@ -20,24 +20,19 @@ Matrix4 stated_covariance(const TrackRow& row) {
   return covariance;
 }
 
-// Less what an error of the radius is a part of, as far as something is left of it. It moves all
-// four together; a row keeps no more than stated_covariance does.
+// Less what an error of the radius is a part of. It moves all four together; a row keeps no more
+// than stated_covariance does. Rows that have no such part are left as they are.
 Matrix4 without_radius(const Matrix4& stated, const Vector4& to_radius, double radius_sd_px) {
   constexpr double kLeft = 1e-3;  // of each variance
   Matrix4 shared = to_radius * to_radius.transpose();
   shared(0, 1) = shared(1, 0) = shared(0, 2) = shared(2, 0) = 0;
   shared(1, 3) = shared(3, 1) = shared(2, 3) = shared(3, 2) = 0;
-  double sd = radius_sd_px;
-  for (int attempt = 0; attempt < 20; ++attempt, sd *= 0.8) {
-    const Matrix4 own = stated - sd * sd * shared;
-    const Vector4 scale = stated.diagonal().cwiseSqrt().cwiseInverse();
-    const Matrix4 unit = scale.asDiagonal() * own * scale.asDiagonal();
-    if (unit.diagonal().minCoeff() > kLeft &&
-        Eigen::SelfAdjointEigenSolver<Matrix4>(unit).eigenvalues()[0] > 1e-6) {
-      return own;
-    }
-  }
-  return stated;
+  const Matrix4 own = stated - radius_sd_px * radius_sd_px * shared;
+  const Vector4 scale = stated.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix4 unit = scale.asDiagonal() * own * scale.asDiagonal();
+  const bool is_covariance = unit.diagonal().minCoeff() > kLeft &&
+                             Eigen::SelfAdjointEigenSolver<Matrix4>(unit).eigenvalues()[0] > 1e-6;
+  return is_covariance ? own : stated;
 }
 
 bool has_motion(const TrackRow& row) {
@@ -63,8 +58,7 @@ SphereStep SphereSteps::operator[](std::size_t i) const {
   const auto response = sphere::source_response({turn[0], turn[1], turn[2]}, radius_px_);
   constexpr std::size_t r = sphere::kToRadius;
   const Vector4 to_radius(response.dx[r], response.dy[r], response.rot_x[r], response.rot_y[r]);
-  const Matrix4 own =
-      without_radius(stated_covariance(row), to_radius, radius_sd_px_.value_or(kOfTurns_px));
+  const Matrix4 own = without_radius(stated_covariance(row), to_radius, radius_sd_px_.value_or(0));
   Matrix4 local = Matrix4::Zero();  // to step t, n and turn t, n; steps have y down
   local.topLeftCorner<2, 2>() << c_, -s_, -s_, -c_;
   local.bottomRightCorner<2, 2>() << c_, s_, -s_, c_;

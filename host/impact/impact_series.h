@@ -26,7 +26,7 @@ struct SphereStep {
 class SphereSteps {
  public:
   // `rows` must outlive the object. `radius_sd_px`: as the rows' deviations have it; nullopt: not
-  // known, no more than as a rim shows it, and in the rows as little as turns ever leave of it.
+  // known, no more than as a rim shows it, and left in the rows' deviations.
   SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
               std::optional<double> radius_sd_px);
   double radius_sd_px() const { return radius_sd_px_.value_or(kOfRim_px); }
@@ -35,7 +35,7 @@ class SphereSteps {
 
  private:
   const std::vector<TrackRow>& rows_;
-  static constexpr double kOfRim_px = 0.5, kOfTurns_px = 0.05;
+  static constexpr double kOfRim_px = 0.5;
   double c_, s_;  // cosine and sine of the surface's angle
   double radius_px_;
   std::optional<double> radius_sd_px_;

@@ -21,11 +21,13 @@ class Clip {
   }
   std::filesystem::path path() const { return scratch_ / ("clip/" + file_); }
   std::string folder() const { return quoted(scratch_ / "clip"); }
-  // What `track` (or another command) says of it on stderr, and in summary.json.
-  std::string warnings(const std::string& options, const std::string& command = "track") const {
+  // What `track` (or another command) says of it on stderr, and in summary.json. `status`: 1 where
+  // no frame shows a ball.
+  std::string warnings(const std::string& options, const std::string& command = "track",
+                       int status = 0) const {
     const Outcome outcome = run_program(command + " " + quoted(path()) + options + " --force -o " +
                                         quoted(scratch_ / "out"));
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.status, status) << outcome.err;
     const auto summary = nlohmann::json::parse(read_text(scratch_ / "out/summary.json"));
     for (const auto& warning : summary["warnings"]) {
       EXPECT_NE(outcome.err.find("impactdic: warning: " + warning.get<std::string>() + "\n"),
@@ -85,7 +87,7 @@ TEST(Advice, BallLargerThanThePicture) {
   const Clip cut("--size 170x170 --radius-px 95");
   EXPECT_TRUE(has(cut.warnings(kScale), "larger than the picture")) << cut.warnings(kScale);
   const Clip within("--size 120x120 --radius-px 110");
-  const std::string said = within.warnings(kScale);
+  const std::string said = within.warnings(kScale, "track", 1);
   EXPECT_TRUE(has(said, "is the ball larger than the picture?")) << said;
 }
 
@@ -98,9 +100,12 @@ TEST(Advice, TooLittleTextureNamesABetterPattern) {
 
 TEST(Advice, TurnBeyondTheSearch) {
   const Clip clip("--size 220x220 --radius-px 90 --rotation-deg 12");
-  const std::string said = clip.warnings(" --fps 1 --mm-per-px 1");
+  const std::string scale = " --fps 1 --mm-per-px 1";
+  const std::string said = clip.warnings(scale + " --estimator field");
   EXPECT_TRUE(has(said, "turns by about 12.0 deg a frame")) << said;
   EXPECT_TRUE(has(said, "--search 19 would do")) << said;
+  // The whole ball's registration finds any turn.
+  EXPECT_FALSE(has(clip.warnings(scale), "--search"));
 }
 
 TEST(Advice, RegionMovesBeyondTheSearch) {

@@ -109,7 +109,7 @@ class Tree(unittest.TestCase):
             return run("bash", "-c", script, cwd=SOURCE).split()
 
         self.assertEqual(complete("impactdic", "tra"), ["track"])
-        self.assertEqual(complete("impactdic", "track", "--ball-d"), ["--ball-diameter-mm"])
+        self.assertEqual(complete("impactdic", "track", "--ball-diameter-m"), ["--ball-diameter-mm"])
         self.assertEqual(complete("impactdic", "track", "--overl"), ["--overlay"])
         self.assertEqual(complete("impactdic", "track", "READM"), ["README.md"])
 

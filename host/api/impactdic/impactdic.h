@@ -23,5 +23,6 @@
 #include <impactdic/study.h>
 #include <impactdic/synth.h>
 #include <impactdic/track.h>
+#include <impactdic/uncertainty.h>
 #include <impactdic/units.h>
 #include <impactdic/version.h>

@@ -40,10 +40,10 @@ RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px
 
 namespace {
 
-constexpr std::size_t kNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
+constexpr std::size_t kStoredNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
 
 RimTexture texture_of(const std::vector<double>& numbers) {
-  if (numbers.size() != kNumbers && numbers.size() != kNumbers + kLightTerms) {
+  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms) {
     throw InvalidArgument("a rim model has another count of numbers", "resume");
   }
   RimTexture texture;
@@ -63,9 +63,9 @@ RimTexture texture_of(const std::vector<double>& numbers) {
 RimModel::RimModel(const std::vector<double>& numbers)
     : RimModel(texture_of(numbers), numbers[0], numbers[1], numbers[2]) {
   place_sd_px_ = numbers[3];
-  if (numbers.size() == kNumbers) return;
+  if (numbers.size() == kStoredNumbers) return;
   LightTerms terms;
-  std::copy(numbers.begin() + kNumbers, numbers.end(), terms.begin());
+  std::copy(numbers.begin() + kStoredNumbers, numbers.end(), terms.begin());
   light_.emplace(terms);
 }
 
