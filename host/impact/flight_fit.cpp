@@ -76,7 +76,8 @@ class FlightSolver {
   }
 
  private:
-  // The unknowns: states, gravity where it is not given, and of a sphere its radius and its spins.
+  // The unknowns: states, gravity where it is not given, and of a sphere its radius, the circles'
+  // offsets and its spins.
   int states() const { return flights_ * kStatesOfOne; }
   int radius_column() const { return states() + (gravity_ && !across_ ? 0 : 1); }
   int offset_column(int flight) const { return radius_column() + 1 + 2 * flight; }

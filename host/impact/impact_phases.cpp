@@ -370,12 +370,13 @@ ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOpt
     result.space = space_impact(options, result);
   }
   if (result.status != ImpactStatus::kNone) return result;
-  result.flight = whole_flight(rows, options);
   ImpactOptions turned = options;
   turned.surface_angle_rad += kPi;
   const ImpactStatus other = Analysis(rows, turned).run().status;
   if (other == ImpactStatus::kFound || other == ImpactStatus::kNotResolved) {
     result.status = ImpactStatus::kWrongSide;
+  } else {
+    result.flight = whole_flight(rows, options);
   }
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "host/impact/impact_phases.h"
 #include "host/run/metres/space_figures.h"
@@ -56,22 +57,10 @@ class Converter {
     fall();
   }
 
+  // Of a clip without an impact.
   void convert_flight() {
-    const FlightMotion& m = analysis_.flight;
     figures_.in_si = in_si_;
-    if (m.last == 0) return;
-    const int si = in_si_ ? 1 : 0;
-    ImpactMotion& motion = figures_.flight;
-    motion.known = true;
-    motion.first_frame = stored(static_cast<double>(m.first));
-    motion.last_frame = stored(static_cast<double>(m.last));
-    motion.vx = plain(m.vx, si, si);
-    motion.vy = plain(m.vy, si, si);
-    motion.vt = plain(m.vt, si, si);
-    motion.vn = plain(m.vn, si, si);
-    motion.spin = plain(m.spin, 0, si);
-    motion.spin_t = plain(m.spin_t, 0, si);
-    motion.spin_n = plain(m.spin_n, 0, si);
+    figures_.flight = motion(analysis_.flight, std::nullopt);
   }
 
  private:
@@ -135,22 +124,23 @@ class Converter {
             time_s, std::hypot(m.sd / rate, time_s * rate_sd_)};
   }
 
-  ImpactMotion motion(const FlightMotion& m, ImpactFigure first) {
+  // `first`: kVx… of the flight; nullopt where there is no impact and so no budget.
+  ImpactMotion motion(const FlightMotion& m, std::optional<ImpactFigure> first) {
     if (m.last == 0) return {};
     ImpactMotion motion;
     motion.known = true;
     motion.first_frame = stored(static_cast<double>(m.first));
     motion.last_frame = stored(static_cast<double>(m.last));
     const int si = in_si_ ? 1 : 0;
-    auto next = static_cast<int>(first);
-    const auto velocity = [&](const Measured& v) {
-      return figure(static_cast<ImpactFigure>(next++), v, si, si);
+    const auto part = [&](const Measured& value, int index, int metres) {
+      if (!first) return plain(value, metres, si);
+      return figure(static_cast<ImpactFigure>(static_cast<int>(*first) + index), value, metres, si);
     };
-    motion.vx = velocity(m.vx);
-    motion.vy = velocity(m.vy);
-    motion.vt = velocity(m.vt);
-    motion.vn = velocity(m.vn);
-    motion.spin = figure(static_cast<ImpactFigure>(next), m.spin, 0, si);
+    motion.vx = part(m.vx, 0, si);
+    motion.vy = part(m.vy, 1, si);
+    motion.vt = part(m.vt, 2, si);
+    motion.vn = part(m.vn, 3, si);
+    motion.spin = part(m.spin, 4, 0);
     motion.spin_t = plain(m.spin_t, 0, si);
     motion.spin_n = plain(m.spin_n, 0, si);
     return motion;

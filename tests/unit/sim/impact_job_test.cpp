@@ -1,7 +1,6 @@
 // Job files, result files and poses of the impact models.
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "sim/job/job_toml.h"
 #include "sim/job/result_files.h"
 #include "sim/job/source_jobs.h"
+#include "tests/support/job_text.h"
 
 namespace impactdic {
 namespace {
@@ -39,31 +39,11 @@ vt_m_s = 0.57
 vn_m_s = -1.69
 )";
 
-fs::path write_job(const std::string& text) {
-  // Tests run side by side, each in a process of its own.
-  const fs::path folder =
-      fs::path(testing::TempDir()) / ("impact_job_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  const fs::path file = folder / "impact_job_test.toml";
-  std::ofstream(file) << text;
-  return file;
-}
+using testing::error_of;
+using testing::write_job;
 
 std::string replaced(const std::string& from, const std::string& to) {
-  std::string text = kGood;
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-// The error's one line.
-std::string error_of(const std::string& text) {
-  try {
-    sim::job::read_simulate_job(write_job(text));
-  } catch (const InvalidArgument& error) {
-    return error.line();
-  }
-  return "accepted";
+  return testing::replaced(kGood, from, to);
 }
 
 TEST(JobFile, ReadsAJob) {
@@ -105,8 +85,7 @@ TEST(JobFile, BadJobsNameFileAndKey) {
         Row{"vn_m_s = -1.69", "", "initial.vn_m_s", "missing"},
         Row{"[surface]", "[flat]", "flat", "unknown key"}}) {
     const std::string line = error_of(replaced(row.from, row.to));
-    EXPECT_NE(line.find("impact_job_test.toml: " + std::string(row.key)), std::string::npos)
-        << line;
+    EXPECT_NE(line.find("/job.toml: " + std::string(row.key)), std::string::npos) << line;
     EXPECT_NE(line.find(row.says), std::string::npos) << line;
     EXPECT_EQ(line.find('\n'), std::string::npos);
   }
@@ -139,7 +118,7 @@ TEST(JobFile, ReadyJobsRun) {
 TEST(ResultFiles, TrajectoryReadsBackExactly) {
   const ImpactResult result =
       sim::contact::simulate_impact(sim::job::racket_job(), {.rate_hz = 10000});
-  const fs::path file = fs::path(testing::TempDir()) / "impact_trajectory.csv";
+  const fs::path file = fs::path(::testing::TempDir()) / "impact_trajectory.csv";
   sim::job::write_trajectory_csv(file, sim::job::racket_job(), result.trajectory);
   std::ifstream stream(file);
   std::string header, line;
@@ -169,7 +148,7 @@ TEST(ResultFiles, TrajectoryInSpaceHasItsColumns) {
   other.body = job.body;
   job.other = other;
   const ImpactResult result = sim::contact::simulate_impact(job, {.rate_hz = 1000});
-  const fs::path file = fs::path(testing::TempDir()) / "impact_trajectory_in_space.csv";
+  const fs::path file = fs::path(::testing::TempDir()) / "impact_trajectory_in_space.csv";
   sim::job::write_trajectory_csv(file, job, result.trajectory);
   std::ifstream stream(file);
   std::string header, line;

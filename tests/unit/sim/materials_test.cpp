@@ -1,29 +1,19 @@
 // What laws of contact take from materials, and jobs that name them.
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "sim/contact/impact.h"
 #include "sim/job/job_toml.h"
 #include "sim/job/source_jobs.h"
+#include "tests/support/job_text.h"
 
 namespace impactdic {
 namespace {
 
-namespace fs = std::filesystem;
-
-fs::path write_job(const std::string& text) {
-  const fs::path folder =
-      fs::path(testing::TempDir()) / ("materials_" + std::to_string(::getpid()));
-  fs::create_directories(folder);
-  const fs::path file = folder / "materials_test.toml";
-  std::ofstream(file) << text;
-  return file;
-}
+using testing::error_of;
+using testing::write_job;
 
 // Alumina on glass (Kharaz, Gorham and Salman 2001).
 const std::string kAlumina = R"(normal = "hertz_damper"
@@ -48,19 +38,7 @@ gravity_m_s2 = 0.0
 )";
 
 std::string replaced(const std::string& from, const std::string& to) {
-  std::string text = kAlumina;
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
-std::string error_of(const std::string& text) {
-  try {
-    sim::job::read_simulate_job(write_job(text));
-  } catch (const InvalidArgument& error) {
-    return error.line();
-  }
-  return "accepted";
+  return testing::replaced(kAlumina, from, to);
 }
 
 TEST(Materials, GiveWhatHertzAndMindlinTake) {
@@ -152,7 +130,7 @@ TEST(Materials, ContradictionsAndGapsAreErrors) {
             "without mass_kg"},
         Row{"[surface]", "[surface]\nradius_m = -0.002", "surface.radius_m", "wider"}}) {
     const std::string line = error_of(replaced(row.from, row.to));
-    EXPECT_NE(line.find("materials_test.toml: " + std::string(row.key)), std::string::npos) << line;
+    EXPECT_NE(line.find("/job.toml: " + std::string(row.key)), std::string::npos) << line;
     EXPECT_NE(line.find(row.says), std::string::npos) << line;
   }
 }
