@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string>
 
 #include "host/base/parse.h"
@@ -98,6 +99,16 @@ const char* to_string(WindowStatus status) {
 }  // namespace impactdic
 
 namespace impactdic::dic {
+
+WindowMotion seed_at(double u_px, double v_px) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  WindowMotion seed{};
+  seed.u = static_cast<float>(u_px);
+  seed.v = static_cast<float>(v_px);
+  seed.correlation = seed.peak_ratio = kNan;
+  seed.status = static_cast<idic_int>(WindowStatus::kOk);
+  return seed;
+}
 
 double pixel_variance(const FieldOptions& options, double full_scale) {
   const double noise = options.noise * full_scale / 255;

@@ -13,6 +13,9 @@ namespace impactdic::dic {
 // Variance of a pixel, grey levels of a file whose white is `full_scale`.
 double pixel_variance(const FieldOptions& options, double full_scale);
 
+// Where IC-GN is to start: the displacement of a window's centre, px.
+WindowMotion seed_at(double u_px, double v_px);
+
 // Grid of windows with centres every `spacing_px`, symmetric about (cx, cy) to the nearest pixel,
 // of whose pixels at least the share `inside` lies within `radius_px` of it. Row by row from the
 // top; frames and guess are 0.

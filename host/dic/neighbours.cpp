@@ -40,12 +40,6 @@ bool is_in_view(const WindowMotion& motion) {
   return motion.status != static_cast<idic_int>(WindowStatus::kOutOfView);
 }
 
-bool is_lost(const WindowMotion& motion) {
-  const auto status = static_cast<WindowStatus>(motion.status);
-  return status == WindowStatus::kLowCorrelation || status == WindowStatus::kAtSearchEdge ||
-         status == WindowStatus::kNotConverged;
-}
-
 static_assert(kNearest <= 6);  // UpperMedianOfSix
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 
@@ -61,6 +55,12 @@ bool differ(const Shift& shift, const WindowMotion& motion, float by) {
 }
 
 }  // namespace
+
+bool is_lost(const WindowMotion& motion) {
+  const auto status = static_cast<WindowStatus>(motion.status);
+  return status == WindowStatus::kLowCorrelation || status == WindowStatus::kAtSearchEdge ||
+         status == WindowStatus::kNotConverged;
+}
 
 struct Neighbours::Proposals {
   std::vector<Window> windows;
@@ -213,16 +213,10 @@ class Neighbours::Front {
   }
 
   void seed(Index i, const Saying& said, Proposals& proposals) const {
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    WindowMotion start{};
-    start.u = said[0];
-    start.v = said[1];
-    start.correlation = start.peak_ratio = kNan;
-    start.status = static_cast<idic_int>(WindowStatus::kOk);
     proposals.index.push_back(i);
     proposals.windows.push_back(windows_[i]);
     proposals.windows.back().guess_rot_rad = std::atan(said[2]);
-    proposals.seeds.push_back(start);
+    proposals.seeds.push_back(seed_at(said[0], said[1]));
   }
 
   std::span<const Window> windows_;

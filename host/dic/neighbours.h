@@ -12,6 +12,9 @@
 
 namespace impactdic::dic {
 
+// Whether a window was looked for and not found.
+bool is_lost(const WindowMotion& motion);
+
 // Refines windows from their seeds, one result a window.
 using RefineWindows = std::function<void(
     std::span<const Window>, std::span<const WindowMotion> seeds, std::span<WindowMotion> results)>;

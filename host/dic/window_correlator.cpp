@@ -69,14 +69,43 @@ const std::vector<WindowMotion>& WindowCorrelator::correlate(DeviceFrames& frame
                 [&](std::span<const Window> whole, std::span<WindowMotion> found) {
                   search(frames, whole, found, true);
                 });
-  const RefineWindows again = [&](std::span<const Window> lost, std::span<const WindowMotion> seeds,
-                                  std::span<WindowMotion> found) {
-    refine(frames, lost, seeds, found);
-  };
+  const RefineWindows again = refining(frames);
   neighbours_.refine_lost(windows, window_px_, again, results_);
   // The others were judged when they were searched.
   neighbours_.judge_lost(windows, whole_.cut(), again, results_);
   return results_;
+}
+
+const std::vector<WindowMotion>& WindowCorrelator::follow(DeviceFrames& frames,
+                                                          std::span<const Window> windows,
+                                                          std::span<const WindowMotion> seeds) {
+  if (!icgn_) return find(frames, windows);
+  if (seeds.size() != windows.size()) throw InvalidArgument("every window needs a seed");
+  check_frames(frames, windows);
+  results_.resize(windows.size());
+  refine(frames, windows, seeds, results_);
+  search_lost(frames, windows);
+  // IC-GN has judged the texture of all of them.
+  neighbours_.refine_lost(windows, window_px_, refining(frames), results_);
+  return results_;
+}
+
+void WindowCorrelator::search_lost(DeviceFrames& frames, std::span<const Window> windows) {
+  lost_.clear();
+  lost_windows_.clear();
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (!is_lost(results_[i]) || discs_.cuts(windows[i], window_px_)) continue;
+    lost_.push_back(i);
+    lost_windows_.push_back(windows[i]);
+  }
+  found_.resize(lost_.size());
+  search(frames, lost_windows_, found_, true);
+  for (std::size_t k = 0; k < lost_.size(); ++k) results_[lost_[k]] = found_[k];
+}
+
+RefineWindows WindowCorrelator::refining(DeviceFrames& frames) {
+  return [this, &frames](std::span<const Window> windows, std::span<const WindowMotion> seeds,
+                         std::span<WindowMotion> found) { refine(frames, windows, seeds, found); };
 }
 
 void WindowCorrelator::set_disc(int slot, double cx_px, double cy_px, double radius_px) {

@@ -33,6 +33,11 @@ class WindowCorrelator {
   // neighbours (neighbours.h). Throws InvalidArgument where a window names a slot without a frame.
   // The result stays until the next call.
   const std::vector<WindowMotion>& correlate(DeviceFrames& frames, std::span<const Window> windows);
+  // The same, where it is known about where every window went (to a fraction of a speckle; `seeds`,
+  // one a window, made by seed_at): IC-GN starts there, and the correlation searches only for what
+  // that does not find. What was not searched for has no peak ratio. Other methods search.
+  const std::vector<WindowMotion>& follow(DeviceFrames& frames, std::span<const Window> windows,
+                                          std::span<const WindowMotion> seeds);
   // What the correlation alone says, IC-GN or not: to a few hundredths of a pixel, at a fraction of
   // the time. Windows that a disc cuts are masked.
   const std::vector<WindowMotion>& find(DeviceFrames& frames, std::span<const Window> windows);
@@ -44,6 +49,9 @@ class WindowCorrelator {
               std::span<WindowMotion> motions, bool refined);
   void refine(DeviceFrames& frames, std::span<const Window> windows,
               std::span<const WindowMotion> seeds, std::span<WindowMotion> motions);
+  // Searches for those of `results_` that were not found from their seeds.
+  void search_lost(DeviceFrames& frames, std::span<const Window> windows);
+  RefineWindows refining(DeviceFrames& frames);
 
   opencl::Engine& engine_;
   int window_px_;
@@ -58,6 +66,10 @@ class WindowCorrelator {
   WholeWindows whole_;
   Neighbours neighbours_;
   std::vector<WindowMotion> results_;
+  // What search_lost asks for.
+  std::vector<std::size_t> lost_;
+  std::vector<Window> lost_windows_;
+  std::vector<WindowMotion> found_;
 };
 
 }  // namespace impactdic::dic

@@ -53,6 +53,8 @@ class FieldEstimator : public MotionEstimator {
   // Of the windows that could be found, the share that must agree. Below the first the spin may be
   // another than expected; below the second the few that agree do so by chance.
   static constexpr double kWellFound = 0.3, kFound = 0.2;
+  // Of windows that were followed, the share that must agree, and how far the guess may be off.
+  static constexpr double kWellFollowed = 0.5, kFollowed_px = 1;
 
   // Of all windows what there is to know, or of those wholly on the ball where they went.
   enum class Effort : std::uint8_t { kAll, kAim };
@@ -65,15 +67,37 @@ class FieldEstimator : public MotionEstimator {
   }
 
   void measure_from_guess(std::span<PairMotion* const> pairs, Effort effort) {
+    if (effort == Effort::kAim || options_.field.method != FieldMethod::kIcgn) {
+      measure_with(pairs, effort == Effort::kAll ? Way::kSearch : Way::kAim);
+      return;
+    }
+    measure_with(pairs, Way::kFollow);
+    std::vector<PairMotion*> astray;
+    for (PairMotion* pair : pairs) {
+      if (!went_as_guessed(*pair)) astray.push_back(pair);
+    }
+    if (!astray.empty()) measure_with(astray, Way::kSearch);
+  }
+
+  // How windows are looked for: in a search area, wholly or for an aim alone, or where the guess
+  // says that they went.
+  enum class Way : std::uint8_t { kSearch, kAim, kFollow };
+
+  void measure_with(std::span<PairMotion* const> pairs, Way way) {
     std::vector<Window> all(pairs.size() * grid_.size());
+    seeds_.resize(way == Way::kFollow ? all.size() : 0);
     auto next = all.begin();
     for (PairMotion* pair : pairs) {
-      place(*pair);
+      const auto at = static_cast<std::size_t>(next - all.begin());
+      place(*pair, way == Way::kFollow ? std::span(seeds_).subspan(at, grid_.size())
+                                       : std::span<WindowMotion>());
       next = std::copy(pair->windows.begin(), pair->windows.end(), next);
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
-    const std::vector<WindowMotion>& measured = effort == Effort::kAll
+    const std::vector<WindowMotion>& measured = way == Way::kFollow
+                                                    ? correlator_.follow(frames_, all, seeds_)
+                                                : way == Way::kSearch
                                                     ? correlator_.correlate(frames_, all)
                                                     : correlator_.find(frames_, all);
     const Stopwatch watch;
@@ -85,6 +109,19 @@ class FieldEstimator : public MotionEstimator {
       begin = end;
     }
     fit_seconds_ += watch.seconds();
+  }
+
+  // Whether windows that were followed were followed rightly: most agree, on what was expected.
+  // Those that start farther off than a speckle's flank may settle on another.
+  bool went_as_guessed(const PairMotion& pair) const {
+    if (!pair.motion.ok || agreeing_share(pair.motion, pair.field) < kWellFollowed) return false;
+    const double shift =
+        std::hypot(pair.motion.dx_px - (pair.second.cx_px - pair.first.cx_px),
+                   pair.motion.dy_px - (pair.second.cy_px - pair.first.cy_px));
+    const double turn = std::hypot(pair.motion.rot_x_rad - pair.guess_rot_x_rad,
+                                   pair.motion.rot_y_rad - pair.guess_rot_y_rad,
+                                   pair.motion.rot_rad - pair.guess_rot_rad);
+    return shift + turn * radius_px_ < kFollowed_px;
   }
 
   // Where the windows found little, rings about the centres say how far the ball turned, whatever
@@ -121,7 +158,7 @@ class FieldEstimator : public MotionEstimator {
     }
   }
 
-  void place(PairMotion& pair) const {
+  void place(PairMotion& pair, std::span<WindowMotion> seeds) const {
     pair.windows = grid_;
     const int x = static_cast<int>(std::lround(pair.first.cx_px));
     const int y = static_cast<int>(std::lround(pair.first.cy_px));
@@ -131,12 +168,13 @@ class FieldEstimator : public MotionEstimator {
     }
     if (options_.sphere) {
       aim_on_sphere(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
-                    sphere_guess(pair));
+                    sphere_guess(pair), seeds);
       return;
     }
     aim_windows(pair.windows, options_.field.window_px, pair.first_slot, pair.second_slot,
                 {pair.first.cx_px, pair.first.cy_px, pair.second.cx_px - pair.first.cx_px,
-                 pair.second.cy_px - pair.first.cy_px, pair.guess_rot_rad});
+                 pair.second.cy_px - pair.first.cy_px, pair.guess_rot_rad},
+                seeds);
   }
 
   dic::SphereGuess sphere_guess(const PairMotion& pair) const {
@@ -174,6 +212,7 @@ class FieldEstimator : public MotionEstimator {
   dic::WindowCorrelator correlator_;
   dic::RingRotation ring_;
   std::vector<Window> grid_;
+  std::vector<WindowMotion> seeds_;
   double fit_seconds_ = 0;
 };
 

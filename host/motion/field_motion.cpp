@@ -22,25 +22,29 @@ int rounded(double x) {
 }  // namespace
 
 void aim_windows(std::span<Window> windows, int window_px, int first_slot, int second_slot,
-                 const MotionGuess& guess) {
+                 const MotionGuess& guess, std::span<WindowMotion> seeds) {
   const double half = (window_px - 1) / 2.0;
   // Counter-clockwise on the screen, with y down.
   const double c = std::cos(guess.rot_rad) - 1, s = std::sin(guess.rot_rad);
-  for (Window& window : windows) {
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    Window& window = windows[i];
     const double x = window.x0 + half - guess.cx_px, y = window.y0 + half - guess.cy_px;
+    const double u = guess.dx_px + c * x + s * y, v = guess.dy_px - s * x + c * y;
     window.first = first_slot;
     window.second = second_slot;
-    window.guess_u = rounded(guess.dx_px + c * x + s * y);
-    window.guess_v = rounded(guess.dy_px - s * x + c * y);
+    window.guess_u = rounded(u);
+    window.guess_v = rounded(v);
     window.guess_rot_rad = static_cast<float>(guess.rot_rad);
+    if (!seeds.empty()) seeds[i] = dic::seed_at(u, v);
   }
 }
 
 void aim_on_sphere(std::span<Window> windows, int window_px, int first_slot, int second_slot,
-                   const dic::SphereGuess& guess) {
+                   const dic::SphereGuess& guess, std::span<WindowMotion> seeds) {
   const double half = (window_px - 1) / 2.0;
   const double turn_z = dic::rotation_vector(guess.turn).z();
-  for (Window& window : windows) {
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    Window& window = windows[i];
     const double x = window.x0 + half, y = window.y0 + half;
     double to_x = x + guess.dx_px, to_y = y + guess.dy_px;
     dic::carry(guess, x, y, to_x, to_y);
@@ -49,6 +53,7 @@ void aim_on_sphere(std::span<Window> windows, int window_px, int first_slot, int
     window.guess_u = rounded(to_x - x);
     window.guess_v = rounded(to_y - y);
     window.guess_rot_rad = static_cast<float>(turn_z);
+    if (!seeds.empty()) seeds[i] = dic::seed_at(to_x - x, to_y - y);
   }
 }
 

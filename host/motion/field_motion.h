@@ -22,13 +22,14 @@ struct MotionGuess {
   double cx_px = 0, cy_px = 0, dx_px = 0, dy_px = 0, rot_rad = 0;
 };
 
-// Sets frames and guess of every window to where `guess` carries its centre.
+// Sets frames and guess of every window to where `guess` carries its centre; `seeds`, one a window
+// or none, to the same without rounding.
 void aim_windows(std::span<Window> windows, int window_px, int first_slot, int second_slot,
-                 const MotionGuess& guess);
+                 const MotionGuess& guess, std::span<WindowMotion> seeds = {});
 
 // The same on a sphere; a window that is turned out of sight is sought where it would have gone.
 void aim_on_sphere(std::span<Window> windows, int window_px, int first_slot, int second_slot,
-                   const dic::SphereGuess& guess);
+                   const dic::SphereGuess& guess, std::span<WindowMotion> seeds = {});
 
 // The measured windows as points for the rigid fit: those with status ok, at their centres. Their
 // sd is at least `floor_px`, so that no window with a lucky residual outweighs the rest.
