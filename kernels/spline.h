@@ -71,6 +71,49 @@ KERNEL_INLINE void spline_slopes(const int degree, const REAL t, REAL* w) {
 
 #ifdef __OPENCL_C_VERSION__
 
+#if VECTOR > 1
+#if SPLINE_DEGREE == 3
+#define SPLINE_TAPS 4
+#else
+#define SPLINE_TAPS 8 /* of degree 5 two have no weight */
+#endif
+#define SPLINE_LINE VECTOR_JOIN(float, SPLINE_TAPS)
+
+// s in lanes whose pixels lie anywhere, rows and columns from coefficient c on: each lane's taps
+// are rows of their own, which are neighbours in memory. wx, wy: the lanes' weights.
+KERNEL_INLINE REAL spline_sample_apart(__global const float* c, const int pitch, const INTEGER rows,
+                                       const INTEGER columns, const REAL* wx, const REAL* wy) {
+  int offset[VECTOR];
+  float weights[SPLINE_TAPS][VECTOR], down[SPLINE_DEGREE + 1][VECTOR], sums[VECTOR];
+  VECTOR_JOIN(vstore, VECTOR)(rows * pitch + columns, 0, offset);
+#pragma unroll
+  for (int i = 0; i < SPLINE_TAPS; ++i)
+    STORE_REAL(i <= SPLINE_DEGREE ? wx[i] : (REAL)0.0f, weights[i]);
+#pragma unroll
+  for (int j = 0; j <= SPLINE_DEGREE; ++j) STORE_REAL(wy[j], down[j]);
+#pragma unroll 1
+  for (int lane = 0; lane < VECTOR; ++lane) {
+    __global const float* from = c + offset[lane];
+    SPLINE_LINE line = 0.0f;
+#pragma unroll
+    for (int j = 0; j <= SPLINE_DEGREE; ++j) {
+      line += down[j][lane] * VECTOR_JOIN(vload, SPLINE_TAPS)(0, from + j * pitch);
+    }
+#if SPLINE_TAPS == 8
+    line *= (SPLINE_LINE)(weights[0][lane], weights[1][lane], weights[2][lane], weights[3][lane],
+                          weights[4][lane], weights[5][lane], weights[6][lane], weights[7][lane]);
+    const float4 half_line = line.lo + line.hi;
+#else
+    const float4 half_line = line * (SPLINE_LINE)(weights[0][lane], weights[1][lane],
+                                                  weights[2][lane], weights[3][lane]);
+#endif
+    const float2 pair = half_line.lo + half_line.hi;
+    sums[lane] = pair.x + pair.y;
+  }
+  return LOAD_REAL(sums);
+}
+#endif
+
 // s(x, y) in VECTOR pixels, x going up by about 1 from lane to lane. c: the coefficient of position
 // (0, 0), rows `pitch` apart.
 KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const REAL x,
@@ -103,40 +146,9 @@ KERNEL_INLINE REAL spline_sample(__global const float* c, const int pitch, const
       for (int i = 0; i <= SPLINE_DEGREE; ++i) row += wx[i] * LOAD_REAL(c + j * pitch + i);
       sum += wy[j] * row;
     }
-  } else if (span_x <= 1.0f && span_y <= 1.0f) {
-    // Some lanes are one pixel ahead: their weights move up by one of n + 2 taps.
-    const REAL ahead_x = step_x - low_x, ahead_y = floor_y - low_y;
-    const REAL behind_x = 1.0f - ahead_x, behind_y = 1.0f - ahead_y;
-#pragma unroll 1
-    for (int j = 0; j <= SPLINE_DEGREE + 1; ++j) {
-      REAL row = 0.0f;
-#pragma unroll
-      for (int i = 0; i <= SPLINE_DEGREE + 1; ++i) {
-        REAL weight = 0.0f;
-        if (i <= SPLINE_DEGREE) weight += behind_x * wx[i];
-        if (i > 0) weight += ahead_x * wx[i - 1];
-        row += weight * LOAD_REAL(c + j * pitch + i);
-      }
-      REAL weight = 0.0f;
-      if (j <= SPLINE_DEGREE) weight += behind_y * wy[j];
-      if (j > 0) weight += ahead_y * wy[j - 1];
-      sum += weight * row;
-    }
   } else {
-    int offset[VECTOR];
-    VECTOR_JOIN(vstore, VECTOR)
-    (TO_INTEGER(floor_y - low_y) * pitch + TO_INTEGER(floor_x - low_x), 0, offset);
-#pragma unroll 1
-    for (int j = 0; j <= SPLINE_DEGREE; ++j) {
-      REAL row = 0.0f;
-#pragma unroll 1
-      for (int i = 0; i <= SPLINE_DEGREE; ++i) {
-        float tap[VECTOR];
-        for (int lane = 0; lane < VECTOR; ++lane) tap[lane] = c[offset[lane] + j * pitch + i];
-        row += wx[i] * LOAD_REAL(tap);
-      }
-      sum += wy[j] * row;
-    }
+    sum = spline_sample_apart(c, pitch, TO_INTEGER(floor_y - low_y), TO_INTEGER(floor_x - low_x),
+                              wx, wy);
   }
 #endif
   return sum;

@@ -95,11 +95,10 @@ class FieldEstimator : public MotionEstimator {
       correlator_.set_disc(pair->first_slot, pair->first.cx_px, pair->first.cy_px,
                            pair->first.r_px - options_.rim_margin_px);
     }
-    const std::vector<WindowMotion>& measured = way == Way::kFollow
-                                                    ? correlator_.follow(frames_, all, seeds_)
-                                                : way == Way::kSearch
-                                                    ? correlator_.correlate(frames_, all)
-                                                    : correlator_.find(frames_, all);
+    const std::vector<WindowMotion>& measured =
+        way == Way::kFollow   ? correlator_.follow(frames_, all, seeds_)
+        : way == Way::kSearch ? correlator_.correlate(frames_, all)
+                              : correlator_.find(frames_, all);
     const Stopwatch watch;
     auto begin = measured.begin();
     for (PairMotion* pair : pairs) {
@@ -115,9 +114,8 @@ class FieldEstimator : public MotionEstimator {
   // Those that start farther off than a speckle's flank may settle on another.
   bool went_as_guessed(const PairMotion& pair) const {
     if (!pair.motion.ok || agreeing_share(pair.motion, pair.field) < kWellFollowed) return false;
-    const double shift =
-        std::hypot(pair.motion.dx_px - (pair.second.cx_px - pair.first.cx_px),
-                   pair.motion.dy_px - (pair.second.cy_px - pair.first.cy_px));
+    const double shift = std::hypot(pair.motion.dx_px - (pair.second.cx_px - pair.first.cx_px),
+                                    pair.motion.dy_px - (pair.second.cy_px - pair.first.cy_px));
     const double turn = std::hypot(pair.motion.rot_x_rad - pair.guess_rot_x_rad,
                                    pair.motion.rot_y_rad - pair.guess_rot_y_rad,
                                    pair.motion.rot_rad - pair.guess_rot_rad);

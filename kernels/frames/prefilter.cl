@@ -59,10 +59,26 @@ prefilter_rows(__global const float* images, __global float* rows, __constant fl
   *to = (float4)(sums[0], sums[1], sums[2], sums[3]);
 }
 #else
-#define FILTER_ROW(middle)                                              \
-  sum = taps[0] * LOAD_REAL(middle);                                    \
-  for (int k = 1; k <= RADIUS; ++k) {                                   \
-    sum += taps[k] * (LOAD_REAL((middle)-k) + LOAD_REAL((middle) + k)); \
+// Of a row, so many columns are laid out at once where its border is near: those beyond it are
+// mirrored, which takes longer than what is done with them.
+#define LAID_OUT (4 * VECTOR)
+
+// line[from … from + count − 1], mirrored beyond the borders.
+static inline void lay_out(__global const float* line, const int width, const int from,
+                           const int count, float* out) {
+  const int begin = clamp(-from, 0, count), end = clamp(width - from, begin, count);
+  for (int i = 0; i < begin; ++i) out[i] = line[mirrored(from + i, width)];
+  for (int i = begin; i < end; ++i) out[i] = line[from + i];
+  for (int i = end; i < count; ++i) out[i] = line[mirrored(from + i, width)];
+}
+
+// Not vload: PoCL (3.1) makes that of halves, which its compiler does not always join again.
+typedef REAL ANYWHERE __attribute__((aligned(4)));
+#define FILTER_ROW(space, middle)                                                                  \
+  REAL sum = taps[0] * *(space const ANYWHERE*)(middle);                                           \
+  _Pragma("unroll") for (int k = 1; k <= RADIUS; ++k) {                                            \
+    sum +=                                                                                         \
+        taps[k] * (*(space const ANYWHERE*)((middle)-k) + *(space const ANYWHERE*)((middle) + k)); \
   }
 
 // The same, one work-item for a row: (1, height, batch).
@@ -72,18 +88,21 @@ __kernel void prefilter_rows(__global const float* images, __global float* rows,
   const size_t y = get_global_id(1), batch = get_global_id(2);
   __global const float* line = images + ((size_t)slots[first + batch] * height + y) * width;
   __global float* to = rows + (batch * height + y) * pitch;
-  for (int column = 0; column < pitch; column += VECTOR) {
-    const int x = column - SPLINE_PAD;
-    REAL sum;
-    if (x >= RADIUS && x + VECTOR + RADIUS <= width) {
-      FILTER_ROW(line + x)
+  for (int begin = 0; begin < pitch; begin += LAID_OUT) {
+    const int x = begin - SPLINE_PAD, end = min(begin + LAID_OUT, pitch);
+    if (x >= RADIUS && x + LAID_OUT + RADIUS <= width) {
+      for (int column = begin; column < end; column += VECTOR) {
+        FILTER_ROW(__global, line + column - SPLINE_PAD)
+        STORE_REAL(sum, to + column);
+      }
     } else {
-      // Apart: finding a mirrored pixel takes longer than what is done with it.
-      float near[VECTOR + 2 * RADIUS];
-      for (int i = 0; i < VECTOR + 2 * RADIUS; ++i) near[i] = line[mirrored(x - RADIUS + i, width)];
-      FILTER_ROW(near + RADIUS)
+      float near[LAID_OUT + 2 * RADIUS];
+      lay_out(line, width, x - RADIUS, LAID_OUT + 2 * RADIUS, near);
+      for (int column = begin; column < end; column += VECTOR) {
+        FILTER_ROW(__private, near + RADIUS + column - begin)
+        STORE_REAL(sum, to + column);
+      }
     }
-    STORE_REAL(sum, to + column);
   }
 }
 #endif
