@@ -36,6 +36,7 @@ std::filesystem::path prepare_output_directory(const std::string& dir, bool forc
 // Each adds its command; main.cpp lists those that the program has.
 void add_batch_command(CLI::App& app);
 void add_bench_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_track_command(CLI::App& app);

@@ -46,6 +46,7 @@ void add_commands(CLI::App& app) {
   add_bench_command(app);
   add_tune_command(app);
   add_correlate_command(app);
+  add_calibrate_command(app);
   add_fit_command(app);
   add_compare_command(app);
   add_report_command(app);

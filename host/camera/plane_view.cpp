@@ -81,10 +81,14 @@ double PlaneView::metre_per_px(double z) const {
   return std::sqrt(std::abs(slope(0, 0) * slope(1, 1) - slope(0, 1) * slope(1, 0)));
 }
 
-double PlaneView::tilt_rad() const {
+Vector3d PlaneView::sight() const {
   const Vector2d ahead = lens_.direction(middle());
-  const Vector3d ray = axes_.transpose() * Vector3d(ahead.x(), ahead.y(), 1).normalized();
-  return std::acos(std::min(1.0, std::abs(ray.z())));
+  return axes_.transpose() * Vector3d(ahead.x(), ahead.y(), 1).normalized();
+}
+
+double PlaneView::tilt_rad() const {
+  const Vector3d ray = sight();
+  return std::atan2(ray.head<2>().norm(), std::abs(ray.z()));
 }
 
 }  // namespace impactdic::camera

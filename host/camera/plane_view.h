@@ -28,6 +28,8 @@ class PlaneView {
   double metre_per_px(double z = 0) const;
   // The centre of projection, in world axes.
   const Eigen::Vector3d& eye() const { return eye_; }
+  // Direction of the line of sight at the picture's middle, in world axes.
+  Eigen::Vector3d sight() const;
   // Between the line of sight at the picture's middle and the plane's normal.
   double tilt_rad() const;
 

@@ -3,6 +3,7 @@
 
 #include <impactdic/advice.h>
 #include <impactdic/batch.h>
+#include <impactdic/camera/calibrate.h>
 #include <impactdic/camera/model.h>
 #include <impactdic/circle.h>
 #include <impactdic/clip.h>

@@ -1,0 +1,22 @@
+// From the points that pictures show to the result of a calibration.
+#pragma once
+
+#include <impactdic/camera/calibrate.h>
+
+#include "host/camera/calibrate/board.h"
+
+namespace impactdic::camera {
+
+// `pictures`: one a picture, without a point where the target was not found. Throws InvalidArgument
+// where no camera can be found, or the plane's picture shows no target.
+CalibrateResult calibrate_points(const CalibrateRequest& request, std::vector<View> pictures,
+                                 int width, int height);
+
+// A scale from two marks of a ruler, request.pitch_mm apart.
+CalibrateResult calibrate_marks(const CalibrateRequest& request, const std::string& picture,
+                                int width, int height);
+
+// A drawing of the result, SVG: where points lie, how far each is off, what the lens does.
+std::string draw_residuals(const CalibrateResult& result);
+
+}  // namespace impactdic::camera

@@ -1,0 +1,178 @@
+#include "host/camera/calibrate/solve.h"
+
+#include <impactdic/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/base/statistics.h"
+
+namespace impactdic::camera {
+
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kOutlier = 5;            // deviations beyond which a point is a wrong one
+constexpr double kLeastSd_px = 1e-6;      // exact points, as tests have them
+constexpr double kMadToSd = 1.4826;       // of a normal distribution
+constexpr double kFocalKnown = 0.1;       // relative deviation
+constexpr std::size_t kFewestPoints = 6;  // of a view that tells more than its own pose
+constexpr double kDiffers = 4;            // deviations between a view's scatter and the others'
+
+// Scatter of residuals along one axis, whatever a few wrong points do.
+double robust_sd(const Bundle& bundle, const Adjusted& state, const Weights& weights) {
+  std::vector<double> sizes;
+  for (std::size_t v = 0; v < bundle.views().size(); ++v) {
+    const std::vector<Vector2d> off = bundle.residuals(state, v);
+    for (std::size_t i = 0; i < off.size(); ++i) {
+      if (!weights.used[v][i]) continue;
+      sizes.push_back(std::abs(off[i].x()));
+      sizes.push_back(std::abs(off[i].y()));
+    }
+  }
+  if (sizes.empty()) return kLeastSd_px;
+  return std::max(kMadToSd * upper_median(std::move(sizes)), kLeastSd_px);
+}
+
+// Takes out wrong points, and takes back those that came right. True where something changed.
+bool reject(const Bundle& bundle, const Adjusted& state, Weights& weights) {
+  const double most = kOutlier * robust_sd(bundle, state, weights);
+  bool changed = false;
+  for (std::size_t v = 0; v < bundle.views().size(); ++v) {
+    const std::vector<Vector2d> off = bundle.residuals(state, v);
+    std::vector<char> used;
+    for (const Vector2d& one : off) used.push_back(one.norm() <= most);
+    if (static_cast<std::size_t>(std::count(used.begin(), used.end(), 1)) < kFewestPoints) continue;
+    changed = changed || used != weights.used[v];
+    weights.used[v] = std::move(used);
+  }
+  return changed;
+}
+
+// The points' own deviation: from the residuals, less the freedom that the fit took. A view that
+// is plainly better or worse than the others has one of its own.
+double set_deviations(const Bundle& bundle, const Adjusted& state, Weights& weights) {
+  const double views = static_cast<double>(bundle.views().size());
+  const double lens_share = state.terms.count() / views;
+  std::vector<double> squares, freedom;
+  double all_squares = 0, all_freedom = 0;
+  for (std::size_t v = 0; v < bundle.views().size(); ++v) {
+    const std::vector<Vector2d> off = bundle.residuals(state, v);
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < off.size(); ++i) {
+      if (weights.used[v][i]) sum += off[i].squaredNorm(), count += 2;
+    }
+    squares.push_back(sum);
+    freedom.push_back(count - kPoseValues - lens_share);
+    all_squares += sum, all_freedom += freedom.back();
+  }
+  if (!(all_freedom >= 1)) {
+    throw InvalidArgument("too few points for a camera", bundle.views().front().picture,
+                          "more pictures of the target, tilted to all sides");
+  }
+  const double common = std::max(all_squares / all_freedom, kLeastSd_px * kLeastSd_px);
+  for (std::size_t v = 0; v < squares.size(); ++v) {
+    weights.sd_px[v] = std::sqrt(common);
+    if (!(freedom[v] > 4)) continue;
+    const double ratio = squares[v] / freedom[v] / common;
+    if (std::abs(std::log(std::max(ratio, 1e-12))) > kDiffers * std::sqrt(2 / freedom[v])) {
+      weights.sd_px[v] = std::sqrt(std::max(ratio * common, kLeastSd_px * kLeastSd_px));
+    }
+  }
+  return std::sqrt(common);
+}
+
+double akaike(const Adjusted& state, const Weights& weights) {
+  const double n = 2.0 * static_cast<double>(weights.points());
+  const double k = state.terms.count() + kPoseValues * static_cast<double>(state.poses.size()) + 1;
+  if (!(n > k + 1)) return std::numeric_limits<double>::infinity();
+  return n * std::log(state.chi_square / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1);
+}
+
+std::vector<LensTerms> ladder() {
+  std::vector<LensTerms> models;
+  for (const bool aspect : {false, true}) {
+    for (int radial = 0; radial <= 3; ++radial) {
+      models.push_back({radial, false, aspect});
+      if (radial > 0) models.push_back({radial, true, aspect});
+    }
+  }
+  return models;
+}
+
+VectorXd joined(const Adjusted& state, std::size_t plane) {
+  VectorXd all(kLensValues + kPoseValues);
+  all << state.lens, state.poses[plane];
+  return all;
+}
+
+// A start that no wrong point and no wrong turn of the target spoils.
+Adjusted settle(const Bundle& bundle, Weights& weights) {
+  const LensTerms simple{1, false, false};
+  Adjusted state = bundle.adjust(simple, bundle.guess(weights), weights);
+  for (int round = 0; round < 8; ++round) {
+    const bool turned = bundle.turn_over(state, weights);
+    const bool changed = reject(bundle, state, weights);
+    if (!turned && !changed && round > 0) break;
+    state = bundle.adjust(simple, std::move(state), weights);
+  }
+  const LensTerms full{2, true, false};
+  for (int round = 0; round < 4; ++round) {
+    state = bundle.adjust(full, std::move(state), weights);
+    if (!reject(bundle, state, weights)) break;
+  }
+  return state;
+}
+
+}  // namespace
+
+Solved solve(Bundle bundle, int width, int height, std::size_t plane, double pitch_sd,
+             const char* from) {
+  Solved solved;
+  solved.weights = bundle.equal_weights();
+  const Adjusted start = settle(bundle, solved.weights);
+  set_deviations(bundle, start, solved.weights);
+  std::vector<Adjusted> models;
+  std::vector<double> evidence;
+  std::size_t best = 0;
+  for (const LensTerms& terms : ladder()) {
+    models.push_back(bundle.adjust(terms, start, solved.weights));
+    evidence.push_back(akaike(models.back(), solved.weights));
+    if (evidence.back() < evidence[best]) best = models.size() - 1;
+  }
+  if (!std::isfinite(evidence[best])) {
+    throw InvalidArgument("too few points for a camera", bundle.views().front().picture,
+                          "more pictures of the target, tilted to all sides");
+  }
+  solved.sd_px = set_deviations(bundle, models[best], solved.weights);
+  solved.state = bundle.adjust(models[best].terms, models[best], solved.weights);
+  const VectorXd found = joined(solved.state, plane);
+  MatrixXd covariance = MatrixXd::Zero(found.size(), found.size());
+  double weight_sum = 0;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const double weight = std::exp(-0.5 * (evidence[m] - evidence[best]));
+    if (!(weight > 1e-4)) continue;
+    const Adjusted& model = m == best ? solved.state : models[m];
+    const VectorXd off = joined(model, plane) - found;
+    covariance +=
+        weight * (bundle.covariance(model, solved.weights, plane) + off * off.transpose());
+    weight_sum += weight;
+  }
+  covariance /= weight_sum;
+  covariance.bottomRightCorner<3, 3>() +=
+      pitch_sd * pitch_sd * found.tail<3>() * found.tail<3>().transpose();
+  solved.camera.width = width;
+  solved.camera.height = height;
+  solved.camera.from = from;
+  Eigen::Map<VectorXd>(solved.camera.values.data(), found.size()) = found;
+  Eigen::Map<MatrixXd>(solved.camera.covariance.data(), found.size(), found.size()) = covariance;
+  const double focal_sd = std::sqrt(covariance(0, 0)) / found[0];
+  solved.camera.focal_length_known = focal_sd < kFocalKnown;
+  return solved;
+}
+
+}  // namespace impactdic::camera

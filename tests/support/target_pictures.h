@@ -1,0 +1,208 @@
+// Pictures of flat targets as a camera with distortion sees them, rendered from formulas: every
+// pixel is the mean of points within it, the lens blurs, the sensor is noisy.
+#pragma once
+
+#include <impactdic/camera/calibrate.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <vector>
+
+#include "host/camera/calibrate/board.h"
+#include "host/camera/calibrate/markers.h"
+#include "host/camera/lens.h"
+
+namespace impactdic::testing {
+
+// A target's grey level at a point of its plane, m; 1 is white.
+class TargetPattern {
+ public:
+  explicit TargetPattern(const CalibrateRequest& request) : request_(request) {
+    if (request.target != CalibrationTarget::kCharuco) return;
+    const int markers = request.columns * request.rows / 2;
+    for (int id = 0; id < markers; ++id) {
+      markers_.push_back(camera::draw_marker(request.dictionary, id, kMarkerSide));
+    }
+  }
+
+  double at(double x_m, double y_m) const {
+    const double pitch = request_.pitch_mm * 1e-3;
+    if (request_.target == CalibrationTarget::kDots) {
+      const double u = x_m / pitch, v = y_m / pitch;
+      const double i = std::round(u), j = std::round(v);
+      if (i < 0 || j < 0 || i >= request_.columns || j >= request_.rows) return 1;
+      return std::hypot(u - i, v - j) * request_.pitch_mm < request_.dot_mm / 2 ? 0 : 1;
+    }
+    // The first inner corner is the origin.
+    const double u = x_m / pitch + 1, v = y_m / pitch + 1;
+    if (u < 0 || v < 0 || u >= request_.columns || v >= request_.rows) return 1;
+    const int column = static_cast<int>(u), row = static_cast<int>(v);
+    if ((column + row) % 2 == 0) return 0;
+    if (markers_.empty()) return 1;
+    const double share = camera::marker_share(request_);
+    const double a = (u - column - (1 - share) / 2) / share,
+                 b = (v - row - (1 - share) / 2) / share;
+    if (a < 0 || b < 0 || a >= 1 || b >= 1) return 1;
+    const int white_before = request_.columns / 2;
+    const int odd = request_.columns % 2;
+    // White squares of the rows above, and of this row to the left.
+    const int above = row * white_before + odd * (row / 2);
+    const int id = above + column / 2;
+    const cv::Mat& marker = markers_[static_cast<std::size_t>(id)];
+    return marker.at<uchar>(static_cast<int>(b * kMarkerSide), static_cast<int>(a * kMarkerSide)) /
+           255.0;
+  }
+
+ private:
+  static constexpr int kMarkerSide = 48;
+  CalibrateRequest request_;
+  std::vector<cv::Mat> markers_;
+};
+
+struct TargetScene {
+  double black = 40, white = 200, noise = 2, blur_px = 0.6;
+  int samples = 4;  // along a side of a pixel
+};
+
+// `camera`: its plane is where the target lies.
+inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
+                           const TargetScene& scene, unsigned seed) {
+  using P = CameraParameter;
+  const camera::Lens lens(camera);
+  const Eigen::Vector3d vector(camera[P::kRotationX], camera[P::kRotationY], camera[P::kRotationZ]);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (vector.norm() > 0) {
+    turn = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
+  }
+  const Eigen::Vector3d position(camera[P::kPositionX], camera[P::kPositionY],
+                                 camera[P::kPositionZ]);
+  // A line of sight (a, b, 1) meets the plane at (u, v): a homography.
+  Eigen::Matrix3d to_sight;
+  to_sight << turn.col(0), turn.col(1), position;
+  const Eigen::Matrix3d to_target = to_sight.inverse();
+  cv::Mat picture(camera.height, camera.width, CV_32F);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      Eigen::Matrix2d slope;
+      const Eigen::Vector2d middle = lens.direction(Eigen::Vector2d(x, y), &slope);
+      double sum = 0;
+      for (int j = 0; j < scene.samples; ++j) {
+        for (int i = 0; i < scene.samples; ++i) {
+          const Eigen::Vector2d off((i + 0.5) / scene.samples - 0.5,
+                                    (j + 0.5) / scene.samples - 0.5);
+          const Eigen::Vector2d direction = middle + slope * off;
+          const Eigen::Vector3d at = to_target * Eigen::Vector3d(direction.x(), direction.y(), 1);
+          sum += pattern.at(at.x() / at.z(), at.y() / at.z());
+        }
+      }
+      const double share = sum / (scene.samples * scene.samples);
+      picture.at<float>(y, x) =
+          static_cast<float>(scene.black + (scene.white - scene.black) * share);
+    }
+  }
+  if (scene.blur_px > 0) cv::GaussianBlur(picture, picture, {0, 0}, scene.blur_px);
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, scene.noise);
+  Frame frame;
+  frame.reset(camera.width, camera.height, 8);
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double level = picture.at<float>(y, x) + (scene.noise > 0 ? noise(random) : 0.0);
+      frame.u8(x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(level), 0l, 255l));
+    }
+  }
+  return frame;
+}
+
+// A camera and the poses in which it films the target: spread over the picture and tilted.
+struct RandomCalibration {
+  std::vector<Camera> views;  // the first has the plane of motion
+};
+
+inline RandomCalibration random_calibration(const CalibrateRequest& request, int pictures,
+                                            unsigned seed) {
+  using P = CameraParameter;
+  std::mt19937 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Camera camera;
+  camera.width = 400;
+  camera.height = 300;
+  const double focal = uniform(600, 1600);
+  camera[P::kFx] = camera[P::kFy] = focal;
+  camera[P::kCx] = 199.5 + uniform(-10, 10);
+  camera[P::kCy] = 149.5 + uniform(-10, 10);
+  // Up to 3 % at the corner, 250 px from the middle, and a little of the higher terms.
+  const double corner = std::pow(250 / focal, 2);
+  camera[P::kK1] = uniform(-0.03, 0.03) / corner;
+  camera[P::kK2] = uniform(-0.005, 0.005) / (corner * corner);
+  camera[P::kP1] = uniform(-0.002, 0.002) / std::sqrt(corner);
+  camera[P::kP2] = uniform(-0.002, 0.002) / std::sqrt(corner);
+  const double pitch = request.pitch_mm * 1e-3;
+  const int inner = request.target == CalibrationTarget::kDots ? 1 : 2;
+  const Eigen::Vector2d middle((request.columns - inner) * pitch / 2,
+                               (request.rows - inner) * pitch / 2);
+  const double wide = (request.columns + 0.5) * pitch;
+  RandomCalibration made;
+  for (int i = 0; i < pictures; ++i) {
+    Camera view = camera;
+    const double tilt = i == 0 ? uniform(0, 0.1) : uniform(0.1, 0.7), about = uniform(0, 2 * kPi);
+    const Eigen::AngleAxisd leaning(tilt, Eigen::Vector3d(std::cos(about), std::sin(about), 0));
+    const Eigen::AngleAxisd turned(uniform(-0.3, 0.3), Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd turn(leaning * turned);
+    const Eigen::Vector3d vector = turn.angle() * turn.axis();
+    const double share = i == 0 ? 0.85 : uniform(0.45, 0.8);  // of the picture's width
+    const double depth = focal * wide / (share * camera.width);
+    const double free_x = (1 - share) / 2, free_y = std::max(0.0, 0.5 - 0.37 * share * 400 / 300);
+    const Eigen::Vector3d centre(depth * uniform(-free_x, free_x) * camera.width / focal,
+                                 depth * uniform(-free_y, free_y) * camera.height / focal, depth);
+    const Eigen::Vector3d position =
+        centre - turn.toRotationMatrix() * Eigen::Vector3d(middle.x(), middle.y(), 0);
+    for (int k = 0; k < 3; ++k) {
+      view.values[9 + static_cast<std::size_t>(k)] = vector[k];
+      view.values[12 + static_cast<std::size_t>(k)] = position[k];
+    }
+    made.views.push_back(view);
+  }
+  return made;
+}
+
+// Where the camera shows the target's points.
+inline std::vector<Eigen::Vector2d> project_target(const Camera& camera,
+                                                   const camera::BoardPoints& board) {
+  using P = CameraParameter;
+  const camera::Lens lens(camera);
+  const Eigen::Vector3d vector(camera[P::kRotationX], camera[P::kRotationY], camera[P::kRotationZ]);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (vector.norm() > 0) {
+    turn = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
+  }
+  const Eigen::Vector3d position(camera[P::kPositionX], camera[P::kPositionY],
+                                 camera[P::kPositionZ]);
+  std::vector<Eigen::Vector2d> seen;
+  for (const Eigen::Vector2d& point : board) {
+    const Eigen::Vector3d at = turn.leftCols<2>() * point + position;
+    seen.push_back(lens.project(at.head<2>() / at.z()));
+  }
+  return seen;
+}
+
+// A checkerboard or a grid of dots may be found upside down, which is as good: its points named as
+// the camera's own pose names them.
+inline void turn_back(const Camera& camera, const camera::BoardPoints& board,
+                      std::vector<camera::Sighting>& seen) {
+  if (seen.empty()) return;
+  const std::vector<Eigen::Vector2d> exact = project_target(camera, board);
+  const std::size_t last = exact.size() - 1;
+  const camera::Sighting& one = seen.front();
+  const double straight = (one.at_px - exact[one.point]).norm();
+  const double turned = (one.at_px - exact[last - one.point]).norm();
+  if (straight <= turned) return;
+  for (camera::Sighting& sighting : seen) sighting.point = last - sighting.point;
+}
+
+}  // namespace impactdic::testing
