@@ -176,7 +176,7 @@ dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {
   motion.rot_y_sd_rad = std::sqrt(covariance[9]);
   motion.dy_rot_x_corr = covariance[4] / (motion.dy_sd_px * motion.rot_x_sd_rad);
   motion.dx_rot_y_corr = covariance[6] / (motion.dx_sd_px * motion.rot_y_sd_rad);
-  dic::add_source_errors(motion, {ball.ball_radius, radius_sd_px, 0, 0});
+  if (radius_sd_px > 0) dic::add_source_errors(motion, {ball.ball_radius, radius_sd_px, 0, 0});
   return motion;
 }
 

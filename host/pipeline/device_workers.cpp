@@ -48,7 +48,7 @@ struct DeviceWorkers::Worker {
          double radius_px, int count)
       : engine(std::move(own)),
         slots(count),
-        frames(*engine, count + motion::kKeyframes),
+        frames(*engine, count + motion::kKeyframePlaces),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
     if (options.estimator != Estimator::kBall) return;
     const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;

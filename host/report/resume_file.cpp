@@ -37,7 +37,7 @@ bool is_usual(double value) { return std::isfinite(value) && std::abs(value) < k
 struct Writer {
   json& object;
   template <typename T>
-  void operator()(const char* name, const T& value) {
+  void operator()(const std::string& name, const T& value) {
     if constexpr (std::is_same_v<T, double>) {
       object[name] = number(value);
     } else if constexpr (std::is_enum_v<T>) {
@@ -51,7 +51,7 @@ struct Writer {
 struct Reader {
   const json& object;
   template <typename T>
-  void operator()(const char* name, T& value) {
+  void operator()(const std::string& name, T& value) {
     if constexpr (std::is_same_v<T, double>) {
       value = number(object.at(name));
     } else if constexpr (std::is_enum_v<T>) {
@@ -109,8 +109,21 @@ void each_of_pose(Field field, T& pose) {
 }
 
 template <typename Field, typename T>
+void each_of_linked(Field field, T& pose) {
+  each_of_pose(field, pose);
+  field("radius_x_px", pose.radius_x_px);
+  field("radius_y_px", pose.radius_y_px);
+  field("radius_turn_x_rad", pose.radius_turn_rad[0]);
+  field("radius_turn_y_rad", pose.radius_turn_rad[1]);
+  field("radius_turn_z_rad", pose.radius_turn_rad[2]);
+  for (std::size_t k = 0; k < pose.turn_noise_rad2.size(); ++k) {
+    field("turn_noise_" + std::to_string(k), pose.turn_noise_rad2[k]);
+  }
+}
+
+template <typename Field, typename T>
 void each_of_keyframe(Field field, T& key) {
-  each_of_pose(field, key.pose);
+  each_of_linked(field, key.pose);
   each_of_circle(field, key.circle);
   field("residual", key.residual);
   field("last_used", key.last_used);
@@ -164,10 +177,11 @@ circle::BallTracker::Memory tracker_of(const json& described) {
 json describe(const motion::Keyframes::Memory& memory) {
   json described = {
       {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
+  if (std::isfinite(memory.reach_rad)) described["reach_rad"] = number(memory.reach_rad);
   for (const motion::Keyframes::Keyframe& key : memory.keyframes) {
     each_of_keyframe(Writer{described["keyframes"].emplace_back(json::object())}, key);
   }
-  each_of_pose(Writer{described["last"]}, memory.last);
+  each_of_linked(Writer{described["last"]}, memory.last);
   return described;
 }
 
@@ -176,8 +190,9 @@ motion::Keyframes::Memory keyframes_of(const json& described) {
   for (const json& item : described.at("keyframes")) {
     each_of_keyframe(Reader{item}, memory.keyframes.emplace_back());
   }
-  each_of_pose(Reader{described.at("last")}, memory.last);
+  each_of_linked(Reader{described.at("last")}, memory.last);
   memory.last_index = described.at("last_index").get<std::int64_t>();
+  if (described.contains("reach_rad")) memory.reach_rad = number(described.at("reach_rad"));
   return memory;
 }
 
@@ -237,6 +252,7 @@ void check(const pipeline::ResumePoint& point) {
   if (!point.keyframes) return;
   demand(point.keyframes->last_index >= -1 && point.keyframes->last_index <= row);
   check(point.keyframes->last, row);
+  demand(point.keyframes->reach_rad > 0);
   std::set<int> slots;
   for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
     demand(key.slot >= 0 && key.slot < motion::kKeyframes && slots.insert(key.slot).second);

@@ -1,0 +1,30 @@
+// A pose with what a chain of registrations knows of its errors.
+#pragma once
+
+#include <array>
+
+#include "host/clip/track_row.h"
+
+namespace impactdic::motion {
+
+// A sphere's radius, as registrations were told it.
+struct SphereRadius {
+  double px = 0, sd_px = 0;
+};
+
+// A pose at the end of a chain of registrations. Its deviations are those of their noise, which is
+// another in every link; the radius's error is the same in all of them, and what it does adds up. A
+// sphere carries errors of its turn along: those about one axis become errors about another.
+struct LinkedPose : BodyPose {
+  // Of a sphere: covariance of the turn's noise about X, Y and Z, rad², row by row.
+  std::array<double, 9> turn_noise_rad2{};
+  // What an error of one deviation of the radius does to place and turn: px, x right and y down,
+  // and rad about X, Y and Z.
+  double radius_x_px = 0, radius_y_px = 0;
+  std::array<double, 3> radius_turn_rad{};
+
+  // The pose with all that is known to be uncertain.
+  BodyPose stated() const;
+};
+
+}  // namespace impactdic::motion
