@@ -61,6 +61,7 @@ TEST(Sphere, TurnsAboutAnyAxisAreMeasuredWithoutBeingAskedFor) {
 
 TEST(Sphere, PosesAreOrientationsWithoutDrift) {
   const SphereClip clip("--velocity-px 0.4,0.2 --spin-deg 5,-7,4");
+  const double turn_deg = std::hypot(5, -7, 4);
   ASSERT_EQ(clip.track().status, 0);
   const CsvTable poses = clip.poses(), truth = clip.truth();
   const auto quaternion = [](const CsvTable& table, std::size_t i) {
@@ -72,7 +73,9 @@ TEST(Sphere, PosesAreOrientationsWithoutDrift) {
     const double sd_deg =
         std::hypot(poses.numbers("tilt_x_sd_deg")[i], poses.numbers("tilt_y_sd_deg")[i],
                    poses.numbers("angle_sd_deg")[i]);
-    EXPECT_LE(sd_deg, 0.05) << i;
+    // A radius of 60 px that is known to 0.05 px errs alike in every frame: by twice its share.
+    EXPECT_LE(sd_deg, 0.02 + 2.2 * 0.05 / 60 * turn_deg * static_cast<double>(i)) << i;
+    EXPECT_LE(off_deg, 0.06) << i;
     EXPECT_LE(off_deg, 2.5 * sd_deg + 1e-9) << i;
     EXPECT_TRUE(std::isnan(poses.numbers("angle_deg")[i]));
   }
