@@ -115,7 +115,9 @@ std::string shots_csv_line(const ShotResult& shot) {
   const ImpactFigures& impact = shot.impact;
   std::vector<std::string> cells = {plain(shot.file),
                                     plain(shot.name),
-                                    shot.done ? "ok" : "failed",
+                                    shot.done      ? "ok"
+                                    : shot.missing ? "missing"
+                                                   : "failed",
                                     plain(shot.reason),
                                     shot.done ? cell(shot.surface_angle_deg) : "",
                                     plain(shot.drop_height_mm),

@@ -11,11 +11,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A run that was killed leaves its lock: that is no result.
+// A run that was killed leaves its lock, and one that several processes share has its tickets:
+// those are no results.
 bool holds_files(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().filename() != FolderLock::kName) return true;
+    const fs::path name = entry.path().filename();
+    if (name != FolderLock::kName && name != kShareFolder) return true;
   }
   return false;
 }

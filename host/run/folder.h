@@ -17,6 +17,9 @@
 
 namespace impactdic::run {
 
+// Of a folder of results: where processes that share a run leave what they tell each other.
+inline constexpr const char* kShareFolder = ".share";
+
 // A folder that one run writes into. As long as this lives no other run does.
 class OutputFolder {
  public:

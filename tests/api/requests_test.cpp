@@ -90,6 +90,19 @@ TEST(Requests, FieldOptionsRefuseEachImpossibleValueByName) {
   refused([](F& f) { f.method = static_cast<FieldMethod>(9); }, "--method");
 }
 
+TEST(Requests, ABatchThatIsSharedDoesToo) {
+  BatchRequest batch;
+  batch.folder = "shots";
+  batch.output.folder = "out";
+  using B = BatchRequest;
+  expect_refused<B>(
+      batch, [](B& r) { r.share.name = "a/b"; }, "--share");
+  expect_refused<B>(
+      batch, [](B& r) { r.share = {.name = "a", .shard = 3, .shards = 2}; }, "--shard");
+  expect_refused<B>(
+      batch, [](B& r) { r.share.lost_after_s = kNotMeasured; }, "--lost-after");
+}
+
 TEST(Requests, FoldersCorrelateBatchAndSessionsDoToo) {
   TrackFolder folder;
   folder.folder = "out";

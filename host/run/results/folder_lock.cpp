@@ -5,12 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 #include <system_error>
+
+#include "host/base/process_name.h"
 
 namespace impactdic::run {
 namespace {
@@ -24,50 +24,15 @@ constexpr seconds kTouchEvery{10};
 constexpr milliseconds kSettles{300};
 constexpr int kTries = 50;
 
-std::string host_name() {
-  std::array<char, 256> name = {};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
-}
-
-// When a process began, which tells it from a later one of the same number; "" where none runs or
-// nothing is known of it.
-std::string start_of(long pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string text;
-  if (!std::getline(file, text)) return "";
-  std::istringstream fields(text.substr(std::min(text.size(), text.rfind(')') + 2)));
-  std::string field;
-  for (int i = 0; i < 20; ++i) fields >> field;  // the 22nd of proc(5)
-  return field;
-}
-
-struct Owner {
-  std::string host, start;
-  long pid = 0;
-};
-
-Owner this_process() { return {host_name(), start_of(::getpid()), ::getpid()}; }
-
-std::string text_of(const Owner& owner) {
-  return "host " + owner.host + "\npid " + std::to_string(owner.pid) + "\nstart " + owner.start +
-         "\n";
-}
-
-Owner read_owner(const fs::path& path) {
+ProcessName read_owner(const fs::path& path) {
   std::ifstream file(path);
-  Owner owner;
-  for (std::string key; file >> key;) {
-    if (key == "host") file >> owner.host;
-    if (key == "pid") file >> owner.pid;
-    if (key == "start") file >> owner.start;
-  }
-  return owner;
+  return parse_process({std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()});
 }
 
 // The file system's clock, which need not be this machine's.
 fs::file_time_type now_at(const fs::path& folder) {
-  const fs::path probe = folder / (std::string(FolderLock::kName) + "." + host_name() + "." +
-                                   std::to_string(::getpid()));
+  const fs::path probe = folder / (std::string(FolderLock::kName) + "." + this_process().host +
+                                   "." + std::to_string(::getpid()));
   std::ofstream(probe) << '\n';
   std::error_code error;
   const auto now = fs::last_write_time(probe, error);
@@ -75,18 +40,15 @@ fs::file_time_type now_at(const fs::path& folder) {
   return now;
 }
 
-bool is_alive(const Owner& owner, const fs::path& path) {
+bool is_alive(const ProcessName& owner, const fs::path& path) {
   if (owner.pid <= 0) return false;
-  if (owner.host == host_name()) {
-    if (::kill(static_cast<pid_t>(owner.pid), 0) != 0 && errno == ESRCH) return false;
-    return owner.start.empty() || owner.start == start_of(owner.pid);
-  }
+  if (owner.host == this_process().host) return !is_gone(owner);
   std::error_code error;
   const auto touched = fs::last_write_time(path, error);
   return !error && now_at(path.parent_path()) - touched < FolderLock::kSilence;
 }
 
-[[noreturn]] void refuse(const Owner& owner, const fs::path& folder) {
+[[noreturn]] void refuse(const ProcessName& owner, const fs::path& folder) {
   std::string who = "another run";
   if (owner.pid > 0) {
     who = "process " + std::to_string(owner.pid) + " on " + owner.host;
@@ -146,10 +108,10 @@ bool FolderLock::try_take() {
                     folder_.string());
   }
   const Taken taken = lock_file(file_);
-  const Owner owner = read_owner(path_);
+  const ProcessName owner = read_owner(path_);
   system_locks_ = taken != Taken::kUnsupported;
   // With the system's lock in hand a process of this machine cannot be its owner any more.
-  const bool may_live = !system_locks_ || owner.host != host_name();
+  const bool may_live = !system_locks_ || owner.host != this_process().host;
   if (taken == Taken::kNo || (may_live && is_alive(owner, path_))) {
     give_up();
     refuse(owner, folder_);
@@ -169,15 +131,15 @@ bool FolderLock::try_take() {
 
 // Writes down whose the folder is.
 void FolderLock::claim() {
-  const Owner self = this_process();
-  const std::string text = text_of(self);
+  const ProcessName self = this_process();
+  const std::string text = to_text(self);
   if (::ftruncate(file_, 0) != 0 ||
       ::pwrite(file_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
     throw FileError("cannot write the file", path_.string(), "is the disk full?");
   }
   if (system_locks_) return;
   std::this_thread::sleep_for(kSettles);
-  const Owner now = read_owner(path_);
+  const ProcessName now = read_owner(path_);
   if (now.pid != self.pid || now.host != self.host || now.start != self.start) {
     refuse(now, folder_);
   }
