@@ -26,6 +26,20 @@ constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
+// Less the line through them, in order.
+void remove_line(std::vector<double>& values) {
+  const double middle = (static_cast<double>(values.size()) - 1) / 2;
+  double sum = 0, moment = 0, spread = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    sum += values[i], moment += x * values[i], spread += x * x;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    values[i] -= sum / static_cast<double>(values.size()) + (spread > 0 ? moment / spread * x : 0);
+  }
+}
+
 class FlightSolver {
  public:
   FlightSolver(const ImpactSeries& series, const GravityDirection& direction,
@@ -56,7 +70,8 @@ class FlightSolver {
       if (!reject() && round > 0) break;
     }
     const double position_scale = scale_[0];
-    if (series_.sphere) scale_[0] *= std::sqrt(alike_in_a_row());
+    if (series_.sphere) scale_[0] *= std::sqrt(alike_in_a_row(DatumKind::kCentre));
+    if (!series_.sphere) scale_[1] *= std::sqrt(alike_in_a_row(DatumKind::kStep));
     if (!least_squares()) return fit;
     fit.ok = true;
     fit.state.head(states()) = solution_.head(states());
@@ -192,25 +207,30 @@ class FlightSolver {
     fit.radius_error = {solution_[radius], std::sqrt(covariance_(radius, radius))};
   }
 
-  // A sphere's circle errs as its texture turns under the rim: alike in frames that follow each
-  // other. How many of them count as one: the sum of the residuals' correlations (Sokal 1997).
-  double alike_in_a_row() const {
+  // A sphere's circle errs as its texture turns under the rim, and compressed film as its coder
+  // goes on from picture to picture: alike in frames that follow each other. How many of them count
+  // as one: the sum of the residuals' correlations (Sokal 1997).
+  double alike_in_a_row(DatumKind kind) const {
     std::array<std::vector<double>, 4> residuals;  // by flight and axis, in order
     for (const Datum& d : data_) {
-      if (!d.used || d.kind != DatumKind::kCentre) continue;
+      if (!d.used || d.kind != kind) continue;
       residuals[static_cast<std::size_t>(d.column[0] / 2)].push_back(residual(d) / d.sd);
     }
-    double variance = 0, sum = 0;
-    for (const auto& r : residuals) {
-      for (const double x : r) variance += x * x;
+    double variance = 0, sum = 0, count = 0;
+    for (auto& r : residuals) {
+      // What centres and steps contradict each other by is no scatter (take_disagreement).
+      if (!series_.sphere) remove_line(r);
+      for (const double x : r) variance += x * x, ++count;
     }
+    // Of independent errors one in a thousand looks alike.
+    const double least = series_.sphere ? 0.05 : 3 / std::sqrt(count);
     for (std::size_t lag = 1;; ++lag) {
       double products = 0;
       bool any = false;
       for (const auto& r : residuals) {
         for (std::size_t i = 0; i + lag < r.size(); ++i) products += r[i] * r[i + lag], any = true;
       }
-      if (!any || !(products > 0.05 * variance)) break;
+      if (!any || !(products > least * variance)) break;
       sum += products / variance;
     }
     return 1 + 2 * sum;

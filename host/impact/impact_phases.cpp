@@ -8,7 +8,8 @@
 
 #include "host/base/statistics.h"
 #include "host/impact/contact_edge.h"
-#include "host/impact/contact_guess.h"
+#include "host/impact/evidence/contact_guess.h"
+#include "host/impact/evidence/path_evidence.h"
 #include "host/impact/flight_fit.h"
 #include "host/impact/flight_spin.h"
 #include "host/impact/free_radius.h"
@@ -23,7 +24,9 @@ namespace {
 constexpr std::size_t kFewestFlightFrames = 6;
 constexpr std::size_t kFewestContactFrames = 8;
 constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
-constexpr double kSignificant = 8;      // deviations that an impact must stand out by
+constexpr double kSignificant = 3;      // deviations that an impulse must stand out by
+// Logarithm of the odds against a smooth path; the sharpest of some hundred places is looked at.
+constexpr double kEvident = 7;
 
 class Analysis {
  public:
@@ -39,7 +42,9 @@ class Analysis {
     set_radius(free_radius(rows_));
     guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
     if (!guess_.found) return result_;
-    if (!set_flights()) {
+    const bool long_enough = set_flights();
+    if (!is_evident(long_enough)) return result_;
+    if (!long_enough) {
       set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},
                              {guess_.last + kLeastGuard, series_.size() - 1, 0}));
       result_.status = ImpactStatus::kFlightTooShort;
@@ -60,6 +65,7 @@ class Analysis {
   void fit_both() {
     flights_ = fit_flights(series_, before_, after_, direction_, options_.gravity);
   }
+  bool is_evident(bool with_flights) const;
   bool is_impact() const;
   void find_contact();
   void refit(double length);
@@ -116,8 +122,8 @@ void Analysis::limit_flights() {
   after_.last = std::min(after_.last, after_.first + longest);
 }
 
-// Cuts off what, further out, is no part of the same flight: another impact, a hand, the picture's
-// edge. A block of ten frames must go on as those nearer to the contact do.
+// Cuts off what, further out, is no part of the same flight: another impact, a hand. A block of ten
+// frames must go on as those nearer to the contact do.
 void Analysis::trim(FlightRange& range, bool before) const {
   constexpr std::size_t kBlock = 10;
   const double gravity = options_.gravity.value_or(0.0) * direction_.n;
@@ -141,6 +147,15 @@ void Analysis::trim(FlightRange& range, bool before) const {
   }
 }
 
+// Whether the path is broken, rather than smooth.
+bool Analysis::is_evident(bool with_flights) const {
+  const auto longest = static_cast<std::size_t>(options_.flight_frames);
+  PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
+                   std::min(guess_.last + longest, series_.size() - 1)};
+  if (with_flights) span.begin = before_.first, span.end = after_.last;
+  return odds_of_contact(series_, span) > kEvident;
+}
+
 // The surface's impulse must stand out of what flights under gravity alone would show.
 bool Analysis::is_impact() const {
   if (!flights_.ok) return false;
@@ -148,8 +163,7 @@ bool Analysis::is_impact() const {
   const double impulse = flights_.state[kVn1] - flights_.state[kVn0] -
                          flights_.gravity * direction_.n * (after_.at - before_.at);
   const double sd = std::sqrt(c(kVn0, kVn0) + c(kVn1, kVn1) - 2 * c(kVn0, kVn1));
-  return flights_.state[kVn0] < 0 && flights_.state[kVn1] > 0 && impulse > kSignificant * sd &&
-         impulse > kSignificant * guess_.step_noise / 2;
+  return flights_.state[kVn0] < 0 && flights_.state[kVn1] > 0 && impulse > kSignificant * sd;
 }
 
 ContactEdge Analysis::edge(bool end, double near) const {

@@ -1,4 +1,4 @@
-#include "host/impact/contact_guess.h"
+#include "host/impact/evidence/contact_guess.h"
 
 #include <impactdic/units.h>
 
