@@ -4,45 +4,62 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace impactdic::sphere {
 namespace {
 
-using Response = Eigen::Matrix<double, 5, 3>;     // X, Y, turns about X, Y, Z; to X, Y, radius
-using Shift = Eigen::Matrix<double, 2, 5>;        // of a pixel of the first picture by a motion
-using SourceShift = Eigen::Matrix<double, 2, 3>;  // by an error
-constexpr int kAcross = 13;                       // points over the disc
+using Response = Eigen::Matrix<double, 5, 3>;          // X, Y, turns about X, Y, Z; to X, Y, radius
+constexpr int kAcross = 13;                            // points over the disc
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;  // of the radius, as the kernel weighs pixels
 
-// Unit sphere, camera axes.
+// Points of the unit sphere's visible half, evenly over its disc, camera axes.
+const std::vector<Eigen::Vector3d>& points() {
+  static const std::vector<Eigen::Vector3d> all = [] {
+    std::vector<Eigen::Vector3d> made;
+    for (int j = 0; j < kAcross; ++j) {
+      for (int i = 0; i < kAcross; ++i) {
+        const double x = 2 * (i + 0.5) / kAcross - 1, y = 2 * (j + 0.5) / kAcross - 1;
+        if (x * x + y * y < 1) made.emplace_back(x, y, std::sqrt(1 - x * x - y * y));
+      }
+    }
+    return made;
+  }();
+  return all;
+}
+
+// With B the motions' Jacobian of where a pixel of the first picture goes, pulled back into it by
+// L⁻¹ (L: how the second picture's pixels follow the first one's), B = L⁻¹ (1, q × at): the sums of
+// BᵀB and BᵀE, where E are the errors' own shifts.
 Response response_of(const Eigen::Matrix3d& q) {
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
   Response right = Response::Zero();
-  for (int j = 0; j < kAcross; ++j) {
-    for (int i = 0; i < kAcross; ++i) {
-      const double x = 2 * (i + 0.5) / kAcross - 1, y = 2 * (j + 0.5) / kAcross - 1;
-      if (x * x + y * y >= 1) continue;
-      const Eigen::Vector3d at(x, y, std::sqrt(1 - x * x - y * y));
-      const double depth = std::min(at.z(), (q * at).z());
-      const double weight =
-          std::clamp((depth - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
-      if (weight == 0) continue;
-      Eigen::Matrix<double, 3, 2> lift;  // along the sphere where the first picture's pixel moves
-      lift << 1, 0, 0, 1, -x / at.z(), -y / at.z();
-      const Eigen::Matrix2d local = (q * lift).topRows<2>();
-      const Eigen::Matrix2d back = local.inverse();
-      Shift by_motion;
-      by_motion.leftCols<2>() = back;
-      for (int axis = 0; axis < 3; ++axis) {
-        by_motion.col(2 + axis) = back * (q * Eigen::Vector3d::Unit(axis).cross(at)).head<2>();
-      }
-      SourceShift by_error;
-      by_error.leftCols<2>() = back - Eigen::Matrix2d::Identity();
-      by_error.col(2) = back * q.col(2).head<2>() / at.z();
-      normal += weight * by_motion.transpose() * by_motion;
-      right -= weight * by_motion.transpose() * by_error;
-    }
+  const Eigen::Matrix<double, 2, 3> top = q.topRows<2>();
+  for (const Eigen::Vector3d& at : points()) {
+    const double depth = std::min(at.z(), q.row(2).dot(at));
+    const double weight = std::clamp((depth - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
+    if (weight == 0) continue;
+    // Along the sphere where the first picture's pixel moves.
+    Eigen::Matrix2d local;
+    local.col(0) = top.col(0) - at.x() / at.z() * top.col(2);
+    local.col(1) = top.col(1) - at.y() / at.z() * top.col(2);
+    const Eigen::Matrix2d back = local.inverse();
+    Eigen::Matrix<double, 2, 3> turns;  // of a unit turn about each axis
+    turns.col(0) = at.y() * top.col(2) - at.z() * top.col(1);
+    turns.col(1) = at.z() * top.col(0) - at.x() * top.col(2);
+    turns.col(2) = at.x() * top.col(1) - at.y() * top.col(0);
+    const Eigen::Matrix2d square = weight * back.transpose() * back;
+    Eigen::Matrix<double, 2, 3> by_error;
+    by_error.leftCols<2>() = square - weight * back.transpose();
+    by_error.col(2) = square * top.col(2) / at.z();
+    const Eigen::Matrix<double, 2, 3> square_turns = square * turns;
+    normal.topLeftCorner<2, 2>() += square;
+    normal.topRightCorner<2, 3>() += square_turns;
+    normal.bottomRightCorner<3, 3>() += turns.transpose() * square_turns;
+    right.topRows<2>() -= by_error;
+    right.bottomRows<3>() -= turns.transpose() * by_error;
   }
+  normal.bottomLeftCorner<3, 2>() = normal.topRightCorner<2, 3>().transpose();
   return normal.ldlt().solve(right);
 }
 
