@@ -14,17 +14,17 @@ Eigen::Quaterniond turn_of(const dic::RigidMotion& motion) {
   return dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
 }
 
-// What an error of one deviation of the radius does to a sphere's motion.
+// What a px of the radius does to a sphere's motion.
 struct RadiusEffect {
-  double x_px = 0, y_px = 0;
+  double x = 0, y = 0;
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
 };
 
-RadiusEffect effect_on(const dic::RigidMotion& motion, const SphereRadius& radius) {
+RadiusEffect effect_on(const dic::RigidMotion& motion, double radius_px) {
   const auto response =
-      sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius.px);
+      sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px);
   const auto of = [&](const sphere::SourceResponse::ToSources& to) {
-    const double effect = to[sphere::kToRadius] * radius.sd_px;
+    const double effect = to[sphere::kToRadius];
     return std::isfinite(effect) ? effect : 0.0;
   };
   return {of(response.dx),
@@ -33,15 +33,29 @@ RadiusEffect effect_on(const dic::RigidMotion& motion, const SphereRadius& radiu
 }
 
 // Deviations without the radius's part.
-dic::RigidMotion without(const RadiusEffect& effect, dic::RigidMotion motion) {
-  const auto strip = [](double& sd, double part) {
+dic::RigidMotion without(const RadiusEffect& effect, double radius_sd_px, dic::RigidMotion motion) {
+  const auto strip = [&](double& sd, double by_radius) {
+    const double part = by_radius * radius_sd_px;
     sd = std::sqrt(std::max(0.0, sd * sd - part * part));
   };
-  strip(motion.dx_sd_px, effect.x_px);
-  strip(motion.dy_sd_px, effect.y_px);
+  strip(motion.dx_sd_px, effect.x);
+  strip(motion.dy_sd_px, effect.y);
   strip(motion.rot_x_sd_rad, effect.turn_rad.x());
   strip(motion.rot_y_sd_rad, effect.turn_rad.y());
   strip(motion.rot_sd_rad, effect.turn_rad.z());
+  return motion;
+}
+
+// What the motion is with the radius as it is thought to be.
+dic::RigidMotion corrected(dic::RigidMotion motion, const RadiusEffect& effect, double error_px) {
+  if (error_px == 0) return motion;
+  const Eigen::Vector3d less = -error_px * effect.turn_rad;
+  const Eigen::Vector3d turn = dic::rotation_vector(dic::quaternion_of(less) * turn_of(motion));
+  motion.rot_x_rad = turn.x();
+  motion.rot_y_rad = turn.y();
+  motion.rot_rad = turn.z();
+  motion.dx_px -= error_px * effect.x;
+  motion.dy_px -= error_px * effect.y;
   return motion;
 }
 
@@ -50,8 +64,8 @@ LinkedPose with_link(const LinkedPose& pose, const Circle& circle, const dic::Ri
                      const RadiusEffect& effect) {
   LinkedPose next = pose;
   static_cast<BodyPose&>(next) = moved(pose, circle, motion);
-  next.radius_x_px += effect.x_px;
-  next.radius_y_px += effect.y_px;
+  next.radius_x += effect.x;
+  next.radius_y += effect.y;
   // An error made before turns along with the ball.
   const Eigen::Matrix3d q = turn_of(motion).toRotationMatrix();
   Eigen::Map<Eigen::Vector3d> by_radius(next.radius_turn_rad.data());
@@ -101,14 +115,14 @@ Point turned(double x, double y, double angle_rad) {
   return {c * x + s * y, -s * x + c * y};
 }
 
-BodyPose LinkedPose::stated() const {
+BodyPose LinkedPose::stated(double radius_sd_px) const {
   BodyPose pose = *this;
-  pose.x_sd_px = std::hypot(x_sd_px, radius_x_px);
-  pose.y_sd_px = std::hypot(y_sd_px, radius_y_px);
   if (!is_sphere(*this)) return pose;
   const auto about = [&](std::size_t axis) {
-    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), radius_turn_rad[axis]);
+    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), radius_turn_rad[axis] * radius_sd_px);
   };
+  pose.x_sd_px = std::hypot(x_sd_px, radius_x * radius_sd_px);
+  pose.y_sd_px = std::hypot(y_sd_px, radius_y * radius_sd_px);
   pose.tilt_x_sd_rad = about(0);
   pose.tilt_y_sd_rad = about(1);
   pose.angle_sd_rad = about(2);
@@ -133,8 +147,9 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
                   const SphereRadius& radius) {
   if (is_sphere(pose)) {
-    const RadiusEffect effect = effect_on(motion, radius);
-    return with_link(pose, circle, without(effect, motion), effect);
+    const RadiusEffect effect = effect_on(motion, radius.px);
+    const dic::RigidMotion noisy = without(effect, radius.told_sd_px, motion);
+    return with_link(pose, circle, corrected(noisy, effect, radius.error_px), effect);
   }
   LinkedPose next = pose;
   static_cast<BodyPose&>(next) = moved(pose, circle, motion);
@@ -151,7 +166,10 @@ LinkedPose registered(const LinkedPose& key, const Circle& circle, const BallMot
   dic::RigidMotion rigid = is_sphere(key) ? sphere_motion(motion, 0) : dic::RigidMotion{};
   rigid.dx_px = motion.dx + u;
   rigid.dy_px = motion.dy + v;
-  if (is_sphere(key)) return with_link(key, circle, rigid, effect_on(rigid, radius));
+  if (is_sphere(key)) {
+    const RadiusEffect effect = effect_on(rigid, radius.px);
+    return with_link(key, circle, corrected(rigid, effect, radius.error_px), effect);
+  }
   rigid.rot_rad = motion.rot_rad;
   rigid.dx_sd_px = motion.dx_sd;
   rigid.dy_sd_px = motion.dy_sd;

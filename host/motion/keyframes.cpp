@@ -9,6 +9,7 @@
 #include "host/dic/sphere/rotation.h"
 #include "host/motion/body_motion.h"
 #include "host/motion/estimators.h"
+#include "host/motion/turn_closure.h"
 
 namespace impactdic::motion {
 namespace {
@@ -28,10 +29,14 @@ constexpr double kLeastSeen = 0.45;
 // this tilt: nearer, it was something else than foreshortening. Wherever all frames fit, the reach
 // grows by the last of these.
 constexpr double kReach = 0.8, kLeastReach_rad = 0.1, kGrowth = 1.02;
+// A frame has come round where a keyframe's chain holds less than this share of the radius's effect
+// on the frame before.
+constexpr double kCloser = 0.7;
 
 }  // namespace
 
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
+  if (memory.radius.px == 0) memory.radius = memory_.radius;  // of an older version
   memory_ = std::move(memory);
   for (const Keyframe& key : memory_.keyframes) keep_picture(key, read(key.pose.keyframe));
 }
@@ -140,13 +145,13 @@ BallTask Keyframes::task_of(const ChainedFrame& frame, const BodyPose& near,
     start.rot_x_rad = vector.x();
     start.rot_y_rad = vector.y();
     start.rot_rad = vector.z();
-    task = sphere_task(cut, radius_.px, start);
+    task = sphere_task(cut, radius_px_, start);
   } else {
     const double turn = near.angle_rad - key.pose.angle_rad;
     const Point arm = turned(arm_x, arm_y, turn);
     task.cx = static_cast<float>(cut.cx_px);
     task.cy = static_cast<float>(cut.cy_px);
-    task.radius = static_cast<float>(radius_.px - dic::kRimMarginPx);
+    task.radius = static_cast<float>(radius_px_ - dic::kRimMarginPx);
     task.guess_dx = static_cast<float>(near.x_px + arm.x - key.circle.cx_px - u);
     task.guess_dy = static_cast<float>(near.y_px + arm.y - key.circle.cy_px - v);
     task.guess_rot_rad = static_cast<float>(std::remainder(turn, 2 * kPi));
@@ -191,7 +196,8 @@ std::vector<BallMotion> Keyframes::measure(std::span<const ChainedFrame> frames,
 }
 
 std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
-                                         std::span<const BodyPose> near, KeyframeSlots& slots) {
+                                         std::span<const BodyPose> near, const Before& before,
+                                         KeyframeSlots& slots) {
   Plan plan = this->plan(frames, near);
   const std::vector<BallMotion> motions = measure(frames, near, plan, slots);
   std::vector<LinkedPose> placed;
@@ -206,6 +212,8 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
       learn_reach(target.key.pose, near[i]);
       break;
     }
+    const Before last = i == 0 ? before : Before{&frames[i - 1], &placed[i - 1]};
+    if (sphere_ && last.pose != nullptr) close_turn(last, placed.back(), plan);
     if (next < plan.targets.size() && plan.targets[next].frame == &frames[i]) {
       plan.targets[next++].key = keep(frames[i], placed.back());
     }
@@ -247,7 +255,26 @@ LinkedPose Keyframes::pose_of(const ChainedFrame& frame, const BodyPose& near,
   }
   const CropOrigin origin = crop_.about(key.circle);
   return registered(key.pose, key.circle, motion, frame.origin.x - origin.x,
-                    frame.origin.y - origin.y, near.angle_rad, radius_);
+                    frame.origin.y - origin.y, near.angle_rad, memory_.radius);
+}
+
+void Keyframes::close_turn(const Before& last, LinkedPose& closed, Plan& plan) {
+  const auto length = [](const LinkedPose& pose) {
+    const auto& g = pose.radius_turn_rad;
+    return std::hypot(g[0], g[1], g[2]);
+  };
+  if (!(length(closed) < kCloser * length(*last.pose))) return;
+  const LinkedPose along =
+      linked(*last.pose, last.frame->circle, *last.frame->next, memory_.radius);
+  const auto better = radius_from(along, closed, memory_.radius);
+  if (!better) return;
+  const double more_px = better->error_px - memory_.radius.error_px;
+  for (Keyframe& key : memory_.keyframes) key.pose = with_radius_error(key.pose, more_px);
+  for (Target& target : plan.targets) {
+    target.key.pose = with_radius_error(target.key.pose, more_px);
+  }
+  closed = with_radius_error(closed, more_px);
+  memory_.radius = *better;
 }
 
 void Keyframes::learn_reach(const BodyPose& key, const BodyPose& near) {
@@ -268,7 +295,7 @@ std::optional<LinkedPose> Keyframes::find_again(const ChainedFrame& frame, Keyfr
       [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
   for (const dic::RigidMotion& motion : sought(*key, frame, slots)) {
     const std::vector<LinkedPose> found =
-        place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)}, slots);
+        place({&frame, 1}, std::vector{moved(key->pose, key->circle, motion)}, {}, slots);
     if (!found.empty()) return found[0];
   }
   return std::nullopt;
@@ -286,13 +313,13 @@ std::vector<dic::RigidMotion> Keyframes::sought(const Keyframe& key, const Chain
   motion.dx_px = frame.circle.cx_px - key.circle.cx_px;
   motion.dy_px = frame.circle.cy_px - key.circle.cy_px;
   if (!sphere_) {
-    const dic::RingMotion turn = slots.turn(ring_task(pair, radius_.px));
+    const dic::RingMotion turn = slots.turn(ring_task(pair, radius_px_));
     if (turn.status != WindowStatus::kOk) return {};
     motion.rot_rad = turn.rot_rad;
     return {motion};
   }
   std::vector<dic::RigidMotion> motions;
-  for (const dic::SphereTurn& found : slots.turns(search_task(pair, radius_.px))) {
+  for (const dic::SphereTurn& found : slots.turns(search_task(pair, radius_px_))) {
     const Eigen::Vector3d vector = dic::rotation_vector({found.w, found.x, found.y, found.z});
     motion.rot_x_rad = vector.x();
     motion.rot_y_rad = vector.y();
@@ -331,11 +358,12 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
       const BodyPose& before = near.empty() ? poses[i - 1] : near.back();
       near.push_back(moved(before, frames[k - 1].circle, *frames[k - 1].next));
     }
-    const std::vector<LinkedPose> placed = place(frames.subspan(i, near.size()), near, slots);
+    const std::vector<LinkedPose> placed =
+        place(frames.subspan(i, near.size()), near, {&frames[i - 1], &poses[i - 1]}, slots);
     for (const LinkedPose& pose : placed) poses[i++] = pose;
     if (placed.size() < near.size()) {
       const LinkedPose reached =
-          linked(poses[i - 1], frames[i - 1].circle, *frames[i - 1].next, radius_);
+          linked(poses[i - 1], frames[i - 1].circle, *frames[i - 1].next, memory_.radius);
       poses[i] = frames[i].compressed ? reached : keep(frames[i], reached).pose;
       ++i;
       at_once = kFewAtOnce;
@@ -348,7 +376,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
     memory_.last_index = frames.back().index;
   }
   std::vector<BodyPose> stated;
-  for (const LinkedPose& pose : poses) stated.push_back(pose.stated());
+  for (const LinkedPose& pose : poses) stated.push_back(pose.stated(memory_.radius.sd_px));
   return stated;
 }
 

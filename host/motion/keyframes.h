@@ -49,7 +49,9 @@ class Keyframes {
   // `radius_px` is the ball's, `crop` the size of the frames' parts. `sphere`: it turns about any
   // axis, and poses have orientations; `radius_sd_px` is then its radius's deviation.
   Keyframes(double radius_px, const BallCrop& crop, bool sphere, double radius_sd_px)
-      : radius_{radius_px, radius_sd_px}, crop_(crop), sphere_(sphere) {}
+      : radius_px_(radius_px), crop_(crop), sphere_(sphere) {
+    memory_.radius = {radius_px, radius_sd_px, 0, radius_sd_px};
+  }
 
   // Poses of consecutive frames, the first of which may be the last one of the call before (it
   // then keeps its pose). Calls follow the order of the frames; `slots` may be another every time.
@@ -67,6 +69,7 @@ class Keyframes {
     std::vector<Keyframe> keyframes;  // oldest first
     LinkedPose last;                  // of frame last_index
     std::int64_t last_index = -1;
+    SphereRadius radius;  // what the clip has told of a sphere's
     // Of a sphere: a frame that is tilted farther from its keyframe becomes one itself.
     double reach_rad = std::numeric_limits<double>::infinity();
   };
@@ -81,6 +84,11 @@ class Keyframes {
   struct Target {
     Keyframe key;
     const ChainedFrame* frame = nullptr;
+  };
+  // The frame before those that are placed; none after a gap.
+  struct Before {
+    const ChainedFrame* frame = nullptr;
+    const LinkedPose* pose = nullptr;
   };
   struct Plan {
     std::vector<Target> targets;
@@ -105,7 +113,8 @@ class Keyframes {
   // Registers frames against their targets from the poses expected of them. Poses up to the first
   // that does not fit.
   std::vector<LinkedPose> place(std::span<const ChainedFrame> frames,
-                                std::span<const BodyPose> near, KeyframeSlots& slots);
+                                std::span<const BodyPose> near, const Before& before,
+                                KeyframeSlots& slots);
   // What does not fit may be a ball under compression, or look otherwise than it did then.
   std::optional<LinkedPose> place_otherwise(const ChainedFrame& frame, const BodyPose& near,
                                             const Target& target, KeyframeSlots& slots);
@@ -120,6 +129,8 @@ class Keyframes {
   // Of a frame that fits `key`, which takes note of it.
   LinkedPose pose_of(const ChainedFrame& frame, const BodyPose& near, const BallMotion& motion,
                      Keyframe& key);
+  // Takes note of what a closed turn says of the radius, in all that is known so far.
+  void close_turn(const Before& last, LinkedPose& closed, Plan& plan);
   void learn_reach(const BodyPose& key, const BodyPose& near);
   bool fits(const BallMotion& motion, const Keyframe& key) const;
   // Looks for the ball after a gap: the turn by rings about the circles.
@@ -128,7 +139,7 @@ class Keyframes {
   std::vector<dic::RigidMotion> sought(const Keyframe& key, const ChainedFrame& frame,
                                        KeyframeSlots& slots);
 
-  SphereRadius radius_;
+  double radius_px_;
   BallCrop crop_;
   bool sphere_;
   Memory memory_;

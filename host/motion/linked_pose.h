@@ -7,9 +7,11 @@
 
 namespace impactdic::motion {
 
-// A sphere's radius, as registrations were told it.
+// A sphere's radius: as registrations are told it, and the deviation that the steps from frame to
+// frame hold of it; by how much it is thought to be too large, and the deviation of that.
 struct SphereRadius {
-  double px = 0, sd_px = 0;
+  double px = 0, told_sd_px = 0;
+  double error_px = 0, sd_px = told_sd_px;
 };
 
 // A pose at the end of a chain of registrations. Its deviations are those of their noise, which is
@@ -18,13 +20,13 @@ struct SphereRadius {
 struct LinkedPose : BodyPose {
   // Of a sphere: covariance of the turn's noise about X, Y and Z, rad², row by row.
   std::array<double, 9> turn_noise_rad2{};
-  // What an error of one deviation of the radius does to place and turn: px, x right and y down,
-  // and rad about X, Y and Z.
-  double radius_x_px = 0, radius_y_px = 0;
+  // What each px by which the radius is larger than thought did to place and turn: px, x right and
+  // y down, and rad about X, Y and Z.
+  double radius_x = 0, radius_y = 0;
   std::array<double, 3> radius_turn_rad{};
 
-  // The pose with all that is known to be uncertain.
-  BodyPose stated() const;
+  // The pose with all that is known to be uncertain, the radius by this deviation.
+  BodyPose stated(double radius_sd_px) const;
 };
 
 }  // namespace impactdic::motion

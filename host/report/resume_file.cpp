@@ -111,14 +111,22 @@ void each_of_pose(Field field, T& pose) {
 template <typename Field, typename T>
 void each_of_linked(Field field, T& pose) {
   each_of_pose(field, pose);
-  field("radius_x_px", pose.radius_x_px);
-  field("radius_y_px", pose.radius_y_px);
+  field("radius_x", pose.radius_x);
+  field("radius_y", pose.radius_y);
   field("radius_turn_x_rad", pose.radius_turn_rad[0]);
   field("radius_turn_y_rad", pose.radius_turn_rad[1]);
   field("radius_turn_z_rad", pose.radius_turn_rad[2]);
   for (std::size_t k = 0; k < pose.turn_noise_rad2.size(); ++k) {
     field("turn_noise_" + std::to_string(k), pose.turn_noise_rad2[k]);
   }
+}
+
+template <typename Field, typename T>
+void each_of_radius(Field field, T& radius) {
+  field("px", radius.px);
+  field("told_sd_px", radius.told_sd_px);
+  field("error_px", radius.error_px);
+  field("sd_px", radius.sd_px);
 }
 
 template <typename Field, typename T>
@@ -182,6 +190,7 @@ json describe(const motion::Keyframes::Memory& memory) {
     each_of_keyframe(Writer{described["keyframes"].emplace_back(json::object())}, key);
   }
   each_of_linked(Writer{described["last"]}, memory.last);
+  each_of_radius(Writer{described["radius"] = json::object()}, memory.radius);
   return described;
 }
 
@@ -192,6 +201,7 @@ motion::Keyframes::Memory keyframes_of(const json& described) {
   }
   each_of_linked(Reader{described.at("last")}, memory.last);
   memory.last_index = described.at("last_index").get<std::int64_t>();
+  if (described.contains("radius")) each_of_radius(Reader{described.at("radius")}, memory.radius);
   if (described.contains("reach_rad")) memory.reach_rad = number(described.at("reach_rad"));
   return memory;
 }
@@ -253,6 +263,10 @@ void check(const pipeline::ResumePoint& point) {
   demand(point.keyframes->last_index >= -1 && point.keyframes->last_index <= row);
   check(point.keyframes->last, row);
   demand(point.keyframes->reach_rad > 0);
+  const motion::SphereRadius& radius = point.keyframes->radius;
+  for (const double value : {radius.px, radius.told_sd_px, radius.error_px, radius.sd_px}) {
+    demand(is_usual(value));
+  }
   std::set<int> slots;
   for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
     demand(key.slot >= 0 && key.slot < motion::kKeyframes && slots.insert(key.slot).second);

@@ -6,7 +6,10 @@
 
 #include "host/base/statistics.h"
 #include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/body_motion.h"
+#include "host/motion/turn_closure.h"
+#include "host/sphere/source_response.h"
 
 namespace impactdic::motion {
 namespace {
@@ -45,7 +48,8 @@ TEST(LinkedPose, NoiseTurnsAlongWithTheBall) {
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal;
   LinkedPose truth = beginning();
-  for (int k = 0; k < kLinks; ++k) truth = linked(truth, {}, turn(step, kSd), {kRadiusPx, 0});
+  for (int k = 0; k < kLinks; ++k)
+    truth = linked(truth, {}, turn(step, kSd), SphereRadius{kRadiusPx});
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
   for (int chain = 0; chain < kChains; ++chain) {
     LinkedPose pose = beginning();
@@ -53,12 +57,12 @@ TEST(LinkedPose, NoiseTurnsAlongWithTheBall) {
       const Eigen::Vector3d noise(kSd * normal(random), kSd * normal(random),
                                   0.1 * kSd * normal(random));
       const Eigen::Quaterniond measured = dic::quaternion_of(noise) * dic::quaternion_of(step);
-      pose = linked(pose, {}, turn(dic::rotation_vector(measured), kSd), {kRadiusPx, 0});
+      pose = linked(pose, {}, turn(dic::rotation_vector(measured), kSd), SphereRadius{kRadiusPx});
     }
     squares += apart(truth, pose).cwiseAbs2();
   }
   const Eigen::Vector3d rms = (squares / kChains).cwiseSqrt();
-  const BodyPose stated = truth.stated();
+  const BodyPose stated = truth.stated(0);
   // 2000 chains know a deviation to 1.6 %.
   EXPECT_NEAR(rms.x() / stated.tilt_x_sd_rad, 1, 0.06);
   EXPECT_NEAR(rms.y() / stated.tilt_y_sd_rad, 1, 0.06);
@@ -73,11 +77,74 @@ TEST(LinkedPose, TheRadiusErrsAlikeInEveryLink) {
   double half = 0;
   for (int k = 0; k < 40; ++k) {
     if (k == 20) half = Eigen::Vector3d(pose.radius_turn_rad.data()).norm();
-    pose = linked(pose, {}, step, {kRadiusPx, 0.05});
+    pose = linked(pose, {}, step, SphereRadius{kRadiusPx, 0.05});
   }
   EXPECT_NEAR(Eigen::Vector3d(pose.radius_turn_rad.data()).norm() / half, 2, 0.05);
   // Of 40 × 0.096 rad, 0.05 % of the radius makes about twice as large a share.
-  EXPECT_NEAR(Eigen::Vector3d(pose.radius_turn_rad.data()).norm(), 40 * 0.096 * 1e-3, 1.5e-3);
+  EXPECT_NEAR(0.05 * Eigen::Vector3d(pose.radius_turn_rad.data()).norm(), 40 * 0.096 * 1e-3,
+              1.5e-3);
+}
+
+// Turns that a registration finds with a radius that is too large by `error_px`.
+dic::RigidMotion mistaken(const Eigen::Vector3d& vector, double error_px, double sd_rad,
+                          std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const auto response = sphere::source_response({vector.x(), vector.y(), vector.z()}, kRadiusPx);
+  const Eigen::Vector3d per_px(response.rot_x[sphere::kToRadius], response.rot_y[sphere::kToRadius],
+                               response.rot_z[sphere::kToRadius]);
+  const Eigen::Vector3d error =
+      error_px * per_px +
+      sd_rad * Eigen::Vector3d(normal(random), normal(random), 0.1 * normal(random));
+  return turn(dic::rotation_vector(dic::quaternion_of(error) * dic::quaternion_of(vector)), sd_rad);
+}
+
+class Closure : public ::testing::TestWithParam<unsigned> {};
+
+// A whole turn in steps, seen once more against its beginning.
+TEST_P(Closure, TellsTheRadius) {
+  constexpr int kLinks = 50;
+  constexpr double kErrorPx = 0.06, kSd = 2e-5;
+  std::mt19937_64 random(GetParam());
+  const SphereRadius radius{kRadiusPx, 0.05};
+  const Eigen::Vector3d step = Eigen::Vector3d(0.5, 0.6, 0.4).normalized() * 2 * kPi / kLinks;
+  const auto link = [&](const LinkedPose& pose) {
+    dic::RigidMotion motion = mistaken(step, kErrorPx, kSd, random);
+    // A step's deviations hold the radius's.
+    dic::add_source_errors(motion, {kRadiusPx, radius.told_sd_px, 0, 0});
+    return linked(pose, {}, motion, radius);
+  };
+  LinkedPose truth = beginning(), along = beginning(), half = along;
+  for (int k = 0; k < kLinks; ++k) {
+    along = link(along);
+    if (2 * (k + 1) == kLinks) half = along;
+  }
+  for (int k = 0; 2 * k < kLinks; ++k) truth = linked(truth, {}, turn(step, 0), radius);
+  const LinkedPose closed = link(beginning());
+  along = link(along);
+  const auto better = radius_from(along, closed, radius);
+  ASSERT_TRUE(better);
+  EXPECT_LT(better->sd_px, 0.02);
+  EXPECT_NEAR(better->error_px, kErrorPx, 3 * better->sd_px);
+  const double before = apart(truth, half).norm();
+  const LinkedPose mended = with_radius_error(half, better->error_px);
+  EXPECT_LT(apart(truth, mended).norm(), 0.25 * before);
+  EXPECT_LT(mended.stated(better->sd_px).tilt_x_sd_rad, half.stated(radius.sd_px).tilt_x_sd_rad);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Closure, ::testing::Values(1U, 2U, 3U, 4U, 5U, 6U));
+
+// Something else than the radius: a ball that was hit in between, another ball.
+TEST(LinkedPose, AClosureThatTheRadiusDoesNotExplainTellsNothing) {
+  const SphereRadius radius{kRadiusPx, 0.05};
+  LinkedPose along = beginning();
+  for (int k = 0; k < 50; ++k) {
+    along = linked(along, {}, turn({0.06, 0.08, 0.05}, 2e-5), radius);
+  }
+  LinkedPose closed = beginning();
+  set_orientation(closed, dic::quaternion_of({0, 0.1, 0}) * orientation(along));
+  EXPECT_FALSE(radius_from(along, closed, radius));
+  // Nor do two chains that know the radius's effect alike.
+  EXPECT_FALSE(radius_from(along, along, radius));
 }
 
 }  // namespace
