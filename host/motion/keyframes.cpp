@@ -213,7 +213,7 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
       break;
     }
     const Before last = i == 0 ? before : Before{&frames[i - 1], &placed[i - 1]};
-    if (sphere_ && last.pose != nullptr) close_turn(last, placed.back(), plan);
+    if (sphere_ && last.pose != nullptr) close_turn(last, placed, plan);
     if (next < plan.targets.size() && plan.targets[next].frame == &frames[i]) {
       plan.targets[next++].key = keep(frames[i], placed.back());
     }
@@ -258,22 +258,21 @@ LinkedPose Keyframes::pose_of(const ChainedFrame& frame, const BodyPose& near,
                     frame.origin.y - origin.y, near.angle_rad, memory_.radius);
 }
 
-void Keyframes::close_turn(const Before& last, LinkedPose& closed, Plan& plan) {
+void Keyframes::close_turn(const Before& last, std::vector<LinkedPose>& placed, Plan& plan) {
   const auto length = [](const LinkedPose& pose) {
     const auto& g = pose.radius_turn_rad;
     return std::hypot(g[0], g[1], g[2]);
   };
-  if (!(length(closed) < kCloser * length(*last.pose))) return;
+  if (!(length(placed.back()) < kCloser * length(*last.pose))) return;
   const LinkedPose along =
       linked(*last.pose, last.frame->circle, *last.frame->next, memory_.radius);
-  const auto better = radius_from(along, closed, memory_.radius);
+  const auto better = radius_from(along, placed.back(), memory_.radius);
   if (!better) return;
   const double more_px = better->error_px - memory_.radius.error_px;
-  for (Keyframe& key : memory_.keyframes) key.pose = with_radius_error(key.pose, more_px);
-  for (Target& target : plan.targets) {
-    target.key.pose = with_radius_error(target.key.pose, more_px);
-  }
-  closed = with_radius_error(closed, more_px);
+  const auto correct = [&](LinkedPose& pose) { pose = with_radius_error(pose, more_px); };
+  for (Keyframe& key : memory_.keyframes) correct(key.pose);
+  for (Target& target : plan.targets) correct(target.key.pose);
+  for (LinkedPose& pose : placed) correct(pose);
   memory_.radius = *better;
 }
 
@@ -345,8 +344,9 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
   };
   std::vector<LinkedPose> poses(frames.size());
   std::size_t i = 0, at_once = frames.size();
-  if (!frames.empty() && memory_.last.ok && frames[0].index == memory_.last_index)
-    poses[i++] = memory_.last;
+  const bool goes_on = !frames.empty() && memory_.last.ok && frames[0].index == memory_.last_index;
+  if (goes_on) poses[i++] = memory_.last;
+  const BodyPose kept = memory_.last.stated(memory_.radius.sd_px);
   while (i < frames.size()) {
     if (!(linked_to_last(i) && poses[i - 1].ok)) {
       poses[i] = start(frames[i], slots);
@@ -358,15 +358,21 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
       const BodyPose& before = near.empty() ? poses[i - 1] : near.back();
       near.push_back(moved(before, frames[k - 1].circle, *frames[k - 1].next));
     }
+    const double error_px = memory_.radius.error_px;
     const std::vector<LinkedPose> placed =
         place(frames.subspan(i, near.size()), near, {&frames[i - 1], &poses[i - 1]}, slots);
+    for (std::size_t k = 0; k < i && memory_.radius.error_px != error_px; ++k) {
+      poses[k] = with_radius_error(poses[k], memory_.radius.error_px - error_px);
+    }
     for (const LinkedPose& pose : placed) poses[i++] = pose;
     if (placed.size() < near.size()) {
       const LinkedPose reached =
           linked(poses[i - 1], frames[i - 1].circle, *frames[i - 1].next, memory_.radius);
-      poses[i] = frames[i].compressed ? reached : keep(frames[i], reached).pose;
+      const bool compressed = frames[i].compressed;
+      poses[i] = compressed ? reached : keep(frames[i], reached).pose;
       ++i;
-      at_once = kFewAtOnce;
+      // A sphere's reach is known by now.
+      at_once = sphere_ && !compressed ? frames.size() : kFewAtOnce;
     } else {
       at_once = std::min(2 * at_once, frames.size());
     }
@@ -377,6 +383,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames,
   }
   std::vector<BodyPose> stated;
   for (const LinkedPose& pose : poses) stated.push_back(pose.stated(memory_.radius.sd_px));
+  if (goes_on) stated[0] = kept;
   return stated;
 }
 

@@ -129,8 +129,9 @@ class Keyframes {
   // Of a frame that fits `key`, which takes note of it.
   LinkedPose pose_of(const ChainedFrame& frame, const BodyPose& near, const BallMotion& motion,
                      Keyframe& key);
-  // Takes note of what a closed turn says of the radius, in all that is known so far.
-  void close_turn(const Before& last, LinkedPose& closed, Plan& plan);
+  // Takes note of what the last pose, where it closes a turn, says of the radius: in the keyframes,
+  // the plan and the poses that have been placed.
+  void close_turn(const Before& last, std::vector<LinkedPose>& placed, Plan& plan);
   void learn_reach(const BodyPose& key, const BodyPose& near);
   bool fits(const BallMotion& motion, const Keyframe& key) const;
   // Looks for the ball after a gap: the turn by rings about the circles.

@@ -50,6 +50,7 @@ std::optional<SphereRadius> radius_from(const LinkedPose& along, const LinkedPos
 }
 
 LinkedPose with_radius_error(LinkedPose pose, double error_px) {
+  if (!is_sphere(pose)) return pose;  // of a frame without a ball
   const Vector less = -error_px * by_radius(pose);
   set_orientation(pose, (dic::quaternion_of(less) * orientation(pose)).normalized());
   pose.x_px -= error_px * pose.radius_x;
