@@ -50,5 +50,6 @@ void add_report_command(CLI::App& app);
 void add_rod_command(CLI::App& app);
 void add_tune_command(CLI::App& app);
 void add_verify_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 
 }  // namespace impactdic::app

@@ -23,4 +23,6 @@ void watch_for_interrupts() {
 
 int interrupted_by() { return signal_number; }
 
+void forget_interrupt() { signal_number = 0; }
+
 }  // namespace impactdic::app

@@ -7,5 +7,7 @@ namespace impactdic::app {
 void watch_for_interrupts();
 // The number of the signal that came, or 0.
 int interrupted_by();
+// As if none had come.
+void forget_interrupt();
 
 }  // namespace impactdic::app

@@ -55,6 +55,7 @@ void add_commands(CLI::App& app) {
   add_study_command(app);
   add_synth_command(app);
   add_verify_command(app);
+  add_view_command(app);
 }
 
 int run(int argc, char** argv) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <future>
-#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -69,13 +68,6 @@ void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
   }
 }
 
-// HDF5 has one state for the whole program: two files are not written at once, even by two threads.
-std::recursive_mutex& hdf5_lock() {
-  static std::recursive_mutex lock;
-  return lock;
-}
-using Hdf5Guard = std::lock_guard<std::recursive_mutex>;
-
 // Grows where a reader must know of a change; datasets and attributes are only ever added.
 constexpr double kSchemaVersion = 1;
 
@@ -112,7 +104,7 @@ struct FieldsFile::Impl {
     each_table([](hdf5::Table& table) { table.set_aside(); });
     gathered = 0;
     writing = std::async(std::launch::async, [this] {
-      const Hdf5Guard guard(hdf5_lock());
+      const hdf5::Guard guard(hdf5::lock());
       each_table([](hdf5::Table& table) { table.write(); });
     });
   }
@@ -220,14 +212,14 @@ FieldsFile::~FieldsFile() {
   } catch (const Error&) {
     // Who wants to know has called `flush`.
   }
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   impl_.reset();
 }
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
 
 FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t window_count,
                               int window_px, const Attributes& attributes, int compression) {
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   auto impl = std::make_unique<Impl>(hdf5::File::create(path.string(), compression), window_px);
   // Of a clip without a ball: one window, masked in every frame.
   impl->make_tables(std::max<std::size_t>(window_count, 1));
@@ -240,7 +232,7 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
 }
 
 FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, std::size_t rows) {
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   auto impl = std::make_unique<Impl>(hdf5::File::open(path.string()), window_px);
   impl->open_tables();
   impl->each_table([&](hdf5::Table& table) {
@@ -295,11 +287,11 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
 void FieldsFile::flush() {
   impl_->write_behind();
   impl_->wait();
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   impl_->file.flush();
 }
 void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle_deg) {
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   const auto set = [this](const char* name, double value, bool known) {
     if (known) impl_->file.set_attribute("/", name, value);
   };
@@ -309,7 +301,7 @@ void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle
   impl_->file.flush();
 }
 void FieldsFile::set_source_digest(const video::ClipDigest& digest) {
-  const Hdf5Guard guard(hdf5_lock());
+  const hdf5::Guard guard(hdf5::lock());
   impl_->file.set_attribute("/", "source_sha256", digest.sha256);
   if (!digest.header_sha256.empty()) {
     impl_->file.set_attribute("/", "source_header_sha256", digest.header_sha256);

@@ -32,6 +32,11 @@ Handle file_access() {
 
 }  // namespace
 
+std::recursive_mutex& lock() {
+  static std::recursive_mutex mutex;
+  return mutex;
+}
+
 Handle::Handle(hid_t id, Close close, const std::string& what) : id_(id), close_(close) {
   if (id < 0) throw FileError("HDF5 cannot open or make it", what);
 }
@@ -59,6 +64,11 @@ File File::open(const std::string& path) {
   begin();
   const Handle access = file_access();
   return {path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, path)};
+}
+
+File File::open_to_read(const std::string& path) {
+  begin();
+  return {path, Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path)};
 }
 
 void File::flush() { check(H5Fflush(get(), H5F_SCOPE_GLOBAL), path_); }

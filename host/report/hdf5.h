@@ -4,12 +4,17 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace impactdic::report::hdf5 {
+
+// HDF5 has one state for the whole program: two files are not used at once, even by two threads.
+std::recursive_mutex& lock();
+using Guard = std::lock_guard<std::recursive_mutex>;
 
 // An HDF5 identifier that is closed once.
 class Handle {
@@ -59,6 +64,8 @@ class File {
   // not at all.
   static File create(const std::string& path, int compression = 0);
   static File open(const std::string& path);
+  // For reading alone; what a killed run left in its journal is not seen.
+  static File open_to_read(const std::string& path);
   hid_t get() const { return handle_.get(); }
   const std::string& path() const { return path_; }
   int compression() const { return compression_; }

@@ -118,18 +118,21 @@ SettingValues read_job_file(const fs::path& path) {
   return values;
 }
 
-void write_job_file(const fs::path& path, const std::string& command, const SettingValues& values) {
+std::string job_text(const std::string& command, const SettingValues& values) {
   SettingValues all = values;
   all["command"] = command;
   all["version"] = std::string(IMPACTDIC_VERSION);
+  std::string text;
+  for (const auto& [key, value] : all) text += key + " = " + std::visit(TomlOf(), value) + "\n";
+  return text;
+}
+
+void write_job_file(const fs::path& path, const std::string& command, const SettingValues& values) {
   // In one step: without its job a run cannot be gone on with.
   const fs::path part = path.string() + ".part";
   {
     std::ofstream file(part);
-    for (const auto& [key, value] : all) {
-      file << key << " = " << std::visit(TomlOf(), value) << '\n';
-    }
-    file << std::flush;
+    file << job_text(command, values) << std::flush;
     if (!file) throw FileError("cannot write the file", path.string());
   }
   std::error_code error;

@@ -60,7 +60,10 @@ class SettingReader {
 // is no TOML or a value is a table.
 SettingValues read_job_file(const std::filesystem::path& path);
 
-// Writes the settings, the command's name and the version. Throws FileError.
+// What job.toml holds: the settings, the command's name and the version.
+std::string job_text(const std::string& command, const SettingValues& values);
+
+// Writes it. Throws FileError.
 void write_job_file(const std::filesystem::path& path, const std::string& command,
                     const SettingValues& values);
 

@@ -1,0 +1,96 @@
+// The shots of a batch: a table that sorts, leads to each shot, and leaves shots out for a reason.
+import * as server from "./server.js";
+import {make} from "./dom.js";
+import {get, on, set} from "./store.js";
+import {Table, withDeviation} from "./table.js";
+
+// Name on the page, column of shots.csv, column of its deviation.
+const COLUMNS = [["shot", "shot"], ["status", "status"], ["surface, °", "surface_angle_deg"], ["ball", "ball"],
+                 ["e", "restitution", "restitution_sd"], ["friction", "friction", "friction_sd"],
+                 ["contact, s", "contact_s", "contact_sd_s"], ["in, m/s", "vn_before_m_s", "vn_before_sd_m_s"],
+                 ["doubtful", "doubtful"], ["notes", "notes"]];
+const MEANS = [["e", "restitution"], ["friction", "friction"]];
+
+let order = {column: null, down: false}, show = null;
+
+// Called with the name of a shot that was clicked.
+export const setShow = listener => { show = listener; };
+
+function sorted(table) {
+  const rows = table.rows.map((_, k) => k);
+  if (!order.column) return rows;
+  const key = k => { const cell = table.cell(k, order.column); return cell === "" ? null : Number.isNaN(Number(cell)) ? cell : Number(cell); };
+  // What was not measured comes last, whichever way.
+  return rows.sort((a, b) => {
+    const [x, y] = [key(a), key(b)];
+    if (x === null || y === null) return (x === null) - (y === null);
+    const less = typeof x === typeof y ? x < y : typeof x === "number";
+    return (x === y ? 0 : less ? -1 : 1) * (order.down ? -1 : 1);
+  });
+}
+
+async function exclude(shot, reason) {
+  try {
+    set({excluded: (await server.post("exclude", {shot, reason})).excluded, compareError: ""});
+  } catch (error) { set({compareError: error.message}); }
+}
+
+// Mean of the shots that count, and its deviation out of their scatter.
+function mean(values) {
+  const n = values.length, m = values.reduce((a, b) => a + b, 0) / n;
+  const sd = n > 1 ? Math.sqrt(values.reduce((a, b) => a + (b - m) ** 2, 0) / (n - 1) / n) : NaN;
+  return `${withDeviation(String(m), Number.isFinite(sd) ? String(sd) : "")} (${n})`;
+}
+
+// Balls and surfaces are never mixed.
+function groups(table, excluded) {
+  const found = new Map();
+  table.rows.forEach((_, k) => {
+    if (table.cell(k, "status") !== "ok" || excluded[table.cell(k, "shot")] !== undefined) return;
+    const name = [table.cell(k, "ball") || "ball", `${table.cell(k, "surface_angle_deg") || "?"}°`].join(", ");
+    if (!found.has(name)) found.set(name, []);
+    found.get(name).push(k);
+  });
+  return [...found].map(([name, rows]) => {
+    const parts = MEANS.map(([title, column]) => [title, rows.map(k => table.number(k, column)).filter(Number.isFinite)])
+      .filter(([, values]) => values.length).map(([title, values]) => `${title} ${mean(values)}`);
+    return make("li", {textContent: `${name}: ${parts.join(", ") || "nothing measured"}`});
+  });
+}
+
+function line(table, k, excluded) {
+  const shot = table.cell(k, "shot"), out = excluded[shot] !== undefined;
+  const reason = make("input", {type: "text", value: excluded[shot] ?? "", placeholder: "reason", ariaLabel: `Why ${shot} is left out`,
+                                onchange: () => exclude(shot, reason.value.trim())});
+  const cells = COLUMNS.filter(([, column]) => table.has(column)).map(([, column, sd]) => {
+    const cell = table.cell(k, column);
+    if (column === "shot" && get("state").shots.includes(cell)) {
+      return make("td", {}, make("button", {className: "link", textContent: cell, onclick: () => show(cell)}));
+    }
+    const number = sd || (cell !== "" && Number.isFinite(Number(cell)));
+    return make("td", {title: cell, textContent: number ? withDeviation(cell, sd ? table.cell(k, sd) : "") : cell});
+  });
+  return make("tr", {className: out ? "out" : ""}, ...cells, make("td", {}, reason));
+}
+
+export function build() {
+  const place = make("div", {className: "scroll", id: "shots-table"}), list = make("ul", {id: "means"});
+  const wrong = make("p", {className: "error"});
+  const redraw = () => {
+    const text = get("state")?.shots_table, excluded = get("excluded") ?? {};
+    wrong.textContent = get("compareError") ?? "";
+    if (!text) return;
+    const table = new Table(text), titles = COLUMNS.filter(([, column]) => table.has(column));
+    const head = titles.map(([title, column]) => make("th", {ariaSort: order.column === column ? (order.down ? "descending" : "ascending") : "none"},
+      make("button", {textContent: title, onclick: () => {
+        order = {column, down: order.column === column && !order.down};
+        redraw();
+      }})));
+    place.replaceChildren(make("table", {}, make("thead", {}, make("tr", {}, ...head, make("th", {textContent: "left out because"}))),
+                               make("tbody", {}, ...sorted(table).map(k => line(table, k, excluded)))));
+    list.replaceChildren(...groups(table, excluded));
+  };
+  on(["state", "excluded", "compareError"], redraw);
+  return [make("p", {className: "soft", textContent: "A click on a name shows the shot, one on a column sorts. A shot with a reason is left out of the means; the reasons are kept in excluded.csv."}),
+          place, make("h2", {textContent: "Means, with the deviation of the mean between shots"}), list, wrong];
+}
