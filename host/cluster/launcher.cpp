@@ -1,5 +1,6 @@
 #include "host/cluster/launcher.h"
 
+#include <algorithm>
 #include <charconv>
 
 namespace impactdic::cluster {
@@ -70,6 +71,21 @@ Launch tell_launch(const Get& get) {
     launch.local_size = number(get, "MPI_LOCALNRANKS", 1);
   }
   return launch;
+}
+
+int device_of_rank(const Launch& launch, int chosen, const std::vector<DeviceInfo>& devices) {
+  std::vector<int> equal;
+  for (const DeviceInfo& device : devices) {
+    const auto all = [&](const DeviceInfo& other) {
+      return other.index != chosen ||
+             (other.is_gpu && other.name == device.name && other.platform == device.platform);
+    };
+    if (device.is_gpu && std::all_of(devices.begin(), devices.end(), all)) {
+      equal.push_back(device.index);
+    }
+  }
+  if (equal.empty() || launch.local_rank < 0) return chosen;
+  return equal[static_cast<std::size_t>(launch.local_rank) % equal.size()];
 }
 
 }  // namespace impactdic::cluster

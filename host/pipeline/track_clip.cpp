@@ -131,6 +131,16 @@ class ClipTracker {
     progress_(done, options_.frames.count());
   }
 
+  // Batch after batch, each to its end: rows wait for no frames but their own.
+  void follow(const std::function<std::shared_ptr<FrameBatch>()>& feed) {
+    while (auto read = feed()) {
+      Batch batch = measure(complete(locate(std::move(read))));
+      if (workers_) batch = workers_->take();
+      write(std::move(batch));
+    }
+    end();
+  }
+
   // What is still on the devices, then the clip's last frame, which has no next one, and then
   // the reader's error.
   void end() {
@@ -288,6 +298,10 @@ void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
   const int size = frames_in_batch(options, source.info().bits);
   const std::int64_t first = options.from ? options.from->next_row + 1 : 0;
   BatchReader reader(source, options.frames, first, options.roi, size);
+  if (options.feed) {
+    ClipTracker tracker(source, engines, options, size, grid_ready, sink, progress);
+    return tracker.follow(options.feed);
+  }
   TrackOptions scouted = options;
   scouted.ball.scouted_radius_px =
       circle::scout_radius_px(source, options.frames, options.roi, options.ball.circle);

@@ -11,6 +11,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/motion/motion_estimator.h"
+#include "host/pipeline/frame_pipeline.h"
 #include "host/pipeline/resume_point.h"
 #include "host/video/frame_source.h"
 
@@ -37,6 +38,11 @@ struct TrackOptions {
   // Asked once a batch of frames and, more often, while batches wait; true ends the run soon, as
   // if the clip ended there. Called from several threads at once.
   std::function<bool()> cancelled;
+  // Frames as a camera takes them, in place of those of the source: gives the next batch, cut to
+  // the region of interest and counted from 0 on, or nullptr at the end. It is measured and its
+  // rows are given out before the next one is asked for. The ball's radius is then not looked for
+  // first.
+  std::function<std::shared_ptr<FrameBatch>()> feed;
   // Called between rows whenever such a point is reached: all rows before it are with the sink.
   std::function<void(const ResumePoint&)> checkpoint;
 };

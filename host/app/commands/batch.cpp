@@ -45,6 +45,11 @@ void share_as_launched(Options& options) {
                                 " have no name in common",
                             "--share", "give the run one: --share NAME");
     }
+    std::string& device = options.common.session.device;
+    if (options.request.track.with_field && (device == "auto" || device == "gpu")) {
+      const int own = cluster::device_of_rank(launch, choose_device(device), list_devices());
+      if (own != choose_device(device)) device = std::to_string(own);
+    }
   }
 }
 

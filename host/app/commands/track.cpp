@@ -1,4 +1,5 @@
 #include <impactdic/error.h>
+#include <impactdic/live.h>
 #include <impactdic/track.h>
 
 #include <algorithm>
@@ -8,12 +9,16 @@
 #include "host/app/clip_command.h"
 #include "host/app/command.h"
 #include "host/app/setting_options.h"
+#include "host/report/live_json.h"
 #include "host/report/words.h"
 
 namespace impactdic::app {
 namespace {
 
-using Options = ClipCommand<TrackRequest, TrackFolder>;
+struct Options : ClipCommand<TrackRequest, TrackFolder> {
+  bool live = false;
+  LiveRequest as_live;
+};
 
 // What was written says so row by row; the exit status says it to scripts.
 void require_a_ball(const TrackResult& result) {
@@ -24,7 +29,43 @@ void require_a_ball(const TrackResult& result) {
               "impactdic info shows the clip; --radius-px says how large the ball is");
 }
 
+// Rows on stdout as they come; all else on stderr.
+void run_live(Options& options) {
+  LiveRequest& live = options.as_live;
+  const std::vector<std::string>& paths = options.request.clip.paths;
+  if (!options.request.clip.open.raw || paths.size() != 1) {
+    throw InvalidArgument("a stream is bare pixels from one place", "--live",
+                          "track - --raw WIDTHxHEIGHTxBITS --fps F --live");
+  }
+  if (!options.folder.folder.empty()) {
+    throw InvalidArgument("a live run writes rows to the standard output, no folder", "--output");
+  }
+  live.track = options.request;
+  live.stream = open_raw_stream(paths[0], *options.request.clip.open.raw);
+  Session session = open_session(options.common);
+  Terminal terminal(options.common.quiet);
+  const LiveResult result = track_live(live, session, terminal.control(), [](const LiveRow& row) {
+    const std::string line = report::live_json_line(row) + "\n";
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    if (std::fflush(stdout) != 0) throw FileError("cannot write the rows", "standard output");
+  });
+  terminal.end();
+  if (options.common.quiet) return;
+  std::fprintf(
+      stderr,
+      "impactdic: %lld frames, %lld ok, %lld dropped, %lld batches not full; longest delay "
+      "%.1f ms\n",
+      static_cast<long long>(result.frames), static_cast<long long>(result.ok),
+      static_cast<long long>(result.dropped), static_cast<long long>(result.short_batches),
+      1e3 * result.longest_delay_s);
+}
+
 void run_track(Options& options) {
+  if (options.live) return run_live(options);
+  if (options.folder.folder.empty()) throw CLI::RequiredError("--output");
+  if (options.request.clip.paths == std::vector<std::string>{"-"}) {
+    throw InvalidArgument("a stream is measured as it comes", "-", "add --live");
+  }
   const auto run = [](auto&&... given) { return track_to_folder(given...); };
   const TrackResult measured = run_clip_command(options, run, [&](const TrackResult& result) {
     std::printf("%lld of %lld frames ok, %.1f frames/s; results in %s\n",
@@ -44,10 +85,25 @@ void add_track_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   OptionAdder add(*command);
   run::visit_clip(add, options->request.clip);
-  command->add_option("-o,--output", options->folder.folder, "Folder for the results")->required();
+  command->add_option("-o,--output", options->folder.folder, "Folder for the results");
   run::visit_track_settings(add, options->request, options->folder);
   command->add_flag("--resume", options->folder.resume,
                     "Go on where an earlier run into the folder ended");
+  command->add_flag("--live", options->live,
+                    "Rows on the standard output while the frames come, a line of JSON each; "
+                    "VIDEO is - or a pipe, --raw says what comes");
+  command
+      ->add_option("--look", options->as_live.look,
+                   "With --live: frames that are looked at before the first row")
+      ->capture_default_str();
+  command
+      ->add_option("--wait", options->as_live.wait_s,
+                   "With --live: seconds that a batch waits for its frames")
+      ->capture_default_str();
+  command
+      ->add_option("--lag", options->as_live.lag_s,
+                   "With --live: seconds that frames wait before they are dropped; 0: none is")
+      ->capture_default_str();
   add_common_options(*command, options->common);
   command->footer(
       "Writes track.csv, fields.h5, summary.json and job.toml.\nExample:\n"

@@ -70,6 +70,26 @@ TEST(Launcher, OthersRanksHaveNoName) {
   EXPECT_EQ(rank.name, "");
 }
 
+TEST(Launcher, RanksOfOneMachineTakeItsEqualGpusInTurn) {
+  const auto device = [](int index, const char* name, bool is_gpu) {
+    DeviceInfo info;
+    info.index = index;
+    info.name = name;
+    info.is_gpu = is_gpu;
+    return info;
+  };
+  const std::vector<DeviceInfo> devices = {device(0, "cpu", false), device(1, "big", true),
+                                           device(2, "small", true), device(3, "big", true)};
+  Launch rank;
+  rank.local_size = 4;
+  for (const auto& [local, own] : std::map<int, int>{{0, 1}, {1, 3}, {2, 1}, {3, 3}}) {
+    rank.local_rank = local;
+    EXPECT_EQ(device_of_rank(rank, 1, devices), own);
+  }
+  EXPECT_EQ(device_of_rank(rank, 2, devices), 2);
+  EXPECT_EQ(device_of_rank(rank, 0, devices), 0);  // a CPU is for all
+}
+
 // Work that stands still is as silent as a process that has ended.
 TEST(Heartbeat, FallsSilentWhereNothingGetsOn) {
   std::atomic<int> beats = 0;

@@ -1,0 +1,23 @@
+#include "host/report/live_json.h"
+
+#include "host/base/parse.h"
+#include "host/report/csv.h"
+
+namespace impactdic::report {
+
+std::string live_json_line(const LiveRow& row) {
+  static const std::vector<std::string> names = split(kTrackCsvHeader, ',');
+  const std::vector<std::string> cells = split(track_csv_line(row.row, row.scale), ',');
+  std::string line = "{";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    line += "\"" + names[i] + "\":";
+    if (names[i] == "status") {
+      line += "\"" + (row.dropped ? "dropped" : cells[i]) + "\",";
+    } else {
+      line += (cells[i].empty() ? "null" : cells[i]) + ",";
+    }
+  }
+  return line + "\"delay_s\":" + (row.dropped ? "null" : shortest(row.delay_s)) + "}";
+}
+
+}  // namespace impactdic::report

@@ -1,0 +1,14 @@
+// Rows of a live run as lines of JSON.
+#pragma once
+
+#include <impactdic/live.h>
+
+#include <string>
+
+namespace impactdic::report {
+
+// One line without its end: the columns of track.csv under their names, null where a value was not
+// measured, and delay_s. A frame that was dropped has the status "dropped".
+std::string live_json_line(const LiveRow& row);
+
+}  // namespace impactdic::report
