@@ -151,6 +151,15 @@ std::string shots_csv_line(const ShotResult& shot) {
   return line;
 }
 
+std::string in_words(const BatchResult& result) {
+  const std::string good = std::to_string(result.shots.size() - result.failed - result.missing);
+  if (!result.joined) {
+    return good + " shots measured by this process, " + std::to_string(result.failed) + " failed";
+  }
+  return good + " of " + std::to_string(result.shots.size()) + " shots measured; table in " +
+         result.table;
+}
+
 void write_shots_csv(const std::filesystem::path& path, const std::vector<std::string>& lines) {
   const std::filesystem::path temporary = path.string() + ".part";
   {

@@ -22,6 +22,9 @@ void read_shot(ShotResult& shot, const std::filesystem::path& summary);
 // A row; a failed shot has the reason and no figures.
 std::string shots_csv_line(const ShotResult& shot);
 
+// "4 of 5 shots measured; table in …": one line for a person.
+std::string in_words(const BatchResult& result);
+
 // Writes the whole table in one step. Throws FileError.
 void write_shots_csv(const std::filesystem::path& path, const std::vector<std::string>& lines);
 

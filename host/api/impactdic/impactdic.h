@@ -18,7 +18,7 @@
 #include <impactdic/image.h>
 #include <impactdic/impact.h>
 #include <impactdic/impact_model.h>
-#include <impactdic/live.h>
+#include <impactdic/live/track_live.h>
 #include <impactdic/measured.h>
 #include <impactdic/rod.h>
 #include <impactdic/rod_model.h>

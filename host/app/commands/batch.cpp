@@ -1,16 +1,14 @@
 #include <impactdic/batch.h>
-#include <impactdic/error.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 
 #include "host/app/command.h"
 #include "host/app/run_context.h"
 #include "host/app/setting_options.h"
-#include "host/cluster/launcher.h"
-
+#include "host/report/shots_csv.h"
+#include "host/run/batch/launched.h"
 namespace impactdic::app {
 namespace {
 
@@ -20,41 +18,8 @@ struct Options {
   std::string shard;  // "K/N"
 };
 
-// Processes that a launcher has started together share the shots, without being told.
-void share_as_launched(Options& options) {
-  BatchShare& share = options.request.share;
-  const cluster::Launch launch =
-      cluster::tell_launch([](const char* name) { return std::getenv(name); });
-  if (!options.shard.empty()) {
-    const std::size_t slash = std::min(options.shard.find('/'), options.shard.size());
-    const std::string shards = options.shard.substr(std::min(slash + 1, options.shard.size()));
-    CLI::Validator number = CLI::Range(1, 1000000);
-    std::string k = options.shard.substr(0, slash), n = shards;
-    if (!number(k).empty() || !number(n).empty()) {
-      throw InvalidArgument("'" + options.shard + "' is no shard", "--shard", "K/N, such as 3/8");
-    }
-    share.shard = std::stoi(k);
-    share.shards = std::stoi(n);
-    if (share.name.empty()) share.name = launch.array.empty() ? "shards" : launch.array;
-  }
-  if (launch.size > 1) {
-    share.member = "rank " + std::to_string(launch.rank) + " of " + launch.by;
-    if (share.name.empty()) share.name = launch.name;
-    if (share.name.empty() && !share.join) {
-      throw InvalidArgument("the " + std::to_string(launch.size) + " processes of " + launch.by +
-                                " have no name in common",
-                            "--share", "give the run one: --share NAME");
-    }
-    std::string& device = options.common.session.device;
-    if (options.request.track.with_field && (device == "auto" || device == "gpu")) {
-      const int own = cluster::device_of_rank(launch, choose_device(device), list_devices());
-      if (own != choose_device(device)) device = std::to_string(own);
-    }
-  }
-}
-
 void run_batch(Options& options) {
-  share_as_launched(options);
+  run::share_as_launched(options.shard, options.request, options.common.session);
   Session session = open_session(options.common);
   options.request.output.force = options.common.force;
   options.request.track.clip.open.lend_file_memory =
@@ -63,13 +28,7 @@ void run_batch(Options& options) {
   const BatchResult result = batch(options.request, session, terminal.control_with_results());
   terminal.end();
   if (options.common.quiet) return;
-  const std::size_t good = result.shots.size() - result.failed - result.missing;
-  if (result.joined) {
-    std::printf("%zu of %zu shots measured; table in %s\n", good, result.shots.size(),
-                result.table.c_str());
-  } else {
-    std::printf("%zu shots measured by this process, %zu failed\n", good, result.failed);
-  }
+  std::printf("%s\n", report::in_words(result).c_str());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #include <impactdic/error.h>
-#include <impactdic/live.h>
+#include <impactdic/live/track_live.h>
 #include <impactdic/track.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include "host/app/clip_command.h"
 #include "host/app/command.h"
 #include "host/app/setting_options.h"
-#include "host/report/live_json.h"
+#include "host/report/live/live_json.h"
 #include "host/report/words.h"
 
 namespace impactdic::app {
@@ -32,16 +32,10 @@ void require_a_ball(const TrackResult& result) {
 // Rows on stdout as they come; all else on stderr.
 void run_live(Options& options) {
   LiveRequest& live = options.as_live;
-  const std::vector<std::string>& paths = options.request.clip.paths;
-  if (!options.request.clip.open.raw || paths.size() != 1) {
-    throw InvalidArgument("a stream is bare pixels from one place", "--live",
-                          "track - --raw WIDTHxHEIGHTxBITS --fps F --live");
-  }
   if (!options.folder.folder.empty()) {
     throw InvalidArgument("a live run writes rows to the standard output, no folder", "--output");
   }
   live.track = options.request;
-  live.stream = open_raw_stream(paths[0], *options.request.clip.open.raw);
   Session session = open_session(options.common);
   Terminal terminal(options.common.quiet);
   const LiveResult result = track_live(live, session, terminal.control(), [](const LiveRow& row) {
@@ -51,13 +45,7 @@ void run_live(Options& options) {
   });
   terminal.end();
   if (options.common.quiet) return;
-  std::fprintf(
-      stderr,
-      "impactdic: %lld frames, %lld ok, %lld dropped, %lld batches not full; longest delay "
-      "%.1f ms\n",
-      static_cast<long long>(result.frames), static_cast<long long>(result.ok),
-      static_cast<long long>(result.dropped), static_cast<long long>(result.short_batches),
-      1e3 * result.longest_delay_s);
+  std::fprintf(stderr, "impactdic: %s\n", report::in_words(result).c_str());
 }
 
 void run_track(Options& options) {
@@ -92,18 +80,13 @@ void add_track_command(CLI::App& app) {
   command->add_flag("--live", options->live,
                     "Rows on the standard output while the frames come, a line of JSON each; "
                     "VIDEO is - or a pipe, --raw says what comes");
-  command
-      ->add_option("--look", options->as_live.look,
-                   "With --live: frames that are looked at before the first row")
-      ->capture_default_str();
-  command
-      ->add_option("--wait", options->as_live.wait_s,
-                   "With --live: seconds that a batch waits for its frames")
-      ->capture_default_str();
-  command
-      ->add_option("--lag", options->as_live.lag_s,
-                   "With --live: seconds that frames wait before they are dropped; 0: none is")
-      ->capture_default_str();
+  const auto number = [&](const char* name, auto& value, const char* help) {
+    command->add_option(name, value, help)->capture_default_str();
+  };
+  number("--look", options->as_live.look, "With --live: frames looked at before the first row");
+  number("--wait", options->as_live.wait_s, "With --live: seconds that a batch takes to fill");
+  number("--lag", options->as_live.lag_s,
+         "With --live: seconds that frames wait before they are dropped; 0: none is");
   add_common_options(*command, options->common);
   command->footer(
       "Writes track.csv, fields.h5, summary.json and job.toml.\nExample:\n"

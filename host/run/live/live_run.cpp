@@ -1,6 +1,6 @@
-// `track` on frames as they come; see api/impactdic/live.h.
+// `track` on frames as they come; see api/impactdic/live/track_live.h.
 #include <impactdic/error.h>
-#include <impactdic/live.h>
+#include <impactdic/live/track_live.h>
 
 #include <algorithm>
 #include <chrono>
@@ -252,7 +252,10 @@ void LiveRequest::validate() const {
     if (!good)
       throw InvalidArgument("must be " + std::string(must) + ", not " + shortest(value), setting);
   };
-  if (!stream) throw InvalidArgument("no stream is given", "stream");
+  if (!stream && !(track.clip.open.raw && track.clip.paths.size() == 1)) {
+    throw InvalidArgument("a stream is bare pixels from one place", "--live",
+                          "track - --raw WIDTHxHEIGHTxBITS --fps F --live");
+  }
   if (!(track.clip.fps > 0)) {
     throw InvalidArgument("a stream does not say its frame rate", "--fps", "give the camera's");
   }
@@ -265,7 +268,11 @@ LiveResult track_live(const LiveRequest& request, Session& session, const RunCon
                       const LiveSink& sink) {
   request.validate();
   run::Caller caller(control);
-  return LiveRun(request, session, caller, sink).run();
+  LiveRequest opened = request;
+  if (!opened.stream) {
+    opened.stream = open_raw_stream(request.track.clip.paths[0], *request.track.clip.open.raw);
+  }
+  return LiveRun(opened, session, caller, sink).run();
 }
 
 }  // namespace impactdic

@@ -1,7 +1,7 @@
 // Headerless pixels out of a pipe.
 #include <fcntl.h>
 #include <impactdic/error.h>
-#include <impactdic/live.h>
+#include <impactdic/live/track_live.h>
 #include <poll.h>
 #include <unistd.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
-#include <impactdic/live.h>
+#include <impactdic/live/track_live.h>
 
 #include <fstream>
 #include <thread>

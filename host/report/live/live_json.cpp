@@ -1,4 +1,7 @@
-#include "host/report/live_json.h"
+#include "host/report/live/live_json.h"
+
+#include <cstdio>
+#include <vector>
 
 #include "host/base/parse.h"
 #include "host/report/csv.h"
@@ -18,6 +21,14 @@ std::string live_json_line(const LiveRow& row) {
     }
   }
   return line + "\"delay_s\":" + (row.dropped ? "null" : shortest(row.delay_s)) + "}";
+}
+
+std::string in_words(const LiveResult& result) {
+  char delay[32];
+  std::snprintf(delay, sizeof delay, "%.1f ms", 1e3 * result.longest_delay_s);
+  return std::to_string(result.frames) + " frames, " + std::to_string(result.ok) + " ok, " +
+         std::to_string(result.dropped) + " dropped, " + std::to_string(result.short_batches) +
+         " batches not full; longest delay " + delay;
 }
 
 }  // namespace impactdic::report

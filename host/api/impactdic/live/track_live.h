@@ -32,11 +32,11 @@ class FrameStream {
 std::shared_ptr<FrameStream> open_raw_stream(const std::string& path, const RawLayout& layout);
 
 struct LiveRequest {
-  // How frames are measured. `clip.fps` is the camera's rate, 1/s. Neither a clip nor a part of it
-  // is named: `clip.paths`, `clip.source` and `frames` are not looked at. Without `mm_per_px` rows
-  // are in px alone: a ball's diameter becomes a scale at the end of a clip only.
+  // How frames are measured. `clip.fps` is the camera's rate, 1/s; `clip.source` and `frames` are
+  // not looked at. Without `mm_per_px` rows are in px alone: a ball's diameter becomes a scale at
+  // the end of a clip only.
   TrackRequest track;
-  std::shared_ptr<FrameStream> stream;
+  std::shared_ptr<FrameStream> stream;  // nullptr: of track.clip.paths and open.raw
   // Frames, 2 … 1000, in which texture, noise and the kind of body are looked at before the first
   // row, from the first ones that show a ball on.
   int look = 32;
