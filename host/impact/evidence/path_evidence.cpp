@@ -22,8 +22,17 @@ struct Sample {
   Kind kind;
 };
 
+// Frames before and behind a contact that are looked at: enough for any path to show its bends, and
+// a long clip takes no longer.
+constexpr std::size_t kMostFrames = 500;
 constexpr double kOff = 8;  // deviations of the noise beyond which a single frame is bad
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+PathSpan near_contact(PathSpan span) {
+  span.begin = std::max(span.begin, span.first - std::min(span.first, kMostFrames));
+  span.end = std::min(span.end, span.last + kMostFrames);
+  return span;
+}
 
 // From second differences, which no smooth path makes; from frame to frame.
 double noise_of(const std::vector<double>& values) {
@@ -339,7 +348,8 @@ double best_smooth(const Paths& paths, const PathFits& fits, const PathSpan& spa
 
 }  // namespace
 
-double odds_of_contact(const ImpactSeries& series, const PathSpan& span) {
+double odds_of_contact(const ImpactSeries& series, const PathSpan& whole) {
+  const PathSpan span = near_contact(whole);
   PathFits fits(series, span);
   if (fits.size() < 10) return 0;
   const Paths paths(span);
