@@ -46,12 +46,12 @@ function field({key, kind, choices, default: usual, help}) {
   return [label, input];
 }
 
-// `beside`: elements that stand behind a key's field, by key.
+// `beside`: what stands behind a key's field, by key: a button, and after it whole rows of three.
 export function build(list, beside) {
   const known = new Set(GROUPS.flatMap(([, keys]) => keys)), byKey = new Map(list.map(s => [s.key, s]));
   return GROUPS.map(([title, keys], n) => {
     const all = n === GROUPS.length - 1 ? list.map(s => s.key).filter(key => !known.has(key)) : keys;
-    const cells = all.filter(key => byKey.has(key)).flatMap(key => [...field(byKey.get(key)), ...(beside[key] ?? [])]);
+    const cells = all.filter(key => byKey.has(key)).flatMap(key => [...field(byKey.get(key)), ...(beside[key] ?? [make("span")])]);
     return make("details", {open: n < OPEN}, make("summary", {}, make("strong", {textContent: title})),
                 make("div", {className: "settings"}, ...cells));
   });

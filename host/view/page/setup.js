@@ -16,7 +16,7 @@ const tool = (name, text, title, found) => make("button", {className: "tool", id
 
 // Fields that can be drawn, and the lengths that a drawn scale needs.
 function drawing() {
-  const length = make("input", {id: "scale-mm", type: "text", inputMode: "decimal", placeholder: "its mm", ariaLabel: "Length of the drawn line, mm"});
+  const length = make("input", {id: "scale-mm", type: "text", inputMode: "decimal", autocomplete: "off"});
   const takeScale = () => {
     const line = get("hand")?.scale, mm = Number(length.value);
     if (!line || !(mm > 0)) return;
@@ -25,17 +25,28 @@ function drawing() {
   };
   length.onchange = takeScale;
   return {
-    "surface-angle-deg": [tool("surface", "draw", "Drag along the surface", found => settings.change("surface-angle-deg", String(found.angle))),
-                          make("span")],
-    roi: [tool("roi", "draw", "Drag a rectangle", ({x, y, w, h}) => settings.change("roi", `${x},${y},${w},${h}`)), make("span")],
+    "surface-angle-deg": [tool("surface", "draw", "Drag along the surface", found => settings.change("surface-angle-deg", String(found.angle)))],
+    roi: [tool("roi", "draw", "Drag a rectangle", ({x, y, w, h}) => settings.change("roi", `${x},${y},${w},${h}`))],
     "radius-px": [tool("ball", "draw", "Drag from the ball's centre to its rim", ({r}) => settings.change("radius-px",
-      `${Math.floor((1 - RADIUS_SPREAD) * r)}:${Math.ceil((1 + RADIUS_SPREAD) * r)}`)), make("span")],
-    "mm-per-px": [tool("scale", "draw", "Drag along a known length, then type it", takeScale), length],
+      `${Math.floor((1 - RADIUS_SPREAD) * r)}:${Math.ceil((1 + RADIUS_SPREAD) * r)}`))],
+    "mm-per-px": [tool("scale", "draw", "Drag along a known length, then type it", takeScale),
+                  make("label", {htmlFor: "scale-mm", textContent: "length of the drawn line, mm"}), length, make("span")],
   };
 }
 
 let current = null, timer = 0;
 
+// As the program answers; the windows of the same frame stay until there are new ones.
+function takeOver(found, old) {
+  const windows = found.windows[0]?.map((_, k) => Object.fromEntries(found.columns.map((name, c) => [name, found.windows[c][k] ?? NaN])));
+  const row = {has: () => true, number: (_, name) => (found.row[name] ? Number(found.row[name]) : NaN)};
+  const keep = !windows && old?.frame === found.frame;
+  settings.mark("");
+  set({preview: {...found, windows: windows ?? (keep ? old.windows : []), motion: keep ? old.motion : rigidMotion(row, 0)},
+       previewError: "", metrePerPx: found.m_per_px});
+}
+
+// The outline at once, then all of it.
 async function measure() {
   const frame = get("shown");
   if (get("panel") !== "setup" || frame === undefined || !get("clip")) return;
@@ -46,12 +57,13 @@ async function measure() {
     if (mine === current) set({busy: compiling || "measuring"});
   }, SLOW_MS);
   try {
-    const found = await server.post("measure", {shot: get("shot"), frame, settings: get("settings")}, mine.signal);
-    if (mine !== current) return;
-    const windows = found.windows[0]?.map((_, k) => Object.fromEntries(found.columns.map((name, c) => [name, found.windows[c][k] ?? NaN])));
-    const row = {has: () => true, number: (_, name) => (found.row[name] ? Number(found.row[name]) : NaN)};
-    settings.mark("");
-    set({preview: {...found, windows: windows ?? [], motion: rigidMotion(row, 0)}, previewError: "", metrePerPx: found.m_per_px});
+    const asked = get("settings"), outline = {...asked, "no-field": true};
+    for (const step of asked["no-field"] ? [outline] : [outline, asked]) {
+      const found = await server.post("measure", {shot: get("shot"), frame, settings: step}, mine.signal);
+      if (mine !== current) return;
+      if (step !== asked) found.windows = [];
+      takeOver(found, get("preview"));
+    }
   } catch (error) {
     if (error.name === "AbortError" || mine !== current || error.status === 409) return;
     settings.mark(error.message);
