@@ -92,9 +92,8 @@ const cell = (preview, column, sd) => withDeviation(preview.row[column] ?? "", p
 
 // What was found in this frame, and what this clip and pattern let one expect.
 function words({preview, previewError, busy}) {
-  if (busy) return `${busy} …`;
   if (previewError) return previewError;
-  if (!preview) return "";
+  if (!preview) return busy ? `${busy} …` : "";
   const {row, advice} = preview;
   const parts = [`frame ${preview.frame}: ${row.status}`];
   if (row.r_px) parts.push(`radius ${cell(preview, "r_px", "r_sd_px")} px`);
@@ -105,6 +104,7 @@ function words({preview, previewError, busy}) {
     text.push(`expected: ${error === null ? "no" : error.toPrecision(2)} px a window of ${size} px (${Math.round(100 * usable / Math.max(1, windows))} % usable)`
       + (advice.ball ? `, ${Math.hypot(advice.ball.dx_sd_px, advice.ball.dy_sd_px).toPrecision(2)} px the ball` : ""));
   }
+  if (busy) text.push(`${busy} …`);
   return text.join("\n");
 }
 
