@@ -146,6 +146,8 @@ def main():
                              alone_s)
             killed += one[0]
             taken_over += one[1]
+            print(f"run {number + 1}: " + ("killed" if one[0] else "ended before the kill") +
+                  (", its shots taken over" if one[1] else ""), flush=True)
         print(f"{arguments.runs} runs of {arguments.ranks} ranks and {arguments.shots} shots, "
               f"{killed} ranks killed, {taken_over} of them with shots in hand: every run has the "
               f"{len(expected)} files of one process")
