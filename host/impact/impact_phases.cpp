@@ -9,6 +9,7 @@
 #include "host/base/statistics.h"
 #include "host/impact/contact_edge.h"
 #include "host/impact/evidence/contact_guess.h"
+#include "host/impact/evidence/more_impacts.h"
 #include "host/impact/evidence/path_evidence.h"
 #include "host/impact/flight_fit.h"
 #include "host/impact/flight_spin.h"
@@ -25,8 +26,7 @@ constexpr std::size_t kFewestFlightFrames = 6;
 constexpr std::size_t kFewestContactFrames = 8;
 constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
 constexpr double kSignificant = 3;      // deviations that an impulse must stand out by
-// Logarithm of the odds against a smooth path; the sharpest of some hundred places is looked at.
-constexpr double kEvident = 7;
+constexpr double kEvident = 7;  // logarithm of the odds: the sharpest of some hundred places
 
 class Analysis {
  public:
@@ -122,8 +122,7 @@ void Analysis::limit_flights() {
   after_.last = std::min(after_.last, after_.first + longest);
 }
 
-// Cuts off what, further out, is no part of the same flight: another impact, a hand. A block of ten
-// frames must go on as those nearer to the contact do.
+// Cuts off another impact or a hand: ten frames must go on as those nearer to the contact do.
 void Analysis::trim(FlightRange& range, bool before) const {
   constexpr std::size_t kBlock = 10;
   const double gravity = options_.gravity.value_or(0.0) * direction_.n;
@@ -138,7 +137,6 @@ void Analysis::trim(FlightRange& range, bool before) const {
   const std::size_t count = range.last - range.first;
   for (std::size_t first = kBlock; first + kBlock <= count; first += kBlock) {
     const double near = level(first - kBlock), far = level(first);
-    // Where gravity is unknown a flight's level may change; it does so slowly.
     if (std::isnan(far) || std::abs(far - near) <= 8 * guess_.step_noise + 0.05 * std::abs(near)) {
       continue;
     }
@@ -147,7 +145,6 @@ void Analysis::trim(FlightRange& range, bool before) const {
   }
 }
 
-// Whether the path is broken, rather than smooth.
 bool Analysis::is_evident(bool with_flights) const {
   const auto longest = static_cast<std::size_t>(options_.flight_frames);
   PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
@@ -156,7 +153,7 @@ bool Analysis::is_evident(bool with_flights) const {
   return odds_of_contact(series_, span) > kEvident;
 }
 
-// The surface's impulse must stand out of what flights under gravity alone would show.
+// The surface's impulse must stand out of what gravity alone would show.
 bool Analysis::is_impact() const {
   if (!flights_.ok) return false;
   const auto& c = flights_.covariance;
@@ -255,9 +252,8 @@ void Analysis::set_radius(const FreeRadius& radius) {
   result_.radius_drift_px = radius.drift;
 }
 
-// From the flight before, carried on to `instant`, down to the turn: less the steps that were
-// measured since, or the height of the centres there.
-// Turned axes see a part of the way along the surface, too.
+// From the flight before, carried on to `instant`, down to the turn: less the steps measured since,
+// or the height of the centres there. Turned axes see a part of the way along the surface, too.
 Propagated Analysis::above_lowest(const ImpactSources& sources, const Instant& instant) const {
   using Vector = ImpactSources::Vector;
   const std::size_t from = before_.last;
@@ -299,6 +295,9 @@ void Analysis::place(const ImpactSources& s, bool timed) {
   if (turn_.ok) {
     result_.turn = {turn_.instant, turn_.sd};
     result_.crossing_above_lowest = above_lowest(s, crossing).measured;
+  } else {  // somewhere in the contact
+    const double length = static_cast<double>(guess_.last - guess_.first);
+    result_.turn = {result_.crossing.value, std::hypot(result_.crossing.sd, length / 4)};
   }
   const double since = s.value[kStart] - s.before.at;
   const auto at_touch = [&](int place, int speed, double pull) {
@@ -378,16 +377,19 @@ void Analysis::finish() {
 
 }  // namespace
 
-ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
+ImpactAnalysis impact_on_this_side(const std::vector<TrackRow>& rows,
+                                   const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
-  if (result.status == ImpactStatus::kFound || result.status == ImpactStatus::kNotResolved) {
-    result.space = space_impact(options, result);
-  }
+  if (is_found(result)) result.space = space_impact(options, result);
+  return result;
+}
+
+ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
+  ImpactAnalysis result = impact_on_this_side(rows, options);
   if (result.status != ImpactStatus::kNone) return result;
   ImpactOptions turned = options;
   turned.surface_angle_rad += kPi;
-  const ImpactStatus other = Analysis(rows, turned).run().status;
-  if (other == ImpactStatus::kFound || other == ImpactStatus::kNotResolved) {
+  if (is_found(Analysis(rows, turned).run())) {
     result.status = ImpactStatus::kWrongSide;
   } else {
     result.flight = whole_flight(rows, options);

@@ -32,4 +32,11 @@ struct ImpactOptions {
 // shows: the status says it.
 ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options);
 
+// The impacts before and after `known`, one that was found in `rows`, in order of time: a ball that
+// bounces again and again has many. Each is analysed between its neighbours, and a flight between
+// two of them belongs to both.
+std::vector<ImpactAnalysis> other_impacts(const std::vector<TrackRow>& rows,
+                                          const ImpactOptions& options,
+                                          const ImpactAnalysis& known);
+
 }  // namespace impactdic::impact

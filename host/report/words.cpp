@@ -84,6 +84,10 @@ std::string in_words(const ImpactFigures& impact) {
   };
   add(impact.t0.frame, impact.t0.sd_frames, "; contact from frame %.2f +- %.2f");
   add(impact.t_end.frame, impact.t_end.sd_frames, " to %.2f +- %.2f");
+  if (!impact.t0.known()) {
+    add(impact.t_max_compression.frame, impact.t_max_compression.sd_frames,
+        "; at frame %.2f +- %.2f");
+  }
   const auto add_figure = [&](ImpactFigure which, const Measured& m, const char* format) {
     add(m.value, m.sd, format);
     if (std::isfinite(m.value) && impact.is_doubtful(which)) line += " (doubtful)";

@@ -77,6 +77,10 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
   summary["frame_times"] = describe_times(result.times);
   summary["scale"] = describe_scale(request, result);
   summary["impact"] = report::describe_impact(result.impact_si);
+  summary["more_impacts"] = nlohmann::json::array();
+  for (const ImpactFigures& other : result.more_impacts_si) {
+    summary["more_impacts"].push_back(report::describe_impact(other));
+  }
   summary["body"] = {{"kind", to_string(result.body)},
                      {"asked", to_string(request.body)},
                      {"reason", result.body_reason}};

@@ -1,6 +1,8 @@
 // Whether the search for an impact tells one from none (bench/impact_evidence has the long form).
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/support/tracks/path_tracks.h"
 
 namespace impactdic::testing {
@@ -49,6 +51,67 @@ TEST(ImpactEvidence, ShortContactsAreFound) {
     found += is_found(impact::analyse_impact(track.rows, track.options));
   }
   EXPECT_EQ(found, shorts);
+}
+
+// A ball that is dropped and bounces, each time with four fifths of its speed.
+struct Bouncing {
+  static constexpr double kGravity = 0.02, kFirst = 90, kRestitution = 0.8;  // px, frames
+  std::vector<double> touches;
+
+  explicit Bouncing(int frames) {
+    double touch = kFirst + 0.3, speed = kGravity * touch;
+    while (touch < frames) {
+      touches.push_back(touch);
+      speed *= kRestitution;
+      touch += 2 * speed / kGravity;
+    }
+  }
+  std::array<double, 2> at(double t) const {
+    double speed = kGravity * touches[0], from = touches[0];
+    if (t < from) return {0.4 * t, kGravity * (from * from - t * t) / 2};
+    for (const double touch : touches) {
+      if (touch > t) break;
+      from = touch, speed *= kRestitution;
+    }
+    return {0.4 * t, speed * (t - from) - kGravity * (t - from) * (t - from) / 2};
+  }
+};
+
+TEST(ImpactEvidence, EveryBounceIsFound) {
+  constexpr int kFrames = 480;
+  const Bouncing ball(kFrames);
+  ASSERT_EQ(ball.touches.size(), 4u);
+  for (const bool poor : {false, true}) {
+    std::mt19937_64 random(7);
+    std::vector<TrackRow> rows = rows_of([&](double t) { return ball.at(t); }, kFrames, 0.02);
+    add_errors(poor ? FilmErrors::coder(1) : FilmErrors::camera(1), random, rows);
+    impact::ImpactOptions options;
+    options.gravity = Bouncing::kGravity;
+    const ImpactAnalysis sharpest = impact::analyse_impact(rows, options);
+    ASSERT_TRUE(is_found(sharpest)) << poor;
+    std::vector<ImpactAnalysis> all = impact::other_impacts(rows, options, sharpest);
+    all.push_back(sharpest);
+    std::sort(all.begin(), all.end(), [](const ImpactAnalysis& a, const ImpactAnalysis& b) {
+      return a.crossing.value < b.crossing.value;
+    });
+    ASSERT_EQ(all.size(), ball.touches.size()) << poor;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_NEAR(all[i].crossing.value, ball.touches[i], 1) << poor << ' ' << i;
+      EXPECT_NEAR(all[i].turn.value, ball.touches[i], 1 + 3 * all[i].turn.sd) << poor << ' ' << i;
+      const Measured& e = all[i].restitution;
+      EXPECT_LT(std::abs(e.value - Bouncing::kRestitution), 4 * e.sd) << poor << ' ' << i;
+      EXPECT_LT(e.sd, 0.1) << poor << ' ' << i;
+    }
+  }
+}
+
+// Nothing more is found where there is but one.
+TEST(ImpactEvidence, OneImpactIsOne) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const ImpactTrack track = impact_track(seed);
+    const ImpactAnalysis found = impact::analyse_impact(track.rows, track.options);
+    EXPECT_TRUE(impact::other_impacts(track.rows, track.options, found).empty()) << seed;
+  }
 }
 
 }  // namespace

@@ -167,6 +167,9 @@ struct TrackResult {
   std::size_t windows = 0;    // of that grid
   ImpactAnalysis impact;      // in px and frames
   ImpactFigures impact_si;    // the same in SI
+  // Of a ball that bounces several times: the other impacts, in order of time. `impact` is the
+  // sharpest.
+  std::vector<ImpactFigures> more_impacts_si;
   ClipAdvice advice;
   std::vector<std::string> warnings;  // one line each
   std::int64_t frames_ok = 0;         // rows with a circle and, but for the last, its motion

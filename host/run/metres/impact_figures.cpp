@@ -166,10 +166,8 @@ class Converter {
   bool in_si_ = false;
 };
 
-}  // namespace
-
-ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
-                              const SiScale& scale, const std::optional<Measured>& radius_px) {
+impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& scale,
+                                 const std::optional<Measured>& radius_px) {
   impact::ImpactOptions options;
   options.surface_angle_rad = scale.surface_angle_rad;
   options.surface_angle_sd_rad = request.surface_angle_sd_deg * kRadPerDeg;
@@ -179,7 +177,21 @@ ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<Tra
   if (scale.metre_per_px > 0 && scale.fps > 0) {
     options.gravity = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
   }
-  return impact::analyse_impact(rows, options);
+  return options;
+}
+
+}  // namespace
+
+ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                              const SiScale& scale, const std::optional<Measured>& radius_px) {
+  return impact::analyse_impact(rows, options_of(request, scale, radius_px));
+}
+
+std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
+                                          const std::vector<TrackRow>& rows, const SiScale& scale,
+                                          const std::optional<Measured>& radius_px,
+                                          const ImpactAnalysis& found) {
+  return impact::other_impacts(rows, options_of(request, scale, radius_px), found);
 }
 
 ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,

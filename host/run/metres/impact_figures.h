@@ -16,6 +16,13 @@ inline constexpr double kGravity_m_s2 = 9.81;
 ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
                               const SiScale& scale, const std::optional<Measured>& radius_px);
 
+// The other impacts in `rows`, beside the one that was `found` with the same arguments, in order of
+// time.
+std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
+                                          const std::vector<TrackRow>& rows, const SiScale& scale,
+                                          const std::optional<Measured>& radius_px,
+                                          const ImpactAnalysis& found);
+
 // What was found, in frames of the stored file, seconds and metres as far as `scale` knows them;
 // its deviations are part of theirs.
 ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,

@@ -67,21 +67,27 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
     radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
   }
   set_scale(request, radius.value_or(result.impact.radius_px), result.scale);
-  const auto conclude = [&](ImpactAnalysis impact) {
+  // `with`: the scale that gave the analysis its gravity.
+  const auto conclude = [&](ImpactAnalysis impact, const SiScale& with) {
     result.impact = std::move(impact);
     result.impact_si = convert_impact(request, rows, result.scale, result.impact);
     find_contradictions(request, result.impact, result.impact_si);
+    result.more_impacts_si.clear();
+    for (const ImpactAnalysis& other : other_impacts(request, rows, with, radius, result.impact)) {
+      result.more_impacts_si.push_back(convert_impact(request, rows, result.scale, other));
+    }
   };
-  conclude(analyse_impact(request, rows, result.scale, radius));
+  conclude(analyse_impact(request, rows, result.scale, radius), result.scale);
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
-  ImpactAnalysis free = analyse_impact(request, rows, no_scale(result), radius);
+  const SiScale without = no_scale(result);
+  ImpactAnalysis free = analyse_impact(request, rows, without, radius);
   if (!is_found(free)) {
     look_for_another_surface(request, rows, radius, result);
     return;
   }
   set_scale(request, radius.value_or(free.radius_px), result.scale);
-  conclude(std::move(free));
+  conclude(std::move(free), without);
 }
 
 }  // namespace impactdic::run
