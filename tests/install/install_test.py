@@ -19,8 +19,8 @@ from example_runs import Examples  # noqa: E402, F401
 from installed import (  # noqa: E402
     BUILD, CMAKE, OPTIONS, PREFIX, SCRATCH, SOURCE, compilers, empty, find, headers, run)
 
-# Neither a folder nor a dot: a header of the standard library. Ours is the only folder.
-ALLOWED_INCLUDE = re.compile(r'#include <(impactdic/\w+\.h|[a-z_]+)>$')
+# Neither a folder nor a dot: a header of the standard library. Ours are the only folders.
+ALLOWED_INCLUDE = re.compile(r'#include <(impactdic/(\w+/)?\w+\.h|[a-z_]+)>$')
 STANDARDS = ("c++20", "c++23")  # the least that docs/api.md asks for, and the next one
 
 

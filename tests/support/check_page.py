@@ -21,6 +21,7 @@ STATE = """({
   width: innerWidth,
   scroll: document.documentElement.scrollWidth,
   panels: document.querySelectorAll('.panel').length,
+  meant: Object.keys(panels).length,
   drawn: [...document.querySelectorAll('.panel')].filter(p => p.querySelector('.main-svg') &&
       p._fullLayout && p._fullLayout._size.w > 100).length,
   wide: [...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, pre, .panel') &&
@@ -120,8 +121,8 @@ def problems(browser, page, name, folder):
     if state["scroll"] > state["width"] or state["width"] != width:
         found.append(f"{state['scroll']} px wide on a screen of {width} ({state['width']})")
     found += [f"wider than the screen: {e}" for e in state["wide"]]
-    if state["panels"] == 0 or state["drawn"] != state["panels"]:
-        found.append(f"{state['drawn']} of {state['panels']} panels are drawn")
+    if not state["meant"] == state["panels"] == state["drawn"]:
+        found.append(f"{state['drawn']} of {state['meant']} panels are drawn")
     found += [f"an axis without name: {p}" for p in state["nameless"]]
     if folder:
         full = browser.value("document.documentElement.scrollHeight")

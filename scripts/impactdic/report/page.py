@@ -18,8 +18,8 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inli
 
 STYLE = """
 :root { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; }
-body { margin: 0 auto; max-width: 1240px; padding: 0 16px 48px; }
-h1 { font-size: 1.7rem; margin: 24px 0 4px; overflow-wrap: anywhere; }
+body { margin: 0 auto; max-width: 1240px; padding: 0 16px 48px; overflow-wrap: anywhere; }
+h1 { font-size: 1.7rem; margin: 24px 0 4px; }
 h2 { font-size: 1.3rem; margin: 40px 0 8px; border-bottom: 1px solid #ccc; }
 h3 { font-size: 1.05rem; margin: 24px 0 4px; }
 nav a { margin-right: 14px; }
@@ -34,7 +34,7 @@ figcaption { color: #555; font-size: .9rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: 4px 18px 4px 0;
-  border-bottom: 1px solid #e4e4e4; overflow-wrap: anywhere; }
+  border-bottom: 1px solid #e4e4e4; }
 th { white-space: nowrap; overflow-wrap: normal; }
 td { min-width: 6.5em; }
 .warnings { background: #FFF6E5; border-left: 4px solid #E69F00; padding: 8px 16px; }
@@ -216,14 +216,14 @@ def _by_time(panel):
 
 
 def _layout(panel):
-    axis = {"gridcolor": GRID, "zeroline": False, "showline": True, "linecolor": "#888",
-            "automargin": True}
+    axis = {"gridcolor": GRID, "zeroline": False, "showline": True, "linecolor": "#888"}
     layout = {
         "margin": MARGIN,
         "title": {"text": panel.title, "font": {"size": 14}, "x": 0.5, "y": 0.97},
         "font": {"size": 12},
         "xaxis": {**axis, "title": {"text": panel.x_label}},
-        "yaxis": {**axis, "title": {"text": panel.y_label}},
+        # The margin below holds one line; on a phone two axes that both ask for room take turns.
+        "yaxis": {**axis, "title": {"text": panel.y_label}, "automargin": True},
         "hovermode": "x unified" if _by_time(panel) else "closest",
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",
