@@ -49,6 +49,83 @@ double rms_error(const camera::View& seen, const Camera& view, const CalibrateRe
   return std::sqrt(sum / 2 / static_cast<double>(seen.seen.size()));
 }
 
+// How often the truth lies within two stated deviations, by parameter.
+class Tally {
+ public:
+  // Returns the parameters that lie outside.
+  std::string add(const Camera& found, const Camera& truth) {
+    std::string outside;
+    for (std::size_t p = 0; p < kCameraParameters; ++p) {
+      const auto parameter = static_cast<CameraParameter>(p);
+      const double sd = std::sqrt(found.variance(parameter));
+      if (sd == 0) continue;
+      const double z = (found[parameter] - truth[parameter]) / sd;
+      ++stated_[p];
+      squares_[p] += z * z;
+      if (std::abs(z) <= 2) {
+        ++within_[p];
+      } else {
+        outside += std::string(" ") + to_string(parameter) + "(" + std::to_string(z) + ")";
+      }
+    }
+    return outside;
+  }
+
+  void print() const {
+    int all = 0, all_within = 0;
+    for (std::size_t p = 0; p < kCameraParameters; ++p) {
+      if (stated_[p] == 0) continue;
+      std::printf("%-16s %d of %d within two deviations, rms %.2f deviations\n",
+                  to_string(static_cast<CameraParameter>(p)), within_[p], stated_[p],
+                  std::sqrt(squares_[p] / stated_[p]));
+      all += stated_[p], all_within += within_[p];
+    }
+    std::printf("all parameters: %.1f %%\n", 100.0 * all_within / std::max(all, 1));
+  }
+
+ private:
+  std::array<int, kCameraParameters> within_{}, stated_{};
+  std::array<double, kCameraParameters> squares_{};
+};
+
+// What the finder sees of a rendered picture of the target.
+camera::View seen_in_picture(const Camera& truth, const testing::TargetPattern& pattern,
+                             const CalibrateRequest& request, unsigned noise, double& worst_px) {
+  camera::View view;
+  const Frame frame = testing::render_target(truth, pattern, {}, noise);
+  view.seen = camera::find_target(camera::to_grey(frame), request);
+  if (request.target != CalibrationTarget::kCharuco) {
+    testing::turn_back(truth, camera::board_points(request), view.seen);
+  }
+  if (!view.seen.empty()) worst_px = std::max(worst_px, rms_error(view, truth, request));
+  return view;
+}
+
+void calibrate_one(const CalibrateRequest& request, const testing::TargetPattern& pattern,
+                   unsigned seed, bool points, Tally& tally) {
+  const int pictures = 5 + static_cast<int>(seed * 7 % 26);
+  const testing::RandomCalibration made = testing::random_calibration(request, pictures, seed);
+  std::vector<camera::View> views;
+  double worst_px = 0;
+  for (std::size_t i = 0; i < made.views.size(); ++i) {
+    const unsigned noise = seed * 100 + static_cast<unsigned>(i);
+    views.push_back(points ? noisy_points(made.views[i], request, noise + 1)
+                           : seen_in_picture(made.views[i], pattern, request, noise, worst_px));
+    views.back().picture = std::to_string(i);
+  }
+  try {
+    const CalibrateResult found =
+        camera::calibrate_points(request, views, made.views[0].width, made.views[0].height);
+    std::size_t used = 0;
+    for (const CalibrationPicture& picture : found.pictures) used += picture.used;
+    const std::string outside = tally.add(found.camera, made.views[0]);
+    std::printf("%u: %zu of %d pictures, scatter %.4f px, worst %.3f, terms %s; outside:%s\n", seed,
+                used, pictures, found.point_sd_px, worst_px, found.terms.c_str(), outside.c_str());
+  } catch (const Error& error) {
+    std::printf("%u: %s\n", seed, error.line().c_str());
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,62 +134,9 @@ int main(int argc, char** argv) {
   const unsigned first = argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1;
   const bool points = argc > 4 && std::string(argv[4]) == "points";
   const testing::TargetPattern pattern(request);
-  std::array<int, kCameraParameters> within{}, stated{};
-  std::array<double, kCameraParameters> squares{};
+  Tally tally;
   for (unsigned seed = first; seed < first + static_cast<unsigned>(calibrations); ++seed) {
-    const int pictures = 5 + static_cast<int>(seed * 7 % 26);
-    const testing::RandomCalibration made = testing::random_calibration(request, pictures, seed);
-    std::vector<camera::View> views;
-    double off = 0;
-    for (std::size_t i = 0; i < made.views.size(); ++i) {
-      const unsigned noise = seed * 100 + static_cast<unsigned>(i);
-      camera::View view;
-      if (points) {
-        view = noisy_points(made.views[i], request, noise + 1);
-      } else {
-        const Frame frame = testing::render_target(made.views[i], pattern, {}, noise);
-        view.seen = camera::find_target(camera::to_grey(frame), request);
-        if (request.target != CalibrationTarget::kCharuco) {
-          testing::turn_back(made.views[i], camera::board_points(request), view.seen);
-        }
-        if (!view.seen.empty()) off = std::max(off, rms_error(view, made.views[i], request));
-      }
-      view.picture = std::to_string(i);
-      views.push_back(std::move(view));
-    }
-    try {
-      const CalibrateResult found =
-          camera::calibrate_points(request, views, made.views[0].width, made.views[0].height);
-      const Camera& truth = made.views[0];
-      std::string outside;
-      std::size_t used = 0;
-      for (const CalibrationPicture& picture : found.pictures) used += picture.used;
-      for (std::size_t p = 0; p < kCameraParameters; ++p) {
-        const auto parameter = static_cast<CameraParameter>(p);
-        const double sd = std::sqrt(found.camera.variance(parameter));
-        if (sd == 0) continue;
-        const double z = (found.camera[parameter] - truth[parameter]) / sd;
-        ++stated[p];
-        squares[p] += z * z;
-        if (std::abs(z) <= 2)
-          ++within[p];
-        else
-          outside += std::string(" ") + to_string(parameter) + "(" + std::to_string(z) + ")";
-      }
-      std::printf("%u: %zu of %d pictures, scatter %.4f px, worst %.3f, terms %s; outside:%s\n",
-                  seed, used, pictures, found.point_sd_px, off, found.terms.c_str(),
-                  outside.c_str());
-    } catch (const Error& error) {
-      std::printf("%u: %s\n", seed, error.line().c_str());
-    }
+    calibrate_one(request, pattern, seed, points, tally);
   }
-  int all = 0, all_within = 0;
-  for (std::size_t p = 0; p < kCameraParameters; ++p) {
-    if (stated[p] == 0) continue;
-    std::printf("%-16s %d of %d within two deviations, rms %.2f deviations\n",
-                to_string(static_cast<CameraParameter>(p)), within[p], stated[p],
-                std::sqrt(squares[p] / stated[p]));
-    all += stated[p], all_within += within[p];
-  }
-  std::printf("all parameters: %.1f %%\n", 100.0 * all_within / std::max(all, 1));
+  tally.print();
 }
