@@ -12,7 +12,7 @@
 
 #include "host/camera/calibrate/calibrate_points.h"
 #include "host/camera/calibrate/find_target.h"
-#include "tests/support/target_pictures.h"
+#include "tests/support/camera/target_pictures.h"
 
 namespace {
 

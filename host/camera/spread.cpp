@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "host/camera/plane_view.h"
+
 namespace impactdic::camera {
 
 namespace {
@@ -46,6 +48,12 @@ std::vector<double> spread(const Camera& camera,
   }
   if (sd.empty()) sd.resize(figures(camera).size(), 0.0);
   return sd;
+}
+
+Measured scale_at_middle(const Camera& camera) {
+  const std::vector<double> sd = spread(
+      camera, [](const Camera& one) { return std::vector<double>{PlaneView(one).metre_per_px()}; });
+  return {PlaneView(camera).metre_per_px(), sd[0]};
 }
 
 }  // namespace impactdic::camera

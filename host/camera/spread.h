@@ -3,6 +3,7 @@
 #pragma once
 
 #include <impactdic/camera/model.h>
+#include <impactdic/measured.h>
 
 #include <functional>
 #include <vector>
@@ -22,5 +23,8 @@ std::vector<CameraStep> principal_steps(const Camera& camera);
 // Standard deviations of what `figures` says, by the camera alone.
 std::vector<double> spread(const Camera& camera,
                            const std::function<std::vector<double>(const Camera&)>& figures);
+
+// Metres a pixel in the plane of motion, at the picture's middle.
+Measured scale_at_middle(const Camera& camera);
 
 }  // namespace impactdic::camera

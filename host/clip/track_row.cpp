@@ -64,6 +64,16 @@ SiRow to_si(const TrackRow& row, const SiScale& scale) {
   return si;
 }
 
+SiRow to_si(const TrackResult& result, std::size_t row) {
+  if (!result.camera) return to_si(result.rows[row], result.scale);
+  SiRow si = to_si(result.camera->rows[row], result.scale);
+  const CameraRowSd& part = result.camera->row_sd[row];
+  si.vx_sd_m_s = std::hypot(si.vx_sd_m_s, part.vx_m_s);
+  si.vy_sd_m_s = std::hypot(si.vy_sd_m_s, part.vy_m_s);
+  si.omega_sd_rad_s = std::hypot(si.omega_sd_rad_s, part.omega_rad_s);
+  return si;
+}
+
 std::optional<double> median_radius_px(const std::vector<TrackRow>& rows) {
   std::vector<double> radii;
   for (const TrackRow& row : rows) {

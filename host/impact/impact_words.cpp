@@ -28,7 +28,7 @@ bool ImpactFigures::is_doubtful(ImpactFigure figure) const {
 }
 
 const char* to_string(ErrorSource source) {
-  constexpr std::array kWords = {"noise", "circle", "contact", "angle", "scale", "time"};
+  constexpr std::array kWords = {"noise", "circle", "contact", "angle", "scale", "time", "camera"};
   return kWords[static_cast<std::size_t>(source)];
 }
 

@@ -25,6 +25,8 @@ void read_scene(OptionReader& reader, SynthRequest& request) {
   reader("lamp_elevation_deg", scene.lamp_elevation_deg);
   reader("limb_darkening", scene.limb_darkening);
   reader("distance", scene.distance_radii);
+  reader("distortion_k1", scene.distortion_k1);
+  reader("distortion_k2", scene.distortion_k2);
   reader("occlude", request.hidden);
   reader("bar_level", request.bar_level);
   reader("white", scene.white);

@@ -126,8 +126,9 @@ std::vector<Row> read_rows(const std::filesystem::path& path, const std::string&
 
 }  // namespace
 
-std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
-  const SiRow si = to_si(row, scale);
+namespace {
+
+std::string line_of(const TrackRow& row, const SiRow& si) {
   Line line(std::to_string(row.frame));
   line.add(row.time_s).add_text(to_string(row.status));
   line.add(row.cx_px, row.cy_px, row.r_px, row.cx_sd_px, row.cy_sd_px, row.r_sd_px);
@@ -141,6 +142,12 @@ std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
   return line.text();
 }
 
+}  // namespace
+
+std::string track_csv_line(const TrackRow& row, const SiScale& scale) {
+  return line_of(row, to_si(row, scale));
+}
+
 TrackCsv::TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep)
     : path_(std::move(path)), scale_(scale), file_(continue_table(path_, kTrackCsvHeader, keep)) {}
 
@@ -151,13 +158,15 @@ void TrackCsv::flush() {
   check(file_, path_);
 }
 
-void TrackCsv::finish(const std::vector<TrackRow>& rows, const SiScale& scale) {
+void TrackCsv::finish(const TrackResult& result) {
   flush();
   const std::filesystem::path temporary = path_.string() + ".part";
   {
     std::ofstream file = open_for_writing(temporary, std::ios::trunc);
     file << kTrackCsvHeader << "\n";
-    for (const TrackRow& row : rows) file << track_csv_line(row, scale) << "\n";
+    for (std::size_t i = 0; i < result.rows.size(); ++i) {
+      file << line_of(result.rows[i], to_si(result, i)) << "\n";
+    }
     file.flush();
     check(file, temporary);
   }

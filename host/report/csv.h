@@ -27,7 +27,7 @@ class TrackCsv {
   TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep);
   void add(const TrackRow& row);
   void flush();
-  void finish(const std::vector<TrackRow>& rows, const SiScale& scale);
+  void finish(const TrackResult& result);
 
  private:
   std::filesystem::path path_;

@@ -290,7 +290,8 @@ void FieldsFile::flush() {
   const hdf5::Guard guard(hdf5::lock());
   impl_->file.flush();
 }
-void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle_deg) {
+void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle_deg,
+                           const std::string& camera) {
   const hdf5::Guard guard(hdf5::lock());
   const auto set = [this](const char* name, double value, bool known) {
     if (known) impl_->file.set_attribute("/", name, value);
@@ -298,6 +299,7 @@ void FieldsFile::set_scale(double metre_per_px, double fps, double surface_angle
   set("scale_m_per_px", metre_per_px, metre_per_px > 0);
   set("analysed_fps", fps, fps > 0);
   set("surface_angle_deg", surface_angle_deg, std::isfinite(surface_angle_deg));
+  if (!camera.empty()) impl_->file.set_attribute("/", "camera", camera);
   impl_->file.flush();
 }
 void FieldsFile::set_source_digest(const video::ClipDigest& digest) {

@@ -38,9 +38,10 @@ class FieldsFile {
            std::span<const WindowMotion> field, const TrackRow* row);
   // Frames are gathered; this puts all of them on the disk.
   void flush();
-  // Known when the run ends: attributes `scale_m_per_px`, `analysed_fps`, `surface_angle_deg`. What
-  // is not known (0, 0, NaN) is left out.
-  void set_scale(double metre_per_px, double fps, double surface_angle_deg);
+  // Known when the run ends: attributes `scale_m_per_px`, `analysed_fps`, `surface_angle_deg`,
+  // `camera` (its file). What is not known (0, 0, NaN, "") is left out.
+  void set_scale(double metre_per_px, double fps, double surface_angle_deg,
+                 const std::string& camera);
   // Of the clip, known when all of it has been read.
   void set_source_digest(const video::ClipDigest& digest);
   std::size_t rows() const;

@@ -83,6 +83,10 @@ void fill_shot(ShotResult& shot, const TrackResult& measured) {
   shot.metre_per_px = measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px : kNotMeasured;
   shot.metre_per_px_sd =
       measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px_sd : kNotMeasured;
+  // A scale that is the camera's is uncertain with it.
+  if (measured.camera && measured.scale.metre_per_px == measured.camera->metre_per_px.value) {
+    shot.metre_per_px_sd = measured.camera->metre_per_px.sd;
+  }
   shot.impact = measured.impact_si;
 }
 

@@ -48,6 +48,30 @@ std::string as_cell(std::string name) {
   return name;
 }
 
+// Throws InvalidArgument where a column is not known or a number is none.
+void check_columns(const CsvTable& table, const fs::path& path) {
+  const std::set<std::string> known = {"file",
+                                       "surface_angle_deg",
+                                       "ball_diameter_mm",
+                                       "inertia_factor",
+                                       "drop_height_mm",
+                                       "camera",
+                                       "ball",
+                                       "mass_g",
+                                       "notes"};
+  for (const std::string& column : table.columns()) {
+    if (known.count(column) == 0) {
+      throw InvalidArgument("unknown column '" + column + "'", path.string(),
+                            "there are file, surface_angle_deg, ball_diameter_mm, inertia_factor, "
+                            "drop_height_mm, camera, ball, mass_g, notes");
+    }
+  }
+  for (const char* numbers :
+       {"surface_angle_deg", "ball_diameter_mm", "inertia_factor", "drop_height_mm", "mass_g"}) {
+    if (table.has(numbers)) table.numbers(numbers);  // says where one is none
+  }
+}
+
 }  // namespace
 
 std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
@@ -84,25 +108,7 @@ std::vector<BatchShot> shots_in_folder(const fs::path& folder) {
 
 void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
   const CsvTable table = CsvTable::read(path);
-  const std::set<std::string> known = {"file",
-                                       "surface_angle_deg",
-                                       "ball_diameter_mm",
-                                       "inertia_factor",
-                                       "drop_height_mm",
-                                       "ball",
-                                       "mass_g",
-                                       "notes"};
-  for (const std::string& column : table.columns()) {
-    if (known.count(column) == 0) {
-      throw InvalidArgument("unknown column '" + column + "'", path.string(),
-                            "there are file, surface_angle_deg, ball_diameter_mm, inertia_factor, "
-                            "drop_height_mm, ball, mass_g, notes");
-    }
-  }
-  for (const char* numbers :
-       {"surface_angle_deg", "ball_diameter_mm", "inertia_factor", "drop_height_mm", "mass_g"}) {
-    if (table.has(numbers)) table.numbers(numbers);  // says where one is none
-  }
+  check_columns(table, path);
   const std::vector<std::string> files = table.text("file");
   const auto cell = [&](const char* column, std::size_t row) {
     return table.has(column) ? table.text(column)[row] : std::string();
@@ -137,6 +143,10 @@ void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
     shot->inertia_factor = positive("inertia_factor");
     shot->height_mm = positive("drop_height_mm");
     shot->mass_g = positive("mass_g") ? cell("mass_g", row) : "";
+    shot->camera = cell("camera", row);
+    if (!shot->camera.empty()) {  // beside the table, unless the path is a whole one
+      shot->camera = (fs::absolute(path).parent_path() / shot->camera).string();
+    }
     shot->ball = cell("ball", row);
     shot->drop_height_mm = cell("drop_height_mm", row);
     shot->notes = cell("notes", row);

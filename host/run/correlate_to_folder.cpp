@@ -121,8 +121,8 @@ CorrelateResult correlate_to_folder(const CorrelateRequest& request, const Corre
   run::DigestBeside digest(request.clip, run.info(), true);
   const auto finish = [&] {
     files->flush();
-    files->fields().set_scale(0, result.fps / static_cast<double>(result.frames.step),
-                              kNotMeasured);
+    files->fields().set_scale(0, result.fps / static_cast<double>(result.frames.step), kNotMeasured,
+                              "");
     const video::ClipDigest found = digest.get();
     if (digest.wanted()) files->fields().set_source_digest(found);
     nlohmann::json summary = summarise(result, session);

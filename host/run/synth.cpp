@@ -8,6 +8,7 @@
 
 #include "sim/contact/motion.h"
 #include "sim/speckle/clip.h"
+#include "sim/speckle/lens.h"
 #include "sim/speckle/orientation.h"
 #include "sim/speckle/sphere/sphere_render.h"
 
@@ -123,10 +124,20 @@ sim::speckle::SpeckleSphere make_sphere(const SynthRequest& request) {
 
 std::unique_ptr<sim::speckle::FrameRenderer> make_renderer(const SynthRequest& request,
                                                            const SynthScene& scene) {
-  if (request.body == SynthBody::kSphere) {
-    return std::make_unique<sim::speckle::SphereRenderer>(make_sphere(request), scene);
+  using namespace sim::speckle;
+  if (bends(scene)) {
+    std::unique_ptr<FrameRenderer> fine;
+    if (request.body == SynthBody::kSphere) {
+      fine = std::make_unique<SphereRenderer>(finer(make_sphere(request)), finer(scene));
+    } else {
+      fine = std::make_unique<BallRenderer>(finer(make_ball(request)), finer(scene));
+    }
+    return std::make_unique<BentRenderer>(std::move(fine), scene);
   }
-  return std::make_unique<sim::speckle::BallRenderer>(make_ball(request), scene);
+  if (request.body == SynthBody::kSphere) {
+    return std::make_unique<SphereRenderer>(make_sphere(request), scene);
+  }
+  return std::make_unique<BallRenderer>(make_ball(request), scene);
 }
 
 // A disc has neither far side nor depth.

@@ -147,10 +147,10 @@ void TrackFiles::finish(const TrackResult& result) {
   impl_->flush();
   if (impl_->fields) {
     impl_->fields->set_scale(result.scale.metre_per_px, result.scale.fps,
-                             result.scale.surface_angle_rad * kDegPerRad);
+                             result.scale.surface_angle_rad * kDegPerRad, impl_->options.camera);
   }
-  impl_->csv->finish(result.rows, result.scale);
-  if (impl_->overlay) impl_->overlay->finish(result.rows, result.scale, result.impact_si);
+  impl_->csv->finish(result);
+  if (impl_->overlay) impl_->overlay->finish(result);
 }
 
 }  // namespace impactdic::run

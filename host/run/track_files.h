@@ -24,6 +24,7 @@ struct TrackFilesOptions {
   std::int64_t rows = 0;  // frames that are analysed
   OverlayOptions overlay;
   Roi roi;
+  std::string camera;  // its file; "": none
   report::Attributes attributes;
 };
 

@@ -14,7 +14,9 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
+#include "host/run/metres/camera_part.h"
 #include "host/run/metres/frame_clock.h"
+#include "host/run/metres/lens_check.h"
 #include "host/run/metres/scale.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
@@ -75,6 +77,10 @@ void TrackRequest::validate() const {
   if (ball_diameter_mm > 0 && mm_per_px > 0) {
     throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
   }
+  if (!camera.empty() && mm_per_px > 0) {
+    throw InvalidArgument("give one of --camera and --mm-per-px", "scale",
+                          "a camera knows its scale");
+  }
 }
 
 namespace run {
@@ -87,6 +93,10 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   source_ = open_requested(request.clip);
   result_ = {};
   result_.clip = info();
+  if (!request.camera.empty()) {
+    camera_ = read_camera(request.camera);
+    check_camera_fits(*camera_, info(), request.camera);
+  }
   options_.estimator.estimator = request.estimator;
   options_.estimator.field = request.field;
   options_.estimator.field.noise = 0;
@@ -99,7 +109,7 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   check_roi(options_.roi, info().width, info().height);
   result_.roi = options_.roi;
   options_.with_field = request.with_field;
-  const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0;
+  const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0 || camera_;
   options_.fps = resolve_fps(request.clip, info(), si ? "a velocity in m/s" : needs_rate);
   options_.cancelled = [this] { return caller_.cancelled(); };
   // As far as it is known before the ball is.
@@ -132,7 +142,7 @@ void TrackRun::look() {
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());
-  if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0) {
+  if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0 && !camera_) {
     result_.warnings.push_back(
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
         "metres");
@@ -238,7 +248,19 @@ void TrackRun::conclude() {
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
   }
-  conclude_metres(request_, sphere, result_);
+  if (camera_) {
+    conclude_through_camera(*camera_, request_, sphere, result_);
+  } else {
+    conclude_metres(request_, sphere, result_);
+  }
+  const std::vector<TrackRow>& seen = camera_ ? result_.camera->rows : result_.rows;
+  const std::string bend = lens_warning(
+      bend_of_flights(evenly_spaced(seen), result_.impact, info().width, info().height),
+      camera_.has_value());
+  if (!bend.empty()) {
+    result_.warnings.push_back(bend);
+    caller_.say(MessageKind::kWarning, bend);
+  }
   for (const Contradiction& found : result_.impact_si.contradictions) {
     result_.warnings.push_back(found.message);
     caller_.say(MessageKind::kWarning, found.message);

@@ -1,6 +1,7 @@
 // One run of `track`, in its steps: what `track` and `track_to_folder` share.
 #pragma once
 
+#include <impactdic/camera/model.h>
 #include <impactdic/track.h>
 
 #include <functional>
@@ -50,6 +51,7 @@ class TrackRun {
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
+  std::optional<Camera> camera_;
 };
 
 // Gives a frame to a caller's sink, which is not empty.

@@ -38,6 +38,7 @@ run::TrackFilesOptions files_options(const TrackRequest& request, const TrackFol
   options.with_poses = request.with_field && request.estimator == Estimator::kBall;
   options.overlay = folder.overlay;
   options.roi = result.roi;
+  options.camera = request.camera;
   return options;
 }
 
@@ -50,6 +51,11 @@ nlohmann::json describe_scale(const TrackRequest& request, const TrackResult& re
     scale["from"] = "--mm-per-px";
     return scale;
   }
+  if (request.ball_diameter_mm == 0) {
+    scale["from"] = "--camera";
+    scale["sd_m_per_px"] = result.camera->metre_per_px.sd;
+    return scale;
+  }
   const double radius_px = request.ball_diameter_mm / 2e3 / result.scale.metre_per_px;
   const double given = request.ball_diameter_sd_mm / request.ball_diameter_mm;
   const double all = result.scale.metre_per_px_sd / result.scale.metre_per_px;
@@ -60,6 +66,21 @@ nlohmann::json describe_scale(const TrackRequest& request, const TrackResult& re
   scale["sd_parts_m_per_px"] = {{"radius", by_radius * result.scale.metre_per_px},
                                 {"diameter", given * result.scale.metre_per_px}};
   return scale;
+}
+
+nlohmann::json describe_camera(const TrackRequest& request, const TrackResult& result) {
+  if (!result.camera) return nullptr;
+  const CameraFigures& camera = *result.camera;
+  const auto measured = [](const Measured& m) -> nlohmann::json {
+    if (!std::isfinite(m.value)) return nullptr;
+    return {{"value", m.value}, {"sd", m.sd}};
+  };
+  return {{"file", request.camera},
+          {"from", camera.from},
+          {"m_per_px", measured(camera.metre_per_px)},
+          {"tilt_deg", std::isfinite(camera.tilt_deg) ? nlohmann::json(camera.tilt_deg)
+                                                      : nlohmann::json(nullptr)},
+          {"ball_before_plane_m", measured(camera.before_plane_m)}};
 }
 
 nlohmann::json describe_times(const FrameTimes& times) {
@@ -76,6 +97,7 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
       result.scale.fps > 0 ? nlohmann::json(result.scale.fps_sd) : nlohmann::json(nullptr);
   summary["frame_times"] = describe_times(result.times);
   summary["scale"] = describe_scale(request, result);
+  summary["camera"] = describe_camera(request, result);
   summary["impact"] = report::describe_impact(result.impact_si);
   summary["more_impacts"] = nlohmann::json::array();
   for (const ImpactFigures& other : result.more_impacts_si) {

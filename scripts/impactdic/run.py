@@ -147,7 +147,7 @@ def batch(folder, out, ball=None, *, table=None, surface_deg=None, force=False, 
     """`track` for every clip of a folder, as `impactdic batch`; returns a Batch.
 
     table: a CSV file with the column file and any of surface_angle_deg, ball_diameter_mm,
-    inertia_factor, drop_height_mm, ball, mass_g, notes.
+    inertia_factor, drop_height_mm, camera, ball, mass_g, notes.
     options: those of `impactdic batch`, underscores for dashes.
     """
     if surface_deg is not None:

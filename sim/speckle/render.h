@@ -32,6 +32,8 @@ OccludingBar bar_hiding(double fraction, const BallPose& pose, double radius_px,
 class FrameRenderer {
  public:
   virtual ~FrameRenderer() = default;
+  // The picture without noise or rounding, grey levels of 255, (height, width).
+  virtual Image<double> exact(const ShutterPath& path) const = 0;
   // The camera's frame: noise of (seed, frame_index), rounded and clipped at scene.bits.
   virtual void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const = 0;
   void render(const BallPose& pose, std::int64_t frame_index, Frame& out) const;
@@ -57,7 +59,7 @@ class BallRenderer : public FrameRenderer {
 
   // The picture without noise or rounding, grey levels of 255, (height, width).
   Image<double> exact(const BallPose& pose) const;
-  Image<double> exact(const ShutterPath& path) const;
+  Image<double> exact(const ShutterPath& path) const override;
 
   using FrameRenderer::render;
   void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const override;

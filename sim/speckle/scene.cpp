@@ -26,6 +26,14 @@ void SynthScene::validate() const {
           "0 … 1");
   require(distance_radii == 0 || (distance_radii >= 1.5 && std::isfinite(distance_radii)),
           "the distance is out of range", "1.5 radii of the ball or more; 0: parallel rays");
+  for (const double k : {distortion_k1, distortion_k2}) {
+    require(std::abs(k) <= 0.3, "the distortion is out of range", "-0.3 … 0.3");
+  }
+  // The picture would run backwards beyond a fold, 1 + 3 k1 s + 5 k2 s^2 = 0.
+  for (double s = 0; s <= 1.5; s += 0.05) {
+    require(1 + s * (3 * distortion_k1 + 5 * s * distortion_k2) > 0.1,
+            "the distortion folds the picture over", "less of it");
+  }
   require(bits >= 8 && bits <= 16, "the bit depth is out of range", "8 … 16 bits");
   for (const double level : {white, ink, background, bar ? bar->level : 0.0}) {
     require(level >= 0 && level <= 255, "a grey level is out of range", "0 … 255");

@@ -64,7 +64,10 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   report::TrackCsv csv(folder / "track.csv", {}, 0);
   csv.add(example_row(0));
   csv.add(lost);
-  csv.finish({example_row(0), lost}, {2e-4, 1e4, 0, 512});
+  TrackResult result;
+  result.rows = {example_row(0), lost};
+  result.scale = {2e-4, 1e4, 0, 512};
+  csv.finish(result);
   const auto rows = report::read_track_csv(folder / "track.csv");
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_EQ(rows[0].cx_px, 100.123456789);
@@ -120,7 +123,7 @@ TEST_P(FieldsFileTest, GrowsIsReadByH5pyAndResumes) {
     EXPECT_EQ(file.rows(), 4u);
     EXPECT_THROW(file.add(4, 0.4, windows, std::vector<WindowMotion>(2), nullptr), InvalidArgument);
     file.add(4, 0.4, windows, field, nullptr);
-    file.set_scale(2.5e-4, 0, 30);
+    file.set_scale(2.5e-4, 0, 30, "");
   }
   EXPECT_THROW(report::FieldsFile::resume(path, 15, 6), FormatError);
   std::ofstream(folder / "check.py") << R"(

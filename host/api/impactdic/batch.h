@@ -29,7 +29,8 @@ struct BatchShare {
 struct BatchRequest {
   std::string folder;  // of clips, or of folders of pictures
   // CSV: file, and any of surface_angle_deg, ball_diameter_mm, inertia_factor, drop_height_mm,
-  // ball, mass_g, notes; an empty cell is as if the column were missing. "": none.
+  // camera (a file beside the table), ball, mass_g, notes; an empty cell is as if the column were
+  // missing. "": none.
   std::string table;
   TrackRequest track;  // of every shot; its clip's paths and source are those of the shot
   TrackFolder output;  // the batch's own folder, and how shots are written; `resume` keeps what

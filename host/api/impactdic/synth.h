@@ -101,6 +101,10 @@ struct SynthScene {
   // of the ball is a px of the picture. The camera looks along Z through the picture's middle. The
   // outline's radius on that axis is R / sqrt(1 - (R/D)^2). 0: parallel rays.
   double distance_radii = 0;
+  // A lens that bends straight lines: what would be r from the picture's middle is shown at
+  // r (1 + k1 q^2 + k2 q^4), q being r over half of the picture's diagonal. The truth is where a
+  // lens without distortion would show the ball.
+  double distortion_k1 = 0, distortion_k2 = 0;  // -0.3 ... 0.3
 
   // Throws InvalidArgument.
   void validate() const;

@@ -111,6 +111,23 @@ struct SiRow {
   double omega_t_rad_s, omega_n_rad_s, omega_t_sd_rad_s, omega_n_sd_rad_s;
 };
 
+// The camera's own part of a row's deviations, which all rows have in common.
+struct CameraRowSd {
+  double vx_m_s = 0, vy_m_s = 0, omega_rad_s = 0;
+};
+
+// What a calibrated camera makes of a track.
+struct CameraFigures {
+  std::string from;                // what it was calibrated with (Camera::from)
+  Measured metre_per_px;           // in the plane of motion, at the picture's middle
+  double tilt_deg = kNotMeasured;  // against that plane
+  Measured before_plane_m;         // how much nearer the ball flies, where its diameter tells
+  // The track as a camera would have it that looks squarely at the plane of motion and bends
+  // nothing, SiScale::metre_per_px a pixel; and the camera's part in what follows from it.
+  std::vector<TrackRow> rows;
+  std::vector<CameraRowSd> row_sd;
+};
+
 // Every figure NaN that has no source; lengths all NaN where `scale.metre_per_px` is 0, rates all
 // NaN where `scale.fps` is 0.
 SiRow to_si(const TrackRow& row, const SiScale& scale);
@@ -135,6 +152,10 @@ struct TrackRequest {
   // diameter the scale is that over twice the free ball's radius (ImpactAnalysis::radius_px).
   double ball_diameter_mm = 0, mm_per_px = 0;
   double ball_diameter_sd_mm = 0, mm_per_px_sd = 0;
+  // camera.toml of a calibrated camera (camera/model.h); "": none. Coordinates are corrected with
+  // it, never pictures. It gives the scale of its plane of motion; where the diameter is given as
+  // well, the ball's own size does, wherever it flies.
+  std::string camera;
   // Both counter-clockwise from image-right: the surface's inclination, and where gravity points.
   double surface_angle_deg = 0, gravity_angle_deg = -90;
   double surface_angle_sd_deg = 0;  // standard deviation of the surface's inclination
@@ -165,8 +186,9 @@ struct TrackResult {
   Measured sphere_radius_px;
   double grid_radius_px = 0;  // of the ball that the windows' grid was made for; 0: no grid
   std::size_t windows = 0;    // of that grid
-  ImpactAnalysis impact;      // in px and frames
-  ImpactFigures impact_si;    // the same in SI
+  std::optional<CameraFigures> camera;  // where one was given
+  ImpactAnalysis impact;                // in px and frames; corrected px where a camera was given
+  ImpactFigures impact_si;              // the same in SI
   // Of a ball that bounces several times: the other impacts, in order of time. `impact` is the
   // sharpest.
   std::vector<ImpactFigures> more_impacts_si;
@@ -177,6 +199,9 @@ struct TrackResult {
   double frames_per_s = 0;
   bool cancelled = false;  // `rows` end where the run was stopped
 };
+
+// Of one of its rows, with the camera's correction where one was given.
+SiRow to_si(const TrackResult& result, std::size_t row);
 
 // One frame as it comes. Everything is valid during the call only.
 struct TrackedFrame {

@@ -18,8 +18,9 @@ enum class ErrorSource {
   kAngle,    // the direction of the surface, as far as its tolerance was given
   kScale,    // metres a pixel
   kTime,     // the rate of frames
+  kCamera,   // lens and plane of motion, as far as the calibration knows them
 };
-inline constexpr std::size_t kErrorSources = 6;
+inline constexpr std::size_t kErrorSources = 7;
 const char* to_string(ErrorSource source);
 
 // Standard deviations in the figure's own unit, indexed by ErrorSource. The root of the sum of

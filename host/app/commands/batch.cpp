@@ -44,7 +44,7 @@ void add_batch_command(CLI::App& app) {
   command->add_option(
       "--table", request.table,
       "CSV with a row a shot: file, and any of surface_angle_deg, ball_diameter_mm, "
-      "inertia_factor, drop_height_mm, ball, mass_g, notes");
+      "inertia_factor, drop_height_mm, camera, ball, mass_g, notes");
   command->add_flag("--resume", request.output.resume,
                     "Keep the shots that an earlier run measured; try the others");
   command

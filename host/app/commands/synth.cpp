@@ -12,12 +12,9 @@
 #include "host/app/run_context.h"
 #include "host/app/terminal_progress.h"
 #include "host/base/parse.h"
-#include "host/video/frame_sink.h"
+#include "host/run/synth_files.h"
 #include "sim/job/job_toml.h"
 #include "sim/speckle/motion.h"
-#ifdef IMPACTDIC_WITH_CODECS
-#include "host/video/codec/codec.h"
-#endif
 
 namespace impactdic::app {
 namespace {
@@ -29,6 +26,7 @@ struct Options {
   SynthRequest synth;
   ConstantMotion step;
   std::string output, body = "disc", size = "512x512", format = "tiff";
+  std::vector<double> distortion;
   std::string start, velocity = kUsualVelocity, spin, motion_file, impact_job;
   double touch_frame = 25;  // of an impact
 };
@@ -101,41 +99,6 @@ void read_motion(const Options& options, SynthRequest& request) {
   }
 }
 
-std::unique_ptr<video::FrameSink> open_clip(const std::filesystem::path& folder,
-                                            video::SinkFormat format, const SynthRequest& request,
-                                            std::size_t frames) {
-  ClipInfo info;
-  info.width = request.scene.width;
-  info.height = request.scene.height;
-  info.bits = request.scene.bits;
-  info.fps = request.fps;
-  info.frame_count = static_cast<std::int64_t>(frames);
-  info.camera = "impactdic synth";
-  if (request.exposure > 0) info.exposure_s = request.exposure / request.fps;
-  video::OpenCodecSink codec;
-#ifdef IMPACTDIC_WITH_CODECS
-  codec = video::open_codec_sink;
-#endif
-  return video::open_sink((folder / ("video" + video::sink_extension(format))).string(), format,
-                          info, codec);
-}
-
-// The truth stands beside the clip before the clip is rendered.
-void write_truth(const std::filesystem::path& folder, const SynthTruth& truth,
-                 const SynthRequest& request) {
-  if (request.body == SynthBody::kSphere) {
-    sim::speckle::write_sphere_truth_csv(folder / "truth.csv", truth.poses, request.radius_px,
-                                         request.scene.distance_radii, request.fps);
-  } else {
-    sim::speckle::write_truth_csv(folder / "truth.csv", truth.poses, request.radius_px,
-                                  request.fps);
-  }
-  if (std::any_of(truth.poses.begin(), truth.poses.end(),
-                  [](const BallPose& pose) { return pose.compression != 0; })) {
-    sim::speckle::write_compression_csv(folder / "compression.csv", truth.poses);
-  }
-}
-
 SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool quiet) {
   TerminalProgress progress("synth", quiet);
   RunControl control;
@@ -147,15 +110,18 @@ SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool qui
 void run_synth(const CLI::App& command, const Options& options) {
   const video::SinkFormat format = video::parse_sink_format(options.format);
   SynthRequest request = options.synth;
+  if (!options.distortion.empty()) request.scene.distortion_k1 = options.distortion.front();
+  if (options.distortion.size() > 1) request.scene.distortion_k2 = options.distortion.back();
   if (options.body == "sphere") request.body = SynthBody::kSphere;
   parse_size(options.size, request.scene);
   read_motion(options, request);
-  const RunContext run(options.common, false);
+  const RunContext context(options.common, false);
   const SynthTruth truth = synth_truth(request);
   const auto folder = prepare_output_directory(options.output, options.common.force);
-  const auto sink = open_clip(folder, format, request, truth.poses.size());
+  const auto sink = run::open_synth_clip(folder, format, request, truth.poses.size());
   write_job(command, folder / "job.toml");
-  write_truth(folder, truth, request);
+  // The truth stands beside the clip before the clip is rendered.
+  run::write_synth_truth(folder, truth, request);
   const bool quiet = options.common.quiet;
   if (truth.leaves_view && !quiet) {
     std::fprintf(stderr, "impactdic: warning: the ball reaches out of the picture in frame %zu\n",
@@ -283,6 +249,13 @@ void add_options(CLI::App& command, Options& options) {
       ->capture_default_str();
   add_motion_options(command, options);
   add_camera_options(command, request);
+  command
+      .add_option(
+          "--distortion", options.distortion,
+          "K1[,K2]: a lens that shows the corners 1 + K1 + K2 times as far from the middle; "
+          "the truth is without it")
+      ->delimiter(',')
+      ->expected(1, 2);
   command
       .add_option("--format", options.format,
                   "tiff, png, avi, cine, mraw, raw; also cine10, cine12, mraw12 (packed) and mp4")

@@ -125,12 +125,6 @@ void judge_pictures(const CalibrateResult& result, std::vector<std::string>& mis
 
 }  // namespace
 
-Measured scale_at_middle(const Camera& camera) {
-  const std::vector<double> sd = spread(
-      camera, [](const Camera& one) { return std::vector<double>{PlaneView(one).metre_per_px()}; });
-  return {PlaneView(camera).metre_per_px(), sd[0]};
-}
-
 void judge(const CalibrateRequest& request, CalibrateResult& result) {
   const Camera& camera = result.camera;
   result.metre_per_px = scale_at_middle(camera);

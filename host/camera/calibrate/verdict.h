@@ -9,7 +9,4 @@ namespace impactdic::camera {
 // are known.
 void judge(const CalibrateRequest& request, CalibrateResult& result);
 
-// Share of the deviations of places and scale that the camera's covariance makes.
-Measured scale_at_middle(const Camera& camera);
-
 }  // namespace impactdic::camera

@@ -77,13 +77,13 @@ const char* phase_of(const TrackRow& row, const ImpactFigures& impact) {
   return passed(impact.t0) ? "compression" : "before the contact";
 }
 
-std::vector<std::string> label(const TrackRow& row, const SiScale& scale,
-                               const ImpactFigures& impact) {
+std::vector<std::string> label(const TrackResult& result, std::size_t index) {
+  const TrackRow& row = result.rows[index];
   std::vector<std::string> lines(2);
-  if (scale.fps > 0) lines[0] = print("%.2f ms  ", 1e3 * row.time_s);
-  lines[0] += phase_of(row, impact);
+  if (result.scale.fps > 0) lines[0] = print("%.2f ms  ", 1e3 * row.time_s);
+  lines[0] += phase_of(row, result.impact_si);
   if (!row.motion_ok) return lines;
-  const SiRow si = to_si(row, scale);
+  const SiRow si = to_si(result, index);
   lines[1] = std::isfinite(si.vt_m_s) ? print("vt %.2f vn %.2f m/s", si.vt_m_s, si.vn_m_s)
                                       : print("dx %.2f dy %.2f px", row.dx_px, row.dy_px);
   lines[1] += std::isfinite(si.omega_rad_s) ? print(" spin %.1f rad/s", si.omega_rad_s)
@@ -118,16 +118,16 @@ void OverlayFiles::add(const pipeline::TrackedFrame& frame, int window_px) {
   write_png_bgr(picture_of(frame.row), picture.width, picture.height, picture.bgr);
 }
 
-void OverlayFiles::finish(const std::vector<TrackRow>& rows, const SiScale& scale,
-                          const ImpactFigures& impact) const {
-  const Playback play = playback(options_, scale.fps);
+void OverlayFiles::finish(const TrackResult& result) const {
+  const std::vector<TrackRow>& rows = result.rows;
+  const Playback play = playback(options_, result.scale.fps);
   Video video(folder_ / "overlay.mp4", play.rate);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::filesystem::path path = picture_of(rows[i]);
     if (!std::filesystem::exists(path)) continue;  // of a run without overlay that was resumed
     ColourPicture picture;
     picture.bgr = read_png_bgr(path, picture.width, picture.height);
-    write_label(picture, label(rows[i], scale, impact));
+    write_label(picture, label(result, i));
     write_png_bgr(path, picture.width, picture.height, picture.bgr);
     if (i % play.step == 0) video.add(picture);
   }

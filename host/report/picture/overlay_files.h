@@ -20,8 +20,7 @@ class OverlayFiles {
   void add(const pipeline::TrackedFrame& frame, int window_px);
   // Now that the impact is known : writes phase, velocity and spin into every
   // picture and makes the video. Throws FileError.
-  void finish(const std::vector<TrackRow>& rows, const SiScale& scale,
-              const ImpactFigures& impact) const;
+  void finish(const TrackResult& result) const;
 
  private:
   std::filesystem::path picture_of(const TrackRow& row) const;

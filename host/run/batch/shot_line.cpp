@@ -35,6 +35,7 @@ std::string to_line(const BatchShot& shot) {
                {"name", bytes(shot.name)},
                {"drop_height_mm", bytes(shot.drop_height_mm)},
                {"notes", bytes(shot.notes)},
+               {"camera", bytes(shot.camera)},
                {"ball", bytes(shot.ball)},
                {"mass_g", bytes(shot.mass_g)},
                {"listed", shot.listed}};
@@ -56,6 +57,7 @@ BatchShot parse_shot_line(const std::string& line, const std::string& where) {
     shot.name = text_of(read.at("name"));
     shot.drop_height_mm = text_of(read.at("drop_height_mm"));
     shot.notes = text_of(read.at("notes"));
+    shot.camera = text_of(read.at("camera"));
     shot.ball = text_of(read.at("ball"));
     shot.mass_g = text_of(read.at("mass_g"));
     shot.listed = read.at("listed").get<bool>();

@@ -53,6 +53,10 @@ TrackRequest ShotRunner::request_of(const BatchShot& shot) const {
     request.ball_diameter_mm = *shot.ball_diameter_mm;
     request.mm_per_px = request.mm_per_px_sd = 0;  // the shot's own scale
   }
+  if (!shot.camera.empty()) {
+    request.camera = shot.camera;
+    request.mm_per_px = request.mm_per_px_sd = 0;
+  }
   if (shot.inertia_factor) request.inertia_factor = *shot.inertia_factor;
   if (shot.height_mm) request.drop_height_mm = *shot.height_mm;
   return request;

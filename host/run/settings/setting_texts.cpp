@@ -11,6 +11,9 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"ball-diameter-sd-mm", "Standard deviation of the diameter"},
     {"mm-per-px", "Scale: millimetres a pixel"},
     {"mm-per-px-sd", "Standard deviation of the millimetres a pixel"},
+    {"camera",
+     "Camera that `calibrate` wrote: coordinates are corrected; gives the scale unless the diameter "
+     "is given"},
     {"surface-angle-deg", "Inclination of the surface, counter-clockwise from image-right"},
     {"surface-angle-sd-deg", "Standard deviation of the inclination"},
     {"gravity-angle-deg", "Direction of gravity, counter-clockwise from image-right"},

@@ -14,6 +14,7 @@ SOURCES = {
     "angle": "angle of the surface",
     "scale": "scale",
     "time": "frame rate",
+    "camera": "lens and plane of motion",
 }
 
 

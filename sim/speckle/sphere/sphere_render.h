@@ -28,7 +28,7 @@ class SphereRenderer : public FrameRenderer {
   // The picture without noise or rounding, grey levels of 255, (height, width).
   // Throws InvalidArgument for a pose that cannot be shown (SphereView).
   Image<double> exact(const BallPose& pose) const;
-  Image<double> exact(const ShutterPath& path) const;
+  Image<double> exact(const ShutterPath& path) const override;
 
   using FrameRenderer::render;
   void render(const ShutterPath& path, std::int64_t frame_index, Frame& out) const override;

@@ -7,7 +7,7 @@
 #include "host/camera/calibrate/calibrate_points.h"
 #include "host/camera/calibrate/find_target.h"
 #include "host/camera/plane_view.h"
-#include "tests/support/target_pictures.h"
+#include "tests/support/camera/target_pictures.h"
 
 namespace impactdic {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "host/camera/plane_view.h"
+#include "tests/support/camera/test_camera.h"
 #include "tests/support/scratch.h"
-#include "tests/support/test_camera.h"
 
 namespace impactdic {
 namespace {

@@ -1,0 +1,107 @@
+#include "host/camera/correct_rows.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace impactdic::camera {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+
+namespace {
+
+CircleInPicture circle_of(const TrackRow& row) { return {{row.cx_px, row.cy_px}, row.r_px}; }
+
+// Deviations along x and y, which are stated without a covariance.
+void spread(const Matrix2d& slope, double& x_sd, double& y_sd) {
+  const double x = std::hypot(slope(0, 0) * x_sd, slope(0, 1) * y_sd);
+  y_sd = std::hypot(slope(1, 0) * x_sd, slope(1, 1) * y_sd);
+  x_sd = x;
+}
+
+}  // namespace
+
+RowCorrection::RowCorrection(const Camera& camera, bool sphere, double metre_per_px)
+    : plane_(camera),
+      ball_(plane_, sphere && camera.focal_length_known),
+      metre_per_px_(metre_per_px),
+      height_(camera.height) {}
+
+Vector2d RowCorrection::to_corrected(const Vector2d& world) const {
+  return {world.x() / metre_per_px_, height_ - 1 - world.y() / metre_per_px_};
+}
+
+void RowCorrection::correct_circle(TrackRow& row) const {
+  const BallInPlane ball = ball_.ball(circle_of(row));
+  Matrix2d slope;
+  plane_.to_plane({row.cx_px, row.cy_px}, 0, &slope);
+  slope /= metre_per_px_;
+  const Vector2d centre = to_corrected(ball.centre);
+  row.cx_px = centre.x();
+  row.cy_px = centre.y();
+  row.r_px = ball.radius / metre_per_px_;
+  spread(slope, row.cx_sd_px, row.cy_sd_px);
+  row.r_sd_px *= std::sqrt(std::abs(slope.determinant()));
+  row.circle_ok = std::isfinite(row.cx_px);
+}
+
+void RowCorrection::correct_motion(const TrackRow& seen, TrackRow& row) const {
+  const Vector2d centre(seen.cx_px, seen.cy_px);
+  const BallInPlane ball = ball_.ball(circle_of(seen));
+  const TurnInPlane motion =
+      ball_.motion(ball, centre, {{seen.dx_px, seen.dy_px}, seen.rot_deg * kRadPerDeg});
+  Matrix2d slope;
+  plane_.to_plane(centre + Vector2d(seen.dx_px, seen.dy_px), 0, &slope);
+  slope /= metre_per_px_;
+  row.dx_px = motion.shift.x() / metre_per_px_;
+  row.dy_px = -motion.shift.y() / metre_per_px_;
+  row.rot_deg = motion.angle * kDegPerRad;
+  spread(slope, row.dx_sd_px, row.dy_sd_px);
+  if (std::isfinite(seen.centre_u_px)) {
+    const Vector2d moved = plane_.to_plane(centre + Vector2d(seen.centre_u_px, seen.centre_v_px)) -
+                           plane_.to_plane(centre);
+    row.centre_u_px = moved.x() / metre_per_px_;
+    row.centre_v_px = -moved.y() / metre_per_px_;
+    spread(slope, row.centre_u_sd_px, row.centre_v_sd_px);
+  }
+  row.motion_ok = std::isfinite(row.dx_px);
+}
+
+// The pose is against that of another frame: the motion from there to here.
+void RowCorrection::correct_pose(const std::vector<TrackRow>& seen, TrackRow& row) const {
+  BodyPose& pose = row.pose;
+  const Vector2d at(pose.x_px, pose.y_px);
+  const auto origin =
+      std::lower_bound(seen.begin(), seen.end(), pose.origin,
+                       [](const TrackRow& one, std::int64_t frame) { return one.frame < frame; });
+  Matrix2d slope;
+  Vector2d world = plane_.to_plane(at, 0, &slope);
+  if (origin != seen.end() && origin->frame == pose.origin && origin->circle_ok) {
+    const Vector2d centre(origin->cx_px, origin->cy_px);
+    const BallInPlane ball = ball_.ball(circle_of(*origin));
+    const bool flat = std::isfinite(pose.angle_rad);
+    const TurnInPlane motion =
+        ball_.motion(ball, centre, {at - centre, flat ? pose.angle_rad : 0.0});
+    world = ball.centre + motion.shift;
+    // The angle is not wrapped.
+    if (flat) pose.angle_rad += std::remainder(motion.angle - pose.angle_rad, 2 * kPi);
+  }
+  const Vector2d corrected = to_corrected(world);
+  pose.x_px = corrected.x();
+  pose.y_px = corrected.y();
+  spread(slope / metre_per_px_, pose.x_sd_px, pose.y_sd_px);
+  pose.ok = corrected.allFinite();
+}
+
+std::vector<TrackRow> RowCorrection::correct(const std::vector<TrackRow>& rows) const {
+  std::vector<TrackRow> corrected = rows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].circle_ok && rows[i].motion_ok) correct_motion(rows[i], corrected[i]);
+    if (rows[i].pose.ok) correct_pose(rows, corrected[i]);
+    if (rows[i].circle_ok) correct_circle(corrected[i]);
+  }
+  return corrected;
+}
+
+}  // namespace impactdic::camera

@@ -1,0 +1,176 @@
+#include "host/run/metres/camera_part.h"
+
+#include <impactdic/error.h>
+
+#include <cmath>
+#include <utility>
+
+#include "host/base/parallel.h"
+#include "host/camera/correct_rows.h"
+#include "host/camera/lens.h"
+#include "host/camera/spread.h"
+#include "host/clip/track_row.h"
+#include "host/run/metres/contradictions.h"
+#include "host/run/metres/scale.h"
+
+namespace impactdic::run {
+namespace {
+
+using camera::PlaneView;
+using camera::RowCorrection;
+
+// Every figure with a deviation; the first are those that have a budget, in their order.
+std::vector<Measured*> measured_figures(ImpactFigures& f) {
+  std::vector<Measured*> all = {&f.before.vx,  &f.before.vy,       &f.before.vt,
+                                &f.before.vn,  &f.before.spin,     &f.after.vx,
+                                &f.after.vy,   &f.after.vt,        &f.after.vn,
+                                &f.after.spin, &f.restitution,     &f.friction_published,
+                                &f.friction,   &f.rolling_cap,     &f.closure.inertia_factor,
+                                &f.contact_s,  &f.max_deflection_m};
+  for (Measured* more :
+       {&f.flight.vx, &f.flight.vy, &f.flight.vt, &f.flight.vn, &f.flight.spin, &f.gravity_m_s2,
+        &f.surface_angle_deg, &f.gravity_angle_deg, &f.max_deflection_px, &f.closure.ratio}) {
+    all.push_back(more);
+  }
+  return all;
+}
+
+// What follows from the rows as one camera corrects them.
+struct Conclusion {
+  TrackResult result;  // its rows are the corrected ones
+  std::vector<SiRow> si;
+};
+
+class ThroughCamera {
+ public:
+  ThroughCamera(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
+                const TrackResult& measured, double metre_per_px)
+      : request_(request),
+        sphere_radius_px_(sphere_radius_px),
+        measured_(measured),
+        metre_per_px_(metre_per_px),
+        seen_radius_px_(median_radius_px(measured.rows)) {}
+
+  Conclusion operator()(const Camera& camera) const {
+    Conclusion found;
+    const bool sphere = measured_.body == Body::kSphere;
+    TrackResult& result = found.result;
+    result.rows = RowCorrection(camera, sphere, metre_per_px_).correct(measured_.rows);
+    result.scale = measured_.scale;
+    result.body = measured_.body;
+    std::optional<Measured> radius = sphere_radius_px_;
+    const auto corrected = median_radius_px(result.rows);
+    if (radius && corrected && seen_radius_px_) {
+      const double larger = *corrected / *seen_radius_px_;
+      radius = {radius->value * larger, radius->sd * larger};
+    }
+    TrackRequest request = request_;
+    if (request.ball_diameter_mm == 0) request.mm_per_px = metre_per_px_ * 1e3;
+    conclude_metres(request, radius, result);
+    for (const TrackRow& row : result.rows) found.si.push_back(to_si(row, result.scale));
+    return found;
+  }
+
+ private:
+  const TrackRequest& request_;
+  const std::optional<Measured>& sphere_radius_px_;
+  const TrackResult& measured_;
+  double metre_per_px_;
+  std::optional<double> seen_radius_px_;
+};
+
+void add(double difference, double& sd) {
+  if (std::isfinite(difference)) sd = std::hypot(sd, difference);
+}
+
+// How far before the plane the ball flies: its size tells, where its diameter is known. Seen from
+// the distance L a ball at z before the plane looks L / (L - z) times as large.
+std::optional<Measured> before_plane(const PlaneView& view, const Measured& scale,
+                                     const TrackRequest& request, const TrackResult& result) {
+  const Measured& radius = result.impact.radius_px;
+  if (request.ball_diameter_mm == 0 || !(radius.value > 0)) return std::nullopt;
+  const double ratio = result.scale.metre_per_px / scale.value;
+  const double distance = view.eye().z();
+  const double relative =
+      std::hypot(result.scale.metre_per_px_sd / result.scale.metre_per_px, scale.sd / scale.value);
+  return Measured{distance * (1 - ratio), distance * ratio * relative};
+}
+
+void add_camera_parts(const std::vector<Conclusion>& plus, const std::vector<Conclusion>& minus,
+                      const std::vector<camera::CameraStep>& steps, TrackResult& result) {
+  ImpactFigures& figures = result.impact_si;
+  const std::vector<Measured*> stated = measured_figures(figures);
+  std::vector<double> parts(stated.size(), 0.0);
+  std::vector<CameraRowSd>& rows = result.camera->row_sd;
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    const double width = 2 * steps[s].deviations;
+    ImpactFigures up = plus[s].result.impact_si, down = minus[s].result.impact_si;
+    const std::vector<Measured*> high = measured_figures(up), low = measured_figures(down);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      add((high[i]->value - low[i]->value) / width, parts[i]);
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const SiRow &a = plus[s].si[i], &b = minus[s].si[i];
+      add((a.vx_m_s - b.vx_m_s) / width, rows[i].vx_m_s);
+      add((a.vy_m_s - b.vy_m_s) / width, rows[i].vy_m_s);
+      add((a.omega_rad_s - b.omega_rad_s) / width, rows[i].omega_rad_s);
+    }
+  }
+  for (std::size_t i = 0; i < stated.size(); ++i) {
+    if (!std::isfinite(stated[i]->value)) continue;
+    stated[i]->sd = std::hypot(stated[i]->sd, parts[i]);
+    if (i < kImpactFigures) {
+      figures.budgets[i][static_cast<std::size_t>(ErrorSource::kCamera)] = parts[i];
+    }
+  }
+}
+
+}  // namespace
+
+void check_camera_fits(const Camera& camera, const ClipInfo& clip, const std::string& file) {
+  if (camera.width == clip.width && camera.height == clip.height) return;
+  throw InvalidArgument("the camera was calibrated with pictures of " +
+                            std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                            " px, the clip has " + std::to_string(clip.width) + " x " +
+                            std::to_string(clip.height),
+                        "--camera " + file);
+}
+
+void conclude_through_camera(const Camera& camera, const TrackRequest& request,
+                             const std::optional<Measured>& sphere_radius_px, TrackResult& result) {
+  const PlaneView view(camera);
+  const Measured scale = camera::scale_at_middle(camera);
+  const ThroughCamera through(request, sphere_radius_px, result, scale.value);
+  Conclusion found = through(camera);
+  const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
+  std::vector<Conclusion> plus(steps.size()), minus(steps.size());
+  parallel_for(2 * steps.size(), 0, [&](std::size_t i) {
+    const camera::CameraStep& step = steps[i / 2];
+    if (i % 2 == 0)
+      plus[i / 2] = through(step.plus);
+    else
+      minus[i / 2] = through(step.minus);
+  });
+  result.scale = found.result.scale;
+  result.impact = std::move(found.result.impact);
+  result.impact_si = std::move(found.result.impact_si);
+  result.more_impacts_si = std::move(found.result.more_impacts_si);
+  result.camera.emplace();
+  CameraFigures& figures = *result.camera;
+  figures.rows = std::move(found.result.rows);
+  figures.row_sd.resize(figures.rows.size());
+  figures.metre_per_px = scale;
+  figures.tilt_deg = camera.focal_length_known ? view.tilt_rad() * kDegPerRad : kNotMeasured;
+  figures.from = camera.from;
+  if (camera.focal_length_known) {
+    if (const auto z = before_plane(view, scale, request, result)) figures.before_plane_m = *z;
+  }
+  add_camera_parts(plus, minus, steps, result);
+  // What is known less well contradicts less.
+  if (result.impact_si.found()) {
+    result.impact_si.contradictions.clear();
+    find_contradictions(request, result.impact, result.impact_si);
+  }
+}
+
+}  // namespace impactdic::run

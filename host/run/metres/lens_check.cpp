@@ -1,0 +1,181 @@
+#include "host/run/metres/lens_check.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace impactdic::run {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr std::size_t kFewestFrames = 8;  // of a flight
+constexpr double kChance = 5;             // deviations beyond which a bend is one
+constexpr double kOutlier = 4;
+// Bends that pass for none: below these nothing that is stated is moved by more than registration
+// itself leaves.
+constexpr double kLeastCorner = 1e-3, kLeastShare = 5e-4, kLeastStep_px = 2e-3;
+// Deviations that are stated hold the noise alone.
+constexpr double kLeastCentreSd_px = 0.003, kLeastStepSd_px = 0.0005;
+constexpr int kPerFlight = 6;  // place, speed and acceleration, along x and y
+
+struct Flight {
+  std::size_t first, last;
+};
+
+std::vector<Flight> flights_of(const std::vector<TrackRow>& rows, const ImpactAnalysis& analysis) {
+  std::vector<Flight> flights;
+  for (const FlightMotion* one : {&analysis.before, &analysis.after, &analysis.flight}) {
+    if (one->last < one->first + kFewestFrames || one->last >= rows.size()) continue;
+    const bool known = std::any_of(flights.begin(), flights.end(), [&](const Flight& flight) {
+      return flight.first == one->first;
+    });
+    if (!known) flights.push_back({one->first, one->last});
+  }
+  return flights;
+}
+
+// What a lens of corner share 1 does to a place, and to a small step there.
+struct Bending {
+  Vector2d middle;
+  double half;  // of the picture's diagonal
+  Vector2d place(const Vector2d& at) const {
+    const Vector2d off = at - middle;
+    return off * off.squaredNorm() / (half * half);
+  }
+  Vector2d step(const Vector2d& at, const Vector2d& by) const {
+    const Vector2d off = at - middle;
+    return (by * off.squaredNorm() + 2 * off * off.dot(by)) / (half * half);
+  }
+};
+
+struct Equations {
+  std::vector<Eigen::VectorXd> slopes;
+  std::vector<double> values;  // both over the deviation
+  void add(Eigen::VectorXd slope, double value, double sd) {
+    slopes.push_back(std::move(slope) / sd);
+    values.push_back(value / sd);
+  }
+};
+
+void add_row(const TrackRow& row, double t, Eigen::Index at, Eigen::Index size,
+             const Bending& bending, Equations& equations) {
+  if (!row.circle_ok) return;
+  const Vector2d centre(row.cx_px, row.cy_px), place = bending.place(centre);
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
+    slope.segment<3>(at + 3 * axis) << 1, t, t * t / 2;
+    slope[size - 1] = place[axis];
+    equations.add(std::move(slope), centre[axis],
+                  std::max(axis == 0 ? row.cx_sd_px : row.cy_sd_px, kLeastCentreSd_px));
+  }
+  if (!row.motion_ok) return;
+  const Vector2d motion(row.dx_px, row.dy_px);
+  const Vector2d step = bending.step(centre + motion / 2, motion);
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
+    slope.segment<3>(at + 3 * axis) << 0, 1, t + 0.5;
+    slope[size - 1] = step[axis];
+    equations.add(std::move(slope), motion[axis],
+                  std::max(axis == 0 ? row.dx_sd_px : row.dy_sd_px, kLeastStepSd_px));
+  }
+}
+
+// Least squares, once more without what does not fit; the last unknown with its deviation, which
+// the residuals' own scatter enlarges.
+std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size) {
+  std::vector<char> used(equations.values.size(), 1);
+  Measured found;
+  for (int round = 0; round < 3; ++round) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd side = Eigen::VectorXd::Zero(size);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      if (!used[i]) continue;
+      normal += equations.slopes[i] * equations.slopes[i].transpose();
+      side += equations.slopes[i] * equations.values[i];
+      ++count;
+    }
+    if (count < 2 * static_cast<std::size_t>(size)) return std::nullopt;
+    const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::LDLT<Eigen::MatrixXd> solver(scale.asDiagonal() * normal * scale.asDiagonal());
+    const Eigen::VectorXd unknowns = scale.asDiagonal() * solver.solve(scale.asDiagonal() * side);
+    std::vector<double> off;
+    double squares = 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      off.push_back(std::abs(equations.values[i] - equations.slopes[i].dot(unknowns)));
+      if (used[i]) squares += off.back() * off.back();
+    }
+    const double scatter = std::sqrt(squares / static_cast<double>(count - size));
+    const Eigen::VectorXd last = Eigen::VectorXd::Unit(size, size - 1);
+    const double variance = solver.solve(last)[size - 1] * scale[size - 1] * scale[size - 1];
+    found = {unknowns[size - 1], std::sqrt(std::max(variance, 0.0)) * std::max(1.0, scatter)};
+    for (std::size_t i = 0; i < used.size(); ++i) {
+      used[i] = off[i] <= kOutlier * std::max(1.0, scatter);
+    }
+  }
+  if (!std::isfinite(found.value) || !(found.sd > 0)) return std::nullopt;
+  return found;
+}
+
+}  // namespace
+
+std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
+                                        const ImpactAnalysis& analysis, int width, int height) {
+  const std::vector<Flight> flights = flights_of(rows, analysis);
+  if (flights.empty()) return std::nullopt;
+  const Bending bending{{(width - 1) / 2.0, (height - 1) / 2.0}, std::hypot(width, height) / 2};
+  const auto size = static_cast<Eigen::Index>(kPerFlight * flights.size() + 1);
+  Equations equations;
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    for (std::size_t i = flights[f].first; i <= flights[f].last; ++i) {
+      add_row(rows[i], static_cast<double>(i - flights[f].first),
+              static_cast<Eigen::Index>(kPerFlight * f), size, bending, equations);
+    }
+  }
+  const std::optional<Measured> corner = last_unknown(equations, size);
+  if (!corner) return std::nullopt;
+  LensBend bend{*corner, 0, 0};
+  for (const Flight& flight : flights) {
+    double least = 1e300, most = -1e300;
+    for (std::size_t i = flight.first; i <= flight.last; ++i) {
+      const TrackRow& row = rows[i];
+      if (!row.circle_ok) continue;
+      const Vector2d centre(row.cx_px, row.cy_px);
+      bend.largest_px =
+          std::max(bend.largest_px, std::abs(corner->value) * bending.place(centre).norm());
+      if (!row.motion_ok) continue;
+      const Vector2d motion(row.dx_px, row.dy_px);
+      const double length = motion.norm();
+      if (std::abs(corner->value) * bending.step(centre, motion).norm() < kLeastStep_px) continue;
+      const double share =
+          corner->value * bending.step(centre, motion).dot(motion) / (length * length);
+      least = std::min(least, share), most = std::max(most, share);
+    }
+    if (most > least) bend.speed_share = std::max(bend.speed_share, most - least);
+  }
+  return bend;
+}
+
+std::string lens_warning(const std::optional<LensBend>& bend, bool corrected) {
+  if (!bend) return "";
+  const Measured& corner = bend->corner;
+  const bool there = std::abs(corner.value) > kChance * corner.sd + kLeastCorner;
+  if (!there || bend->speed_share < kLeastShare) return "";
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "the flights bend as through a lens with %.2f +- %.2f %% of distortion at the "
+      "picture's corners, which moves the ball by up to %.2f px and its speed by %.2f %%: "
+      "%s",
+      100 * corner.value, 100 * corner.sd, bend->largest_px, 100 * bend->speed_share,
+      corrected ? "was the camera calibrated with this lens and picture?"
+                : "calibrate the camera (impactdic calibrate, --camera)");
+  return text;
+}
+
+}  // namespace impactdic::run

@@ -1,0 +1,27 @@
+// Whether flights bend as a lens bends them.
+#pragma once
+
+#include <impactdic/track.h>
+
+#include <optional>
+
+namespace impactdic::run {
+
+struct LensBend {
+  Measured corner;         // share by which the lens moves the picture's corners outwards
+  double largest_px = 0;   // of what it does to a centre in the flights
+  double speed_share = 0;  // largest change of the speed within the flights, of the speed
+};
+
+// From the centres and motions of the flights in `rows` (as ImpactAnalysis counts them): a straight
+// path of steady acceleration, through a lens whose distortion grows with the square of the
+// distance from the picture's middle (the first term of Brown 1971). nullopt where the flights do
+// not tell.
+std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
+                                        const ImpactAnalysis& analysis, int width, int height);
+
+// A warning where a bend is there beyond chance and matters; "" elsewhere. `corrected`: the rows
+// went through a calibrated camera.
+std::string lens_warning(const std::optional<LensBend>& bend, bool corrected);
+
+}  // namespace impactdic::run
