@@ -62,26 +62,24 @@ struct Equations {
   }
 };
 
-void add_row(const TrackRow& row, double t, Eigen::Index at, Eigen::Index size,
+// Of the centre and, in its place where there are motions, of them: over a ball's extent a lens
+// enlarges circles and motions differently, so that they do not share a speed.
+void add_row(const TrackRow& row, double t, bool motions, Eigen::Index at, Eigen::Index size,
              const Bending& bending, Equations& equations) {
-  if (!row.circle_ok) return;
-  const Vector2d centre(row.cx_px, row.cy_px), place = bending.place(centre);
+  if (!row.circle_ok || (motions && !row.motion_ok)) return;
+  const Vector2d centre(row.cx_px, row.cy_px), motion(row.dx_px, row.dy_px);
+  const Vector2d value = motions ? motion : centre;
+  const Vector2d bend = motions ? bending.step(centre + motion / 2, motion) : bending.place(centre);
+  const Vector2d sd =
+      motions ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(row.cx_sd_px, row.cy_sd_px);
+  const Eigen::Vector3d path =
+      motions ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
   for (int axis = 0; axis < 2; ++axis) {
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
-    slope.segment<3>(at + 3 * axis) << 1, t, t * t / 2;
-    slope[size - 1] = place[axis];
-    equations.add(std::move(slope), centre[axis],
-                  std::max(axis == 0 ? row.cx_sd_px : row.cy_sd_px, kLeastCentreSd_px));
-  }
-  if (!row.motion_ok) return;
-  const Vector2d motion(row.dx_px, row.dy_px);
-  const Vector2d step = bending.step(centre + motion / 2, motion);
-  for (int axis = 0; axis < 2; ++axis) {
-    Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
-    slope.segment<3>(at + 3 * axis) << 0, 1, t + 0.5;
-    slope[size - 1] = step[axis];
-    equations.add(std::move(slope), motion[axis],
-                  std::max(axis == 0 ? row.dx_sd_px : row.dy_sd_px, kLeastStepSd_px));
+    slope.segment<3>(at + 3 * axis) = path;
+    slope[size - 1] = bend[axis];
+    equations.add(std::move(slope), value[axis],
+                  std::max(sd[axis], motions ? kLeastStepSd_px : kLeastCentreSd_px));
   }
 }
 
@@ -91,7 +89,8 @@ std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index si
   std::vector<char> used(equations.values.size(), 1);
   Measured found;
   for (int round = 0; round < 3; ++round) {
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+    // Motions do not tell places: those stay where they are, at 0.
+    Eigen::MatrixXd normal = 1e-12 * Eigen::MatrixXd::Identity(size, size);
     Eigen::VectorXd side = Eigen::VectorXd::Zero(size);
     std::size_t count = 0;
     for (std::size_t i = 0; i < used.size(); ++i) {
@@ -130,10 +129,13 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
   if (flights.empty()) return std::nullopt;
   const Bending bending{{(width - 1) / 2.0, (height - 1) / 2.0}, std::hypot(width, height) / 2};
   const auto size = static_cast<Eigen::Index>(kPerFlight * flights.size() + 1);
+  const bool motions = std::any_of(rows.begin() + static_cast<std::ptrdiff_t>(flights[0].first),
+                                   rows.begin() + static_cast<std::ptrdiff_t>(flights[0].last),
+                                   [](const TrackRow& row) { return row.motion_ok; });
   Equations equations;
   for (std::size_t f = 0; f < flights.size(); ++f) {
     for (std::size_t i = flights[f].first; i <= flights[f].last; ++i) {
-      add_row(rows[i], static_cast<double>(i - flights[f].first),
+      add_row(rows[i], static_cast<double>(i - flights[f].first), motions,
               static_cast<Eigen::Index>(kPerFlight * f), size, bending, equations);
     }
   }

@@ -13,10 +13,10 @@ struct LensBend {
   double speed_share = 0;  // largest change of the speed within the flights, of the speed
 };
 
-// From the centres and motions of the flights in `rows` (as ImpactAnalysis counts them): a straight
-// path of steady acceleration, through a lens whose distortion grows with the square of the
-// distance from the picture's middle (the first term of Brown 1971). nullopt where the flights do
-// not tell.
+// From the motions of the flights, or their centres where there are none, in `rows` (as
+// ImpactAnalysis counts them): a straight path of steady acceleration, through a lens whose
+// distortion grows with the square of the distance from the picture's middle (the first term of
+// Brown 1971). nullopt where the flights do not tell.
 std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
                                         const ImpactAnalysis& analysis, int width, int height);
 
