@@ -12,7 +12,8 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"mm-per-px", "Scale: millimetres a pixel"},
     {"mm-per-px-sd", "Standard deviation of the millimetres a pixel"},
     {"camera",
-     "Camera that `calibrate` wrote: coordinates are corrected; gives the scale unless the diameter "
+     "Camera that `calibrate` wrote: coordinates are corrected; gives the scale unless the "
+     "diameter "
      "is given"},
     {"surface-angle-deg", "Inclination of the surface, counter-clockwise from image-right"},
     {"surface-angle-sd-deg", "Standard deviation of the inclination"},

@@ -4,7 +4,7 @@ import {get, set} from "./store.js";
 
 // The first group stands open; what no group names goes to the last.
 const GROUPS = [
-  ["Scale and axes", ["ball-diameter-mm", "mm-per-px", "surface-angle-deg", "fps", "inertia-factor"]],
+  ["Scale and axes", ["ball-diameter-mm", "mm-per-px", "camera", "surface-angle-deg", "fps", "inertia-factor"]],
   ["Where and when", ["roi", "radius-px", "frames"]],
   ["How", ["estimator", "body", "no-field"]],
   ["Uncertainty and checks", ["ball-diameter-sd-mm", "mm-per-px-sd", "surface-angle-sd-deg", "gravity-angle-deg", "drop-height-mm"]],
