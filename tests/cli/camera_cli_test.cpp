@@ -90,6 +90,14 @@ TEST_F(ShotThroughALens, IsOfConstantSpeedInMetres) {
   EXPECT_NE(read_text(*folder_ / "corrected" / "job.toml").find("camera.toml"), std::string::npos);
 }
 
+TEST_F(ShotThroughALens, WithoutACameraTheBendIsTold) {
+  const Outcome tracked = track("plain", "--mm-per-px 0.3");
+  ASSERT_EQ(tracked.status, 0) << tracked.err;
+  EXPECT_NE(tracked.err.find("the flights bend as through a lens"), std::string::npos)
+      << tracked.err;
+  EXPECT_NE(tracked.err.find("impactdic calibrate"), std::string::npos) << tracked.err;
+}
+
 TEST_F(ShotThroughALens, WrongCamerasAreRefusedInOneLine) {
   Camera other = bent_camera(512, kMetrePerPx);
   write_camera(other, folder_->file("other.toml"));

@@ -21,6 +21,7 @@ constexpr double kOutlier = 4;
 constexpr double kLeastCorner = 1e-3, kLeastShare = 5e-4, kLeastStep_px = 2e-3;
 // Deviations that are stated hold the noise alone.
 constexpr double kLeastCentreSd_px = 0.003, kLeastStepSd_px = 0.0005;
+constexpr double kSteady = 2;  // scatter over what is stated, of a path that is one flight
 constexpr int kPerFlight = 6;  // place, speed and acceleration, along x and y
 
 struct Flight {
@@ -85,7 +86,8 @@ void add_row(const TrackRow& row, double t, bool motions, Eigen::Index at, Eigen
 
 // Least squares, once more without what does not fit; the last unknown with its deviation, which
 // the residuals' own scatter enlarges.
-std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size) {
+std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size,
+                                     double& scatter) {
   std::vector<char> used(equations.values.size(), 1);
   Measured found;
   for (int round = 0; round < 3; ++round) {
@@ -109,7 +111,7 @@ std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index si
       off.push_back(std::abs(equations.values[i] - equations.slopes[i].dot(unknowns)));
       if (used[i]) squares += off.back() * off.back();
     }
-    const double scatter = std::sqrt(squares / static_cast<double>(count - size));
+    scatter = std::sqrt(squares / static_cast<double>(count - size));
     const Eigen::VectorXd last = Eigen::VectorXd::Unit(size, size - 1);
     const double variance = solver.solve(last)[size - 1] * scale[size - 1] * scale[size - 1];
     found = {unknowns[size - 1], std::sqrt(std::max(variance, 0.0)) * std::max(1.0, scatter)};
@@ -125,8 +127,15 @@ std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index si
 
 std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
                                         const ImpactAnalysis& analysis, int width, int height) {
-  const std::vector<Flight> flights = flights_of(rows, analysis);
-  if (flights.empty()) return std::nullopt;
+  std::vector<Flight> flights = flights_of(rows, analysis);
+  // A bent flight passes for none: all rows, if they turn out to be a steady one through a lens.
+  const bool guessed = flights.empty();
+  if (guessed) {
+    if (rows.size() < kFewestFrames + 2 || analysis.status != ImpactStatus::kNone) {
+      return std::nullopt;
+    }
+    flights.push_back({0, rows.size() - 2});
+  }
   const Bending bending{{(width - 1) / 2.0, (height - 1) / 2.0}, std::hypot(width, height) / 2};
   const auto size = static_cast<Eigen::Index>(kPerFlight * flights.size() + 1);
   const bool motions = std::any_of(rows.begin() + static_cast<std::ptrdiff_t>(flights[0].first),
@@ -139,8 +148,9 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
               static_cast<Eigen::Index>(kPerFlight * f), size, bending, equations);
     }
   }
-  const std::optional<Measured> corner = last_unknown(equations, size);
-  if (!corner) return std::nullopt;
+  double scatter = 0;
+  const std::optional<Measured> corner = last_unknown(equations, size, scatter);
+  if (!corner || (guessed && scatter > kSteady)) return std::nullopt;
   LensBend bend{*corner, 0, 0};
   for (const Flight& flight : flights) {
     double least = 1e300, most = -1e300;
