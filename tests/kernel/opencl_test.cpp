@@ -23,6 +23,14 @@ namespace {
 
 using testing::shared_engine;
 
+// A PoCL cache of this process's own: it aborts where a binary is asked for of a kernel that
+// another process is just writing into the same cache.
+const testing::ScratchFolder& own_pocl_cache() {
+  static const testing::ScratchFolder folder;
+  return folder;
+}
+const int kOwnPoclCache = ::setenv("POCL_CACHE_DIR", own_pocl_cache().string().c_str(), 1);
+
 TEST(Device, ChoiceNamesWhatThereIs) {
   const auto devices = opencl::list_devices();
   ASSERT_FALSE(devices.empty());
