@@ -48,10 +48,12 @@ class Tree(unittest.TestCase):
             find(name)
 
     def test_every_public_header_is_installed_and_in_the_one_that_has_all(self):
-        written = {path.name for path in (SOURCE / "host" / "api" / "impactdic").glob("*.h")}
-        self.assertEqual({path.name for path in headers()}, written | {"version.h"})
-        text = (PREFIX / "include" / "impactdic" / "impactdic.h").read_text()
-        self.assertEqual(set(re.findall(r"<impactdic/(\w+\.h)>", text)),
+        source, installed = SOURCE / "host" / "api" / "impactdic", PREFIX / "include" / "impactdic"
+        written = {path.relative_to(source).as_posix() for path in source.rglob("*.h")}
+        self.assertEqual({path.relative_to(installed).as_posix() for path in headers()},
+                         written | {"version.h"})
+        text = (installed / "impactdic.h").read_text()
+        self.assertEqual(set(re.findall(r"<impactdic/([\w/]+\.h)>", text)),
                          (written | {"version.h"}) - {"impactdic.h"})
 
     def test_no_path_of_the_build_is_left(self):

@@ -44,7 +44,7 @@ def find(pattern):
 
 
 def headers():
-    return sorted((PREFIX / "include" / "impactdic").glob("*.h"))
+    return sorted((PREFIX / "include" / "impactdic").rglob("*.h"))
 
 
 def empty(name):
