@@ -68,7 +68,7 @@ enum class WindowStatus : std::int32_t {
 const char* to_string(WindowStatus status);
 
 // One window, px in the whole picture's axes (x right, y down). Everything but place and status is
-// NaN where the status is not ok.
+// NaN where the status is not ok, the peak ratio also where the window was not searched for.
 struct WindowResult {
   WindowStatus status = WindowStatus::kMasked;
   double x_px = 0, y_px = 0;             // its centre in the first frame
