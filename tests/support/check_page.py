@@ -104,6 +104,20 @@ class Browser:
         return json.loads(message)
 
 
+def noise_of(events, allowed):
+    """Errors of scripts, console messages, requests to addresses that begin otherwise."""
+    found = []
+    for event in events:
+        method, parameters = event.get("method"), event.get("params", {})
+        if method in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
+            found.append(f"{method}: {json.dumps(parameters)[:400]}")
+        if method == "Network.requestWillBeSent":
+            url = parameters["request"]["url"]
+            if not url.startswith(allowed):
+                found.append(f"request: {url[:200]}")
+    return found
+
+
 def problems(browser, page, name, folder):
     width, height, mobile = WIDTHS[name]
     browser.events.clear()
@@ -132,14 +146,7 @@ def problems(browser, page, name, folder):
         picture = browser.call("Page.captureScreenshot", format="png")["data"]
         (folder / f"{name}.png").write_bytes(base64.b64decode(picture))
     found += [f"silent under the mouse: {p}" for p in browser.value(SILENT)]
-    for event in browser.events:
-        method, parameters = event.get("method"), event.get("params", {})
-        if method in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
-            found.append(f"{method}: {json.dumps(parameters)[:300]}")
-        if method == "Network.requestWillBeSent":
-            url = parameters["request"]["url"]
-            if not url.startswith(("data:", "blob:")) and url != page.resolve().as_uri():
-                found.append(f"request: {url[:200]}")
+    found += noise_of(browser.events, ("data:", "blob:", page.resolve().as_uri()))
     return found
 
 

@@ -67,18 +67,28 @@ struct TargetScene {
   int samples = 4;  // along a side of a pixel
 };
 
+// The plane of motion: its axes are the turn's columns.
+struct PlanePose {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d position;
+};
+
+inline PlanePose plane_of(const Camera& camera) {
+  using P = CameraParameter;
+  const Eigen::Vector3d vector(camera[P::kRotationX], camera[P::kRotationY], camera[P::kRotationZ]);
+  PlanePose pose;
+  if (vector.norm() > 0) {
+    pose.turn = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
+  }
+  pose.position = {camera[P::kPositionX], camera[P::kPositionY], camera[P::kPositionZ]};
+  return pose;
+}
+
 // `camera`: its plane is where the target lies.
 inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
                            const TargetScene& scene, unsigned seed) {
-  using P = CameraParameter;
   const camera::Lens lens(camera);
-  const Eigen::Vector3d vector(camera[P::kRotationX], camera[P::kRotationY], camera[P::kRotationZ]);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (vector.norm() > 0) {
-    turn = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
-  }
-  const Eigen::Vector3d position(camera[P::kPositionX], camera[P::kPositionY],
-                                 camera[P::kPositionZ]);
+  const auto [turn, position] = plane_of(camera);
   // A line of sight (a, b, 1) meets the plane at (u, v): a homography.
   Eigen::Matrix3d to_sight;
   to_sight << turn.col(0), turn.col(1), position;
@@ -174,15 +184,8 @@ inline RandomCalibration random_calibration(const CalibrateRequest& request, int
 // Where the camera shows the target's points.
 inline std::vector<Eigen::Vector2d> project_target(const Camera& camera,
                                                    const camera::BoardPoints& board) {
-  using P = CameraParameter;
   const camera::Lens lens(camera);
-  const Eigen::Vector3d vector(camera[P::kRotationX], camera[P::kRotationY], camera[P::kRotationZ]);
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (vector.norm() > 0) {
-    turn = Eigen::AngleAxisd(vector.norm(), vector.normalized()).toRotationMatrix();
-  }
-  const Eigen::Vector3d position(camera[P::kPositionX], camera[P::kPositionY],
-                                 camera[P::kPositionZ]);
+  const auto [turn, position] = plane_of(camera);
   std::vector<Eigen::Vector2d> seen;
   for (const Eigen::Vector2d& point : board) {
     const Eigen::Vector3d at = turn.leftCols<2>() * point + position;

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from check_page import Browser  # noqa: E402
+from check_page import Browser, noise_of  # noqa: E402
 
 LONGEST_S = 90  # on a machine whose cores are all busy
 
@@ -73,13 +73,4 @@ class PageBrowser(Browser):
 
     def problems(self):
         """Errors of scripts, console messages, requests that leave the page's address."""
-        found = []
-        for event in self.events:
-            method, parameters = event.get("method"), event.get("params", {})
-            if method in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"):
-                found.append(f"{method}: {json.dumps(parameters)[:400]}")
-            if method == "Network.requestWillBeSent":
-                url = parameters["request"]["url"]
-                if not url.startswith(("data:", "blob:", self._origin)):
-                    found.append(f"request: {url[:200]}")
-        return found
+        return noise_of(self.events, ("data:", "blob:", self._origin))
