@@ -23,10 +23,10 @@ class Plots:
 
     def _draw(self, name):
         engine.package("matplotlib", "a figure")
-        from .report import draw, shot
+        from .report import draw, frames, path, shot
 
-        wanted = "key_frames" if name == "frames" else name
-        figure = getattr(shot, wanted)(shot.Shot(self._shot))
+        places = {"frames": frames.key_frames, "trajectory": path.trajectory}
+        figure = places.get(name, getattr(shot, name, None))(shot.Shot(self._shot))
         if figure is None:
             raise InvalidArgument(f"this shot has nothing to show as '{name}'", self._shot.folder)
         return draw.drawn(figure)

@@ -131,7 +131,8 @@ class Batch(Result):
 def _report(result, path):
     from .report.__main__ import make
 
-    make(result.folder)
+    ball = getattr(result, "ball", None)
+    make(result.folder, mass_kg=ball.mass_g / 1e3 if ball is not None and ball.mass_g else None)
     page = result.folder / "report.html"
     if path is None:
         return page

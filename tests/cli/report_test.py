@@ -18,7 +18,7 @@ sys.path.insert(0, str(SOURCE / "scripts"))
 sys.dont_write_bytecode = True
 
 import impactdic  # noqa: E402
-from impactdic.report import models, shot, tables  # noqa: E402
+from impactdic.report import figure, first, mass, models, shot, tables  # noqa: E402
 
 PROGRAM = os.environ["IMPACTDIC_PROGRAM"]
 JOB = SOURCE / "sim" / "jobs" / "racket_30.toml"
@@ -134,10 +134,51 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(spans[1].end, 52.3, 6)
 
     def test_every_axis_has_a_unit(self):
-        for figure in self.made.values():
-            for panel in figure.panels:
-                self.assertRegex(panel.x_label, r", \S+$")
-                self.assertRegex(panel.y_label, r", \S+$")
+        numbers = ("windows used", )  # have none
+        for made in self.made.values():
+            for panel in made.panels:
+                for label in {panel.x_label, panel.y_label}.difference(numbers):
+                    self.assertRegex(label, r", \S+$")
+
+    def test_force_in_newtons_where_the_mass_is_known(self):
+        result = impactdic.load(self.folder)
+        over_mass = self.made["force_deflection"].panels[0]
+        made = {f.name: f for f in shot.figures(result, mass_kg=0.05)}["force_deflection"].panels[0]
+        self.assertTrue(over_mass.y_label.endswith("m/s²"))
+        self.assertTrue(made.y_label.endswith(", N"))
+        np.testing.assert_allclose(made.series[0].y, 0.05 * over_mass.series[0].y)
+        self.assertIsNone(mass.of_shot(result, None))
+        with tempfile.TemporaryDirectory() as batch:
+            (Path(batch) / "shots" / "a").mkdir(parents=True)
+            (Path(batch) / "shots.csv").write_text("shot,status,mass_g\nb,ok,1\na,ok,56.7\n")
+            of_table = mass.of_shot(impactdic.Result(Path(batch) / "shots" / "a"), None)
+        self.assertAlmostEqual(of_table, 0.0567)
+
+    def test_ball_touches_the_surface_where_the_contact_starts(self):
+        drawn = {s.name: s for s in self.made["trajectory"].panels[1].series}
+        ball, surface = drawn["ball, contact starts"], drawn["surface"]
+        self.assertAlmostEqual(np.min(ball.y), surface.y[0], 6)
+        self.assertEqual(surface.y[0], surface.y[1])
+        self.assertLess(surface.x[0], np.min(ball.x))
+
+    def test_arrows_have_heads_at_their_ends(self):
+        pairs = figure.arrow_pairs(np.array([1.0]), np.array([2.0]), np.array([3.0]), np.array([0.0]))
+        x, y = figure.with_heads(*pairs)
+        np.testing.assert_allclose(x, [1, 4, 3, 4, 3, np.nan])
+        np.testing.assert_allclose(y, [2, 2, 1.5, 2, 2.5, np.nan])
+        self.assertEqual([figure.round_below(v) for v in (0.3, 1, 7, 49)], [0.2, 1, 5, 20])
+
+    def test_first_screen_says_what_happened(self):
+        summary = impactdic.load(self.folder).summary
+        self.assertEqual(first.sentence(summary), "in 1.41 m/s → out 1.41 m/s, spin 10 → 10 rpm, "
+                                                  "e 1.000 ± 0.010, contact 1000 ms")
+        self.assertEqual([(light.name, light.state) for light in first.lights(summary)],
+                         [("closure", "bad"), ("gravity", "good"), ("scale", "good")])
+        none = {"impact": {"found": False, "explanation": "nothing is hit"},
+                "advice": {"windows": {"windows": 10, "usable": 5}}}
+        self.assertEqual(first.sentence(none), "nothing is hit")
+        self.assertEqual([(light.name, light.state) for light in first.lights(none)],
+                         [("texture", "bad"), ("scale", "open")])
 
     def test_slope_has_the_deviation_of_least_squares(self):
         x = np.arange(9.0)
@@ -149,6 +190,8 @@ class Figures(unittest.TestCase):
     def test_rounding_follows_the_deviation(self):
         self.assertEqual(tables.rounded(0.863693, 0.00087367), "0.86369 ± 0.00087")
         self.assertEqual(tables.rounded(13384.97, 31.98), "13385 ± 32")
+        self.assertEqual(tables.rounded(13384.97, 312.4), "13380 ± 310")
+        self.assertEqual(tables.rounded(2.34567, 0.0999), "2.35 ± 0.10")
         self.assertEqual(tables.rounded(float("nan"), 1.0), "not measured")
 
     def test_spins_about_three_axes_are_shown(self):
@@ -172,9 +215,9 @@ class Figures(unittest.TestCase):
         page = (self.folder / "report.html").read_text()
         self.assertLess(len(page.encode()), 8e6)
         self.assertIn("&lt;saturated&gt;", page)
-        for figure in self.made:
-            for kind in ("png", "svg"):
-                path = self.folder / "figures" / f"{figure}.{kind}"
+        for name in self.made:
+            for kind in ("png", "svg", "pdf"):
+                path = self.folder / "figures" / f"{name}.{kind}"
                 self.assertGreater(path.stat().st_size, 5000, path)
         check_html(self, self.folder / "report.html")
 
@@ -236,6 +279,7 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
         self.assertEqual([f["moment"] for f in frames], ["before", "during", "after"])
         made = {f.name: f for f in shot.figures(impactdic.load(self.folder / "shot"))}["frames"]
         self.assertEqual(len(made.panels), 6)
+        self.assertEqual(made.panels[3].reference.text, "2 m/s")  # of 4 m/s at most
         arrows = next(s for s in made.panels[3].series if s.kind == "arrows")
         down = np.nanmedian(arrows.y[1::3] - arrows.y[0::3])
         self.assertGreater(down, 3)  # towards the racket, y down, drawn longer than it is
@@ -283,6 +327,8 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
         text = page.read_text()
         for name in ("velocity", "trajectory", "frames", "models-compare", "force-deflection"):
             self.assertIn(f'id="{name}-1"', text)
+        self.assertRegex(text, r'class="sentence">in 3\.9\d m/s → out 3\.\d\d m/s, spin 0 → 30\d rpm')
+        self.assertEqual(text.count("<svg viewBox"), 3)
         check_html(self, page)
         checker = SOURCE / "tests" / "support" / "check_page.py"
         done = subprocess.run([sys.executable, checker, page], capture_output=True, text=True)

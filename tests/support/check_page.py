@@ -26,6 +26,8 @@ STATE = """({
       p._fullLayout && p._fullLayout._size.w > 100).length,
   wide: [...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, pre, .panel') &&
       e.getBoundingClientRect().right > WIDTH + 1).map(e => e.tagName + '#' + e.id),
+  hidden: WIDTH < 600 ? [...document.querySelectorAll('.scroll')].filter(e =>
+      e.scrollWidth > e.clientWidth + 1).map(e => e.textContent.slice(0, 60)) : [],
   nameless: [...document.querySelectorAll('.panel')].filter(p =>
       !p._fullLayout.xaxis.title.text || !p._fullLayout.yaxis.title.text).map(p => p.id),
 })"""
@@ -137,6 +139,7 @@ def problems(browser, page, name, folder):
     found += [f"wider than the screen: {e}" for e in state["wide"]]
     if not state["meant"] == state["panels"] == state["drawn"]:
         found.append(f"{state['drawn']} of {state['meant']} panels are drawn")
+    found += [f"columns beyond the screen: {e}" for e in state["hidden"]]
     found += [f"an axis without name: {p}" for p in state["nameless"]]
     if folder:
         full = browser.value("document.documentElement.scrollHeight")

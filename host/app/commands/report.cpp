@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 struct ReportRequest {
   std::string folder;
   int threads = 0;
+  double mass_g = 0;
   bool quiet = false;
 };
 
@@ -53,6 +54,8 @@ std::string find_python() {
   std::vector<const char*> arguments = {
       python.c_str(),  "-m",        "impactdic.report", request.folder.c_str(), "--program",
       program.c_str(), "--threads", threads.c_str()};
+  const std::string mass = std::to_string(request.mass_g);
+  if (request.mass_g > 0) arguments.insert(arguments.end(), {"--mass-g", mass.c_str()});
   if (request.quiet) arguments.push_back("--quiet");
   arguments.push_back(nullptr);
   std::fflush(nullptr);
@@ -72,9 +75,12 @@ void add_report_command(CLI::App& app) {
   command->add_option("-j,--threads", request->threads, "Figures drawn at a time; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  command->add_option("--mass-g", request->mass_g, "The ball's mass: forces are drawn in N")
+      ->check(positive_number());
   command->add_flag("-q,--quiet", request->quiet, "Print errors only");
   command->footer(
-      "Writes DIR/report.html, which needs nothing but a browser, and DIR/figures/*.png, *.svg.\n"
+      "Writes DIR/report.html, which needs nothing but a browser, and DIR/figures/*.png,\n"
+      "*.svg and *.pdf.\n"
       "Folders of fit and compare inside DIR are shown with it.\n"
       "Example:\n  impactdic report shot_01\n");
   command->callback([request] { run_report(*request); });

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..errors import MissingPackage, ResultError
 from ..results import load, read_table, shots_of
+from .first import First
 
 
 def missing_packages():
@@ -29,10 +30,10 @@ def versions():
 class Report:
     """What stands on the page, gathered from a folder."""
 
-    def __init__(self, folder, program):
-        self.folder, self.program = folder, program
+    def __init__(self, folder, program, mass_kg=None):
+        self.folder, self.program, self.mass_kg = folder, program, mass_kg
         self.figures, self.tables, self.warnings, self.texts = [], [], [], []
-        self.subtitle = ""
+        self.subtitle, self.first = "", First()
 
     def gather(self):
         from . import models
@@ -56,11 +57,12 @@ class Report:
                                        f"{versions()}"))
 
     def add_shot(self):
-        from . import shot, tables
+        from . import frames, mass, shot, tables
 
         result = load(self.folder)
         summary = result.summary
-        self.figures += shot.figures(result)
+        self.first = frames.first_screen(result)
+        self.figures += shot.figures(result, mass.of_shot(result, self.mass_kg))
         self.tables += tables.impact_tables(summary) + [tables.run_table(summary, result.job)]
         self.warnings += tables.warnings_of(summary)
         impact = summary.get("impact") or {}
@@ -101,7 +103,7 @@ class Report:
         with ProcessPoolExecutor(max_workers=jobs) as pool:
             drawing = [pool.submit(_save, figure, into) for figure in self.figures]
             page.write(self.folder / "report.html", f"Impact: {self.folder.resolve().name}",
-                       self.subtitle, self.warnings, self.figures, self.tables, self.texts)
+                       self.first, self.subtitle, self.warnings, self.figures, self.tables, self.texts)
             for done in drawing:
                 done.result()
 
@@ -116,10 +118,10 @@ def _save(figure, into):
     draw.save(figure, into)
 
 
-def make(folder, program=None, threads=0):
+def make(folder, program=None, threads=0, mass_kg=None):
     """Draws the figures of the results in `folder` and writes report.html there; returns what
     stands on the page. `program`: the impactdic that integrates models; none: they are left out.
-    Raises ResultError, MissingPackage."""
+    `mass_kg`: the ball's; none: what a table of shots or a job of fit and compare says of it. Raises ResultError, MissingPackage."""
     folder = Path(folder)
     missing = missing_packages()
     if missing:
@@ -127,7 +129,7 @@ def make(folder, program=None, threads=0):
                              f"on Debian: apt-get install {' '.join(missing)}")
     if not folder.is_dir():
         raise ResultError("there is no such folder", folder)
-    report = Report(folder, program)
+    report = Report(folder, program, mass_kg)
     report.gather()
     report.write(threads or os.cpu_count() or 1)
     return report
@@ -138,10 +140,12 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--program", help="the impactdic that integrates models")
     parser.add_argument("--threads", type=int, default=0)
+    parser.add_argument("--mass-g", type=float, help="the ball's mass")
     parser.add_argument("--quiet", action="store_true")
     options = parser.parse_args()
     try:
-        report = make(options.folder, options.program, options.threads)
+        report = make(options.folder, options.program, options.threads,
+                      options.mass_g / 1e3 if options.mass_g else None)
     except MissingPackage as error:
         print(f"impactdic: error: {error}", file=sys.stderr)
         return 1

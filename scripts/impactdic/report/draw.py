@@ -7,6 +7,8 @@ import matplotlib.figure
 import matplotlib.image
 import numpy as np
 
+from .figure import with_heads
+
 MARKERS = {
     "circle": "o",
     "square": "s",
@@ -27,6 +29,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     "svg.fonttype": "none",
+    "pdf.fonttype": 42,  # text stays text that can be edited
     "svg.hashsalt": "impactdic",
 }
 PANEL_INCHES = (4.4, 3.3)
@@ -52,9 +55,10 @@ def drawn(figure):
 
 
 def save(figure, folder):
-    """Writes NAME.png and NAME.svg into `folder`."""
+    """Writes NAME.png, NAME.svg and NAME.pdf into `folder`."""
     made = drawn(figure)
     with matplotlib.rc_context(STYLE):
+        made.savefig(folder / f"{figure.name}.pdf", dpi=DPI, metadata={"CreationDate": None})
         made.savefig(folder / f"{figure.name}.png", dpi=DPI)
         made.savefig(folder / f"{figure.name}.svg", dpi=DPI, metadata={"Date": None})
 
@@ -81,6 +85,8 @@ def _draw_panel(axis, panel):
         axis.figure.colorbar(mesh, ax=axis, label=s.name)
     for series in panel.series:
         _draw_series(axis, series)
+    if panel.reference is not None:
+        _draw_reference(axis, panel.reference)
     axis.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.title)
     if panel.same_scale:
         axis.set_aspect("equal", adjustable="box" if panel.picture is not None else "datalim")
@@ -91,18 +97,43 @@ def _draw_panel(axis, panel):
         axis.set_xlim(panel.picture.x_px - 0.5, panel.picture.x_px + width - 0.5)
         axis.set_ylim(panel.picture.y_px + height - 0.5, panel.picture.y_px - 0.5)
     elif len(panel.series) + len(panel.spans) > 1:
-        axis.legend()
+        _draw_legend(axis, panel)
     if panel.from_zero:
         axis.set_ylim(bottom=0)
 
 
+def _draw_legend(axis, panel):
+    """Swatches are as large and as dark as they must be to be seen."""
+    dots = any(s.kind == "markers" and _marker_size(s) < 5 for s in panel.series)
+    place = {}
+    if len(panel.series) > 5:  # it would cover the curves
+        place = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.2), "ncols": 3}
+    legend = axis.legend(markerscale=3 if dots else 1, **place)
+    for patch in legend.get_patches():
+        patch.set(edgecolor="#888888", linewidth=0.6)
+    for line in legend.get_lines():
+        line.set_linewidth(max(1.6, line.get_linewidth()))
+
+
+def _draw_reference(axis, arrow):
+    x, y = with_heads(np.array([arrow.x, arrow.x + arrow.length, np.nan]),
+                      np.array([arrow.y, arrow.y, np.nan]))
+    axis.plot(x, y, color="white", lw=3.5)
+    axis.plot(x, y, color="black", lw=1)
+    axis.annotate(arrow.text, (arrow.x, arrow.y), xytext=(0, 4), textcoords="offset points",
+                  fontsize=7, bbox={"fc": "white", "ec": "none", "pad": 1, "alpha": 0.85})
+
+
+def _marker_size(series):
+    return 0.6 * series.size if series.size else 1.5 if len(series.x) > 150 else 5
+
+
 def _draw_series(axis, s):
     if s.kind == "arrows":
-        axis.plot(s.x, s.y, color=s.colour, lw=0.7)
+        axis.plot(*with_heads(s.x, s.y), color=s.colour, lw=0.7, label=s.name)
     elif s.kind == "markers":
-        size = 1.5 if len(s.x) > 150 else 5
         bars = None if s.sd is None else 1.96 * np.asarray(s.sd)
-        look = {"fmt": MARKERS[s.marker], "ms": size, "color": s.colour, "lw": 0.8, "capsize": 2}
+        look = {"fmt": MARKERS[s.marker], "ms": _marker_size(s), "color": s.colour, "lw": 0.8, "capsize": 2}
         axis.errorbar(s.x, s.y, yerr=bars, label=s.name, **look)
     else:
         axis.plot(s.x, s.y, "--" if s.dash else "-", color=s.colour, lw=1.2, label=s.name)

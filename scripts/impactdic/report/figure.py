@@ -27,7 +27,18 @@ class Series:
     kind: str = "line"  # or "markers"; "arrows": pairs of start and end, NaN between them
     marker: str = "circle"
     dash: bool = False
+    size: float | None = None  # of the markers, px; by their number where it is not given
     labels: list | None = None  # said of each point when the mouse is on it
+
+
+@dataclass
+class Reference:
+    """An arrow of a known length, to read the others by; it points to the right from (x, y)."""
+
+    x: float
+    y: float
+    length: float
+    text: str
 
 
 @dataclass
@@ -68,6 +79,7 @@ class Panel:
     spans: list[Span] = field(default_factory=list)
     picture: Picture | None = None
     surface: Surface | None = None
+    reference: Reference | None = None
     same_scale: bool = False  # of both axes
     y_down: bool = False
     from_zero: bool = False  # the y axis starts at 0
@@ -82,3 +94,32 @@ class Figure:
     caption: str
     panels: list[Panel]
     section: str = "Motion"
+
+
+def arrow_pairs(x, y, u, v):
+    """The x and y of a series of kind "arrows": arrows from (x, y) along (u, v)."""
+    gap = np.full(len(x), np.nan)
+    return (np.column_stack([x, x + u, gap]).ravel(), np.column_stack([y, y + v, gap]).ravel())
+
+
+def with_heads(x, y):
+    """The arrows of a series as lines with heads of a third of their length."""
+    x0, x1, y0, y1 = x[0::3], x[1::3], y[0::3], y[1::3]
+    u, v = (x1 - x0) / 3, (y1 - y0) / 3
+    gap = np.full(len(x0), np.nan)
+    return (
+        np.column_stack([x0, x1, x1 - u + v / 2, x1, x1 - u - v / 2, gap]).ravel(),
+        np.column_stack([y0, y1, y1 - v - u / 2, y1, y1 - v + u / 2, gap]).ravel(),
+    )
+
+
+def thinned(x, y, most):
+    """Which of the places on a grid to keep, so that at most about `most` are left, evenly."""
+    every = int(np.ceil(np.sqrt(len(x) / most)))
+    return np.isin(x, np.unique(x)[::every]) & np.isin(y, np.unique(y)[::every])
+
+
+def round_below(value):
+    """The 1, 2 or 5 times a power of ten at or below `value`."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return power * max(step for step in (1, 2, 5) if step * power <= value * 1.0001)

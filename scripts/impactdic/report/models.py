@@ -189,7 +189,7 @@ def error_surfaces(result, path):
         z = table[column].reshape(len(stiffness), len(damping)).T
         panels.append(
             Panel(name, f"stiffness, {_unit(stiffness_key)}", "damping, N s/m",
-                  surface=Surface(stiffness, damping, z, "relative error, 1"))
+                  surface=Surface(stiffness, damping, z, "relative error"))
         )
     return Figure(
         f"{path.stem}_{result.name}",

@@ -7,14 +7,16 @@ import re
 
 import numpy as np
 
+from . import screen
 from .draw import png_of
+from .figure import with_heads
 
 MARGIN = {"l": 62, "r": 14, "t": 34, "b": 48}
 GRID = "#E4E4E4"
 
 # Nothing may be fetched, whatever a script asks for.
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; " \
-         "img-src data: blob:"
+         "img-src data: blob:; media-src data:"
 
 STYLE = """
 :root { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; }
@@ -40,7 +42,20 @@ td { min-width: 6.5em; }
 .warnings { background: #FFF6E5; border-left: 4px solid #E69F00; padding: 8px 16px; }
 .warnings ul { margin: 0; padding-left: 20px; }
 pre { background: #f5f5f5; padding: 12px; overflow-x: auto; font-size: .85rem; }
-@media (max-width: 600px) { body { padding: 0 10px 32px; } .panel { height: 300px; } }
+@media (max-width: 600px) {
+  body { padding: 0 10px 32px; } .panel { height: 300px; }
+  .scroll table { width: 100%; }
+  th { white-space: normal; }
+  td { min-width: 0; }
+  th, td { padding-right: 8px; overflow-wrap: anywhere; }
+  /* A wide table becomes a list of its rows: no column hides beyond the screen's edge. */
+  .many thead { display: none; }
+  .many, .many tbody, .many tr, .many td, .many th { display: block; border: 0; padding: 0; }
+  .many tr { border-bottom: 1px solid #ccc; padding: 6px 0; }
+  .many td { display: flex; gap: 12px; min-width: 0; }
+  .many td:empty { display: none; }
+  .many td::before { content: attr(data-name); flex: 0 0 45%; color: #555; }
+}
 """
 
 SCRIPT = """
@@ -62,9 +77,9 @@ SECTIONS = ["Figures of the impact", "Shots", "Frames", "Motion", "Contact", "Ma
             "Quality", "Run", "Job", "Versions"]
 
 
-def write(path, title, subtitle, warnings, figures, tables, texts):
-    """Writes the page. `figures`: of figure.py; `tables`: of tables.py; `texts`: (section, text)
-    set as they are."""
+def write(path, title, first, subtitle, warnings, figures, tables, texts):
+    """Writes the page. `first`: of first.py; `figures`: of figure.py; `tables`: of tables.py;
+    `texts`: (section, text) set as they are."""
     panels = {}
     sections = {name: [] for name in SECTIONS}
     for table in tables:
@@ -81,10 +96,12 @@ def write(path, title, subtitle, warnings, figures, tables, texts):
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{html.escape(title)}</title>\n<style>{STYLE}</style>",
+        f"<title>{html.escape(title)}</title>\n<style>{STYLE}{screen.STYLE}</style>",
         f"<script>{plotly_script()}</script>\n</head>\n<body>",
-        f"<h1>{html.escape(title)}</h1>\n<p>{html.escape(subtitle)}</p>\n<nav>{links}</nav>",
+        f"<h1>{html.escape(title)}</h1>",
+        screen.first_screen(first),
         _warnings(warnings),
+        f"<p>{html.escape(subtitle)}</p>\n<nav>{links}</nav>",
     ]
     for name, bodies in sections.items():
         parts.append(f'<section>\n<h2 id="{_id(name)}">{html.escape(name)}</h2>')
@@ -119,12 +136,13 @@ def _table(table):
     if any(table.header):
         head = "<thead><tr>" + "".join(f'<th scope="col">{html.escape(c)}</th>'
                                        for c in table.header) + "</tr></thead>"
-    body = ""
+    body, many = "", ' class="many"' if len(table.header) > 3 else ""
     for row in table.rows:
-        cells = "".join(f"<td>{html.escape(c)}</td>" for c in row[1:])
+        cells = "".join(f'<td data-name="{html.escape(name)}">{html.escape(c)}</td>'
+                        for name, c in zip(table.header[1:], row[1:]))
         body += f'<tr><th scope="row">{html.escape(row[0])}</th>{cells}</tr>\n'
     return (f"<h3>{html.escape(table.title)}</h3>\n"
-            f'<div class="scroll"><table>{head}<tbody>{body}</tbody></table></div>')
+            f'<div class="scroll"><table{many}>{head}<tbody>{body}</tbody></table></div>')
 
 
 def _figure(figure, panels):
@@ -159,7 +177,18 @@ def _data(panel):
     for series in panel.series:
         data += _band(series)
         data.append(_trace(panel, series))
+    if panel.reference is not None:
+        data += _reference(panel.reference)
     return data
+
+
+def _reference(arrow):
+    x, y = with_heads(np.array([arrow.x, arrow.x + arrow.length, np.nan]),
+                      np.array([arrow.y, arrow.y, np.nan]))
+    common = {"type": "scatter", "mode": "lines", "x": _numbers(x), "y": _numbers(y),
+              "hoverinfo": "skip", "showlegend": False}
+    return [{**common, "line": {"color": "#fff", "width": 5}},
+            {**common, "line": {"color": "#000", "width": 1.6}}]
 
 
 def _band(s):
@@ -185,7 +214,7 @@ def _trace(panel, s):
     trace = {"type": "scatter", "x": _numbers(s.x), "y": _numbers(s.y), "name": html.escape(s.name),
              "legendgroup": s.name}
     if s.kind == "markers":
-        size = 4 if len(s.x) > 150 else 8
+        size = s.size or (4 if len(s.x) > 150 else 8)
         trace |= {"mode": "markers",
                   "marker": {"color": s.colour, "symbol": s.marker, "size": size}}
         if s.sd is not None:
@@ -195,10 +224,12 @@ def _trace(panel, s):
         trace |= {"mode": "lines", "line": {"color": s.colour, "width": 1.6,
                                             "dash": "dash" if s.dash else "solid"}}
     if s.kind == "arrows":
-        return trace | {"hoverinfo": "skip", "showlegend": False}
+        x, y = with_heads(s.x, s.y)
+        return trace | {"x": _numbers(x), "y": _numbers(y), "hoverinfo": "skip",
+                        "showlegend": False}
     value = "%{y:.6g}"
     if s.sd is not None:
-        trace["customdata"] = _numbers(s.sd, 3)
+        trace["customdata"] = _numbers(s.sd, 2)
         value += " ± %{customdata}"
     if s.labels is not None:
         trace["text"] = [html.escape(label) for label in s.labels]
@@ -228,7 +259,7 @@ def _layout(panel):
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",
         "showlegend": 1 < len(panel.series) <= 8 and panel.picture is None,
-        "legend": {"orientation": "h", "y": -0.24, "yanchor": "top"},
+        "legend": {"orientation": "h", "y": -0.24, "yanchor": "top", "itemsizing": "constant"},
         "shapes": [],
         "annotations": [],
     }
@@ -241,6 +272,12 @@ def _layout(panel):
             "x": (span.start + span.end) / 2, "y": 1, "xref": "x", "yref": "paper",
             "yanchor": "bottom", "text": span.name, "showarrow": False,
             "font": {"size": 9, "color": "#777"},
+        })
+    if panel.reference is not None:
+        layout["annotations"].append({
+            "x": panel.reference.x, "y": panel.reference.y, "xanchor": "left", "yanchor": "bottom",
+            "yshift": 4, "text": panel.reference.text, "showarrow": False,
+            "bgcolor": "rgba(255,255,255,0.85)", "font": {"size": 10, "color": "#000"},
         })
     if panel.same_scale:
         layout["yaxis"] |= {"scaleanchor": "x", "scaleratio": 1}

@@ -1,14 +1,12 @@
 """Figures of one shot, from what `track` has written."""
 
-import matplotlib.image
 import numpy as np
 
 from ..results import ResultError, read_table
 from . import budget
-from .figure import BLACK, BLUE, GREEN, ORANGE, RED, SKY, Figure, Panel, Picture, Series, Span
+from .figure import BLACK, BLUE, GREEN, RED, SKY, Figure, Panel, Series, Span
 from .series import deflection, slope
 
-MOST_ARROWS = 400
 COMPRESSION, RESTITUTION = "#DCEBF7", "#FBEBD5"
 
 
@@ -16,8 +14,8 @@ class Shot:
     """A result of `track` in the units that it could be measured in: metres and seconds, else
     pixels and frames."""
 
-    def __init__(self, result):
-        self.result = result
+    def __init__(self, result, mass_kg=None):
+        self.result, self.mass_kg = result, mass_kg
         self.track = track = result.columns("track")
         summary = result.summary
         if "frames_analysed" not in summary:
@@ -87,146 +85,16 @@ class Shot:
         return Panel(title, f"time, {self.time_unit}", y_label, series, spans=self.spans)
 
 
-def figures(result):
-    """Every figure that the folder has the data for."""
-    shot = Shot(result)
-    made = [key_frames(shot), trajectory(shot), position(shot)]
+def figures(result, mass_kg=None):
+    """Every figure that the folder has the data for. `mass_kg`: of the ball, where it is known."""
+    from . import frames, path
+
+    shot = Shot(result, mass_kg)
+    made = [frames.key_frames(shot), path.trajectory(shot), position(shot)]
     if np.isfinite(shot.vx).any():
         made += [velocity(shot), spin(shot), angle(shot), contact_point(shot), force_loop(shot)]
     made += [quality(shot), budget.figure(result.impact)]
     return [figure for figure in made if figure is not None]
-
-
-def key_frames(shot):
-    """Fig. 2.10: the ball before, during and after the contact, and how its surface moves."""
-    originals, moved = [], []
-    factor = _arrow_factor(shot)
-    for frame in shot.result.summary.get("key_frames") or []:
-        path = shot.result.folder / frame["picture"]
-        if not path.exists():
-            continue
-        grey = np.round(255 * matplotlib.image.imread(path)).astype(np.uint8)
-        originals.append(_original(shot, frame, grey))
-        field = _velocity_field(shot, frame, grey, factor)
-        if field is not None:
-            moved.append(field)
-    if not originals:
-        return None
-    caption = "The measured circle (red) and the path of its centre (orange)."
-    if moved:
-        caption += (
-            " Below, on the ball's surface set white: the windows (diamonds) and their "
-            f"displacement to the next frame, {factor:g} times as long."
-        )
-    return Figure("frames", "Frames and velocity field", caption, originals + moved, "Frames")
-
-
-def _frame_panel(frame, picture, series):
-    return Panel(
-        f"{frame['moment']}, frame {frame['frame']}",
-        "x, px",
-        "y, px",
-        series,
-        picture=Picture(picture, frame["x_px"], frame["y_px"]),
-        same_scale=True,
-        y_down=True,
-    )
-
-
-def _circle(shot, row):
-    cx, cy, r = (shot.track[key][row] for key in ("cx_px", "cy_px", "r_px"))
-    angle = np.linspace(0, 2 * np.pi, 121)
-    return Series("circle", cx + r * np.cos(angle), cy + r * np.sin(angle), colour=RED)
-
-
-def _row_of(shot, frame):
-    return int(np.flatnonzero(shot.track["frame"] == frame["frame"])[0])
-
-
-def _original(shot, frame, grey):
-    row = _row_of(shot, frame)
-    path = Series(
-        "path of the centre",
-        shot.track["cx_px"][: row + 1],
-        shot.track["cy_px"][: row + 1],
-        colour=ORANGE,
-    )
-    return _frame_panel(frame, grey, [_circle(shot, row), path])
-
-
-def _velocity_field(shot, frame, grey, factor):
-    row = _row_of(shot, frame)
-    try:
-        windows = shot.result.field(frame["frame"])
-    except ResultError:
-        return None
-    x, y, u, v = (windows[key].astype(float) for key in ("x_px", "y_px", "u_px", "v_px"))
-    if len(x) == 0:
-        return None
-    thin = slice(None, None, max(1, len(x) // MOST_ARROWS))
-    x, y, u, v = x[thin], y[thin], u[thin], v[thin]
-    gap = np.full(len(x), np.nan)
-    arrows = Series(
-        "displacement",
-        np.column_stack([x, x + factor * u, gap]).ravel(),
-        np.column_stack([y, y + factor * v, gap]).ravel(),
-        colour=BLUE,
-        kind="arrows",
-    )
-    labels = [f"u {a:.4f} px, v {b:.4f} px" for a, b in zip(u, v)]
-    places = Series("windows", x, y, None, BLUE, "markers", "diamond", labels=labels)
-    return _frame_panel(frame, _white_ball(shot, frame, grey, row),
-                        [_circle(shot, row), arrows, places])
-
-
-def _white_ball(shot, frame, grey, row):
-    cx, cy, r = (shot.track[key][row] for key in ("cx_px", "cy_px", "r_px"))
-    y, x = np.indices(grey.shape)
-    inside = np.hypot(x + frame["x_px"] - cx, y + frame["y_px"] - cy) <= r
-    return np.where(inside, np.uint8(255), grey)
-
-
-def _arrow_factor(shot):
-    """Makes the longest arrow about an eighth of the radius."""
-    moved = np.hypot(shot.track["dx_px"], shot.track["dy_px"])
-    fastest = np.nanmax(moved, initial=0)
-    if fastest == 0:
-        return 1.0
-    return _round_factor(0.125 * np.nanmedian(shot.track["r_px"]) / fastest)
-
-
-def _round_factor(value):
-    """1, 2, 5, 10, 20, ...: the one at or below `value`."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return max(1.0, power * max(step for step in (1, 2, 5) if step * power <= value * 1.0001))
-
-
-def trajectory(shot):
-    """Figs 3.10 and 3.16."""
-    names = ("contact starts", "most compressed", "contact ends")
-    marks = [
-        (name, instant, marker)
-        for name, instant, marker in zip(names, shot.instants, ("circle", "diamond", "square"))
-        if instant is not None
-    ]
-
-    def panel(title, x, y, x_name, y_name):
-        series = [Series("centre of the ball", x, y)]
-        for name, instant, marker in marks:
-            at = [np.array([np.interp(instant, shot.time, values)]) for values in (x, y)]
-            series.append(Series(name, *at, colour=RED, kind="markers", marker=marker))
-        x_label, y_label = f"{x_name}, {shot.length}", f"{y_name}, {shot.length}"
-        return Panel(title, x_label, y_label, series, same_scale=True)
-
-    return Figure(
-        "trajectory",
-        "Trajectory of the centre",
-        "Global axes: x right, y up. Local axes: t along the surface, n out of it.",
-        [
-            panel("global axes", shot.x, shot.y, "x", "y"),
-            panel("local axes", shot.t, shot.n, "t", "n"),
-        ],
-    )
 
 
 def position(shot):
@@ -335,7 +203,8 @@ def contact_point(shot):
 
 
 def force_loop(shot):
-    """The surface's normal force over the ball's mass against the deflection, from the motion."""
+    """The surface's normal force against the deflection, from the motion; over the ball's mass
+    where that is not known."""
     start, _, end = shot.instants
     if start is None or end is None or not shot.si:
         return None
@@ -348,12 +217,15 @@ def force_loop(shot):
     depth = deflection(1e-3 * shot.time, shot.vn, 1e-3 * start)
     at_mid = 1e3 * np.interp(seconds, 1e-3 * shot.time, depth)
     contact = (shot.mid_time > start) & (shot.mid_time < end)
-    label = "normal force / mass, m/s²"
+    name, unit = ("normal force / mass", "m/s²") if shot.mass_kg is None else ("normal force", "N")
+    label = f"{name}, {unit}"
+    if shot.mass_kg is not None:
+        force, deviation = shot.mass_kg * force, shot.mass_kg * deviation
     instants = [f"{time:.2f} ms" for time in shot.mid_time[contact]]
     loop = Series(
         "contact", at_mid[contact], force[contact], deviation[contact], labels=instants
     )
-    against_time = Series("normal force / mass", shot.mid_time, force, deviation)
+    against_time = Series(name, shot.mid_time, force, deviation)
     panels = [
         Panel("loop", "deflection, mm", label, [loop]),
         shot.time_panel("against time", label, [against_time]),
@@ -363,7 +235,8 @@ def force_loop(shot):
         "Force and deflection",
         "From the measured motion alone: normal acceleration (slope of a line through five "
         "velocities) less gravity, against the way of the centre since the touch. The area of the "
-        "loop is the energy lost per mass. Times the mass: the force.",
+        + ("loop is the energy lost per mass. Times the mass: the force." if shot.mass_kg is None
+           else f"loop is the energy lost. The mass is {1e3 * shot.mass_kg:g} g."),
         panels,
         "Contact",
     )
@@ -380,7 +253,7 @@ def quality(shot):
     if np.isfinite(track["rot_deg"]).any():
         used = np.where(np.isfinite(track["rot_deg"]), track["windows"], np.nan)
         windows = Series("windows", shot.mid_time, used, colour=GREEN)
-        panels.append(shot.time_panel("windows", "windows used, 1", [windows]))
+        panels.append(shot.time_panel("windows", "windows used", [windows]))
         deviations = [
             Series("dx", shot.mid_time, track["dx_sd_px"], colour=BLUE),
             Series("dy", shot.mid_time, track["dy_sd_px"], colour=RED),

@@ -78,8 +78,8 @@ def restitution(shots):
         "Against the normal velocity before the impact, bars of 95 %; and the mean of every angle "
         "of the surface, bars from the scatter of the shots.",
         [
-            Panel("against speed", "normal velocity before, m/s", "restitution e, 1", by_speed),
-            Panel("against angle", "angle of the surface, °", "restitution e, 1", [mean]),
+            Panel("against speed", "normal velocity before, m/s", "restitution e", by_speed),
+            Panel("against angle", "angle of the surface, °", "restitution e", [mean]),
         ],
         "Many shots",
     )
@@ -100,11 +100,11 @@ def friction(shots):
         "The ratio of the impulses; beyond the rolling cap more friction only makes the ball roll. "
         "The angle of incidence is that between the velocity before and the surface's normal.",
         [
-            Panel("against speed", "speed before, m/s", "effective friction µ, 1",
+            Panel("against speed", "speed before, m/s", "effective friction µ",
                   shots.by_angle(shots.speed, "friction", "friction_sd")),
-            Panel("against incidence", "angle of incidence, °", "effective friction µ, 1",
+            Panel("against incidence", "angle of incidence, °", "effective friction µ",
                   incidence),
-            Panel("against the surface", "angle of the surface, °", "effective friction µ, 1",
+            Panel("against the surface", "angle of the surface, °", "effective friction µ",
                   means),
         ],
         "Many shots",

@@ -17,7 +17,9 @@ def rounded(value, sd=None):
         return "not measured"
     if not sd or not math.isfinite(sd):
         return f"{value:.6g}"
-    digits = max(0, 1 - math.floor(math.log10(sd)))
+    sd = float(f"{sd:.1e}")  # two digits, which 0.0999 has as 0.10
+    digits = 1 - math.floor(math.log10(sd))
     if digits > 12:
         return f"{value:.6g}"
-    return f"{value:.{digits}f} ± {sd:.{digits}f}"
+    shown = max(0, digits)
+    return f"{round(value, digits):.{shown}f} ± {sd:.{shown}f}"

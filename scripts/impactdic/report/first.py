@@ -1,0 +1,118 @@
+"""What the page says before anything else: what happened, in a sentence, and what speaks for and
+against it. The page of `impactdic view` says the same (host/view/page/sentence.js, lights.js)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .text import with_sd
+
+ENOUGH = 0.9  # share of the windows that is usable
+RPM = 60 / (2 * math.pi)
+
+
+@dataclass
+class Light:
+    """A check: good, bad or open (nothing can be said)."""
+
+    name: str
+    state: str
+    why: str
+
+
+@dataclass
+class KeyPicture:
+    """A frame of the ball: the picture's first pixel is (x_px, y_px), what is drawn is in px."""
+
+    title: str
+    grey: np.ndarray
+    x_px: float
+    y_px: float
+    circle: tuple[float, float, float]  # centre x, y, radius
+    path: np.ndarray  # (points, 2)
+    motion: tuple[float, float] | None  # as long as it is drawn
+    surface: tuple[float, float, float, float] | None  # x0, y0, x1, y1
+    bar: tuple[float, str] | None  # length, what it is
+
+
+@dataclass
+class First:
+    sentence: str = ""
+    lights: list[Light] = field(default_factory=list)
+    pictures: list[KeyPicture] = field(default_factory=list)
+    video: Path | None = None
+
+
+def sentence(summary):
+    """ "in 3.97 m/s → out 3.26 m/s, spin 0 → 302 rpm, e 0.865 ± 0.001, contact 6.3 ms" """
+    impact = summary.get("impact") or {}
+    if not impact.get("found"):
+        return impact.get("explanation") or "the impact was not looked for"
+    si = impact.get("units") == "si"
+    parts = []
+    speeds = [_speed(impact.get(side), si) for side in ("before", "after")]
+    if None not in speeds:
+        unit = "m/s" if si else "px/frame"
+        parts.append(f"in {_short(speeds[0])} {unit} → out {_short(speeds[1])} {unit}")
+    turns = [_value((impact.get(side) or {}).get("omega_rad_s" if si else "omega_rad_per_frame"))
+             for side in ("before", "after")]
+    if None not in turns:
+        factor, unit = (RPM, "rpm") if si else (math.degrees(1), "°/frame")
+        parts.append("spin " + " → ".join(_turn(factor * turn, si) for turn in turns) + f" {unit}")
+    if _value(impact.get("restitution")) is not None:
+        parts.append(f"e {with_sd(impact['restitution'])}")
+    contact = _value(impact.get("contact_s"))
+    if contact is not None:
+        parts.append(f"contact {_short(1e3 * contact)} ms")
+    return ", ".join(parts) or str(impact.get("explanation") or impact.get("status"))
+
+
+def lights(summary):
+    """Impulse closure, gravity, texture, scale."""
+    impact, found = summary.get("impact") or {}, []
+    if impact.get("found"):
+        closure = impact.get("impulse_closure") or {}
+        state = {"closes": "good", "undetermined": "open"}.get(closure.get("verdict"), "bad")
+        found.append(Light("closure", state, closure.get("explanation") or "not worked out"))
+        gravity = impact.get("gravity") or {}
+        measured = gravity.get("measured_m_s2")
+        why = "not measured" if _value(measured) is None else f"{with_sd(measured)} m/s² measured"
+        state = {True: "good", False: "bad"}.get(gravity.get("agrees_with_9_81"), "open")
+        found.append(Light("gravity", state, why))
+    windows = (summary.get("advice") or {}).get("windows") or {}
+    if windows.get("windows"):
+        share = windows["usable"] / windows["windows"]
+        found.append(Light("texture", "good" if share >= ENOUGH else "bad",
+                           f"{100 * share:.0f} % of the windows are usable"))
+    scale = summary.get("scale") or {}
+    if summary.get("scale_m_per_px"):
+        found.append(Light("scale", "good", f"from {scale['from']}" if scale.get("from")
+                           else f"{1e3 * summary['scale_m_per_px']:.4g} mm/px"))
+    else:
+        found.append(Light("scale", "open", "no scale is given: lengths are in px"))
+    return found
+
+
+def _value(figure):
+    value = (figure or {}).get("value")
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _speed(side, si):
+    unit = "m_s" if si else "px_per_frame"
+    parts = [_value((side or {}).get(f"{axis}_{unit}")) for axis in ("vt", "vn")]
+    return None if None in parts else math.hypot(*parts)
+
+
+def _short(value):
+    """Three digits, zeros among them."""
+    return f"{value:#.3g}".rstrip(".") if abs(value) < 999.5 else f"{value:.0f}"
+
+
+def _turn(value, whole):
+    text = f"{value:.0f}" if whole else f"{value:.2f}"
+    return text.lstrip("-") if float(text) == 0 else text
