@@ -201,6 +201,13 @@ ImpactJob read_impact_tables(StrictTable& root, bool partial) {
 
 SimulateRequest read_simulate_job(const std::filesystem::path& file) {
   StrictTable root(file);
+  const SimulateRequest job = read_simulate_tables(root);
+  root.finish();
+  validate_in_file(job, root);
+  return job;
+}
+
+SimulateRequest read_simulate_tables(StrictTable& root) {
   SimulateRequest job;
   const std::string model = root.text("model", "");
   if (!model.empty() && model != "kelvin_voigt") {
@@ -213,8 +220,6 @@ SimulateRequest read_simulate_job(const std::filesystem::path& file) {
   job.impact = read_impact_tables(root, false);
   StrictTable& output = root.table("output");
   job.rate_hz = output.number("rate_hz", 0);
-  root.finish();
-  validate_in_file(job, root);
   return job;
 }
 

@@ -20,6 +20,8 @@ std::string model_of_job(const std::filesystem::path& file);
 // end, given by stiffness and damping or by restitution and contact_s) is one. Throws FileError,
 // FormatError, or InvalidArgument naming file and key.
 SimulateRequest read_simulate_job(const std::filesystem::path& file);
+// The same of a file that holds more; neither finished nor validated.
+SimulateRequest read_simulate_tables(StrictTable& root);
 // The job with every default spelled out; reads back to the same job.
 std::string to_toml(const SimulateRequest& job);
 

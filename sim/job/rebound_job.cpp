@@ -31,6 +31,13 @@ bool needs_friction(const ReboundJob& job) {
 
 ReboundJob read_rebound_job(const std::filesystem::path& file) {
   StrictTable root(file);
+  const ReboundJob job = read_rebound_tables(root);
+  root.finish();
+  validate_in_file(job, root);
+  return job;
+}
+
+ReboundJob read_rebound_tables(StrictTable& root) {
   ReboundJob job;
   job.model = parse_rebound_model(root.text("model"));
   job.preset = read_preset(root, ModelPreset::kSound);
@@ -45,8 +52,6 @@ ReboundJob read_rebound_job(const std::filesystem::path& file) {
   job.initial.vn_m_s = initial.number("vn_m_s");
   job.initial.omega_rad_s = initial.number("omega_rad_s", 0);
   if (job.body.shape == BodyShape::kRod) job.initial.angle_deg = initial.number("angle_deg");
-  root.finish();
-  validate_in_file(job, root);
   return job;
 }
 

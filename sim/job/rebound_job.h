@@ -8,8 +8,12 @@
 
 namespace impactdic::sim::job {
 
+class StrictTable;
+
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
 ReboundJob read_rebound_job(const std::filesystem::path& file);
+// The same of a file that holds more; neither finished nor validated.
+ReboundJob read_rebound_tables(StrictTable& root);
 // With every default spelled out; reads back to the same job.
 std::string to_toml(const ReboundJob& job);
 

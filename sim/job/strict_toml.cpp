@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -96,6 +97,52 @@ std::vector<std::string> StrictTable::texts(const std::string& key) {
     values.push_back(*element.value<std::string>());
   }
   return values;
+}
+
+std::vector<double> StrictTable::numbers(const std::string& key) {
+  constexpr int kMostNumbers = 100'000;
+  const toml::node* node = find(key);
+  if (node != nullptr && node->is_table()) {
+    StrictTable& range = table(key);
+    const double from = range.number("from"), to = range.number("to");
+    const int count = range.integer("count", 0);
+    if (count < 2 || count > kMostNumbers) {
+      throw InvalidArgument("must be from 2 to 100000", range.place("count"));
+    }
+    std::vector<double> values;
+    for (int i = 0; i < count; ++i) values.push_back(from + (to - from) * i / (count - 1));
+    return values;
+  }
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  if (array == nullptr) {
+    throw InvalidArgument("must be a list of numbers", place(key),
+                          "such as [1.0, 2.0] or {from = 1.0, to = 2.0, count = 11}");
+  }
+  std::vector<double> values;
+  for (const toml::node& element : *array) {
+    if (!element.is_number() || !std::isfinite(*element.value<double>())) {
+      throw InvalidArgument("must be a list of finite numbers", place(key));
+    }
+    values.push_back(*element.value<double>());
+  }
+  return values;
+}
+
+std::vector<std::string> StrictTable::keys() const {
+  std::vector<std::pair<toml::source_position, std::string>> found;
+  for (const auto& [key, node] : table_) {
+    found.emplace_back(key.source().begin, std::string(key.str()));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> keys;
+  for (auto& [place, key] : found) keys.push_back(std::move(key));
+  return keys;
+}
+
+void StrictTable::fill(const std::string& table, const std::string& key, double value) {
+  if (!table_.contains(table)) table_.insert(table, toml::table{});
+  if (toml::table* within = table_.get_as<toml::table>(table)) within->insert(key, value);
 }
 
 StrictTable& StrictTable::table(const std::string& key) {

@@ -28,6 +28,13 @@ class StrictTable {
   std::string text(const std::string& key);
   std::string text(const std::string& key, const std::string& fallback);
   std::vector<std::string> texts(const std::string& key);
+  // A list of finite numbers, or {from, to, count}: so many of them evenly spaced, both ends
+  // included.
+  std::vector<double> numbers(const std::string& key);
+  // The keys of this table as they stand in the file.
+  std::vector<std::string> keys() const;
+  // Fills in a number where the file leaves it out; before the table is first asked for.
+  void fill(const std::string& table, const std::string& key, double value);
   // A table within; empty if it is not there. It is finished together with this one.
   StrictTable& table(const std::string& key);
   // A key that exists under another name elsewhere: named in the error if it is used here.

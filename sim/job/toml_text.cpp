@@ -16,6 +16,11 @@ std::string quoted(std::string_view text) {
   return out + "\"";
 }
 
+std::string digits_of(double value) {
+  const std::string digits = shortest(value);
+  return digits.find_first_of(".e") == std::string::npos ? digits + ".0" : digits;
+}
+
 }  // namespace
 
 void TomlText::table(std::string_view name) { text_ += "\n[" + std::string(name) + "]\n"; }
@@ -25,9 +30,7 @@ void TomlText::name(std::string_view key, std::string_view value) {
 }
 
 void TomlText::number(std::string_view key, double value) {
-  std::string digits = shortest(value);
-  if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
-  text_ += std::string(key) + " = " + digits + "\n";
+  text_ += std::string(key) + " = " + digits_of(value) + "\n";
 }
 
 void TomlText::integer(std::string_view key, long value) {
@@ -41,6 +44,12 @@ void TomlText::boolean(std::string_view key, bool value) {
 void TomlText::names(std::string_view key, const std::vector<std::string>& values) {
   std::string list;
   for (const std::string& value : values) list += (list.empty() ? "" : ", ") + quoted(value);
+  text_ += std::string(key) + " = [" + list + "]\n";
+}
+
+void TomlText::numbers(std::string_view key, const std::vector<double>& values) {
+  std::string list;
+  for (const double value : values) list += (list.empty() ? "" : ", ") + digits_of(value);
   text_ += std::string(key) + " = [" + list + "]\n";
 }
 

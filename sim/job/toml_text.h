@@ -18,6 +18,7 @@ class TomlText {
   void integer(std::string_view key, long value);
   void boolean(std::string_view key, bool value);
   void names(std::string_view key, const std::vector<std::string>& values);
+  void numbers(std::string_view key, const std::vector<double>& values);
   // The table [body], or that of another body.
   void body(const ImpactBody& body, std::string_view table_name = "body");
 

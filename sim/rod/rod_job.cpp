@@ -87,6 +87,13 @@ RodModel read_rod_tables(job::StrictTable& root, bool flexible) {
 
 RodModel read_rod_job(const std::filesystem::path& file) {
   job::StrictTable root(file);
+  const RodModel job = read_rod_model(root);
+  root.finish();
+  job::validate_in_file(job.rod, root);
+  return job;
+}
+
+RodModel read_rod_model(job::StrictTable& root) {
   RodModel job = read_rod_tables(root, root.text("model") == "flexible_rod");
   RodJob& rod = job.rod;
   job::StrictTable& initial = root.table("initial");
@@ -95,8 +102,6 @@ RodModel read_rod_job(const std::filesystem::path& file) {
   rod.vn_m_s = initial.number("vn_m_s");
   rod.omega_rad_s = initial.number("omega_rad_s", 0);
   rod.sample_rate_hz = root.table("output").number("rate_hz", 1e6);
-  root.finish();
-  job::validate_in_file(rod, root);
   return job;
 }
 

@@ -22,6 +22,8 @@ void write_rod_tables(job::TomlText& text, const RodModel& job, bool with_residu
 
 // Throws FileError, FormatError, or InvalidArgument naming file and key.
 RodModel read_rod_job(const std::filesystem::path& file);
+// The same of a file that holds more; neither finished nor validated.
+RodModel read_rod_model(job::StrictTable& root);
 // With every default spelled out; reads back to the same job.
 std::string to_toml(const RodModel& job);
 

@@ -42,6 +42,7 @@ TEST(ReadyJobs, EveryImpactRunsAndItsResolvedJobRerunsToTheSame) {
   for (const auto& entry : std::filesystem::directory_iterator(kJobs)) {
     const std::string name = entry.path().filename().string();
     if (!name.ends_with(".toml") || name.starts_with("compare_")) continue;
+    if (name.starts_with("sweep_")) continue;  // below
     const ScratchFolder folder;
     expect_done("simulate " + quoted(entry.path()) + " -q -o " + quoted(folder / "out"));
     if (name.find("flexible") == std::string::npos) {  // those take seconds
@@ -54,6 +55,28 @@ TEST(ReadyJobs, EveryImpactRunsAndItsResolvedJobRerunsToTheSame) {
     ++jobs;
   }
   EXPECT_GE(jobs, 23);
+}
+
+TEST(ReadyJobs, ASweepsResolvedJobRerunsToTheSame) {
+  const ScratchFolder folder;
+  const std::string job = quoted(kJobs / "sweep_rod_rigid.toml");
+  const Outcome outcome = run_program("simulate " + job + " -o " + quoted(folder / "out"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "45 shots\n");
+  expect_done("simulate " + quoted(folder / "out" / "job.toml") + " -j 1 -q -o " +
+              quoted(folder / "again"));
+  EXPECT_EQ(read_text(folder / "out" / "sweep.csv"), read_text(folder / "again" / "sweep.csv"));
+  EXPECT_EQ(read_text(folder / "out" / "job.toml"), read_text(folder / "again" / "job.toml"));
+}
+
+TEST(ReadyJobs, ASweepThatCannotBeEndsInOneLine) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "job.toml") << read_text(kJobs / "sweep_rod_rigid.toml") + "speed = 3\n";
+  const Outcome outcome =
+      run_program("simulate " + quoted(folder / "job.toml") + " -o " + quoted(folder / "out"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.err.find("sweep.speed"), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
 }
 
 // Section 3.3.2 by this program's run of the dissertation's law; the printed theory is met to 1-6

@@ -70,7 +70,9 @@ void add_report_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("report", "Figures and one self-contained page from results");
   auto request = std::make_shared<ReportRequest>();
-  command->add_option("DIR", request->folder, "What track, batch, fit or compare has written")
+  command
+      ->add_option("DIR", request->folder,
+                   "What track, batch, fit, compare or simulate has written")
       ->required();
   command->add_option("-j,--threads", request->threads, "Figures drawn at a time; 0: all cores")
       ->check(CLI::Range(0, 1024))

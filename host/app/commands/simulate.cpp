@@ -6,10 +6,12 @@
 
 #include "host/app/command.h"
 #include "host/app/job_command.h"
+#include "host/report/job/sweep_files.h"
 #include "sim/job/job_toml.h"
 #include "sim/job/rebound_job.h"
 #include "sim/job/result_files.h"
 #include "sim/rod/rod_job.h"
+#include "sim/sweep/sweep_job.h"
 
 namespace impactdic::app {
 namespace {
@@ -71,7 +73,15 @@ void run_formula(const JobOptions& options) {
   print_warnings(result.warnings);
 }
 
+void run_sweep(const JobOptions& options) {
+  const auto result = run_job<SweepRequest, SweepResult>(
+      options, {sim::sweep::read_sweep_job, sweep, report::write_sweep, sim::sweep::to_toml,
+                [](const auto& r) { std::fputs(report::sweep_words(r).c_str(), stdout); }});
+  print_warnings(report::sweep_warnings(result));
+}
+
 void run_simulate(const JobOptions& options) {
+  if (sim::sweep::is_sweep_job(options.job)) return run_sweep(options);
   const std::string model = sim::job::model_of_job(options.job);
   if (is_rebound_model(model)) return run_formula(options);
   if (model == "rigid_rod" || model == "flexible_rod") return run_rod_simulation(options);
@@ -90,9 +100,10 @@ void run_simulate(const JobOptions& options) {
 void add_simulate_command(CLI::App& app) {
   add_job_command(app,
                   {.name = "simulate",
-                   .description = "Integrate an impact model",
+                   .description = "Integrate an impact model, or a sweep of them",
                    .job_help = "The job, a TOML file (docs/models.md)",
-                   .footer = "Example:\n  impactdic simulate sim/jobs/racket_15.toml -o racket_15"},
+                   .footer = "Example:\n  impactdic simulate sim/jobs/racket_15.toml -o racket_15",
+                   .threads = true},
                   run_simulate);
 }
 

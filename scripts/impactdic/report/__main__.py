@@ -47,7 +47,7 @@ class Report:
             self.add_shot()
         elif not model_folders:
             raise ResultError("there is nothing to report", self.folder,
-                              "wanted is a folder of track, batch, fit or compare")
+                              "wanted is a folder of track, batch, fit, compare or simulate")
         for folder in model_folders:
             self.add_models(folder)
         job = load(self.folder).job_text

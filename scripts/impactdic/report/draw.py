@@ -83,6 +83,9 @@ def _draw_panel(axis, panel):
         s = panel.surface
         mesh = axis.pcolormesh(s.x, s.y, s.z, shading="nearest", cmap="viridis", rasterized=True)
         axis.figure.colorbar(mesh, ax=axis, label=s.name)
+        if s.contours and np.nanmax(s.z) > np.nanmin(s.z):
+            lines = axis.contour(s.x, s.y, s.z, levels=8, colors="white", linewidths=0.7)
+            axis.clabel(lines, fontsize=6)
     for series in panel.series:
         _draw_series(axis, series)
     if panel.reference is not None:

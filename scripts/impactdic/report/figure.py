@@ -68,6 +68,7 @@ class Surface:
     y: np.ndarray
     z: np.ndarray
     name: str  # with unit
+    contours: bool = False  # lines of equal value over the colours
 
 
 @dataclass

@@ -1,4 +1,4 @@
-"""Figures of `fit` and `compare`: models against measurement."""
+"""Figures of models: `simulate`, and `fit` and `compare` against measurement."""
 
 import subprocess
 import tempfile
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..results import ResultError, load, read_table
+from . import simulated, sweep
 from .figure import BLACK, COLOURS, Figure, Panel, Series, Surface
 from .series import deflection
 from .shot import Shot
@@ -18,14 +19,16 @@ OWN_KEYS = {"friction_static": "three_phase", "poisson": "maw_barber_fawcett"}
 
 
 def kind_of(folder):
-    """fit, compare or nothing."""
-    if (folder / "comparison.csv").exists():
-        return "compare"
-    return "fit" if (folder / "parameters.csv").exists() else None
+    """fit, compare, sweep, simulate or nothing."""
+    for kind, file in (("compare", "comparison.csv"), ("fit", "parameters.csv"),
+                       ("sweep", "sweep.csv"), ("simulate", "trajectory.csv")):
+        if (folder / file).exists() and (folder / "summary.json").exists():
+            return kind
+    return None
 
 
 def folders_in(folder):
-    """The results of fit and compare that `folder` is or holds."""
+    """The results of fit, compare and simulate that `folder` is or holds."""
     candidates = [folder] + sorted(path for path in folder.iterdir() if path.is_dir())
     return [path for path in candidates if kind_of(path)]
 
@@ -35,6 +38,10 @@ def figures(folder, program, warnings):
     goes into `warnings`."""
     result = load(folder)
     made = []
+    if kind_of(folder) == "simulate":
+        return simulated.figures(result)
+    if kind_of(folder) == "sweep":
+        return sweep.figures(result, warnings)
     if kind_of(folder) == "compare":
         for i, shot in enumerate(result.summary.get("shots", [])):  # none where rods are compared
             try:

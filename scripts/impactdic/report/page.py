@@ -168,8 +168,11 @@ def _data(panel):
     data = []
     if panel.surface is not None:
         s = panel.surface
+        kind = {"type": "contour", "contours": {"coloring": "heatmap", "showlabels": True},
+                "ncontours": 10, "line": {"color": "white", "width": 1}} if s.contours else {
+                    "type": "heatmap"}
         data.append({
-            "type": "heatmap", "x": _numbers(s.x), "y": _numbers(s.y),
+            **kind, "x": _numbers(s.x), "y": _numbers(s.y),
             "z": [_numbers(row, 5) for row in s.z], "colorscale": "Viridis",
             "colorbar": {"title": {"text": s.name, "side": "right"}, "thickness": 12},
             "hovertemplate": f"%{{x}}<br>%{{y}}<br>{s.name} %{{z}}<extra></extra>",

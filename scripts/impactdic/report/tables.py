@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..results import read_table
-from . import budget
+from . import budget, simulated, sweep
 from .models import kind_of, name_of
 from .text import rounded, with_sd
 
@@ -169,8 +169,12 @@ def number(cell):
 
 
 def model_tables(result):
-    """Of a folder of fit or compare."""
+    """Of a folder of fit, compare or simulate."""
     summary = result.summary
+    if kind_of(result.folder) == "simulate":
+        return simulated.tables(result, Table)
+    if kind_of(result.folder) == "sweep":
+        return sweep.tables(result, Table)
     tables = []
     parameters = summary.get("parameters") or (summary.get("calibration") or {}).get("parameters")
     if parameters:
@@ -224,7 +228,9 @@ def _rods(result, table):
 
 
 def fit_warnings(summary):
-    """Of a fit, or of the calibration of a comparison."""
+    """Of a fit, or of the calibration of a comparison; of a simulation its own."""
+    if "phases" in summary or "axes" in summary:
+        return [str(warning) for warning in summary.get("warnings", [])]
     fits = (summary.get("calibration") or summary).get("shots", [])
     return [f"{name_of(fit['shot']['track'])}: {warning}"
             for fit in fits for warning in fit.get("warnings", [])]
