@@ -329,6 +329,7 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
             self.assertIn(f'id="{name}-1"', text)
         self.assertRegex(text, r'class="sentence">in 3\.9\d m/s → out 3\.\d\d m/s, spin 0 → 30\d rpm')
         self.assertEqual(text.count("<svg viewBox"), 3)
+        self.assertEqual(text.count("<video"), 1)
         check_html(self, page)
         checker = SOURCE / "tests" / "support" / "check_page.py"
         done = subprocess.run([sys.executable, checker, page], capture_output=True, text=True)

@@ -26,6 +26,8 @@ STATE = """({
       p._fullLayout && p._fullLayout._size.w > 100).length,
   wide: [...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll, pre, .panel') &&
       e.getBoundingClientRect().right > WIDTH + 1).map(e => e.tagName + '#' + e.id),
+  films: [...document.querySelectorAll('video')].filter(v => v.error || v.readyState < 1 ||
+      !v.videoWidth).map(v => v.error ? v.error.message : 'not loaded'),
   hidden: WIDTH < 600 ? [...document.querySelectorAll('.scroll')].filter(e =>
       e.scrollWidth > e.clientWidth + 1).map(e => e.textContent.slice(0, 60)) : [],
   nameless: [...document.querySelectorAll('.panel')].filter(p =>
@@ -139,6 +141,7 @@ def problems(browser, page, name, folder):
     found += [f"wider than the screen: {e}" for e in state["wide"]]
     if not state["meant"] == state["panels"] == state["drawn"]:
         found.append(f"{state['drawn']} of {state['meant']} panels are drawn")
+    found += [f"a film that does not play: {e}" for e in state["films"]]
     found += [f"columns beyond the screen: {e}" for e in state["hidden"]]
     found += [f"an axis without name: {p}" for p in state["nameless"]]
     if folder:

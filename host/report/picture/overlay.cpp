@@ -1,21 +1,23 @@
 #include "host/report/picture/overlay.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "host/report/picture/brush.h"
 
 namespace impactdic::report {
 namespace {
 
-// OpenCV draws with this many fractional bits of a pixel.
-constexpr int kShift = 4;
-const cv::Scalar kCircleColour(60, 60, 230), kPathColour(230, 140, 30), kArrowColour(40, 200, 60),
-    kTextColour(30, 220, 250);
-
-cv::Point fixed(double x, double y) {
-  return {static_cast<int>(std::lround(x * (1 << kShift))),
-          static_cast<int>(std::lround(y * (1 << kShift)))};
-}
+// Okabe and Ito (2008), blue first: told apart with every kind of colour vision.
+const cv::Scalar kCircleColour(0, 94, 255), kPathColour(233, 180, 86), kArrowColour(66, 228, 240),
+    kMotionColour(0, 159, 230), kTextColour(255, 255, 255), kGround(20, 20, 20);
+constexpr double kMostArrows = 150;
+constexpr int kMargin = 4;
+constexpr double kPathStep = 0.5;  // px between points of the path
 
 cv::Mat to_colour(const Frame& frame) {
   cv::Mat grey(frame.height(), frame.width(), CV_8U);
@@ -31,67 +33,131 @@ cv::Mat to_colour(const Frame& frame) {
   return colour(cv::Rect(0, 0, frame.width() & ~1, frame.height() & ~1)).clone();
 }
 
+// Every k-th of the places, so that of `count` windows about kMostArrows are left.
+std::set<int> thinned(const std::set<int>& places, std::size_t count) {
+  const double every = std::ceil(std::sqrt(static_cast<double>(count) / kMostArrows));
+  std::set<int> kept;
+  int k = 0;
+  for (const int place : places) {
+    if (k++ % std::max(1, static_cast<int>(every)) == 0) kept.insert(place);
+  }
+  return kept;
+}
+
+// Which of the windows to draw.
+std::vector<std::size_t> drawn_windows(std::span<const Window> windows,
+                                       std::span<const WindowMotion> field) {
+  std::set<int> columns, rows;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (field[i].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
+    ++found;
+    columns.insert(windows[i].x0);
+    rows.insert(windows[i].y0);
+  }
+  columns = thinned(columns, found);
+  rows = thinned(rows, found);
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    const bool ok = field[i].status == static_cast<idic_int>(WindowStatus::kOk);
+    if (ok && columns.count(windows[i].x0) > 0 && rows.count(windows[i].y0) > 0) kept.push_back(i);
+  }
+  return kept;
+}
+
+std::string with_unit(double value, const char* unit) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g %s", value, unit);
+  return text;
+}
+
 }  // namespace
 
 OverlayPainter::OverlayPainter(double arrow_scale, int origin_x, int origin_y,
                                std::span<const TrackRow> earlier)
     : arrow_scale_(arrow_scale), origin_x_(origin_x), origin_y_(origin_y) {
-  for (const TrackRow& row : earlier) {
-    if (row.circle_ok) trajectory_.push_back({row.cx_px - origin_x, row.cy_px - origin_y});
+  for (const TrackRow& row : earlier) add_to_path(row);
+}
+
+void OverlayPainter::add_to_path(const TrackRow& row) {
+  if (!row.circle_ok) return;
+  const Point at{row.cx_px - origin_x_, row.cy_px - origin_y_};
+  // A ball that rests would make the path as long as the clip.
+  if (!trajectory_.empty() &&
+      std::hypot(at.x - trajectory_.back().x, at.y - trajectory_.back().y) < kPathStep) {
+    return;
   }
+  trajectory_.push_back(at);
 }
 
 ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
                                     std::span<const Window> windows,
                                     std::span<const WindowMotion> field, int window_px) {
   cv::Mat picture = to_colour(frame);
+  Brush brush(picture);
   const double half = (window_px - 1) / 2.0;
-  for (std::size_t i = 0; i < field.size(); ++i) {
-    if (field[i].status != static_cast<idic_int>(WindowStatus::kOk)) continue;
-    const double x = windows[i].x0 + half - origin_x_, y = windows[i].y0 + half - origin_y_;
-    cv::line(picture, fixed(x, y),
-             fixed(x + arrow_scale_ * field[i].u, y + arrow_scale_ * field[i].v), kArrowColour, 1,
-             cv::LINE_AA, kShift);
-    cv::circle(picture, fixed(x, y), 1 << kShift, kArrowColour, -1, cv::LINE_AA, kShift);
+  for (const std::size_t i : drawn_windows(windows, field)) {
+    const PicturePoint at{windows[i].x0 + half - origin_x_, windows[i].y0 + half - origin_y_};
+    brush.arrow(at, arrow_scale_ * field[i].u, arrow_scale_ * field[i].v, kArrowColour);
   }
+  add_to_path(row);
+  std::vector<PicturePoint> path;
+  for (const Point& point : trajectory_) path.push_back({point.x, point.y});
+  const PicturePoint centre{row.cx_px - origin_x_, row.cy_px - origin_y_};
   if (row.circle_ok) {
-    const double x = row.cx_px - origin_x_, y = row.cy_px - origin_y_;
-    trajectory_.push_back({x, y});
-    cv::circle(picture, fixed(x, y), static_cast<int>(std::lround(row.r_px * (1 << kShift))),
-               kCircleColour, 1, cv::LINE_AA, kShift);
-    cv::circle(picture, fixed(x, y), 3 << kShift, kCircleColour, -1, cv::LINE_AA, kShift);
+    brush.circle(centre, row.r_px, kCircleColour);
+    path.push_back(centre);
   }
-  for (std::size_t i = 1; i < trajectory_.size(); ++i) {
-    cv::line(picture, fixed(trajectory_[i - 1].x, trajectory_[i - 1].y),
-             fixed(trajectory_[i].x, trajectory_[i].y), kPathColour, 1, cv::LINE_AA, kShift);
-  }
+  brush.path(path, kPathColour);
+  if (row.circle_ok) brush.dot(centre, kCircleColour);
   if (row.motion_ok) {
-    const double x = row.cx_px - origin_x_, y = row.cy_px - origin_y_;
-    cv::arrowedLine(picture, fixed(x, y),
-                    fixed(x + arrow_scale_ * row.dx_px, y + arrow_scale_ * row.dy_px), kPathColour,
-                    2, cv::LINE_AA, kShift, 0.25);
+    brush.arrow(centre, arrow_scale_ * row.dx_px, arrow_scale_ * row.dy_px, kMotionColour, 2);
   }
-  cv::putText(picture, "frame " + std::to_string(row.frame) + "  " + to_string(row.status), {6, 16},
-              cv::FONT_HERSHEY_SIMPLEX, 0.45, kTextColour, 1, cv::LINE_AA);
+  brush.text("frame " + std::to_string(row.frame) + "  " + to_string(row.status),
+             {kMargin, 0.75 * brush.line_height() + kMargin}, kTextColour);
   ColourPicture out{picture.cols, picture.rows, {}};
   out.bgr.assign(picture.data, picture.data + picture.total() * 3);
   return out;
 }
 
 void write_label(ColourPicture& picture, const std::vector<std::string>& lines) {
-  constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX, kLongestLine = 36, kMargin = 4;
+  constexpr int kLongestLine = 36;
   cv::Mat canvas(picture.height, picture.width, CV_8UC3, picture.bgr.data());
-  // As if every line had the longest one's length: the size does not change from frame to frame.
-  const int full = cv::getTextSize(std::string(kLongestLine, '0'), kFont, 1, 1, nullptr).width;
-  const double scale = std::min(0.5, (picture.width - 2.0 * kMargin) / full);
-  const int line_height = static_cast<int>(std::ceil(34 * scale));
+  Brush brush(canvas);
+  const int line_height = brush.line_height();
   const int top = picture.height - line_height * static_cast<int>(lines.size()) - kMargin;
-  const int width = std::min(picture.width, static_cast<int>(full * scale) + 2 * kMargin);
-  cv::rectangle(canvas, {0, top}, {width, picture.height}, {20, 20, 20}, cv::FILLED);
+  // As if every line had the longest one's length: the size does not change from frame to frame.
+  const int width = std::min(picture.width, brush.text_width(kLongestLine) + 2 * kMargin);
+  cv::rectangle(canvas, {0, top}, {width, picture.height}, kGround, cv::FILLED);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const int baseline = top + static_cast<int>((static_cast<double>(i) + 0.75) * line_height);
-    cv::putText(canvas, lines[i], {kMargin, baseline}, kFont, scale, kTextColour, 1, cv::LINE_AA);
+    brush.text(lines[i], {kMargin, top + (static_cast<double>(i) + 0.75) * line_height},
+               kTextColour);
   }
+}
+
+void write_scale(ColourPicture& picture, const PictureScale& scale) {
+  constexpr int kLongestText = 10;
+  constexpr double kLongestBar = 0.16;  // of the picture's width
+  cv::Mat canvas(picture.height, picture.width, CV_8UC3, picture.bgr.data());
+  Brush brush(canvas);
+  const double longest = kLongestBar * picture.width;
+  const double mm = scale.mm_per_px > 0 ? scale.mm_per_px : 1;
+  const double length = round_below(longest * mm);
+  // The speed whose arrow has that length.
+  const double per_px = (scale.m_s_per_px > 0 ? scale.m_s_per_px : 1) / scale.arrow_scale;
+  const double speed = round_below(longest * per_px);
+  const int bar_width = static_cast<int>(std::ceil(longest)), line = brush.line_height();
+  const int width = bar_width + brush.text_width(kLongestText) + 3 * kMargin;
+  const int left = picture.width - width;
+  cv::rectangle(canvas, {left, 0}, {picture.width, 2 * line + kMargin}, kGround, cv::FILLED);
+  const PicturePoint bar{left + double{kMargin}, 0.6 * line};
+  brush.path({bar, {bar.x + length / mm, bar.y}}, kTextColour);
+  brush.arrow({bar.x, 1.6 * line}, speed / per_px, 0, kMotionColour, 1.5);
+  const double text_x = left + bar_width + 2.0 * kMargin;
+  brush.text(with_unit(length, scale.mm_per_px > 0 ? "mm" : "px"), {text_x, 0.85 * line},
+             kTextColour);
+  brush.text(with_unit(speed, scale.m_s_per_px > 0 ? "m/s" : "px"), {text_x, 1.85 * line},
+             kTextColour);
 }
 
 }  // namespace impactdic::report

@@ -29,7 +29,8 @@ class OverlayPainter {
 
   // Paints frame after frame; keeps the trajectory. `frame` is a cut-out whose pixel (0, 0) is
   // (origin_x, origin_y) of the picture that `row` and `windows` are measured in. Sides are
-  // rounded down to even numbers, as video codecs want them.
+  // rounded down to even numbers, as video codecs want them. Of many windows it draws every
+  // second, third, … one along both axes, so that arrows can be told apart.
   ColourPicture paint(const Frame& frame, const TrackRow& row, std::span<const Window> windows,
                       std::span<const WindowMotion> field, int window_px);
 
@@ -37,6 +38,8 @@ class OverlayPainter {
   struct Point {
     double x, y;
   };
+  void add_to_path(const TrackRow& row);
+
   double arrow_scale_;
   int origin_x_, origin_y_;
   std::vector<Point> trajectory_;
@@ -45,5 +48,15 @@ class OverlayPainter {
 // Writes `lines` into the picture's lower left corner, on a ground of their own, so small that they
 // fit: done again, it replaces what stood there.
 void write_label(ColourPicture& picture, const std::vector<std::string>& lines);
+
+// What lengths and arrows of a picture stand for.
+struct PictureScale {
+  double mm_per_px = 0;    // 0: not known, lengths are in px
+  double m_s_per_px = 0;   // speed of an arrow of one px; 0: not known
+  double arrow_scale = 1;  // an arrow's length over the displacement to the next frame
+};
+
+// Writes a scale bar and a reference arrow into the upper right corner, on a ground of their own.
+void write_scale(ColourPicture& picture, const PictureScale& scale);
 
 }  // namespace impactdic::report

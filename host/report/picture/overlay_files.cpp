@@ -67,6 +67,12 @@ std::string print(const char* format, Numbers... numbers) {
   return text;
 }
 
+// To `digits` decimals, without the sign of a zero.
+double rounded(double value, int digits) {
+  const double power = std::pow(10.0, digits);
+  return std::round(value * power) / power + 0.0;
+}
+
 const char* phase_of(const TrackRow& row, const ImpactFigures& impact) {
   if (!impact.t0.known() || !impact.t_max_compression.known() || !impact.t_end.known()) return "";
   const auto passed = [&](const ImpactInstant& instant) {
@@ -84,10 +90,11 @@ std::vector<std::string> label(const TrackResult& result, std::size_t index) {
   lines[0] += phase_of(row, result.impact_si);
   if (!row.motion_ok) return lines;
   const SiRow si = to_si(result, index);
-  lines[1] = std::isfinite(si.vt_m_s) ? print("vt %.2f vn %.2f m/s", si.vt_m_s, si.vn_m_s)
-                                      : print("dx %.2f dy %.2f px", row.dx_px, row.dy_px);
-  lines[1] += std::isfinite(si.omega_rad_s) ? print(" spin %.1f rad/s", si.omega_rad_s)
-                                            : print(" spin %.2f deg", row.rot_deg);
+  lines[1] = std::isfinite(si.vt_m_s)
+                 ? print("vt %.2f vn %.2f m/s", rounded(si.vt_m_s, 2), rounded(si.vn_m_s, 2))
+                 : print("dx %.2f dy %.2f px", rounded(row.dx_px, 2), rounded(row.dy_px, 2));
+  lines[1] += std::isfinite(si.omega_rad_s) ? print(" spin %.1f rad/s", rounded(si.omega_rad_s, 1))
+                                            : print(" spin %.2f deg", rounded(row.rot_deg, 2));
   return lines;
 }
 
@@ -121,6 +128,8 @@ void OverlayFiles::add(const pipeline::TrackedFrame& frame, int window_px) {
 void OverlayFiles::finish(const TrackResult& result) const {
   const std::vector<TrackRow>& rows = result.rows;
   const Playback play = playback(options_, result.scale.fps);
+  PictureScale scale{1e3 * result.scale.metre_per_px, 0, options_.arrow_scale};
+  scale.m_s_per_px = result.scale.metre_per_px * result.scale.fps;
   Video video(folder_ / "overlay.mp4", play.rate);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::filesystem::path path = picture_of(rows[i]);
@@ -128,6 +137,7 @@ void OverlayFiles::finish(const TrackResult& result) const {
     ColourPicture picture;
     picture.bgr = read_png_bgr(path, picture.width, picture.height);
     write_label(picture, label(result, i));
+    write_scale(picture, scale);
     write_png_bgr(path, picture.width, picture.height, picture.bgr);
     if (i % play.step == 0) video.add(picture);
   }

@@ -18,8 +18,8 @@ class OverlayFiles {
   OverlayFiles(std::filesystem::path folder, const OverlayOptions& options, const Roi& roi,
                std::span<const TrackRow> earlier);
   void add(const pipeline::TrackedFrame& frame, int window_px);
-  // Now that the impact is known : writes phase, velocity and spin into every
-  // picture and makes the video. Throws FileError.
+  // Now that the impact is known: writes phase, velocity, spin, a scale bar and a reference
+  // arrow into every picture and makes the video. Throws FileError.
   void finish(const TrackResult& result) const;
 
  private:

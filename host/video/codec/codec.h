@@ -24,7 +24,8 @@ std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths,
 std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
                                            const ClipInfo& info);
 
-// A colour MP4 for looking at, such as an overlay. Width and height must be even.
+// A colour MP4 for looking at, such as an overlay: H.264 where FFmpeg has an encoder, else VP9,
+// both 4:2:0, which browsers play; else MPEG-4. Width and height must be even.
 class Mp4Writer {
  public:
   // Throws FileError where the encoder or the disk refuses, InvalidArgument for an odd size.

@@ -159,8 +159,8 @@ std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat f
   return std::make_unique<ContainerSink>(path, "mp4v", info);
 }
 
-struct Mp4Writer::Encoder : video::Encoder {
-  using video::Encoder::Encoder;
+struct Mp4Writer::Encoder {
+  std::unique_ptr<video::Encoder> file;
   int width = 0, height = 0;
 };
 
@@ -168,18 +168,26 @@ Mp4Writer::Mp4Writer(const std::string& path, int width, int height, double fps)
   if (width < 2 || height < 2 || width % 2 != 0 || height % 2 != 0) {
     throw InvalidArgument("an MP4 needs an even width and height", path);
   }
-  encoder_ = std::make_unique<Encoder>(path, "mp4v", width, height, fps, true);
+  encoder_ = std::make_unique<Encoder>();
   encoder_->width = width;
   encoder_->height = height;
+  for (const char* code : {"avc1", "vp09"}) {
+    try {
+      encoder_->file = std::make_unique<video::Encoder>(path, code, width, height, fps, true);
+      return;
+    } catch (const FileError&) {  // this FFmpeg has no such encoder, or takes no such size
+    }
+  }
+  encoder_->file = std::make_unique<video::Encoder>(path, "mp4v", width, height, fps, true);
 }
 
 Mp4Writer::~Mp4Writer() = default;
 
 void Mp4Writer::write(const std::uint8_t* bgr, std::ptrdiff_t pitch) {
-  encoder_->write(cv::Mat(encoder_->height, encoder_->width, CV_8UC3,
-                          const_cast<std::uint8_t*>(bgr), static_cast<std::size_t>(pitch)));
+  encoder_->file->write(cv::Mat(encoder_->height, encoder_->width, CV_8UC3,
+                                const_cast<std::uint8_t*>(bgr), static_cast<std::size_t>(pitch)));
 }
 
-void Mp4Writer::finish() { encoder_->finish(); }
+void Mp4Writer::finish() { encoder_->file->finish(); }
 
 }  // namespace impactdic::video

@@ -106,5 +106,5 @@ def _video(path):
     if not any(code in data for code in PLAYED):
         return f"<p>The clip with what was measured on it: {html.escape(path.name)}</p>"
     source = base64.b64encode(data).decode()
-    return (f'<video controls loop muted playsinline src="data:video/mp4;base64,{source}">'
+    return (f'<video controls loop src="data:video/mp4;base64,{source}">'
             f"{html.escape(path.name)}</video>")
