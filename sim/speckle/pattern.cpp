@@ -22,12 +22,50 @@ constexpr int kAttempts = 16;
 // Lens and pixel square together, as one Gaussian of the same variance.
 double picture_sigma() { return std::sqrt(kLensSigma * kLensSigma + 1.0 / 12); }
 
+// A disc of a cluster in its picture. Where its ink alone decides, the distance need not be exact.
+struct PicturedDisc {
+  PicturedDisc(const InkDisc& disc, double scale, std::size_t discs)
+      : x_px(disc.x_px * scale),
+        y_px(disc.y_px * scale),
+        ink(disc.radius_px * scale, picture_sigma()),
+        dark_within_2(squared_distance(0.55F)),
+        clear_beyond_2(squared_distance(0.4F / static_cast<float>(discs))) {}
+
+  // Ink falls with the distance: squared distance at which it falls through `level`, px².
+  double squared_distance(float level) const {
+    double within = 0, beyond = ink.reach_px();
+    for (int i = 0; i < 12; ++i) {
+      const double middle = (within + beyond) / 2;
+      (ink(middle) > level ? within : beyond) = middle;
+    }
+    return level > 0.5F ? within * within : beyond * beyond;
+  }
+
+  double x_px, y_px;
+  BlurredDisc ink;
+  double dark_within_2, clear_beyond_2;  // px²
+};
+
+// Whether the discs' joint picture is darker than half level at a point, px.
+bool is_dark(const std::vector<PicturedDisc>& discs, double x, double y) {
+  bool is_near = false;
+  for (const PicturedDisc& d : discs) {
+    const double dx = x - d.x_px, dy = y - d.y_px, apart_2 = dx * dx + dy * dy;
+    if (apart_2 < d.dark_within_2) return true;
+    is_near = is_near || apart_2 < d.clear_beyond_2;
+  }
+  if (!is_near) return false;
+  float clear = 1;
+  for (const PicturedDisc& d : discs) clear *= 1 - d.ink(std::hypot(x - d.x_px, y - d.y_px));
+  return clear < 0.5F;
+}
+
 // Area over which the discs' joint picture is darker than half level, px².
 double half_level_area(const std::vector<InkDisc>& discs, double scale) {
-  std::vector<BlurredDisc> inks;
+  std::vector<PicturedDisc> pictured;
   double reach = 0;
   for (const InkDisc& d : discs) {
-    inks.emplace_back(d.radius_px * scale, picture_sigma());
+    pictured.emplace_back(d, scale, discs.size());
     reach = std::max(reach, (std::hypot(d.x_px, d.y_px) + d.radius_px) * scale + 1);
   }
   const double step = std::max(0.2, reach / 24);
@@ -38,13 +76,7 @@ double half_level_area(const std::vector<InkDisc>& discs, double scale) {
   }
   int dark = 0;
   for (const double y : raster) {
-    for (const double x : raster) {
-      float clear = 1;
-      for (std::size_t i = 0; i < discs.size(); ++i) {
-        clear *= 1 - inks[i](std::hypot(x - discs[i].x_px * scale, y - discs[i].y_px * scale));
-      }
-      dark += clear < 0.5F;
-    }
+    for (const double x : raster) dark += is_dark(pictured, x, y);
   }
   return dark * step * step;
 }
