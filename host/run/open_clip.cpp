@@ -8,19 +8,12 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/video/frame_source.h"
-#ifdef IMPACTDIC_WITH_CODECS
-#include "host/video/codec/codec.h"
-#endif
 
 namespace impactdic {
 
 std::unique_ptr<FrameSource> open_clip(const std::vector<std::string>& paths,
                                        const OpenOptions& options) {
-  video::VideoOptions all{options, {}};
-#ifdef IMPACTDIC_WITH_CODECS
-  all.open_codec = video::open_codec;
-#endif
-  return video::open_video(paths, all);
+  return video::open_video(paths, options);
 }
 
 void ClipRequest::validate() const {

@@ -3,9 +3,6 @@
 #include <algorithm>
 
 #include "sim/speckle/motion.h"
-#ifdef IMPACTDIC_WITH_CODECS
-#include "host/video/codec/codec.h"
-#endif
 
 namespace impactdic::run {
 
@@ -20,12 +17,8 @@ std::unique_ptr<video::FrameSink> open_synth_clip(const std::filesystem::path& f
   info.frame_count = static_cast<std::int64_t>(frames);
   info.camera = "impactdic synth";
   if (request.exposure > 0) info.exposure_s = request.exposure / request.fps;
-  video::OpenCodecSink codec;
-#ifdef IMPACTDIC_WITH_CODECS
-  codec = video::open_codec_sink;
-#endif
   return video::open_sink((folder / ("video" + video::sink_extension(format))).string(), format,
-                          info, codec);
+                          info);
 }
 
 void write_synth_truth(const std::filesystem::path& folder, const SynthTruth& truth,

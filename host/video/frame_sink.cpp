@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/video/byte_file.h"
+#include "host/video/codec_module.h"
 #include "host/video/format/writers.h"
 
 namespace impactdic::video {
@@ -69,7 +70,7 @@ void check_frame(const Frame& frame, const ClipInfo& info) {
 }
 
 std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
-                                     const ClipInfo& asked, const OpenCodecSink& open_codec) {
+                                     const ClipInfo& asked) {
   ClipInfo info = asked;
   info.path = path;
   if (info.bits < 1 || info.bits > 16) {
@@ -97,11 +98,7 @@ std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
     case SinkFormat::kMp4:
       break;
   }
-  if (!open_codec) {
-    throw InvalidArgument("this program was built without codecs", path,
-                          "tiff, raw, cine and mraw are written");
-  }
-  return open_codec(path, format, info);
+  return codec_module(path, "tiff, raw, cine and mraw are written").open_sink(path, format, info);
 }
 
 OutputFile::OutputFile(const std::string& path) : path_(path) {

@@ -38,15 +38,12 @@ class FrameSink {
   virtual void finish() = 0;
 };
 
-using OpenCodecSink = std::function<std::unique_ptr<FrameSink>(
-    const std::string& path, SinkFormat format, const ClipInfo& info)>;
-
 // Starts a clip. Of `info` are used: width, height, bits (depth of the frames: 8 stored bits up to
 // 8, else 16), fps, exposure_s, frame_count (needed by cine, whose frame table comes first),
-// first_frame_number, camera. `open_codec` as in VideoOptions.
+// first_frame_number, camera.
 // Throws InvalidArgument (impossible depth, codec missing) or FileError.
 std::unique_ptr<FrameSink> open_sink(const std::string& path, SinkFormat format,
-                                     const ClipInfo& info, const OpenCodecSink& open_codec = {});
+                                     const ClipInfo& info);
 
 // Throws InvalidArgument unless the frame has the clip's size and depth.
 void check_frame(const Frame& frame, const ClipInfo& info);

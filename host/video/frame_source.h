@@ -3,20 +3,11 @@
 
 #include <impactdic/clip.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace impactdic::video {
-
-struct VideoOptions : OpenOptions {
-  // Opens containers (.avi .mp4 ...) and picture files (.png .bmp .jpg); set by the program where
-  // the codec library is built, empty otherwise. Gets the paths in order: one container or
-  // pictures.
-  std::function<std::unique_ptr<FrameSource>(const std::vector<std::string>&, const OpenOptions&)>
-      open_codec;
-};
 
 // Parses "WIDTHxHEIGHTxBITS", and the other way. Throws InvalidArgument.
 RawLayout parse_raw_layout(const std::string& text);
@@ -29,6 +20,6 @@ void check_raw_layout(const RawLayout& layout);
 // a sequence. The format is told by the contents first, the extension second.
 // Throws FileError (not there, not readable), FormatError (damaged), InvalidArgument.
 std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
-                                        const VideoOptions& options = {});
+                                        const OpenOptions& options = {});
 
 }  // namespace impactdic::video

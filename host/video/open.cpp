@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "host/video/codec_module.h"
 #include "host/video/file_kind.h"
 #include "host/video/format/readers.h"
 #include "host/video/natural_order.h"
@@ -11,7 +12,7 @@
 namespace impactdic::video {
 namespace {
 
-std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptions& options) {
+std::unique_ptr<FrameSource> open_file(const std::string& path, const OpenOptions& options) {
   switch (tell_file_kind(path)) {
     case FileKind::kCine:
       return open_cine(path, options.phantom_codes, options.lend_file_memory);
@@ -25,11 +26,8 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
     case FileKind::kPicture:
       return open_image_sequence({path}, options);
     case FileKind::kContainer:
-      if (!options.open_codec) {
-        throw InvalidArgument("this program was built without codecs", path,
-                              "convert the clip to TIFF, or build with IMPACTDIC_CODECS");
-      }
-      return options.open_codec({path}, options);
+      return codec_module(path, "convert the clip to TIFF, or build with IMPACTDIC_CODECS")
+          .open(path, options);
     case FileKind::kUnknown:
       break;
   }
@@ -38,7 +36,7 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const VideoOptio
 }
 
 std::unique_ptr<FrameSource> open_any(const std::vector<std::string>& inputs,
-                                      const VideoOptions& options) {
+                                      const OpenOptions& options) {
   namespace fs = std::filesystem;
   if (inputs.empty()) throw InvalidArgument("no video is named");
   if (options.raw) {
@@ -61,7 +59,7 @@ std::unique_ptr<FrameSource> open_any(const std::vector<std::string>& inputs,
 }  // namespace
 
 std::unique_ptr<FrameSource> open_video(const std::vector<std::string>& inputs,
-                                        const VideoOptions& options) {
+                                        const OpenOptions& options) {
   auto clip = open_any(inputs, options);
   // The codecs have looked before they decoded; the other readers have taken no memory yet.
   const ClipInfo& info = clip->info();

@@ -74,7 +74,7 @@ TEST_F(SynthCommand, EveryFormatHoldsTheScenesPicturesAtTheTruthsPoses) {
     scene.bits = format.bits;
     const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("b1", 1, 30), scene);
     const auto poses = sim::speckle::read_motion_csv(dir_ / name / "truth.csv").poses;
-    video::VideoOptions options;
+    OpenOptions options;
     if (name == "raw16") options.raw = RawLayout{90, 84, 16};
     const auto clip = video::open_video({(dir_ / name / format.file).string()}, options);
     ASSERT_EQ(clip->info().frame_count, 3);

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "host/video/codec/codec.h"
 #include "host/video/frame_source.h"
 #include "tests/support/data.h"
 
@@ -11,9 +10,7 @@ namespace impactdic::testing {
 
 // `file` lies in the folder of real data.
 inline Frame read_picture(const std::string& file) {
-  video::VideoOptions options;
-  options.open_codec = video::open_codec;
-  const auto source = video::open_video({data_path(file).string()}, options);
+  const auto source = video::open_video({data_path(file).string()});
   Frame frame;
   source->read(0, frame);
   return frame;

@@ -7,9 +7,7 @@
 #include <memory>
 
 #include "host/report/picture/png.h"
-#ifdef IMPACTDIC_WITH_CODECS
-#include "host/video/codec/codec.h"
-#endif
+#include "host/video/codec_module.h"
 
 namespace impactdic::report {
 namespace {
@@ -31,14 +29,15 @@ Playback playback(const OverlayOptions& options, double fps) {
   return play;
 }
 
-#ifdef IMPACTDIC_WITH_CODECS
+// The overlay as one file, where there are codecs; the pictures are there anyway.
 class Video {
  public:
   Video(std::filesystem::path path, double rate) : path_(std::move(path)), rate_(rate) {}
   void add(const ColourPicture& picture) {
+    if (!video::has_codecs()) return;
     if (!writer_) {
-      writer_ =
-          std::make_unique<video::Mp4Writer>(path_.string(), picture.width, picture.height, rate_);
+      writer_ = video::codec_module(path_.string(), "")
+                    .open_mp4(path_.string(), picture.width, picture.height, rate_);
     }
     writer_->write(picture.bgr.data(), std::ptrdiff_t{3} * picture.width);
   }
@@ -49,16 +48,8 @@ class Video {
  private:
   std::filesystem::path path_;
   double rate_;
-  std::unique_ptr<video::Mp4Writer> writer_;
+  std::unique_ptr<video::ColourSink> writer_;
 };
-#else
-class Video {
- public:
-  Video(const std::filesystem::path&, double) {}
-  void add(const ColourPicture&) {}
-  void finish() {}
-};
-#endif
 
 template <typename... Numbers>
 std::string print(const char* format, Numbers... numbers) {

@@ -1,42 +1,37 @@
-// Containers and picture files through OpenCV: what needs a codec. The rest of the program sees
-// OpenCV only here and never in a header.
+// Containers and picture files through OpenCV: what needs a codec. The rest of the program asks
+// host/video/codec_module.h for them.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
-#include "host/video/frame_sink.h"
-#include "host/video/frame_source.h"
+#include "host/video/codec_module.h"
 
 namespace impactdic::video {
 
-// For VideoOptions::open_codec. One container (.avi .mp4 .mov .mkv), or pictures (.png .bmp .jpg
-// .pgm) as a sequence. Colour becomes luminance. Containers give 8 bits; reads in order are fast,
-// going back in a clip with inter-frame compression decodes it again from its start.
-// Throws FileError, FormatError, the latter also for a picture above OpenOptions::max_megapixels.
-std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths,
-                                        const OpenOptions& options = {});
+// One container (.avi .mp4 .mov .mkv) or picture (.png .bmp .jpg .pgm). Colour becomes luminance.
+// Containers give 8 bits; reads in order are fast, going back in a clip with inter-frame
+// compression decodes it again from its start. Throws FileError, FormatError, the latter also for a
+// picture above OpenOptions::max_megapixels.
+std::unique_ptr<FrameSource> open_codec(const std::string& path, const OpenOptions& options = {});
 
-// For open_sink: SinkFormat::kPng (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
+// SinkFormat::kPng (`path` is a folder), avi (lossless FFV1), mp4 (lossy).
 // Throws InvalidArgument (more than 8 bits for a container), FileError.
 std::unique_ptr<FrameSink> open_codec_sink(const std::string& path, SinkFormat format,
                                            const ClipInfo& info);
 
-// A colour MP4 for looking at, such as an overlay: H.264 where FFmpeg has an encoder, else VP9,
-// both 4:2:0, which browsers play; else MPEG-4. Width and height must be even.
-class Mp4Writer {
+// A colour MP4 for looking at: H.264 where FFmpeg has an encoder, else VP9, both 4:2:0, which
+// browsers play; else MPEG-4. Width and height must be even.
+class Mp4Writer : public ColourSink {
  public:
   // Throws FileError where the encoder or the disk refuses, InvalidArgument for an odd size.
   Mp4Writer(const std::string& path, int width, int height, double fps);
-  ~Mp4Writer();
+  ~Mp4Writer() override;
   Mp4Writer(const Mp4Writer&) = delete;
   Mp4Writer& operator=(const Mp4Writer&) = delete;
-  // `bgr`: (height, width, 3) bytes: blue, green, red; `pitch` bytes from row to row.
-  void write(const std::uint8_t* bgr, std::ptrdiff_t pitch);
-  // Completes the file; throws FileError where it is not there afterwards.
-  void finish();
+  void write(const std::uint8_t* bgr, std::ptrdiff_t pitch) override;
+  void finish() override;
 
  private:
   struct Encoder;

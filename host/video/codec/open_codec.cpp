@@ -96,12 +96,10 @@ class PictureSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_codec(const std::vector<std::string>& paths,
-                                        const OpenOptions& options) {
-  if (paths.size() != 1) return open_video(paths, VideoOptions{options, open_codec});
+std::unique_ptr<FrameSource> open_codec(const std::string& path, const OpenOptions& options) {
   const double most = options.max_megapixels;
-  if (tell_file_kind(paths[0]) == FileKind::kContainer) return open_container(paths[0], most);
-  return std::make_unique<PictureSource>(paths[0], most);
+  if (tell_file_kind(path) == FileKind::kContainer) return open_container(path, most);
+  return std::make_unique<PictureSource>(path, most);
 }
 
 }  // namespace impactdic::video

@@ -4,29 +4,26 @@
 #include <filesystem>
 
 #include "host/video/byte_file.h"
+#include "host/video/codec_module.h"
 #include "host/video/file_kind.h"
 #include "host/video/format/readers.h"
 
 namespace impactdic::video {
 namespace {
 
-std::unique_ptr<FrameSource> open_picture(const std::string& path, const VideoOptions& options) {
+std::unique_ptr<FrameSource> open_picture(const std::string& path, const OpenOptions& options) {
   const FileKind kind = tell_file_kind(path);
   if (kind == FileKind::kTiff) return open_tiff(path);
   if (kind != FileKind::kPicture) {
     throw InvalidArgument("not a picture file", path,
                           "several files form a sequence only if all are pictures");
   }
-  if (!options.open_codec) {
-    throw InvalidArgument("this program was built without codecs", path,
-                          "only TIFF pictures are read");
-  }
-  return options.open_codec({path}, options);
+  return codec_module(path, "only TIFF pictures are read").open(path, options);
 }
 
 class ImageSequence : public FrameSource {
  public:
-  ImageSequence(const std::vector<std::string>& paths, const VideoOptions& options)
+  ImageSequence(const std::vector<std::string>& paths, const OpenOptions& options)
       : paths_(paths), options_(options) {
     for (const std::string& path : paths_) {
       if (!std::filesystem::exists(path)) throw FileError("there is no such file", path);
@@ -58,14 +55,14 @@ class ImageSequence : public FrameSource {
 
  private:
   std::vector<std::string> paths_;
-  VideoOptions options_;
+  OpenOptions options_;
   ClipInfo info_;
 };
 
 }  // namespace
 
 std::unique_ptr<FrameSource> open_image_sequence(const std::vector<std::string>& paths,
-                                                 const VideoOptions& options) {
+                                                 const OpenOptions& options) {
   return std::make_unique<ImageSequence>(paths, options);
 }
 

@@ -22,6 +22,6 @@ std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& 
                                       bool lend = false);
 // Pictures in the given order, one frame each.
 std::unique_ptr<FrameSource> open_image_sequence(const std::vector<std::string>& paths,
-                                                 const VideoOptions& options);
+                                                 const OpenOptions& options);
 
 }  // namespace impactdic::video

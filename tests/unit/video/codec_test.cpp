@@ -1,12 +1,11 @@
 // Containers and pictures through the codecs: exact where the codec is, in any order of reading.
-#include "host/video/codec/codec.h"
-
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
 #include <fstream>
 #include <thread>
 
+#include "host/video/codec_module.h"
 #include "tests/support/data.h"
 #include "tests/support/video.h"
 
@@ -18,15 +17,11 @@ using testing::random_frame;
 using testing::same_pixels;
 using testing::ScratchFolder;
 
-video::VideoOptions with_codec() {
-  video::VideoOptions options;
-  options.open_codec = video::open_codec;
-  return options;
+std::unique_ptr<FrameSource> open_clip(const std::string& path) {
+  return video::open_video({path});
 }
 
-std::unique_ptr<FrameSource> open_clip(const std::string& path) {
-  return video::open_video({path}, with_codec());
-}
+const video::CodecModule& codecs() { return video::codec_module("", ""); }
 
 // The largest difference to the upper 8 of the camera's 12 bits.
 int worst_difference(const std::string& avi) {
@@ -107,7 +102,7 @@ std::string write_clip(const ScratchFolder& folder, video::SinkFormat format, in
   info.bits = bits;
   info.fps = fps;
   const std::string path = folder.file("clip" + video::sink_extension(format));
-  const auto sink = video::open_sink(path, format, info, video::open_codec_sink);
+  const auto sink = video::open_sink(path, format, info);
   for (int k = 0; k < frames; ++k) {
     sink->write(random_frame(62, 38, bits, static_cast<std::uint32_t>(k)));
   }
@@ -163,25 +158,25 @@ TEST(CodecSinks, RefuseWhatTheyCannotStore) {
   info.width = 63;
   info.height = 38;
   info.bits = 8;
-  EXPECT_THROW(video::open_codec_sink(folder.file("a.mp4"), video::SinkFormat::kMp4, info),
+  EXPECT_THROW(codecs().open_sink(folder.file("a.mp4"), video::SinkFormat::kMp4, info),
                InvalidArgument);
-  EXPECT_THROW(video::Mp4Writer(folder.file("a.mp4"), 63, 38, 30), InvalidArgument);
-  EXPECT_THROW(video::open_codec_sink(folder.file("no/a.avi"), video::SinkFormat::kAvi, info),
+  EXPECT_THROW(codecs().open_mp4(folder.file("a.mp4"), 63, 38, 30), InvalidArgument);
+  EXPECT_THROW(codecs().open_sink(folder.file("no/a.avi"), video::SinkFormat::kAvi, info),
                FileError);
   info.bits = 12;
-  EXPECT_THROW(video::open_codec_sink(folder.file("a.avi"), video::SinkFormat::kAvi, info),
+  EXPECT_THROW(codecs().open_sink(folder.file("a.avi"), video::SinkFormat::kAvi, info),
                InvalidArgument);
-  { const auto writer = std::make_unique<video::Mp4Writer>(folder.file("b.mp4"), 64, 64, 30); }
+  { const auto writer = codecs().open_mp4(folder.file("b.mp4"), 64, 64, 30); }
   EXPECT_FALSE(std::filesystem::exists(folder.file("b.mp4")));
 }
 
 TEST(CodecSinks, ColourMp4) {
   const ScratchFolder folder;
-  video::Mp4Writer writer(folder.file("a.mp4"), 64, 48, 30);
+  const auto writer = codecs().open_mp4(folder.file("a.mp4"), 64, 48, 30);
   std::vector<std::uint8_t> red(64 * 48 * 3, 0);
   for (std::size_t i = 2; i < red.size(); i += 3) red[i] = 255;
-  for (int k = 0; k < 3; ++k) writer.write(red.data(), 64 * 3);
-  writer.finish();
+  for (int k = 0; k < 3; ++k) writer->write(red.data(), 64 * 3);
+  writer->finish();
   const auto clip = open_clip(folder.file("a.mp4"));
   EXPECT_EQ(clip->info().frame_count, 3);
   Frame frame;
@@ -197,8 +192,7 @@ TEST(CodecSinks, ColourMp4) {
 TEST(Pictures, BmpKeepsItsLevels) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
   const auto clip = video::open_video({data_path("speckle/Pattern_1.bmp").string(),
-                                       data_path("speckle/Pattern_1_Shear.bmp").string()},
-                                      with_codec());
+                                       data_path("speckle/Pattern_1_Shear.bmp").string()});
   EXPECT_EQ(clip->info().width, 501);
   EXPECT_EQ(clip->info().frame_count, 2);
   Frame frame;
@@ -279,13 +273,13 @@ TEST(Codec, FilmIsTurnedAsItIsToBeShown) {
   const ScratchFolder folder;
   const std::string path = folder.file("film.mp4");
   {
-    video::Mp4Writer writer(path, 64, 48, 30);
+    const auto writer = codecs().open_mp4(path, 64, 48, 30);
     std::vector<std::uint8_t> bgr(64 * 48 * 3, 30);
     for (std::size_t y = 0; y < 16; ++y) {
       for (std::size_t x = 0; x < 3 * 16; ++x) bgr[3 * 64 * y + x] = 230;
     }
-    for (int k = 0; k < 3; ++k) writer.write(bgr.data(), 64 * 3);
-    writer.finish();
+    for (int k = 0; k < 3; ++k) writer->write(bgr.data(), 64 * 3);
+    writer->finish();
   }
   std::string bytes = testing::read_text(path);
   const std::size_t header = bytes.find("tkhd");

@@ -18,7 +18,7 @@ namespace {
 using testing::data_path;
 
 std::unique_ptr<FrameSource> open_data(const std::string& name, bool phantom_codes = false) {
-  video::VideoOptions options;
+  OpenOptions options;
   options.phantom_codes = phantom_codes;
   return video::open_video({data_path(name).string()}, options);
 }
@@ -97,7 +97,7 @@ std::uint16_t spread(int level, int bits) {
 
 void expect_as_ffmpeg(const std::string& path) {
   if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
-  video::VideoOptions options;
+  OpenOptions options;
   options.phantom_codes = true;  // ffmpeg does not linearise
   const auto clip = video::open_video({path}, options);
   const ClipInfo& info = clip->info();

@@ -35,7 +35,7 @@ using testing::write_bytes;
 enum class Outcome { kRead, kRefused };
 
 // Opens the clip and reads its first and last frames.
-Outcome try_clip(const std::string& path, const video::VideoOptions& options = {}) {
+Outcome try_clip(const std::string& path, const OpenOptions& options = {}) {
   try {
     const auto clip = video::open_video({path}, options);
     const std::int64_t count = clip->info().frame_count;
@@ -318,7 +318,7 @@ TEST_F(Damage, TiffPagesInALoop) {
 
 TEST_F(Damage, RawLayouts) {
   write_bytes(folder_.file("a.bin"), std::vector<char>(100));
-  video::VideoOptions options;
+  OpenOptions options;
   const auto outcome = [&](const std::string& text) {
     options.raw = video::parse_raw_layout(text);
     return try_clip(folder_.file("a.bin"), options);

@@ -53,7 +53,7 @@ TEST_P(RoundTrip, PixelsAndFactsSurvive) {
   sink->finish();
   sink.reset();
 
-  video::VideoOptions options;
+  OpenOptions options;
   options.phantom_codes = true;  // the 10-bit codes as they are
   if (it.format == video::SinkFormat::kRaw) {
     options.raw = RawLayout{it.width, it.height, it.bits <= 8 ? 8 : 16};
