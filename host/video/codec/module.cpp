@@ -11,6 +11,7 @@ std::unique_ptr<ColourSink> open_mp4(const std::string& path, int width, int hei
 }  // namespace
 }  // namespace impactdic::video
 
-extern "C" __attribute__((visibility("default"))) const impactdic::video::CodecModule
-    impactdic_codec_module = {IMPACTDIC_VERSION, impactdic::video::open_codec,
-                              impactdic::video::open_codec_sink, impactdic::video::open_mp4};
+extern "C" __attribute__((visibility("default")))
+const impactdic::video::CodecModule impactdic_codec_module = {
+    IMPACTDIC_VERSION, impactdic::video::open_codec, impactdic::video::open_codec_sink,
+    impactdic::video::open_mp4};
