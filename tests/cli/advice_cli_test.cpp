@@ -122,7 +122,7 @@ TEST(Advice, Interlaced) {
   ClipInfo info = source->info();
   const std::string woven = (clip.path().parent_path() / "woven.tif").string();
   info.path = woven;
-  const auto sink = video::open_sink(woven, video::SinkFormat::kTiff, info, {});
+  const auto sink = video::open_sink(woven, video::SinkFormat::kTiff, info);
   for (int k = 0; k + 1 < source->info().frame_count; ++k) {
     Frame even, odd;
     source->read(k, even);
