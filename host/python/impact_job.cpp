@@ -36,9 +36,18 @@ ImpactBody read_body(OptionReader reader) {
 
 ContactParameters read_contact(OptionReader reader, NormalModel normal) {
   ContactParameters contact;
-  const bool hertz = normal == NormalModel::kHertzDamper;
-  reader(hertz ? "stiffness_n_per_m1p5" : "stiffness_n_per_m", contact.stiffness);
+  if (!stiffness_key(normal).empty()) {
+    reader(std::string(stiffness_key(normal)).c_str(), contact.stiffness);
+  }
   reader("damping_n_s_per_m", contact.damping_n_s_per_m);
+  reader("damping_factor", contact.damping_factor);
+  reader("dissipation_s", contact.dissipation_s);
+  reader("damping_s_per_m", contact.damping_s_per_m);
+  reader("unloading_stiffness_n_per_m", contact.unloading_stiffness_n_per_m);
+  reader("unloading_hardening_per_m", contact.unloading_hardening_per_m);
+  reader("adhesion_j_m2", contact.adhesion_j_per_m2);
+  reader("tangential_stiffness_n_per_m", contact.tangential_stiffness_n_per_m);
+  reader("friction_speed_m_s", contact.friction_speed_m_s);
   choose(reader, "restitution_damping", contact.restitution_damping, parse_restitution_damping);
   reader("friction_kinetic", contact.friction_kinetic);
   reader("friction_static", contact.friction_static);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "sim/contact/contact_record.h"
@@ -20,7 +21,7 @@ class ContactSystem {
   ContactSystem(const ImpactJob& job, const NormalLaw& normal, FrictionLaw& friction,
                 ContactDynamics& dynamics, double start_s, const ImpactState& start,
                 TrajectoryRequest& request)
-      : damping_(job.contact.restitution_damping),
+      : damping_(normal.ending()),
         normal_(normal),
         friction_(friction),
         dynamics_(dynamics),
@@ -64,9 +65,16 @@ class ContactSystem {
     request_.reach(next.time_s, next.x);
     friction_.step(at, next.time_s);
     record_.step(dynamics_.normal_force_n(at));
+    if (ball_ && sinks_to_rest(at)) resting_ = true;
   }
 
  private:
+  // The weight presses a ball into a damped surface, and it stops there without turning.
+  bool sinks_to_rest(const ContactPoint& at) const {
+    const double speed = touch_.rate_m_s;
+    return at.compressing && at.rate_m_s < 1e-12 * speed &&
+           std::abs(at.acceleration_m_s2) * at.deflection_m < 1e-10 * speed * speed;
+  }
   double separation_guard(const ContactPoint& at) const;
   double force_rate(const ContactPoint& at) const;
   void turn(double time_s, const State& x, const ContactPoint& at);
@@ -99,10 +107,10 @@ double ContactSystem::separation_guard(const ContactPoint& at) const {
   return at.deflection_m - dynamics_.memory.residual_m;
 }
 
-// dP/dt in compression, of a ball. A damper shifts the largest force before the largest deflection.
+// Of dP/dt in compression, of a ball. A damper shifts the largest force before the largest
+// deflection.
 double ContactSystem::force_rate(const ContactPoint& at) const {
-  return normal_.spring_slope_n_per_m(at.deflection_m) * at.rate_m_s +
-         at.damping_n_s_per_m * at.acceleration_m_s2;
+  return normal_.force_growth(at.deflection_m, at.rate_m_s, at.acceleration_m_s2);
 }
 
 // A guard of another phase stays at 1.

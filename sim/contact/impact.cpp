@@ -226,7 +226,8 @@ class ImpactRun final : public TrajectoryRequest {
                                  shortest(-phase.slip_j) + " J into the body from " +
                                  shortest(phase.start_s) + " s to " + shortest(phase.end_s) + " s");
     }
-    if (outcome.separated && outcome.separation_force_n < -1e-9 * outcome.max_force_n) {
+    if (outcome.separated && !normal_->adhesive() &&
+        outcome.separation_force_n < -1e-9 * outcome.max_force_n) {
       result_.warnings.push_back("the surface pulls: the normal force ends at " +
                                  shortest(outcome.separation_force_n) + " N");
     }

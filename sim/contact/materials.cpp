@@ -22,8 +22,8 @@ void require_elastic(const ElasticMaterial& material, const std::string& table) 
 }
 
 // The restitution of the job's normal law with this damping, in a normal impact without weight.
-double restitution_of(ImpactJob job, double damping_n_s_per_m, double speed_m_s) {
-  job.contact.damping_n_s_per_m = damping_n_s_per_m;
+double restitution_of(ImpactJob job, double damping, double speed_m_s) {
+  job.contact.set_damping(job.normal, damping);
   job.friction = FrictionModel::kNone;
   job.body.mass_kg = job.contact_mass_kg();
   job.body.shape = BodyShape::kSolidSphere;
@@ -36,19 +36,32 @@ double restitution_of(ImpactJob job, double damping_n_s_per_m, double speed_m_s)
   return sim::contact::simulate_impact(job).restitution;
 }
 
+// Where the damper takes about as much as the spring.
+double strong_damping(const ImpactJob& job, double speed_m_s) {
+  const double mass = job.contact_mass_kg();
+  const double deflection =
+      has_hertz_spring(job.normal)
+          ? std::pow(1.25 * mass * speed_m_s * speed_m_s / job.contact.stiffness, 0.4)
+          : speed_m_s * std::sqrt(mass / job.contact.stiffness);
+  switch (job.normal) {
+    case NormalModel::kTsuji:
+      return 1;
+    case NormalModel::kKuwabaraKono:
+      return deflection / speed_m_s;
+    case NormalModel::kHuntCrossley:
+      return 1 / speed_m_s;
+    default:
+      return mass * speed_m_s / deflection;
+  }
+}
+
 // The restitution falls as the damping grows.
 double damping_for(const ImpactJob& job, double restitution, double speed_m_s) {
   if (restitution == 1) return 0;
   const auto excess = [&](double damping) {
     return restitution_of(job, damping, speed_m_s) - restitution;
   };
-  // Where the damper takes as much as the spring: zeta is about 0.5.
-  const double deflection =
-      job.normal == NormalModel::kHertzDamper
-          ? std::pow(1.25 * job.contact_mass_kg() * speed_m_s * speed_m_s / job.contact.stiffness,
-                     0.4)
-          : speed_m_s * std::sqrt(job.contact_mass_kg() / job.contact.stiffness);
-  double high = job.contact_mass_kg() * speed_m_s / deflection;
+  double high = strong_damping(job, speed_m_s);
   double low = 0, low_value = 1 - restitution, high_value = excess(high);
   for (int i = 0; i < 60 && high_value > 0; ++i) {
     low = high, low_value = high_value;
@@ -102,31 +115,40 @@ void ImpactJob::take_materials(const ContactMaterials& from) {
     require_elastic(from.body, "body");
     require_elastic(from.surface, other ? "other" : "surface");
     contact.reduced_modulus_pa = impactdic::reduced_modulus_pa(from.body, from.surface);
-    if (friction == FrictionModel::kMawBarberFawcett) {
+    if (slips_partially(friction)) {
       contact.poisson = equivalent_poisson(from.body, from.surface);
     }
-    if (normal == NormalModel::kHertzDamper) {
+    if (has_hertz_spring(normal)) {
       contact.stiffness = hertz_stiffness(contact.reduced_modulus_pa, contact_radius_m());
     }
   }
   materials = from;
   if (from.restitution == 0) return;
-  const bool hertz = normal == NormalModel::kHertzDamper;
-  if (!hertz && normal != NormalModel::kLinearSpringDamper) {
+  const bool damped = !damping_key(normal).empty();
+  if (!damped && normal != NormalModel::kWaltonBraun) {
     throw InvalidArgument("this normal law has no damper", "contact.restitution");
   }
   if (!(from.restitution > 0 && from.restitution <= 1)) {
     throw InvalidArgument("must be above 0 and at most 1", "contact.restitution");
   }
-  if (hertz && !(from.restitution_speed_m_s > 0 && std::isfinite(from.restitution_speed_m_s))) {
+  const bool by_speed = has_hertz_spring(normal) && normal != NormalModel::kTsuji;
+  if (by_speed && !(from.restitution_speed_m_s > 0 && std::isfinite(from.restitution_speed_m_s))) {
     throw InvalidArgument("must be positive", "contact.restitution_speed_m_s");
   }
   if (!(contact.stiffness > 0)) {
     throw InvalidArgument("a restitution needs a stiffness", "contact.restitution");
   }
   body.validate();
-  const double speed = hertz ? from.restitution_speed_m_s : 1;
-  contact.damping_n_s_per_m = damping_for(*this, from.restitution, speed);
+  if (!damped) {  // e = sqrt(k1/k2), Walton and Braun 1986
+    if (contact.unloading_hardening_per_m != 0) {
+      throw InvalidArgument("depends on the speed where the contact hardens", "contact.restitution",
+                            "unloading_hardening_per_m says it already");
+    }
+    contact.unloading_stiffness_n_per_m = contact.stiffness / (from.restitution * from.restitution);
+    return;
+  }
+  const double speed = by_speed ? from.restitution_speed_m_s : 1;
+  contact.set_damping(normal, damping_for(*this, from.restitution, speed));
 }
 
 }  // namespace impactdic

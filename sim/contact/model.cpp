@@ -15,19 +15,26 @@ namespace {
 template <typename Enum, std::size_t N>
 using Names = std::array<std::pair<Enum, std::string_view>, N>;
 
-constexpr Names<NormalModel, 5> kNormalModels{
+constexpr Names<NormalModel, 11> kNormalModels{
     {{NormalModel::kLinearSpringDamper, "linear_spring_damper"},
      {NormalModel::kHertzDamper, "hertz_damper"},
      {NormalModel::kJacksonGreen, "jackson_green"},
      {NormalModel::kKogutEtsion, "kogut_etsion"},
-     {NormalModel::kThornton, "thornton"}}};
-constexpr Names<FrictionModel, 6> kFrictionModels{
+     {NormalModel::kThornton, "thornton"},
+     {NormalModel::kTsuji, "tsuji"},
+     {NormalModel::kKuwabaraKono, "kuwabara_kono"},
+     {NormalModel::kHuntCrossley, "hunt_crossley"},
+     {NormalModel::kWaltonBraun, "walton_braun"},
+     {NormalModel::kStronge, "stronge_elastoplastic"},
+     {NormalModel::kJkr, "jkr"}}};
+constexpr Names<FrictionModel, 7> kFrictionModels{
     {{FrictionModel::kNone, "none"},
      {FrictionModel::kCoulomb, "coulomb"},
      {FrictionModel::kThreePhase, "three_phase"},
      {FrictionModel::kFullSliding, "full_sliding"},
      {FrictionModel::kBrody, "brody"},
-     {FrictionModel::kMawBarberFawcett, "maw_barber_fawcett"}}};
+     {FrictionModel::kMawBarberFawcett, "maw_barber_fawcett"},
+     {FrictionModel::kSpeedDependent, "speed_dependent"}}};
 constexpr Names<ModelPreset, 2> kPresets{
     {{ModelPreset::kPublished, "published"}, {ModelPreset::kSound, "sound"}}};
 constexpr Names<RestitutionDamping, 3> kRestitutionDampings{
@@ -73,31 +80,59 @@ void require_not_negative(double value, const char* key) {
 
 void validate_normal(const ImpactJob& job) {
   const ContactParameters& contact = job.contact;
-  require_not_negative(contact.damping_n_s_per_m, "contact.damping_n_s_per_m");
+  const auto in_contact = [](std::string_view key) { return "contact." + std::string(key); };
+  if (const std::string_view key = stiffness_key(job.normal); !key.empty()) {
+    require_positive(contact.stiffness, in_contact(key).c_str());
+  } else {
+    require_positive(contact.reduced_modulus_pa, "contact.reduced_modulus_pa");
+  }
+  if (const std::string_view key = damping_key(job.normal); !key.empty()) {
+    require_not_negative(contact.damping(job.normal), in_contact(key).c_str());
+  }
   switch (job.normal) {
-    case NormalModel::kLinearSpringDamper:
-      require_positive(contact.stiffness, "contact.stiffness_n_per_m");
+    case NormalModel::kTsuji:
+    case NormalModel::kKuwabaraKono:
+      require(contact.restitution_damping != RestitutionDamping::kNone,
+              "this law damps the restitution, too", "contact.restitution_damping",
+              "to_zero_force or to_zero_deflection");
       break;
-    case NormalModel::kHertzDamper:
-      require_positive(contact.stiffness, "contact.stiffness_n_per_m1p5");
+    case NormalModel::kWaltonBraun:
+      require_not_negative(contact.unloading_hardening_per_m, "contact.unloading_hardening_per_m");
+      require(std::isfinite(contact.unloading_stiffness_n_per_m) &&
+                  contact.unloading_stiffness_n_per_m >= contact.stiffness,
+              "must be at least stiffness_n_per_m", "contact.unloading_stiffness_n_per_m",
+              "the way back is the steeper one");
+      break;
+    case NormalModel::kJkr:
+      require_not_negative(contact.adhesion_j_per_m2, "contact.adhesion_j_m2");
+      break;
+    case NormalModel::kJacksonGreen:
+    case NormalModel::kKogutEtsion:
+    case NormalModel::kThornton:
+    case NormalModel::kStronge:
+      require_positive(contact.yield_strength_pa, "contact.yield_strength_pa");
       break;
     default:
-      require_positive(contact.reduced_modulus_pa, "contact.reduced_modulus_pa");
-      require_positive(contact.yield_strength_pa, "contact.yield_strength_pa");
+      break;
   }
 }
 
 void validate_friction(const ImpactJob& job) {
   const ContactParameters& contact = job.contact;
+  require(!name_of(job.friction).empty(), "is not known", "friction");
   require_not_negative(contact.friction_kinetic, "contact.friction_kinetic");
   require_not_negative(contact.friction_static, "contact.friction_static");
   require(contact.friction_kinetic <= 100, "must be at most 100", "contact.friction_kinetic",
           "the body grips long before");
   require(contact.poisson >= 0 && contact.poisson <= 0.5, "must be from 0 to 0.5",
           "contact.poisson");
-  if (job.friction == FrictionModel::kThreePhase) {
+  if (job.friction == FrictionModel::kThreePhase || job.friction == FrictionModel::kGripSlip ||
+      job.friction == FrictionModel::kSpeedDependent) {
     require(contact.friction_static >= contact.friction_kinetic,
             "must be at least friction_kinetic", "contact.friction_static");
+  }
+  if (job.friction == FrictionModel::kSpeedDependent) {
+    require_positive(contact.friction_speed_m_s, "contact.friction_speed_m_s");
   }
   if (job.friction == FrictionModel::kMawBarberFawcett) {
     require_positive(contact.friction_kinetic, "contact.friction_kinetic");
@@ -150,6 +185,58 @@ void validate_other(const ImpactJob& job) {
 }
 
 }  // namespace
+
+bool has_hertz_spring(NormalModel law) {
+  return law == NormalModel::kHertzDamper || law == NormalModel::kTsuji ||
+         law == NormalModel::kKuwabaraKono || law == NormalModel::kHuntCrossley;
+}
+
+bool slips_partially(FrictionModel law) {
+  return law == FrictionModel::kMawBarberFawcett || law == FrictionModel::kMindlin;
+}
+
+std::string_view stiffness_key(NormalModel law) {
+  if (has_hertz_spring(law)) return "stiffness_n_per_m1p5";
+  const bool linear = law == NormalModel::kLinearSpringDamper || law == NormalModel::kWaltonBraun;
+  return linear ? "stiffness_n_per_m" : "";
+}
+
+namespace {
+
+struct Damper {
+  std::string_view key;
+  double ContactParameters::*constant = nullptr;
+};
+
+Damper damper_of(NormalModel law) {
+  switch (law) {
+    case NormalModel::kLinearSpringDamper:
+    case NormalModel::kHertzDamper:
+      return {"damping_n_s_per_m", &ContactParameters::damping_n_s_per_m};
+    case NormalModel::kTsuji:
+      return {"damping_factor", &ContactParameters::damping_factor};
+    case NormalModel::kKuwabaraKono:
+      return {"dissipation_s", &ContactParameters::dissipation_s};
+    case NormalModel::kHuntCrossley:
+      return {"damping_s_per_m", &ContactParameters::damping_s_per_m};
+    default:
+      return {};
+  }
+}
+
+}  // namespace
+
+std::string_view damping_key(NormalModel law) { return damper_of(law).key; }
+
+double ContactParameters::damping(NormalModel law) const {
+  const Damper damper = damper_of(law);
+  return damper.constant == nullptr ? std::nan("") : this->*damper.constant;
+}
+
+void ContactParameters::set_damping(NormalModel law, double value) {
+  const Damper damper = damper_of(law);
+  if (damper.constant != nullptr) this->*damper.constant = value;
+}
 
 std::string_view name_of(NormalModel model) { return find_name(kNormalModels, model); }
 std::string_view name_of(FrictionModel model) { return find_name(kFrictionModels, model); }

@@ -99,7 +99,7 @@ double law_parameter(const ImpactJob& job, FitParameter parameter) {
     case FitParameter::kStiffness:
       return contact.stiffness;
     case FitParameter::kDamping:
-      return contact.damping_n_s_per_m;
+      return contact.damping(job.normal);
     case FitParameter::kFrictionKinetic:
       return contact.friction_kinetic;
     case FitParameter::kFrictionStatic:
@@ -119,7 +119,7 @@ void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
       job.contact.stiffness = value;
       break;
     case FitParameter::kDamping:
-      job.contact.damping_n_s_per_m = value;
+      job.contact.set_damping(job.normal, value);
       break;
     case FitParameter::kFrictionKinetic:
       job.contact.friction_kinetic = value;
@@ -154,9 +154,7 @@ ImpactJob job_of_shot(const ImpactJob& laws, const MeasuredShot& shot) {
 }
 
 void time_contact(MeasuredShot& shot, const ImpactJob& laws) {
-  if (laws.normal != NormalModel::kLinearSpringDamper && laws.normal != NormalModel::kHertzDamper) {
-    return;
-  }
+  if (damping_key(laws.normal).empty()) return;
   const Measured crossing = shot.crossing_above_lowest_m;
   const ContactTiming timing =
       timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),

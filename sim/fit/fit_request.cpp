@@ -25,9 +25,11 @@ void require_positive(double value, const char* key) {
 std::string key_of(FitParameter parameter, NormalModel normal) {
   switch (parameter) {
     case FitParameter::kStiffness:
-      return normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
-    case FitParameter::kDamping:
-      return "damping_n_s_per_m";
+      return has_hertz_spring(normal) ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
+    case FitParameter::kDamping: {
+      const std::string_view key = damping_key(normal);
+      return key.empty() ? "damping_n_s_per_m" : std::string(key);
+    }
     case FitParameter::kFrictionKinetic:
       return "friction_kinetic";
     case FitParameter::kFrictionStatic:
@@ -77,11 +79,14 @@ void FitRequest::validate() const {
   }
   require(!parameters.empty() || method != FitMethod::kTrajectory, "no parameters are named",
           "fit.parameters");
-  const bool spring = impact.normal == NormalModel::kLinearSpringDamper ||
-                      impact.normal == NormalModel::kHertzDamper;
-  require(spring || method == FitMethod::kTrajectory,
+  require(!damping_key(impact.normal).empty() || method == FitMethod::kTrajectory,
           "this method needs a law with stiffness and damping", "fit.method",
           "trajectory fits any law");
+  const bool steady = impact.normal == NormalModel::kLinearSpringDamper ||
+                      impact.normal == NormalModel::kHertzDamper;
+  require(steady || method != FitMethod::kPublishedGrid,
+          "the grid is over damping_n_s_per_m, which this law does not have", "fit.method",
+          "trajectory or restitution_duration");
   sim::fit::validate_settings(*this);
 }
 
@@ -107,7 +112,8 @@ void validate_settings(const FitRequest& request) {
     }
   }
   if (request.method != FitMethod::kTrajectory) {
-    probe.contact.stiffness = probe.contact.damping_n_s_per_m = 1;
+    probe.contact.stiffness = 1;
+    probe.contact.set_damping(probe.normal, 1);
   }
   probe.contact.friction_static =
       std::max(probe.contact.friction_static, probe.contact.friction_kinetic);

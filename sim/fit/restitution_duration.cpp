@@ -18,37 +18,57 @@ struct Outcome {
 
 Outcome outcome(ImpactJob& job, double stiffness, double damping) {
   job.contact.stiffness = stiffness;
-  job.contact.damping_n_s_per_m = damping;
+  job.contact.set_damping(job.normal, damping);
   const ImpactResult impact = contact::simulate_impact(job);
   return {std::log(std::max(impact.restitution, 1e-12)), std::log(impact.contact_s)};
 }
 
+// The law's own damping constant that gives one N s/m at this depth.
+double damping_unit_at(const ImpactJob& job, double stiffness, double depth_m) {
+  const double root = std::sqrt(depth_m);
+  switch (job.normal) {
+    case NormalModel::kTsuji:
+      return 1 / (std::sqrt(job.body.mass_kg * stiffness) * std::sqrt(root));
+    case NormalModel::kKuwabaraKono:
+      return 1 / (1.5 * stiffness * root);
+    case NormalModel::kHuntCrossley:
+      return 1 / (1.5 * stiffness * depth_m * root);
+    default:
+      return 1;
+  }
+}
+
+struct Start {
+  contact::SpringDamperParameters pair;
+  double damping_step = 0;  // small against what damps critically
+};
+
 // A start: the linear pair, and for Hertz the linear spring's force at the same deepest point.
-contact::SpringDamperParameters start(const ImpactJob& job, double restitution, double duration_s) {
+Start start(const ImpactJob& job, double restitution, double duration_s) {
   contact::SpringDamperParameters pair =
       contact::linear_parameters(job.body.mass_kg, restitution, duration_s);
-  if (job.normal == NormalModel::kHertzDamper) {
-    const double speed = std::abs(job.initial.vn_m_s);
-    const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
-    pair.stiffness /= std::sqrt(depth);
-  }
-  return pair;
+  const double speed = std::abs(job.initial.vn_m_s);
+  const double depth = speed * std::sqrt(job.body.mass_kg / pair.stiffness);
+  if (has_hertz_spring(job.normal)) pair.stiffness /= std::sqrt(depth);
+  const double unit = damping_unit_at(job, pair.stiffness, depth);
+  pair.damping_n_s_per_m *= unit;
+  return {pair, std::sqrt(job.body.mass_kg * pair.stiffness) * 1e-4 * unit};
 }
 
 }  // namespace
 
 contact::SpringDamperParameters spring_and_damper(ImpactJob job, double restitution,
                                                   double duration_s) {
-  if (job.normal != NormalModel::kLinearSpringDamper && job.normal != NormalModel::kHertzDamper) {
+  if (damping_key(job.normal).empty()) {
     throw InvalidArgument("restitution_duration needs a law with stiffness and damping", "normal",
-                          "linear_spring_damper or hertz_damper");
+                          "linear_spring_damper, hertz_damper, tsuji, kuwabara_kono or "
+                          "hunt_crossley");
   }
   // The normal motion alone decides: no friction, no spin.
   job.friction = FrictionModel::kNone;
-  contact::SpringDamperParameters pair = start(job, restitution, duration_s);
+  auto [pair, damping_unit] = start(job, restitution, duration_s);
   const double target_e = std::log(restitution), target_t = std::log(duration_s);
   // Newton in (ln k, b) with a Jacobian by differences; damping never below zero.
-  const double damping_unit = std::sqrt(job.body.mass_kg * pair.stiffness) * 1e-4;
   for (int i = 0; i < 60; ++i) {
     const Outcome here = outcome(job, pair.stiffness, pair.damping_n_s_per_m);
     const double miss_e = target_e - here.log_restitution, miss_t = target_t - here.log_duration;
@@ -85,7 +105,7 @@ ContactTiming timing_from_crossing(const ImpactJob& job, double restitution,
   for (int i = 0; i < 50; ++i) {
     const contact::SpringDamperParameters pair = spring_and_damper(trial, restitution, duration);
     trial.contact.stiffness = pair.stiffness;
-    trial.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+    trial.contact.set_damping(trial.normal, pair.damping_n_s_per_m);
     const ImpactResult impact = contact::simulate_impact(trial);
     // Both flights with the fall taken out are straight lines.
     const double end = impact.contact_s;

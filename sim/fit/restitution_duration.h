@@ -8,8 +8,9 @@
 namespace impactdic::sim::fit {
 
 // For the law, surface, gravity and initial motion of `job` (its stiffness and damping are
-// ignored): the pair whose simulated impact has this restitution and duration, to 1e-10. Throws
-// InvalidArgument where the law has no stiffness and damping, or no pair gives these figures.
+// ignored): the pair whose simulated impact has this restitution and duration, to 1e-10. The
+// damping is the law's own constant, in its own unit (damping_key). Throws InvalidArgument where
+// the law has no stiffness and damping, or no pair gives these figures.
 contact::SpringDamperParameters spring_and_damper(ImpactJob job, double restitution,
                                                   double duration_s);
 

@@ -40,8 +40,23 @@ bool is_own(const RivalFit& rival, const ImpactJob& laws) {
          rival.restitution_damping == laws.contact.restitution_damping;
 }
 
-// The laws compared: both springs, every damping, the friction of the request and, where it has
-// one, none.
+// The endings that a law's damper knows (RestitutionDamping).
+std::vector<RestitutionDamping> dampings_of(NormalModel normal, RestitutionDamping own) {
+  switch (normal) {
+    case NormalModel::kLinearSpringDamper:
+    case NormalModel::kHertzDamper:
+      return {RestitutionDamping::kNone, RestitutionDamping::kToZeroForce,
+              RestitutionDamping::kToZeroDeflection};
+    case NormalModel::kTsuji:
+    case NormalModel::kKuwabaraKono:
+      return {RestitutionDamping::kToZeroForce, RestitutionDamping::kToZeroDeflection};
+    default:
+      return {own};
+  }
+}
+
+// The laws compared: every spring with a damper, every damping, the friction of the request and,
+// where it has one, none.
 std::vector<ImpactJob> rival_laws(const FitRequest& request) {
   const auto fits = [&](FitParameter p) {
     return std::find(request.parameters.begin(), request.parameters.end(), p) !=
@@ -51,13 +66,13 @@ std::vector<ImpactJob> rival_laws(const FitRequest& request) {
   // Another spring has another unit: only its own fit gives it.
   if (fits(FitParameter::kStiffness) && fits(FitParameter::kDamping) &&
       request.impact.friction != FrictionModel::kMawBarberFawcett) {
-    normals = {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper};
+    normals = {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper, NormalModel::kTsuji,
+               NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley};
   }
   std::vector<ImpactJob> laws;
   for (const NormalModel normal : normals) {
     for (const RestitutionDamping damping :
-         {RestitutionDamping::kNone, RestitutionDamping::kToZeroForce,
-          RestitutionDamping::kToZeroDeflection}) {
+         dampings_of(normal, request.impact.contact.restitution_damping)) {
       ImpactJob rival = request.impact;
       rival.normal = normal;
       rival.contact.restitution_damping = damping;

@@ -119,7 +119,7 @@ ImpactJob laws_at_start(const MeasuredShot& shot, const FitRequest& job) {
     const contact::SpringDamperParameters pair =
         spring_and_damper(job_of_shot(laws, shot), e, shot.contact_s.value);
     if (fits(FitParameter::kStiffness)) laws.contact.stiffness = pair.stiffness;
-    if (fits(FitParameter::kDamping)) laws.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
+    if (fits(FitParameter::kDamping)) laws.contact.set_damping(laws.normal, pair.damping_n_s_per_m);
   }
   if (fits(FitParameter::kFrictionKinetic) && laws.contact.friction_kinetic == 0) {
     laws.contact.friction_kinetic = std::clamp(std::abs(shot.friction.sound), 1e-3, 2.0);

@@ -3,99 +3,12 @@
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 
-#include "sim/contact/closed_form.h"
+#include "sim/job/contact_toml.h"
 #include "sim/job/materials_toml.h"
 #include "sim/job/strict_toml.h"
 #include "sim/job/toml_text.h"
 
 namespace impactdic::sim::job {
-
-namespace {
-
-// One of our enumerations, its error placed in the file.
-template <typename Parser>
-auto choose(StrictTable& table, const std::string& key, const std::string& fallback,
-            Parser parser) {
-  const std::string text = table.text(key, fallback);
-  try {
-    return parser(text);
-  } catch (const InvalidArgument& error) {
-    throw InvalidArgument("'" + text + "' is not known", table.place(key), error.hint());
-  }
-}
-
-// A number that a complete job must give.
-double needed(StrictTable& table, const char* key, bool partial) {
-  return partial ? table.number(key, 0) : table.number(key);
-}
-
-ContactParameters read_contact(StrictTable& table, const ImpactJob& job, bool partial) {
-  ContactParameters contact;
-  if (has_spring_damper(job)) {
-    // Materials, where they are given, say it once more (take_materials).
-    const bool follows = job.normal == NormalModel::kHertzDamper &&
-                         !table.has(stiffness_key(job)) && job.materials &&
-                         job.materials->body.young_pa > 0;
-    if (!follows) contact.stiffness = needed(table, stiffness_key(job), partial);
-    contact.damping_n_s_per_m = table.number("damping_n_s_per_m", 0);
-    contact.restitution_damping =
-        choose(table, "restitution_damping", "none", parse_restitution_damping);
-    const std::string takes = std::string(name_of(job.normal)) + " takes " + stiffness_key(job);
-    table.hint("stiffness_n_per_m", takes);
-    table.hint("stiffness_n_per_m1p5", takes);
-  } else {
-    const bool follows = job.materials && job.materials->body.young_pa > 0;
-    contact.reduced_modulus_pa = needed(table, "reduced_modulus_pa", partial || follows);
-    contact.yield_strength_pa = needed(table, "yield_strength_pa", partial);
-    contact.poisson = needed(table, "poisson", partial);
-    contact.residual = choose(table, "residual", "jackson", parse_residual_law);
-  }
-  if (job.friction != FrictionModel::kNone) {
-    contact.friction_kinetic = needed(table, "friction_kinetic", partial);
-  }
-  if (job.friction == FrictionModel::kThreePhase) {
-    contact.friction_static = needed(table, "friction_static", partial);
-  } else {
-    table.hint("friction_static", "only three_phase has a static friction");
-  }
-  if (job.friction == FrictionModel::kMawBarberFawcett) {
-    const bool follows = job.materials && job.materials->body.young_pa > 0;
-    contact.poisson = needed(table, "poisson", partial || follows);
-  }
-  return contact;
-}
-
-// A Kelvin-Voigt contact: stiffness and damping as they stand, or from what they give.
-ContactParameters read_kelvin_voigt(StrictTable& table, const ImpactJob& job) {
-  ContactParameters contact;
-  const bool published = job.preset == ModelPreset::kPublished;
-  contact.restitution_damping =
-      published ? RestitutionDamping::kToZeroDeflection : RestitutionDamping::kToZeroForce;
-  if (table.has("restitution")) {
-    const double restitution = table.number("restitution"), duration = table.number("contact_s");
-    if (!(restitution > 0 && restitution <= 1)) {
-      throw InvalidArgument("must be above 0 and at most 1", table.place("restitution"));
-    }
-    if (!(duration > 0)) throw InvalidArgument("must be positive", table.place("contact_s"));
-    const contact::SpringDamperParameters pair =
-        published ? contact::kelvin_voigt_parameters(job.body.mass_kg, restitution, duration)
-                  : contact::force_free_parameters(job.body.mass_kg, restitution, duration);
-    contact.stiffness = pair.stiffness;
-    contact.damping_n_s_per_m = pair.damping_n_s_per_m;
-  } else {
-    contact.stiffness = table.number("stiffness_n_per_m");
-    contact.damping_n_s_per_m = table.number("damping_n_s_per_m");
-  }
-  if (job.friction != FrictionModel::kNone) {
-    contact.friction_kinetic = table.number("friction_kinetic");
-  }
-  if (job.friction == FrictionModel::kThreePhase) {
-    contact.friction_static = table.number("friction_static");
-  }
-  return contact;
-}
-
-}  // namespace
 
 std::string model_of_job(const std::filesystem::path& file) {
   StrictTable root(file);
@@ -267,40 +180,6 @@ std::string to_toml(const SimulateRequest& job) {
   text.table("output");
   text.number("rate_hz", job.rate_hz);
   return text.str();
-}
-
-void write_contact(TomlText& text, const ImpactJob& job) {
-  const ContactParameters& contact = job.contact;
-  text.table("contact");
-  if (has_spring_damper(job)) {
-    text.number(stiffness_key(job), contact.stiffness);
-    text.number("damping_n_s_per_m", contact.damping_n_s_per_m);
-    text.name("restitution_damping", name_of(contact.restitution_damping));
-    if (job.materials && job.materials->restitution > 0) {
-      text.number("restitution", job.materials->restitution);
-      if (job.normal == NormalModel::kHertzDamper) {
-        text.number("restitution_speed_m_s", job.materials->restitution_speed_m_s);
-      }
-    }
-    if (job.materials && job.materials->body.young_pa > 0) {
-      text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
-    }
-  } else {
-    text.number("reduced_modulus_pa", contact.reduced_modulus_pa);
-    text.number("yield_strength_pa", contact.yield_strength_pa);
-    text.name("residual", name_of(contact.residual));
-  }
-  // Beyond those of the job's own friction: what other models of a comparison need.
-  if (!has_spring_damper(job) || job.friction == FrictionModel::kMawBarberFawcett ||
-      contact.poisson != 0) {
-    text.number("poisson", contact.poisson);
-  }
-  if (job.friction != FrictionModel::kNone || contact.friction_kinetic != 0) {
-    text.number("friction_kinetic", contact.friction_kinetic);
-  }
-  if (job.friction == FrictionModel::kThreePhase || contact.friction_static != 0) {
-    text.number("friction_static", contact.friction_static);
-  }
 }
 
 }  // namespace impactdic::sim::job

@@ -26,7 +26,7 @@ ElasticMaterial read_material(StrictTable& table) {
 
 // Where a file gives both a material and what follows from it, as a resolved job does, the two must
 // agree; the figure that stands there is taken, to its last digit.
-void keep_given(StrictTable& table, const char* key, double& computed) {
+void keep_given(StrictTable& table, const std::string& key, double& computed) {
   if (!table.has(key)) return;
   const double given = table.number(key);
   if (!(std::abs(given - computed) <= 1e-9 * std::abs(computed))) {
@@ -38,11 +38,18 @@ void keep_given(StrictTable& table, const char* key, double& computed) {
 
 }  // namespace
 
-bool has_spring_damper(const ImpactJob& job) {
-  return job.normal == NormalModel::kLinearSpringDamper || job.normal == NormalModel::kHertzDamper;
+bool has_spring_damper(const ImpactJob& job) { return !damping_key(job.normal).empty(); }
+
+bool takes_restitution(const ImpactJob& job) {
+  return has_spring_damper(job) || job.normal == NormalModel::kWaltonBraun;
 }
-const char* stiffness_key(const ImpactJob& job) {
-  return job.normal == NormalModel::kHertzDamper ? "stiffness_n_per_m1p5" : "stiffness_n_per_m";
+
+bool needs_restitution_speed(const ImpactJob& job) {
+  return has_hertz_spring(job.normal) && job.normal != NormalModel::kTsuji;
+}
+
+std::string stiffness_key(const ImpactJob& job) {
+  return std::string(impactdic::stiffness_key(job.normal));
 }
 
 std::optional<ContactMaterials> read_materials(StrictTable& root, StrictTable& contact,
@@ -57,16 +64,16 @@ std::optional<ContactMaterials> read_materials(StrictTable& root, StrictTable& c
                           root.table(elastic ? across : "body").place("young_pa"),
                           "both bodies are elastic: a rigid one has a very large modulus");
   }
-  if (has_spring_damper(job) && contact.has("restitution")) {
+  if (takes_restitution(job) && contact.has("restitution")) {
     materials.restitution = contact.number("restitution");
     if (!(materials.restitution > 0 && materials.restitution <= 1)) {
       throw InvalidArgument("must be above 0 and at most 1", contact.place("restitution"));
     }
-    if (job.normal == NormalModel::kHertzDamper) {
+    if (needs_restitution_speed(job)) {
       materials.restitution_speed_m_s = contact.number("restitution_speed_m_s");
     } else {
       contact.hint("restitution_speed_m_s",
-                   "the restitution of a linear spring does not depend on the speed");
+                   "the restitution of this law does not depend on the speed");
     }
   }
   if (!elastic && materials.restitution == 0) return std::nullopt;
@@ -81,15 +88,21 @@ void take_materials(StrictTable& table, ImpactJob& job, const ContactMaterials& 
   }
   if (materials.body.young_pa > 0) {
     keep_given(table, "reduced_modulus_pa", job.contact.reduced_modulus_pa);
-    if (job.normal == NormalModel::kHertzDamper) {
+    if (has_hertz_spring(job.normal)) {
       keep_given(table, stiffness_key(job), job.contact.stiffness);
     }
-    if (job.friction == FrictionModel::kMawBarberFawcett) {
+    if (slips_partially(job.friction)) {
       keep_given(table, "poisson", job.contact.poisson);
     }
   }
   if (materials.restitution > 0) {
-    keep_given(table, "damping_n_s_per_m", job.contact.damping_n_s_per_m);
+    if (job.normal == NormalModel::kWaltonBraun) {
+      keep_given(table, "unloading_stiffness_n_per_m", job.contact.unloading_stiffness_n_per_m);
+      return;
+    }
+    double damping = job.contact.damping(job.normal);
+    keep_given(table, std::string(damping_key(job.normal)), damping);
+    job.contact.set_damping(job.normal, damping);
   }
 }
 

@@ -4,15 +4,21 @@
 #include <impactdic/impact_model.h>
 
 #include <optional>
+#include <string>
 
 namespace impactdic::sim::job {
 
 class StrictTable;
 class TomlText;
 
+// A spring whose stiffness the job states, beside a damper.
 bool has_spring_damper(const ImpactJob& job);
+// A normal law whose restitution follows from one constant and may be given in its place.
+bool takes_restitution(const ImpactJob& job);
+// Of those, one whose restitution depends on the speed.
+bool needs_restitution_speed(const ImpactJob& job);
 // The key of the spring's stiffness, which has the law's unit.
-const char* stiffness_key(const ImpactJob& job);
+std::string stiffness_key(const ImpactJob& job);
 
 // Both bodies' moduli, from the tables body and surface (or other), and a restitution of the normal
 // impact, from the table contact; nullopt where neither is given. Throws InvalidArgument naming

@@ -63,7 +63,9 @@ Json materials_json(const ImpactJob& job) {
     json["contact_radius_m"] = job.contact_radius_m();
   }
   json["stiffness"] = job.contact.stiffness;
-  json["damping_n_s_per_m"] = job.contact.damping_n_s_per_m;
+  if (const std::string key(damping_key(job.normal)); !key.empty()) {
+    json[key] = job.contact.damping(job.normal);
+  }
   return json;
 }
 

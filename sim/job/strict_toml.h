@@ -59,6 +59,23 @@ class StrictTable {
   std::vector<std::pair<std::string, std::unique_ptr<StrictTable>>> children_;
 };
 
+// One of our enumerations, its error placed in the file.
+template <typename Parser>
+auto choose(StrictTable& table, const std::string& key, const std::string& fallback,
+            Parser parser) {
+  const std::string text = table.text(key, fallback);
+  try {
+    return parser(text);
+  } catch (const InvalidArgument& error) {
+    throw InvalidArgument("'" + text + "' is not known", table.place(key), error.hint());
+  }
+}
+
+// A number that a complete job must give.
+inline double needed(StrictTable& table, const char* key, bool partial) {
+  return partial ? table.number(key, 0) : table.number(key);
+}
+
 // Validates what a file says; its errors name the file beside the key. Throws InvalidArgument.
 template <typename Request>
 void validate_in_file(const Request& request, const StrictTable& root) {

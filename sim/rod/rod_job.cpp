@@ -20,8 +20,9 @@ PlasticLoading loading_of(job::StrictTable& root) {
   if (name == name_of(NormalModel::kJacksonGreen)) return PlasticLoading::kJacksonGreen;
   if (name == name_of(NormalModel::kKogutEtsion)) return PlasticLoading::kKogutEtsion;
   if (name == name_of(NormalModel::kThornton)) return PlasticLoading::kThornton;
+  if (name == name_of(NormalModel::kStronge)) return PlasticLoading::kStronge;
   throw InvalidArgument("a rod needs an elastic-plastic law", root.place("normal"),
-                        "jackson_green, kogut_etsion or thornton");
+                        "jackson_green, kogut_etsion, thornton or stronge_elastoplastic");
 }
 
 std::string_view name_of_loading(PlasticLoading loading) {
@@ -32,6 +33,8 @@ std::string_view name_of_loading(PlasticLoading loading) {
       return name_of(NormalModel::kKogutEtsion);
     case PlasticLoading::kThornton:
       return name_of(NormalModel::kThornton);
+    case PlasticLoading::kStronge:
+      return name_of(NormalModel::kStronge);
   }
   return "";
 }

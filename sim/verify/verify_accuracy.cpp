@@ -30,6 +30,37 @@ ImpactJob steel_job(NormalModel normal) {
   return job;
 }
 
+// The lacrosse ball with another law; e is about 0.8.
+ImpactJob rubber_job(NormalModel normal) {
+  ImpactJob job = job::wood_sound_job();
+  job.normal = normal;
+  job.friction = FrictionModel::kCoulomb;
+  job.contact.poisson = 0;
+  job.contact.restitution_damping = RestitutionDamping::kToZeroForce;
+  job.contact.damping_factor = 0.16;
+  job.contact.dissipation_s = 2e-4;
+  job.contact.damping_s_per_m = 0.12;
+  if (normal == NormalModel::kWaltonBraun) {
+    job.contact.stiffness = 4e4;
+    job.contact.unloading_stiffness_n_per_m = 6e4;
+  }
+  return job;
+}
+
+// A soft sphere that hardly comes off.
+ImpactJob gel_job() {
+  ImpactJob job;
+  job.normal = NormalModel::kJkr;
+  job.friction = FrictionModel::kCoulomb;
+  job.body = {BodyShape::kSolidSphere, 4e-6, 2e-3};
+  job.contact.reduced_modulus_pa = 1e6;
+  job.contact.adhesion_j_per_m2 = 0.1;
+  job.contact.friction_kinetic = 0.2;
+  job.initial.vt_m_s = 0.05;
+  job.initial.vn_m_s = -0.1;
+  return job;
+}
+
 // Every normal law, every friction law, both presets.
 std::vector<NamedJob> every_model() {
   std::vector<NamedJob> jobs;
@@ -68,6 +99,17 @@ std::vector<NamedJob> every_model() {
     if (normal == NormalModel::kThornton) continue;  // it has a residual of its own
     jobs.push_back({std::string(name_of(normal)) + ", residual kogut_etsion", other});
   }
+  for (const NormalModel normal : {NormalModel::kTsuji, NormalModel::kKuwabaraKono,
+                                   NormalModel::kHuntCrossley, NormalModel::kWaltonBraun}) {
+    jobs.push_back({std::string(name_of(normal)), rubber_job(normal)});
+  }
+  jobs.push_back({"stronge_elastoplastic", steel_job(NormalModel::kStronge)});
+  jobs.push_back({"jkr", gel_job()});
+  ImpactJob fading = job::racket_job();
+  fading.friction = FrictionModel::kSpeedDependent;
+  fading.contact.friction_static = 0.6;
+  fading.contact.friction_speed_m_s = 0.5;
+  jobs.push_back({"speed_dependent", fading});
   return jobs;
 }
 

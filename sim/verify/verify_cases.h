@@ -36,6 +36,7 @@ struct VerifyOutcome {
 std::vector<VerifyCase> impact_cases();
 std::vector<VerifyCase> source_cases();       // chapters 3 and 4
 std::vector<VerifyCase> closed_form_cases();  // formulas, and integrations against them
+std::vector<VerifyCase> law_cases();          // other normal laws against their formulas
 std::vector<VerifyCase> accuracy_cases();     // energy, momentum, limits, convergence, events
 
 std::vector<VerifyOutcome> run_cases(const std::vector<VerifyCase>& cases);

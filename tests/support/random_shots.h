@@ -31,7 +31,27 @@ inline constexpr LawPair kSoundLaws[] = {
     {NormalModel::kKogutEtsion, FrictionModel::kNone},
     {NormalModel::kKogutEtsion, FrictionModel::kCoulomb},
     {NormalModel::kThornton, FrictionModel::kNone},
-    {NormalModel::kThornton, FrictionModel::kCoulomb}};
+    {NormalModel::kThornton, FrictionModel::kCoulomb},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kSpeedDependent},
+    {NormalModel::kHertzDamper, FrictionModel::kSpeedDependent},
+    {NormalModel::kTsuji, FrictionModel::kNone},
+    {NormalModel::kTsuji, FrictionModel::kCoulomb},
+    {NormalModel::kKuwabaraKono, FrictionModel::kNone},
+    {NormalModel::kKuwabaraKono, FrictionModel::kCoulomb},
+    {NormalModel::kHuntCrossley, FrictionModel::kNone},
+    {NormalModel::kHuntCrossley, FrictionModel::kCoulomb},
+    {NormalModel::kWaltonBraun, FrictionModel::kNone},
+    {NormalModel::kWaltonBraun, FrictionModel::kCoulomb},
+    {NormalModel::kStronge, FrictionModel::kNone},
+    {NormalModel::kStronge, FrictionModel::kCoulomb},
+    {NormalModel::kJkr, FrictionModel::kNone},
+    {NormalModel::kJkr, FrictionModel::kCoulomb}};
+
+// Laws that have a static friction beside the kinetic one.
+inline bool two_frictions(FrictionModel law) {
+  return law == FrictionModel::kThreePhase || law == FrictionModel::kSpeedDependent ||
+         law == FrictionModel::kGripSlip;
+}
 
 class RandomShots {
  public:
@@ -81,27 +101,72 @@ class RandomShots {
     const double zeta = between(0, 1) < 0.3 ? 0.0 : between(0, 1.2);
     c.restitution_damping = static_cast<RestitutionDamping>(static_cast<int>(between(0, 2)));
     const double depth = radius * decades(-3, -0.8);  // of the undamped contact
-    if (job.normal == NormalModel::kLinearSpringDamper) {
+    if (job.friction == FrictionModel::kSpeedDependent) {
+      c.friction_speed_m_s = vn * decades(-1.5, 1);
+    }
+    if (has_hertz_spring(job.normal)) {
+      c.stiffness = 1.25 * mass * vn * vn / std::pow(depth, 2.5);
+      damped_hertz(job, zeta);
+    } else if (!stiffness_key(job.normal).empty()) {
       c.stiffness = mass * vn * vn / (depth * depth);
       c.damping_n_s_per_m = 2 * zeta * std::sqrt(c.stiffness * mass);
-    } else if (job.normal == NormalModel::kHertzDamper) {
-      c.stiffness = 1.25 * mass * vn * vn / std::pow(depth, 2.5);
-      c.damping_n_s_per_m =
-          zeta * std::pow(mass, 0.6) * std::pow(c.stiffness, 0.4) * std::pow(vn, 0.2);
+      if (job.normal == NormalModel::kWaltonBraun) {
+        c.unloading_stiffness_n_per_m = c.stiffness * decades(0, 1.5);
+        c.unloading_hardening_per_m = zeta / depth;
+      }
+    } else if (job.normal == NormalModel::kJkr) {
+      adhesive(job, depth);
     } else {
-      c.damping_n_s_per_m = 0;
-      c.restitution_damping = RestitutionDamping::kNone;
-      c.residual = between(0, 1) < 0.5 ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;
-      // Thornton's, Kogut and Etsion's and Jackson and Green's laws from before yield to x = 110.
-      c.reduced_modulus_pa = decades(9, 11.5);
-      const double strain = decades(-3, -1.7);  // yield strength over modulus
-      c.yield_strength_pa = strain * c.reduced_modulus_pa;
-      const double constant = 1.295 * std::exp(0.736 * c.poisson);
-      const double ratio = 3.14159265358979 * constant * strain / 2;
-      const double critical_j = 0.4 * 4.0 / 3 * c.reduced_modulus_pa * std::sqrt(radius) *
-                                std::pow(ratio * ratio * radius, 2.5);
-      job.body.mass_kg = 2 * critical_j * decades(-1, 4) / (vn * vn);
+      plastic(job);
     }
+  }
+
+  void damped_hertz(ImpactJob& job, double zeta) {
+    ContactParameters& c = job.contact;
+    const double mass = job.body.mass_kg, vn = -job.initial.vn_m_s;
+    const double slowness = std::pow(mass / c.stiffness, 0.4) * std::pow(vn, -0.2);
+    c.damping_n_s_per_m =
+        zeta * std::pow(mass, 0.6) * std::pow(c.stiffness, 0.4) * std::pow(vn, 0.2);
+    c.damping_factor = std::sqrt(5) * zeta;
+    c.dissipation_s = zeta * slowness;
+    c.damping_s_per_m = 2 * zeta / vn;
+    if (job.normal != NormalModel::kHertzDamper) {
+      const bool pulls = c.restitution_damping == RestitutionDamping::kNone && zeta < 0.8;
+      c.restitution_damping =
+          pulls ? RestitutionDamping::kToZeroDeflection : RestitutionDamping::kToZeroForce;
+    }
+  }
+
+  // From hardly adhesive to such as stick.
+  void adhesive(ImpactJob& job, double depth) {
+    ContactParameters& c = job.contact;
+    const double radius = job.body.radius_m(), vn = -job.initial.vn_m_s;
+    c.reduced_modulus_pa = decades(6, 11.5);
+    c.restitution_damping = RestitutionDamping::kNone;
+    const double energy =
+        0.4 * 4.0 / 3 * c.reduced_modulus_pa * std::sqrt(radius * depth) * depth * depth;
+    job.body.mass_kg = 2 * energy / (vn * vn);
+    const double lost = decades(-5, 0.3) * energy;  // 7.09 (w^5 R^4/E*^2)^(1/3)
+    c.adhesion_j_per_m2 = std::pow(std::pow(lost / 7.09, 3) * c.reduced_modulus_pa *
+                                       c.reduced_modulus_pa / std::pow(radius, 4),
+                                   0.2);
+  }
+
+  // From before yield to x = 110.
+  void plastic(ImpactJob& job) {
+    ContactParameters& c = job.contact;
+    const double radius = job.body.radius_m(), vn = -job.initial.vn_m_s;
+    c.damping_n_s_per_m = 0;
+    c.restitution_damping = RestitutionDamping::kNone;
+    c.residual = between(0, 1) < 0.5 ? ResidualLaw::kJackson : ResidualLaw::kKogutEtsion;
+    c.reduced_modulus_pa = decades(9, 11.5);
+    const double strain = decades(-3, -1.7);  // yield strength over modulus
+    c.yield_strength_pa = strain * c.reduced_modulus_pa;
+    const double constant = 1.295 * std::exp(0.736 * c.poisson);
+    const double ratio = 3.14159265358979 * constant * strain / 2;
+    const double critical_j = 0.4 * 4.0 / 3 * c.reduced_modulus_pa * std::sqrt(radius) *
+                              std::pow(ratio * ratio * radius, 2.5);
+    job.body.mass_kg = 2 * critical_j * decades(-1, 4) / (vn * vn);
   }
 
   std::mt19937 random_;
@@ -132,13 +197,14 @@ inline std::string broken_law(const ImpactJob& job, double& seconds) {
     if (phase.slip_j < -1e-9 * flow)
       return "friction does positive work while " + std::string(phase.name);
   }
-  if (r.separated &&
+  // Where the surface pulls, the impulse is less than that of the pressure.
+  const ContactParameters& c = job.contact;
+  const bool pulls = job.normal == NormalModel::kJkr ||
+                     c.restitution_damping == RestitutionDamping::kToZeroDeflection;
+  const double friction = two_frictions(job.friction) ? c.friction_static : c.friction_kinetic;
+  if (r.separated && !pulls &&
       std::hypot(r.impulse_t_n_s, r.impulse_b_n_s) >
-          (1 + 1e-9) *
-                  std::max(job.contact.friction_kinetic, job.friction == FrictionModel::kThreePhase
-                                                             ? job.contact.friction_static
-                                                             : 0.0) *
-                  r.impulse_n_n_s +
+          (1 + 1e-9) * friction * r.impulse_n_n_s +
               1e-10 * job.body.mass_kg * std::hypot(job.initial.vt_m_s, job.initial.vn_m_s)) {
     return "more friction than the normal impulse allows";
   }

@@ -37,14 +37,32 @@ struct ImpactBody {
   void validate() const;
 };
 
+// Equations, sources and ranges: docs/models.md.
 enum class NormalModel {
   kLinearSpringDamper,
   kHertzDamper,
   kJacksonGreen,
   kKogutEtsion,
-  kThornton
+  kThornton,
+  kTsuji,         // Tsuji, Tanaka and Ishida 1992
+  kKuwabaraKono,  // Kuwabara and Kono 1987; Brilliantov et al. 1996
+  kHuntCrossley,  // Hunt and Crossley 1975
+  kWaltonBraun,   // Walton and Braun 1986
+  kStronge,       // elastic-plastic, Stronge 2000
+  kJkr            // Johnson, Kendall and Roberts 1971
 };
-enum class FrictionModel { kNone, kCoulomb, kThreePhase, kFullSliding, kBrody, kMawBarberFawcett };
+enum class FrictionModel {
+  kNone,
+  kCoulomb,
+  kThreePhase,
+  kFullSliding,
+  kBrody,
+  kMawBarberFawcett,
+  kMindlin,           // partial slip under any normal law
+  kTangentialSpring,  // Stronge 2000: a spring along the surface that slips at Coulomb's limit
+  kGripSlip,          // Cross 2002: slides first, then grips
+  kSpeedDependent     // Coulomb friction that falls with the speed of slip
+};
 // kPublished: the author's own rule, so that its figures can be remade. kSound: no rule that breaks
 // a law of physics.
 enum class ModelPreset { kPublished, kSound };
@@ -70,18 +88,45 @@ BodyShape parse_shape(std::string_view name);
 
 // The parameters of the contact; each law uses its own and the others stay zero.
 struct ContactParameters {
-  // linear_spring_damper: N/m; hertz_damper: N/m^1.5.
+  // linear_spring_damper, walton_braun: N/m; hertz_damper, tsuji, kuwabara_kono, hunt_crossley:
+  // N/m^1.5.
   double stiffness = 0;
   double damping_n_s_per_m = 0;
   RestitutionDamping restitution_damping = RestitutionDamping::kNone;
   double friction_kinetic = 0;
-  double friction_static = 0;  // three_phase only; at least friction_kinetic
-  double poisson = 0;          // maw_barber_fawcett, jackson_green: of the (softer) body
+  // three_phase, grip_slip, speed_dependent; at least friction_kinetic.
+  double friction_static = 0;
+  double poisson = 0;  // maw_barber_fawcett, mindlin, jackson_green: of the (softer) body
   // The elastic-plastic laws: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; yield of the weaker body.
   double reduced_modulus_pa = 0;
   double yield_strength_pa = 0;
   ResidualLaw residual = ResidualLaw::kJackson;
+  // tsuji: alpha of P = k d^1.5 + alpha sqrt(m k) d^(1/4) d'.
+  double damping_factor = 0;
+  // kuwabara_kono: A of P = k (d^1.5 + 3/2 A d^(1/2) d').
+  double dissipation_s = 0;
+  // hunt_crossley: alpha of P = k d^1.5 (1 + 3/2 alpha d'); e = 1 - alpha v at low speed.
+  double damping_s_per_m = 0;
+  // walton_braun: the way back has the stiffness k2 = this + hardening x the largest force.
+  double unloading_stiffness_n_per_m = 0, unloading_hardening_per_m = 0;
+  double adhesion_j_per_m2 = 0;             // jkr: work of adhesion
+  double tangential_stiffness_n_per_m = 0;  // tangential_spring, grip_slip
+  // speed_dependent: mu = mu_k + (mu_s - mu_k) exp(-slip speed / this).
+  double friction_speed_m_s = 0;
+
+  // The constant of that law's damper; NaN where it has none.
+  double damping(NormalModel law) const;
+  void set_damping(NormalModel law, double value);
 };
+
+// The keys, with their units, of a law's stiffness and of its damper in job files; empty where it
+// has none.
+std::string_view stiffness_key(NormalModel law);
+std::string_view damping_key(NormalModel law);
+// Whether P = k delta^1.5 while nothing damps, with k in N/m^1.5.
+bool has_hertz_spring(NormalModel law);
+// Whether the friction law takes a Poisson's ratio: parts of the contact slip while others stick.
+bool slips_partially(FrictionModel law);
 
 // Of one body, as handbooks state it.
 struct ElasticMaterial {
@@ -157,10 +202,10 @@ struct ImpactJob {
   double contact_radius_m() const;
   // The mass that the contact moves: the body's, or m1 m2/(m1 + m2).
   double contact_mass_kg() const;
-  // Computes from the materials what the laws take: reduced modulus; the stiffness of
-  // hertz_damper; the Poisson's ratio of maw_barber_fawcett, that of two equal bodies with the same
-  // ratio of tangential to normal stiffness; the damping, where a restitution is given. Throws
-  // InvalidArgument naming the key.
+  // Computes from the materials what the laws take: reduced modulus; the stiffness of a Hertz
+  // contact; the Poisson's ratio of maw_barber_fawcett and mindlin, that of two equal bodies with
+  // the same ratio of tangential to normal stiffness; the damping, or the stiffness of
+  // walton_braun's way back, where a restitution is given. Throws InvalidArgument naming the key.
   void take_materials(const ContactMaterials& from);
 
   // Throws InvalidArgument naming the key, as it stands in a job file, and why.

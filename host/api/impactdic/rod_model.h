@@ -27,7 +27,7 @@ struct ElasticPlasticSurface {
   void validate() const;
 };
 
-enum class PlasticLoading { kJacksonGreen, kKogutEtsion, kThornton };
+enum class PlasticLoading { kJacksonGreen, kKogutEtsion, kThornton, kStronge };
 
 struct RodBody {
   double length_m = 0.3048;

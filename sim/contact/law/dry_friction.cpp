@@ -1,5 +1,5 @@
-// Dry friction without tangential compliance: Coulomb with rolling, the source's three phases, full
-// sliding, Brody.
+// Dry friction without tangential compliance: Coulomb with rolling, with a coefficient that falls
+// with the speed, the source's three phases, full sliding, Brody.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace impactdic::sim::contact {
 
 namespace {
 
-enum class Rule { kFrictionless, kCoulomb, kThreePhases, kFullSliding, kBrody };
+enum class Rule { kFrictionless, kCoulomb, kThreePhases, kFullSliding, kBrody, kFading };
 enum class Mode {
   kFrictionless,
   kSliding,
@@ -35,6 +35,7 @@ class DryFriction final : public FrictionLaw {
         published_(preset == ModelPreset::kPublished),
         kinetic_(contact.friction_kinetic),
         static_(std::max(contact.friction_static, contact.friction_kinetic)),
+        fading_speed_(contact.friction_speed_m_s),
         load_(load) {}
 
   void begin(const ContactPoint& at, double) override {
@@ -63,7 +64,7 @@ class DryFriction final : public FrictionLaw {
         return {0, -at.holding_n * at.centre_vt_m_s, 0, at.holding_n};
       case Mode::kSliding:
       case Mode::kReversed:
-        force = -kinetic_ * load(at) * direction_;
+        force = -sliding(at) * load(at) * direction_;
         break;
       case Mode::kRolling:
         force = at.rolling_n;
@@ -148,6 +149,13 @@ class DryFriction final : public FrictionLaw {
     return load_.scale * (load_.spring_only ? at.spring_n : at.normal_n);
   }
 
+  // Oden and Martins 1985 among others: from the static to the kinetic coefficient, the faster it
+  // slips.
+  double sliding(const ContactPoint& at) const {
+    if (rule_ != Rule::kFading) return kinetic_;
+    return kinetic_ + (static_ - kinetic_) * std::exp(-std::abs(at.tip_vt_m_s) / fading_speed_);
+  }
+
   void slide(double direction) {
     mode_ = Mode::kSliding;
     direction_ = direction;
@@ -202,6 +210,7 @@ class DryFriction final : public FrictionLaw {
   Rule rule_;
   bool published_;
   double kinetic_, static_;
+  double fading_speed_;
   Load load_;
   Mode mode_ = Mode::kSliding;
   double direction_ = 1;  // of the slip; while sticking, of the centre
@@ -220,6 +229,8 @@ Rule rule_of(const ImpactJob& job) {
       return Rule::kFullSliding;
     case FrictionModel::kBrody:
       return Rule::kBrody;
+    case FrictionModel::kSpeedDependent:
+      return Rule::kFading;
     default:
       return Rule::kCoulomb;
   }
@@ -243,7 +254,9 @@ std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double spee
     load.scale = std::abs(speed_t_m_s) / std::hypot(speed_t_m_s, speed_n_m_s);
   }
   ContactParameters contact = job.contact;
-  if (job.friction != FrictionModel::kThreePhase) contact.friction_static = 0;
+  const bool two_limits =
+      job.friction == FrictionModel::kThreePhase || job.friction == FrictionModel::kSpeedDependent;
+  if (!two_limits) contact.friction_static = 0;
   return std::make_unique<DryFriction>(rule_of(job), job.preset, contact, load);
 }
 

@@ -2,7 +2,6 @@
 #include <impactdic/error.h>
 
 #include <cmath>
-#include <limits>
 
 #include "sim/contact/law/normal_elastoplastic.h"
 #include "sim/contact/law/normal_law.h"
@@ -18,6 +17,8 @@ PlasticLoading loading_of(NormalModel model) {
       return PlasticLoading::kKogutEtsion;
     case NormalModel::kThornton:
       return PlasticLoading::kThornton;
+    case NormalModel::kStronge:
+      return PlasticLoading::kStronge;
     default:
       throw InvalidArgument("not an elastic-plastic law", "normal");
   }
@@ -60,13 +61,7 @@ class ElasticPlasticNormal final : public NormalLaw {
   }
 
   // Where the published fits change over.
-  double next_kink_m(double deflection_m) const override {
-    for (const double x : {1.0, 1.9, 6.0, 110.0}) {
-      const double kink_m = x * law_.critical_compression_m();
-      if (kink_m > deflection_m) return kink_m;
-    }
-    return std::numeric_limits<double>::infinity();
-  }
+  double next_kink_m(double deflection_m) const override { return law_.next_kink_m(deflection_m); }
 
   std::string out_of_range(double deflection_m) const override {
     return law_.out_of_range(deflection_m);

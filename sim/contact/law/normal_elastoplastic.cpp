@@ -9,6 +9,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "sim/contact/law/normal_law.h"
@@ -75,6 +76,32 @@ double kogut_etsion(double x, double yield_constant) {
   return std::min(1.40 * std::pow(x, 1.263), std::max(plastic, 1.40 * std::pow(110, 1.263)));
 }
 
+// Stronge 2000, chapter 6: beyond yield the contact's area grows as X = 2 x - 1 and its mean
+// pressure as 1 + ln(X) / (3 theta), theta = 1.1, until it is 2.8 Sy.
+constexpr double kStrongeYield = 1.1;
+
+double stronge_pressure(double area) {
+  return std::min(1 + std::log(area) / (3 * kStrongeYield), kHardnessOverYield / kStrongeYield);
+}
+
+double stronge(double x) {
+  return x < 1 ? x * std::sqrt(x) : (2 * x - 1) * stronge_pressure(2 * x - 1);
+}
+
+// Where the pressure stops growing: x = 82.5.
+double stronge_plastic() { return (1 + std::exp(3 * (kHardnessOverYield - kStrongeYield))) / 2; }
+
+// int from 1 to x of it.
+double stronge_energy(double x) {
+  const auto growing = [](double area) {
+    const double square = area * area;
+    return square / 4 + (square * std::log(area) / 2 - square / 4) / (6 * kStrongeYield);
+  };
+  const double end = std::min(x, stronge_plastic());
+  const double beyond = std::max(x - end, 0.0), area = 2 * end - 1;
+  return growing(area) - growing(1) + kHardnessOverYield / kStrongeYield * beyond * (area + beyond);
+}
+
 // Thornton 1997: Hertz up to yield, then the slope of yield is kept: dP/dw = pi p_y R.
 double thornton(double x) { return x < 1 ? x * std::sqrt(x) : 1 + 1.5 * (x - 1); }
 
@@ -88,7 +115,9 @@ ElasticPlasticLaw::ElasticPlasticLaw(const ElasticPlasticSurface& surface, Plast
                                      ResidualLaw residual)
     : surface_(surface), loading_(loading), residual_(residual) {
   surface_.validate();
-  yield_constant_ = 1.295 * std::exp(0.736 * surface_.poisson);
+  yield_constant_ = loading_ == PlasticLoading::kStronge
+                        ? 1.5 * kStrongeYield
+                        : 1.295 * std::exp(0.736 * surface_.poisson);
   const double pressure = kPi * yield_constant_ * surface_.yield_strength_pa / 2;
   const double ratio = pressure / surface_.effective_modulus_pa;
   critical_compression_m_ = ratio * ratio * surface_.radius_m;
@@ -97,6 +126,7 @@ ElasticPlasticLaw::ElasticPlasticLaw(const ElasticPlasticSurface& surface, Plast
 
 double ElasticPlasticLaw::normalised_loading(double x) const {
   if (loading_ == PlasticLoading::kThornton) return thornton(x);
+  if (loading_ == PlasticLoading::kStronge) return stronge(x);
   if (loading_ == PlasticLoading::kKogutEtsion) return kogut_etsion(x, yield_constant_);
   return jackson_green(x, yield_constant_,
                        surface_.yield_strength_pa / surface_.effective_modulus_pa);
@@ -105,6 +135,15 @@ double ElasticPlasticLaw::normalised_loading(double x) const {
 double ElasticPlasticLaw::loading_force_n(double w_m) const {
   if (!(w_m > 0)) return 0;
   return critical_force_n_ * normalised_loading(w_m / critical_compression_m_);
+}
+
+double ElasticPlasticLaw::next_kink_m(double w_m) const {
+  for (const double x : {1.0, kJacksonElasticLimit, 6.0, stronge_plastic(), 110.0}) {
+    // Only his law has that one; the others are smooth there.
+    if (x == stronge_plastic() && loading_ != PlasticLoading::kStronge) continue;
+    if (x * critical_compression_m_ > w_m) return x * critical_compression_m_;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 double ElasticPlasticLaw::residual_m(double largest_m) const {
@@ -126,6 +165,10 @@ double ElasticPlasticLaw::fitted_residual_m(double largest_m) const {
     const double force = thornton(x);
     const double radius_ratio = std::pow((2 * force + 1) / 3, 1.5) / force;
     return largest_m - critical_compression_m_ * std::cbrt(force * force / radius_ratio);
+  }
+  if (loading_ == PlasticLoading::kStronge) {
+    // What recovers is in proportion to the contact's radius, a^2 = (2 x - 1) a_c^2.
+    return largest_m - critical_compression_m_ * std::sqrt(2 * x - 1);
   }
   if (residual_ == ResidualLaw::kKogutEtsion) {
     return largest_m * (1 - std::pow(x, -0.28)) * (1 - std::pow(x, -0.69));
@@ -156,7 +199,8 @@ std::string ElasticPlasticLaw::out_of_range(double largest_m) const {
 
 double ElasticPlasticLaw::unloading_exponent(double largest_m) const {
   const double x = largest_m / critical_compression_m_;
-  if (loading_ == PlasticLoading::kThornton || residual_ == ResidualLaw::kJackson || x <= 1) {
+  const bool own = loading_ == PlasticLoading::kThornton || loading_ == PlasticLoading::kStronge;
+  if (own || residual_ == ResidualLaw::kJackson || x <= 1) {
     return 1.5;
   }
   return 1.5 * std::pow(x, -0.0331);
@@ -179,6 +223,10 @@ double ElasticPlasticLaw::loading_energy_j(double w_m) const {
   const double x = w_m / critical_compression_m_;
   const auto force = [this](double s) { return normalised_loading(s); };
   double sum = 0.4 * std::pow(std::min(x, 1.0), 2.5);
+  if (loading_ == PlasticLoading::kStronge) {
+    if (x > 1) sum += stronge_energy(x);
+    return sum * critical_force_n_ * critical_compression_m_;
+  }
   for (std::size_t i = 0; i < kinks.size() && x > kinks[i]; ++i) {
     const double end = i + 1 < kinks.size() ? std::min(x, kinks[i + 1]) : x;
     // Just inside the piece: the published fits jump at the kinks.

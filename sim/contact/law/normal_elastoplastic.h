@@ -5,7 +5,8 @@
 // x = compression / critical compression throughout. Sources, by first author and year:
 //   Jackson & Green 2005 (loading), Jackson, Green & Marghitu 2010 (residual),
 //   Kogut & Etsion 2002 (loading), Etsion, Kligerman & Kadin 2005 (residual, unloading exponent),
-//   Thornton 1997 (loading, unloading, restitution), Johnson 1985 (restitution).
+//   Thornton 1997 (loading, unloading, restitution), Johnson 1985 (restitution),
+//   Stronge 2000 (loading).
 #pragma once
 
 #include <impactdic/rod_model.h>
@@ -17,21 +18,23 @@ namespace impactdic::sim::contact {
 // 1/E* = (1-nu1^2)/E1 + (1-nu2^2)/E2, in pascal.
 double effective_modulus_pa(double young1_pa, double poisson1, double young2_pa, double poisson2);
 
-// P(compression) on the way in and on the way out. Thornton's loading has its own residual and
-// ignores `residual`. Force and deformation are zero or positive.
+// P(compression) on the way in and on the way out. Thornton's and Stronge's loading have their own
+// residual and ignore `residual`. Force and deformation are zero or positive.
 class ElasticPlasticLaw {
  public:
   ElasticPlasticLaw(const ElasticPlasticSurface& surface, PlasticLoading loading,
                     ResidualLaw residual);
 
-  // Where yield begins: w_c = (pi C Sy / 2 E*)^2 R with C = 1.295 exp(0.736 nu), and its force
-  // P_c = 4/3 (R/E*)^2 (pi C Sy / 2)^3.
+  // Where yield begins: w_c = (pi C Sy / 2 E*)^2 R with C = 1.295 exp(0.736 nu), or for Stronge
+  // with the mean pressure 2/3 C Sy = 1.1 Sy, and its force P_c = 4/3 (R/E*)^2 (pi C Sy / 2)^3.
   double critical_compression_m() const { return critical_compression_m_; }
   double critical_force_n() const { return critical_force_n_; }
   // Force at compression `w_m`, growing past every earlier one. Zero for w_m <= 0.
   // Jackson & Green jump by +0.66 % at x = 1.9 (nu 0.29), Kogut & Etsion by +3 % and +1.7 % at
   // x = 1 and 6: the published fits do so.
   double loading_force_n(double w_m) const;
+  // The next compression above this one at which the loading is not smooth.
+  double next_kink_m(double w_m) const;
   // Compression that stays after a largest one of `largest_m`.
   double residual_m(double largest_m) const;
   // Why the law should not be used up to there; empty where it may.

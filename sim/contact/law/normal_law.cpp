@@ -26,7 +26,7 @@ NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) co
   return turned;
 }
 
-double NormalLaw::spring_slope_n_per_m(double) const { return 0; }
+double NormalLaw::force_growth(double, double, double) const { return 1; }
 
 std::string beyond_limit(const char* what, double value, double limit) {
   char text[160];
@@ -35,6 +35,15 @@ std::string beyond_limit(const char* what, double value, double limit) {
 }
 
 double NormalLaw::next_kink_m(double) const { return std::numeric_limits<double>::infinity(); }
+
+double hertz_deflection_m(double mass_kg, double stiffness, double speed_m_s) {
+  return std::pow(1.25 * mass_kg * speed_m_s * speed_m_s / stiffness, 0.4);
+}
+
+// 0.8 sqrt(pi) Gamma(0.4)/Gamma(0.9) delta_m/v.
+double hertz_duration_s(double mass_kg, double stiffness, double speed_m_s) {
+  return 2.94328 * hertz_deflection_m(mass_kg, stiffness, speed_m_s) / speed_m_s;
+}
 
 double NormalLaw::deflection_estimate_m(double mass_kg, double speed_m_s) const {
   return speed_m_s * duration_estimate_s(mass_kg, speed_m_s) / kPi;
@@ -51,7 +60,8 @@ class SpringDamper final : public NormalLaw {
         stiffness_(contact.stiffness),
         damping_(contact.damping_n_s_per_m),
         radius_(radius_m),
-        damped_restitution_(contact.restitution_damping != RestitutionDamping::kNone) {}
+        ending_(contact.restitution_damping),
+        damped_restitution_(ending_ != RestitutionDamping::kNone) {}
 
   double spring_n(double deflection_m, const NormalMemory&) const override {
     const double force = stiffness_ * deflection_m;
@@ -66,9 +76,12 @@ class SpringDamper final : public NormalLaw {
     return spring_n(deflection_m, memory) * deflection_m / (hertz_ ? 2.5 : 2.0);
   }
 
-  double spring_slope_n_per_m(double deflection_m) const override {
-    return hertz_ ? 1.5 * stiffness_ * std::sqrt(std::abs(deflection_m)) : stiffness_;
+  double force_growth(double deflection_m, double rate_m_s, double acceleration) const override {
+    const double slope = hertz_ ? 1.5 * stiffness_ * std::sqrt(std::abs(deflection_m)) : stiffness_;
+    return slope * rate_m_s + damping_ * acceleration;
   }
+
+  RestitutionDamping ending() const override { return ending_; }
 
   // A linear spring does not ask what presses it, but nothing is pressed deeper than through.
   std::string out_of_range(double deflection_m) const override {
@@ -77,20 +90,21 @@ class SpringDamper final : public NormalLaw {
     return beyond_limit("the largest deflection over the radius", part, limit);
   }
 
-  // Undamped: pi sqrt(m/k), and 0.8 sqrt(pi) Gamma(0.4)/Gamma(0.9) delta_m/v (Hertz 1882).
+  // Undamped.
   double duration_estimate_s(double mass_kg, double speed_m_s) const override {
     if (!hertz_) return kPi * std::sqrt(mass_kg / stiffness_);
-    return 2.94328 * deflection_estimate_m(mass_kg, speed_m_s) / speed_m_s;
+    return hertz_duration_s(mass_kg, stiffness_, speed_m_s);
   }
 
   double deflection_estimate_m(double mass_kg, double speed_m_s) const override {
     if (!hertz_) return speed_m_s * std::sqrt(mass_kg / stiffness_);
-    return std::pow(1.25 * mass_kg * speed_m_s * speed_m_s / stiffness_, 0.4);
+    return hertz_deflection_m(mass_kg, stiffness_, speed_m_s);
   }
 
  private:
   bool hertz_;
   double stiffness_, damping_, radius_;
+  RestitutionDamping ending_;
   bool damped_restitution_;
 };
 
@@ -102,6 +116,14 @@ std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job) {
       return std::make_unique<SpringDamper>(false, job.contact, job.contact_radius_m());
     case NormalModel::kHertzDamper:
       return std::make_unique<SpringDamper>(true, job.contact, job.contact_radius_m());
+    case NormalModel::kTsuji:
+    case NormalModel::kKuwabaraKono:
+    case NormalModel::kHuntCrossley:
+      return make_damped_hertz(job.normal, job.contact, job.contact_radius_m(), job.body.mass_kg);
+    case NormalModel::kWaltonBraun:
+      return make_walton_braun(job.contact, job.contact_radius_m());
+    case NormalModel::kJkr:
+      return make_jkr(job.contact, job.contact_radius_m());
     default:
       return make_elastoplastic_law(job.normal, job.contact, job.contact_radius_m());
   }

@@ -40,9 +40,13 @@ class NormalLaw {
   // The next deflection above this one at which loading is not smooth (the integration restarts
   // there); infinite if there is none.
   virtual double next_kink_m(double deflection_m) const;
-  // d(spring_n)/d(deflection), N/m, while the contact is being compressed; only asked of laws with
-  // a damper.
-  virtual double spring_slope_n_per_m(double deflection_m) const;
+  // Has the sign of d(force)/dt while the contact is being compressed, and is smooth at the touch;
+  // only asked of laws with a damper.
+  virtual double force_growth(double deflection_m, double rate_m_s, double acceleration_m_s2) const;
+  // What ends the contact: see RestitutionDamping; kNone for laws without a damper.
+  virtual RestitutionDamping ending() const { return RestitutionDamping::kNone; }
+  // Whether the surface is meant to pull before it lets go.
+  virtual bool adhesive() const { return false; }
   // Why the law should not be used up to this deflection; empty where it may.
   virtual std::string out_of_range(double deflection_m) const = 0;
   // The duration of the contact, roughly (within a factor of about three): sets scales, s.
@@ -57,8 +61,18 @@ std::string beyond_limit(const char* what, double value, double limit);
 // The law that the job names. Throws InvalidArgument.
 std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job);
 
-// The elastic-plastic laws of sim/impact/normal_elastoplastic.cpp: jackson_green, kogut_etsion,
-// thornton. `radius_m` is the radius of the contact.
+// P = k delta^1.5 with a damper that grows with the contact: tsuji, kuwabara_kono, hunt_crossley.
+std::unique_ptr<NormalLaw> make_damped_hertz(NormalModel model, const ContactParameters& contact,
+                                             double radius_m, double mass_kg);
+std::unique_ptr<NormalLaw> make_walton_braun(const ContactParameters& contact, double radius_m);
+std::unique_ptr<NormalLaw> make_jkr(const ContactParameters& contact, double radius_m);
+
+// Hertz (1882), P = k delta^1.5: 2.94328 delta_m / v and (5 m v^2 / (4 k))^0.4.
+double hertz_duration_s(double mass_kg, double stiffness, double speed_m_s);
+double hertz_deflection_m(double mass_kg, double stiffness, double speed_m_s);
+
+// The elastic-plastic laws of normal_elastoplastic.cpp: jackson_green, kogut_etsion, thornton,
+// stronge_elastoplastic. `radius_m` is the radius of the contact.
 std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model,
                                                   const ContactParameters& contact,
                                                   double radius_m);
