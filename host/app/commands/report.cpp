@@ -72,7 +72,7 @@ void add_report_command(CLI::App& app) {
   auto request = std::make_shared<ReportRequest>();
   command
       ->add_option("DIR", request->folder,
-                   "What track, batch, fit, compare or simulate has written")
+                   "What track, batch, correlate, study, fit, compare or simulate has written")
       ->required();
   command->add_option("-j,--threads", request->threads, "Figures drawn at a time; 0: all cores")
       ->check(CLI::Range(0, 1024))

@@ -33,10 +33,10 @@ class Report:
     def __init__(self, folder, program, mass_kg=None):
         self.folder, self.program, self.mass_kg = folder, program, mass_kg
         self.figures, self.tables, self.warnings, self.texts = [], [], [], []
-        self.subtitle, self.first = "", First()
+        self.subtitle, self.first, self.kind = "", First(), "Impact"
 
     def gather(self):
-        from . import models
+        from . import models, study
 
         is_shot = (self.folder / "track.csv").exists()
         is_batch = (self.folder / "shots.csv").exists()
@@ -45,9 +45,14 @@ class Report:
             self.add_batch()
         elif is_shot:
             self.add_shot()
+        elif (self.folder / "motion.csv").exists() and (self.folder / "fields.h5").exists():
+            self.add_field()
+        elif study.is_study(self.folder):
+            self.add_study()
         elif not model_folders:
             raise ResultError("there is nothing to report", self.folder,
-                              "wanted is a folder of track, batch, fit, compare or simulate")
+                              "wanted is a folder of track, batch, correlate, study, fit, compare "
+                              "or simulate")
         for folder in model_folders:
             self.add_models(folder)
         job = load(self.folder).job_text
@@ -68,6 +73,24 @@ class Report:
         impact = summary.get("impact") or {}
         self.subtitle = f"{summary['frames_analysed']} frames; " \
                         f"{impact.get('explanation', 'the impact was not looked for')}."
+
+    def add_field(self):
+        from . import correlate, tables
+
+        result = load(self.folder)
+        field, self.kind = correlate.Field(result), "Displacement field"
+        self.first = correlate.first_screen(field)
+        self.figures += correlate.figures(field)
+        self.tables.append(tables.field_table(result.summary, result.job))
+        self.warnings += result.warnings
+
+    def add_study(self):
+        from . import study
+
+        result = load(self.folder)
+        self.first, self.kind = study.first_screen(result), "Speckle study"
+        self.figures += study.figures(self.folder)
+        self.tables += study.tables(result)
 
     def add_batch(self):
         from . import shots, tables
@@ -102,7 +125,7 @@ class Report:
         into.mkdir(exist_ok=True)
         with ProcessPoolExecutor(max_workers=jobs) as pool:
             drawing = [pool.submit(_save, figure, into) for figure in self.figures]
-            page.write(self.folder / "report.html", f"Impact: {self.folder.resolve().name}",
+            page.write(self.folder / "report.html", f"{self.kind}: {self.folder.resolve().name}",
                        self.first, self.subtitle, self.warnings, self.figures, self.tables, self.texts)
             for done in drawing:
                 done.result()
@@ -121,7 +144,8 @@ def _save(figure, into):
 def make(folder, program=None, threads=0, mass_kg=None):
     """Draws the figures of the results in `folder` and writes report.html there; returns what
     stands on the page. `program`: the impactdic that integrates models; none: they are left out.
-    `mass_kg`: the ball's; none: what a table of shots or a job of fit and compare says of it. Raises ResultError, MissingPackage."""
+    `mass_kg`: the ball's; none: what a table of shots or a job of fit and compare says of it.
+    Raises ResultError, MissingPackage."""
     folder = Path(folder)
     missing = missing_packages()
     if missing:

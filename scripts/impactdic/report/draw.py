@@ -101,6 +101,10 @@ def _draw_panel(axis, panel):
         axis.set_ylim(panel.picture.y_px + height - 0.5, panel.picture.y_px - 0.5)
     elif len(panel.series) + len(panel.spans) > 1:
         _draw_legend(axis, panel)
+    if panel.log_y:
+        axis.set_yscale("log")
+    if panel.x_names is not None:
+        axis.set_xticks(range(len(panel.x_names)), panel.x_names)
     if panel.from_zero:
         axis.set_ylim(bottom=0)
 

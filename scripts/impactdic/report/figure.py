@@ -84,6 +84,8 @@ class Panel:
     same_scale: bool = False  # of both axes
     y_down: bool = False
     from_zero: bool = False  # the y axis starts at 0
+    log_y: bool = False
+    x_names: list | None = None  # of the places 0, 1, … on the x axis
 
 
 @dataclass

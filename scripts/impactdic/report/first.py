@@ -83,11 +83,7 @@ def lights(summary):
         why = "not measured" if _value(measured) is None else f"{with_sd(measured)} m/s² measured"
         state = {True: "good", False: "bad"}.get(gravity.get("agrees_with_9_81"), "open")
         found.append(Light("gravity", state, why))
-    windows = (summary.get("advice") or {}).get("windows") or {}
-    if windows.get("windows"):
-        share = windows["usable"] / windows["windows"]
-        found.append(Light("texture", "good" if share >= ENOUGH else "bad",
-                           f"{100 * share:.0f} % of the windows are usable"))
+    found += texture_light(summary)
     scale = summary.get("scale") or {}
     if summary.get("scale_m_per_px"):
         found.append(Light("scale", "good", f"from {scale['from']}" if scale.get("from")
@@ -95,6 +91,16 @@ def lights(summary):
     else:
         found.append(Light("scale", "open", "no scale is given: lengths are in px"))
     return found
+
+
+def texture_light(summary):
+    """One light, or none where no texture was looked at."""
+    windows = (summary.get("advice") or {}).get("windows") or {}
+    if not windows.get("windows"):
+        return []
+    share = windows["usable"] / windows["windows"]
+    return [Light("texture", "good" if share >= ENOUGH else "bad",
+                  f"{100 * share:.0f} % of the windows are usable")]
 
 
 def _value(figure):

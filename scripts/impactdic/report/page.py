@@ -73,8 +73,8 @@ for (const [id, panel] of Object.entries(panels)) {
 
 
 # Of the page, in their order.
-SECTIONS = ["Figures of the impact", "Shots", "Frames", "Motion", "Contact", "Many shots", "Models",
-            "Quality", "Run", "Job", "Versions"]
+SECTIONS = ["Figures of the impact", "Shots", "Frames", "Displacement field", "Study", "Motion",
+            "Contact", "Many shots", "Models", "Quality", "Run", "Job", "Versions"]
 
 
 def write(path, title, first, subtitle, warnings, figures, tables, texts):
@@ -286,6 +286,11 @@ def _layout(panel):
         layout["yaxis"] |= {"scaleanchor": "x", "scaleratio": 1}
     if panel.y_down:
         layout["yaxis"]["autorange"] = "reversed"
+    if panel.log_y:
+        layout["yaxis"]["type"] = "log"
+    if panel.x_names is not None:
+        layout["xaxis"] |= {"tickmode": "array", "tickvals": list(range(len(panel.x_names))),
+                            "ticktext": panel.x_names}
     if panel.from_zero:
         layout["yaxis"]["rangemode"] = "tozero"
     if panel.picture is not None:

@@ -89,16 +89,10 @@ def space_rows(space, si):
 
 
 def run_table(summary, job):
-    source, device = summary.get("input") or {}, summary.get("device") or {}
     ball = summary.get("ball") or {}
     radius, metres = ball.get("radius_px"), ball.get("radius_m")
     scale = summary.get("scale") or {}
-    rows = [
-        ["clip", str(source.get("path", "unknown"))],
-        ["SHA-256", str(source.get("sha256") or "not worked out")],
-        ["format", f"{source.get('format')}, {source.get('width_px')} × {source.get('height_px')} "
-                   f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
-        ["camera", str(source.get("camera") or "not stated")],
+    rows = source_rows(summary) + [
         ["analysed frames/s", _or(summary.get("analysed_fps"), "{:g}", "unknown")],
         ["frame times", frame_times(summary.get("frame_times") or {})],
         ["scale", with_sd({"value": scale["m_per_px"], "sd": scale["sd_m_per_px"]}, 1e3, "mm/px")
@@ -107,12 +101,37 @@ def run_table(summary, job):
                    + (f" = {1e3 * metres:.3f} mm" if metres else "")],
         ["frames", ", ".join(f"{count} {status}" for status, count in
                              (summary.get("frames_by_status") or {}).items())],
+    ] + device_rows(summary, job)
+    return Table("Run", ["", ""], rows, "Run")
+
+
+def source_rows(summary):
+    """The clip that was measured."""
+    source = summary.get("input") or {}
+    return [
+        ["clip", str(source.get("path", "unknown"))],
+        ["SHA-256", str(source.get("sha256") or "not worked out")],
+        ["format", f"{source.get('format')}, {source.get('width_px')} × {source.get('height_px')} "
+                   f"px, {source.get('bits')} bits, {source.get('frames')} frames"],
+        ["camera", str(source.get("camera") or "not stated")],
+    ]
+
+
+def device_rows(summary, job):
+    """What measured it."""
+    device = summary.get("device") or {}
+    return [
         ["speed of the measurement", _or(summary.get("frames_per_s"), "{:.1f} frames/s", "")],
         ["device", f"{device['name']} ({device['platform']}, {device['driver']})" if device
                    else "none"],
         ["impactdic", str(job.get("version", "unknown"))],
     ]
-    return Table("Run", ["", ""], rows, "Run")
+
+
+def field_table(summary, job):
+    """Of a run of correlate."""
+    rows = source_rows(summary) + [["windows", str(summary.get("windows", "unknown"))]]
+    return Table("Run", ["", ""], rows + device_rows(summary, job), "Run")
 
 
 def frame_times(times):

@@ -22,4 +22,4 @@ def rounded(value, sd=None):
     if digits > 12:
         return f"{value:.6g}"
     shown = max(0, digits)
-    return f"{round(value, digits):.{shown}f} ± {sd:.{shown}f}"
+    return f"{round(value, digits) + 0.0:.{shown}f} ± {sd:.{shown}f}"

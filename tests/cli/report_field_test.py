@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""The report of `correlate` and `study`: fields whose strain is known, tables whose errors are."""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+SOURCE = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "scripts"))
+sys.dont_write_bytecode = True
+
+import impactdic  # noqa: E402
+from impactdic.report import correlate, study  # noqa: E402
+from impactdic.report.__main__ import Report  # noqa: E402
+
+SIDE, PITCH = 12, 20.0
+STRETCH, SHEAR, TURN = 0.02, 0.01, np.deg2rad(30)  # of the last frame
+
+
+def gradient(share):
+    """F - 1 of a stretch along x and a shear, then a turn, of which `share` is done."""
+    c, s = np.cos(share * TURN), np.sin(share * TURN)
+    return np.array([[c, -s], [s, c]]) @ np.array(
+        [[1 + share * STRETCH, share * SHEAR], [0, 1]]) - np.eye(2)
+
+
+def write_field(folder, frames=4):
+    """As `correlate` writes it: the reference and frames of growing strain; one window masked, one
+    not found."""
+    y, x = (PITCH * a.ravel() for a in np.indices((SIDE, SIDE)))
+    centre = np.array([x.mean(), y.mean()])
+    names = "u_px v_px u_sd_px v_sd_px correlation ux uy vx vy".split()
+    data = {name: np.zeros((frames, SIDE * SIDE), np.float32) for name in names}
+    status = np.zeros((frames, SIDE * SIDE), np.uint8)
+    status[0] = 1
+    status[:, 0], status[1:, 1] = 1, 3
+    for k in range(1, frames):
+        f = gradient(k / (frames - 1))
+        u, v = f @ np.array([x - centre[0], y - centre[1]])
+        values = {"u_px": u, "v_px": v, "ux": f[0, 0], "uy": f[0, 1], "vx": f[1, 0], "vy": f[1, 1],
+                  "correlation": 0.99, "u_sd_px": 0.01, "v_sd_px": 0.01}
+        for name, value in values.items():
+            data[name][k] = value
+        data["u_px"][k, 1] = 1e6  # of a window that was not found: must show nowhere
+    with h5py.File(folder / "fields.h5", "w") as file:
+        file["frame"] = np.arange(frames)
+        file["status"] = status
+        for name, value in (("x_px", x), ("y_px", y)):
+            file[name] = np.tile(value.astype(np.float32), (frames, 1))
+        for name, value in data.items():
+            file[name] = value
+    rows = ["frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows"]
+    rows += [f"{k},{1e-3 * k},ok,{2.0 * k},0,{-10 * k},0.01,0.01,0.002,142" for k in range(frames)]
+    (folder / "motion.csv").write_text("\n".join(rows) + "\n")
+    (folder / "job.toml").write_text('command = "correlate"\nreference = "first"\n')
+    (folder / "summary.json").write_text(json.dumps({
+        "frames_analysed": frames, "frames_measured": frames - 1, "windows": SIDE * SIDE,
+        "input": {"path": "a.tif"}, "warnings": ["one thing"],
+        "advice": {"windows": {"windows": 144, "usable": 72}}}))
+
+
+class OfCorrelate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.scratch.name)
+        write_field(cls.folder)
+        cls.field = correlate.Field(impactdic.load(cls.folder))
+        cls.made = {f.name: f for f in correlate.figures(cls.field)}
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def test_strain_is_that_of_the_stretch_whatever_the_turn(self):
+        f = np.eye(2) + gradient(1)
+        strain = (f.T @ f - np.eye(2)) / 2
+        self.assertAlmostEqual(strain[0, 0], STRETCH + STRETCH**2 / 2, 12)
+        maps = [panel.surface.z for panel in self.made["strain_field"].panels]
+        for seen, meant in zip(maps, (strain[0, 0], strain[1, 1], strain[0, 1])):
+            np.testing.assert_allclose(seen[np.isfinite(seen)], meant, atol=1e-6)
+        over_time = self.made["field_over_time"].panels[0].series
+        self.assertAlmostEqual(over_time[0].y[-1], strain[0, 0], 6)
+
+    def test_maps_lie_on_the_grid_and_leave_out_what_was_not_found(self):
+        u = self.made["displacement_field"].panels[0].surface
+        self.assertEqual(u.z.shape, (SIDE, SIDE))
+        self.assertTrue(np.isnan(u.z[0, 0]) and np.isnan(u.z[0, 1]))
+        self.assertEqual(np.isnan(u.z).sum(), 2)
+        f = gradient(1)
+        x, y = u.x[5] - u.x.mean(), u.y[7] - u.y.mean()
+        self.assertAlmostEqual(u.z[7, 5], f[0, 0] * x + f[0, 1] * y, 3)
+        arrows = self.made["displacement_field"].panels[2]
+        shown = arrows.reference.length / float(arrows.reference.text.split()[0])
+        lengths = np.hypot(np.diff(arrows.series[0].x)[::3], np.diff(arrows.series[0].y)[::3])
+        self.assertAlmostEqual(np.max(lengths) / shown, np.nanmax(arrows.surface.z), delta=0.1)
+
+    def test_page_says_what_happened(self):
+        report = Report(self.folder, None)
+        report.gather()
+        self.assertRegex(report.first.sentence, r"3 of 4 frames measured, windows moved by up to "
+                                                r"\d+\.\d px \(frame 3\), turned by -30.0000 ± 0.0020°, "
+                                                r"median strain up to 0.020")
+        self.assertEqual([(light.name, light.state) for light in report.first.lights],
+                         [("texture", "bad"), ("windows", "good")])
+        self.assertEqual(report.warnings, ["one thing"])
+
+    def test_damaged_field_is_said_in_a_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            write_field(Path(folder))
+            (Path(folder) / "fields.h5").write_bytes(b"no HDF5")
+            with self.assertRaisesRegex(impactdic.ResultError, "cannot read the displacement"):
+                Report(Path(folder), None).gather()
+
+
+class OfStudy(unittest.TestCase):
+    def test_figures_hold_the_errors_of_the_table(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "patterns.csv").write_text(
+                "pattern,motion,dx_px,dy_px,rot_deg,estimator,dx_abs_px,dy_abs_px,rot_abs_deg\n"
+                "a1,x,1,0,0,ball,0.01,0.02,0.03\na1,x,1,0,0,icgn5,0.04,0,0.06\n"
+                "e1,x,1,0,0,ball,0.001,0.002,0.003\n")
+            (folder / "density.csv").write_text("points,method,us_per_window,rms_px\n"
+                                                "0,icgn,5,0.01\n1,icgn,5,0.01\n")
+            (folder / "summary.json").write_text(json.dumps({
+                "finding": "Paint e1.",
+                "estimators": {"ball": {"all": {"motion_rms_px": 0.0123, "pairs_failed": 1}}}}))
+            report = Report(folder, None)
+            report.gather()
+        made = {f.name: f for f in report.figures}
+        self.assertEqual(sorted(made), ["study_density", "study_x"])
+        ball, icgn = made["study_x"].panels[0].series
+        np.testing.assert_allclose(ball.y, [0.01, 0.001])
+        np.testing.assert_allclose(np.round(ball.x), [0, 1])
+        self.assertEqual(made["study_x"].panels[1].series[1].y[0], study.FLOOR)
+        self.assertEqual(made["study_x"].panels[0].x_names, ["a1", "e1"])
+        self.assertEqual(report.first.sentence, "Paint e1.")
+        self.assertEqual(report.tables[0].rows, [["ball", "0.012", "", "", "1"]])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
