@@ -14,6 +14,9 @@ namespace {
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
 constexpr int kWorkersOfGpu = 12, kWorkersOfCpu = 1;
+// Batches whose frames are registered together before the poses of the first of them are known: a
+// launch takes as long for one frame as for a batch, and one batch after another would wait for it.
+constexpr int kAheadOnGpu = 4;
 // Batches that wait for a worker, so that none of those is idle while the oldest batch is finished.
 constexpr std::size_t kWaiting = 2;
 // Device memory of a pixel of a frame: picture, and two sets of B-splines with their planes.
@@ -86,41 +89,61 @@ class DeviceWorkers::Use {
   Worker* worker_ = nullptr;
 };
 
-// A batch's turn at the poses: comes when all batches before have had theirs, and ends with it.
+// A batch's turn at what comes in order, the forecasts or the poses: comes when all batches before
+// have had theirs, and is over with `end` or with the object.
 class DeviceWorkers::Turn {
  public:
-  Turn(DeviceWorkers& workers, std::int64_t number) : workers_(workers), number_(number) {}
-  ~Turn() {
-    wait();
-    {
-      const std::lock_guard<std::mutex> lock(workers_.mutex_);
-      ++workers_.placed_;
-    }
-    workers_.changed_.notify_all();
-  }
+  // `served`: of `workers`, the batches that have had theirs.
+  Turn(DeviceWorkers& workers, std::int64_t& served, std::int64_t number)
+      : workers_(workers), served_(served), number_(number) {}
+  ~Turn() { end(); }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
 
   void wait() {
     std::unique_lock<std::mutex> lock(workers_.mutex_);
-    workers_.changed_.wait(lock, [this] { return workers_.placed_ == number_; });
+    workers_.changed_.wait(lock, [this] { return served_ == number_; });
+  }
+  void end() {
+    if (over_) return;
+    over_ = true;
+    wait();
+    {
+      const std::lock_guard<std::mutex> lock(workers_.mutex_);
+      ++served_;
+    }
+    workers_.changed_.notify_all();
   }
 
  private:
   DeviceWorkers& workers_;
+  std::int64_t& served_;
   std::int64_t number_;
+  bool over_ = false;
 };
 
 DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
                              const motion::EstimatorOptions& options, double radius_px, int width,
-                             int height, int batch, StageTimes* times, const WorkerStages& stages)
+                             int height, int batch, int ahead, StageTimes* times,
+                             const WorkerStages& stages)
     : radius_px_(radius_px),
       crop_(options, radius_px, width, height),
       times_(times),
-      stages_(stages) {
+      stages_(stages),
+      aim_(options.sphere ? options.sphere_radius(radius_px) : radius_px, crop_, options.sphere),
+      batch_(batch),
+      ahead_(ahead) {
+  if (ahead_ == 0) {
+    const bool gpus = std::all_of(engines.begin(), engines.end(), [](const opencl::Engine* engine) {
+      return engine->device().is_gpu;
+    });
+    ahead_ = gpus ? kAheadOnGpu : 1;
+  }
   if (options.estimator == Estimator::kBall) {
-    keyframes_.emplace(options.sphere ? options.sphere_radius(radius_px) : radius_px, crop_,
-                       options.sphere, options.sphere_radius_sd_px);
+    keyframes_.emplace(aim_, options.sphere_radius_sd_px);
+    forecast_.emplace(aim_);
+  } else {
+    ahead_ = 1;
   }
   int most = 0;
   for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));
@@ -138,6 +161,10 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
     }
   }
   for (auto& worker : opening) free_.push_back(workers_.emplace_back(worker.get()).get());
+  // A batch that goes to its device in parts leaves no part there for later.
+  for (const auto& worker : workers_) {
+    if (worker->slots <= batch) ahead_ = 1;
+  }
 }
 
 DeviceWorkers::~DeviceWorkers() {
@@ -156,10 +183,12 @@ DeviceWorkers::Batch DeviceWorkers::submit(const Batch& batch) {
   Batch finished;
   if (flights_.size() == workers_.size() + kWaiting) finished = take();
   const std::int64_t number = submitted_++;
+  batch->resumable = place_in_group(*batch) == ahead_ - 1;
   flights_.push_back({batch, std::async(std::launch::async, [this, batch, number] {
-                        Turn turn(*this, number);
+                        Turn placing(*this, placed_, number);
+                        Turn planning(*this, planned_, number);
                         Use use(*this, number);
-                        measure(use.worker(), *batch, turn);
+                        measure(use.worker(), *batch, planning, placing);
                       })});
   return finished;
 }
@@ -172,7 +201,11 @@ DeviceWorkers::Batch DeviceWorkers::take() {
   return flight.batch;
 }
 
-void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& turn) {
+std::int64_t DeviceWorkers::place_in_group(const TrackBatch& batch) const {
+  return batch.own->first_index / batch_ % ahead_;
+}
+
+void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing) {
   const std::size_t count = batch.frames.size();
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
@@ -182,9 +215,26 @@ void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& turn) {
     const std::size_t frames = std::min(slots, count - first);
     measure_part(worker, batch, first, frames);
     if (!keyframes_) continue;
-    turn.wait();
-    place_part(worker, batch, first, frames);
+    motion::Keyframes::Ahead ahead;
+    ahead.frames = chained(batch, first, frames);
+    if (ahead_ > 1) register_ahead(worker, batch, ahead, planning, placing);
+    placing.wait();
+    place_part(worker, batch, first, ahead);
   }
+}
+
+void DeviceWorkers::register_ahead(Worker& worker, const TrackBatch& batch,
+                                   motion::Keyframes::Ahead& ahead, Turn& planning, Turn& placing) {
+  planning.wait();
+  if (place_in_group(batch) == 0) {
+    placing.wait();
+    forecast_->begin(keyframes_->memory());
+  }
+  const StageTimes::Scope timed(times_, stages_.ahead);
+  forecast_->plan(ahead);
+  planning.end();
+  ahead.motions =
+      aim_.measure(std::span(ahead.frames).subspan(1), ahead.near, ahead.plan, *worker.keyframes);
 }
 
 void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t first,
@@ -232,9 +282,8 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
   }
 }
 
-void DeviceWorkers::place_part(Worker& worker, TrackBatch& batch, std::size_t first,
-                               std::size_t count) {
-  const StageTimes::Scope timed(times_, stages_.poses);
+std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch, std::size_t first,
+                                                         std::size_t count) const {
   std::vector<motion::ChainedFrame> frames;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = first + k;
@@ -248,8 +297,14 @@ void DeviceWorkers::place_part(Worker& worker, TrackBatch& batch, std::size_t fi
     frame.slot = static_cast<int>(k);
     frame.origin = crop_.about(batch.circles[i]);
   }
-  const std::vector<BodyPose> poses = keyframes_->follow(frames, *worker.keyframes);
-  for (std::size_t k = 0; k < count; ++k) batch.rows[first + k].pose = poses[k];
+  return frames;
+}
+
+void DeviceWorkers::place_part(Worker& worker, TrackBatch& batch, std::size_t first,
+                               const motion::Keyframes::Ahead& ahead) {
+  const StageTimes::Scope timed(times_, stages_.poses);
+  const std::vector<BodyPose> poses = keyframes_->follow(ahead, *worker.keyframes);
+  for (std::size_t k = 0; k < poses.size(); ++k) batch.rows[first + k].pose = poses[k];
   batch.keyframes = keyframes_->memory();
 }
 

@@ -12,14 +12,15 @@
 
 #include "host/base/stage_times.h"
 #include "host/dic/frames/device_frames.h"
-#include "host/motion/keyframes.h"
+#include "host/motion/pose/keyframes.h"
+#include "host/motion/pose/pose_forecast.h"
 #include "host/pipeline/track_batch.h"
 
 namespace impactdic::pipeline {
 
 // Stages that the workers are timed under.
 struct WorkerStages {
-  int upload = 0, device = 0, fit = 0, poses = 0;
+  int upload = 0, device = 0, fit = 0, ahead = 0, poses = 0;
 };
 
 class DeviceWorkers {
@@ -28,9 +29,12 @@ class DeviceWorkers {
 
   // Every engine gets the same number of workers, each with a queue, frames and an estimator of its
   // own. `batch` frames at most come at a time; they go to the device in as many parts as its
-  // memory asks for. The engines and `times` (may be null) must outlive the workers.
+  // memory asks for. `ahead`: batches whose frames are registered against keyframes before the
+  // poses of the first of them are known; 1: none is, 0: as suits the devices. Poses depend on it
+  // by a small part of their errors. The engines and `times` (may be null) must outlive the
+  // workers.
   DeviceWorkers(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
-                double radius_px, int width, int height, int batch, StageTimes* times,
+                double radius_px, int width, int height, int batch, int ahead, StageTimes* times,
                 const WorkerStages& stages);
   ~DeviceWorkers();
 
@@ -56,9 +60,17 @@ class DeviceWorkers {
   struct Worker;
   class Turn;
   class Use;
-  void measure(Worker& worker, TrackBatch& batch, Turn& turn);
+  void measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
   void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
-  void place_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
+  // Registers the batch's frames against keyframes as soon as it is known about where they are.
+  void register_ahead(Worker& worker, const TrackBatch& batch, motion::Keyframes::Ahead& ahead,
+                      Turn& planning, Turn& placing);
+  void place_part(Worker& worker, TrackBatch& batch, std::size_t first,
+                  const motion::Keyframes::Ahead& ahead);
+  std::vector<motion::ChainedFrame> chained(const TrackBatch& batch, std::size_t first,
+                                            std::size_t count) const;
+  // 0 of a group's first batch.
+  std::int64_t place_in_group(const TrackBatch& batch) const;
 
   double radius_px_;
   motion::BallCrop crop_;
@@ -70,13 +82,18 @@ class DeviceWorkers {
     std::future<void> done;
   };
   std::deque<Flight> flights_;  // oldest first
-  // Poses are a chain through all frames: batches come to it one after the other.
+  // Poses are a chain through all frames: batches come to it one after the other. So they do to the
+  // forecast, before: it begins with every group of `ahead_` batches from what is known then.
   std::optional<motion::Keyframes> keyframes_;
+  std::optional<motion::PoseForecast> forecast_;
+  motion::KeyframeAim aim_;
+  int batch_, ahead_;
   std::int64_t submitted_ = 0;
   std::mutex mutex_;  // of what follows
   std::condition_variable changed_;
   std::deque<Worker*> free_;
-  std::int64_t started_ = 0, placed_ = 0;  // batches that have had a worker, and their poses
+  // Batches that have had a worker, a forecast, and their poses.
+  std::int64_t started_ = 0, planned_ = 0, placed_ = 0;
 };
 
 }  // namespace impactdic::pipeline

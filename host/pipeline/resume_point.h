@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "host/circle/ball_tracker.h"
-#include "host/motion/keyframes.h"
+#include "host/motion/pose/keyframes.h"
 
 namespace impactdic::pipeline {
 

@@ -7,8 +7,8 @@
 
 #include "host/circle/ball_tracker.h"
 #include "host/clip/track_row.h"
-#include "host/motion/keyframes.h"
 #include "host/motion/motion_estimator.h"
+#include "host/motion/pose/keyframes.h"
 #include "host/pipeline/frame_pipeline.h"
 
 namespace impactdic::pipeline {
@@ -31,6 +31,9 @@ struct TrackBatch {
   // Behind the own frames.
   circle::BallTracker::Memory tracker;
   std::optional<motion::Keyframes::Memory> keyframes;  // with the ball estimator
+  // Whether a run that goes on there makes the poses that this one makes: no frame behind it is
+  // registered ahead of what is known there.
+  bool resumable = true;
 };
 
 }  // namespace impactdic::pipeline

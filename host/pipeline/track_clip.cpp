@@ -64,6 +64,7 @@ class ClipTracker {
       worker_stages_.device = options.times->add_stage("kernels, results", workers);
       worker_stages_.fit = options.times->add_stage("fits", workers);
       if (options.estimator.estimator == Estimator::kBall) {
+        worker_stages_.ahead = options.times->add_stage("poses, ahead", workers);
         worker_stages_.poses = options.times->add_stage("poses (in order)", 1);
       }
     }
@@ -172,7 +173,9 @@ class ClipTracker {
   void note_point(const TrackBatch& batch, std::int64_t done) {
     const FrameBatch& own = *batch.own;
     const bool whole = !own.error && static_cast<int>(own.frames.size()) == batch_;
-    if (!options_.checkpoint || !whole || done >= options_.frames.count()) return;
+    if (!options_.checkpoint || !whole || !batch.resumable || done >= options_.frames.count()) {
+      return;
+    }
     point_.next_row = done - 1;
     point_.circle = batch.fits.back();
     point_.tracker = batch.tracker;
@@ -212,9 +215,11 @@ class ClipTracker {
   void open_workers(const TrackBatch& batch) {
     const auto seen = median_radius_px(batch.rows);
     if (!seen) return;
+    // What comes from a camera is measured a batch at a time.
+    const int ahead = options_.feed ? 1 : options_.poses_ahead;
     workers_ = std::make_unique<DeviceWorkers>(
         engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
-        options_.roi.height, batch_, options_.times, worker_stages_);
+        options_.roi.height, batch_, ahead, options_.times, worker_stages_);
     if (point_.keyframes) {
       workers_->restore(*point_.keyframes,
                         [&](std::int64_t index) { return read_frame(source_, options_, index); });

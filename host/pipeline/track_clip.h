@@ -31,7 +31,9 @@ struct TrackOptions {
   // Periods of the analysed frames since the first one, of each of them, where the camera lost some
   // in between; empty: none are missing.
   std::vector<std::int64_t> periods;
-  int batch = 0;                // frames handed on at once; 0: as many as fill 16 MB
+  int batch = 0;  // frames handed on at once; 0: as many as fill 16 MB
+  // Batches whose frames are registered against keyframes ahead of their poses: see DeviceWorkers.
+  int poses_ahead = 0;
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.
   std::optional<ResumePoint> from;

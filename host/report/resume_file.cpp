@@ -6,7 +6,6 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -135,7 +134,6 @@ void each_of_keyframe(Field field, T& key) {
   each_of_circle(field, key.circle);
   field("residual", key.residual);
   field("last_used", key.last_used);
-  field("slot", key.slot);
 }
 
 template <typename Field, typename T>
@@ -267,9 +265,8 @@ void check(const pipeline::ResumePoint& point) {
   for (const double value : {radius.px, radius.told_sd_px, radius.error_px, radius.sd_px}) {
     demand(is_usual(value));
   }
-  std::set<int> slots;
+  demand(point.keyframes->keyframes.size() <= motion::kKeyframes);
   for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
-    demand(key.slot >= 0 && key.slot < motion::kKeyframes && slots.insert(key.slot).second);
     demand(key.last_used >= 0 && key.last_used <= row && key.pose.ok);
     check(key.pose, row);
     check(key.circle);

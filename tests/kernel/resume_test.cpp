@@ -65,8 +65,9 @@ std::string bits(const pipeline::TrackedFrame& frame) {
 }
 
 Outcome run(FrameSource& clip, Estimator estimator, int batch,
-            const std::optional<pipeline::ResumePoint>& from) {
+            const std::optional<pipeline::ResumePoint>& from, int poses_ahead = 0) {
   pipeline::TrackOptions options;
+  options.poses_ahead = poses_ahead;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {4, 2, clip.info().width - 4, clip.info().height - 2};
@@ -106,6 +107,23 @@ TEST_P(Resume, GoesOnToTheSameBits) {
     for (std::size_t i = first; i < whole.rows.size(); ++i) {
       ASSERT_EQ(rest.rows[i - first], whole.rows[i]) << "row " << i << " from row " << first;
     }
+  }
+}
+
+// Points lie between groups of batches whose frames are registered together.
+TEST(Resume, GoesOnToTheSameBitsWherePosesAreRegisteredAhead) {
+  const ScratchFolder folder;
+  MemoryClip clip = eventful_clip();
+  const Outcome whole = run(clip, Estimator::kBall, 5, std::nullopt, 2);
+  ASSERT_EQ(whole.rows.size(), 44u);
+  ASSERT_EQ(whole.points.size(), 4u);
+  const pipeline::ResumePoint& point = whole.points[1];
+  EXPECT_EQ(point.next_row, 19);
+  report::write_resume_point(folder / "resume.json", point);
+  const Outcome rest =
+      run(clip, Estimator::kBall, 5, report::read_resume_point(folder / "resume.json"), 2);
+  for (std::size_t i = 19; i < whole.rows.size(); ++i) {
+    ASSERT_EQ(rest.rows.at(i - 19), whole.rows[i]) << "row " << i;
   }
 }
 

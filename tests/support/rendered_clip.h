@@ -53,10 +53,8 @@ class MemoryClip : public FrameSource {
   ClipInfo info_;
 };
 
-// The rows of `track` with this estimator.
-inline std::vector<TrackRow> track(FrameSource& clip, Estimator estimator) {
-  pipeline::TrackOptions options;
-  options.estimator.estimator = estimator;
+// The rows of `track` with these options, but for the frames, which are all.
+inline std::vector<TrackRow> track(FrameSource& clip, pipeline::TrackOptions options) {
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {0, 0, clip.info().width, clip.info().height};
   std::vector<TrackRow> rows;
@@ -66,6 +64,13 @@ inline std::vector<TrackRow> track(FrameSource& clip, Estimator estimator) {
       [&](const pipeline::TrackedFrame& frame) { rows.push_back(frame.row); },
       [](std::int64_t, std::int64_t) {});
   return rows;
+}
+
+// The same with this estimator.
+inline std::vector<TrackRow> track(FrameSource& clip, Estimator estimator) {
+  pipeline::TrackOptions options;
+  options.estimator.estimator = estimator;
+  return track(clip, options);
 }
 
 // Errors of rows 1 … against the truth. Poses are held against where the material point went that

@@ -7,8 +7,8 @@
 #include "host/base/statistics.h"
 #include "host/dic/sphere/rotation.h"
 #include "host/dic/sphere/sphere_errors.h"
-#include "host/motion/body_motion.h"
-#include "host/motion/turn_closure.h"
+#include "host/motion/pose/body_motion.h"
+#include "host/motion/pose/turn_closure.h"
 #include "host/sphere/source_response.h"
 
 namespace impactdic::motion {

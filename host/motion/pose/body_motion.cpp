@@ -1,4 +1,4 @@
-#include "host/motion/body_motion.h"
+#include "host/motion/pose/body_motion.h"
 
 #include <algorithm>
 #include <cmath>

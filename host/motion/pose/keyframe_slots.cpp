@@ -1,4 +1,4 @@
-#include "host/motion/keyframe_slots.h"
+#include "host/motion/pose/keyframe_slots.h"
 
 #include <algorithm>
 

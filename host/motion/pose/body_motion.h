@@ -5,7 +5,7 @@
 
 #include "host/circle/circle.h"
 #include "host/dic/rigid_fit.h"
-#include "host/motion/linked_pose.h"
+#include "host/motion/pose/linked_pose.h"
 #include "kernels/types.h"
 
 namespace impactdic::motion {

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "host/motion/linked_pose.h"
+#include "host/motion/pose/linked_pose.h"
 
 namespace impactdic::motion {
 

@@ -1,11 +1,11 @@
-#include "host/motion/turn_closure.h"
+#include "host/motion/pose/turn_closure.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "host/dic/sphere/rotation.h"
-#include "host/motion/body_motion.h"
+#include "host/motion/pose/body_motion.h"
 
 namespace impactdic::motion {
 namespace {

@@ -1,0 +1,91 @@
+// Which keyframe every frame is registered against, and from where the registration starts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "host/circle/circle.h"
+#include "host/clip/track_row.h"
+#include "host/dic/rigid_fit.h"
+#include "host/motion/ball_crop.h"
+#include "host/motion/pose/keyframe_slots.h"
+#include "host/motion/pose/linked_pose.h"
+
+namespace impactdic::motion {
+
+// One frame in order, its circle, and the motion to the next one. `slot`: of its part on the
+// device, whose corner is `origin`.
+struct ChainedFrame {
+  std::int64_t index = 0;  // among the analysed frames
+  bool circle_ok = false;
+  bool compressed = false;  // plainly no circle: in contact
+  Circle circle;
+  const Frame* frame = nullptr;
+  const dic::RigidMotion* next = nullptr;  // nullptr where it was not measured
+  int slot = 0;
+  CropOrigin origin;
+};
+
+struct Keyframe {
+  LinkedPose pose;  // its own
+  Circle circle;
+  double residual = 0;                   // of the best registration against it; 0 before the first
+  std::int64_t last_used = 0;            // frame index
+  std::shared_ptr<const Frame> picture;  // the part of it that goes to devices
+};
+
+// What a frame is registered against: a keyframe, or a frame of the same call that becomes one.
+struct Target {
+  Keyframe key;
+  const ChainedFrame* frame = nullptr;
+};
+
+struct KeyframePlan {
+  std::vector<Target> targets;
+  std::vector<std::size_t> of;  // of every frame, its target
+};
+
+class KeyframeAim {
+ public:
+  // `radius_px` is the ball's, `crop` the size of the frames' parts. `sphere`: it turns about any
+  // axis, and poses have orientations.
+  KeyframeAim(double radius_px, const BallCrop& crop, bool sphere)
+      : radius_px_(radius_px), crop_(crop), sphere_(sphere) {}
+
+  double radius_px() const { return radius_px_; }
+  bool sphere() const { return sphere_; }
+  const BallCrop& crop() const { return crop_; }
+
+  // The part of a keyframe's picture that goes to devices.
+  std::shared_ptr<const Frame> picture_of(const Circle& circle, const Frame& frame) const;
+  // Gives every frame one of the targets. Where none reaches the pose expected of it (`near`), the
+  // frame before it is to become a keyframe, as far as those poses tell, so that all can be
+  // registered at once; it joins the targets. `reach_rad`: the farthest tilt of a sphere.
+  void plan(std::span<const ChainedFrame> frames, std::span<const BodyPose> near, double reach_rad,
+            KeyframePlan& plan) const;
+  // The registration of a frame from the pose expected of it; without its slots.
+  BallTask task_of(const ChainedFrame& frame, const BodyPose& near, const Keyframe& key) const;
+  // Every frame against its target, in as few launches as the device's places allow.
+  std::vector<BallMotion> measure(std::span<const ChainedFrame> frames,
+                                  std::span<const BodyPose> near, const KeyframePlan& plan,
+                                  KeyframeSlots& slots) const;
+  BallMotion measure_one(const ChainedFrame& frame, const BodyPose& near, const Target& target,
+                         bool affine, KeyframeSlots& slots) const;
+
+ private:
+  bool reaches(const Keyframe& key, const BodyPose& pose, double reach_rad) const;
+  std::size_t best_for(const BodyPose& pose, std::span<const Target> targets,
+                       double reach_rad) const;
+
+  double radius_px_;
+  BallCrop crop_;
+  bool sphere_;
+};
+
+// Puts a keyframe's picture on the device; returns its slot there.
+int hold(const Keyframe& key, KeyframeSlots& slots);
+
+}  // namespace impactdic::motion
