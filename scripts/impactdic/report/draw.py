@@ -58,6 +58,8 @@ def save(figure, folder):
     """Writes NAME.png, NAME.svg and NAME.pdf into `folder`."""
     made = drawn(figure)
     with matplotlib.rc_context(STYLE):
+        made.draw_without_rendering()  # finds the layout,
+        made.set_layout_engine("none")  # once for all three
         made.savefig(folder / f"{figure.name}.pdf", dpi=DPI, metadata={"CreationDate": None})
         made.savefig(folder / f"{figure.name}.png", dpi=DPI)
         made.savefig(folder / f"{figure.name}.svg", dpi=DPI, metadata={"Date": None})
