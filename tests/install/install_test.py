@@ -133,10 +133,11 @@ class Headers(unittest.TestCase):
                     self.assertEqual(line, "namespace IMPACTDIC_PUBLIC impactdic {", header)
 
     def test_each_compiles_alone_without_a_warning(self):
-        jobs = [(name, path, header, STANDARDS[0]) for name, path in compilers(self.id())
-                for header in headers()]
+        found = list(compilers(self.id()))
+        # The build compiles each alone with its own compiler (host/api); here another one does.
+        jobs = [(*found[-1], header, STANDARDS[0]) for header in headers()]
         jobs += [(name, path, PREFIX / "include/impactdic/impactdic.h", standard)
-                 for name, path in compilers("") for standard in STANDARDS[1:]]
+                 for name, path in found for standard in STANDARDS]
         self.assertGreater(len(jobs), 10)
 
         def build(job):
