@@ -1,9 +1,8 @@
 // Elastic-plastic contact laws against closed forms, printed constants and each other.
 #include <gtest/gtest.h>
-
-#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <impactdic/error.h>
 
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 
 #include "sim/contact/law/normal_elastoplastic.h"
