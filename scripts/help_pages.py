@@ -1,29 +1,32 @@
 #!/usr/bin/env python3
-"""help_pages.py man|bash PROGRAM OUT: the man page or bash's completion, from the program's --help.
+"""help_pages.py man|bash PROGRAM OUT: the man page or bash's completion, from the program's --help-all.
 
 The build writes both for `cmake --install`. scripts/command_reference writes docs/commands.md out of
-the same --help.
+the same.
 """
 import re
 import subprocess
 import sys
 
-TEXT_COLUMN = 30  # where --help begins the text of a term; a longer term has it on the next line
+TEXT_COLUMN = 30  # where the help begins the text of a term; a longer term has it on the next line
 
 
 class Help:
-    """One --help: description, usage, footer, and its lists as {heading: [(term, text), ...]}."""
+    """One --help-all: description, usage, footer, and its lists: positionals, subcommands, and the
+    options of all groups, each as [(term, text), ...]."""
 
     def __init__(self, program, *command):
-        run = subprocess.run([program, *command, "--help"], capture_output=True, check=True,
+        run = subprocess.run([program, *command, "--help-all"], capture_output=True, check=True,
                              text=True)
         head, *blocks = run.stdout.strip().split("\n\n")
         self.description, self.usage = head.split("\nUsage: ")
         self.lists, self.footer = {}, []
         for block in blocks:
             heading, *lines = block.split("\n")
-            if heading in ("Positionals:", "Options:", "Subcommands:"):
+            if heading in ("Positionals:", "Subcommands:"):
                 self.lists[heading[:-1]] = entries(lines)
+            elif heading.endswith(":") and lines and lines[0].startswith("  -"):
+                self.lists.setdefault("Options", []).extend(entries(lines))
             else:
                 self.footer += [heading, *lines]
 
@@ -113,7 +116,7 @@ def bash_cases(rows):
 
 
 def bash_completion(_, main, commands):
-    out = ["# Completion of impactdic for bash, out of the program's --help.", "_impactdic() {",
+    out = ["# Completion of impactdic for bash, out of the program's --help-all.", "_impactdic() {",
            '  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options',
            "  compopt -o filenames 2> /dev/null", "  COMPREPLY=()", "  if [ $COMP_CWORD -eq 1 ]; then"]
     first = " ".join([*commands, *(n for t, _ in main.rows("Options") for n in names_of(t))])

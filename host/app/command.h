@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <string>
 
+#include "host/cli/checks.h"
+
 namespace impactdic::app {
 
 // Options that every command understands.
@@ -23,11 +25,8 @@ struct Common {
 void add_common_options(CLI::App& command, Common& common);
 
 // Checks of an option's value.
-CLI::Validator positive_number();
-CLI::Validator non_negative_number();
-// Has every option of every command that is a number refuse what is none: NaN, infinity, a negative
-// count.
-void refuse_non_numbers(CLI::App& app);
+using cli::non_negative_number;
+using cli::positive_number;
 
 // Makes DIR ready for results: creates it; refuses one that holds files unless `force`.
 // Throws InvalidArgument or FileError.

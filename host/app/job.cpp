@@ -4,13 +4,14 @@
 
 #include <set>
 
+#include "host/cli/arguments.h"
 #include "host/run/settings/job_file.h"
 
 namespace impactdic::app {
 namespace {
 
 // Options that belong to one run, not to the job.
-const std::set<std::string> kNotInJobs = {"output", "job",     "help",  "quiet",
+const std::set<std::string> kNotInJobs = {"output", "job",     "help",  "help-all", "quiet",
                                           "v",      "verbose", "force", "resume"};
 
 std::string key_of(const CLI::Option& option) {
@@ -41,9 +42,11 @@ void apply_job(CLI::App& command, const std::string& file) {
     if (key == "command" || key == "version") continue;
     CLI::Option* const option = find_option(command, key);
     if (option == nullptr) {
+      const std::string meant = cli::meant_option(command, key);
       throw InvalidArgument("unknown key '" + key + "'", file,
-                            "the keys are the options of impactdic " + command.get_name() +
-                                " --help without their dashes");
+                            meant + (meant.empty() ? "" : " ") + "the keys are the options of " +
+                                "impactdic " + command.get_name() +
+                                " --help-all without their dashes");
     }
     const bool is_flag = option->get_expected_max() == 0;
     if (is_flag != std::holds_alternative<bool>(value)) {

@@ -13,6 +13,8 @@
 
 #include "host/app/command.h"
 #include "host/app/interrupt.h"
+#include "host/cli/arguments.h"
+#include "host/cli/help.h"
 
 namespace {
 
@@ -31,7 +33,8 @@ int report_usage(const CLI::App& app, const std::vector<std::string>& arguments,
       !app.get_subcommands([&](const CLI::App* c) { return c->get_name() == first; }).empty();
   std::string what = error.what();
   if (first.empty()) what = "no command given";
-  if (!known && !first.empty() && first[0] != '-') what = "there is no command '" + first + "'";
+  const std::string misspelt = impactdic::cli::misspelt_name(app, arguments);
+  if (!misspelt.empty()) what = misspelt;  // before all else that is wrong
   std::replace(what.begin(), what.end(), '\n', ' ');
   return report(what + " (command line): see impactdic " + (known ? first + " " : "") + "--help",
                 kWrongRequest);
@@ -66,11 +69,14 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "impactdic " IMPACTDIC_VERSION);
   app.footer("impactdic COMMAND --help explains a command, with an example.");
+  impactdic::cli::show_help_in_groups(app);
   add_commands(app);
-  impactdic::app::refuse_non_numbers(app);
+  impactdic::cli::arrange(app);
   const std::vector<std::string> given(argv + 1, argv + argc);
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> arguments = impactdic::cli::join_units(app, given);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(std::move(arguments));
     const int signal = impactdic::app::interrupted_by();
     if (signal == 0) return kDone;
     std::fputs("impactdic: interrupted: what was measured stays, --resume goes on\n", stderr);

@@ -86,7 +86,7 @@ class Tree(unittest.TestCase):
         self.assertGreater(len(commands), 10)
         for command in commands:
             self.assertIn(f".SS impactdic {command} ", page)
-            for option in re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(program, command, "--help"), re.M):
+            for option in re.findall(r"^  (?:-\w,)?(--[\w-]+)", run(program, command, "--help-all"), re.M):
                 self.assertIn(option.replace("-", "\\-"), page, command)
         # Its Python part: the error is about the folder, not about scripts that are missing.
         nothing = empty("nothing")
