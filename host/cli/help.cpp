@@ -1,10 +1,10 @@
 #include "host/cli/help.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/cli/checks.h"
@@ -26,72 +26,70 @@ constexpr const char* kGroups[] = {"Results",           kOthers,   "Clip",    "S
                                    "Ball and region",   "Windows", "Overlay", "Several processes",
                                    "Rows as they come", "This run"};
 
-const std::map<std::string, Place>& places() {
-  static const std::map<std::string, Place> all = {
-      {"output", {"Results", true}},
-      {"force", {"Results", true}},
-      {"resume", {"Results", true}},
-      {"compress", {"Results", false}},
-      {"no-field", {"Results", false}},
-      {"no-checksum", {"Results", false}},
-      {"frames", {"Clip", true}},
-      {"fps", {"Clip", true}},
-      {"raw", {"Clip", false}},
-      {"max-megapixels", {"Clip", false}},
-      {"ball-diameter-mm", {"Scale and axes", true}},
-      {"mm-per-px", {"Scale and axes", true}},
-      {"surface-angle-deg", {"Scale and axes", true}},
-      {"inertia-factor", {"Scale and axes", true}},
-      {"camera", {"Scale and axes", false}},
-      {"ball-diameter-sd-mm", {"Scale and axes", false}},
-      {"mm-per-px-sd", {"Scale and axes", false}},
-      {"surface-angle-sd-deg", {"Scale and axes", false}},
-      {"gravity-angle-deg", {"Scale and axes", false}},
-      {"drop-height-mm", {"Scale and axes", false}},
-      {"roi", {"Ball and region", true}},
-      {"radius-px", {"Ball and region", true}},
-      {"reference", {"Ball and region", true}},
-      {"polygon", {"Ball and region", true}},
-      {"mask", {"Ball and region", true}},
-      {"estimator", {"Ball and region", false}},
-      {"body", {"Ball and region", false}},
-      {"motion", {"Ball and region", false}},
-      {"window", {"Windows", true}},
-      {"spacing", {"Windows", false}},
-      {"search", {"Windows", false}},
-      {"method", {"Windows", false}},
-      {"interp", {"Windows", false}},
-      {"spline-degree", {"Windows", false}},
-      {"max-iterations", {"Windows", false}},
-      {"min-correlation", {"Windows", false}},
-      {"min-texture", {"Windows", false}},
-      {"max-sd", {"Windows", false}},
-      {"overlay", {"Overlay", true}},
-      {"slow-motion", {"Overlay", false}},
-      {"arrow-scale", {"Overlay", false}},
-      {"share", {"Several processes", false}},
-      {"shard", {"Several processes", false}},
-      {"join", {"Several processes", false}},
-      {"lost-after", {"Several processes", false}},
-      {"live", {"Rows as they come", false}},
-      {"look", {"Rows as they come", false}},
-      {"wait", {"Rows as they come", false}},
-      {"lag", {"Rows as they come", false}},
-      {"job", {"This run", true}},
-      {"quiet", {"This run", true}},
-      {"device", {"This run", false}},
-      {"threads", {"This run", false}},
-      {"verbose", {"This run", false}},
-      {"help", {"This run", true}},
-      {"help-all", {"This run", true}},
-  };
-  return all;
-}
+constexpr std::pair<const char*, Place> kPlaces[] = {
+    {"output", {"Results", true}},
+    {"force", {"Results", true}},
+    {"resume", {"Results", true}},
+    {"compress", {"Results", false}},
+    {"no-field", {"Results", false}},
+    {"no-checksum", {"Results", false}},
+    {"frames", {"Clip", true}},
+    {"fps", {"Clip", true}},
+    {"raw", {"Clip", false}},
+    {"max-megapixels", {"Clip", false}},
+    {"ball-diameter-mm", {"Scale and axes", true}},
+    {"mm-per-px", {"Scale and axes", true}},
+    {"surface-angle-deg", {"Scale and axes", true}},
+    {"inertia-factor", {"Scale and axes", true}},
+    {"camera", {"Scale and axes", false}},
+    {"ball-diameter-sd-mm", {"Scale and axes", false}},
+    {"mm-per-px-sd", {"Scale and axes", false}},
+    {"surface-angle-sd-deg", {"Scale and axes", false}},
+    {"gravity-angle-deg", {"Scale and axes", false}},
+    {"drop-height-mm", {"Scale and axes", false}},
+    {"roi", {"Ball and region", true}},
+    {"radius-px", {"Ball and region", true}},
+    {"reference", {"Ball and region", true}},
+    {"polygon", {"Ball and region", true}},
+    {"mask", {"Ball and region", true}},
+    {"estimator", {"Ball and region", false}},
+    {"body", {"Ball and region", false}},
+    {"motion", {"Ball and region", false}},
+    {"window", {"Windows", true}},
+    {"spacing", {"Windows", false}},
+    {"search", {"Windows", false}},
+    {"method", {"Windows", false}},
+    {"interp", {"Windows", false}},
+    {"spline-degree", {"Windows", false}},
+    {"max-iterations", {"Windows", false}},
+    {"min-correlation", {"Windows", false}},
+    {"min-texture", {"Windows", false}},
+    {"max-sd", {"Windows", false}},
+    {"overlay", {"Overlay", true}},
+    {"slow-motion", {"Overlay", false}},
+    {"arrow-scale", {"Overlay", false}},
+    {"share", {"Several processes", false}},
+    {"shard", {"Several processes", false}},
+    {"join", {"Several processes", false}},
+    {"lost-after", {"Several processes", false}},
+    {"live", {"Rows as they come", false}},
+    {"look", {"Rows as they come", false}},
+    {"wait", {"Rows as they come", false}},
+    {"lag", {"Rows as they come", false}},
+    {"job", {"This run", true}},
+    {"quiet", {"This run", true}},
+    {"device", {"This run", false}},
+    {"threads", {"This run", false}},
+    {"verbose", {"This run", false}},
+    {"help", {"This run", true}},
+    {"help-all", {"This run", true}},
+};
 
 const Place* place_of(const CLI::Option& option) {
-  for (const std::string& name : option.get_lnames()) {
-    const auto found = places().find(name);
-    if (found != places().end()) return &found->second;
+  for (const auto& [name, place] : kPlaces) {
+    for (const std::string& own : option.get_lnames()) {
+      if (own == name) return &place;
+    }
   }
   return nullptr;
 }
