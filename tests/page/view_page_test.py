@@ -130,6 +130,12 @@ class Look(Case):
         slope = math.tan(math.radians(30))
         b.drag(*self.point(150, 160 - 140 * slope), *self.point(10, 160))
         self.assertAlmostEqual(float(self.read_setting("surface-angle-deg")), 30, delta=0.05)
+        b.value("document.getElementById('draw-gravity').click()")
+        b.drag(*self.point(80, 40), *self.point(90, 140))
+        tilt = math.degrees(math.atan2(-100, 10))  # y down
+        self.assertAlmostEqual(float(self.read_setting("gravity-angle-deg")), tilt, delta=0.3)
+        self.assertEqual(b.value("document.querySelectorAll('#hand .gravity').length"), 2)
+        self.setting("gravity-angle-deg", "")  # the camera was level
         b.value("document.getElementById('draw-ball').click()")
         truth = self.truth()[0]
         x, y = float(truth["cx_px"]), float(truth["cy_px"])

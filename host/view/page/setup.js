@@ -26,6 +26,7 @@ function drawing() {
   length.onchange = takeScale;
   return {
     "surface-angle-deg": [tool("surface", "draw", "Drag along the surface", found => settings.change("surface-angle-deg", String(found.angle)))],
+    "gravity-angle-deg": [tool("gravity", "draw", "Drag the way things fall: along a plumb line, downwards", found => settings.change("gravity-angle-deg", String(found.angle)))],
     roi: [tool("roi", "draw", "Drag a rectangle", ({x, y, w, h}) => settings.change("roi", `${x},${y},${w},${h}`))],
     "radius-px": [tool("ball", "draw", "Drag from the ball's centre to its rim", ({r}) => settings.change("radius-px",
       `${Math.floor((1 - RADIUS_SPREAD) * r)}:${Math.ceil((1 + RADIUS_SPREAD) * r)}`))],

@@ -1,10 +1,10 @@
-// Drawing by hand on the picture: surface, region, ball, scale. Each tool is a drag from one point to
+// Drawing by hand on the picture: surface, gravity, region, ball, scale. Each tool is a drag from one point to
 // another; what it found goes to whoever has chosen it. Every value can also be typed.
 import {draw, id} from "./dom.js";
 import {hand} from "./overlay.js";
 import * as picture from "./picture.js";
 import {get, on, set} from "./store.js";
-import {BLUE, ORANGE} from "./colours.js";
+import {BLUE, ORANGE, SKY} from "./colours.js";
 
 const far = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 const round = (value, digits) => Number(value.toFixed(digits));
@@ -29,6 +29,7 @@ export function surfaceAngle(a, b, ball) {
 
 // Of each tool: what a drag becomes; null where it is too short to mean anything.
 const TOOLS = {
+  gravity: (a, b) => (far(a, b) < 5 ? null : {a, b, angle: round(Math.atan2(a.y - b.y, b.x - a.x) * 180 / Math.PI, 2)}),
   surface: (a, b) => (far(a, b) < 5 ? null : surfaceAngle(a, b, ballCentre())),
   roi: (a, b) => {
     const {width, height} = get("clip");
@@ -83,10 +84,14 @@ function stroke(tag, properties, colour) {
 on(["hand", "panel"], ({hand: drawn, panel}) => {
   hand.replaceChildren();
   if (!drawn || panel !== "setup") return;
-  const {surface, roi, ball, scale} = drawn;
+  const {surface, gravity, roi, ball, scale} = drawn;
   if (surface) {
     const {a, b} = surface, x = (a.x + b.x) / 2, y = (a.y + b.y) / 2, share = 0.12;
     stroke("path", {d: `M${a.x} ${a.y}L${b.x} ${b.y}M${x} ${y}l${share * (b.y - a.y)} ${share * (a.x - b.x)}`, class: "surface"}, BLUE);
+  }
+  if (gravity) {
+    const {a, b} = gravity, u = (b.x - a.x) / 6, v = (b.y - a.y) / 6;
+    stroke("path", {d: `M${a.x} ${a.y}L${b.x} ${b.y}M${b.x - u + v / 2} ${b.y - v - u / 2}L${b.x} ${b.y}L${b.x - u - v / 2} ${b.y - v + u / 2}`, class: "gravity"}, SKY);
   }
   if (roi) stroke("rect", {x: roi.x - 0.5, y: roi.y - 0.5, width: roi.w, height: roi.h, "stroke-dasharray": "6 4"}, "#fff");
   if (ball) stroke("circle", {cx: ball.x, cy: ball.y, r: ball.r, "stroke-dasharray": "4 4"}, ORANGE);
