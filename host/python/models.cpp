@@ -103,7 +103,7 @@ nb::dict simulate_impact(nb::dict job, double rate_hz, std::vector<double> times
 }
 
 FitParameter parameter_of(const std::string& key, NormalModel normal) {
-  for (int k = 0; k <= static_cast<int>(FitParameter::kScale); ++k) {
+  for (int k = 0; k <= static_cast<int>(FitParameter::kLift); ++k) {
     if (key_of(static_cast<FitParameter>(k), normal) == key) return static_cast<FitParameter>(k);
   }
   throw InvalidArgument("'" + key + "' is not known", "parameters");
@@ -121,6 +121,8 @@ FitRequest read_request(const nb::list& tracks, nb::dict job, nb::dict options) 
   reader("rivals", request.rivals);
   reader("flight_frames", request.flight_frames);
   reader("outlier_sd", request.outlier_sd);
+  reader("scale_sd", request.scale_sd);
+  reader("rate_sd", request.rate_sd);
   reader("threads", request.threads);
   std::optional<double> angle;
   reader("surface_angle_deg", angle);
@@ -214,6 +216,7 @@ nb::dict fit_tracks(nb::list tracks, nb::dict impact, nb::dict options, nb::obje
     facts["sd"] = estimate.sd;
     facts["mean"] = estimate.mean;
     facts["scatter_sd"] = estimate.scatter_sd;
+    facts["between_sd"] = estimate.between_sd;
     facts["determined"] = estimate.determined;
     facts["outliers"] = nb::cast(estimate.outliers);
     pooled.append(facts);

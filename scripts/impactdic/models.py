@@ -160,7 +160,7 @@ class Fit:
     def parameters(self):
         """One row a parameter: value, sd (weighted over the shots), mean, scatter_sd, …"""
         pooled = self._outcome["pooled"]
-        names = ("parameter", "value", "sd", "mean", "scatter_sd", "determined")
+        names = ("parameter", "value", "sd", "between_sd", "mean", "scatter_sd", "determined")
         return tables.frame({name: [row[name] for row in pooled] for name in names})
 
     @property

@@ -11,6 +11,7 @@
 #include "host/base/parse.h"
 #include "host/impact/impulse_figures.h"
 #include "sim/contact/contact_integration.h"
+#include "sim/contact/flight/flight.h"
 #include "sim/contact/orientation_path.h"
 #include "sim/contact/two_bodies.h"
 
@@ -34,43 +35,16 @@ BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q) {
           {q.w(), q.x(), q.y(), q.z()}};
 }
 
-// The motion `elapsed` after (or before) a state in free flight.
-ImpactState fly(const ImpactState& from, double gravity_t, double gravity_n, double elapsed) {
-  ImpactState x = from;
-  x[kQt] += elapsed * (from[kVt] + 0.5 * gravity_t * elapsed);
-  x[kQn] += elapsed * (from[kVn] + 0.5 * gravity_n * elapsed);
-  x[kQb] += elapsed * from[kVb];
-  x[kAngle] += elapsed * from[kOmega];
-  x[kVt] += gravity_t * elapsed;
-  x[kVn] += gravity_n * elapsed;
-  return x;
-}
-
-// Flight time from height qn until qn = 0 is reached from above; infinite if it never is.
-double time_to_touch(const ImpactState& x, double gravity_n) {
-  const double height = x[kQn], speed = x[kVn];
-  if (gravity_n >= 0) {
-    if (gravity_n == 0) return speed < 0 && height > 0 ? -height / speed : kNever;
-    const double root = speed * speed - 2 * gravity_n * height;
-    // Gravity lifts off: only a fast enough approach touches.
-    return speed < 0 && height > 0 && root >= 0 ? 2 * height / (-speed + std::sqrt(root)) : kNever;
-  }
-  const double root = speed * speed - 2 * gravity_n * height;
-  if (root < 0) return kNever;
-  const double fall = std::sqrt(root);
-  // The form without cancellation for either sign of the speed.
-  return speed > 0 ? (speed + fall) / -gravity_n : 2 * height / (fall - speed);
-}
-
 // A ledger is closed to this part of the kinetic energy at the start.
 constexpr double kLedgerTolerance = 1e-9;
 constexpr double kStrictestTolerance = 1e-13;
 
 // `rounding`: of the largest term, which may be far larger than the kinetic energy.
 bool closes(const EnergyLedger& energy, double limit, double rounding) {
-  const double largest = std::max({energy.kinetic_start_j, energy.kinetic_j,
-                                   std::abs(energy.gravity_j), energy.normal_elastic_j,
-                                   energy.damping_j, std::abs(energy.slip_j), energy.plastic_j});
+  const double largest =
+      std::max({energy.kinetic_start_j, energy.kinetic_j, std::abs(energy.gravity_j),
+                energy.normal_elastic_j, std::abs(energy.air_j), energy.damping_j,
+                std::abs(energy.slip_j), energy.plastic_j});
   return std::abs(energy.residual_j) <= limit * energy.kinetic_start_j + rounding * largest;
 }
 
@@ -79,6 +53,7 @@ class ImpactRun final : public TrajectoryRequest {
   ImpactRun(const ImpactJob& job, const Recording& recording)
       : job_(job),
         recording_(recording),
+        flight_(job),
         normal_(make_normal_law(job)),
         orientation_(job.body),
         turns_(job.body.shape != BodyShape::kRod) {}
@@ -122,17 +97,13 @@ class ImpactRun final : public TrajectoryRequest {
     return body_state(x, turns_ ? orientation_.at(time_s, x) : Eigen::Quaterniond::Identity());
   }
 
-  double gravity_t() const {
-    return -job_.gravity_m_s2 * std::sin(job_.surface_angle_deg * kRadPerDeg);
-  }
-  double gravity_n() const {
-    return -job_.gravity_m_s2 * std::cos(job_.surface_angle_deg * kRadPerDeg);
-  }
+  double gravity_t() const { return flight_.gravity_t(); }
+  double gravity_n() const { return flight_.gravity_n(); }
 
   // Flies to the next touch and says whether there is one.
   bool reach_surface(int contact) {
     double flight = 0;
-    if (contact > 0 || now_[kQn] > 0) flight = time_to_touch(now_, gravity_n());
+    if (contact > 0 || now_[kQn] > 0) flight = flight_.time_to_touch(now_);
     if (contact == 0 && flight == kNever) {
       throw InvalidArgument("the body never touches the surface", "initial.gap_m");
     }
@@ -141,7 +112,9 @@ class ImpactRun final : public TrajectoryRequest {
       const double touch_s = time_s_ + flight;
       record_flight(std::nextafter(touch_s, 0.0));
       result_.phases.push_back({ContactPhaseKind::kFlight, "flight", time_s_, touch_s, 0});
-      now_ = fly(now_, gravity_t(), gravity_n(), flight);
+      const Flight::Flown flown = flight_.after(now_, flight);
+      now_ = flown.state;
+      air_j_ += flown.air_j;
       now_[kQn] = 0;
       time_s_ = touch_s;
       reach(time_s_, now_);
@@ -153,9 +126,13 @@ class ImpactRun final : public TrajectoryRequest {
 
   // Hands over the points asked for up to `until_s`, all in free flight.
   void record_flight(double until_s) {
+    const double before_j = air_j_;
     for (double t = next_s(); t <= until_s; t = next_s()) {
-      take(t, fly(now_, gravity_t(), gravity_n(), t - time_s_));
+      const Flight::Flown flown = flight_.after(now_, t - time_s_);
+      air_j_ = before_j + flown.air_j;
+      take(t, flown.state);
     }
+    air_j_ = before_j;
   }
 
   void follow_contact(int contact) {
@@ -264,6 +241,7 @@ class ImpactRun final : public TrajectoryRequest {
     energy.damping_j = x[kDamping];
     energy.slip_j = x[kSlip];
     energy.plastic_j = plastic_j_;
+    energy.air_j = air_j_;
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       energy.normal_elastic_j = normal_->stored_j(at.deflection_m, dynamics_->memory);
@@ -273,7 +251,7 @@ class ImpactRun final : public TrajectoryRequest {
     }
     energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
                         energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
-                        energy.slip_j - energy.plastic_j;
+                        energy.slip_j - energy.plastic_j - energy.air_j;
     return energy;
   }
 
@@ -301,6 +279,7 @@ class ImpactRun final : public TrajectoryRequest {
 
   const ImpactJob& job_;
   const Recording recording_;
+  const Flight flight_;
   std::unique_ptr<NormalLaw> normal_;
   std::unique_ptr<FrictionLaw> friction_;
   std::optional<ContactDynamics> dynamics_;  // while in contact
@@ -309,6 +288,7 @@ class ImpactRun final : public TrajectoryRequest {
   ImpactState now_{}, start_{};
   double time_s_ = 0;
   double plastic_j_ = 0;  // of the contacts before
+  double air_j_ = 0;      // of the flights
   std::size_t taken_ = 0;
   ImpactResult result_;
 };

@@ -164,6 +164,16 @@ void validate_space(const ImpactJob& job) {
           "the published rule knows motion in the plane of t and n only", "preset", "sound");
 }
 
+void validate_air(const ImpactJob& job) {
+  require(job.air.density_kg_m3 > 0 && std::isfinite(job.air.density_kg_m3), "must be positive",
+          "air.density_kg_m3");
+  require_not_negative(job.air.drag_coefficient, "air.drag_coefficient");
+  require(std::isfinite(job.air.lift_coefficient), "must be a finite number",
+          "air.lift_coefficient");
+  require(!job.air.act() || (job.body.shape != BodyShape::kRod && !job.other),
+          "the air's forces are known of one ball alone", "air");
+}
+
 void validate_other(const ImpactJob& job) {
   const OtherBody& other = *job.other;
   const auto in_other = [](const Error& error) {
@@ -270,6 +280,7 @@ void ImpactJob::validate() const {
   require_not_negative(gravity_m_s2, "environment.gravity_m_s2");
   require(std::isfinite(surface_angle_deg) && std::abs(surface_angle_deg) <= 180,
           "must be from -180 to 180", "surface.angle_deg");
+  validate_air(*this);
   require_finite(initial, "initial");
   validate_space(*this);
   if (other) validate_other(*this);

@@ -7,18 +7,21 @@
 #include <cmath>
 
 #include "host/base/parallel.h"
-#include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
+#include "sim/fit/pooling.h"
 #include "sim/fit/restitution_duration.h"
 #include "sim/fit/rivals.h"
 #include "sim/fit/trajectory_fit.h"
+#include "sim/shot/track_accuracy.h"
 
 namespace impactdic::sim::fit {
 namespace {
 
 constexpr double kNormal95 = 1.959963984540054;
+constexpr double kStep = 1e-4;  // relative, of differences
 
-ShotFit fit_restitution_duration(const MeasuredShot& shot, const FitRequest& job) {
+ShotFit fit_restitution_duration(const MeasuredTrack& track, const MeasuredShot& shot,
+                                 const FitRequest& job) {
   const ImpactJob impact = job_of_shot(job.impact, shot);
   const double e = shot.restitution.value;
   const double duration = shot.contact_s.value;
@@ -33,62 +36,44 @@ ShotFit fit_restitution_duration(const MeasuredShot& shot, const FitRequest& job
       (pair.damping_n_s_per_m - other_e.damping_n_s_per_m) / e_step * shot.restitution.sd;
   const double b_t =
       (other_t.damping_n_s_per_m - pair.damping_n_s_per_m) / t_step * shot.contact_s.sd;
+  // The restitution is a ratio; scale and rate change velocities, and the rate durations.
+  const auto slope = [&](double length, double time) {
+    ImpactJob other = impact;
+    other.initial.vt_m_s *= length / time;
+    other.initial.vn_m_s *= length / time;
+    other.initial.omega_rad_s /= time;
+    const contact::SpringDamperParameters moved = spring_and_damper(other, e, duration * time);
+    return std::pair{(moved.stiffness - pair.stiffness) / kStep,
+                     (moved.damping_n_s_per_m - pair.damping_n_s_per_m) / kStep};
+  };
+  const auto [k_scale, b_scale] = slope(1 + kStep, 1);
+  const auto [k_rate, b_rate] = slope(1, 1 + kStep);
+  const double s = track.scale_sd, r = track.rate_sd;
   ShotFit fit;
   fit.shot = shot;
-  const auto add = [&](FitParameter p, double value, double sd) {
-    fit.parameters.push_back({p, key_of(p, job.impact.normal), value, sd, value - kNormal95 * sd,
-                              value + kNormal95 * sd, true, false, "determined by the data"});
+  const auto add = [&](FitParameter p, double value, double sd, double scale, double rate) {
+    sd = std::hypot(sd, scale, rate);
+    ParameterEstimate estimate{p,
+                               key_of(p, job.impact.normal),
+                               value,
+                               sd,
+                               value - kNormal95 * sd,
+                               value + kNormal95 * sd,
+                               true,
+                               false,
+                               "determined by the data"};
+    estimate.scale_part = scale, estimate.rate_part = rate;
+    fit.parameters.push_back(std::move(estimate));
   };
-  add(FitParameter::kStiffness, pair.stiffness, std::hypot(k_e, k_t));
-  add(FitParameter::kDamping, pair.damping_n_s_per_m, std::hypot(b_e, b_t));
-  fit.covariance = {k_e * k_e + k_t * k_t, k_e * b_e + k_t * b_t, k_e * b_e + k_t * b_t,
-                    b_e * b_e + b_t * b_t};
+  add(FitParameter::kStiffness, pair.stiffness, std::hypot(k_e, k_t), s * k_scale, r * k_rate);
+  add(FitParameter::kDamping, pair.damping_n_s_per_m, std::hypot(b_e, b_t), s * b_scale,
+      r * b_rate);
+  const double both = k_e * b_e + k_t * b_t + s * s * k_scale * b_scale + r * r * k_rate * b_rate;
+  fit.covariance = {std::pow(fit.parameters[0].sd, 2), both, both,
+                    std::pow(fit.parameters[1].sd, 2)};
   fit.measurements = fit.free_parameters = 2;
   fit.aic = fit.chi_square = fit.reduced_chi_square = fit.rms_m = fit.p_value = kNotMeasured;
   return fit;
-}
-
-PooledEstimate pool(const FitResult& result, std::size_t index, double outlier_sd) {
-  PooledEstimate pooled;
-  pooled.key = result.shots[0].parameters[index].key;
-  std::vector<double> values;
-  double weights = 0, weighted = 0;
-  for (const ShotFit& shot : result.shots) {
-    const ParameterEstimate& p = shot.parameters[index];
-    values.push_back(p.value);
-    if (p.determined && p.sd > 0) weights += 1 / (p.sd * p.sd), weighted += p.value / (p.sd * p.sd);
-  }
-  const auto count = static_cast<double>(values.size());
-  for (double v : values) pooled.mean += v / count;
-  for (double v : values) pooled.scatter_sd += (v - pooled.mean) * (v - pooled.mean);
-  pooled.scatter_sd = count > 1 ? std::sqrt(pooled.scatter_sd / (count - 1)) : kNotMeasured;
-  pooled.value = weights > 0 ? weighted / weights : kNotMeasured;
-  pooled.sd = weights > 0 ? std::sqrt(1 / weights) : kNotMeasured;
-  double compared = 0;
-  for (const ShotFit& shot : result.shots) {
-    const ParameterEstimate& p = shot.parameters[index];
-    if (!(p.determined && p.sd > 0)) continue;
-    pooled.chi_square += std::pow((p.value - pooled.value) / p.sd, 2);
-    ++compared;
-  }
-  // Shots that scatter more than their own deviations widen the pooled one (Birge 1932).
-  if (compared > 1) pooled.sd *= std::sqrt(std::max(1.0, pooled.chi_square / (compared - 1)));
-  pooled.determined = compared > 0 || std::all_of(result.shots.begin(), result.shots.end(),
-                                                  [&](const ShotFit& shot) {
-                                                    return shot.parameters[index].determined;
-                                                  });
-  const double middle = median(values);
-  std::vector<double> off;
-  for (double v : values) off.push_back(std::abs(v - middle));
-  const double spread = kSdOfMad * median(off);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double own = result.shots[i].parameters[index].sd;
-    const double allowed = std::hypot(spread, std::isnan(own) ? 0 : own);
-    if (values.size() >= 4 && off[i] > outlier_sd * allowed) {
-      pooled.outliers.push_back(result.shots[i].shot.file);
-    }
-  }
-  return pooled;
 }
 
 }  // namespace
@@ -108,6 +93,10 @@ double law_parameter(const ImpactJob& job, FitParameter parameter) {
       return contact.poisson;
     case FitParameter::kYieldStrength:
       return contact.yield_strength_pa;
+    case FitParameter::kDrag:
+      return job.air.drag_coefficient;
+    case FitParameter::kLift:
+      return job.air.lift_coefficient;
     default:
       return kNotMeasured;
   }
@@ -132,6 +121,12 @@ void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
       break;
     case FitParameter::kYieldStrength:
       job.contact.yield_strength_pa = value;
+      break;
+    case FitParameter::kDrag:
+      job.air.drag_coefficient = value;
+      break;
+    case FitParameter::kLift:
+      job.air.lift_coefficient = value;
       break;
     default:
       break;
@@ -166,6 +161,7 @@ void time_contact(MeasuredShot& shot, const ImpactJob& laws) {
 
 LoadedShot load_shot(const FitShot& source, const ImpactJob& laws, int flight_frames) {
   LoadedShot loaded{source.in_memory ? *source.in_memory : shot::read_track(source.track), {}, {}};
+  if (!source.in_memory) shot::read_accuracy(source.track, loaded.track);
   double angle = source.surface_angle_deg;
   if (std::isnan(angle)) angle = loaded.track.surface_angle_deg;
   if (std::isnan(angle)) {
@@ -187,8 +183,10 @@ FitResult calibrate(const FitRequest& request, const RunControl& control) {
   if (request.method == FitMethod::kPublishedGrid) result.surfaces.resize(request.shots.size());
   const std::vector<char> done =
       parallel_pieces(request.shots.size(), request.threads, "fit", control, [&](std::size_t i) {
-        const auto [track, shot, timed] =
+        auto [track, shot, timed] =
             load_shot(request.shots[i], request.impact, request.flight_frames);
+        if (!std::isnan(request.scale_sd)) track.scale_sd = request.scale_sd;
+        if (!std::isnan(request.rate_sd)) track.rate_sd = request.rate_sd;
         switch (request.method) {
           case FitMethod::kTrajectory:
             result.shots[i] = fit_trajectory(track, timed, request);
@@ -200,7 +198,7 @@ FitResult calibrate(const FitRequest& request, const RunControl& control) {
             result.shots[i].shot = shot;
             break;
           case FitMethod::kRestitutionDuration:
-            result.shots[i] = fit_restitution_duration(timed, request);
+            result.shots[i] = fit_restitution_duration(track, timed, request);
             break;
         }
       });
@@ -210,7 +208,7 @@ FitResult calibrate(const FitRequest& request, const RunControl& control) {
   const std::size_t laws =
       request.method == FitMethod::kTrajectory ? request.parameters.size() : std::size_t{2};
   for (std::size_t i = 0; i < laws; ++i) {
-    result.pooled.push_back(pool(result, i, request.outlier_sd));
+    result.pooled.push_back(pool(result.shots, i, request.outlier_sd));
   }
   return result;
 }

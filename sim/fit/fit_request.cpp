@@ -44,6 +44,12 @@ std::string key_of(FitParameter parameter, NormalModel normal) {
       return "surface_angle_deg";
     case FitParameter::kScale:
       return "scale";
+    case FitParameter::kRate:
+      return "rate";
+    case FitParameter::kDrag:
+      return "drag_coefficient";
+    case FitParameter::kLift:
+      return "lift_coefficient";
   }
   return "";
 }
@@ -61,6 +67,9 @@ void MeasuredTrack::validate() const {
       std::count_if(x_m.begin(), x_m.end(), [](double v) { return std::isfinite(v); }));
   if (known < kFewestCentres) {
     fail("fewer than 20 frames have a centre", "a calibration needs at least 20");
+  }
+  if (!(scale_sd >= 0 && scale_sd <= 0.2) || !(rate_sd >= 0 && rate_sd <= 0.2)) {
+    fail("scale_sd and rate_sd must be from 0 to 0.2");
   }
   if (!(interval_s > 0)) fail("interval_s must be positive");
   if (!(metre_per_px > 0)) fail("metre_per_px must be positive", "the scale of the pictures");
@@ -102,6 +111,11 @@ void validate_settings(const FitRequest& request) {
   for (const auto& [key, steps] : {std::pair{"grid.stiffness_steps", request.grid.stiffness_steps},
                                    std::pair{"grid.damping_steps", request.grid.damping_steps}}) {
     require(steps >= 5 && steps <= 1000, "must be from 5 to 1000", key);
+  }
+  for (const auto& [key, sd] :
+       {std::pair{"fit.scale_sd", request.scale_sd}, std::pair{"fit.rate_sd", request.rate_sd}}) {
+    require(std::isnan(sd) || (sd >= 0 && sd <= 0.2), "must be from 0 to 0.2", key,
+            "a relative standard deviation");
   }
   require(request.threads >= 0, "must not be negative", "threads");
   ImpactJob probe = request.impact;

@@ -15,11 +15,12 @@ constexpr std::array<std::pair<FitMethod, const char*>, 3> kMethods{
     {{FitMethod::kTrajectory, "trajectory"},
      {FitMethod::kPublishedGrid, "published_grid"},
      {FitMethod::kRestitutionDuration, "restitution_duration"}}};
-constexpr std::array kLawParameters{FitParameter::kStiffness,       FitParameter::kDamping,
-                                    FitParameter::kFrictionKinetic, FitParameter::kFrictionStatic,
-                                    FitParameter::kPoisson,         FitParameter::kYieldStrength};
+constexpr std::array kLawParameters{
+    FitParameter::kStiffness,      FitParameter::kDamping, FitParameter::kFrictionKinetic,
+    FitParameter::kFrictionStatic, FitParameter::kPoisson, FitParameter::kYieldStrength,
+    FitParameter::kDrag,           FitParameter::kLift};
 constexpr std::array kShotUnknowns{FitParameter::kContactTime, FitParameter::kSurfaceAngle,
-                                   FitParameter::kScale};
+                                   FitParameter::kScale, FitParameter::kRate};
 
 template <typename Candidates>
 std::vector<FitParameter> parameters(const Candidates& candidates, job::StrictTable& table,
@@ -67,6 +68,8 @@ FitRequest read_fit_tables(job::StrictTable& root, bool rivals) {
   job.flight_frames = fit.integer("flight_frames", job.flight_frames);
   job.outlier_sd = fit.number("outlier_sd", job.outlier_sd);
   job.rivals = fit.boolean("rivals", job.rivals);
+  job.scale_sd = fit.number("scale_sd", job.scale_sd);
+  job.rate_sd = fit.number("rate_sd", job.rate_sd);
   job::StrictTable& grid = root.table("grid");
   job.grid.stiffness_max = grid.number("stiffness_max", job.grid.stiffness_max);
   job.grid.damping_max_n_s_per_m =
@@ -117,6 +120,7 @@ void write_fit_tables(job::TomlText& text, const FitRequest& job, double angle_d
   }
   text.table("environment");
   text.number("gravity_m_s2", job.impact.gravity_m_s2);
+  job::write_air(text, job.impact.air);
   text.table("solver");
   text.number("relative_tolerance", job.impact.solver.relative_tolerance);
   text.table("fit");
@@ -126,6 +130,8 @@ void write_fit_tables(job::TomlText& text, const FitRequest& job, double angle_d
   text.integer("flight_frames", job.flight_frames);
   text.number("outlier_sd", job.outlier_sd);
   text.boolean("rivals", job.rivals);
+  if (!std::isnan(job.scale_sd)) text.number("scale_sd", job.scale_sd);
+  if (!std::isnan(job.rate_sd)) text.number("rate_sd", job.rate_sd);
   text.table("grid");
   text.number("stiffness_max", job.grid.stiffness_max);
   text.number("damping_max_n_s_per_m", job.grid.damping_max_n_s_per_m);

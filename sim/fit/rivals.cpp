@@ -40,6 +40,11 @@ bool is_own(const RivalFit& rival, const ImpactJob& laws) {
          rival.restitution_damping == laws.contact.restitution_damping;
 }
 
+bool fits(const FitRequest& request, FitParameter p) {
+  return std::find(request.parameters.begin(), request.parameters.end(), p) !=
+         request.parameters.end();
+}
+
 // The endings that a law's damper knows (RestitutionDamping).
 std::vector<RestitutionDamping> dampings_of(NormalModel normal, RestitutionDamping own) {
   switch (normal) {
@@ -58,13 +63,9 @@ std::vector<RestitutionDamping> dampings_of(NormalModel normal, RestitutionDampi
 // The laws compared: every spring with a damper, every damping, the friction of the request and,
 // where it has one, none.
 std::vector<ImpactJob> rival_laws(const FitRequest& request) {
-  const auto fits = [&](FitParameter p) {
-    return std::find(request.parameters.begin(), request.parameters.end(), p) !=
-           request.parameters.end();
-  };
   std::vector<NormalModel> normals{request.impact.normal};
   // Another spring has another unit: only its own fit gives it.
-  if (fits(FitParameter::kStiffness) && fits(FitParameter::kDamping) &&
+  if (fits(request, FitParameter::kStiffness) && fits(request, FitParameter::kDamping) &&
       request.impact.friction != FrictionModel::kMawBarberFawcett) {
     normals = {NormalModel::kLinearSpringDamper, NormalModel::kHertzDamper, NormalModel::kTsuji,
                NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley};
@@ -86,6 +87,30 @@ std::vector<ImpactJob> rival_laws(const FitRequest& request) {
     laws.push_back(rough);
   }
   return laws;
+}
+
+// After the rivals are ranked: the request's own laws in air. Where drag and Magnus' force describe
+// the flights far better, the constants of the contact are those of a path that was bent otherwise.
+void warn_of_air(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& shot,
+                 const FitRequest& request) {
+  if (request.impact.air.act() || fits(request, FitParameter::kDrag) ||
+      fits(request, FitParameter::kLift) || request.impact.body.shape == BodyShape::kRod) {
+    return;
+  }
+  FitRequest in_air = request;
+  in_air.parameters.push_back(FitParameter::kDrag);
+  if (!std::isnan(shot.before.omega_rad_s.value)) in_air.parameters.push_back(FitParameter::kLift);
+  const ShotFit found = fit_values(track, shot, in_air);
+  // Better than every rival: another law of the contact may bend the flights' ends, too.
+  const double better = fit.rivals.front().aicc - aicc_of(found);
+  if (!(better > kBetter)) return;
+  const double drag = found.parameters[request.parameters.size()].value;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the flights bend as in air (drag coefficient %.2g, AICc lower by %.3g): fit "
+                "drag_coefficient and lift_coefficient, or give them in [air]",
+                drag, better);
+  fit.warnings.emplace_back(text);
 }
 
 void warn(ShotFit& fit, const ImpactJob& own) {
@@ -136,6 +161,7 @@ void rank_rivals(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& s
             [](const RivalFit& a, const RivalFit& b) { return a.aicc < b.aicc; });
   for (RivalFit& rival : fit.rivals) rival.above_best = rival.aicc - fit.rivals.front().aicc;
   warn(fit, request.impact);
+  warn_of_air(fit, track, shot, request);
 }
 
 }  // namespace impactdic::sim::fit

@@ -21,8 +21,10 @@ constexpr double kFarOff = 4;
 
 bool is_law(FitParameter p) {
   return p != FitParameter::kContactTime && p != FitParameter::kSurfaceAngle &&
-         p != FitParameter::kScale;
+         p != FitParameter::kScale && p != FitParameter::kRate;
 }
+
+bool is_air(FitParameter p) { return p == FitParameter::kDrag || p == FitParameter::kLift; }
 
 double upper_bound(FitParameter p) {
   switch (p) {
@@ -30,6 +32,8 @@ double upper_bound(FitParameter p) {
       return 0.5;
     case FitParameter::kFrictionKinetic:
     case FitParameter::kFrictionStatic:
+    case FitParameter::kDrag:
+    case FitParameter::kLift:
       return 10;
     default:
       return kInfinity;
@@ -45,6 +49,8 @@ ShotModel::ShotModel(const MeasuredTrack& track, const MeasuredShot& shot, const
   has_spin_ = !std::isnan(shot.before.omega_rad_s.value);
   build_rows(track, shot);
   add_unknowns(shot, parameters, unknowns);
+  add_known(FitParameter::kScale, track.scale_sd);
+  add_known(FitParameter::kRate, track.rate_sd);
   if (residuals_ <= unknowns_.size()) {
     throw FormatError(shot.file, -1, "the track has fewer measurements than there are unknowns");
   }
@@ -85,11 +91,11 @@ void ShotModel::add_unknowns(const MeasuredShot& shot, const std::vector<FitPara
   const double speed = std::abs(shot.before.vn_m_s.value);
   for (FitParameter p : parameters) {
     const double start = law_parameter(laws_, p);
-    const double step = 1e-4 * std::max(std::abs(start), p == FitParameter::kDamping ? 0.1 : 1e-2);
-    unknowns_.push_back(
-        {Unknown::Kind::kParameter, p, start, step,
-         p == FitParameter::kStiffness || p == FitParameter::kYieldStrength ? 1e-6 * start : 0.0,
-         upper_bound(p)});
+    const double least = p == FitParameter::kDamping ? 0.1 : is_air(p) ? 10 : 1e-2;
+    const double step = 1e-4 * std::max(std::abs(start), least);
+    const bool stiff = p == FitParameter::kStiffness || p == FitParameter::kYieldStrength;
+    const double lower = p == FitParameter::kLift ? -upper_bound(p) : stiff ? 1e-6 * start : 0.0;
+    unknowns_.push_back({Unknown::Kind::kParameter, p, start, step, lower, upper_bound(p)});
   }
   for (FitParameter p : unknowns) {
     const double span = time_s_.back() - time_s_.front();
@@ -117,13 +123,25 @@ void ShotModel::add_unknowns(const MeasuredShot& shot, const std::vector<FitPara
   }
 }
 
-double ShotModel::value_or(FitParameter parameter, const double* values, double otherwise) const {
+std::size_t ShotModel::place_of(FitParameter parameter) const {
   for (std::size_t i = 0; i < unknowns_.size(); ++i) {
     if (unknowns_[i].kind == Unknown::Kind::kParameter && unknowns_[i].parameter == parameter) {
-      return values[i];
+      return i;
     }
   }
-  return otherwise;
+  return unknowns_.size();
+}
+
+void ShotModel::add_known(FitParameter parameter, double sd) {
+  if (!(sd > 0) || place_of(parameter) < unknowns_.size()) return;
+  rows_.push_back({Row::Kind::kPrior, unknowns_.size(), 1, sd});
+  unknowns_.push_back({Unknown::Kind::kParameter, parameter, 1, 1e-4, 0.5, 2});
+  residuals_ = rows_.size();
+}
+
+double ShotModel::value_or(FitParameter parameter, const double* values, double otherwise) const {
+  const std::size_t place = place_of(parameter);
+  return place < unknowns_.size() ? values[place] : otherwise;
 }
 
 ImpactJob ShotModel::impact_of(const double* values) const {
@@ -158,7 +176,8 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
   const ImpactJob job = impact_of(values);
   const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
   std::vector<double> times(time_s_);
-  for (double& time : times) time -= start;
+  const double rate = value_or(FitParameter::kRate, values, 1);
+  for (double& time : times) time = (time - start) * rate;
   ImpactResult impact;
   try {
     impact = contact::simulate_impact(job, {0, times});
@@ -195,6 +214,8 @@ MeasurementSeries ShotModel::series_of(std::size_t row) const {
       return {MeasurementKind::kMotion, 0};
     case Row::Kind::kDy:
       return {MeasurementKind::kMotion, 1};
+    case Row::Kind::kPrior:
+      return {MeasurementKind::kPrior, rows_[row].frame};
     default:
       return {MeasurementKind::kTurn, 0};
   }
@@ -202,13 +223,14 @@ MeasurementSeries ShotModel::series_of(std::size_t row) const {
 
 void ShotModel::weigh(const DeviationFactors& factors, std::span<const double> stated_residuals) {
   for (std::size_t r = 0; r < rows_.size(); ++r) {
+    if (rows_[r].kind == Row::Kind::kPrior) continue;
     const double factor = factors[static_cast<std::size_t>(series_of(r).kind)];
     const double off = stated_residuals.empty() ? 0 : std::abs(stated_residuals[r]) / factor;
     rows_[r].sd = rows_[r].stated_sd * factor * std::sqrt(std::max(1.0, off / kFarOff));
   }
 }
 
-double ShotModel::predicted(const Row& row, const Prediction& p) const {
+double ShotModel::predicted(const Row& row, const Prediction& p, const double* values) const {
   const std::size_t i = row.frame;
   switch (row.kind) {
     case Row::Kind::kX:
@@ -221,19 +243,28 @@ double ShotModel::predicted(const Row& row, const Prediction& p) const {
       return p.y[i + 1] - p.y[i];
     case Row::Kind::kTurn:
       return p.angle[i + 1] - p.angle[i];
+    case Row::Kind::kPrior:
+      return values[i];
   }
   return 0;
 }
 
+bool ShotModel::is_length(const Row& row) {
+  return row.kind != Row::Kind::kTurn && row.kind != Row::Kind::kPrior;
+}
+
+// The model's lengths are divided by the scale, not the measured ones multiplied: their deviations
+// are those of the table, and a smaller scale must not shrink what the model leaves.
 bool ShotModel::evaluate(const double* values, double* residual, double* jacobian) const {
   Prediction here;
   if (!predict(values, here)) return false;
   const double scale = value_or(FitParameter::kScale, values, 1);
-  const auto measured = [&](const Row& row) {
-    return row.kind == Row::Kind::kTurn ? row.measured : scale * row.measured;
+  const auto as_measured = [&](const Row& row, double model) {
+    return is_length(row) ? model / scale : model;
   };
   for (std::size_t r = 0; r < rows_.size(); ++r) {
-    residual[r] = (predicted(rows_[r], here) - measured(rows_[r])) / rows_[r].sd;
+    const Row& row = rows_[r];
+    residual[r] = (as_measured(row, predicted(row, here, values)) - row.measured) / row.sd;
   }
   if (jacobian == nullptr) return true;
   std::vector<double> moved(values, values + size());
@@ -242,7 +273,10 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
     const Unknown& unknown = unknowns_[u];
     const auto column = [&](const auto& derivative) {
       for (std::size_t r = 0; r < rows_.size(); ++r) {
-        jacobian[r * size() + u] = derivative(rows_[r]) / rows_[r].sd;
+        const Row& row = rows_[r];
+        const bool prior = row.kind == Row::Kind::kPrior;
+        const double slope = prior ? (row.frame == u ? 1 : 0) : as_measured(row, derivative(row));
+        jacobian[r * size() + u] = slope / row.sd;
       }
     };
     if (unknown.kind == Unknown::Kind::kTouchX || unknown.kind == Unknown::Kind::kTouchY) {
@@ -250,7 +284,9 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
       column([&](const Row& row) { return row.kind == kind ? 1.0 : 0.0; });
     } else if (unknown.kind == Unknown::Kind::kParameter &&
                unknown.parameter == FitParameter::kScale) {
-      column([&](const Row& row) { return row.kind == Row::Kind::kTurn ? 0.0 : -row.measured; });
+      column([&](const Row& row) {
+        return is_length(row) ? -predicted(row, here, values) / scale : 0.0;
+      });
     } else {
       // Central differences, one-sided at a bound.
       const double up = std::min(values[u] + unknown.step, unknown.upper);
@@ -261,7 +297,7 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
       if (!predict(moved.data(), low)) return false;
       moved[u] = values[u];
       column([&](const Row& row) {
-        return (predicted(row, high) - predicted(row, low)) / (up - down);
+        return (predicted(row, high, values) - predicted(row, low, values)) / (up - down);
       });
     }
   }
@@ -275,10 +311,26 @@ double ShotModel::path_rms_m(const double* values) const {
   double sum = 0, count = 0;
   for (const Row& row : rows_) {
     if (row.kind != Row::Kind::kX && row.kind != Row::Kind::kY) continue;
-    const double off = predicted(row, here) - scale * row.measured;
+    const double off = predicted(row, here, values) - scale * row.measured;
     sum += off * off, ++count;
   }
   return std::sqrt(sum / count);
+}
+
+std::vector<FitResidual> ShotModel::residuals_at(const double* values) const {
+  std::vector<FitResidual> list;
+  Prediction here;
+  if (!predict(values, here)) return list;
+  const double scale = value_or(FitParameter::kScale, values, 1);
+  for (const Row& row : rows_) {
+    if (row.kind == Row::Kind::kPrior) continue;
+    const double measured = is_length(row) ? scale * row.measured : row.measured;
+    list.push_back({static_cast<FitResidual::Series>(row.kind), time_s_[row.frame],
+                    predicted(row, here, values) - measured, row.stated_sd});
+  }
+  std::stable_sort(list.begin(), list.end(),
+                   [](const FitResidual& a, const FitResidual& b) { return a.series < b.series; });
+  return list;
 }
 
 }  // namespace impactdic::sim::fit

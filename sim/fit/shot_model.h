@@ -22,18 +22,19 @@ struct Unknown {
 };
 
 // Measurements whose errors are of one kind, and their order in time.
-enum class MeasurementKind { kCentre, kMotion, kTurn };
-inline constexpr std::size_t kMeasurementKinds = 3;
+enum class MeasurementKind { kCentre, kMotion, kTurn, kPrior };
+inline constexpr std::size_t kMeasurementKinds = 3;  // of frames; what is known beforehand is none
 struct MeasurementSeries {
   MeasurementKind kind{};
-  std::size_t axis = 0;  // 0: x or rotation, 1: y
+  std::size_t axis = 0;  // 0: x or rotation, 1: y; kPrior: the place of the unknown
 };
 // Factors on the stated standard deviations, at least 1, one a kind of measurement.
 using DeviationFactors = std::array<double, kMeasurementKinds>;
 
 class ShotModel {
  public:
-  // Compares from the first frame of the flight before to the last of the flight after.
+  // Compares from the first frame of the flight before to the last of the flight after. A scale or
+  // a rate that the track knows only so well is an unknown with that as a measurement of its own.
   ShotModel(const MeasuredTrack& track, const MeasuredShot& shot, const ImpactJob& laws,
             const std::vector<FitParameter>& parameters, const std::vector<FitParameter>& unknowns);
 
@@ -49,6 +50,10 @@ class ShotModel {
   ImpactJob impact_of(const double* values) const;
   // The series that residual `row` belongs to; the rows of a series ascend in time.
   MeasurementSeries series_of(std::size_t row) const;
+  // Residuals and stated deviations in SI units, series by series.
+  std::vector<FitResidual> residuals_at(const double* values) const;
+  // Of an unknown that is not among those asked for but known beforehand; size() where it is none.
+  std::size_t place_of(FitParameter parameter) const;
   // Weighs the measurements by their stated deviations times these factors. Where residuals in
   // stated deviations are given, one beyond four of its kind's deviations counts less the farther
   // off it is (Huber 1964), so that one misread frame does not bend the path.
@@ -56,11 +61,12 @@ class ShotModel {
 
  private:
   struct Row {
-    enum class Kind { kX, kY, kDx, kDy, kTurn } kind;
-    std::size_t frame;  // within the window
+    enum class Kind { kX, kY, kDx, kDy, kTurn, kPrior } kind;
+    std::size_t frame;  // within the window; kPrior: the place of the unknown
     double measured, stated_sd;
     double sd = stated_sd;  // that it is weighed by
   };
+  static bool is_length(const Row& row);
   struct Prediction {
     std::vector<double> x, y, angle, vx, vy;
   };
@@ -69,7 +75,8 @@ class ShotModel {
   void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
   void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,
                     const std::vector<FitParameter>& unknowns);
-  double predicted(const Row& row, const Prediction& p) const;
+  void add_known(FitParameter parameter, double sd);
+  double predicted(const Row& row, const Prediction& p, const double* values) const;
 
   ImpactJob laws_;
   MeasuredShot shot_;

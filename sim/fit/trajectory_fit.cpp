@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "sim/fit/covariance/fit_covariance.h"
 #include "sim/fit/derived_figures.h"
 #include "sim/fit/residual_weights.h"
 #include "sim/fit/restitution_duration.h"
@@ -21,12 +22,8 @@
 namespace impactdic::sim::fit {
 namespace {
 
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 constexpr double kChiSquare95 = 3.841458820694124;  // one degree of freedom
 constexpr double kNormal95 = 1.959963984540054;
-// Directions of the scaled normal matrix weaker than this cannot be told from rounding.
-constexpr double kSingular = 1e-8;
 // An interval wider than this part of its value is not parabolic any more: profile it.
 constexpr double kWeak = 0.2;
 constexpr int kWeighings = 2;
@@ -127,44 +124,6 @@ ImpactJob laws_at_start(const MeasuredShot& shot, const FitRequest& job) {
         std::max(laws.contact.friction_static, laws.contact.friction_kinetic);
   }
   return laws;
-}
-
-// Covariance for unit noise of every unknown; infinite variance along directions the data leaves
-// open.
-Eigen::MatrixXd cofactor(const ShotModel& model, const std::vector<double>& values) {
-  const auto size = static_cast<Eigen::Index>(model.size());
-  Matrix jacobian(static_cast<Eigen::Index>(model.residuals()), size);
-  std::vector<double> residual(model.residuals());
-  if (!model.evaluate(values.data(), residual.data(), jacobian.data())) {
-    throw Error("the fitted model has no impact", "trajectory fit");
-  }
-  Eigen::VectorXd scale(size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    scale[i] = jacobian.col(i).norm();
-    if (scale[i] > 0) jacobian.col(i) /= scale[i];
-  }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-  const auto& sigma = svd.singularValues();
-  const double infinity = std::numeric_limits<double>::infinity();
-  for (Eigen::Index k = 0; k < size; ++k) {
-    const Eigen::VectorXd direction = svd.matrixV().col(k);
-    if (sigma[k] > kSingular * sigma[0]) {
-      result += direction * direction.transpose() / (sigma[k] * sigma[k]);
-      continue;
-    }
-    for (Eigen::Index i = 0; i < size; ++i) {
-      if (std::abs(direction[i]) > 1e-6) result(i, i) = infinity;
-    }
-  }
-  for (Eigen::Index i = 0; i < size; ++i) {
-    for (Eigen::Index j = 0; j < size; ++j) {
-      result(i, j) = scale[i] > 0 && scale[j] > 0 ? result(i, j) / scale[i] / scale[j]
-                     : i == j                     ? infinity
-                                                  : 0;
-    }
-  }
-  return result;
 }
 
 // Where the chi square, minimised over all the others, has risen by the 95 % quantile. NaN where it
@@ -354,17 +313,20 @@ ShotFit fit_trajectory(const MeasuredTrack& track, const MeasuredShot& shot,
   const double inflation =
       std::max(1.0, best.chi_square / static_cast<double>(fit.measurements - fit.free_parameters));
   const Eigen::MatrixXd unit = cofactor(model, best.values);
+  const Eigen::MatrixXd covariance = widened(model, unit, inflation);
   const std::size_t reported = job.parameters.size() + job.unknowns.size();
   for (std::size_t i = 0; i < reported; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    fit.parameters.push_back(estimate(model, best, i, std::sqrt(unit(at, at) * inflation),
-                                      inflation, weighed.flat_above[i], job));
+    fit.parameters.push_back(estimate(model, best, i, std::sqrt(covariance(at, at)), inflation,
+                                      weighed.flat_above[i], job));
     for (std::size_t j = 0; j < reported; ++j) {
-      const double value = unit(at, static_cast<Eigen::Index>(j)) * inflation;
+      const double value = covariance(at, static_cast<Eigen::Index>(j));
       fit.covariance.push_back(std::isfinite(value) ? value : kNotMeasured);
     }
   }
-  fit.derived = derived_figures(model, best.values, unit * inflation);
+  add_parts(fit, model, unit);
+  fit.residuals = model.residuals_at(best.values.data());
+  fit.derived = derived_figures(model, best.values, covariance);
   add_verdicts(fit, model.impact_of(best.values.data()));
   return fit;
 }

@@ -58,6 +58,14 @@ std::string words(FitParameter parameter, const ImpactJob& job, const ImpactResu
     case FitParameter::kScale:
       return "only the fall under gravity shows it here; a longer flight or a known diameter would "
              "determine it";
+    case FitParameter::kRate:
+      return "only the fall under gravity shows it here; the camera's own clock would determine it";
+    case FitParameter::kDrag:
+      return "the flights are too short or too slow to show it; longer flights would determine it";
+    case FitParameter::kLift:
+      return "the flights do not bend beyond the noise; more spin or longer flights would "
+             "determine "
+             "it";
   }
   return "";
 }

@@ -105,6 +105,12 @@ ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   if (job.body.shape == BodyShape::kRod)
     job.initial.angle_deg = needed(initial, "angle_deg", partial);
   job.gravity_m_s2 = root.table("environment").number("gravity_m_s2", 9.81);
+  if (root.has("air")) {
+    StrictTable& air = root.table("air");
+    job.air.density_kg_m3 = air.number("density_kg_m3", job.air.density_kg_m3);
+    job.air.drag_coefficient = air.number("drag_coefficient", 0);
+    job.air.lift_coefficient = air.number("lift_coefficient", 0);
+  }
   StrictTable& solver = root.table("solver");
   job.solver.relative_tolerance =
       solver.number("relative_tolerance", job.solver.relative_tolerance);
@@ -174,12 +180,21 @@ std::string to_toml(const SimulateRequest& job) {
   if (impact.body.shape == BodyShape::kRod) text.number("angle_deg", impact.initial.angle_deg);
   text.table("environment");
   text.number("gravity_m_s2", impact.gravity_m_s2);
+  write_air(text, impact.air);
   text.table("solver");
   text.number("relative_tolerance", impact.solver.relative_tolerance);
   text.integer("contacts", impact.solver.contacts);
   text.table("output");
   text.number("rate_hz", job.rate_hz);
   return text.str();
+}
+
+void write_air(TomlText& text, const AirForces& air) {
+  if (!air.act()) return;
+  text.table("air");
+  text.number("density_kg_m3", air.density_kg_m3);
+  text.number("drag_coefficient", air.drag_coefficient);
+  text.number("lift_coefficient", air.lift_coefficient);
 }
 
 }  // namespace impactdic::sim::job

@@ -92,6 +92,7 @@ void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& jo
       "time_s,qt_m,qn_m,angle_rad,vt_m_s,vn_m_s,omega_rad_s,normal_force_n,tangential_force_n,"
       "deflection_m,tip_vt_m_s,gravity_j,kinetic_j,normal_elastic_j,damping_j,"
       "tangential_elastic_j,slip_j,plastic_j,residual_j";
+  if (job.air.act()) text += ",air_j";
   if (space) text += kSpaceColumns;
   if (job.other) text += kOtherColumns;
   text += '\n';
@@ -123,6 +124,7 @@ void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& jo
       text += shortest(value);
       separator = ',';
     }
+    if (job.air.act()) append(text, {energy.air_j});
     if (space) {
       const Quaternion& q = state.orientation;
       append(text, {state.qb_m, state.vb_m_s, state.omega_t_rad_s, state.omega_n_rad_s,
@@ -179,6 +181,7 @@ std::string summary_json(const ImpactJob& job, const ImpactResult& result) {
     summary["other_start"] = state_json(result.other_start);
     summary["other_final"] = state_json(result.other_final);
   }
+  if (job.air.act()) summary["energy"]["air_j"] = result.energy.air_j;
   if (job.materials) summary["materials"] = materials_json(job);
   return summary.dump(2) + "\n";
 }

@@ -22,12 +22,14 @@ SweepModel read_model(const std::filesystem::path& file, job::StrictTable& root)
 
 // Of any model at all, so that a misspelt key is found before what it leaves out.
 void require_known(const std::string& key, const job::StrictTable& table) {
-  ImpactJob hertz;
-  hertz.normal = NormalModel::kHertzDamper;
   std::string list;
   for (int i = 0; i <= static_cast<int>(kLast); ++i) {
     const auto axis = static_cast<SweepAxis>(i);
-    if (key_of(axis, ImpactJob{}) == key || key_of(axis, hertz) == key) return;
+    for (int law = 0; law <= static_cast<int>(NormalModel::kJkr); ++law) {
+      ImpactJob job;
+      job.normal = static_cast<NormalModel>(law);
+      if (key_of(axis, job) == key) return;
+    }
     list += (list.empty() ? "" : ", ") + key_of(axis, ImpactJob{});
   }
   throw InvalidArgument("nothing of this name can be swept", table.place(key), "one of " + list);

@@ -63,24 +63,44 @@ double radius_of(const SweepModel& model) {
       model);
 }
 
+bool is_elastic_plastic(NormalModel law) {
+  return law == NormalModel::kJacksonGreen || law == NormalModel::kKogutEtsion ||
+         law == NormalModel::kThornton || law == NormalModel::kStronge;
+}
+
+double* damping_of(ImpactJob& job) {
+  switch (job.normal) {
+    case NormalModel::kTsuji:
+      return &job.contact.damping_factor;
+    case NormalModel::kKuwabaraKono:
+      return &job.contact.dissipation_s;
+    case NormalModel::kHuntCrossley:
+      return &job.contact.damping_s_per_m;
+    default:
+      return damping_key(job.normal).empty() ? nullptr : &job.contact.damping_n_s_per_m;
+  }
+}
+
 // Where the model keeps a constant; nullptr where it has none.
 double* place_of(ImpactJob& job, SweepAxis axis) {
-  const bool spring =
-      job.normal == NormalModel::kLinearSpringDamper || job.normal == NormalModel::kHertzDamper;
   ContactParameters& c = job.contact;
   switch (axis) {
     case SweepAxis::kStiffness:
-      return spring ? &c.stiffness : nullptr;
+      return stiffness_key(job.normal).empty() ? nullptr : &c.stiffness;
     case SweepAxis::kDamping:
-      return spring ? &c.damping_n_s_per_m : nullptr;
+      return damping_of(job);
     case SweepAxis::kFrictionKinetic:
       return job.friction == FrictionModel::kNone ? nullptr : &c.friction_kinetic;
     case SweepAxis::kFrictionStatic:
-      return job.friction == FrictionModel::kThreePhase ? &c.friction_static : nullptr;
+      return job.friction == FrictionModel::kThreePhase ||
+                     job.friction == FrictionModel::kGripSlip ||
+                     job.friction == FrictionModel::kSpeedDependent
+                 ? &c.friction_static
+                 : nullptr;
     case SweepAxis::kPoisson:
-      return !spring || job.friction == FrictionModel::kMawBarberFawcett ? &c.poisson : nullptr;
+      return slips_partially(job.friction) || is_elastic_plastic(job.normal) ? &c.poisson : nullptr;
     case SweepAxis::kYieldStrength:
-      return spring ? nullptr : &c.yield_strength_pa;
+      return is_elastic_plastic(job.normal) ? &c.yield_strength_pa : nullptr;
     case SweepAxis::kSurfaceAngle:
       return &job.surface_angle_deg;
     case SweepAxis::kRodAngle:
@@ -180,8 +200,11 @@ void set_axis(SweepModel& model, SweepAxis axis, double value) {
 
 std::string key_of(SweepAxis axis, const SweepModel& model) {
   const auto* impact = std::get_if<ImpactJob>(&model);
-  if (axis == SweepAxis::kStiffness && impact && impact->normal == NormalModel::kHertzDamper) {
-    return "stiffness_n_per_m1p5";
+  if (impact && axis == SweepAxis::kStiffness && !stiffness_key(impact->normal).empty()) {
+    return std::string(stiffness_key(impact->normal));
+  }
+  if (impact && axis == SweepAxis::kDamping && !damping_key(impact->normal).empty()) {
+    return std::string(damping_key(impact->normal));
   }
   for (const auto& [known, key] : kKeys) {
     if (known == axis) return key;

@@ -28,6 +28,9 @@ struct MeasuredTrack {
   std::vector<double> turn_rad, turn_sd_rad;    // rotation of that motion
   double interval_s = 0;
   double metre_per_px = 0;  // of the pictures; must be given
+  // Relative standard deviations of metre_per_px and of the rate (1 / interval_s): errors that all
+  // frames have in common.
+  double scale_sd = 0, rate_sd = 0;
   // Of the surface, as the track knows it; NaN where it does not.
   double surface_angle_deg = 0;
 
@@ -75,7 +78,10 @@ enum class FitParameter {
   kYieldStrength,
   kContactTime,   // when the ball touches, on the track's clock
   kSurfaceAngle,  // of the wall
-  kScale          // true length over measured length
+  kScale,         // true length over measured length
+  kRate,          // true interval between frames over the measured one
+  kDrag,          // of the air, shared by all shots: AirForces
+  kLift
 };
 
 // The key as it stands in a job, with its unit; the stiffness's depends on the law.
@@ -104,6 +110,8 @@ struct FitRequest {
   std::vector<FitParameter> unknowns{FitParameter::kContactTime};  // of each measurement
   FitGrid grid;
   int flight_frames = 100;  // the longest flight used on each side
+  // In place of what the tracks know of themselves; NaN: as they do.
+  double scale_sd = kNotMeasured, rate_sd = kNotMeasured;
   // A shot whose parameter lies farther from the median than so many robust standard deviations is
   // named as an outlier.
   double outlier_sd = 3.5;
@@ -125,6 +133,17 @@ struct ParameterEstimate {
   bool determined = false;
   bool profiled = false;  // the interval is of the profile likelihood, not from the covariance
   std::string verdict;    // why it is not determined, and which measurement would determine it
+  // What an error of the scale, and of the rate, of one deviation does to the value. `sd` and the
+  // interval hold both.
+  double scale_part = 0, rate_part = 0;
+};
+
+// One measurement against the fitted model, in the order of time within each series.
+struct FitResidual {
+  enum class Series { kX, kY, kDx, kDy, kTurn };  // centre, motion of the surface, rotation
+  Series series{};
+  double time_s = 0;
+  double residual = 0, sd = 0;  // model - measured, and the stated deviation: m, or rad of kTurn
 };
 
 // A figure of the fitted impact itself, such as its restitution.
@@ -168,7 +187,8 @@ struct ShotFit {
   // By what the stated deviations of centres, motions and rotations were multiplied, because their
   // errors are larger or last longer than stated; empty for methods that do not weigh.
   std::vector<double> deviation_factors;
-  double rms_m = 0;  // of the centre's path, both coordinates
+  double rms_m = 0;                    // of the centre's path, both coordinates
+  std::vector<FitResidual> residuals;  // trajectory only
   bool converged = true;
   std::vector<std::string> warnings;
 };
@@ -183,13 +203,33 @@ struct ErrorSurface {
   std::vector<double> fine_stiffness, fine_damping, fine_sum;
 };
 
+// How a parameter changes over the shots with what differs between them: weighted least squares.
+struct ParameterTrend {
+  std::string over;          // speed_m_s or incidence_deg, before the impact
+  double slope = 0, sd = 0;  // of the parameter, per unit
+  double p_value = 1;        // of no trend (Student)
+};
+
+// A parameter over several shots: value_i = value + scatter between the shots + the shot's own
+// error (random effects).
 struct PooledEstimate {
   std::string key;
   double mean = 0, scatter_sd = 0;  // over the shots, each counting alike (the published way)
-  double value = 0, sd = 0;         // weighted by each shot's own covariance
-  double chi_square = 0;            // of the shots about `value`; about shots - 1 where they agree
+  // Weighted by each shot's own variance and that between the shots. The interval is of Hartung and
+  // Knapp (2001), never narrower than the deviations allow. Errors of scale and rate do not average
+  // out: all shots are taken to have them in common.
+  double value = 0, sd = 0;
+  double ci95_low = 0, ci95_high = 0;
+  // The deviation between the shots beyond their own errors, by restricted maximum likelihood
+  // (Patterson and Thompson 1971); its interval by the generalised Q statistic (Viechtbauer 2007).
+  // NaN of one shot.
+  double between_sd = 0, between_ci95_low = 0, between_ci95_high = 0;
+  double chi_square =
+      0;  // of the shots about their weighted mean; about shots - 1 where they agree
   bool determined = false;
   std::vector<std::string> outliers;  // files
+  std::vector<ParameterTrend> trends;
+  std::vector<std::string> warnings;  // a trend: one value does not hold for all shots
 };
 
 struct FitResult {

@@ -175,6 +175,19 @@ struct OtherBody {
   InitialMotion initial;  // without gap and angle
 };
 
+// Forces of the air on a ball in free flight: drag against the velocity v, and Magnus' force across
+// velocity and spin (Mehta 1985),
+//   m a = - C_D rho A/2 |v| v + C_M rho A R/2 omega x v,   A = pi R^2,
+// so that the coefficient of lift is C_M R omega / |v|. Out of contact only: in the few ms of a
+// contact they are far below its forces.
+struct AirForces {
+  double density_kg_m3 = 1.2;
+  double drag_coefficient = 0;  // C_D; about 0.5 of a smooth ball
+  double lift_coefficient = 0;  // C_M; about 1 of a tennis ball
+
+  bool act() const { return drag_coefficient != 0 || lift_coefficient != 0; }
+};
+
 struct SolverOptions {
   double relative_tolerance = 1e-10;  // of each state's own scale, per step
   int contacts = 1;                   // how many contacts to follow (separation, then re-contact)
@@ -190,6 +203,7 @@ struct ImpactJob {
   double surface_angle_deg = 0;
   InitialMotion initial;
   double gravity_m_s2 = 9.81;
+  AirForces air;
   SolverOptions solver;
   // Of curvature of the surface where the ball meets it; 0: flat; below zero: hollow.
   double surface_radius_m = 0;
@@ -241,6 +255,7 @@ struct EnergyLedger {
   double slip_j = 0;                // dissipated by friction; negative where a rule feeds energy in
   double plastic_j = 0;             // kept by permanent deformation
   double residual_j = 0;            // what the integration lost
+  double air_j = 0;                 // taken by the air in free flight
 };
 
 struct TrajectoryPoint {

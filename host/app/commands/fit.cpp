@@ -36,10 +36,12 @@ void print(const FitResult& result) {
   for (const PooledEstimate& p : result.pooled) {
     // The published grid gives no deviations to weigh by: its mean is all there is.
     if (!std::isnan(p.value)) {
-      std::printf("%-22s pooled %.6g +- %.2g\n", p.key.c_str(), p.value, p.sd);
+      std::printf("%-22s pooled %.6g +- %.2g, between shots %.2g\n", p.key.c_str(), p.value, p.sd,
+                  p.between_sd);
     }
     std::printf("%-22s mean of %zu shots %.6g, scatter %.2g\n", p.key.c_str(), result.shots.size(),
                 p.mean, p.scatter_sd);
+    print_warnings(p.warnings);
     for (const std::string& file : p.outliers) std::printf("  outlier: %s\n", file.c_str());
   }
 }

@@ -1,5 +1,6 @@
 #include "host/report/job/fit_files.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "host/report/job/table_file.h"
@@ -26,6 +27,7 @@ Json parameter(const ParameterEstimate& p) {
           {"ci95", {json_number(p.ci95_low), json_number(p.ci95_high)}},
           {"determined", p.determined},
           {"interval", p.profiled ? "profile_likelihood" : "covariance"},
+          {"parts", {{"scale", json_number(p.scale_part)}, {"rate", json_number(p.rate_part)}}},
           {"verdict", p.verdict}};
 }
 
@@ -97,6 +99,33 @@ Json fit_json(const ShotFit& fit) {
   return json;
 }
 
+// One table a shot, in the shots' order: what the model leaves of each measurement.
+void write_residuals(const std::filesystem::path& folder, const FitResult& result) {
+  constexpr std::array kNames{"x_m", "y_m", "dx_m", "dy_m", "turn_rad"};
+  for (std::size_t n = 0; n < result.shots.size(); ++n) {
+    if (result.shots[n].residuals.empty()) continue;
+    TableFile table(folder / ("residuals_" + std::to_string(n) + ".csv"),
+                    "series,time_s,residual,sd");
+    for (const FitResidual& r : result.shots[n].residuals) {
+      table << std::string(kNames[static_cast<std::size_t>(r.series)]) << r.time_s << r.residual
+            << r.sd;
+      table.end_row();
+    }
+    table.close();
+  }
+}
+
+Json trends_json(const std::vector<ParameterTrend>& trends) {
+  Json list = Json::array();
+  for (const ParameterTrend& t : trends) {
+    list.push_back({{"over", t.over},
+                    {"slope", json_number(t.slope)},
+                    {"sd", json_number(t.sd)},
+                    {"p_value", json_number(t.p_value)}});
+  }
+  return list;
+}
+
 void write_surfaces(const std::filesystem::path& folder, const FitResult& result) {
   for (std::size_t n = 0; n < result.surfaces.size(); ++n) {
     const ErrorSurface& s = result.surfaces[n];
@@ -166,16 +195,20 @@ Json shot_json(const MeasuredShot& s) {
 Json pooled_json(const std::vector<PooledEstimate>& pooled) {
   Json json = Json::object();
   for (const PooledEstimate& p : pooled) {
-    json[p.key] = {{"value", json_number(p.value)},
-                   {"sd", json_number(p.sd)},
-                   {"ci95",
-                    {json_number(p.value - 1.959963984540054 * p.sd),
-                     json_number(p.value + 1.959963984540054 * p.sd)}},
-                   {"mean", json_number(p.mean)},
-                   {"scatter_sd", json_number(p.scatter_sd)},
-                   {"chi_square", json_number(p.chi_square)},
-                   {"determined", p.determined},
-                   {"outliers", p.outliers}};
+    json[p.key] = {
+        {"value", json_number(p.value)},
+        {"sd", json_number(p.sd)},
+        {"ci95", {json_number(p.ci95_low), json_number(p.ci95_high)}},
+        {"between",
+         {{"sd", json_number(p.between_sd)},
+          {"ci95", {json_number(p.between_ci95_low), json_number(p.between_ci95_high)}}}},
+        {"trends", trends_json(p.trends)},
+        {"warnings", p.warnings},
+        {"mean", json_number(p.mean)},
+        {"scatter_sd", json_number(p.scatter_sd)},
+        {"chi_square", json_number(p.chi_square)},
+        {"determined", p.determined},
+        {"outliers", p.outliers}};
   }
   return json;
 }
@@ -207,6 +240,7 @@ void write_fit(const std::filesystem::path& folder, const FitRequest& job,
   summary["shots"] = fits_json(result);
   write_ordered_json(folder / "summary.json", summary);
   write_parameters(folder / "parameters.csv", result);
+  write_residuals(folder, result);
   write_surfaces(folder, result);
 }
 

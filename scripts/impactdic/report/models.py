@@ -8,7 +8,7 @@ import numpy as np
 
 from ..results import ResultError, load, read_table
 from . import simulated, sweep
-from .figure import BLACK, COLOURS, Figure, Panel, Series, Surface
+from .figure import BLACK, COLOURS, Figure, Panel, Series, Span, Surface
 from .series import deflection
 from .shot import Shot
 
@@ -48,6 +48,10 @@ def figures(folder, program, warnings):
                 made.append(comparison(result, shot, i, program))
             except (ResultError, OSError, subprocess.CalledProcessError) as error:
                 warnings.append(f"no curves of {shot['measured']['track']}: {_reason(error)}")
+    for number, shot in enumerate(result.summary.get("shots", [])):
+        path = folder / f"residuals_{number}.csv"
+        if path.exists():
+            made.append(residuals(result, shot, read_table(path), number))
     for path in sorted(folder.glob("errors_[0-9]*.csv")):
         made.append(error_surfaces(result, path))
     return made
@@ -183,6 +187,43 @@ def _to_toml(sections):
         for key, value in keys.items():
             lines.append(f'{key} = "{value}"' if isinstance(value, str) else f"{key} = {value!r}")
     return "\n".join(lines) + "\n"
+
+
+RESIDUALS = [("centre", "residual, µm", 1e6, ("x_m", "y_m")),
+             ("motion from frame to frame", "residual, µm", 1e6, ("dx_m", "dy_m")),
+             ("rotation from frame to frame", "residual, mrad", 1e3, ("turn_rad",))]
+
+
+def residuals(result, shot, table, number):
+    """What the fitted model leaves of each measurement. Structure in it is what the law lacks."""
+    measured = shot["shot"]
+    start = 1e3 * measured["contact_start_s"]["value"]
+    contact = Span(start, start + 1e3 * measured["contact_s"]["value"], "contact", "#FCEFD9")
+    panels = []
+    for title, label, factor, names in RESIDUALS:
+        curves = []
+        for i, name in enumerate(names):
+            of = table["series"] == name
+            if np.any(of):
+                curves.append(Series(name.split("_")[0], 1e3 * table["time_s"][of],
+                                     factor * table["residual"][of], colour=COLOURS[i],
+                                     kind="markers", marker="circle"))
+        if curves:
+            panels.append(Panel(title, "time, ms", label, curves, [contact]))
+    over = table["residual"] / table["sd"]
+    edges = np.linspace(-5, 5, 41)
+    counts, _ = np.histogram(np.clip(over, -5, 5), edges)
+    middle = (edges[1:] + edges[:-1]) / 2
+    normal = len(over) * (edges[1] - edges[0]) * np.exp(-middle**2 / 2) / np.sqrt(2 * np.pi)
+    panels.append(Panel("over the stated deviations", "residual / deviation, 1", "number, 1", [
+        Series("found", middle, counts.astype(float), colour=COLOURS[0]),
+        Series("noise as stated", middle, normal, colour=BLACK, dash=True)]))
+    suffix = "" if len(result.summary["shots"]) == 1 else f"_{number + 1}"
+    chi = shot.get("reduced_chi_square")
+    words = "" if chi is None else f" Chi square over freedom {chi:.3g}: {shot['adequacy']}."
+    return Figure(f"residuals_{result.name}{suffix}",
+                  f"What the fit leaves: {name_of(measured['track'])}",
+                  "Model minus measurement, every frame." + words, panels, "Models")
 
 
 def error_surfaces(result, path):

@@ -205,9 +205,11 @@ def model_tables(result):
                 with_sd(p),
                 " to ".join("open" if end is None else f"{end:.6g}" for end in (low, high)),
                 "yes" if p["determined"] else "no: " + p.get("verdict", ""),
+                with_sd({"value": p["between"]["sd"]}) if "between" in p else "",
             ])
         tables.append(Table(f"Calibrated parameters ({result.name})",
-                            ["parameter", "value ± standard deviation", "95 %", "determined"],
+                            ["parameter", "value ± standard deviation", "95 %", "determined",
+                             "deviation between the shots"],
                             rows, "Models"))
     if kind_of(result.folder) == "compare":
         table = read_table(result.folder / "comparison.csv")
@@ -250,8 +252,11 @@ def fit_warnings(summary):
     """Of a fit, or of the calibration of a comparison; of a simulation its own."""
     if "phases" in summary or "axes" in summary:
         return [str(warning) for warning in summary.get("warnings", [])]
-    fits = (summary.get("calibration") or summary).get("shots", [])
-    return [f"{name_of(fit['shot']['track'])}: {warning}"
+    of = summary.get("calibration") or summary
+    fits = of.get("shots", [])
+    common = [warning for p in (of.get("parameters") or {}).values()
+              for warning in p.get("warnings", [])]
+    return common + [f"{name_of(fit['shot']['track'])}: {warning}"
             for fit in fits for warning in fit.get("warnings", [])]
 
 
