@@ -3,7 +3,6 @@
 
 #include <impactdic/error.h>
 
-#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,12 +15,12 @@ template <typename T>
 class Buffer {
  public:
   Buffer() = default;
-  // Allocates `count` elements (at least one, since OpenCL knows no empty buffer).
+  // Allocates `count` elements, with undefined contents.
   // Throws OpenClError.
   Buffer(const Engine& engine, std::size_t count, cl_mem_flags flags = CL_MEM_READ_WRITE)
       : count_(count) {
     try {
-      buffer_ = cl::Buffer(engine.context(), flags, std::max<std::size_t>(count, 1) * sizeof(T));
+      memory_ = engine.allocate(count * sizeof(T), flags);
     } catch (const cl::Error& error) {
       throw OpenClError(
           std::string(error.what()) + " of " + std::to_string(count * sizeof(T)) + " bytes",
@@ -35,7 +34,7 @@ class Buffer {
   Buffer& operator=(const Buffer&) = delete;
 
   std::size_t size() const { return count_; }
-  const cl::Buffer& get() const { return buffer_; }
+  const cl::Buffer& get() const { return memory_.buffer(); }
 
   // Blocking copies on the engine's queue; `offset` in elements. Throw OpenClError, and
   // InvalidArgument where they would pass the end.
@@ -52,7 +51,7 @@ class Buffer {
     try {
       engine.wait();
       cl::Event event;
-      engine.queue().enqueueReadBuffer(buffer_, CL_TRUE, offset * sizeof(T), host.size_bytes(),
+      engine.queue().enqueueReadBuffer(get(), CL_TRUE, offset * sizeof(T), host.size_bytes(),
                                        host.data(), nullptr, &event);
       engine.profiler().add("copy from device", event, static_cast<double>(host.size_bytes()));
     } catch (const cl::Error& error) {
@@ -75,7 +74,7 @@ class Buffer {
     cl::Event event;
     if (!fits(host.size(), offset)) return event;
     try {
-      engine.queue().enqueueWriteBuffer(buffer_, blocking, offset * sizeof(T), host.size_bytes(),
+      engine.queue().enqueueWriteBuffer(get(), blocking, offset * sizeof(T), host.size_bytes(),
                                         host.data(), nullptr, &event);
       engine.profiler().add("copy to device", event, static_cast<double>(host.size_bytes()));
     } catch (const cl::Error& error) {
@@ -89,7 +88,7 @@ class Buffer {
     return count != 0;
   }
 
-  cl::Buffer buffer_;
+  Memory memory_;
   std::size_t count_ = 0;
 };
 

@@ -43,6 +43,8 @@ Engine::Shared::Shared(const Device& info, EngineOptions asked)
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
+  const std::size_t kept = device.is_gpu ? device.global_memory_bytes / 4 : 0;
+  memory = std::make_shared<MemoryPool>(context, options.kept_memory_bytes.value_or(kept));
 }
 
 Engine::Engine(const std::string& device_spec, EngineOptions options)
@@ -50,11 +52,24 @@ Engine::Engine(const std::string& device_spec, EngineOptions options)
                                       std::move(options))) {}
 
 Engine::Engine(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
+  {
+    const std::lock_guard<std::mutex> lock(shared_->mutex);
+    if (!shared_->idle_queues.empty()) {
+      queue_ = std::move(shared_->idle_queues.back());
+      shared_->idle_queues.pop_back();
+      return;
+    }
+  }
   try {
     queue_ = make_queue();
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
+}
+
+Engine::~Engine() {
+  const std::lock_guard<std::mutex> lock(shared_->mutex);
+  shared_->idle_queues.push_back(queue_);
 }
 
 std::unique_ptr<Engine> Engine::beside() const {

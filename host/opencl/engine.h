@@ -12,6 +12,7 @@
 #include "host/opencl/cl.h"
 #include "host/opencl/compile_watch.h"
 #include "host/opencl/device.h"
+#include "host/opencl/memory.h"
 #include "host/opencl/profiler.h"
 #include "host/opencl/program_cache.h"
 
@@ -26,6 +27,9 @@ struct EngineOptions {
   // Whether compiled programs are kept there. Without a value: unless the driver keeps them itself
   // (Device::keeps_programs).
   std::optional<bool> keep_programs = std::nullopt;
+  // Of device and page-locked memory, as much is kept for later when nobody uses it any more.
+  // Without a value: a quarter of a GPU's memory.
+  std::optional<std::size_t> kept_memory_bytes = std::nullopt;
   // Told how far the compiler is, where there is something to compile.
   CompileFn on_compile = nullptr;
 };
@@ -43,6 +47,7 @@ class Engine {
  public:
   // Throws InvalidArgument and OpenClError as choose_device does.
   explicit Engine(const std::string& device_spec = "auto", EngineOptions options = {});
+  ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
   // The same device, programs and profiler behind a queue of its own: what one engine enqueues
@@ -51,6 +56,11 @@ class Engine {
 
   const Device& device() const { return shared_->device; }
   const cl::Context& context() const { return shared_->context; }
+  // Memory for what runs on `queue()`, with undefined contents. Throws cl::Error.
+  Memory allocate(std::size_t bytes, cl_mem_flags flags) const {
+    return shared_->memory->take(bytes, flags, queue_);
+  }
+  const MemoryPool& memory() const { return *shared_->memory; }
   // The in-order queue on which everything runs unless a caller has made its own.
   const cl::CommandQueue& queue() const { return queue_; }
   cl::CommandQueue make_queue() const;
@@ -82,10 +92,12 @@ class Engine {
     EngineOptions options;
     Device device;
     cl::Context context;
+    std::shared_ptr<MemoryPool> memory;
     ProgramCache cache;
     Profiler profiler;
     std::mutex mutex;
     std::map<std::string, Program> programs;
+    std::vector<cl::CommandQueue> idle_queues;  // of engines that are gone
     std::shared_ptr<CompileWatch> compiling;
     bool keeps_binaries = true;
     Shared(const Device& info, EngineOptions asked);

@@ -12,7 +12,6 @@ namespace impactdic::opencl {
 class Staging {
  public:
   explicit Staging(Engine& engine) : engine_(engine) {}
-  ~Staging();
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
 
@@ -23,12 +22,9 @@ class Staging {
   const cl::Buffer& upload(std::size_t count);
 
  private:
-  void release() noexcept;
-
   Engine& engine_;
   std::size_t size_ = 0;
-  cl::Buffer host_;
-  unsigned char* mapped_ = nullptr;
+  Memory host_;
   cl::Event last_;  // upload
   Buffer<unsigned char> device_;
 };

@@ -123,15 +123,15 @@ class DeviceWorkers::Turn {
 };
 
 DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
-                             const motion::EstimatorOptions& options, double radius_px, int width,
-                             int height, int batch, int ahead, StageTimes* times,
-                             const WorkerStages& stages)
-    : radius_px_(radius_px),
-      crop_(options, radius_px, width, height),
+                             const motion::EstimatorOptions& options, const Clip& clip, int ahead,
+                             StageTimes* times, const WorkerStages& stages)
+    : radius_px_(clip.radius_px),
+      crop_(options, clip.radius_px, clip.width, clip.height),
       times_(times),
       stages_(stages),
-      aim_(options.sphere ? options.sphere_radius(radius_px) : radius_px, crop_, options.sphere),
-      batch_(batch),
+      aim_(options.sphere ? options.sphere_radius(clip.radius_px) : clip.radius_px, crop_,
+           options.sphere),
+      batch_(clip.batch),
       ahead_(ahead) {
   if (ahead_ == 0) {
     const bool gpus = std::all_of(engines.begin(), engines.end(), [](const opencl::Engine* engine) {
@@ -147,6 +147,9 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
   }
   int most = 0;
   for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));
+  const auto shares = static_cast<std::int64_t>(engines.size());
+  most = static_cast<int>(
+      std::clamp<std::int64_t>((clip.batches + shares - 1) / shares, std::int64_t{1}, most));
   // Neighbouring workers are on different devices, so that a short clip reaches all of them.
   std::vector<std::future<std::unique_ptr<Worker>>> opening;
   for (int k = 0; k < most; ++k) {
@@ -155,15 +158,15 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       if (k >= workers) continue;
       opening.push_back(std::async(std::launch::async, [&, engine, workers] {
         return std::make_unique<Worker>(
-            engine->beside(), options, radius_px,
-            slots_of(engine->device(), workers, crop_.width(), crop_.height(), batch));
+            engine->beside(), options, radius_px_,
+            slots_of(engine->device(), workers, crop_.width(), crop_.height(), batch_));
       }));
     }
   }
   for (auto& worker : opening) free_.push_back(workers_.emplace_back(worker.get()).get());
   // A batch that goes to its device in parts leaves no part there for later.
   for (const auto& worker : workers_) {
-    if (worker->slots <= batch) ahead_ = 1;
+    if (worker->slots <= batch_) ahead_ = 1;
   }
 }
 

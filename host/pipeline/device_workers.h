@@ -27,15 +27,21 @@ class DeviceWorkers {
  public:
   using Batch = std::shared_ptr<TrackBatch>;
 
-  // Every engine gets the same number of workers, each with a queue, frames and an estimator of its
-  // own. `batch` frames at most come at a time; they go to the device in as many parts as its
+  // What is to be measured: `width` × `height` frames of a ball of `radius_px`, at most `batch` at
+  // a time; about `batches` of them come.
+  struct Clip {
+    double radius_px = 0;
+    int width = 0, height = 0, batch = 0;
+    std::int64_t batches = 0;
+  };
+  // Engines get as many workers as suit them, or fewer where there is less to do, each with a
+  // queue, frames and an estimator of its own. Batches go to the device in as many parts as its
   // memory asks for. `ahead`: batches whose frames are registered against keyframes before the
   // poses of the first of them are known; 1: none is, 0: as suits the devices. Poses depend on it
   // by a small part of their errors. The engines and `times` (may be null) must outlive the
   // workers.
   DeviceWorkers(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
-                double radius_px, int width, int height, int batch, int ahead, StageTimes* times,
-                const WorkerStages& stages);
+                const Clip& clip, int ahead, StageTimes* times, const WorkerStages& stages);
   ~DeviceWorkers();
 
   std::span<const Window> grid() const;

@@ -217,9 +217,14 @@ class ClipTracker {
     if (!seen) return;
     // What comes from a camera is measured a batch at a time.
     const int ahead = options_.feed ? 1 : options_.poses_ahead;
-    workers_ = std::make_unique<DeviceWorkers>(
-        engines_, options_.estimator, point_.grid_radius_px.value_or(*seen), options_.roi.width,
-        options_.roi.height, batch_, ahead, options_.times, worker_stages_);
+    DeviceWorkers::Clip clip;
+    clip.radius_px = point_.grid_radius_px.value_or(*seen);
+    clip.width = options_.roi.width;
+    clip.height = options_.roi.height;
+    clip.batch = batch_;
+    clip.batches = (options_.frames.count() - batch.first_index + batch_ - 1) / batch_;
+    workers_ = std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead,
+                                               options_.times, worker_stages_);
     if (point_.keyframes) {
       workers_->restore(*point_.keyframes,
                         [&](std::int64_t index) { return read_frame(source_, options_, index); });

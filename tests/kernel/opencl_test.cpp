@@ -15,6 +15,7 @@
 #include "host/opencl/buffer.h"
 #include "host/opencl/fft_plan.h"
 #include "host/opencl/kernel_source.h"
+#include "host/opencl/staging.h"
 #include "tests/support/engine.h"
 #include "tests/support/scratch.h"
 
@@ -40,6 +41,33 @@ TEST(Device, ChoiceNamesWhatThereIs) {
   EXPECT_THROW(opencl::choose_device(devices, "-1"), InvalidArgument);
   EXPECT_THROW(opencl::choose_device(devices, "no such device"), InvalidArgument);
   EXPECT_THROW(opencl::choose_device({}, "auto"), OpenClError);
+}
+
+// What one worker gave back is what the next one gets, once nothing uses it.
+TEST(Engine, KeepsMemoryForTheNext) {
+  opencl::EngineOptions options;
+  options.kept_memory_bytes = 1 << 20;
+  opencl::Engine engine("auto", options);
+  const std::vector<float> values(1000, 7.0F);
+  const auto use = [&](std::size_t count) {
+    const auto worker = engine.beside();
+    opencl::Buffer<float> buffer(*worker, count);
+    opencl::Staging staging(*worker);
+    std::fill_n(staging.bytes(count).data(), count, std::uint8_t{1});
+    staging.upload(count);
+    buffer.write(*worker, std::span(values).first(count));
+    EXPECT_EQ(buffer.to_vector(*worker), std::vector<float>(count, 7.0F));
+    worker->wait();
+  };
+  EXPECT_EQ(engine.memory().kept_bytes(), 0u);
+  use(1000);
+  const std::size_t kept = engine.memory().kept_bytes();
+  EXPECT_GE(kept, 1000 * sizeof(float) + 2 * 1000);
+  use(990);
+  EXPECT_EQ(engine.memory().kept_bytes(), kept);
+  for (int k = 0; k < 9; ++k) opencl::Buffer<float>(engine, 50000 + 8192 * k).write(engine, values);
+  EXPECT_LE(engine.memory().kept_bytes(), std::size_t{1} << 20);
+  EXPECT_GT(engine.memory().kept_bytes(), std::size_t{1} << 18);
 }
 
 TEST(KernelSource, IncludesEachFileOnceWithLineNumbers) {
