@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The report of `correlate` and `study`: fields whose strain is known, tables whose errors are."""
+"""The report of `correlate`, `study` and many shots: fields whose strain is known, tables whose errors are."""
 
 import json
 import sys
@@ -15,7 +15,7 @@ sys.path.insert(0, str(SOURCE / "scripts"))
 sys.dont_write_bytecode = True
 
 import impactdic  # noqa: E402
-from impactdic.report import correlate, study  # noqa: E402
+from impactdic.report import correlate, first, study  # noqa: E402
 from impactdic.report.__main__ import Report  # noqa: E402
 
 SIDE, PITCH = 12, 20.0
@@ -116,6 +116,20 @@ class OfCorrelate(unittest.TestCase):
             (Path(folder) / "fields.h5").write_bytes(b"no HDF5")
             with self.assertRaisesRegex(impactdic.ResultError, "cannot read the displacement"):
                 Report(Path(folder), None).gather()
+
+
+class OfShots(unittest.TestCase):
+    def test_means_never_mix_balls_or_surfaces(self):
+        rows = [("ok", "red", 30, 0.80, ""), ("ok", "red", 30, 0.84, ""), ("ok", "blue", 30, 0.5, ""),
+                ("ok", "red", 0, 0.9, ""), ("failed", "red", 30, np.nan, ""),
+                ("ok", "red", 30, 0.1, "restitution")]
+        names = ("status", "ball", "surface_angle_deg", "restitution", "doubtful")
+        table = {name: np.array(column) for name, column in zip(names, zip(*rows))}
+        self.assertEqual(first.sentence_of_shots(table),
+                         "e 0.5 blue at 30° (1 shot), e 0.9 red at 0° (1 shot), "
+                         "e 0.820 ± 0.020 red at 30° (2 shots), 1 in doubt and left out")
+        table["restitution"] = np.full(len(rows), np.nan)
+        self.assertEqual(first.sentence_of_shots(table), "")
 
 
 class OfStudy(unittest.TestCase):

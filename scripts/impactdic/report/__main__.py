@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import MissingPackage, ResultError
 from ..results import load, read_table, shots_of
-from .first import First
+from .first import First, sentence_of_shots
 
 
 def missing_packages():
@@ -97,6 +97,7 @@ class Report:
 
         table = read_table(self.folder / "shots.csv")
         results = shots_of(self.folder)
+        self.first = First(sentence_of_shots(table))
         self.figures += shots.figures(table, results)
         self.tables.append(tables.shots_table(table))
         failed = len(table["shot"]) - len(results)

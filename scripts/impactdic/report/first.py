@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .text import with_sd
+from .text import rounded, with_sd
 
 ENOUGH = 0.9  # share of the windows that is usable
 RPM = 60 / (2 * math.pi)
@@ -91,6 +91,41 @@ def lights(summary):
     else:
         found.append(Light("scale", "open", "no scale is given: lengths are in px"))
     return found
+
+
+def sentence_of_shots(table):
+    """Of shots.csv: mean restitution and its deviation between shots, for each ball at each angle of
+    the surface. Shots whose figures are in doubt are left out."""
+    groups, left_out = {}, 0
+    for i, status in enumerate(table["status"]):
+        e = _number(table["restitution"][i])
+        if str(status) != "ok" or not math.isfinite(e):
+            continue
+        if "doubtful" in table and str(table["doubtful"][i]) not in ("", "nan"):
+            left_out += 1
+            continue
+        ball = str(table["ball"][i]) if "ball" in table else ""
+        key = (ball if ball != "nan" else "", _number(table["surface_angle_deg"][i]))
+        groups.setdefault(key, []).append(e)
+    parts = [_mean_e(ball, angle, values) for (ball, angle), values in sorted(groups.items())]
+    if left_out:
+        parts.append(f"{left_out} in doubt and left out")
+    return ", ".join(parts)
+
+
+def _mean_e(ball, angle, values):
+    count = len(values)
+    where = ([ball] if ball else []) + ([f"at {angle:g}°"] if math.isfinite(angle) else [])
+    deviation = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
+    return (f"e {rounded(float(np.mean(values)), deviation)}"
+            + "".join(f" {word}" for word in where) + f" ({count} shot{'s' if count > 1 else ''})")
+
+
+def _number(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
 
 
 def texture_light(summary):
