@@ -15,7 +15,7 @@ const std::set<std::string> kNotInJobs = {"output", "job",     "help",  "help-al
                                           "v",      "verbose", "force", "resume"};
 
 std::string key_of(const CLI::Option& option) {
-  const auto longs = option.get_lnames();
+  const auto& longs = option.get_lnames();
   return longs.empty() ? option.get_name(true) : longs.front();
 }
 

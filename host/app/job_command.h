@@ -47,7 +47,7 @@ template <typename Request, typename Result>
 Result run_job(const JobOptions& options, const JobRun<Request, Result>& job) {
   Request request = job.read(options.job);
   request.threads = options.threads;
-  const Result result = job.run(request, {});
+  Result result = job.run(request, {});
   const auto folder = prepare_output_directory(options.output, options.force);
   job.write(folder, request, result);
   sim::job::write_text(folder / "job.toml", job.to_toml(request));
