@@ -2,6 +2,7 @@
 """Reports of models: an impact that was simulated, and sweeps of them. IMPACTDIC_PROGRAM names the
 program."""
 
+import json
 import tempfile
 import unittest
 from pathlib import Path
@@ -88,6 +89,30 @@ class Simulated(unittest.TestCase):
         self.assertIn("198 failed", path.read_text())
         self.assertIn('"showlabels":true', path.read_text())
         check_html(self, path)
+
+    def test_what_a_fit_leaves_is_drawn_over_the_time(self):
+        folder = self.folder / "fit"
+        folder.mkdir()
+        rows = [f"{name},{i * 1e-4!r},{factor * (-1) ** i!r},{factor!r}"
+                for name, factor in (("x_m", 2e-5), ("y_m", 1e-5), ("turn_rad", 1e-3))
+                for i in range(50)]
+        (folder / "residuals_0.csv").write_text("\n".join(["series,time_s,residual,sd", *rows]))
+        (folder / "parameters.csv").write_text("track\na/track.csv\n")
+        known = {"value": 2e-3, "sd": 1e-6}
+        (folder / "summary.json").write_text(json.dumps({"shots": [{
+            "shot": {"track": "a/track.csv", "contact_start_s": known, "contact_s": known},
+            "reduced_chi_square": 1.0, "adequacy": "adequate"}]}))
+        figure, = models.figures(folder, None, [])
+        centre, turn, spread = figure.panels
+        self.assertEqual([series.name for series in centre.series], ["x", "y"])
+        np.testing.assert_allclose(np.abs(centre.series[0].y), 20)
+        np.testing.assert_allclose(np.abs(turn.series[0].y), 1)
+        self.assertEqual((centre.spans[0].start, centre.spans[0].end), (2.0, 4.0))
+        # One deviation off everywhere: all in the bins of -1 and 1.
+        found = spread.series[0]
+        self.assertEqual(np.sum(found.y), 150)
+        self.assertTrue(np.all(np.abs(np.abs(found.x[found.y > 0]) - 1) < 0.25))
+        self.assertIn("adequate", figure.caption)
 
     def test_a_formula_has_a_table_but_no_path(self):
         path = self.folder / "walton.toml"
