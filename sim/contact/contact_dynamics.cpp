@@ -19,7 +19,8 @@ ContactDynamics::ContactDynamics(const ImpactJob& job, const NormalLaw& normal,
       rod_(job.body.shape == BodyShape::kRod),
       cap_(rod_ ? job.body.radius_m() : 0.0),
       reach_(rod_ ? job.body.length_m / 2 : job.body.radius_m()),
-      start_angle_(job.initial.angle_deg * kRadPerDeg) {}
+      start_angle_(job.initial.angle_deg * kRadPerDeg),
+      rates_(friction.asks_force_rate()) {}
 
 ContactDynamics::Arm ContactDynamics::arm(double angle_rad) const {
   if (!rod_) return {0, -reach_};
@@ -79,10 +80,11 @@ ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   at.tip_vt_m_s = (x[kVt] - x[kOmega] * r.n) * along.t + (x[kVb] + x[kOmegaT] * r.n) * along.b;
   at.tip_m = x[kTip];
   at.springs_m2 = x[kSprings];
-  const double spring = spring_n(at);
+  const double spring = normal_.spring_n(at.deflection_m, memory);
   at.compressing = memory.compressing;
   at.damping_n_s_per_m = normal_.damper_n(at.deflection_m, 1, memory);
-  const double normal = spring + normal_.damper_n(at.deflection_m, at.rate_m_s, memory);
+  const double normal = spring + at.damping_n_s_per_m * at.rate_m_s;
+  at.law_n = normal;
   at.spring_n = std::max(spring, 0.0);
   at.normal_n = std::max(normal, 0.0);
   at.acceleration_m_s2 = -(normal * inverse_mass_ + gravity_n_);  // of a ball
@@ -92,19 +94,27 @@ ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
                   x[kOmega] * x[kOmega] * r.t) /
                  at.mobility_per_kg;
   at.holding_n = -mass_ * gravity_t_ * along.t;
+  if (rates_) add_force_rates(at);
   return at;
 }
 
-double ContactDynamics::normal_force_n(const ContactPoint& at) const {
-  return spring_n(at) + normal_.damper_n(at.deflection_m, at.rate_m_s, memory);
+// The third derivative of the deflection is -dP/dt over the mass.
+void ContactDynamics::add_force_rates(ContactPoint& at) const {
+  const NormalLaw::Slopes s = normal_.slopes(at.deflection_m, memory);
+  const double v = at.rate_m_s, a = at.acceleration_m_s2;
+  at.spring_rate_n_s = s.spring * v;
+  at.normal_rate_n_s = at.spring_rate_n_s + s.damper_slope * v * v + s.damper * a;
+  const double jerk = -at.normal_rate_n_s * inverse_mass_;
+  at.spring_turn_n_s2 = s.spring_turn * v * v + s.spring * a;
+  at.normal_turn_n_s2 = at.spring_turn_n_s2 + s.damper_turn * v * v * v +
+                        3 * s.damper_slope * v * a + s.damper * jerk;
 }
 
 void ContactDynamics::operator()(const ImpactState& x, ImpactState& rate, double) const {
   ++evaluations;
   const ContactPoint at = contact_point(x);
   const Arm r = arm(x[kAngle]);
-  const double damper = normal_.damper_n(at.deflection_m, at.rate_m_s, memory);
-  const double normal = spring_n(at) + damper;
+  const double damper = at.damping_n_s_per_m * at.rate_m_s, normal = at.law_n;
   const Traction traction = friction_.traction(at);
   const SlipLine along = line(x);
   const double force_t = traction.force_n * along.t, force_b = traction.force_n * along.b;

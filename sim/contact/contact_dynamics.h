@@ -49,11 +49,6 @@ class ContactDynamics {
   void operator()(const ImpactState& x, ImpactState& rate, double time_s) const;
 
   ContactPoint contact_point(const ImpactState& x) const;
-  double spring_n(const ContactPoint& at) const {
-    return normal_.spring_n(at.deflection_m, memory);
-  }
-  // Spring and damper, negative where the law pulls.
-  double normal_force_n(const ContactPoint& at) const;
 
   // Lays the line of slip at the touch: along t in plane motion. Whether it turns thereafter.
   void aim(const ImpactState& touch);
@@ -80,6 +75,7 @@ class ContactDynamics {
   mutable long evaluations = 0;
 
  private:
+  void add_force_rates(ContactPoint& at) const;
   struct Arm {
     double t, n;
   };
@@ -93,6 +89,7 @@ class ContactDynamics {
   double cap_;          // rods: radius of the round end, which lies below the axis's end
   double reach_;        // radius, or half the rod's length
   double start_angle_;  // rods: of the axis at t = 0
+  bool rates_;          // the friction law asks for the force's derivatives
   SlipLine line_;
   bool turning_ = false;
 };

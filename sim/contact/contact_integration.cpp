@@ -30,7 +30,7 @@ class ContactSystem {
         keeps_direction_(job.friction == FrictionModel::kFullSliding),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
         next_kink_m_(normal.next_kink_m(0)),
-        record_(start_s, dynamics.normal_force_n(touch_)) {}
+        record_(start_s, touch_.law_n) {}
 
   // The guards are the normal law's, then the friction law's.
   enum NormalGuard { kTurn, kSeparation, kReload, kKink, kPeak, kNormalGuards };
@@ -60,15 +60,27 @@ class ContactSystem {
 
   template <typename StateWithin>
   void accepted(const EventInstant<State>& next, double, const StateWithin&) {
-    const ContactPoint at = dynamics_.contact_point(next.x);
+    const ContactPoint at = step_end(next.x);
     if (dynamics_.turning()) dynamics_.follow(next.x);
     request_.reach(next.time_s, next.x);
     friction_.step(at, next.time_s);
-    record_.step(dynamics_.normal_force_n(at));
+    record_.step(at.law_n);
     if (ball_ && sinks_to_rest(at)) resting_ = true;
   }
 
  private:
+  // A little less or more deep: the two sides of a kink, which is located to about 1e-14.
+  static constexpr double kBeside = 1e-12;
+  ContactPoint shifted(State x, double part) const {
+    x[kQn] -= part * std::abs(x[kQn]);
+    return dynamics_.contact_point(x);
+  }
+  // A step that ends at a kink has come from below it.
+  ContactPoint step_end(const State& x) const {
+    const bool loading = dynamics_.memory.compressing && !dynamics_.memory.unloading;
+    return loading && -x[kQn] > next_kink_m_ * (1 - 0.1 * kBeside) ? shifted(x, -kBeside)
+                                                                   : dynamics_.contact_point(x);
+  }
   // The weight presses a ball into a damped surface, and it stops there without turning.
   bool sinks_to_rest(const ContactPoint& at) const {
     const double speed = touch_.rate_m_s;
@@ -98,7 +110,7 @@ class ContactSystem {
 double ContactSystem::separation_guard(const ContactPoint& at) const {
   switch (damping_) {
     case RestitutionDamping::kToZeroForce:
-      return dynamics_.normal_force_n(at);
+      return at.law_n;
     case RestitutionDamping::kToZeroDeflection:
       return at.deflection_m;
     case RestitutionDamping::kNone:
@@ -152,9 +164,12 @@ void ContactSystem::switch_mode(int guard, double time_s, State& x) {
       break;
     case kKink:
       next_kink_m_ = normal_.next_kink_m(at.deflection_m);
+      friction_.jump(shifted(x, -kBeside), shifted(x, kBeside));
+      x[kSlip] += friction_.lost_at_once_j();
       break;
     default:
       cross_friction(guard - kNormalGuards, x, at);
+      x[kSlip] += friction_.lost_at_once_j();
       record_.enter(ContactPhaseKind::kTangential, friction_.mode(), {time_s, &x});
   }
 }
@@ -185,7 +200,7 @@ void ContactSystem::turn(double time_s, const State& x, const ContactPoint& at) 
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});
     return;
   }
-  record_.turn(time_s, at, dynamics_.normal_force_n(at));
+  record_.turn(time_s, at, at.law_n);
   memory = normal_.turn(at.deflection_m, memory);
   record_.enter(ContactPhaseKind::kNormal, "restitution", {time_s, &x});
 }

@@ -45,7 +45,7 @@ ContactOutcome ContactRecord::finish(bool separated, const ContactInstant& now,
   outcome_.end_s = now.time_s;
   outcome_.end = *now.x;
   outcome_.end_point = at;
-  outcome_.separation_force_n = separated ? dynamics.normal_force_n(at) : 0;
+  outcome_.separation_force_n = separated ? at.law_n : 0;
   const double stored = normal.stored_j(at.deflection_m, dynamics.memory);
   outcome_.plastic_j = normal.work_j(at.deflection_m, dynamics.memory) - stored;
   outcome_.released_j = separated ? stored : 0;

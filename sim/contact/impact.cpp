@@ -140,9 +140,10 @@ class ImpactRun final : public TrajectoryRequest {
     friction_ = make_friction_law(job_, now_[kVt], now_[kVn]);
     dynamics_.emplace(job_, *normal_, *friction_);
     dynamics_->aim(now_);
-    if (dynamics_->turning() && job_.friction == FrictionModel::kMawBarberFawcett) {
-      throw InvalidArgument("maw_barber_fawcett knows no slip that the weight turns", "friction",
-                            "gravity 0, a level surface, or coulomb");
+    if (dynamics_->turning() && remembers_slip(job_.friction)) {
+      throw InvalidArgument(
+          std::string(name_of(job_.friction)) + " knows no slip that the weight turns", "friction",
+          "gravity 0, a level surface, or coulomb");
     }
     const ContactPoint touch = dynamics_->contact_point(now_);
     if (!(touch.rate_m_s > 0)) {
@@ -263,7 +264,7 @@ class ImpactRun final : public TrajectoryRequest {
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       point.deflection_m = at.deflection_m;
-      point.normal_force_n = dynamics_->normal_force_n(at);
+      point.normal_force_n = at.law_n;
       const double friction = friction_->traction(at).force_n;
       const SlipLine line = dynamics_->line(x);
       point.tangential_force_n = friction * line.t;

@@ -27,13 +27,16 @@ constexpr Names<NormalModel, 11> kNormalModels{
      {NormalModel::kWaltonBraun, "walton_braun"},
      {NormalModel::kStronge, "stronge_elastoplastic"},
      {NormalModel::kJkr, "jkr"}}};
-constexpr Names<FrictionModel, 7> kFrictionModels{
+constexpr Names<FrictionModel, 10> kFrictionModels{
     {{FrictionModel::kNone, "none"},
      {FrictionModel::kCoulomb, "coulomb"},
      {FrictionModel::kThreePhase, "three_phase"},
      {FrictionModel::kFullSliding, "full_sliding"},
      {FrictionModel::kBrody, "brody"},
      {FrictionModel::kMawBarberFawcett, "maw_barber_fawcett"},
+     {FrictionModel::kMindlin, "mindlin"},
+     {FrictionModel::kTangentialSpring, "tangential_spring"},
+     {FrictionModel::kGripSlip, "grip_slip"},
      {FrictionModel::kSpeedDependent, "speed_dependent"}}};
 constexpr Names<ModelPreset, 2> kPresets{
     {{ModelPreset::kPublished, "published"}, {ModelPreset::kSound, "sound"}}};
@@ -117,6 +120,27 @@ void validate_normal(const ImpactJob& job) {
   }
 }
 
+// Laws whose contact gives way along the surface.
+void validate_elastic_friction(const ImpactJob& job) {
+  const std::string law(name_of(job.friction));
+  require(job.body.shape != BodyShape::kRod, (law + " is a law for balls").c_str(), "friction");
+  require_positive(job.contact.friction_kinetic, "contact.friction_kinetic");
+  if (job.friction == FrictionModel::kMawBarberFawcett) {
+    require(has_hertz_spring(job.normal),
+            "maw_barber_fawcett needs the pressure of a Hertz contact", "normal",
+            "hertz_damper, tsuji, kuwabara_kono or hunt_crossley; or friction mindlin");
+  } else if (job.friction == FrictionModel::kMindlin) {
+    require(job.normal != NormalModel::kJacksonGreen && job.normal != NormalModel::kKogutEtsion,
+            "partial slip follows no normal force that jumps, as this published fit does", "normal",
+            "thornton or stronge_elastoplastic; or friction tangential_spring");
+    require(job.normal != NormalModel::kJkr, "partial slip knows no adhesion", "normal",
+            "another law; or friction tangential_spring");
+  } else {
+    require_positive(job.contact.tangential_stiffness_n_per_m,
+                     "contact.tangential_stiffness_n_per_m");
+  }
+}
+
 void validate_friction(const ImpactJob& job) {
   const ContactParameters& contact = job.contact;
   require(!name_of(job.friction).empty(), "is not known", "friction");
@@ -134,13 +158,7 @@ void validate_friction(const ImpactJob& job) {
   if (job.friction == FrictionModel::kSpeedDependent) {
     require_positive(contact.friction_speed_m_s, "contact.friction_speed_m_s");
   }
-  if (job.friction == FrictionModel::kMawBarberFawcett) {
-    require_positive(contact.friction_kinetic, "contact.friction_kinetic");
-    require(job.normal == NormalModel::kHertzDamper,
-            "maw_barber_fawcett needs the pressure of a Hertz contact", "normal",
-            "hertz_damper, or another friction");
-    require(job.body.shape != BodyShape::kRod, "maw_barber_fawcett is a law for balls", "friction");
-  }
+  if (remembers_slip(job.friction)) validate_elastic_friction(job);
 }
 
 void require_finite(const InitialMotion& m, const std::string& table) {
@@ -203,6 +221,11 @@ bool has_hertz_spring(NormalModel law) {
 
 bool slips_partially(FrictionModel law) {
   return law == FrictionModel::kMawBarberFawcett || law == FrictionModel::kMindlin;
+}
+
+bool remembers_slip(FrictionModel law) {
+  return slips_partially(law) || law == FrictionModel::kTangentialSpring ||
+         law == FrictionModel::kGripSlip;
 }
 
 std::string_view stiffness_key(NormalModel law) {

@@ -48,4 +48,20 @@ ImpactJob wood_sound_job() {
   return job;
 }
 
+ImpactJob alumina_job(double incidence_deg) {
+  constexpr double kSpeed_m_s = 3.9, kDiameter_m = 5e-3, kDensity_kg_m3 = 4000;
+  ImpactJob job;
+  job.normal = NormalModel::kTsuji;
+  job.friction = FrictionModel::kMawBarberFawcett;
+  job.body = {BodyShape::kSolidSphere,
+              kDensity_kg_m3 * kPi / 6 * kDiameter_m * kDiameter_m * kDiameter_m, kDiameter_m};
+  job.contact.friction_kinetic = 0.092;
+  job.contact.restitution_damping = RestitutionDamping::kToZeroForce;
+  job.gravity_m_s2 = 0;
+  job.initial.vt_m_s = kSpeed_m_s * std::sin(incidence_deg * kRadPerDeg);
+  job.initial.vn_m_s = -kSpeed_m_s * std::cos(incidence_deg * kRadPerDeg);
+  job.take_materials({{380e9, 0.23}, {70e9, 0.25}, 0.98, 0});
+  return job;
+}
+
 }  // namespace impactdic::sim::job

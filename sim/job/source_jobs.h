@@ -14,5 +14,9 @@ ImpactJob wood_published_job();
 // The same ball by Maw, Barber and Fawcett, nu 0.49, b 18. It was dropped vertically, so with a
 // positive tangential velocity the surface falls to the right: -20 degrees.
 ImpactJob wood_sound_job();
+// Kharaz, Gorham and Salman (2001): 5 mm of alumina (380 GPa, 0.23, 4000 kg/m^3) on glass (70 GPa,
+// 0.25) at 3.9 m/s, that many degrees from the normal; friction 0.092, restitution 0.98. By partial
+// slip under tsuji, weightless.
+ImpactJob alumina_job(double incidence_deg);
 
 }  // namespace impactdic::sim::job

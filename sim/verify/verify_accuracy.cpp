@@ -105,6 +105,28 @@ std::vector<NamedJob> every_model() {
   }
   jobs.push_back({"stronge_elastoplastic", steel_job(NormalModel::kStronge)});
   jobs.push_back({"jkr", gel_job()});
+  for (const NormalModel normal :
+       {NormalModel::kTsuji, NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley}) {
+    ImpactJob partial = rubber_job(normal);
+    partial.friction = FrictionModel::kMindlin;
+    partial.contact.poisson = 0.49;
+    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
+  }
+  for (const NormalModel normal : {NormalModel::kThornton, NormalModel::kStronge}) {
+    ImpactJob partial = steel_job(normal);
+    partial.friction = FrictionModel::kMindlin;
+    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
+  }
+  for (const FrictionModel friction :
+       {FrictionModel::kMindlin, FrictionModel::kTangentialSpring, FrictionModel::kGripSlip}) {
+    ImpactJob spring = job::racket_job();
+    spring.friction = friction;
+    spring.contact.poisson = 0.3;
+    spring.contact.friction_kinetic = 0.3;
+    spring.contact.friction_static = 0.5;
+    spring.contact.tangential_stiffness_n_per_m = 1e4;
+    jobs.push_back({"linear_spring_damper, " + std::string(name_of(friction)), spring});
+  }
   ImpactJob fading = job::racket_job();
   fading.friction = FrictionModel::kSpeedDependent;
   fading.contact.friction_static = 0.6;

@@ -8,7 +8,7 @@ namespace impactdic::sim::verify {
 
 std::vector<VerifyCase> impact_cases() {
   std::vector<VerifyCase> cases;
-  for (auto part : {source_cases, closed_form_cases, law_cases, accuracy_cases}) {
+  for (auto part : {source_cases, closed_form_cases, law_cases, benchmark_cases, accuracy_cases}) {
     std::vector<VerifyCase> rows = part();
     std::move(rows.begin(), rows.end(), std::back_inserter(cases));
   }

@@ -18,7 +18,7 @@ struct VerifyCase {
   std::function<double()> compute;
 };
 
-// printed: stands in the dissertation's text. digitised: read off one of its figures. independent
+// printed: stands in the dissertation's text. digitised: read off a figure. independent
 // calculation: by another program or method. formula: a closed form of the author named.
 // regression: our own figure. conservation, limit: what physics demands.
 inline constexpr const char* kProvenances[] = {"printed", "digitised",  "independent calculation",
@@ -37,6 +37,7 @@ std::vector<VerifyCase> impact_cases();
 std::vector<VerifyCase> source_cases();       // chapters 3 and 4
 std::vector<VerifyCase> closed_form_cases();  // formulas, and integrations against them
 std::vector<VerifyCase> law_cases();          // other normal laws against their formulas
+std::vector<VerifyCase> benchmark_cases();    // Chung and Ooi 2011; measured rebounds
 std::vector<VerifyCase> accuracy_cases();     // energy, momentum, limits, convergence, events
 
 std::vector<VerifyOutcome> run_cases(const std::vector<VerifyCase>& cases);

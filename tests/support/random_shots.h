@@ -45,7 +45,22 @@ inline constexpr LawPair kSoundLaws[] = {
     {NormalModel::kStronge, FrictionModel::kNone},
     {NormalModel::kStronge, FrictionModel::kCoulomb},
     {NormalModel::kJkr, FrictionModel::kNone},
-    {NormalModel::kJkr, FrictionModel::kCoulomb}};
+    {NormalModel::kJkr, FrictionModel::kCoulomb},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kMindlin},
+    {NormalModel::kWaltonBraun, FrictionModel::kMindlin},
+    {NormalModel::kTsuji, FrictionModel::kMindlin},
+    {NormalModel::kKuwabaraKono, FrictionModel::kMindlin},
+    {NormalModel::kHuntCrossley, FrictionModel::kMindlin},
+    {NormalModel::kThornton, FrictionModel::kMindlin},
+    {NormalModel::kStronge, FrictionModel::kMindlin},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kTangentialSpring},
+    {NormalModel::kHertzDamper, FrictionModel::kTangentialSpring},
+    {NormalModel::kJacksonGreen, FrictionModel::kTangentialSpring},
+    {NormalModel::kKogutEtsion, FrictionModel::kTangentialSpring},
+    {NormalModel::kJkr, FrictionModel::kTangentialSpring},
+    {NormalModel::kLinearSpringDamper, FrictionModel::kGripSlip},
+    {NormalModel::kHertzDamper, FrictionModel::kGripSlip},
+    {NormalModel::kTsuji, FrictionModel::kGripSlip}};
 
 // Laws that have a static friction beside the kinetic one.
 inline bool two_frictions(FrictionModel law) {
@@ -86,7 +101,7 @@ class RandomShots {
     job.initial.vb_m_s = between(-1, 1) * speed;
     job.initial.omega_t_rad_s = between(-2, 2) * speed / job.body.radius_m();
     job.initial.omega_n_rad_s = between(-2, 2) * speed / job.body.radius_m();
-    if (laws.second == FrictionModel::kMawBarberFawcett) job.gravity_m_s2 = 0;
+    if (remembers_slip(laws.second)) job.gravity_m_s2 = 0;
     return job;
   }
 
@@ -118,6 +133,11 @@ class RandomShots {
       adhesive(job, depth);
     } else {
       plastic(job);
+    }
+    if (remembers_slip(job.friction) && !slips_partially(job.friction)) {
+      // About as stiff along the surface as out of it.
+      const double into = job.body.mass_kg * vn * vn / (depth * depth);
+      c.tangential_stiffness_n_per_m = into * decades(-1, 1);
     }
   }
 

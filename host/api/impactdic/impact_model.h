@@ -58,7 +58,7 @@ enum class FrictionModel {
   kFullSliding,
   kBrody,
   kMawBarberFawcett,
-  kMindlin,           // partial slip under any normal law
+  kMindlin,           // partial slip under other normal laws; Mindlin and Deresiewicz 1953
   kTangentialSpring,  // Stronge 2000: a spring along the surface that slips at Coulomb's limit
   kGripSlip,          // Cross 2002: slides first, then grips
   kSpeedDependent     // Coulomb friction that falls with the speed of slip
@@ -94,7 +94,7 @@ struct ContactParameters {
   double damping_n_s_per_m = 0;
   RestitutionDamping restitution_damping = RestitutionDamping::kNone;
   double friction_kinetic = 0;
-  // three_phase, grip_slip, speed_dependent; at least friction_kinetic.
+  // three_phase, grip_slip, speed_dependent; at least friction_kinetic
   double friction_static = 0;
   double poisson = 0;  // maw_barber_fawcett, mindlin, jackson_green: of the (softer) body
   // The elastic-plastic laws: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2; yield of the weaker body.
@@ -127,6 +127,8 @@ std::string_view damping_key(NormalModel law);
 bool has_hertz_spring(NormalModel law);
 // Whether the friction law takes a Poisson's ratio: parts of the contact slip while others stick.
 bool slips_partially(FrictionModel law);
+// Whether the contact gives way along the surface and remembers how far.
+bool remembers_slip(FrictionModel law);
 
 // Of one body, as handbooks state it.
 struct ElasticMaterial {

@@ -60,6 +60,19 @@ class DampedHertz final : public NormalLaw {
     return spring + scale_ * (1.5 * square + turn);
   }
 
+  // At the touch, where some of them are infinite, those of the damper are left out.
+  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
+    const double d = std::abs(deflection_m), root = std::sqrt(d);
+    Slopes slopes;
+    slopes.spring = 1.5 * stiffness_ * root;
+    slopes.damper = damper_n(deflection_m, 1, memory);
+    if (!(d > 0)) return slopes;
+    slopes.spring_turn = 0.75 * stiffness_ / root;
+    slopes.damper_slope = exponent() * slopes.damper / d;
+    slopes.damper_turn = (exponent() - 1) * slopes.damper_slope / d;
+    return slopes;
+  }
+
   RestitutionDamping ending() const override { return ending_; }
 
   std::string out_of_range(double deflection_m) const override {
@@ -76,6 +89,11 @@ class DampedHertz final : public NormalLaw {
   }
 
  private:
+  double exponent() const {
+    if (power_ == Power::kQuarter) return 0.25;
+    return power_ == Power::kHalf ? 0.5 : 1.5;
+  }
+
   double stiffness_, scale_;
   Power power_;
   RestitutionDamping ending_;

@@ -236,13 +236,32 @@ Rule rule_of(const ImpactJob& job) {
   }
 }
 
+// A contact that gives way along the surface.
+std::unique_ptr<FrictionLaw> make_elastic_friction(const ImpactJob& job) {
+  const ContactParameters& contact = job.contact;
+  if (!slips_partially(job.friction)) {
+    const bool grips = job.friction == FrictionModel::kGripSlip;
+    return make_tangential_spring(contact.tangential_stiffness_n_per_m, contact.friction_kinetic,
+                                  grips ? contact.friction_static : 0);
+  }
+  const double radius = job.contact_radius_m();
+  if (has_hertz_spring(job.normal)) {
+    return make_maw_barber_fawcett(contact, contact.stiffness, true, radius);
+  }
+  if (stiffness_key(job.normal).empty()) {
+    return make_maw_barber_fawcett(contact, hertz_stiffness(contact.reduced_modulus_pa, radius),
+                                   false, radius);
+  }
+  // The contact of a linear spring does not grow: it sticks or slips as a whole.
+  const double ratio = 2 * (1 - contact.poisson) / (2 - contact.poisson);
+  return make_tangential_spring(ratio * contact.stiffness, contact.friction_kinetic, 0);
+}
+
 }  // namespace
 
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s) {
-  if (job.friction == FrictionModel::kMawBarberFawcett) {
-    return make_maw_barber_fawcett(job.contact, job.contact_radius_m(), job.body.mass_kg);
-  }
+  if (remembers_slip(job.friction)) return make_elastic_friction(job);
   // The printed figures of chapter 4 follow only if friction takes the spring's force alone, scaled
   // by the sine of the angle of incidence.
   DryFriction::Load load;

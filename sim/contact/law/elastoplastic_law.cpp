@@ -63,6 +63,23 @@ class ElasticPlasticNormal final : public NormalLaw {
   // Where the published fits change over.
   double next_kink_m(double deflection_m) const override { return law_.next_kink_m(deflection_m); }
 
+  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
+    Slopes slopes;
+    if (!memory.unloading) {
+      const ElasticPlasticLaw::LoadingSlopes loading = law_.loading_slopes(deflection_m);
+      slopes.spring = loading.first;
+      slopes.spring_turn = loading.second;
+      return slopes;
+    }
+    const double way = memory.max_deflection_m - memory.residual_m;
+    const double fraction = way_back(deflection_m, memory);
+    if (!(fraction > 0)) return slopes;
+    const double n = law_.unloading_exponent(memory.max_deflection_m);
+    slopes.spring = memory.max_force_n * n / way * std::pow(fraction, n - 1);
+    slopes.spring_turn = slopes.spring * (n - 1) / (way * fraction);
+    return slopes;
+  }
+
   std::string out_of_range(double deflection_m) const override {
     return law_.out_of_range(deflection_m);
   }

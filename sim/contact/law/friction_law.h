@@ -15,6 +15,7 @@ struct ContactPoint {
   double deflection_m = 0, rate_m_s = 0;  // of the normal contact, positive in compression
   double spring_n = 0;                    // the normal law's spring, not below zero
   double normal_n = 0;                    // spring and damper, not below zero
+  double law_n = 0;                       // the same, negative where the law pulls
   double centre_vt_m_s = 0;
   double tip_vt_m_s = 0;         // tangential velocity of the contact point
   double tip_m = 0;              // its integral since the contact began
@@ -25,6 +26,10 @@ struct ContactPoint {
   double rolling_n = 0;          // the force that would keep tip_vt_m_s as it is
   double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility (force - rolling_n)
   double holding_n = 0;          // the force that would keep centre_vt_m_s as it is
+  // For laws that ask for them, of balls: the first and second derivative by time of the spring's
+  // force and of spring and damper together.
+  double spring_rate_n_s = 0, spring_turn_n_s2 = 0;
+  double normal_rate_n_s = 0, normal_turn_n_s2 = 0;
 };
 
 struct Traction {
@@ -48,6 +53,12 @@ class FrictionLaw {
   virtual int guards(const ContactPoint& at, Guards& values) const = 0;
   // Changes the mode after that guard has crossed.
   virtual void cross(int guard, const ContactPoint& at) = 0;
+  // The normal force jumps, or its rate does, at one instant.
+  virtual void jump(const ContactPoint& /*before*/, const ContactPoint& /*after*/) {}
+  // What the last change of mode dissipated in an instant, J.
+  virtual double lost_at_once_j() const { return 0; }
+  // Whether it looks at the derivatives of the normal force.
+  virtual bool asks_force_rate() const { return false; }
   // The mode's name, as in Phase::name.
   virtual const char* mode() const = 0;
   // Told of every accepted step, for laws that remember the path.
@@ -60,7 +71,13 @@ class FrictionLaw {
 // published rules of chapter 4 scale with them).
 std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
                                                double speed_n_m_s);
+// Partial slip. `hertz_stiffness`: of the Hertz contact whose circle carries the normal force,
+// N/m^1.5; `hertz_spring`: the normal law's spring is that one.
 std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
-                                                     double radius_m, double mass_kg);
+                                                     double hertz_stiffness, bool hertz_spring,
+                                                     double radius_m);
+std::unique_ptr<FrictionLaw> make_tangential_spring(double stiffness_n_per_m,
+                                                    double friction_kinetic,
+                                                    double friction_static);
 
 }  // namespace impactdic::sim::contact

@@ -40,6 +40,16 @@ class Jkr final : public NormalLaw {
     return turned;
   }
 
+  // dP/ds over dd/ds. The second derivative is not asked for: no law follows partial slip here.
+  Slopes slopes(double deflection_m, const NormalMemory&) const override {
+    const double s = root_of_width(deflection_m), cube = s * s * s;
+    const double force = 2 * modulus_ * s * s * (4 * cube / radius_ - 3 * pull_);
+    const double way = 4 * cube / radius_ - pull_;
+    Slopes slopes;
+    if (way > 0) slopes.spring = force / way;
+    return slopes;
+  }
+
   bool adhesive() const override { return pull_ > 0; }
 
   std::string out_of_range(double deflection_m) const override {

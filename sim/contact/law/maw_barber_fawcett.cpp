@@ -5,7 +5,9 @@
 // u_z = D - xi, dragged by the contact point, and clipped to |u| <= alpha (D - xi) with
 // alpha = mu E*/G*. Hence F_n = E* int u_z dx and F_t = -G* int u dx.
 //
-// Without a damper D is the deflection delta. A damper is to share in friction: gross slip obeys
+// Without a damper D is the deflection delta of a Hertz contact. Under another normal law it is the
+// depth of the Hertz contact that carries the spring's force, k D^1.5 = P (Mindlin and Deresiewicz
+// 1953 for any history of the load). A damper is to share in friction: gross slip obeys
 // F_t = mu P, with P the whole normal force.
 //  - While it pushes (compression), its force is spread as the springs' is, and where the contact
 //    slips it adds its own friction. It holds nothing where the contact sticks.
@@ -31,12 +33,14 @@ namespace {
 
 class MawBarberFawcett final : public FrictionLaw {
  public:
-  MawBarberFawcett(const ContactParameters& contact, double radius_m, double mass_kg)
+  MawBarberFawcett(const ContactParameters& contact, double hertz_stiffness, bool hertz_spring,
+                   double radius_m)
       : radius_(radius_m),
-        inverse_mass_(1 / mass_kg),
         friction_(contact.friction_kinetic),
-        stiffness_(contact.stiffness),
-        shear_modulus_(0.75 * contact.stiffness / std::sqrt(radius_m) * 2 * (1 - contact.poisson) /
+        stiffness_(hertz_stiffness),
+        hertz_spring_(hertz_spring),
+        damped_restitution_(contact.restitution_damping != RestitutionDamping::kNone),
+        shear_modulus_(0.75 * hertz_stiffness / std::sqrt(radius_m) * 2 * (1 - contact.poisson) /
                        (2 - contact.poisson)),
         alpha_(contact.friction_kinetic * (2 - contact.poisson) / (2 * (1 - contact.poisson))),
         memory_(radius_m) {}
@@ -122,6 +126,15 @@ class MawBarberFawcett final : public FrictionLaw {
     }
   }
 
+  bool asks_force_rate() const override { return !hertz_spring_ || damped_restitution_; }
+
+  // Only the rate of the normal force jumps.
+  void jump(const ContactPoint&, const ContactPoint& after) override {
+    if (side_ != 0) return;
+    memory_.break_trail();
+    recorded_ = trail_point(after, time_s_);
+  }
+
   const char* mode() const override {
     if (side_ == 0 || holding_) return "sticking";
     return gross_ ? "gross_slip" : "partial_slip";
@@ -160,16 +173,20 @@ class MawBarberFawcett final : public FrictionLaw {
     return !at.compressing && at.damping_n_s_per_m > 0;
   }
 
-  // D and its derivatives. The third derivative of the deflection comes from m delta'' = -P + ...
+  // D and its derivatives.
   Depth depth_of(const ContactPoint& at) const {
-    if (!carries_all(at)) return {at.deflection_m, at.rate_m_s, at.acceleration_m_s2};
-    if (!(at.normal_n > 0)) return {};
-    const double b = at.damping_n_s_per_m, force = at.normal_n, rate = at.rate_m_s;
-    const double root = std::sqrt(std::max(at.deflection_m, 0.0));
-    const double force_rate = 1.5 * stiffness_ * root * rate + b * at.acceleration_m_s2;
-    double force_turn =
-        1.5 * stiffness_ * root * at.acceleration_m_s2 - b * force_rate * inverse_mass_;
-    if (root > 0) force_turn += 0.75 * stiffness_ * rate * rate / root;
+    if (carries_all(at)) {
+      return depth_under(at.normal_n, at.normal_rate_n_s, at.normal_turn_n_s2);
+    }
+    // Any law begins as Hertz's.
+    if (hertz_spring_ || !(at.deflection_m > 0)) {
+      return {at.deflection_m, at.rate_m_s, at.acceleration_m_s2};
+    }
+    return depth_under(at.spring_n, at.spring_rate_n_s, at.spring_turn_n_s2);
+  }
+
+  Depth depth_under(double force, double force_rate, double force_turn) const {
+    if (!(force > 0)) return {};
     const double pressed = force / stiffness_, growth = force_rate / force;
     Depth depth;
     depth.value = std::cbrt(pressed * pressed);
@@ -303,7 +320,9 @@ class MawBarberFawcett final : public FrictionLaw {
     gross_ = true;
   }
 
-  double radius_, inverse_mass_, friction_, stiffness_, shear_modulus_, alpha_;
+  double radius_, friction_, stiffness_;
+  bool hertz_spring_, damped_restitution_;
+  double shear_modulus_, alpha_;
   SlipMemory memory_;
   TrailPoint recorded_;       // where the record of a sticking loading has come to
   double time_s_ = 0;         // of the last accepted step
@@ -318,8 +337,9 @@ class MawBarberFawcett final : public FrictionLaw {
 }  // namespace
 
 std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
-                                                     double radius_m, double mass_kg) {
-  return std::make_unique<MawBarberFawcett>(contact, radius_m, mass_kg);
+                                                     double hertz_stiffness, bool hertz_spring,
+                                                     double radius_m) {
+  return std::make_unique<MawBarberFawcett>(contact, hertz_stiffness, hertz_spring, radius_m);
 }
 
 }  // namespace impactdic::sim::contact

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/differentiation/autodiff.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
@@ -48,44 +49,55 @@ constexpr double kJacksonTurn = 2400;
 double jackson_residual(double x) { return 1.02 * (1 - std::pow((x + 5.9) / 6.9, -0.54)); }
 
 // Jackson & Green 2005, Eqs. 2.17-2.20.
-double jackson_contact_over_radius(double x, double yield_constant, double yield_over_modulus) {
+template <typename Real>
+Real jackson_contact_over_radius(const Real& x, double yield_constant, double yield_over_modulus) {
+  using std::pow, std::sqrt;
   const double exponent = 0.14 * std::exp(23 * yield_over_modulus);
   return kPi * yield_constant / 2 * yield_over_modulus *
-         std::sqrt(x * std::pow(x / kJacksonElasticLimit, exponent));
+         sqrt(x * pow(x / kJacksonElasticLimit, exponent));
 }
 
 // The pressure falls as the contact circle nears the radius.
-double jackson_hardness_over_yield(double x, double yield_constant, double yield_over_modulus) {
-  const double contact_over_radius =
+template <typename Real>
+Real jackson_hardness_over_yield(const Real& x, double yield_constant, double yield_over_modulus) {
+  using std::exp, std::pow;
+  const Real contact_over_radius =
       jackson_contact_over_radius(x, yield_constant, yield_over_modulus);
-  return 2.84 * (1 - std::exp(-0.82 * std::pow(contact_over_radius, -0.7)));
+  return 2.84 * (1 - exp(-0.82 * pow(contact_over_radius, -0.7)));
 }
 
-double jackson_green(double x, double yield_constant, double yield_over_modulus) {
-  if (x < kJacksonElasticLimit) return x * std::sqrt(x);
-  const double hardness = jackson_hardness_over_yield(x, yield_constant, yield_over_modulus);
-  return std::exp(-std::pow(x, 5.0 / 12) / 4) * x * std::sqrt(x) +
-         4 * hardness / yield_constant * (1 - std::exp(-std::pow(x, 5.0 / 9) / 25)) * x;
+template <typename Real>
+Real jackson_green(const Real& x, double yield_constant, double yield_over_modulus) {
+  using std::exp, std::pow, std::sqrt;
+  if (x < kJacksonElasticLimit) return x * sqrt(x);
+  const Real hardness = jackson_hardness_over_yield(x, yield_constant, yield_over_modulus);
+  return exp(-pow(x, 5.0 / 12) / 4) * x * sqrt(x) +
+         4 * hardness / yield_constant * (1 - exp(-pow(x, 5.0 / 9) / 25)) * x;
 }
 
 // Beyond x = 110 the last fit is continued until it meets the fully plastic line P = 2 pi R w H.
-double kogut_etsion(double x, double yield_constant) {
-  if (x < 1) return x * std::sqrt(x);
-  if (x < 6) return 1.03 * std::pow(x, 1.425);
-  const double plastic = 3 * kHardnessOverYield / yield_constant * x;
-  return std::min(1.40 * std::pow(x, 1.263), std::max(plastic, 1.40 * std::pow(110, 1.263)));
+template <typename Real>
+Real kogut_etsion(const Real& x, double yield_constant) {
+  using std::pow, std::sqrt;
+  if (x < 1) return x * sqrt(x);
+  if (x < 6) return 1.03 * pow(x, 1.425);
+  const Real fitted = 1.40 * pow(x, 1.263), plastic = 3 * kHardnessOverYield / yield_constant * x;
+  const Real least(1.40 * std::pow(110, 1.263));
+  const Real line = plastic < least ? least : plastic;
+  return fitted < line ? fitted : line;
 }
 
 // Stronge 2000, chapter 6: beyond yield the contact's area grows as X = 2 x - 1 and its mean
 // pressure as 1 + ln(X) / (3 theta), theta = 1.1, until it is 2.8 Sy.
 constexpr double kStrongeYield = 1.1;
 
-double stronge_pressure(double area) {
-  return std::min(1 + std::log(area) / (3 * kStrongeYield), kHardnessOverYield / kStrongeYield);
-}
-
-double stronge(double x) {
-  return x < 1 ? x * std::sqrt(x) : (2 * x - 1) * stronge_pressure(2 * x - 1);
+template <typename Real>
+Real stronge(const Real& x) {
+  using std::log, std::sqrt;
+  if (x < 1) return x * sqrt(x);
+  const Real area = 2 * x - 1, growing = 1 + log(area) / (3 * kStrongeYield);
+  const Real most(kHardnessOverYield / kStrongeYield);
+  return area * (growing < most ? growing : most);
 }
 
 // Where the pressure stops growing: x = 82.5.
@@ -103,7 +115,12 @@ double stronge_energy(double x) {
 }
 
 // Thornton 1997: Hertz up to yield, then the slope of yield is kept: dP/dw = pi p_y R.
-double thornton(double x) { return x < 1 ? x * std::sqrt(x) : 1 + 1.5 * (x - 1); }
+template <typename Real>
+Real thornton(const Real& x) {
+  using std::sqrt;
+  if (x < 1) return x * sqrt(x);
+  return 1 + 1.5 * (x - 1);
+}
 
 }  // namespace
 
@@ -124,7 +141,8 @@ ElasticPlasticLaw::ElasticPlasticLaw(const ElasticPlasticSurface& surface, Plast
   critical_force_n_ = 4.0 / 3 * surface_.radius_m * surface_.radius_m * ratio * ratio * pressure;
 }
 
-double ElasticPlasticLaw::normalised_loading(double x) const {
+template <typename Real>
+Real ElasticPlasticLaw::normalised_loading(const Real& x) const {
   if (loading_ == PlasticLoading::kThornton) return thornton(x);
   if (loading_ == PlasticLoading::kStronge) return stronge(x);
   if (loading_ == PlasticLoading::kKogutEtsion) return kogut_etsion(x, yield_constant_);
@@ -137,11 +155,21 @@ double ElasticPlasticLaw::loading_force_n(double w_m) const {
   return critical_force_n_ * normalised_loading(w_m / critical_compression_m_);
 }
 
+ElasticPlasticLaw::LoadingSlopes ElasticPlasticLaw::loading_slopes(double w_m) const {
+  using boost::math::differentiation::make_fvar;
+  if (!(w_m > 0)) return {};
+  const auto force = normalised_loading(make_fvar<double, 2>(w_m / critical_compression_m_));
+  const double scale = critical_force_n_ / critical_compression_m_;
+  return {scale * force.derivative(1), scale / critical_compression_m_ * force.derivative(2)};
+}
+
 double ElasticPlasticLaw::next_kink_m(double w_m) const {
   for (const double x : {1.0, kJacksonElasticLimit, 6.0, stronge_plastic(), 110.0}) {
     // Only his law has that one; the others are smooth there.
     if (x == stronge_plastic() && loading_ != PlasticLoading::kStronge) continue;
-    if (x * critical_compression_m_ > w_m) return x * critical_compression_m_;
+    // A little beyond, so that who has come there is on the far side whatever the rounding.
+    const double kink_m = x * critical_compression_m_ * (1 + 1e-15);
+    if (kink_m > w_m) return kink_m;
   }
   return std::numeric_limits<double>::infinity();
 }

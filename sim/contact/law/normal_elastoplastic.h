@@ -33,6 +33,11 @@ class ElasticPlasticLaw {
   // Jackson & Green jump by +0.66 % at x = 1.9 (nu 0.29), Kogut & Etsion by +3 % and +1.7 % at
   // x = 1 and 6: the published fits do so.
   double loading_force_n(double w_m) const;
+  // Its first (N/m) and second derivative (N/m^2).
+  struct LoadingSlopes {
+    double first = 0, second = 0;
+  };
+  LoadingSlopes loading_slopes(double w_m) const;
   // The next compression above this one at which the loading is not smooth.
   double next_kink_m(double w_m) const;
   // Compression that stays after a largest one of `largest_m`.
@@ -55,7 +60,8 @@ class ElasticPlasticLaw {
   const ElasticPlasticSurface& surface() const { return surface_; }
 
  private:
-  double normalised_loading(double x) const;
+  template <typename Real>
+  Real normalised_loading(const Real& x) const;
   double fitted_residual_m(double largest_m) const;
 
   ElasticPlasticSurface surface_;

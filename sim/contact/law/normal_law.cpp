@@ -81,6 +81,17 @@ class SpringDamper final : public NormalLaw {
     return slope * rate_m_s + damping_ * acceleration;
   }
 
+  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
+    Slopes slopes;
+    slopes.damper = damper_n(deflection_m, 1, memory);
+    slopes.spring = stiffness_;
+    if (!hertz_) return slopes;
+    const double root = std::sqrt(std::abs(deflection_m));
+    slopes.spring *= 1.5 * root;
+    if (root > 0) slopes.spring_turn = 0.75 * stiffness_ / root;
+    return slopes;
+  }
+
   RestitutionDamping ending() const override { return ending_; }
 
   // A linear spring does not ask what presses it, but nothing is pressed deeper than through.

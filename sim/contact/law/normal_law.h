@@ -43,6 +43,12 @@ class NormalLaw {
   // Has the sign of d(force)/dt while the contact is being compressed, and is smooth at the touch;
   // only asked of laws with a damper.
   virtual double force_growth(double deflection_m, double rate_m_s, double acceleration_m_s2) const;
+  // Derivatives by the deflection of the spring's force and of the damper's force over the rate.
+  struct Slopes {
+    double spring = 0, spring_turn = 0;                    // first, second
+    double damper = 0, damper_slope = 0, damper_turn = 0;  // zeroth, first, second
+  };
+  virtual Slopes slopes(double deflection_m, const NormalMemory& memory) const = 0;
   // What ends the contact: see RestitutionDamping; kNone for laws without a damper.
   virtual RestitutionDamping ending() const { return RestitutionDamping::kNone; }
   // Whether the surface is meant to pull before it lets go.

@@ -39,6 +39,8 @@ class SlipMemory {
 
   // Springs from the present end (0 at first) to `to.depth_m`, touched one after the other.
   void append_trail(const TrailPoint& from, const TrailPoint& to);
+  // The next piece of a trail does not go on smoothly.
+  void break_trail() { broken_ = true; }
   // Springs from the present end to xi = end on g = value + slope (xi - begin).
   void append_line(double end, double value, double slope);
   // Forgets all springs beyond where the edge meets g, and follows the edge from there.
@@ -93,8 +95,11 @@ class SlipMemory {
   void append(Piece piece);
 
   double radius_;
-  std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
-  mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only
+  bool broken_ = false;
+  std::vector<Piece> pieces_;  // ascending in xi from 0, without gaps
+  // Where the last searches ended: speed only.
+  mutable std::size_t hint_ = 0, rim_hint_ = 0, hint_piece_ = 0;
+  mutable double hint_tau_ = 0.5;
 };
 
 }  // namespace impactdic::sim::contact

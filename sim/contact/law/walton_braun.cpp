@@ -43,6 +43,12 @@ class WaltonBraun final : public NormalLaw {
     return turned;
   }
 
+  Slopes slopes(double, const NormalMemory& memory) const override {
+    Slopes slopes;
+    slopes.spring = memory.unloading ? unloading(memory.max_force_n) : loading_;
+    return slopes;
+  }
+
   std::string out_of_range(double deflection_m) const override {
     const double part = deflection_m / radius_;
     if (part <= 1) return "";

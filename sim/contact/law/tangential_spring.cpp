@@ -1,0 +1,103 @@
+// A spring along the surface in series with Coulomb friction: Stronge's bilinear compliance (2000,
+// chapter 5), whose spring sticks or slips as a whole, and Cross's grip and slip (2002), which
+// needs more friction to come loose than to go on slipping. It is also what partial slip becomes
+// under a linear normal law: a contact of constant area, a flat punch, sticks until all of it slips
+// (Jaeger 1998; Ciavarella 1998), with k_t / k_n = G* / E*.
+//
+// While it sticks the spring is stretched by the way of the contact point; while it slips it is
+// stretched by mu P / k_t, and what the contact point moves beyond that is slip.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/contact/law/friction_law.h"
+
+namespace impactdic::sim::contact {
+
+namespace {
+
+class TangentialSpring final : public FrictionLaw {
+ public:
+  TangentialSpring(double stiffness, double kinetic, double least_static)
+      : stiffness_(stiffness), kinetic_(kinetic), static_(std::max(least_static, kinetic)) {}
+
+  void begin(const ContactPoint& at, double) override { hold(at, 0); }
+
+  bool asks_force_rate() const override { return true; }
+
+  Traction traction(const ContactPoint& at) const override {
+    Traction result;
+    if (side_ == 0) {
+      result.force_n = -stiffness_ * stretch(at);
+      return result;
+    }
+    result.force_n = -side_ * kinetic_ * at.normal_n;
+    result.dissipation_w = kinetic_ * at.normal_n * slip_speed(at);
+    return result;
+  }
+
+  int guards(const ContactPoint& at, Guards& values) const override {
+    if (side_ != 0) {
+      values[0] = slip_speed(at);
+      return 1;
+    }
+    const double force = stiffness_ * stretch(at), most = static_ * at.normal_n;
+    values[0] = most - force;
+    values[1] = most + force;
+    return 2;
+  }
+
+  void cross(int guard, const ContactPoint& at) override {
+    if (side_ != 0) {
+      hold(at, stretch(at));
+      return;
+    }
+    const double held = stored(stretch(at));
+    side_ = guard == 0 ? 1 : -1;
+    // What the spring gives up as it comes loose is lost in that instant.
+    lost_j_ = held - stored(stretch(at));
+  }
+
+  void jump(const ContactPoint& before, const ContactPoint& after) override {
+    if (side_ != 0) hold(after, stretch(before));
+  }
+
+  double lost_at_once_j() const override { return lost_j_; }
+
+  const char* mode() const override { return side_ == 0 ? "sticking" : "sliding"; }
+
+  double stored_j(const ContactPoint& at, double) const override { return stored(stretch(at)); }
+
+ private:
+  double stored(double stretch_m) const { return 0.5 * stiffness_ * stretch_m * stretch_m; }
+
+  double stretch(const ContactPoint& at) const {
+    return side_ == 0 ? at.tip_m - anchor_m_ : side_ * kinetic_ * at.normal_n / stiffness_;
+  }
+
+  // Of the slip in its own direction.
+  double slip_speed(const ContactPoint& at) const {
+    const double stretching = at.normal_n > 0 ? kinetic_ * at.normal_rate_n_s / stiffness_ : 0.0;
+    return side_ * at.tip_vt_m_s - stretching;
+  }
+
+  void hold(const ContactPoint& at, double stretch_m) {
+    side_ = 0;
+    lost_j_ = 0;
+    anchor_m_ = at.tip_m - stretch_m;
+  }
+
+  double stiffness_, kinetic_, static_;
+  int side_ = 0;  // 0: it sticks; +-1: it slips that way
+  double anchor_m_ = 0;
+  double lost_j_ = 0;  // of the last time it came loose
+};
+
+}  // namespace
+
+std::unique_ptr<FrictionLaw> make_tangential_spring(double stiffness_n_per_m,
+                                                    double friction_kinetic,
+                                                    double friction_static) {
+  return std::make_unique<TangentialSpring>(stiffness_n_per_m, friction_kinetic, friction_static);
+}
+
+}  // namespace impactdic::sim::contact
