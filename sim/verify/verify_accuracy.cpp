@@ -61,6 +61,47 @@ ImpactJob gel_job() {
   return job;
 }
 
+// The normal laws beside the dissertation's, and friction that falls with the speed.
+void add_other_normals(std::vector<NamedJob>& jobs) {
+  for (const NormalModel normal : {NormalModel::kTsuji, NormalModel::kKuwabaraKono,
+                                   NormalModel::kHuntCrossley, NormalModel::kWaltonBraun}) {
+    jobs.push_back({std::string(name_of(normal)), rubber_job(normal)});
+  }
+  jobs.push_back({"stronge_elastoplastic", steel_job(NormalModel::kStronge)});
+  jobs.push_back({"jkr", gel_job()});
+  ImpactJob fading = job::racket_job();
+  fading.friction = FrictionModel::kSpeedDependent;
+  fading.contact.friction_static = 0.6;
+  fading.contact.friction_speed_m_s = 0.5;
+  jobs.push_back({"speed_dependent", fading});
+}
+
+// Contacts that give way along the surface.
+void add_elastic_frictions(std::vector<NamedJob>& jobs) {
+  for (const NormalModel normal :
+       {NormalModel::kTsuji, NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley}) {
+    ImpactJob partial = rubber_job(normal);
+    partial.friction = FrictionModel::kMindlin;
+    partial.contact.poisson = 0.49;
+    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
+  }
+  for (const NormalModel normal : {NormalModel::kThornton, NormalModel::kStronge}) {
+    ImpactJob partial = steel_job(normal);
+    partial.friction = FrictionModel::kMindlin;
+    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
+  }
+  for (const FrictionModel friction :
+       {FrictionModel::kMindlin, FrictionModel::kTangentialSpring, FrictionModel::kGripSlip}) {
+    ImpactJob spring = job::racket_job();
+    spring.friction = friction;
+    spring.contact.poisson = 0.3;
+    spring.contact.friction_kinetic = 0.3;
+    spring.contact.friction_static = 0.5;
+    spring.contact.tangential_stiffness_n_per_m = 1e4;
+    jobs.push_back({"linear_spring_damper, " + std::string(name_of(friction)), spring});
+  }
+}
+
 // Every normal law, every friction law, both presets.
 std::vector<NamedJob> every_model() {
   std::vector<NamedJob> jobs;
@@ -99,39 +140,8 @@ std::vector<NamedJob> every_model() {
     if (normal == NormalModel::kThornton) continue;  // it has a residual of its own
     jobs.push_back({std::string(name_of(normal)) + ", residual kogut_etsion", other});
   }
-  for (const NormalModel normal : {NormalModel::kTsuji, NormalModel::kKuwabaraKono,
-                                   NormalModel::kHuntCrossley, NormalModel::kWaltonBraun}) {
-    jobs.push_back({std::string(name_of(normal)), rubber_job(normal)});
-  }
-  jobs.push_back({"stronge_elastoplastic", steel_job(NormalModel::kStronge)});
-  jobs.push_back({"jkr", gel_job()});
-  for (const NormalModel normal :
-       {NormalModel::kTsuji, NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley}) {
-    ImpactJob partial = rubber_job(normal);
-    partial.friction = FrictionModel::kMindlin;
-    partial.contact.poisson = 0.49;
-    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
-  }
-  for (const NormalModel normal : {NormalModel::kThornton, NormalModel::kStronge}) {
-    ImpactJob partial = steel_job(normal);
-    partial.friction = FrictionModel::kMindlin;
-    jobs.push_back({std::string(name_of(normal)) + ", mindlin", partial});
-  }
-  for (const FrictionModel friction :
-       {FrictionModel::kMindlin, FrictionModel::kTangentialSpring, FrictionModel::kGripSlip}) {
-    ImpactJob spring = job::racket_job();
-    spring.friction = friction;
-    spring.contact.poisson = 0.3;
-    spring.contact.friction_kinetic = 0.3;
-    spring.contact.friction_static = 0.5;
-    spring.contact.tangential_stiffness_n_per_m = 1e4;
-    jobs.push_back({"linear_spring_damper, " + std::string(name_of(friction)), spring});
-  }
-  ImpactJob fading = job::racket_job();
-  fading.friction = FrictionModel::kSpeedDependent;
-  fading.contact.friction_static = 0.6;
-  fading.contact.friction_speed_m_s = 0.5;
-  jobs.push_back({"speed_dependent", fading});
+  add_other_normals(jobs);
+  add_elastic_frictions(jobs);
   return jobs;
 }
 
