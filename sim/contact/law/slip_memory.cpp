@@ -130,8 +130,7 @@ SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) c
     const double xi = std::clamp(piece.begin - begin / slope, piece.begin, piece.end);
     return {index, xi, piece.begin_value + piece.slope * (xi - piece.begin), 0};
   }
-  double low = 0, high = piece.end_tau;
-  double tau = index == hint_piece_ && hint_tau_ < high ? hint_tau_ : 0.5 * high;
+  double low = 0, high = piece.end_tau, tau = 0.5 * high;
   for (int iteration = 0; iteration < 60; ++iteration) {
     const double value = edge.side * (edge.way_m - value_of(piece.way, tau)) -
                          edge.alpha * (edge.depth_m - value_of(piece.depth, tau));
@@ -146,8 +145,6 @@ SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) c
     tau = next;
     if (step <= (bisect ? 1e-15 : 1e-8)) break;
   }
-  hint_piece_ = index;
-  hint_tau_ = tau;
   return {index, value_of(piece.depth, tau), -value_of(piece.way, tau), tau};
 }
 

@@ -96,10 +96,8 @@ class SlipMemory {
 
   double radius_;
   bool broken_ = false;
-  std::vector<Piece> pieces_;  // ascending in xi from 0, without gaps
-  // Where the last searches ended: speed only.
-  mutable std::size_t hint_ = 0, rim_hint_ = 0, hint_piece_ = 0;
-  mutable double hint_tau_ = 0.5;
+  std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
+  mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only
 };
 
 }  // namespace impactdic::sim::contact

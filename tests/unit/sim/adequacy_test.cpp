@@ -27,8 +27,15 @@ TEST(Adequacy, AnotherLawIsInadequateAndTheTruthIsNamed) {
   ImpactJob truth = testing::tennis_shot(30, -1.6, -2.8);
   truth.contact.restitution_damping = RestitutionDamping::kToZeroForce;
   const ImpactJob wrong = testing::tennis_shot(30, -1.6, -2.8);
-  for (unsigned seed = 1; seed <= 2; ++seed) {
+  // Eleven laws are fitted to each shot.
+  for (const unsigned seed : {1u}) {
     const ShotFit fit = testing::fit_of_shot(truth, wrong, seed, true);
+    for (const NormalModel law : {NormalModel::kHertzDamper, NormalModel::kTsuji,
+                                  NormalModel::kKuwabaraKono, NormalModel::kHuntCrossley}) {
+      EXPECT_TRUE(std::any_of(fit.rivals.begin(), fit.rivals.end(), [&](const RivalFit& rival) {
+        return rival.normal == law;
+      })) << name_of(law);
+    }
     EXPECT_EQ(fit.adequacy, Adequacy::kInadequate) << seed;
     EXPECT_LT(fit.p_value, 0.01) << seed;
     ASSERT_GE(fit.rivals.size(), 6u);

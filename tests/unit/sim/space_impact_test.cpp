@@ -48,7 +48,9 @@ TEST(SpaceImpact, APlaneShotSeenFromElsewhereIsTheSameShot) {
       EXPECT_NEAR(b.final.omega_t_rad_s, s * a.final.omega_rad_s, 3e-9 * spin);
       EXPECT_EQ(b.final.omega_n_rad_s, 17);
       ASSERT_EQ(b.separated, a.separated);
-      if (a.separated) EXPECT_NEAR(b.contact_s, a.contact_s, 1e-8 * a.contact_s);
+      if (a.separated) {
+        EXPECT_NEAR(b.contact_s, a.contact_s, 1e-8 * a.contact_s);
+      }
     }
   }
 }
