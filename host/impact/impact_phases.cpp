@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <tuple>
 
 #include "host/base/statistics.h"
 #include "host/impact/contact_edge.h"
@@ -200,17 +201,14 @@ void Analysis::find_edges(double start_guess, double end_guess) {
   start_ = edge(false, start_guess);
   end_ = edge(true, end_guess);
   const double first = static_cast<double>(before_.first), last = static_cast<double>(after_.last);
-  start_.ok = start_.ok && start_.instant > first && start_.instant < turn_.instant;
-  end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;
+  // One that may as well lie behind the turn was not found.
+  start_.ok = start_.ok && start_.instant > first && start_.instant + start_.sd < turn_.instant;
+  end_.ok = end_.ok && end_.instant < last && end_.instant - end_.sd > turn_.instant;
 }
 
 // Flights up to the contact, and the edges once more; those known so far where that fails.
 void Analysis::refit(double length) {
-  struct Flights {
-    FlightRange before, after;
-    FlightFit fit;
-  };
-  const Flights known{before_, after_, flights_};
+  const auto known = std::tuple(before_, after_, flights_);
   // No farther than half a contact, though: an edge that is not known better bounds no flight.
   const double in = start_.instant - std::min(3 * start_.sd, length / 2) - 1;
   const double out = end_.instant + std::min(3 * end_.sd, length / 2) + 1;
@@ -225,7 +223,7 @@ void Analysis::refit(double length) {
   if (flights_.ok) {
     find_edges(start_.instant, end_.instant);
   } else {
-    before_ = known.before, after_ = known.after, flights_ = known.fit;
+    std::tie(before_, after_, flights_) = known;
   }
 }
 

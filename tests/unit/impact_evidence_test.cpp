@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/support/tracks/path_tracks.h"
 
@@ -36,6 +37,10 @@ TEST(ImpactEvidence, ImpactsAreFoundInPoorFilm) {
     const Measured& e = found.restitution;
     if (is_found(found)) off += !(std::abs(e.value - track.truth.restitution) < 3 * e.sd);
     EXPECT_FALSE(is_found(found) && !(e.sd < 0.5)) << seed;
+    // A start or an end that could not be found is not stated.
+    for (const Measured& edge : {found.start.instant, found.end.instant}) {
+      EXPECT_FALSE(std::isfinite(edge.value) && !(edge.sd < found.duration.value)) << seed;
+    }
   }
   EXPECT_LE(missed, kMissed);
   EXPECT_LE(off, kOff);
