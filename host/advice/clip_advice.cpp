@@ -62,27 +62,40 @@ std::optional<Circle> measured(const Frame& frame, const Circle& near, double ce
   return fit.circle;
 }
 
-std::optional<Circle> find(const Frame& frame, const circle::CircleOptions& options) {
+// Whether the circle may be the ball, as far as scouts tell.
+bool is_plausible(const Frame& frame, const Circle& found, const AdviceRequest& request) {
+  constexpr double kTolerance = 0.2;  // of the radius, as in tracking
+  if (request.radius_px &&
+      std::abs(found.r_px - *request.radius_px) > kTolerance * *request.radius_px) {
+    return false;
+  }
+  return !circle::stands_still(request.scene.get(), frame, found);
+}
+
+std::optional<Circle> find(const Frame& frame, const AdviceRequest& request) {
   constexpr int kLarge = 200;  // px; smaller pictures are searched as they are
+  const circle::CircleOptions& options = request.circle;
   if (std::min(frame.width(), frame.height()) >= kLarge) {
     circle::CircleOptions of_half = options;
     if (auto& range = of_half.radius_range_px) range = {range->first / 2, range->second / 2};
     if (const auto half = circle::find_ball(halved(frame), of_half)) {
       const Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
-      if (const auto ball = measured(frame, whole, 3, options)) return ball;
+      const auto ball = measured(frame, whole, 3, options);
+      if (ball && is_plausible(frame, *ball, request)) return ball;
     }
   }
-  const auto found = circle::find_ball(frame, options);
-  return found ? measured(frame, *found, 2, options) : std::nullopt;
+  const auto found = circle::find_ball(frame, options, request.scene.get());
+  const auto ball = found ? measured(frame, *found, 2, options) : std::nullopt;
+  return ball && is_plausible(frame, *ball, request) ? ball : std::nullopt;
 }
 
 // In the frame after one with the ball at `before`.
 std::optional<Circle> find_next(const Frame& frame, const Circle& before,
-                                const circle::CircleOptions& options) {
+                                const AdviceRequest& request) {
   constexpr double kMovedPx = 6;
-  const auto near = measured(frame, before, kMovedPx, options);
+  const auto near = measured(frame, before, kMovedPx, request.circle);
   if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
-  return find(frame, options);
+  return find(frame, request);
 }
 
 // The rectangle about the ball, within the frame; all of the frame without one.
@@ -111,9 +124,9 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
     return look;
   }
   if (request.ball) {
-    look.first_ball = find(look.first, request.circle);
+    look.first_ball = find(look.first, request);
     if (two && look.first_ball) {
-      look.second_ball = find_next(look.second, *look.first_ball, request.circle);
+      look.second_ball = find_next(look.second, *look.first_ball, request);
     }
   }
   const Roi region = about(look.first, look.first_ball);
@@ -286,6 +299,10 @@ std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames) {
   return (container ? std::min(frames.count(), kOfContainer) : frames.count()) - 1;
 }
 
+bool is_texture_alone(const Frame& frame, const FieldOptions& field) {
+  return fills_the_picture(frame, field, false);
+}
+
 std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,
                                          std::int64_t index, const Circle& near) {
   BallPicture found;
@@ -296,7 +313,7 @@ std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceReques
   } catch (const Error&) {
     return std::nullopt;
   }
-  const std::optional<Circle> ball = find_next(found.picture, near, request.circle);
+  const std::optional<Circle> ball = find_next(found.picture, near, request);
   if (!ball) return std::nullopt;
   found.ball = *ball;
   return found;

@@ -2,6 +2,7 @@
 // before it is measured.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct AdviceRequest {
   Roi roi;
   bool ball = true;  // look for a ball; otherwise the rectangle is the surface
   circle::CircleOptions circle;
+  // Of scout_ball: what has another radius, or stands still, is not the ball.
+  std::optional<double> radius_px;
+  std::shared_ptr<const circle::StillScene> scene;
   Estimator estimator = Estimator::kField;
   FieldOptions field;
   bool with_field = true;  // windows will be measured
@@ -42,6 +46,9 @@ std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceReques
                                          std::int64_t index, const Circle& near);
 // The last frame that advice reads, so that a container need not be decoded to its end.
 std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames);
+
+// Whether the picture has texture from side to side, where a ball has a background.
+bool is_texture_alone(const Frame& frame, const FieldOptions& field);
 
 // What to paint where there is too little texture, after the finding of the speckle study
 // (docs/accuracy.md).

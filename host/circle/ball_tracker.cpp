@@ -1,6 +1,7 @@
 #include "host/circle/ball_tracker.h"
 
 #include <impactdic/error.h>
+#include <impactdic/units.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -20,6 +21,29 @@ bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
   return fit.status == CircleStatus::kOk &&
          (!radius_px ||
           std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
+}
+
+// Share of the circle that lies in the picture.
+double share_in_view(const Frame& frame, const Circle& c) {
+  constexpr int kPoints = 64;
+  int inside = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2 * kPi * i / kPoints;
+    const double x = c.cx_px + c.r_px * std::cos(angle), y = c.cy_px + c.r_px * std::sin(angle);
+    inside += x >= 0 && y >= 0 && x <= frame.width() - 1 && y <= frame.height() - 1;
+  }
+  return static_cast<double>(std::max(inside, 1)) / kPoints;
+}
+
+// Enough of the rim in view to be taken for a ball where none was expected; with less than most of
+// it also round, and of the ball's size. Arms and shadows have arcs, too.
+bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px) {
+  const double rim = fit.rim_fraction / share_in_view(frame, fit.circle);
+  if (rim >= kTracking.plain_rim) return true;
+  const double r = fit.circle.r_px;
+  return rim >= kTracking.found_rim &&
+         std::hypot(fit.e1_px, fit.e2_px) <= kTracking.found_oval * r &&
+         (!radius_px || std::abs(r - *radius_px) <= kTracking.found_radius * *radius_px);
 }
 
 // On the line between two measured frames, the second `off_px` from where it was predicted.
@@ -135,7 +159,7 @@ CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
     options.radius_range_px = {(1 - kTracking.radius_tolerance) * *radius.rough_px,
                                (1 + kTracking.radius_tolerance) * *radius.rough_px};
   }
-  const auto found = find_ball(frame, options);
+  const auto found = find_ball(frame, options, options_.scene.get());
   if (!found) return {};
   CirclePrior prior;
   prior.predicted = *found;
@@ -146,22 +170,30 @@ CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
   const CircleFit fit = measure_circle(frame, prior, options_.circle);
-  const bool another = fit.status == CircleStatus::kOk && !plausible(fit, radius.rough_px);
+  const bool another = fit.status == CircleStatus::kOk &&
+                       (!plausible(fit, radius.rough_px) ||
+                        (options_.scene && !stands_out(fit, frame, radius.rough_px)));
   return another ? CircleFit{} : fit;
 }
 
 CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrior>& prior,
                               const Radius& radius, bool* searched) const {
+  // Little of a rim where nothing ever moves: the ball has gone.
+  const auto is_ball = [&](const CircleFit& fit) {
+    return plausible(fit, radius.rough_px) &&
+           (fit.rim_fraction >= kTracking.plain_rim ||
+            !stands_still(options_.scene.get(), frame, fit.circle));
+  };
   if (prior) {
     CircleFit fit = measure_circle(frame, *prior, options_.circle);
-    if (!plausible(fit, radius.rough_px) && fit.status != CircleStatus::kOutOfView) {
+    if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
       // A stronger change than predicted: search farther before searching everywhere.
       CirclePrior wide = *prior;
       wide.centre_sd_px = std::max(kTracking.lost_px, kTracking.lost_factor * prior->centre_sd_px);
       wide.rim_sd_px.reset();
       fit = measure_circle(frame, wide, options_.circle);
     }
-    if (plausible(fit, radius.rough_px) || fit.status == CircleStatus::kOutOfView) return fit;
+    if (is_ball(fit) || fit.status == CircleStatus::kOutOfView) return fit;
   }
   if (searched != nullptr) *searched = true;
   return search(frame, radius);

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -18,6 +19,7 @@ struct BallTrackerOptions {
   CircleOptions circle;
   std::optional<double> compression_axis_rad;  // normal of the surface that is hit, image axes
   std::optional<double> scouted_radius_px;     // roughly: another circle is not this ball
+  std::shared_ptr<const StillScene> scene;     // what stands still is not this ball either
   void validate() const;
 };
 

@@ -7,10 +7,12 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace impactdic::circle {
 
 class RimModel;
+class StillScene;
 
 enum class CircleStatus {
   kOk,
@@ -65,11 +67,30 @@ struct CirclePrior {
   std::optional<double> compression_axis_rad;     // image axes, y down
 };
 
-// Finds the ball anywhere in a frame (Hough transform on a prepared picture, dissertation,
-// section 3.2.1); good to about a pixel. nullopt where there is none. Every circle that
-// the transform proposes must prove itself by its rim (measure_circle), so that speckles, a
-// highlight inside the ball or a straight edge are not taken for a ball. Safe on several threads.
-std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options);
+// A circle that has proved itself by its rim (measure_circle); good to about a pixel.
+struct FoundBall {
+  Circle circle;
+  double rim_fraction = 0;  // as CircleFit
+  double score = 0;         // length of rim that carried the fit: of two concentric ones the larger
+  bool bright = true;       // as CircleFit
+};
+
+// Finds balls anywhere in a frame (Hough transform on prepared pictures, dissertation,
+// section 3.2.1), the best first. Every circle that the transform proposes must prove itself by its
+// rim, so that speckles, a highlight inside the ball or a straight edge are not taken for a ball.
+// With `scene`, what stands still is none, and what moved is looked at where the shape alone does
+// not tell. The search ends with the first ball that leaves no doubt, if `all` is false; otherwise
+// it goes on while more has moved than was found. Safe on several threads.
+std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& options,
+                                  const StillScene* scene, bool all);
+
+// The best of them; nullopt where there is none.
+std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options,
+                                const StillScene* scene = nullptr);
+
+// Whether a circle of the frame is a thing that never moves, as far as the scene tells: false
+// without one.
+bool stands_still(const StillScene* scene, const Frame& frame, const Circle& circle);
 
 // Measures the ball near `prior` to a fraction of a pixel: sub-pixel edge along radial rays with a
 // local edge level, robust circle (or ellipse) fit. Uses nothing but its arguments, so the frames

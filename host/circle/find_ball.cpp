@@ -1,5 +1,5 @@
-// The ball anywhere in a frame: Hough transform on prepared pictures, candidates proved by their
-// rim.
+// The ball anywhere in a frame: Hough transform on prepared pictures, of the frame itself and of
+// what moved in it; candidates proved by their rim.
 #include <impactdic/error.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/circle/circle.h"
+#include "host/circle/scene/still_scene.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -46,7 +47,9 @@ cv::Mat blob(const cv::Mat& grey, int threshold, int size) {
   return binary;
 }
 
-void propose(const cv::Mat& picture, int shrink, double low, double high, Candidates& out) {
+template <typename Test>
+void propose(const cv::Mat& picture, int shrink, double low, double high, const Test& may_be,
+             Candidates& out) {
   cv::Mat smooth;
   cv::GaussianBlur(picture, smooth, {}, kBallSearch.blur_hough_px);
   std::vector<cv::Vec3f> circles;
@@ -56,20 +59,17 @@ void propose(const cv::Mat& picture, int shrink, double low, double high, Candid
                    kBallSearch.votes, static_cast<int>(low / shrink),
                    static_cast<int>(std::ceil(high / shrink)));
   const double half = 0.5 * (shrink - 1);  // centre of the first reduced pixel
-  for (std::size_t i = 0; i < std::min<std::size_t>(circles.size(), kBallSearch.candidates); ++i) {
-    out.push_back({circles[i][0] * shrink + half, circles[i][1] * shrink + half,
-                   static_cast<double>(circles[i][2]) * shrink});
+  for (const cv::Vec3f& found : circles) {
+    const Circle circle{found[0] * shrink + half, found[1] * shrink + half,
+                        static_cast<double>(found[2]) * shrink};
+    if (may_be(circle)) out.push_back(circle);
+    if (out.size() == static_cast<std::size_t>(kBallSearch.candidates)) break;
   }
 }
 
-struct Proof {
-  double score = 0, rim_fraction = 0;
-  Circle circle;
-};
-
 // Measures around the candidate. The score is the length of rim that carried the fit, so that of
 // two concentric circles the larger wins.
-Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) {
+FoundBall prove(const Frame& frame, const Circle& candidate, CircleOptions options) {
   options.rays = kBallSearch.rays;
   CirclePrior prior;
   prior.predicted = candidate;
@@ -79,7 +79,7 @@ Proof prove(const Frame& frame, const Circle& candidate, CircleOptions options) 
   prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
   if (fit.status != CircleStatus::kOk) return {};
-  return {fit.rim_fraction * fit.circle.r_px, fit.rim_fraction, fit.circle};
+  return {fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright};
 }
 
 bool seen(const std::vector<Circle>& tried, const Circle& circle) {
@@ -90,46 +90,134 @@ bool seen(const std::vector<Circle>& tried, const Circle& circle) {
   });
 }
 
-}  // namespace
+// Where one of two circles lies largely in the other, that with less of a rim is part of it.
+bool same_place(const Circle& a, const Circle& b) {
+  return std::hypot(a.cx_px - b.cx_px, a.cy_px - b.cy_px) <
+         kBallSearch.overlap * std::max(a.r_px, b.r_px);
+}
 
-std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options) {
-  options.validate();
-  const int shorter = std::min(frame.width(), frame.height());
-  if (shorter < kBallSearch.least_side_px) return std::nullopt;
-  const double low = options.radius_range_px
-                         ? options.radius_range_px->first
-                         : std::max(kBallSearch.least_r_px, kBallSearch.least_r_of_side * shorter);
-  const double high = options.radius_range_px ? options.radius_range_px->second
-                                              : kBallSearch.most_r_of_side * shorter;
-  const int shrink = std::clamp(
-      static_cast<int>(std::min(
-          std::ceil(std::max(frame.width(), frame.height()) / double(kBallSearch.hough_side_px)),
-          low / kBallSearch.least_hough_r_px)),
-      1, kBallSearch.most_shrink);
-  const cv::Mat grey = prepare(frame, shrink);
+// The search in one frame.
+class Search {
+ public:
+  Search(const Frame& frame, const CircleOptions& options, const StillScene* scene)
+      : frame_(frame), options_(options), scene_(scene) {
+    const int shorter = std::min(frame.width(), frame.height());
+    const auto& range = options.radius_range_px;
+    low_ = range ? range->first
+                 : std::max(kBallSearch.least_r_px, kBallSearch.least_r_of_side * shorter);
+    high_ = range ? range->second : kBallSearch.most_r_of_side * shorter;
+    if (scene != nullptr) moved_ = scene->moved(frame);
+  }
 
-  // The blobs first: on them the transform sees the ball's outline and nothing else.
-  Proof best;
-  std::vector<Circle> tried;
-  for (int stage = 0; stage < 5 && best.rim_fraction < kBallSearch.proved; ++stage) {
-    cv::Mat picture;
-    if (stage < 4) {
-      picture = blob(grey, stage % 2 == 0 ? cv::THRESH_BINARY : cv::THRESH_BINARY_INV,
-                     kBallSearch.disc_px[stage / 2]);
-    } else {
-      cv::medianBlur(grey, picture, kBallSearch.median_px);
-    }
-    Candidates candidates;
-    propose(picture, shrink, low, high, candidates);
-    for (const Circle& candidate : candidates) {
-      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried, candidate)) continue;
-      tried.push_back(candidate);
-      const Proof proof = prove(frame, candidate, options);
-      if (proof.score > best.score) best = proof;
+  void by_shape() {
+    const double longer = std::max(frame_.width(), frame_.height());
+    const int shrink =
+        std::clamp(static_cast<int>(std::min(std::ceil(longer / double(kBallSearch.hough_side_px)),
+                                             low_ / kBallSearch.least_hough_r_px)),
+                   1, kBallSearch.most_shrink);
+    const cv::Mat grey = prepare(frame_, shrink);
+    // The blobs first: on them the transform sees the ball's outline and nothing else.
+    for (int stage = 0; stage < 5 && !is_proved(); ++stage) {
+      cv::Mat picture;
+      if (stage < 4) {
+        picture = blob(grey, stage % 2 == 0 ? cv::THRESH_BINARY : cv::THRESH_BINARY_INV,
+                       kBallSearch.disc_px[stage / 2]);
+      } else {
+        cv::medianBlur(grey, picture, kBallSearch.median_px);
+      }
+      try_circles(picture, shrink);
     }
   }
-  if (best.score <= 0) return std::nullopt;
-  return best.circle;
+
+  // Where it differs from what stands still.
+  void by_motion() {
+    for (const int size : kBallSearch.moved_disc_px) {
+      try_circles(blob(moved_, cv::THRESH_BINARY, size), scene_->shrink());
+    }
+  }
+
+  bool is_proved() const { return best_ >= kBallSearch.proved; }
+  // Whether more has moved than the balls that were found: `share` of the largest one's disc, or
+  // of the least ball's.
+  bool more_moved() const {
+    if (scene_ == nullptr) return false;
+    cv::Mat rest = moved_.clone();
+    double least = low_;
+    const double half = 0.5 * (scene_->shrink() - 1);
+    for (const FoundBall& ball : found_) {
+      const double scale = 1.0 / scene_->shrink();
+      const cv::Point centre(cvRound((ball.circle.cx_px - half) * scale),
+                             cvRound((ball.circle.cy_px - half) * scale));
+      cv::circle(rest, centre, cvCeil(kBallSearch.explained_of_r * ball.circle.r_px * scale), 0,
+                 cv::FILLED);
+      least = std::max(least, kBallSearch.other_of_r * ball.circle.r_px);
+    }
+    const double px = cv::countNonZero(rest) * double(scene_->shrink()) * scene_->shrink();
+    return px > least * least;
+  }
+
+  std::vector<FoundBall> take() {
+    std::vector<FoundBall> balls;
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const FoundBall& a, const FoundBall& b) { return a.score > b.score; });
+    for (const FoundBall& ball : found_) {
+      const bool known = std::any_of(balls.begin(), balls.end(), [&](const FoundBall& other) {
+        return same_place(ball.circle, other.circle);
+      });
+      if (!known) balls.push_back(ball);
+    }
+    return balls;
+  }
+
+ private:
+  bool is_still(const Circle& circle) const {
+    return scene_ != nullptr && scene_->is_still(moved_, circle);
+  }
+
+  void try_circles(const cv::Mat& picture, int shrink) {
+    Candidates candidates;
+    const auto may_be = [&](const Circle& circle) { return !is_still(circle); };
+    propose(picture, shrink, low_, high_, may_be, candidates);
+    for (const Circle& candidate : candidates) {
+      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate)) continue;
+      tried_.push_back(candidate);
+      const FoundBall ball = prove(frame_, candidate, options_);
+      if (ball.score <= 0 || is_still(ball.circle)) continue;
+      const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
+        return other.score >= ball.score;
+      });
+      if (best) best_ = ball.rim_fraction;
+      found_.push_back(ball);
+    }
+  }
+
+  const Frame& frame_;
+  const CircleOptions& options_;
+  const StillScene* scene_;
+  cv::Mat moved_;
+  double low_ = 0, high_ = 0;
+  double best_ = 0;  // share of the rim of the best one found
+  std::vector<FoundBall> found_;
+  std::vector<Circle> tried_;
+};
+
+}  // namespace
+
+std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& options,
+                                  const StillScene* scene, bool all) {
+  options.validate();
+  if (std::min(frame.width(), frame.height()) < kBallSearch.least_side_px) return {};
+  Search search(frame, options, scene);
+  search.by_shape();
+  if (scene != nullptr && (!search.is_proved() || (all && search.more_moved()))) search.by_motion();
+  return search.take();
+}
+
+std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options,
+                                const StillScene* scene) {
+  const std::vector<FoundBall> balls = find_balls(frame, options, scene, false);
+  if (balls.empty()) return std::nullopt;
+  return balls.front().circle;
 }
 
 }  // namespace impactdic::circle

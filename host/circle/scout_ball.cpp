@@ -5,96 +5,262 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <vector>
 
 #include "host/base/statistics.h"
+#include "host/circle/scene/still_scene.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
 namespace {
 
-struct Sighting {
-  double radius_px = 0;
-  double rim_fraction = 0;
-  // Length of rim seen: a blob inside the ball is round too, but small.
-  double score() const { return rim_fraction * radius_px; }
+using Sighting = BallCandidate::Sighting;
+
+// A frame of the clip that was looked at.
+struct Glance {
+  std::int64_t index = 0;
+  int shrink = 0;   // of `reduced`; 0 where the frame could not be read
+  cv::Mat reduced;  // what is kept of the frame, for the scene
+  std::vector<FoundBall> found;
 };
 
-Sighting sight(FrameSource& source, std::int64_t index, const Roi& roi,
-               const CircleOptions& options) {
-  Frame whole, frame;
-  try {
-    source.read(index, whole);
-  } catch (const Error&) {
-    return {};  // the run itself will say so, when it has measured the frames before
+std::vector<FoundBall> balls_in(const Frame& frame, const CircleOptions& options,
+                                const StillScene* scene) {
+  std::vector<FoundBall> balls = find_balls(frame, options, scene, true);
+  for (FoundBall& ball : balls) {
+    CirclePrior prior;
+    prior.predicted = ball.circle;
+    prior.centre_sd_px = kScout.found_sd_px;
+    prior.learn = false;  // roughly will do
+    const CircleFit fit = measure_circle(frame, prior, options);
+    ball.circle = fit.circle;
+    ball.rim_fraction = fit.status == CircleStatus::kOk ? fit.rim_fraction : 0;
+    ball.score = ball.rim_fraction * fit.circle.r_px;
   }
-  crop(whole, roi, frame);
-  const auto found = find_ball(frame, options);
-  if (!found) return {};
-  CirclePrior prior;
-  prior.predicted = *found;
-  prior.centre_sd_px = kScout.found_sd_px;
-  prior.learn = false;  // roughly will do
-  const CircleFit fit = measure_circle(frame, prior, options);
-  if (fit.status != CircleStatus::kOk || fit.rim_fraction < kScout.well_seen) return {};
-  return {fit.circle.r_px, fit.rim_fraction};
+  std::erase_if(balls, [](const FoundBall& b) { return b.rim_fraction < kScout.well_seen; });
+  return balls;
 }
 
-bool same_radius(const Sighting& a, const Sighting& b) {
-  return std::abs(a.radius_px - b.radius_px) < kScout.same_radius * b.radius_px;
+bool same_radius(const FoundBall& a, const FoundBall& b) {
+  return std::abs(a.circle.r_px - b.circle.r_px) < kScout.same_radius * b.circle.r_px;
 }
 
-// Those that agree with the sighting that most rim speaks for.
-std::vector<Sighting> agreed(const std::vector<Sighting>& sightings) {
-  std::vector<Sighting> best;
+// Those that agree with the sighting that most rim speaks for: a blob inside the ball is round too,
+// but small. They are taken out of `glances`.
+std::vector<Sighting> take_agreed(std::vector<Glance>& glances) {
+  std::optional<FoundBall> centre;
   double best_score = 0;
-  for (const Sighting& centre : sightings) {
-    std::vector<Sighting> same;
-    double score = 0;
-    for (const Sighting& other : sightings) {
-      if (other.radius_px > 0 && same_radius(other, centre)) {
-        same.push_back(other);
-        score += other.score();
+  for (const Glance& one : glances) {
+    for (const FoundBall& ball : one.found) {
+      double score = 0;
+      for (const Glance& other : glances) {
+        for (const FoundBall& b : other.found) score += same_radius(b, ball) ? b.score : 0;
+      }
+      if (score > best_score) {
+        best_score = score;
+        centre = ball;
       }
     }
-    if (score > best_score) {
-      best_score = score;
-      best = std::move(same);
+  }
+  std::vector<Sighting> agreed;
+  if (!centre) return agreed;
+  for (Glance& glance : glances) {
+    for (const FoundBall& ball : glance.found) {
+      if (same_radius(ball, *centre)) agreed.push_back({glance.index, ball});
+    }
+    std::erase_if(glance.found, [&](const FoundBall& ball) { return same_radius(ball, *centre); });
+  }
+  return agreed;
+}
+
+double distance(const FoundBall& a, const FoundBall& b) {
+  return std::hypot(a.circle.cx_px - b.circle.cx_px, a.circle.cy_px - b.circle.cy_px);
+}
+
+BallCandidate describe(std::vector<Sighting> sightings) {
+  BallCandidate ball;
+  std::vector<double> radii_px;
+  for (const Sighting& one : sightings) {
+    radii_px.push_back(one.ball.circle.r_px);
+    ball.score += one.ball.score;
+    ball.rim_fraction += one.ball.rim_fraction / static_cast<double>(sightings.size());
+    for (const Sighting& other : sightings) {
+      ball.moved_px = std::max(ball.moved_px, distance(one.ball, other.ball));
     }
   }
-  return best;
+  ball.radius_px = upper_median(std::move(radii_px));
+  ball.sightings = std::move(sightings);
+  return ball;
 }
+
+// Balls of one size: as many as one frame shows at once. Each frame's go to the nearest of those
+// before.
+std::vector<BallCandidate> tell_apart(const std::vector<Sighting>& sightings) {
+  std::vector<std::vector<Sighting>> balls;
+  for (std::size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
+    while (end < sightings.size() && sightings[end].index == sightings[begin].index) ++end;
+    std::vector<bool> taken(balls.size(), false);
+    for (std::size_t k = begin; k < end; ++k) {
+      std::size_t nearest = balls.size();
+      for (std::size_t b = 0; b < taken.size(); ++b) {
+        const auto off = [&](std::size_t i) {
+          return distance(balls[i].back().ball, sightings[k].ball);
+        };
+        if (!taken[b] && (nearest == balls.size() || off(b) < off(nearest))) nearest = b;
+      }
+      if (nearest == balls.size()) {
+        balls.emplace_back();
+      } else {
+        taken[nearest] = true;
+      }
+      balls[nearest].push_back(sightings[k]);
+    }
+  }
+  std::vector<BallCandidate> described;
+  for (std::vector<Sighting>& ball : balls) described.push_back(describe(std::move(ball)));
+  return described;
+}
+
+std::vector<BallCandidate> rank(std::vector<Glance> glances) {
+  std::vector<BallCandidate> balls;
+  for (;;) {
+    const std::vector<Sighting> agreed = take_agreed(glances);
+    if (agreed.empty()) break;
+    for (BallCandidate& ball : tell_apart(agreed)) balls.push_back(std::move(ball));
+  }
+  std::stable_sort(balls.begin(), balls.end(), [](const BallCandidate& a, const BallCandidate& b) {
+    return a.score > b.score;
+  });
+  return balls;
+}
+
+// The scouting of one clip, in rounds of more and more frames.
+class Scouting {
+ public:
+  Scouting(FrameSource& source, const FrameRange& range, const Roi& roi,
+           const CircleOptions& options)
+      : source_(source), range_(range), roi_(roi), options_(options) {}
+
+  // Of `n` frames spread evenly over the range, those not yet looked at.
+  void look_at(std::int64_t n) {
+    const std::size_t before = glances_.size();
+    for (std::int64_t k = 0; k < n; ++k) {
+      const std::int64_t index = (2 * k + 1) * range_.count() / (2 * n);
+      const bool known = std::any_of(glances_.begin(), glances_.end(),
+                                     [&](const Glance& glance) { return glance.index == index; });
+      if (!known) glances_.emplace_back().index = index;
+    }
+    std::vector<Frame> frames(glances_.size() - before);
+    tbb::parallel_for(std::size_t{0}, frames.size(),
+                      [&](std::size_t k) { read(glances_[before + k], frames[k]); });
+    learn_scene();
+    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
+      Glance& glance = glances_[before + k];
+      if (glance.shrink > 0) glance.found = balls_in(frames[k], options_, learnt_.scene.get());
+    });
+  }
+
+  Scouted result() const {
+    std::vector<Glance> glances = glances_;
+    std::sort(glances.begin(), glances.end(),
+              [](const Glance& a, const Glance& b) { return a.index < b.index; });
+    for (Glance& glance : glances) {
+      if (glance.found.empty() || !learnt_.scene) continue;
+      // What moves is known better than when it was searched.
+      const cv::Mat moved = learnt_.scene->compare(glance.reduced);
+      std::erase_if(glance.found, [&](const FoundBall& ball) {
+        return learnt_.scene->is_still(moved, ball.circle);
+      });
+    }
+    Scouted scouted;
+    scouted.frames = static_cast<int>(glances.size());
+    scouted.scene = learnt_.scene;
+    scouted.still = learnt_.nothing_moves;
+    scouted.balls = rank(std::move(glances));
+    return scouted;
+  }
+
+ private:
+  void read(Glance& glance, Frame& frame) const {
+    Frame whole;
+    try {
+      source_.read(range_.at(glance.index), whole);
+    } catch (const Error&) {
+      return;  // the run itself will say so, when it has measured the frames before
+    }
+    crop(whole, roi_, frame);
+    glance.shrink = StillScene::shrink_of(frame);
+    glance.reduced = StillScene::reduced(frame);
+  }
+
+  void learn_scene() {
+    std::vector<const Glance*> seen;
+    for (const Glance& glance : glances_) {
+      if (glance.shrink > 0) seen.push_back(&glance);
+    }
+    std::sort(seen.begin(), seen.end(),
+              [](const Glance* a, const Glance* b) { return a->index < b->index; });
+    std::vector<cv::Mat> pictures;
+    const std::size_t some = std::min(seen.size(), kStill.most_frames);
+    for (std::size_t k = 0; k < some; ++k) {
+      pictures.push_back(seen[k * (seen.size() - 1) / std::max<std::size_t>(some - 1, 1)]->reduced);
+    }
+    if (!seen.empty()) learnt_ = StillScene::learn(pictures, seen.front()->shrink);
+  }
+
+  FrameSource& source_;
+  const FrameRange& range_;
+  const Roi& roi_;
+  const CircleOptions& options_;
+  std::vector<Glance> glances_;
+  StillScene::Learnt learnt_;
+};
 
 }  // namespace
 
-std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
-                                      const CircleOptions& options) {
-  std::vector<Sighting> sightings;
-  std::vector<std::int64_t> sighted;
-  std::vector<Sighting> best;
+std::optional<double> Scouted::radius_px() const {
+  if (balls.empty()) return std::nullopt;
+  return balls.front().radius_px;
+}
+
+bool Scouted::is_believed(const BallCandidate& ball) const {
+  const int enough = std::min(kScout.agree, (frames + 1) / 2);
+  if (static_cast<int>(ball.sightings.size()) < enough) return false;
+  const double moves = std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
+  return ball.moved_px > moves || ball.rim_fraction >= kScout.resting_rim;
+}
+
+const BallCandidate* Scouted::second_ball() const {
+  // Seen at once: the same ball may look larger in a hand, or nearer to the camera.
+  const auto beside_the_best = [&](const Sighting& one) {
+    const std::vector<Sighting>& best = balls.front().sightings;
+    return std::any_of(best.begin(), best.end(),
+                       [&](const Sighting& other) { return other.index == one.index; });
+  };
+  for (std::size_t i = 1; i < balls.size(); ++i) {
+    const BallCandidate& ball = balls[i];
+    const auto at_once =
+        std::count_if(ball.sightings.begin(), ball.sightings.end(), beside_the_best);
+    if (at_once >= kScout.at_once && ball.rim_fraction >= kScout.other_rim && is_believed(ball) &&
+        ball.radius_px >= kScout.other_of_r * balls.front().radius_px) {
+      return &ball;
+    }
+  }
+  return nullptr;
+}
+
+Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
+                   const CircleOptions& options) {
+  Scouting scouting(source, range, roi, options);
+  Scouted scouted;
   for (std::int64_t wanted = kScout.first_frames; wanted <= kScout.most_frames; wanted *= 2) {
     const std::int64_t n = std::min(wanted, range.count());
-    std::vector<std::int64_t> frames;
-    for (std::int64_t k = 0; k < n; ++k) {
-      const std::int64_t index = range.at((2 * k + 1) * range.count() / (2 * n));
-      if (std::find(sighted.begin(), sighted.end(), index) == sighted.end()) {
-        frames.push_back(index);
-      }
-    }
-    const std::size_t before = sightings.size();
-    sightings.resize(before + frames.size());
-    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
-      sightings[before + k] = sight(source, frames[k], roi, options);
-    });
-    sighted.insert(sighted.end(), frames.begin(), frames.end());
-    best = agreed(sightings);
-    if (static_cast<int>(best.size()) >= kScout.agree || n == range.count()) break;
+    scouting.look_at(n);
+    scouted = scouting.result();
+    const bool agree = !scouted.balls.empty() &&
+                       static_cast<int>(scouted.balls.front().sightings.size()) >= kScout.agree;
+    if (agree || n == range.count()) break;
   }
-  if (best.empty()) return std::nullopt;
-  std::vector<double> radii_px;
-  for (const Sighting& one : best) radii_px.push_back(one.radius_px);
-  return upper_median(std::move(radii_px));
+  return scouted;
 }
 
 }  // namespace impactdic::circle

@@ -1,7 +1,10 @@
 // The ball in a few frames spread over a clip, before the run.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "host/circle/circle.h"
 #include "host/clip/frame_range.h"
@@ -10,13 +13,41 @@
 
 namespace impactdic::circle {
 
-// The ball's radius, agreed on by the frames in which most of its rim is seen; nullopt where no
-// frame shows a ball well enough. A ball that enters the picture shows blobs of speckle before it
-// shows its rim: whoever knows the radius is not taken in by them.
-//
+// A ball as several frames show it.
+struct BallCandidate {
+  struct Sighting {
+    std::int64_t index = 0;  // of the frame among those of the range
+    FoundBall ball;
+  };
+  double radius_px = 0;             // median
+  double moved_px = 0;              // between the two sightings farthest apart
+  double rim_fraction = 0;          // mean
+  double score = 0;                 // length of rim seen in all frames
+  std::vector<Sighting> sightings;  // in order of time
+};
+
+struct Scouted {
+  int frames = 0;  // looked at
+  // What stands still; nullptr where nothing can be said of that.
+  std::shared_ptr<const StillScene> scene;
+  bool still = false;  // nothing moves, though there are frames enough to tell
+  // The best first. Frames that show most of a rim agree on each of them.
+  std::vector<BallCandidate> balls;
+  // The ball's radius; nullopt where no frame shows a ball well enough. A ball that enters the
+  // picture shows blobs of speckle before it shows its rim: whoever knows the radius is not taken
+  // in by them.
+  std::optional<double> radius_px() const;
+  // Whether the candidate is believed to be a ball: frames enough show it, and it moves or shows
+  // most of its rim. Speckles, holes and hubs hold circles, too.
+  bool is_believed(const BallCandidate& ball) const;
+  // A ball beside the best one; nullptr where there is none.
+  const BallCandidate* second_ball() const;
+};
+
 // Takes 12 frames of the range, more (48 at most) where these do not agree. Reads and searches on
-// several threads. A frame that cannot be read shows no ball.
-std::optional<double> scout_radius_px(FrameSource& source, const FrameRange& range, const Roi& roi,
-                                      const CircleOptions& options);
+// several threads. A frame that cannot be read shows no ball. A thing that never moves, while
+// others do, is no ball.
+Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
+                   const CircleOptions& options);
 
 }  // namespace impactdic::circle

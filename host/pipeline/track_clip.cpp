@@ -313,8 +313,12 @@ void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
     return tracker.follow(options.feed);
   }
   TrackOptions scouted = options;
-  scouted.ball.scouted_radius_px =
-      circle::scout_radius_px(source, options.frames, options.roi, options.ball.circle);
+  if (!options.scouted) {
+    const circle::Scouted found =
+        circle::scout_ball(source, options.frames, options.roi, options.ball.circle);
+    scouted.ball.scouted_radius_px = found.radius_px();
+    scouted.ball.scene = found.scene;
+  }
   ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
   using Read = std::shared_ptr<FrameBatch>;
   constexpr auto kInOrder = tbb::filter_mode::serial_in_order;

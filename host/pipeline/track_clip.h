@@ -24,6 +24,7 @@ namespace impactdic::pipeline {
 struct TrackOptions {
   motion::EstimatorOptions estimator;
   circle::BallTrackerOptions ball;
+  bool scouted = false;  // the ball was scouted for `ball`; otherwise that is done here
   FrameRange frames;
   Roi roi;                 // in whole-picture pixels, as every result
   bool with_field = true;  // false: circles only, no device needed

@@ -11,6 +11,7 @@
 #include "host/advice/clip_advice.h"
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
+#include "host/circle/scout_ball.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
@@ -134,6 +135,7 @@ void TrackRun::look() {
   request.field = options_.estimator.field;
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
+  scout(request);
   const bool decide = options_.with_field && request_.body != Body::kDisc &&
                       options_.estimator.estimator == Estimator::kBall;
   std::vector<advice::BallPair> pairs;
@@ -142,6 +144,7 @@ void TrackRun::look() {
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());
+  if (!second_ball_warning_.empty()) result_.warnings.push_back(second_ball_warning_);
   if (request_.ball_diameter_mm == 0 && request_.mm_per_px == 0 && !camera_) {
     result_.warnings.push_back(
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
@@ -156,6 +159,26 @@ void TrackRun::look() {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
   for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
+}
+
+void TrackRun::scout(advice::AdviceRequest& request) {
+  circle::Scouted found =
+      circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
+  options_.scouted = true;
+  options_.ball.scouted_radius_px = request.radius_px = found.radius_px();
+  options_.ball.scene = request.scene = found.scene;
+  if (const circle::BallCandidate* other = found.second_ball()) {
+    const circle::BallCandidate::Sighting& seen = other->sightings.front();
+    char text[240];
+    std::snprintf(
+        text, sizeof text,
+        "a second ball is seen, of radius %.1f px, at %.0f, %.0f in frame %lld; the one of "
+        "radius %.1f px is measured: --roi or --radius-px keep to one of them",
+        other->radius_px, seen.ball.circle.cx_px + options_.roi.x,
+        seen.ball.circle.cy_px + options_.roi.y,
+        static_cast<long long>(options_.frames.at(seen.index)), *found.radius_px());
+    second_ball_warning_ = text;
+  }
 }
 
 void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,

@@ -41,6 +41,8 @@ class TrackRun {
   void conclude();
 
  private:
+  // Looks for the ball in frames spread over the clip.
+  void scout(advice::AdviceRequest& request);
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
 
@@ -51,6 +53,7 @@ class TrackRun {
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
+  std::string second_ball_warning_;  // "": none is seen
   std::optional<Camera> camera_;
 };
 

@@ -97,6 +97,16 @@ void correlate(const std::string& arguments, const ScratchFolder& folder) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
 }
 
+// Speckle fields, a beam and a wheel hold circles, but no ball.
+TEST(RealClips, NoBallIsInventedWhereThereIsNone) {
+  for (const char* clip : {"speckle/sample14", "mraw/beam.mraw", "wheel"}) {
+    IMPACTDIC_NEED_DATA(clip);
+    const Outcome outcome = run_program("info " + quoted(data_path(clip)));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find("\nball "), std::string::npos) << outcome.out;
+  }
+}
+
 TEST(RealClips, TranslationOfAPictureWithZeros) {
   IMPACTDIC_NEED_DATA("speckle/Pattern_1.bmp");
   const ScratchFolder folder;

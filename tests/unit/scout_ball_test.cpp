@@ -54,7 +54,7 @@ PictureList entering_clip(const char* pattern) {
 TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
   for (const char* pattern : {"f1", "e1"}) {
     PictureList clip = entering_clip(pattern);
-    const auto radius = circle::scout_radius_px(clip, clip.range(), clip.whole(), {});
+    const auto radius = circle::scout_ball(clip, clip.range(), clip.whole(), {}).radius_px();
     ASSERT_TRUE(radius) << pattern;
     EXPECT_NEAR(*radius, kRadius, 0.1) << pattern;
 
@@ -77,12 +77,12 @@ TEST(ScoutBall, SpecklesThatEnterFirstAreNotTheBall) {
 TEST(ScoutBall, LivesWithADamagedFrameAndAnEmptyClip) {
   PictureList clip = entering_clip("f1");
   clip.damaged = 12;
-  EXPECT_TRUE(circle::scout_radius_px(clip, clip.range(), clip.whole(), {}));
+  EXPECT_TRUE(circle::scout_ball(clip, clip.range(), clip.whole(), {}).radius_px());
 
   Frame grey;
   clip.read(0, grey);
   PictureList empty(std::vector<Frame>(5, grey));
-  EXPECT_FALSE(circle::scout_radius_px(empty, empty.range(), empty.whole(), {}));
+  EXPECT_FALSE(circle::scout_ball(empty, empty.range(), empty.whole(), {}).radius_px());
 }
 
 }  // namespace

@@ -55,6 +55,10 @@ struct TrackingSettings {
                                                      // is that of a parabola's middle over its end
   double lost_px = 3, lost_factor = 3;               // before the whole picture is searched [hand]
   double found_sd_px = 1;                            // of find_ball's circle [hand]
+  // Of a ball that is found anew: share of the rim in view, at least; share that leaves no doubt,
+  // and with less e/R and the distance from the known radius, at most [hand]. Arms and shadows of a
+  // filmed clip had 0.05 to 0.3 of a rim, or were ovals of 0.15.
+  double found_rim = 0.25, plain_rim = 0.6, found_oval = 0.1, found_radius = 0.15;
   std::int64_t longest_gap = 5;   // frames without a ball before the picture is searched [hand]
   double radius_tolerance = 0.2;  // of the radius: another circle, not this ball [hand]
   // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.

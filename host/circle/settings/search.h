@@ -1,7 +1,8 @@
-// Numbers of the search for a ball: in a whole picture, by the scouts before a run, and of the
-// first rim. Marks in brackets: README.md in this folder.
+// Numbers of the search for a ball: in a whole picture, by what moves, by the scouts before a run,
+// and of the first rim. Marks in brackets: README.md in this folder.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace impactdic::circle {
@@ -31,16 +32,46 @@ struct BallSearchSettings {
   double candidate_sd_of_r = 0.025;  // scatter of a Hough centre, share of the radius [hand]
   double least_candidate_sd_px = 2;  // and at least [hand]
   double proved = 0.5;               // share of the rim that leaves no doubt [hand]
+  // By what moves.
+  int moved_disc_px[2] = {1, 3};  // radii of the discs that close and open what moved [hand]
+  double explained_of_r = 1.3;    // so far about a ball what moved belongs to it [hand]
+  double other_of_r = 0.3;        // of its radius: another ball is not smaller [hand]
+  // Two circles are one ball whose centres are so near, share of the larger radius.
+  double overlap = 1.0;  // [hand]
 };
 inline constexpr BallSearchSettings kBallSearch;
 
-// scout_radius_px: the radius that several frames of a clip agree on.
+// StillScene: what stands still in some frames of a clip.
+struct StillSettings {
+  // Learnt from: with fewer nothing is known [hand], more would take long.
+  std::size_t least_frames = 6, most_frames = 24;
+  int longer_side_px = 640;    // of the reduced picture, at most [hand]
+  double blur_px = 0.8;        // σ, in the reduced picture [hand]
+  double some = 4000;          // pixels by which a picture is judged, at least [hand]
+  double noises = 6;           // deviations of the noise that make a difference … [hand]
+  double tremble_px = 0.5;     // … beside an edge that moves by so much, reduced px … [hand]
+  double of_range = 0.02;      // … and so much of the picture's contrast [hand]
+  double least_moved_px = 20;  // in one frame, reduced px, or nothing moves [hand]
+  double most_moved = 0.5;     // of the picture in half of the frames: the camera moves [hand]
+  double changed = 0.02;       // of a disc in which something else is to be seen [hand]
+  double passing = 0.3;        // of the frames in which a still thing may be hidden [hand]
+};
+inline constexpr StillSettings kStill;
+
+// scout_ball: the radius that several frames of a clip agree on.
 struct ScoutSettings {
   std::int64_t first_frames = 12, most_frames = 48;  // doubled until they agree [hand]
   double same_radius = 0.05;  // radii that agree lie so near, share of the radius [hand]
   double well_seen = 0.3;     // share of the rim that a frame must show to count [hand]
   int agree = 3;              // frames that settle the question [hand]
-  double found_sd_px = 1;     // scatter of find_ball's circle [hand]
+  // A candidate is believed that so many frames show, or half of fewer; and so much of its rim, on
+  // the mean, where it does not move by so much: px, share of the radius.
+  double resting_rim = 0.4, moved_px = 1, moved_of_r = 0.02;  // [hand]
+  // Another ball is seen beside the best in so many frames, shows so much of its rim and is not
+  // smaller than so much of it.
+  int at_once = 2;
+  double other_rim = 0.5, other_of_r = 0.3;  // [hand]
+  double found_sd_px = 1;                    // scatter of find_ball's circle [hand]
 };
 inline constexpr ScoutSettings kScout;
 

@@ -177,6 +177,9 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
 
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,
                         const LineTrace& trace) {
+  // A fit that ran away has no surface, and its lines will say so.
+  constexpr double kLargest_px = 1e6;
+  if (!(rim.r > 0 && rim.r < kLargest_px && request.edge_sigma_px < kLargest_px)) return;
   if (frame.type == PixelType::kU8) {
     add_strips(frame.u8.view(), rim, request, trace);
   } else {

@@ -154,7 +154,7 @@ bool LiveRun::find_ball() {
       options.radius_range_px = {request_.track.radius_px->low_px,
                                  request_.track.radius_px->high_px};
     }
-    if (circle::scout_radius_px(source, all, roi_, options)) return true;
+    if (circle::scout_ball(source, all, roi_, options).radius_px()) return true;
     for (ArrivedFrame& frame : first_) {
       measured_.push_back({frame.number, frame.at});
       emit({});
@@ -177,8 +177,7 @@ void LiveRun::measure() {
   result_.warnings = about.warnings;
   queue_.limit(most_waiting(request_, batch_));
   pipeline::TrackOptions options = run.options();
-  const FrameRange all{0, source->info().frame_count, 1};
-  options.ball.scouted_radius_px = circle::scout_radius_px(*source, all, roi_, options.ball.circle);
+  options.ball.scene = nullptr;  // the stream may go on for hours, the light change
   options.frames = {0, kEndless, 1};
   options.batch = kLongestBatch;
   options.feed = [this] { return feed(); };

@@ -1,0 +1,52 @@
+// What stands still before a camera that stands still. A thing that never moves is not the ball.
+// Internal to host/circle.
+#pragma once
+
+#include <impactdic/circle.h>
+#include <impactdic/image.h>
+
+#include <memory>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace impactdic::circle {
+
+// The picture that most of some frames agree on, pixel by pixel, and where each of them differs
+// from it. Pictures are reduced, so that their longer side has at most kStill.longer_side_px
+// pixels.
+class StillScene {
+ public:
+  struct Learnt {
+    // nullptr where nothing can be said: too few frames, a camera that moves, or nothing that does.
+    std::shared_ptr<const StillScene> scene;
+    bool nothing_moves = false;
+  };
+  // Full pixels to one of a reduced picture.
+  static int shrink_of(const Frame& frame);
+  // A frame as `learn` takes it: reduced and smoothed, 32-bit floats.
+  static cv::Mat reduced(const Frame& frame);
+  // Frames of one size, spread over a clip, in order of time; all reduced.
+  // `shrink`: shrink_of the frames.
+  static Learnt learn(const std::vector<cv::Mat>& pictures, int shrink);
+
+  // 255 where the frame differs from what stands still, in the reduced picture.
+  cv::Mat moved(const Frame& frame) const { return compare(reduced(frame)); }
+  cv::Mat compare(const cv::Mat& reduced) const;
+  // Share of the disc in which a picture of `moved` differs; 0 where the disc lies outside.
+  double moved_share(const cv::Mat& moved, const Circle& circle) const;
+  // Whether the disc is the same in this frame and in nearly all of the frames learnt from: what
+  // rests for a while is not still, what is covered for a while is.
+  bool is_still(const cv::Mat& moved, const Circle& circle) const;
+
+  // Full pixels to one of the reduced picture.
+  int shrink() const { return shrink_; }
+
+ private:
+  StillScene() = default;
+
+  int shrink_ = 1;
+  cv::Mat median_, threshold_;      // grey levels of the file
+  std::vector<cv::Mat> movements_;  // of the frames learnt from
+};
+
+}  // namespace impactdic::circle
