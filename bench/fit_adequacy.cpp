@@ -1,9 +1,12 @@
 // How often a fit calls a wrong law inadequate or names the right one, and how often it calls the
 // right law inadequate.
 //   fit_adequacy [SHOTS]
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
+#include "host/base/parallel.h"
 #include "tests/support/fitted_shots.h"
 
 namespace impactdic::bench {
@@ -18,15 +21,23 @@ ImpactJob law(NormalModel normal, RestitutionDamping damping, double angle_deg) 
 }
 
 void run(const char* name, const ImpactJob& truth, const ImpactJob& fitted, int shots) {
-  int inadequate = 0, named = 0, told = 0;
-  for (int i = 1; i <= shots; ++i) {
-    const ShotFit fit = testing::fit_of_shot(truth, fitted, static_cast<unsigned>(i), true);
+  struct Verdict {
+    bool inadequate = false, named = false;
+  };
+  std::vector<Verdict> verdicts(static_cast<std::size_t>(shots));
+  parallel_for(verdicts.size(), 0, [&](std::size_t i) {
+    const ShotFit fit = testing::fit_of_shot(truth, fitted, static_cast<unsigned>(i + 1), true);
     const RivalFit& best = fit.rivals.front();
-    const bool low = fit.adequacy == Adequacy::kInadequate;
-    const bool right = best.normal == truth.normal &&
-                       best.restitution_damping == truth.contact.restitution_damping;
-    inadequate += low, named += right, told += low || right;
-  }
+    verdicts[i] = {fit.adequacy == Adequacy::kInadequate,
+                   best.normal == truth.normal &&
+                       best.restitution_damping == truth.contact.restitution_damping};
+  });
+  const auto count = [&](const auto& test) {
+    return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(), test));
+  };
+  const int inadequate = count([](const Verdict& v) { return v.inadequate; });
+  const int named = count([](const Verdict& v) { return v.named; });
+  const int told = count([](const Verdict& v) { return v.inadequate || v.named; });
   std::printf("%-52s inadequate %3d, truth ranked first %3d, either %3d of %d\n", name, inadequate,
               named, told, shots);
 }

@@ -201,9 +201,8 @@ void Analysis::find_edges(double start_guess, double end_guess) {
   start_ = edge(false, start_guess);
   end_ = edge(true, end_guess);
   const double first = static_cast<double>(before_.first), last = static_cast<double>(after_.last);
-  // One that may as well lie behind the turn was not found.
-  start_.ok = start_.ok && start_.instant > first && start_.instant + start_.sd < turn_.instant;
-  end_.ok = end_.ok && end_.instant < last && end_.instant - end_.sd > turn_.instant;
+  start_.ok = start_.ok && start_.instant > first && start_.instant < turn_.instant;
+  end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;
 }
 
 // Flights up to the contact, and the edges once more; those known so far where that fails.
@@ -240,6 +239,9 @@ void Analysis::find_contact() {
   }
   find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
   if (start_.ok && end_.ok) refit(length);
+  // One that may as well lie behind the turn was not found.
+  start_.ok = start_.ok && start_.instant + start_.sd < turn_.instant;
+  end_.ok = end_.ok && end_.instant - end_.sd > turn_.instant;
   if (!start_.ok || !end_.ok) result_.status = ImpactStatus::kNotResolved;
 }
 

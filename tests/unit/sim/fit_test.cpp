@@ -117,14 +117,20 @@ TEST(Shot, WithoutNoiseIsTheTruth) {
   }
 }
 
-// The table states no deviation: the scatter is it. 80 shots settle a coverage to 2.4 %.
+// The table states no deviation: the scatter is it. 80 shots settle a coverage to 2.4 %. An edge
+// that the noise hides is not stated, and then there is no deflection.
 TEST(Shot, DeviationsAreHonestWhereTheTableStatesNone) {
   constexpr unsigned kShots = 80;
   constexpr double kNoise_m = 20e-6;
   std::map<std::string, int> inside;
   std::map<std::string, double> squares;
+  int hidden = 0;
   for (unsigned seed = 1; seed <= kShots; ++seed) {
     const auto [shot, truth, start_s] = known_shot(kNoise_m, seed);
+    if (std::isnan(shot.max_deflection_m.value)) {
+      ++hidden;
+      continue;
+    }
     const auto score = [&, &shot = shot](const char* name, const Measured& e, double t) {
       inside[name] += std::abs(e.value - t) <= 1.96 * e.sd;
       squares[name] += std::pow(e.value - t, 2) / kShots;
@@ -137,6 +143,7 @@ TEST(Shot, DeviationsAreHonestWhereTheTableStatesNone) {
     score("friction", {shot.friction.sound, shot.friction_sd}, 0.1);
     EXPECT_NEAR(shot.noise_m, kNoise_m, 0.3 * kNoise_m);
   }
+  EXPECT_LE(hidden, 1);
   for (const auto& [name, count] : inside) {
     std::printf("%-12s %d of %u inside, rms error %.3g\n", name.c_str(), count, kShots,
                 std::sqrt(squares[name]));
