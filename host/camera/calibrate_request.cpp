@@ -37,8 +37,8 @@ void CalibrateRequest::validate() const {
   check(pitch_sd_mm >= 0 && pitch_sd_mm < pitch_mm, "0 or more and less than --pitch-mm",
         pitch_sd_mm, "--pitch-sd-mm");
   if (target == CalibrationTarget::kRuler) {
-    if (marks.size() != 2) {
-      throw InvalidArgument("a ruler needs two marks", "--marks",
+    if (!marks.empty() && marks.size() != 2) {
+      throw InvalidArgument("a ruler has two marks", "--marks",
                             "X1,Y1,X2,Y2 in px, --pitch-mm apart");
     }
     for (const PointPx& mark : marks) {

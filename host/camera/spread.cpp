@@ -1,8 +1,11 @@
 #include "host/camera/spread.h"
 
+#include <impactdic/units.h>
+
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "host/camera/lens.h"
 #include "host/camera/plane_view.h"
 
 namespace impactdic::camera {
@@ -50,6 +53,18 @@ std::vector<double> spread(const Camera& camera,
   return sd;
 }
 
+double largest_distortion_px(const Camera& camera) {
+  const Lens lens(camera);
+  double most = 0;
+  for (const double x : {0.0, camera.width - 1.0}) {
+    for (const double y : {0.0, camera.height - 1.0}) {
+      const Eigen::Vector2d corner(x, y);
+      most = std::max(most, (lens.undistort(corner) - corner).norm());
+    }
+  }
+  return most;
+}
+
 Measured scale_at_middle(const Camera& camera) {
   const std::vector<double> sd = spread(
       camera, [](const Camera& one) { return std::vector<double>{PlaneView(one).metre_per_px()}; });
@@ -57,3 +72,16 @@ Measured scale_at_middle(const Camera& camera) {
 }
 
 }  // namespace impactdic::camera
+
+namespace impactdic {
+
+PlaneFigures figures_of(const Camera& camera) {
+  PlaneFigures figures{camera.from, camera::scale_at_middle(camera), kNotMeasured,
+                       camera::largest_distortion_px(camera)};
+  if (camera.focal_length_known) {
+    figures.tilt_deg = camera::PlaneView(camera).tilt_rad() * kDegPerRad;
+  }
+  return figures;
+}
+
+}  // namespace impactdic

@@ -24,6 +24,9 @@ std::vector<CameraStep> principal_steps(const Camera& camera);
 std::vector<double> spread(const Camera& camera,
                            const std::function<std::vector<double>(const Camera&)>& figures);
 
+// What the lens moves a corner of the picture by, at most, px.
+double largest_distortion_px(const Camera& camera);
+
 // Metres a pixel in the plane of motion, at the picture's middle.
 Measured scale_at_middle(const Camera& camera);
 

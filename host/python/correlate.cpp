@@ -54,6 +54,12 @@ nb::dict columns_of(const std::vector<MotionRow>& rows) {
   numbers("dy_sd_px", &MotionRow::dy_sd_px);
   numbers("rot_sd_deg", &MotionRow::rot_sd_deg);
   columns["windows"] = to_numpy(std::move(windows));
+  numbers("dx_m", &MotionRow::dx_m);
+  numbers("dy_m", &MotionRow::dy_m);
+  numbers("plane_rot_deg", &MotionRow::plane_rot_deg);
+  numbers("dx_sd_m", &MotionRow::dx_sd_m);
+  numbers("dy_sd_m", &MotionRow::dy_sd_m);
+  numbers("plane_rot_sd_deg", &MotionRow::plane_rot_sd_deg);
   return columns;
 }
 

@@ -15,7 +15,8 @@ const char* const kTrackCsvHeader =
     "vy_sd_m_s,omega_sd_rad_s,rot_x_deg,rot_y_deg,rot_x_sd_deg,rot_y_sd_deg,dx_rot_y_corr,"
     "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s";
 const char* const kMotionCsvHeader =
-    "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows";
+    "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows,dx_m,dy_m,"
+    "plane_rot_deg,dx_sd_m,dy_sd_m,plane_rot_sd_deg";
 
 namespace {
 
@@ -86,13 +87,14 @@ MotionRow parse_motion_row(const std::vector<std::string>& cells, const std::str
   row.time_s = cells[1].empty() ? kNotMeasured : parse_double(cells[1], where);
   row.is_reference = cells[2] == "reference";
   if (!row.is_reference) row.status = parse_track_status(cells[2]);
-  std::size_t column = 3;
-  for (double* value :
-       {&row.dx_px, &row.dy_px, &row.rot_deg, &row.dx_sd_px, &row.dy_sd_px, &row.rot_sd_deg}) {
-    const std::string& cell = cells[column++];
-    *value = cell.empty() ? kNotMeasured : parse_double(cell, where);
-  }
-  row.windows = static_cast<int>(parse_int(cells[column], where));
+  const auto number = [&](std::size_t i) {
+    return cells[i].empty() ? kNotMeasured : parse_double(cells[i], where);
+  };
+  row.dx_px = number(3), row.dy_px = number(4), row.rot_deg = number(5);
+  row.dx_sd_px = number(6), row.dy_sd_px = number(7), row.rot_sd_deg = number(8);
+  row.windows = static_cast<int>(parse_int(cells[9], where));
+  row.dx_m = number(10), row.dy_m = number(11), row.plane_rot_deg = number(12);
+  row.dx_sd_m = number(13), row.dy_sd_m = number(14), row.plane_rot_sd_deg = number(15);
   row.motion_ok = !std::isnan(row.dx_px);
   return row;
 }
@@ -187,6 +189,7 @@ void MotionCsv::add(const MotionRow& row) {
   line.add(row.time_s).add_text(row.is_reference ? "reference" : to_string(row.status));
   line.add(row.dx_px, row.dy_px, row.rot_deg, row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg);
   line.add_text(std::to_string(row.windows));
+  line.add(row.dx_m, row.dy_m, row.plane_rot_deg, row.dx_sd_m, row.dy_sd_m, row.plane_rot_sd_deg);
   file_ << line.text() << '\n';
 }
 

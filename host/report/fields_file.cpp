@@ -68,6 +68,23 @@ void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
   }
 }
 
+// In a camera's plane of motion.
+struct PlaneColumn {
+  const char* name;
+  const char* meaning;
+  double PlaneResult::*value;
+};
+constexpr std::array kPlaneColumns = {
+    PlaneColumn{"x_m", "centre of the window in the plane of motion, X right", &PlaneResult::x_m},
+    PlaneColumn{"y_m", "centre of the window in the plane of motion, Y up", &PlaneResult::y_m},
+    PlaneColumn{"u_m", "displacement in the plane of motion, X right", &PlaneResult::u_m},
+    PlaneColumn{"v_m", "displacement in the plane of motion, Y up", &PlaneResult::v_m},
+    PlaneColumn{"u_sd_m", "one standard deviation of u_m without the camera's",
+                &PlaneResult::u_sd_m},
+    PlaneColumn{"v_sd_m", "one standard deviation of v_m without the camera's",
+                &PlaneResult::v_sd_m},
+};
+
 // Grows where a reader must know of a change; datasets and attributes are only ever added.
 constexpr double kSchemaVersion = 1;
 
@@ -85,6 +102,7 @@ struct FieldsFile::Impl {
   hdf5::Table time, frame, window, status, mask;
   std::array<hdf5::Table, kColumnCount> columns;
   std::array<hdf5::Table, kCentreNames.size()> centre;
+  std::vector<hdf5::Table> plane;  // none without a camera
 
   Impl(hdf5::File opened, int window_px) : file(std::move(opened)), half((window_px - 1) / 2.0) {}
 
@@ -96,6 +114,7 @@ struct FieldsFile::Impl {
     fn(mask);
     for (hdf5::Table& table : columns) fn(table);
     for (hdf5::Table& table : centre) fn(table);
+    for (hdf5::Table& table : plane) fn(table);
   }
 
   // Puts the gathered rows into the file beside what comes next.
@@ -148,6 +167,14 @@ struct FieldsFile::Impl {
     show_to_viewers();
   }
 
+  void make_plane_tables() {
+    for (const PlaneColumn& one : kPlaneColumns) {
+      plane.push_back(hdf5::Table::create<double>(file, one.name, windows, kNotMeasured));
+      describe(one.name, "m", one.meaning);
+      attach(plane.back());
+    }
+  }
+
   // As the CF conventions write flags, which readers of them turn into words.
   void explain_flags() {
     std::string words;
@@ -187,7 +214,7 @@ struct FieldsFile::Impl {
     file.set_attribute(name, "description", meaning);
   }
 
-  void open_tables() {
+  void open_tables(bool with_plane) {
     time = hdf5::Table::open(file, "time");
     frame = hdf5::Table::open(file, "frame");
     window = hdf5::Table::open(file, "window");
@@ -200,6 +227,8 @@ struct FieldsFile::Impl {
       centre[i] = hdf5::Table::open(file, kCentreNames[i]);
     }
     windows = window.rows();
+    if (!with_plane) return;
+    for (const PlaneColumn& one : kPlaneColumns) plane.push_back(hdf5::Table::open(file, one.name));
   }
 };
 
@@ -218,11 +247,13 @@ FieldsFile::~FieldsFile() {
 FieldsFile::FieldsFile(FieldsFile&&) noexcept = default;
 
 FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t window_count,
-                              int window_px, const Attributes& attributes, int compression) {
+                              int window_px, const Attributes& attributes, int compression,
+                              bool plane) {
   const hdf5::Guard guard(hdf5::lock());
   auto impl = std::make_unique<Impl>(hdf5::File::create(path.string(), compression), window_px);
   // Of a clip without a ball: one window, masked in every frame.
   impl->make_tables(std::max<std::size_t>(window_count, 1));
+  if (plane) impl->make_plane_tables();
   for (const auto& attribute : attributes) {
     std::visit([&](const auto& v) { impl->file.set_attribute("/", attribute.first, v); },
                attribute.second);
@@ -231,10 +262,11 @@ FieldsFile FieldsFile::create(const std::filesystem::path& path, std::size_t win
   return FieldsFile(std::move(impl));
 }
 
-FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, std::size_t rows) {
+FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, std::size_t rows,
+                              bool plane) {
   const hdf5::Guard guard(hdf5::lock());
   auto impl = std::make_unique<Impl>(hdf5::File::open(path.string()), window_px);
-  impl->open_tables();
+  impl->open_tables(plane);
   impl->each_table([&](hdf5::Table& table) {
     if (table.rows() < rows) {
       throw FormatError(path.string(), -1,
@@ -248,7 +280,8 @@ FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, 
 }
 
 void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> windows,
-                     std::span<const WindowMotion> field, const TrackRow* row) {
+                     std::span<const WindowMotion> field, const TrackRow* row,
+                     std::span<const PlaneResult> plane) {
   Impl& file = *impl_;
   const std::size_t count = file.windows;
   if (!field.empty() && (field.size() != count || windows.size() != count)) {
@@ -269,6 +302,13 @@ void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> 
     for (std::size_t i = 0; i < count; ++i) {
       status[i] = static_cast<std::uint8_t>(field[i].status);
       mask[i] = field[i].status != static_cast<std::int32_t>(WindowStatus::kMasked);
+    }
+  }
+  for (std::size_t c = 0; c < file.plane.size(); ++c) {
+    auto* const values = file.plane[c].append<double>();
+    std::fill_n(values, count, kNotMeasured);
+    for (std::size_t i = 0; i < std::min(count, plane.size()); ++i) {
+      values[i] = plane[i].*kPlaneColumns[c].value;
     }
   }
   const double nothing = kNotMeasured;

@@ -3,6 +3,8 @@
 // The group `displacement` shows them once more as NXdata (NeXus), which viewers of HDF5 plot.
 #pragma once
 
+#include <impactdic/correlate.h>
+
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -23,19 +25,24 @@ using Attributes = std::map<std::string, std::variant<double, std::string>>;
 class FieldsFile {
  public:
   // Starts the file anew with room for `window_count` windows a frame, compressed at level 1 … 9
-  // (deflate) or not at all (0). Throws FileError here and below.
+  // (deflate) or not at all (0). `plane`: displacements in a camera's plane are added, too. Throws
+  // FileError here and below.
   static FieldsFile create(const std::filesystem::path& path, std::size_t window_count,
-                           int window_px, const Attributes& attributes, int compression = 0);
-  // Opens the file of an earlier run and keeps its first `rows` frames. Throws FormatError where
-  // it holds fewer.
-  static FieldsFile resume(const std::filesystem::path& path, int window_px, std::size_t rows);
+                           int window_px, const Attributes& attributes, int compression = 0,
+                           bool plane = false);
+  // Opens the file of an earlier run and keeps its first `rows` frames; `plane` as it was made.
+  // Throws FormatError where it holds fewer.
+  static FieldsFile resume(const std::filesystem::path& path, int window_px, std::size_t rows,
+                           bool plane = false);
   ~FieldsFile();
   FieldsFile(FieldsFile&&) noexcept;
 
   // One frame's field. `windows` and `field` have the file's window count, or are empty: then all
-  // values are NaN and every window's status is `masked`. centre_*: see TrackRow.
+  // values are NaN and every window's status is `masked`. centre_*: see TrackRow. `plane`: one a
+  // window, or empty.
   void add(std::int64_t frame, double time_s, std::span<const Window> windows,
-           std::span<const WindowMotion> field, const TrackRow* row);
+           std::span<const WindowMotion> field, const TrackRow* row,
+           std::span<const PlaneResult> plane = {});
   // Frames are gathered; this puts all of them on the disk.
   void flush();
   // Known when the run ends: attributes `scale_m_per_px`, `analysed_fps`, `surface_angle_deg`,

@@ -27,6 +27,23 @@ std::string in_words(const SizeAdvice& size) {
   return text;
 }
 
+std::string in_words(const PlaneFigures& camera) {
+  std::string text =
+      say("%.6g +- %.2g mm/px in the plane of motion, distortion at most %.2f px",
+          camera.metre_per_px.value * 1e3, camera.metre_per_px.sd * 1e3, camera.distortion_px);
+  if (std::isfinite(camera.tilt_deg)) text += say(", tilted by %.2f deg", camera.tilt_deg);
+  return text;
+}
+
+std::string in_words(const NoiseFloor& floor) {
+  return say(
+      "%.4f, %.4f px over the windows, %.4f, %.4f px over the frames %lld to %lld, in which "
+      "nothing moves (stated: %.4f, %.4f px)",
+      floor.u_spatial_sd, floor.v_spatial_sd, floor.u_temporal_sd, floor.v_temporal_sd,
+      static_cast<long long>(floor.first_frame), static_cast<long long>(floor.last_frame),
+      floor.u_stated_sd, floor.v_stated_sd);
+}
+
 const char* explain(ImpactStatus status) {
   constexpr std::array kTexts = {
       "impact found", "no impact in these frames",

@@ -11,6 +11,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
+#include "host/run/metres/camera_part.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
 
@@ -160,6 +161,12 @@ CorrelateRun::CorrelateRun(const CorrelateRequest& request, Session& session, Ca
   }
   windows_ = pipeline::region_grid(options_);
   result_.windows = windows_.size();
+  if (!request.camera.empty()) {
+    const Camera camera = read_camera(request.camera);
+    check_camera_fits(camera, info(), request.camera);
+    result_.camera = figures_of(camera);
+    plane_.emplace(camera, windows_, request, options_.roi, options_.effective_spacing_px());
+  }
   session.open();
 }
 
@@ -196,20 +203,26 @@ void CorrelateRun::measure(const Sink& sink, const Checkpoint& checkpoint) {
   // On a queue of this run's own: the session's engine may serve others.
   const auto engine = session_.impl().open_engines().front()->beside();
   const std::size_t before = result_.rows.size();
+  StillFrames still(request_.reference, std::hypot(options_.roi.width, options_.roi.height) / 2);
   const Stopwatch watch;
   const auto note_speed = [&] {
     result_.seconds = watch.seconds();
     result_.frames_per_s = static_cast<double>(result_.rows.size() - before) / result_.seconds;
     result_.cancelled = caller_.cancelled() &&
                         static_cast<std::int64_t>(result_.rows.size()) < options_.frames.count();
+    if (before == 0) result_.noise_floor = still.floor();
   };
   try {
     pipeline::correlate_clip(
         *source_, *engine, options_,
         [&](const pipeline::CorrelatedFrame& frame) {
           result_.rows.push_back(row_of(frame));
+          MotionRow& row = result_.rows.back();
           if (!frame.is_reference && frame.status == TrackStatus::kOk) ++result_.frames_measured;
-          if (sink) sink(result_.rows.back(), frame.field);
+          if (before == 0) still.add(row, frame.field);
+          std::span<const PlaneResult> plane;
+          if (plane_) plane = plane_->correct(frame.field, row);
+          if (sink) sink(row, frame.field, plane);
           if (checkpoint) checkpoint(frame.after);
         },
         [&](std::int64_t done, std::int64_t total) { caller_.progress("correlate", done, total); });
@@ -232,10 +245,12 @@ void correlate(const CorrelateRequest& request, Session& session, const RunContr
   run::Caller caller(control);
   run::CorrelateRun run(request, session, caller, result);
   run.look();
-  run.measure([&](const MotionRow& row, std::span<const WindowMotion> field) {
+  run.measure([&](const MotionRow& row, std::span<const WindowMotion> field,
+                  std::span<const PlaneResult> plane) {
     if (!sink) return;
-    sink({row,
-          field.empty() ? FieldView() : FieldView(run.windows(), field, request.field.window_px)});
+    const FieldView view =
+        field.empty() ? FieldView() : FieldView(run.windows(), field, request.field.window_px);
+    sink({row, view, plane});
   });
 }
 

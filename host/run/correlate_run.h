@@ -5,11 +5,14 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "host/pipeline/correlate_clip.h"
+#include "host/run/camera/plane_motion.h"
 #include "host/run/control.h"
+#include "host/run/metres/noise_floor.h"
 
 namespace impactdic::run {
 
@@ -26,7 +29,9 @@ class CorrelateRun {
   // Looks at the texture: the noise that windows are judged by, and the warnings.
   void look();
 
-  using Sink = std::function<void(const MotionRow& row, std::span<const WindowMotion> field)>;
+  // `plane`: as CorrelatedFrame's.
+  using Sink = std::function<void(const MotionRow& row, std::span<const WindowMotion> field,
+                                  std::span<const PlaneResult> plane)>;
   using Checkpoint = std::function<void(const pipeline::CorrelatePoint&)>;
   // Takes up an earlier run, whose rows are `rows`.
   void go_on(const pipeline::CorrelatePoint& from, std::vector<MotionRow> rows);
@@ -42,6 +47,7 @@ class CorrelateRun {
   std::shared_ptr<FrameSource> source_;
   pipeline::CorrelateOptions options_;
   std::vector<Window> windows_;
+  std::optional<PlaneMotion> plane_;
 };
 
 }  // namespace impactdic::run

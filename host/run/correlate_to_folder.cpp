@@ -1,6 +1,7 @@
 // `correlate` with files at its edge.
 #include <impactdic/error.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -48,17 +49,18 @@ class CorrelateFiles {
     const int window_px = request.field.window_px;
     const fs::path fields = folder / "fields.h5";
     fields_.emplace(
-        keep > 0 ? report::FieldsFile::resume(fields, window_px, keep)
-                 : report::FieldsFile::create(fields, windows, window_px, attributes, compression));
+        keep > 0 ? report::FieldsFile::resume(fields, window_px, keep, !request.camera.empty())
+                 : report::FieldsFile::create(fields, windows, window_px, attributes, compression,
+                                              !request.camera.empty()));
   }
 
   const std::optional<pipeline::CorrelatePoint>& from() const { return from_; }
   std::vector<MotionRow>& rows() { return rows_; }
   report::FieldsFile& fields() { return *fields_; }
   void add(const MotionRow& row, std::span<const Window> windows,
-           std::span<const WindowMotion> field) {
+           std::span<const WindowMotion> field, std::span<const PlaneResult> plane) {
     table_->add(row);
-    fields_->add(row.frame, row.time_s, windows, field, nullptr);
+    fields_->add(row.frame, row.time_s, windows, field, nullptr, plane);
   }
   void reach(const pipeline::CorrelatePoint& point) {
     reached_ = point;
@@ -83,14 +85,46 @@ class CorrelateFiles {
   Stopwatch since_flush_;
 };
 
-nlohmann::json summarise(const CorrelateResult& result, const Session& session) {
+nlohmann::json describe_floor(const CorrelateResult& result) {
+  if (!result.noise_floor) return nullptr;
+  const NoiseFloor& floor = *result.noise_floor;
+  nlohmann::json described = {{"frames", {floor.first_frame, floor.last_frame}},
+                              {"windows", floor.windows},
+                              {"mean_px", {floor.u_mean, floor.v_mean}},
+                              {"spatial_sd_px", {floor.u_spatial_sd, floor.v_spatial_sd}},
+                              {"temporal_sd_px", {floor.u_temporal_sd, floor.v_temporal_sd}},
+                              {"stated_sd_px", {floor.u_stated_sd, floor.v_stated_sd}}};
+  if (result.camera) {
+    const double unit = result.camera->metre_per_px.value;
+    described["spatial_sd_m"] = {floor.u_spatial_sd * unit, floor.v_spatial_sd * unit};
+    described["temporal_sd_m"] = {floor.u_temporal_sd * unit, floor.v_temporal_sd * unit};
+  }
+  return described;
+}
+
+nlohmann::json summarise(const CorrelateRequest& request, const CorrelateResult& result,
+                         const Session& session) {
   nlohmann::json summary = {{"device", run::describe_device(session)},
                             {"frames_analysed", result.rows.size()},
                             {"frames_measured", result.frames_measured},
                             {"windows", result.windows},
                             {"frames_per_s", result.frames_per_s},
                             {"advice", report::describe_advice(result.advice)},
+                            {"noise_floor", describe_floor(result)},
+                            {"camera", nullptr},
                             {"warnings", result.warnings}};
+  if (result.camera) {
+    const PlaneFigures& camera = *result.camera;
+    const auto known = [](double value) {
+      return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+    };
+    summary["camera"] = {
+        {"file", request.camera},
+        {"from", camera.from},
+        {"m_per_px", {{"value", camera.metre_per_px.value}, {"sd", camera.metre_per_px.sd}}},
+        {"tilt_deg", known(camera.tilt_deg)},
+        {"distortion_px", camera.distortion_px}};
+  }
   if (result.cancelled) summary["cancelled"] = true;
   return summary;
 }
@@ -121,20 +155,22 @@ CorrelateResult correlate_to_folder(const CorrelateRequest& request, const Corre
   run::DigestBeside digest(request.clip, run.info(), true);
   const auto finish = [&] {
     files->flush();
-    files->fields().set_scale(0, result.fps / static_cast<double>(result.frames.step), kNotMeasured,
-                              "");
+    const double unit = result.camera ? result.camera->metre_per_px.value : 0;
+    files->fields().set_scale(unit, result.fps / static_cast<double>(result.frames.step),
+                              kNotMeasured, request.camera);
     const video::ClipDigest found = digest.get();
     if (digest.wanted()) files->fields().set_source_digest(found);
-    nlohmann::json summary = summarise(result, session);
+    nlohmann::json summary = summarise(request, result, session);
     summary["input"] = report::describe_input(run.info(), found);
     report::write_json(path / "summary.json", summary);
     files.reset();
     run::write_digests(path);
   };
   try {
-    run.measure([&](const MotionRow& row,
-                    std::span<const WindowMotion> field) { files->add(row, run.windows(), field); },
-                [&](const pipeline::CorrelatePoint& point) { files->reach(point); });
+    run.measure(
+        [&](const MotionRow& row, std::span<const WindowMotion> field,
+            std::span<const PlaneResult> plane) { files->add(row, run.windows(), field, plane); },
+        [&](const pipeline::CorrelatePoint& point) { files->reach(point); });
   } catch (...) {
     finish();  // what was measured is kept
     throw;

@@ -5,6 +5,7 @@
 
 #include "host/advice/clip_advice.h"
 #include "host/circle/scout_ball.h"
+#include "host/run/metres/camera_part.h"
 #include "host/run/open_clip.h"
 
 namespace impactdic {
@@ -67,6 +68,11 @@ Inspection inspect(const InspectRequest& request) {
   inspection.clip = source->info();
   if (inspection.clip.frame_count < 1) {
     throw InvalidArgument("the clip has no frames", inspection.clip.path);
+  }
+  if (!request.camera.empty()) {
+    const Camera camera = read_camera(request.camera);
+    run::check_camera_fits(camera, inspection.clip, request.camera);
+    inspection.camera = figures_of(camera);
   }
   if (inspection.clip.has_timestamps && inspection.clip.frame_count > 1) {
     inspection.last_frame_time_s = source->frame_time_s(inspection.clip.frame_count - 1);

@@ -17,6 +17,7 @@
 #include "host/report/words.h"
 #include "host/run/metres/camera_part.h"
 #include "host/run/metres/frame_clock.h"
+#include "host/run/metres/impact_figures.h"
 #include "host/run/metres/lens_check.h"
 #include "host/run/metres/scale.h"
 #include "host/run/open_clip.h"
@@ -277,8 +278,15 @@ void TrackRun::conclude() {
     conclude_metres(request_, sphere, result_);
   }
   const std::vector<TrackRow>& seen = camera_ ? result_.camera->rows : result_.rows;
+  std::optional<FallInPicture> gravity;
+  const SiScale& scale = result_.scale;
+  if (scale.metre_per_px > 0 && scale.fps > 0) {
+    const double strength = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
+    const double angle = request_.gravity_angle_deg * kRadPerDeg;
+    gravity = {strength * std::cos(angle), -strength * std::sin(angle)};
+  }
   const std::string bend = lens_warning(
-      bend_of_flights(evenly_spaced(seen), result_.impact, info().width, info().height),
+      bend_of_flights(evenly_spaced(seen), result_.impact, info().width, info().height, gravity),
       camera_.has_value());
   if (!bend.empty()) {
     result_.warnings.push_back(bend);

@@ -181,7 +181,8 @@ def correlate(reference, picture=None, *, mask=None, out=None, force=False, resu
 
     Returns an xarray.Dataset: u_px, v_px and more of each window, with their deviations; NaN where
     `status` is not 0. Of two pictures its dimension is (window), of a clip (time, window). The
-    rigid motion of the region stands in dx_px, dy_px, rot_deg. Raises as `track`.
+    rigid motion of the region stands in dx_px, dy_px, rot_deg; with camera= also in its plane of
+    motion: dx_m, dy_m, plane_rot_deg. Raises as `track`.
     """
     clip = _clip_of(reference if picture is None else [reference, picture], options)
     against = options.pop("against", None)
@@ -210,7 +211,10 @@ def _dataset(outcome, pair):
     attributes = {"warnings": outcome["warnings"], "axes": "x right, y down, px"}
     field = dataset(outcome["field"], outcome["field_frames"], outcome["fps"], attributes)
     rows = np.searchsorted(motion["frame"], outcome["field_frames"])
-    for name in ("dx_px", "dy_px", "rot_deg", "dx_sd_px", "dy_sd_px", "rot_sd_deg"):
+    names = ["dx_px", "dy_px", "rot_deg", "dx_sd_px", "dy_sd_px", "rot_sd_deg"]
+    if np.isfinite(motion["dx_m"]).any():
+        names += ["dx_m", "dy_m", "plane_rot_deg", "dx_sd_m", "dy_sd_m", "plane_rot_sd_deg"]
+    for name in names:
         field[name] = ("time", motion[name][rows], {"units": tables.unit_of(name)})
     field["time"] = ("time", motion["time_s"][rows], field["time"].attrs)
     return field.isel(time=0, drop=True) if pair and field.sizes["time"] == 1 else field

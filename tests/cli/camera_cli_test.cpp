@@ -114,6 +114,36 @@ TEST_F(ShotThroughALens, WrongCamerasAreRefusedInOneLine) {
   EXPECT_NE(bad.err.find("is missing"), std::string::npos) << bad.err;
 }
 
+// The ball as a surface: its first two frames, of which the second is shifted.
+TEST_F(ShotThroughALens, CorrelateAndInfoGoThroughTheCameraToo) {
+  const std::string clip = quoted(*folder_ / "clip" / "video.tif");
+  const std::string camera = " --camera " + quoted(*folder_ / "camera.toml");
+  const Outcome done = run_program("correlate " + clip + " --frames 0:2 --roi 65,75,50,50 -q -o " +
+                                   quoted(*folder_ / "field") + camera);
+  ASSERT_EQ(done.status, 0) << done.err;
+  const CsvTable table(*folder_ / "field" / "motion.csv");
+  EXPECT_EQ(table.numbers("dx_m")[0], 0);
+  // A lens of 1 % at the corner: by the picture's own pixels the step is off by as much.
+  const double dx_px = table.numbers("dx_px")[1], dx = table.numbers("dx_m")[1] / kMetrePerPx;
+  EXPECT_GT(std::abs(dx_px - dx), 0.01);
+  const nlohmann::json summary = summary_of(*folder_ / "field");
+  EXPECT_NEAR(summary["camera"]["m_per_px"]["value"].get<double>(), kMetrePerPx, 1e-7);
+  EXPECT_TRUE(summary["noise_floor"].is_null());
+  const Outcome info = run_program("info " + clip + camera);
+  EXPECT_EQ(info.status, 0) << info.err;
+  EXPECT_NE(info.out.find("calibration      0.3 +- 0 mm/px"), std::string::npos) << info.out;
+  for (const char* command : {"correlate", "info"}) {
+    write_camera(bent_camera(512, kMetrePerPx), folder_->file("other.toml"));
+    std::string line =
+        std::string(command) + " " + clip + " --camera " + quoted(*folder_ / "other.toml");
+    if (command[0] == 'c') line += " -o " + quoted(*folder_ / "never");
+    const Outcome refused = run_program(line);
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find("512 x 512 px, the clip has"), std::string::npos) << refused.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "never"));
+}
+
 #ifdef IMPACTDIC_WITH_CALIBRATION
 
 TEST(CalibrateCommand, WritesACameraFromAClipOfTargets) {
@@ -159,6 +189,11 @@ TEST(CalibrateCommand, WritesACameraFromAClipOfTargets) {
                                     quoted(folder / "ruler.toml"));
   EXPECT_EQ(ruler.status, 0) << ruler.err;
   EXPECT_NE(ruler.out.find("scale 0.2 +- "), std::string::npos) << ruler.out;
+  const Outcome no_ticks =
+      run_program("calibrate " + quoted(folder / "targets.tif") +
+                  " --target ruler --pitch-mm 1 -o " + quoted(folder / "ticks.toml"));
+  EXPECT_EQ(no_ticks.status, 2) << no_ticks.out;
+  EXPECT_NE(no_ticks.err.find("no even row of eight ticks"), std::string::npos) << no_ticks.err;
 }
 
 #endif

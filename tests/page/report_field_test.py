@@ -110,6 +110,27 @@ class OfCorrelate(unittest.TestCase):
                          [("texture", "bad"), ("windows", "good")])
         self.assertEqual(report.warnings, ["one thing"])
 
+    def test_noise_floor_and_metres_stand_on_the_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder)
+            write_field(folder)
+            names = ",dx_m,dy_m,plane_rot_deg,dx_sd_m,dy_sd_m,plane_rot_sd_deg"
+            header, *rows = (folder / "motion.csv").read_text().split()
+            rows = [f"{row},{3e-4 * k},{4e-4 * k},0,2e-7,2e-7,0" for k, row in enumerate(rows)]
+            (folder / "motion.csv").write_text("\n".join([header + names, *rows]) + "\n")
+            summary = json.loads((folder / "summary.json").read_text())
+            floor = {"frames": [0, 9], "spatial_sd_px": [0.004, 0.003],
+                     "temporal_sd_px": [0.003, 0.003], "stated_sd_px": [0.0035, 0.0035]}
+            for factor, state in ((1, "good"), (2, "bad")):
+                floor["spatial_sd_px"] = [0.004 * factor, 0.003 * factor]
+                (folder / "summary.json").write_text(json.dumps(summary | {"noise_floor": floor}))
+                report = Report(folder, None)
+                report.gather()
+                light = report.first.lights[-1]
+                self.assertEqual((light.name, light.state), ("noise floor", state))
+            self.assertIn("still frames 0 to 9", light.why)
+            self.assertIn("the region by 1.50000 ± 0.00020 mm in the plane", report.first.sentence)
+
     def test_damaged_field_is_said_in_a_line(self):
         with tempfile.TemporaryDirectory() as folder:
             write_field(Path(folder))

@@ -2,6 +2,7 @@
 // will want to know of it before it is.
 #pragma once
 
+#include <impactdic/camera/model.h>
 #include <impactdic/circle.h>
 #include <impactdic/clip.h>
 #include <impactdic/export.h>
@@ -50,6 +51,7 @@ int window_reaching(const TextureAdvice& advice, double error_px);
 struct InspectRequest {
   ClipRequest clip;
   FieldOptions field;     // window size and thresholds that the texture is judged by
+  std::string camera;     // that `calibrate` wrote; "": none
   void validate() const;  // throws InvalidArgument
 };
 
@@ -57,6 +59,7 @@ struct InspectRequest {
 struct Inspection {
   ClipInfo clip;
   std::optional<double> last_frame_time_s;  // by the camera's own clock, since frame 0
+  std::optional<PlaneFigures> camera;       // where one was given
   // The ball's texture; that of the whole picture where there is no ball.
   ClipAdvice advice;
   // Of the file's header (its doubtful frame rate not where the request gives one), then of the

@@ -2,12 +2,14 @@
 // region about its centre. Axes as in track.h.
 #pragma once
 
+#include <impactdic/camera/model.h>
 #include <impactdic/export.h>
 #include <impactdic/track.h>
 
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,9 @@ struct CorrelateRequest {
   std::vector<PointPx> polygon;                     // corners in order, at least three; empty: none
   FieldOptions field;
   int spacing_px = 0;  // of the windows' centres; 0: half a window, rounded up
+  // A camera that `calibrate` wrote, calibrated with pictures of this size: displacements are also
+  // given in its plane of motion. "": in pixels alone.
+  std::string camera;
   // Throws InvalidArgument naming the setting, by its name on the command line.
   void validate() const;
 };
@@ -53,6 +58,35 @@ struct MotionRow {
   double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
   double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;
   int windows = 0;  // that carried the motion
+  // The same in the camera's plane of motion, of the point that is seen at the region's centre:
+  // X along the picture's rows, Y up, counter-clockwise. Deviations hold those of the camera.
+  // NaN without a camera.
+  double dx_m = kNotMeasured, dy_m = kNotMeasured, plane_rot_deg = kNotMeasured;
+  double dx_sd_m = kNotMeasured, dy_sd_m = kNotMeasured, plane_rot_sd_deg = kNotMeasured;
+};
+
+// A window in the camera's plane of motion: world axes of docs/camera.md, m. Deviations are those
+// of the displacement in the picture; the camera's are common to all windows and stand in the
+// row's. All NaN where the window was not measured.
+struct PlaneResult {
+  double x_m = kNotMeasured, y_m = kNotMeasured;  // its centre in the reference
+  double u_m = kNotMeasured, v_m = kNotMeasured;  // displacement, X right, Y up
+  double u_sd_m = kNotMeasured, v_sd_m = kNotMeasured;
+};
+
+// What displacements are measured where nothing moves, px: pictures of a still scene (Jones and
+// Iadicola, editors, 2018, A Good Practices Guide for Digital Image Correlation, International
+// Digital Image Correlation Society).
+struct NoiseFloor {
+  std::int64_t first_frame = 0, last_frame = 0;  // of the stored file: the still ones
+  std::int64_t frames = 0;                       // of these without the reference
+  std::size_t windows = 0;                       // measured in all of them
+  double u_mean = 0, v_mean = 0;                 // of all windows and frames: a bias
+  // Root of the mean variance over the windows of a frame, and over the frames at a window. With
+  // the first frame as the reference, its noise is common to all frames: part of the first alone.
+  double u_spatial_sd = 0, v_spatial_sd = 0;
+  double u_temporal_sd = 0, v_temporal_sd = 0;
+  double u_stated_sd = 0, v_stated_sd = 0;  // root mean square of what the windows state
 };
 
 struct CorrelateResult {
@@ -63,6 +97,10 @@ struct CorrelateResult {
   std::vector<MotionRow> rows;
   std::size_t windows = 0;           // of the grid
   std::int64_t frames_measured = 0;  // without the reference
+  // Where the clip begins with a still scene, three frames or more behind the reference; of a run
+  // that was resumed none.
+  std::optional<NoiseFloor> noise_floor;
+  std::optional<PlaneFigures> camera;  // where one was given
   ClipAdvice advice;
   std::vector<std::string> warnings;
   double seconds = 0, frames_per_s = 0;
@@ -72,7 +110,8 @@ struct CorrelateResult {
 // One frame as it comes. Everything is valid during the call only.
 struct CorrelatedFrame {
   const MotionRow& row;
-  const FieldView& field;  // empty for the reference
+  const FieldView& field;              // empty for the reference
+  std::span<const PlaneResult> plane;  // one a window of `field`; empty without a camera
 };
 using CorrelateSink = std::function<void(const CorrelatedFrame&)>;
 

@@ -67,7 +67,7 @@ void add_calibrate_command(CLI::App& app) {
     return command->add_option(name, value, help)->capture_default_str();
   };
   number("--pitch-mm", request.pitch_mm,
-         "Side of a square; from dot to dot; between two marks of a ruler")
+         "Side of a square; from dot to dot; from tick to tick of a ruler, or between its --marks")
       ->required();
   number("--pitch-sd-mm", request.pitch_sd_mm, "Standard deviation of the pitch");
   number("--marker-mm", request.marker_mm, "Side of a ChArUco marker; 0: 3/4 of the pitch");
@@ -76,7 +76,9 @@ void add_calibrate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--plane", request.plane,
                       "The picture whose target lies in the plane of motion; without it the first");
-  command->add_option("--marks", options->marks, "X1,Y1,X2,Y2: the two marks of a ruler, px")
+  command
+      ->add_option("--marks", options->marks,
+                   "X1,Y1,X2,Y2: two marks of a ruler, px; without them its ticks are found")
       ->delimiter(',')
       ->expected(4);
   number("--marks-sd-px", request.marks_sd_px, "Standard deviation of a mark along an axis");

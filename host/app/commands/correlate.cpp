@@ -6,6 +6,7 @@
 #include "host/app/clip_command.h"
 #include "host/app/command.h"
 #include "host/app/setting_options.h"
+#include "host/report/words.h"
 
 namespace impactdic::app {
 namespace {
@@ -18,6 +19,8 @@ void run_correlate(Options& options) {
                 static_cast<long long>(result.frames_measured),
                 static_cast<long long>(result.frames.count() - 1), result.windows,
                 result.frames_per_s, options.folder.folder.c_str());
+    if (!result.noise_floor) return;
+    std::printf("noise floor: %s\n", report::in_words(*result.noise_floor).c_str());
   });
 }
 

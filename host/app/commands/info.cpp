@@ -54,9 +54,14 @@ void print_clip(const Inspection& found) {
 }
 
 // `error_px`: the error that a person wants to reach.
-void print_advice(const ClipAdvice& advice, double error_px) {
+void print_advice(const Inspection& found, double error_px) {
+  const ClipAdvice& advice = found.advice;
   if (advice.ball) {
-    line("ball", say("radius %.1f px, in %d of %d frames looked at", advice.ball->r_px,
+    line("ball", say("radius %.1f px%s, in %d of %d frames looked at", advice.ball->r_px,
+                     found.camera ? say(" (%.2f mm)",
+                                        advice.ball->r_px * 1e3 * found.camera->metre_per_px.value)
+                                        .c_str()
+                                  : "",
                      advice.frames_with_ball, advice.frames));
   }
   if (!advice.texture) return;
@@ -81,7 +86,8 @@ void run_info(Options& options) {
   options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
   const Inspection found = inspect(options.request);
   print_clip(found);
-  print_advice(found.advice, options.error_px);
+  if (found.camera) line("calibration", report::in_words(*found.camera));
+  print_advice(found, options.error_px);
   for (const std::string& warning : found.warnings) line("warning", warning);
 }
 
@@ -101,6 +107,8 @@ void add_info_command(CLI::App& app) {
       ->add_option("--error-px", options->error_px, "An error to reach: says which window does, px")
       ->check(positive_number())
       ->capture_default_str();
+  command->add_option("--camera", options->request.camera,
+                      "Camera that `calibrate` wrote: its scale, distortion and tilt");
   command->footer("Example:\n  impactdic info shot_01.cine\n");
   command->callback([options] { run_info(*options); });
 }

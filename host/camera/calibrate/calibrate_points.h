@@ -3,6 +3,8 @@
 
 #include <impactdic/camera/calibrate.h>
 
+#include <opencv2/core.hpp>
+
 #include "host/camera/calibrate/board.h"
 
 namespace impactdic::camera {
@@ -15,6 +17,11 @@ CalibrateResult calibrate_points(const CalibrateRequest& request, std::vector<Vi
 // A scale from two marks of a ruler, request.pitch_mm apart.
 CalibrateResult calibrate_marks(const CalibrateRequest& request, const std::string& picture,
                                 int width, int height);
+
+// The same from the ruler's ticks, request.pitch_mm from one to the next. `grey`: 8 bits. Throws
+// InvalidArgument where they are not found.
+CalibrateResult calibrate_ticks(const CalibrateRequest& request, const std::string& picture,
+                                const cv::Mat& grey);
 
 // A drawing of the result, SVG: where points lie, how far each is off, what the lens does.
 std::string draw_residuals(const CalibrateResult& result);

@@ -80,17 +80,6 @@ double worst_place_px(const Camera& camera) {
   return worst;
 }
 
-double largest_distortion_px(const Camera& camera) {
-  const Lens lens(camera);
-  double most = 0;
-  for (const double x : {0.0, camera.width - 1.0}) {
-    for (const double y : {0.0, camera.height - 1.0}) {
-      most = std::max(most, (lens.undistort({x, y}) - Vector2d(x, y)).norm());
-    }
-  }
-  return most;
-}
-
 void judge_pictures(const CalibrateResult& result, std::vector<std::string>& missing) {
   std::size_t used = 0;
   for (const CalibrationPicture& picture : result.pictures) used += picture.used;

@@ -67,7 +67,13 @@ CalibrateResult find_camera(const CalibrateRequest& request, const RunControl& c
   const std::vector<Source> sources = open_pictures(request);
   const ClipInfo& info = sources.front().clip->info();
   if (request.target == CalibrationTarget::kRuler) {
-    return camera::calibrate_marks(request, sources.front().name, info.width, info.height);
+    const Source& picture = sources.front();
+    if (!request.marks.empty()) {
+      return camera::calibrate_marks(request, picture.name, info.width, info.height);
+    }
+    Frame frame;
+    picture.clip->read(picture.frame, frame);
+    return camera::calibrate_ticks(request, picture.name, camera::to_grey(frame));
   }
   std::vector<camera::View> views(sources.size());
   const std::vector<char> done =

@@ -22,6 +22,9 @@ constexpr double kLeastCorner = 1e-3, kLeastShare = 5e-4, kLeastStep_px = 2e-3;
 // Deviations that are stated hold the noise alone.
 constexpr double kLeastCentreSd_px = 0.003, kLeastStepSd_px = 0.0005;
 constexpr double kSteady = 2;  // scatter over what is stated, of a path that is one flight
+// Lenses that film a ball's flight bend by less; what bends more is the path.
+constexpr double kMostCorner = 0.3;
+constexpr double kFallTolerance = 0.2;
 constexpr int kPerFlight = 6;  // place, speed and acceleration, along x and y
 
 struct Flight {
@@ -86,8 +89,8 @@ void add_row(const TrackRow& row, double t, bool motions, Eigen::Index at, Eigen
 
 // Least squares, once more without what does not fit; the last unknown with its deviation, which
 // the residuals' own scatter enlarges.
-std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size,
-                                     double& scatter) {
+std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size, double& scatter,
+                                     Eigen::VectorXd& all) {
   std::vector<char> used(equations.values.size(), 1);
   Measured found;
   for (int round = 0; round < 3; ++round) {
@@ -104,17 +107,17 @@ std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index si
     if (count < 2 * static_cast<std::size_t>(size)) return std::nullopt;
     const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::LDLT<Eigen::MatrixXd> solver(scale.asDiagonal() * normal * scale.asDiagonal());
-    const Eigen::VectorXd unknowns = scale.asDiagonal() * solver.solve(scale.asDiagonal() * side);
+    all = scale.asDiagonal() * solver.solve(scale.asDiagonal() * side);
     std::vector<double> off;
     double squares = 0;
     for (std::size_t i = 0; i < used.size(); ++i) {
-      off.push_back(std::abs(equations.values[i] - equations.slopes[i].dot(unknowns)));
+      off.push_back(std::abs(equations.values[i] - equations.slopes[i].dot(all)));
       if (used[i]) squares += off.back() * off.back();
     }
     scatter = std::sqrt(squares / static_cast<double>(count - size));
     const Eigen::VectorXd last = Eigen::VectorXd::Unit(size, size - 1);
     const double variance = solver.solve(last)[size - 1] * scale[size - 1] * scale[size - 1];
-    found = {unknowns[size - 1], std::sqrt(std::max(variance, 0.0)) * std::max(1.0, scatter)};
+    found = {all[size - 1], std::sqrt(std::max(variance, 0.0)) * std::max(1.0, scatter)};
     for (std::size_t i = 0; i < used.size(); ++i) {
       used[i] = off[i] <= kOutlier * std::max(1.0, scatter);
     }
@@ -123,10 +126,27 @@ std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index si
   return found;
 }
 
+// Whether a path of these speeds and accelerations (x, y) may change its speed by `share` without
+// a lens: one that turns by an angle, as on a circle, changes what a straight line through it sees
+// by the angle's square.
+bool may_turn_by_itself(const Eigen::VectorXd& path, double frames, double share,
+                        const std::optional<FallInPicture>& gravity) {
+  const Vector2d acceleration(path[2], path[5]);
+  const Vector2d speed = Vector2d(path[1], path[4]) + acceleration * frames / 2;
+  if (gravity) {
+    const Vector2d fall(gravity->x, gravity->y);
+    if ((acceleration - fall).norm() < kFallTolerance * fall.norm()) return false;
+  }
+  const double across = std::abs(speed.x() * acceleration.y() - speed.y() * acceleration.x());
+  const double turn = across / std::max(speed.squaredNorm(), 1e-300) * frames;
+  return turn * turn > share;
+}
+
 }  // namespace
 
 std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
-                                        const ImpactAnalysis& analysis, int width, int height) {
+                                        const ImpactAnalysis& analysis, int width, int height,
+                                        const std::optional<FallInPicture>& gravity) {
   std::vector<Flight> flights = flights_of(rows, analysis);
   // A bent flight passes for none: all rows, if they turn out to be a steady one through a lens.
   const bool guessed = flights.empty();
@@ -149,10 +169,13 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
     }
   }
   double scatter = 0;
-  const std::optional<Measured> corner = last_unknown(equations, size, scatter);
+  Eigen::VectorXd paths;
+  const std::optional<Measured> corner = last_unknown(equations, size, scatter, paths);
   if (!corner || (guessed && scatter > kSteady)) return std::nullopt;
+  if (std::abs(corner->value) > kMostCorner) return std::nullopt;
   LensBend bend{*corner, 0, 0};
-  for (const Flight& flight : flights) {
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    const Flight& flight = flights[f];
     double least = 1e300, most = -1e300;
     for (std::size_t i = flight.first; i <= flight.last; ++i) {
       const TrackRow& row = rows[i];
@@ -168,7 +191,12 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
           corner->value * bending.step(centre, motion).dot(motion) / (length * length);
       least = std::min(least, share), most = std::max(most, share);
     }
-    if (most > least) bend.speed_share = std::max(bend.speed_share, most - least);
+    if (!(most > least)) continue;
+    const Eigen::VectorXd path =
+        paths.segment<kPerFlight>(static_cast<Eigen::Index>(kPerFlight * f));
+    const auto frames = static_cast<double>(flight.last - flight.first);
+    if (may_turn_by_itself(path, frames, most - least, gravity)) continue;
+    bend.speed_share = std::max(bend.speed_share, most - least);
   }
   return bend;
 }

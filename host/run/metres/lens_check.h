@@ -13,12 +13,19 @@ struct LensBend {
   double speed_share = 0;  // largest change of the speed within the flights, of the speed
 };
 
+// Gravity as the picture shows it, px/frame^2, y down.
+struct FallInPicture {
+  double x = 0, y = 0;
+};
+
 // From the motions of the flights, or their centres where there are none, in `rows` (as
 // ImpactAnalysis counts them): a straight path of steady acceleration, through a lens whose
 // distortion grows with the square of the distance from the picture's middle (the first term of
-// Brown 1971). nullopt where the flights do not tell.
+// Brown 1971). nullopt where the flights do not tell: where no lens bends like that, or where the
+// path may turn by itself, as a ball on a string does. A path that falls as `gravity` says is free.
 std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
-                                        const ImpactAnalysis& analysis, int width, int height);
+                                        const ImpactAnalysis& analysis, int width, int height,
+                                        const std::optional<FallInPicture>& gravity = {});
 
 // A warning where a bend is there beyond chance and matters; "" elsewhere. `corrected`: the rows
 // went through a calibrated camera.

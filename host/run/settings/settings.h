@@ -103,6 +103,7 @@ void visit_correlate(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"mask", kEmptyUnset | kPath}, request.mask);
   visit(Setting{"polygon", kEmptyUnset}, request.polygon);
   visit(Setting{"motion", kPlain, "option_motion"}, request.motion);
+  visit(Setting{"camera", kEmptyUnset | kPath}, request.camera);
   visit(Setting{"frames", kEmptyUnset}, request.frames);
   visit_field(visit, request.field, request.spacing_px, folder.compression);
 }

@@ -24,6 +24,7 @@ from .text import rounded
 MOST_FRAMES = 400  # of which means over the windows are drawn
 MOST_ARROWS = 200
 STRAINS = (("exx", "along x", BLUE), ("eyy", "along y", RED), ("exy", "shear", GREEN))
+HONEST = 1.5  # scatter of still windows over what they state, at most
 FOUND, MASKED = 0, 1  # of the windows' status
 
 
@@ -101,6 +102,12 @@ def first_screen(field):
         if np.isfinite(turns).any():
             turn = int(np.nanargmax(np.abs(turns)))
             parts.append(f"turned by {rounded(turns[turn], motion['rot_sd_deg'][turn])}°")
+        if np.isfinite(motion.get("dx_m", np.array([np.nan]))).any():
+            moved = np.hypot(motion["dx_m"], motion["dy_m"])
+            far = int(np.nanargmax(moved))
+            sd = float(np.hypot(motion["dx_sd_m"][far], motion["dy_sd_m"][far]) / np.sqrt(2))
+            parts.append(f"the region by {rounded(1e3 * moved[far], 1e3 * sd)} mm in the plane of "
+                         "motion")
         largest = max((field.means[name] for name, _, _ in STRAINS),
                       key=lambda values: np.nanmax(np.abs(values)))
         parts.append(f"median strain up to {largest[np.nanargmax(np.abs(largest))]:#.2g}")
@@ -113,6 +120,14 @@ def _lights(field):
         share = float(np.mean(field.share[field.rows]))
         made.append(Light("windows", "good" if share >= ENOUGH else "bad",
                           f"{100 * share:.0f} % of them were found"))
+    floor = field.result.summary.get("noise_floor")
+    if floor:
+        spatial, temporal, stated = (np.sqrt(np.mean(np.square(floor[f"{name}_sd_px"])))
+                                     for name in ("spatial", "temporal", "stated"))
+        first, last = floor["frames"]
+        made.append(Light("noise floor", "good" if spatial <= HONEST * stated else "bad",
+                          f"{spatial:.4f} px over the windows, {temporal:.4f} px over the still "
+                          f"frames {first} to {last}; {stated:.4f} px are stated"))
     return made
 
 

@@ -261,7 +261,10 @@ TEST(Calibrate, ImpossibleRequestsAreRefused) {
   refused([](CalibrateRequest& r) { r.columns = 2; });
   refused([](CalibrateRequest& r) { r.marker_mm = 10; });
   refused([](CalibrateRequest& r) { r.marks = {{1, 2}, {3, 4}}; });
-  refused([](CalibrateRequest& r) { r.target = CalibrationTarget::kRuler; });
+  refused([](CalibrateRequest& r) {
+    r.target = CalibrationTarget::kRuler;
+    r.marks = {{1, 2}};
+  });
   EXPECT_THROW(parse_calibration_target("chess"), InvalidArgument);
   CalibrateRequest other = good;
   other.plane = "nowhere";

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "host/run/metres/camera_part.h"
@@ -28,6 +29,7 @@ using Eigen::Vector2d;
 using P = CameraParameter;
 
 constexpr double kRounding_px = 1e-8;
+constexpr double kMetrePerPx = 3e-4;
 
 TEST(BallView, WithoutALensNothingIsCorrected) {
   const Camera camera = bent_camera(512, 3e-4, 0);
@@ -314,6 +316,70 @@ TEST(LensCheck, FindsOnePercentAndNothingElse) {
     }
   }
   EXPECT_GE(warned, 5);  // the others fly too short a way
+}
+
+// Rows of a ball that moves as `place` says, with the noise of a good ball.
+std::vector<TrackRow> rows_along(int frames, const std::function<Vector2d(double)>& place,
+                                 unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 1);
+  std::vector<TrackRow> rows(static_cast<std::size_t>(frames));
+  for (int k = 0; k < frames; ++k) {
+    TrackRow& row = rows[static_cast<std::size_t>(k)];
+    row.frame = k;
+    row.circle_ok = true;
+    row.r_px = 45;
+    row.cx_sd_px = row.cy_sd_px = 0.005;
+    row.dx_sd_px = row.dy_sd_px = 0.0005;
+    const Vector2d at = place(k), to = place(k + 1.0);
+    row.cx_px = at.x() + 0.005 * noise(random), row.cy_px = at.y() + 0.005 * noise(random);
+    row.motion_ok = true;
+    row.dx_px = to.x() - at.x() + 0.0005 * noise(random);
+    row.dy_px = to.y() - at.y() + 0.0005 * noise(random);
+    row.rot_deg = 0;
+  }
+  return rows;
+}
+
+// A ball on a string or a wheel tells nothing of the lens.
+TEST(LensCheck, PathsThatAreNoFlightTellNothing) {
+  const auto warning = [](int frames, double radius, double rate, const Vector2d& middle) {
+    const auto rows = rows_along(frames, [&](double t) -> Vector2d {
+      return middle + radius * Vector2d(std::cos(rate * t), std::sin(rate * t));
+    });
+    // As if it had been taken for a flight, and as a clip in which none was found.
+    ImpactAnalysis flight;
+    flight.flight.last = rows.size() - 2;
+    return run::lens_warning(run::bend_of_flights(rows, flight, 512, 512), false) +
+           run::lens_warning(run::bend_of_flights(rows, {}, 512, 512), false);
+  };
+  for (const double radius : {30.0, 60.0, 110.0, 200.0}) {
+    for (const double rate : {0.002, 0.01, 0.03, 0.1, 0.3}) {
+      for (const Vector2d& middle : {Vector2d(255.5, 255.5), Vector2d(240, 270)}) {
+        for (const int frames : {20, 60, 200}) {
+          EXPECT_EQ(warning(frames, radius, rate, middle), "")
+              << radius << " px, " << rate << " rad, " << frames << " frames";
+        }
+      }
+    }
+  }
+}
+
+// A steep throw turns by far more than a lens bends it, but falls as it must.
+TEST(LensCheck, AThrowThatFallsAsItMustTellsOfTheLens) {
+  const Camera camera = bent_camera(512, kMetrePerPx, 0.01);
+  const PlaneView plane(camera);
+  const auto rows = rows_along(70, [&](double t) -> Vector2d {
+    const Vector2d straight(60 + 5.5 * t, 420 - 9.0 * t + 0.065 * t * t);
+    return plane.to_picture({straight.x() * kMetrePerPx, (511 - straight.y()) * kMetrePerPx, 0});
+  });
+  ImpactAnalysis flight;
+  flight.flight.last = rows.size() - 2;
+  EXPECT_EQ(run::lens_warning(run::bend_of_flights(rows, flight, 512, 512), false), "");
+  const auto bend = run::bend_of_flights(rows, flight, 512, 512, run::FallInPicture{0, 0.13});
+  ASSERT_TRUE(bend);
+  EXPECT_NEAR(bend->corner.value, 0.01, 0.0035);
+  EXPECT_NE(run::lens_warning(bend, false), "");
 }
 
 TEST(CameraPart, PicturesOfAnotherSizeAreRefused) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <impactdic/export.h>
+#include <impactdic/measured.h>
 
 #include <array>
 #include <cstddef>
@@ -60,6 +61,15 @@ struct Camera {
   // covariance that is not symmetric or has negative variances.
   void validate() const;
 };
+
+// What a camera says of the plane of motion.
+struct PlaneFigures {
+  std::string from;                // what the camera was calibrated with (Camera::from)
+  Measured metre_per_px;           // at the picture's middle
+  double tilt_deg = kNotMeasured;  // of the line of sight there; NaN: focal length not known
+  double distortion_px = 0;        // what the lens moves a point of the picture by, at most
+};
+PlaneFigures figures_of(const Camera& camera);
 
 // camera.toml (docs/camera.md). Throws FileError where the file cannot be read; FormatError where
 // it is no TOML, a key is missing, unknown or of another kind, or the camera is impossible.
