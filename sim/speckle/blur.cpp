@@ -61,6 +61,30 @@ BlurredDisc::BlurredDisc(double radius_px, double sigma_px) {
   }
 }
 
+void BlurredDisc::cover(const double* squared, int count, float* clear) const {
+  constexpr int kBlock = 64;
+  int index[kBlock];
+  float within[kBlock];
+  const Cell* cells = cells_.data();
+  const double last = static_cast<double>(cells_.size() - 1);  // its cell is 0 throughout
+  for (int first = 0; first < count; first += kBlock) {
+    const int n = std::min(kBlock, count - first);
+    for (int i = 0; i < n; ++i) {
+      const double distance = std::sqrt(std::max(0.0, squared[first + i]));
+      const double inside = std::min(std::max(0.0, (distance - core_px_) * per_step_), last);
+      const double u = distance >= reach_px_ ? last : inside;
+      index[i] = static_cast<int>(u);
+      within[i] = static_cast<float>(u - index[i]);
+    }
+    float* __restrict at = clear + first;  // no cell is written
+    for (int i = 0; i < n; ++i) {
+      const Cell& c = cells[index[i]];
+      const float t = within[i];
+      at[i] *= 1.0F - (((c.c3 * t + c.c2) * t + c.c1) * t + c.c0);
+    }
+  }
+}
+
 double blurred_edge(double into_px, double sigma_px) {
   return 0.5 * std::erfc(-into_px / (sigma_px * std::sqrt(2.0)));
 }

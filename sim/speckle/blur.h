@@ -27,6 +27,9 @@ class BlurredDisc {
     const auto t = static_cast<float>(u - i);
     return ((c.c3 * t + c.c2) * t + c.c1) * t + c.c0;
   }
+  // clear[i] *= 1 − coverage at the distance √squared[i], px, of `count` samples; a negative square
+  // counts as 0. The same bits as one by one; the compiler makes vectors of it.
+  void cover(const double* squared, int count, float* clear) const;
   double reach_px() const { return reach_px_; }
   double core_px() const { return core_px_; }
 

@@ -8,6 +8,7 @@
 
 namespace impactdic::sim::speckle {
 void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
+  std::vector<double> squared(band.x.size());  // distances of a row's samples from the disc's centre
   for (std::size_t i = 0; i < inks_.size(); ++i) {
     const BlurredDisc& ink = inks_[i];
     const Vec centre = placed.discs[i];
@@ -25,10 +26,12 @@ void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
         if (inner.first < inner.second) std::tie(full_begin, full_end) = inner;
       }
       const auto paint = [&](int from, int to) {
+        if (to <= from) return;
         for (int s = from; s < to; ++s) {
-          clear[s] *=
-              1.0F - ink(placed.distance(band.x[static_cast<std::size_t>(s)] - centre.x, dy));
+          squared[static_cast<std::size_t>(s - from)] =
+              placed.squared(band.x[static_cast<std::size_t>(s)] - centre.x, dy);
         }
+        ink.cover(squared.data(), to - from, clear + from);
       };
       paint(begin, full_begin);
       std::fill(clear + full_begin, clear + full_end, 0.0F);

@@ -57,9 +57,10 @@ struct BallRenderer::Placed {
     const double half = std::sqrt(root) / kxx, middle = -kxy * dy / kxx;
     return {middle - half, middle + half};
   }
-  double distance(double dx, double dy) const {
-    return std::sqrt(std::max(0.0, (kxx * dx + 2 * kxy * dy) * dx + kyy * dy * dy));
+  double squared(double dx, double dy) const {
+    return (kxx * dx + 2 * kxy * dy) * dx + kyy * dy * dy;
   }
+  double distance(double dx, double dy) const { return std::sqrt(std::max(0.0, squared(dx, dy))); }
 };
 
 // Samples of pixel rows first … last − 1 and columns left … right − 1, with those that the pixel
