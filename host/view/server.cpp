@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -57,7 +58,15 @@ PageAnswer ask(const Answer& answer, const PageRequest& request) {
 void send(PageAnswer answer, httplib::Response& response) {
   response.status = answer.status;
   if (answer.gzipped) response.set_header("Content-Encoding", "gzip");
-  response.set_content(std::move(answer.body), answer.type.c_str());
+  if (answer.body.empty()) return;
+  // Handed out in pieces, since the library would press a whole body with Brotli at its highest
+  // quality, the packed script once more: seconds of work for what never leaves this machine.
+  const auto body = std::make_shared<const std::string>(std::move(answer.body));
+  response.set_content_provider(
+      body->size(), answer.type.c_str(),
+      [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+        return sink.write(body->data() + offset, length);
+      });
 }
 
 }  // namespace
