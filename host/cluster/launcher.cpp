@@ -35,11 +35,8 @@ std::string slurm_job(const Get& get, const char* job) {
   return as_name("slurm-" + text(get, "SLURM_CLUSTER_NAME") + "-" + number);
 }
 
-}  // namespace
-
-Launch tell_launch(const Get& get) {
+Launch stated_launch(const Get& get) {
   Launch launch;
-  launch.array = slurm_job(get, "SLURM_ARRAY_JOB_ID");
   if (const int size = number(get, "OMPI_COMM_WORLD_SIZE", 0); size > 0) {
     launch.by = "mpirun";
     launch.size = size;
@@ -70,6 +67,19 @@ Launch tell_launch(const Get& get) {
     launch.local_rank = number(get, "MPI_LOCALRANKID", 0);
     launch.local_size = number(get, "MPI_LOCALNRANKS", 1);
   }
+  return launch;
+}
+
+}  // namespace
+
+Launch tell_launch(const Get& get) {
+  Launch launch = stated_launch(get);
+  // A rank that its run does not have: what is set was not set by a launcher.
+  if (launch.rank < 0 || launch.rank >= launch.size) launch = Launch();
+  // Slurm tells the tasks of the first machine alone, where others may have more.
+  launch.local_rank = std::clamp(launch.local_rank, 0, launch.size - 1);
+  launch.local_size = std::max(launch.local_size, launch.local_rank + 1);
+  launch.array = slurm_job(get, "SLURM_ARRAY_JOB_ID");
   return launch;
 }
 

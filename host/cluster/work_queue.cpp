@@ -16,6 +16,7 @@ namespace {
 // Members looked after in one look(): a share of many members asks no more of the file system.
 constexpr std::size_t kVisits = 4;
 constexpr std::size_t kBeatEvery = 100;  // pieces, while a queue is made
+constexpr int kManyAttempts = 1000000;   // more are none of ours
 
 std::string ticket_name(const Ticket& ticket) {
   char name[48];
@@ -34,8 +35,10 @@ std::optional<Taken> parse_name(const std::string& name) {
   if (parts.size() != 2 && parts.size() != 4) return std::nullopt;
   Taken taken;
   try {
-    taken.ticket.index = static_cast<std::size_t>(parse_int(parts[0], name));
-    taken.ticket.attempt = static_cast<int>(parse_int(parts[1], name));
+    const std::int64_t index = parse_int(parts[0], name), attempt = parse_int(parts[1], name);
+    if (index < 0 || attempt < 0 || attempt > kManyAttempts) return std::nullopt;
+    taken.ticket.index = static_cast<std::size_t>(index);
+    taken.ticket.attempt = static_cast<int>(attempt);
   } catch (const InvalidArgument&) {
     return std::nullopt;  // an editor's or the file system's own
   }
@@ -170,8 +173,17 @@ std::optional<Ticket> WorkQueue::take_from(const std::string& tray) {
   }
 }
 
+bool WorkQueue::holds_tickets(const std::string& tray) {
+  const std::vector<std::string> names = files_.names_in(path("todo/" + tray));
+  return std::any_of(names.begin(), names.end(),
+                     [](const std::string& name) { return parse_name(name).has_value(); });
+}
+
 std::vector<std::string> WorkQueue::open_trays() {
   std::vector<std::string> trays = files_.names_in(path("todo"));
+  std::erase_if(trays, [this](const std::string& tray) {
+    return barren_.count(tray) != 0 && !holds_tickets(tray);
+  });
   if (!options_.shard) return trays;
   const std::string mine = std::to_string(*options_.shard);
   return std::find(trays.begin(), trays.end(), mine) == trays.end()
@@ -192,9 +204,8 @@ std::optional<Ticket> WorkQueue::take() {
     // all of them.
     const std::string& tray = trays[std::hash<std::string>()(options_.member) % trays.size()];
     if (auto ticket = take_from(tray)) return ticket;
-    if (!files_.remove_folder(path("todo/" + tray)) && files_.exists(path("todo/" + tray))) {
-      return std::nullopt;  // somebody has just put a ticket there; look() will say so
-    }
+    // What cannot be removed has just got a ticket, or holds what is none and stays.
+    if (!files_.remove_folder(path("todo/" + tray))) barren_.insert(tray);
   }
 }
 
@@ -261,7 +272,10 @@ Outlook WorkQueue::look() {
   }
   if (owners.empty()) {
     if (!open_trays().empty()) return Outlook::kWork;
-    return others || !files_.names_in(path("todo")).empty() ? Outlook::kElsewhere : Outlook::kOver;
+    const std::vector<std::string> trays = files_.names_in(path("todo"));
+    others = others || std::any_of(trays.begin(), trays.end(),
+                                   [this](const std::string& tray) { return holds_tickets(tray); });
+    return others ? Outlook::kElsewhere : Outlook::kOver;
   }
   owners.erase(options_.member);
   const std::vector<std::string> order(owners.begin(), owners.end());

@@ -18,6 +18,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -98,6 +99,7 @@ class WorkQueue {
              const std::vector<std::string>& pieces);
   std::optional<Ticket> take_from(const std::string& tray);
   std::vector<std::string> open_trays();
+  bool holds_tickets(const std::string& tray);
   void put_back(const std::string& from, const Ticket& ticket);
   bool watch(const std::string& member);
   void give_up(const std::string& member, const std::vector<std::string>& taken);
@@ -110,6 +112,7 @@ class WorkQueue {
   std::atomic<std::size_t> beats_ = 0;
   std::size_t steps_ = 0, visited_ = 0;
   std::vector<Ticket> hopeless_;
+  std::set<std::string> barren_;  // trays in which something lay that is no ticket
   std::vector<std::string> newly_lost_;
 };
 

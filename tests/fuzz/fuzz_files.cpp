@@ -1,7 +1,9 @@
 // Any bytes as a file that the program reads: each of the readers must give a result or one of the
 // library's errors. The environment's FUZZ_KIND says which reader; scripts/fuzz runs them all.
+#include <impactdic/camera/model.h>
 #include <impactdic/clip.h>
 #include <impactdic/error.h>
+#include <impactdic/live/track_live.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -19,6 +21,7 @@
 #include "host/report/journaled_file.h"
 #include "host/report/resume_file.h"
 #include "host/report/shots_csv.h"
+#include "host/run/batch/shot_line.h"
 #include "host/run/batch_table.h"
 #include "host/run/results/folder_lock.h"
 #include "host/run/results/result_digests.h"
@@ -33,19 +36,35 @@
 #include "sim/shot/shot_table.h"
 #include "sim/shot/track_table.h"
 #include "sim/speckle/motion.h"
+#include "sim/sweep/sweep_job.h"
+#include "tests/fuzz/fuzz_page.h"
+#include "tests/fuzz/fuzz_share.h"
 
 namespace {
 
 namespace fs = std::filesystem;
 using namespace impactdic;
 
-fs::path scratch() {
-  static const fs::path folder = [] {
+struct Scratch {
+  fs::path folder;
+  Scratch() {
     std::string name = (fs::temp_directory_path() / "impactdic_fuzz_XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) std::abort();
-    return fs::path(name);
-  }();
-  return folder;
+    folder = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+};
+const fs::path& scratch() {
+  static const Scratch made;
+  return made.folder;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 void read_frames(const fs::path& path, const OpenOptions& options = {}) {
@@ -104,6 +123,37 @@ void read_journal(const fs::path& path) {
     throw;
   }
 }
+// The standard input of `track --live`.
+void read_stream(const fs::path& path) {
+  for (const int bits : {8, 10, 12, 16}) {
+    const auto stream = open_raw_stream(path.string(), RawLayout{16, 4, bits});
+    Frame frame;
+    try {
+      while (stream->next(frame)) {
+        if (frame.width() != 16 || frame.height() != 4) std::abort();
+      }
+    } catch (const FormatError&) {  // it ends within a frame
+    }
+  }
+}
+// What is read must come back from what we write of it.
+void read_calibration(const fs::path& path) {
+  const Camera camera = read_camera(path.string());
+  write_camera(camera, (scratch() / "again.toml").string());
+  if (read_camera((scratch() / "again.toml").string()).values != camera.values) std::abort();
+}
+void read_sweep(const fs::path& path) {
+  sim::sweep::is_sweep_job(path);
+  const std::string text = sim::sweep::to_toml(sim::sweep::read_sweep_job(path));
+  const fs::path again = scratch() / "again.toml";
+  std::ofstream(again) << text;
+  if (sim::sweep::to_toml(sim::sweep::read_sweep_job(again)) != text) std::abort();
+}
+void read_shot_line(const fs::path& path) {
+  const std::string text = text_of(path);
+  const std::string line = run::to_line(run::parse_shot_line(text, "ticket"));
+  if (run::to_line(run::parse_shot_line(line, "ticket")) != line) std::abort();
+}
 void read_lock(const fs::path&) { const run::FolderLock lock(scratch()); }
 void read_cache(const fs::path& path) {
   // Whatever its name: an entry is believed only where it holds key and digest.
@@ -137,6 +187,16 @@ const std::map<std::string, Kind> kKinds = {
     {"compare_job", {"a.toml", [](const fs::path& path) { sim::compare::read_compare_job(path); }}},
     {"rod_compare_job",
      {"a.toml", [](const fs::path& path) { sim::compare::read_rod_compare_job(path); }}},
+    {"sweep_job", {"a.toml", read_sweep}},
+    {"camera", {"camera.toml", read_calibration}},
+    {"stream", {"a.raw", read_stream}},
+    {"shot_line", {"a.json", read_shot_line}},
+    {"share", {"a.txt", [](const fs::path& path) { fuzz::read_share(text_of(path)); }}},
+    {"launch", {"a.txt", [](const fs::path& path) { fuzz::read_launch(text_of(path)); }}},
+    {"page", {"a.txt", [](const fs::path& path) { fuzz::ask_page(text_of(path), scratch()); }}},
+    {"page_fields", {"fields.h5", fuzz::show_fields}},
+    {"page_job", {"job.toml", fuzz::show_job}},
+    {"target", {"a.raw", [](const fs::path& path) { fuzz::find_target(text_of(path)); }}},
     {"table", {"a.csv", [](const fs::path& path) { CsvTable::read(path); }}},
     {"shot_table", {"a.csv", read_shots_of_table}},
     {"markers", {"a.csv", [](const fs::path& path) { sim::rod::read_markers(path); }}},

@@ -63,6 +63,24 @@ TEST(Launcher, StepsAndArraysOfSlurmHaveNames) {
   EXPECT_EQ(told({{"SLURM_ARRAY_JOB_ID", "9"}}).array, "slurm--9");
 }
 
+TEST(Launcher, ARankThatItsRunLacksIsNone) {
+  for (const char* rank : {"4", "-1", "2147483647"}) {
+    const Launch none = told({{"OMPI_COMM_WORLD_SIZE", "4"}, {"OMPI_COMM_WORLD_RANK", rank}});
+    EXPECT_EQ(none.size, 1) << rank;
+    EXPECT_EQ(none.rank, 0) << rank;
+    EXPECT_EQ(none.by, "") << rank;
+  }
+  // Slurm tells the tasks of the first machine: another one may have more.
+  const Launch step = told({{"SLURM_STEP_ID", "0"},
+                            {"SLURM_STEP_NUM_TASKS", "5"},
+                            {"SLURM_STEP_TASKS_PER_NODE", "1,4"},
+                            {"SLURM_PROCID", "4"},
+                            {"SLURM_LOCALID", "3"}});
+  EXPECT_EQ(step.local_rank, 3);
+  EXPECT_EQ(step.local_size, 4);
+  EXPECT_EQ(told({{"PMI_SIZE", "2"}, {"MPI_LOCALRANKID", "-5"}}).local_rank, 0);
+}
+
 TEST(Launcher, OthersRanksHaveNoName) {
   const Launch rank = told({{"PMI_SIZE", "3"}, {"PMI_RANK", "1"}});
   EXPECT_EQ(rank.size, 3);

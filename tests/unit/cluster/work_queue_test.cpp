@@ -167,6 +167,25 @@ TEST(WorkQueue, APieceThatEndsEveryMemberIsNotTriedForEver) {
   EXPECT_EQ(look(*watcher), Outlook::kOver);
 }
 
+// An editor's copy, a file system's own, a name that no count can hold.
+TEST(WorkQueue, WhatIsNoTicketIsLeftAloneAndKeepsNobody) {
+  MemoryFiles files;
+  Share share(files, 2);
+  const auto a = share.member("a");
+  const std::vector<std::string> strange = {
+      "share/todo/0/000001.0~", "share/todo/0/.nfs0001", "share/todo/0/-1.0",
+      "share/taken/000001.2147483647.0.b", "share/taken/000001.-1.0.b"};
+  for (const std::string& path : strange) files.write(path, "strange");
+  for (int i = 0; i < 2; ++i) {
+    const auto ticket = a->take();
+    ASSERT_TRUE(ticket);
+    EXPECT_TRUE(a->finish(*ticket));
+  }
+  EXPECT_EQ(look(*a), Outlook::kOver);
+  for (const std::string& path : strange) EXPECT_TRUE(files.exists(path)) << path;
+  EXPECT_EQ(a->take_closing(), Closing::kMine);
+}
+
 TEST(WorkQueue, WhoeverEndsInTheLastStepIsFollowedByAnother) {
   MemoryFiles files;
   Share share(files, 1);
