@@ -8,7 +8,7 @@
 
 namespace impactdic::sim::speckle {
 void BallRenderer::paint_discs(const Placed& placed, Band& band) const {
-  std::vector<double> squared(band.x.size());  // distances of a row's samples from the disc's centre
+  std::vector<double> squared(band.x.size());  // distances of samples from the centre, px²
   for (std::size_t i = 0; i < inks_.size(); ++i) {
     const BlurredDisc& ink = inks_[i];
     const Vec centre = placed.discs[i];
