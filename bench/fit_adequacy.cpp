@@ -40,6 +40,7 @@ void run(const char* name, const ImpactJob& truth, const ImpactJob& fitted, int 
   const int told = count([](const Verdict& v) { return v.inadequate || v.named; });
   std::printf("%-52s inadequate %3d, truth ranked first %3d, either %3d of %d\n", name, inadequate,
               named, told, shots);
+  std::fflush(stdout);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ class ContactSystem {
         dynamics_(dynamics),
         request_(request),
         ball_(job.body.shape != BodyShape::kRod),
+        mass_kg_(job.body.mass_kg),
         keeps_direction_(job.friction == FrictionModel::kFullSliding),
         touch_((dynamics.memory = NormalMemory{}, dynamics.contact_point(start))),
         next_kink_m_(normal.next_kink_m(0)),
@@ -61,11 +62,12 @@ class ContactSystem {
   template <typename StateWithin>
   void accepted(const EventInstant<State>& next, double, const StateWithin&) {
     const ContactPoint at = step_end(next.x);
+    ++steps_;
     if (dynamics_.turning()) dynamics_.follow(next.x);
     request_.reach(next.time_s, next.x);
     friction_.step(at, next.time_s);
     record_.step(at.law_n);
-    if (ball_ && sinks_to_rest(at)) resting_ = true;
+    if (ball_ && (sinks_to_rest(at) || (goes_on_and_on() && creeps(at)))) resting_ = true;
   }
 
  private:
@@ -87,6 +89,9 @@ class ContactSystem {
     return at.compressing && at.rate_m_s < 1e-12 * speed &&
            std::abs(at.acceleration_m_s2) * at.deflection_m < 1e-10 * speed * speed;
   }
+  // A sound contact has a dozen switches and a few hundred steps.
+  bool goes_on_and_on() const { return switches_ > 400 || steps_ > 20000; }
+  bool creeps(const ContactPoint& at) const;
   double separation_guard(const ContactPoint& at) const;
   double force_rate(const ContactPoint& at) const;
   void turn(double time_s, const State& x, const ContactPoint& at);
@@ -98,12 +103,15 @@ class ContactSystem {
   ContactDynamics& dynamics_;
   TrajectoryRequest& request_;
   bool ball_;
+  double mass_kg_;
   bool keeps_direction_;  // friction goes on as it was when the contact point has stopped
   ContactPoint touch_;
   double next_kink_m_;
   bool force_rises_ = true;  // in compression
   bool separated_ = false;
   bool resting_ = false;  // the body will not leave
+  int switches_ = 0;
+  long steps_ = 0;
   ContactRecord record_;
 };
 
@@ -117,6 +125,22 @@ double ContactSystem::separation_guard(const ContactPoint& at) const {
       break;
   }
   return at.deflection_m - dynamics_.memory.residual_m;
+}
+
+// The weight hangs on a damper that gives way slowly, maybe for minutes, while all else dies down
+// to rounding. A surface that lets go only at zero deflection keeps a ball whose energy is less
+// than at rest up there: dampers only take.
+bool ContactSystem::creeps(const ContactPoint& at) const {
+  constexpr double kHangs = 1e-3;
+  const double weight = -dynamics_.gravity_n();  // over the mass
+  if (!at.compressing || damping_ != RestitutionDamping::kToZeroDeflection || normal_.adhesive() ||
+      !(std::abs(at.acceleration_m_s2) < kHangs * weight)) {
+    return false;
+  }
+  const double energy_j = 0.5 * mass_kg_ * at.rate_m_s * at.rate_m_s +
+                          normal_.work_j(at.deflection_m, dynamics_.memory) -
+                          mass_kg_ * weight * at.deflection_m;
+  return energy_j < 0;
 }
 
 // Of dP/dt in compression, of a ball. A damper shifts the largest force before the largest
@@ -148,6 +172,7 @@ int ContactSystem::guards(const State& x, Guards& values) const {
 }
 
 void ContactSystem::switch_mode(int guard, double time_s, State& x) {
+  ++switches_;
   const ContactPoint at = dynamics_.contact_point(x);
   switch (guard) {
     case kTurn:
@@ -215,7 +240,7 @@ ContactOutcome integrate_contact(const ImpactJob& job, const NormalLaw& normal,
   EventLimits limits;
   limits.longest_s = 200 * scales.duration_s;
   limits.negligible_s = 1e-12 * scales.duration_s;
-  limits.most_switches = 10000;  // a sound contact has a dozen
+  limits.most_switches = 10000;
   limits.most_steps = 2000000;
   EventIntegrator<ContactSystem, ScaledError> integrator(
       system, ScaledError(job.solver.relative_tolerance, scales.state), limits, start_s, start);

@@ -41,6 +41,11 @@ ContactOutcome ContactRecord::finish(bool separated, const ContactInstant& now,
                                      const NormalLaw& normal, const FrictionLaw& friction) {
   close(open_normal_, now);
   close(open_tangential_, now);
+  // A ball that sinks in without turning is deepest at the end.
+  if (!separated && at.deflection_m > outcome_.max_deflection_m) {
+    outcome_.max_deflection_m = at.deflection_m;
+    outcome_.max_force_n = at.law_n;
+  }
   outcome_.separated = separated;
   outcome_.end_s = now.time_s;
   outcome_.end = *now.x;

@@ -187,13 +187,14 @@ class EventIntegrator {
     int guard = -1;  // none
     double after_s = 0;
   };
+  // Where a law jumps all guards that look at it fall together. Then the first in the system's
+  // order counts, and the others are judged behind the jump.
   Event first_event(double taken, const GuardValues& middle, const GuardValues& end) {
     Event first{-1, taken};
     for (int i = 0; i < end.count; ++i) {
       const double root = guard_root(i, taken, middle.value[i], end.value[i]);
-      if (root < first.after_s || (root == first.after_s && first.guard < 0 && root < taken)) {
-        first = {i, root};
-      }
+      const double apart = first.guard < 0 ? 0 : limits_.negligible_s;
+      if (root < first.after_s - apart) first = {i, root};
     }
     return first;
   }

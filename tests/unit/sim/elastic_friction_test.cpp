@@ -65,6 +65,24 @@ TEST(ElasticFriction, BelowYieldPlasticLawsSlipAsElasticOnes) {
   }
 }
 
+// Jackson and Green's force falls by a step at 1.9 times the yield's compression: a spring that is
+// about to come loose does so there, and what it gives up counts as slip.
+TEST(ElasticFriction, AForceThatDropsLetsAStretchedSpringGo) {
+  ImpactJob job = steel(NormalModel::kJacksonGreen, 0.090847);
+  job.friction = FrictionModel::kTangentialSpring;
+  job.body = {BodyShape::kSolidSphere, 0.929783, 2 * 0.0290001};
+  job.contact.reduced_modulus_pa = 2.45634e9;
+  job.contact.yield_strength_pa = 1.19987e7;
+  job.contact.poisson = 0.37214;
+  job.contact.friction_kinetic = 0.402481;
+  job.contact.tangential_stiffness_n_per_m = 100885;
+  job.contact.residual = ResidualLaw::kKogutEtsion;
+  job.initial.vt_m_s = -0.883825;
+  const ImpactResult result = sim::contact::simulate_impact(job);
+  EXPECT_TRUE(result.separated);
+  EXPECT_NEAR(result.energy.residual_j, 0, 1e-9 * result.energy.kinetic_start_j);
+}
+
 // Springs followed one by one, pressed by the Hertz contact that carries the plastic law's force.
 double springs_tip(const ImpactJob& job, PlasticLoading loading, int springs, int steps) {
   const double m = job.body.mass_kg, radius = job.body.radius_m(), inertia = job.body.inertia();

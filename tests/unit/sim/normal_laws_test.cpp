@@ -167,6 +167,34 @@ TEST(NormalLaws, AHeavyBallSinksToRest) {
   EXPECT_NEAR(load, 2.4 * 9.81 * std::cos(5 * kRadPerDeg), 1e-6);
 }
 
+// It sinks for minutes, and stick and slip follow each other until they are rounding.
+TEST(NormalLaws, ABallThatCreepsIntoTheSurfaceIsHeld) {
+  ImpactJob job;
+  job.normal = NormalModel::kHuntCrossley;
+  job.body = {BodyShape::kSolidSphere, 0.0221208, 2 * 0.0869294};
+  job.contact.stiffness = 4.35086;
+  job.contact.damping_s_per_m = 41.037;
+  job.contact.poisson = 0.40151;
+  job.contact.friction_kinetic = 0.612629;
+  job.surface_angle_deg = -28.1414;
+  job.initial.vt_m_s = -0.103875;
+  job.initial.vn_m_s = -0.048241;
+  job.initial.omega_rad_s = 0.205734;
+  for (const FrictionModel friction : {FrictionModel::kMindlin, FrictionModel::kCoulomb}) {
+    job.friction = friction;
+    const ImpactResult result = sim::contact::simulate_impact(job);
+    EXPECT_FALSE(result.separated);
+    // The ball goes down the slope meanwhile.
+    EXPECT_NEAR(result.energy.residual_j, 0,
+                1e-9 * result.energy.kinetic_start_j + 1e-12 * result.energy.gravity_j);
+    // Spring and damper carry the weight; it is still a little above where the spring alone would.
+    const double weight = 0.0221208 * 9.81 * std::cos(28.1414 * kRadPerDeg);
+    EXPECT_NEAR(result.max_force_n, weight, 1e-3 * weight);
+    EXPECT_LT(result.max_deflection_m, std::pow(weight / 4.35086, 2.0 / 3) * (1 + 1e-9));
+    EXPECT_GT(result.max_deflection_m, 0.1);
+  }
+}
+
 TEST(NormalLaws, FrictionThatFadesLiesBetweenItsLimits) {
   ImpactJob job = sim::job::racket_job();
   job.gravity_m_s2 = 0;
