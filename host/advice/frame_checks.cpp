@@ -67,10 +67,17 @@ std::optional<double> step_width_px(const std::vector<double>& values, int per_p
   return static_cast<double>(first_out - last_in) / per_px;
 }
 
-// Rings about the centre as rows, each free of its mean.
+constexpr double kInner = 0.25, kOuter = 0.92;  // rings that are compared, of the radius
+
+bool rings_are_in_view(const Frame& frame, const Circle& ball) {
+  const double reach = kOuter * ball.r_px + 1;
+  return ball.cx_px >= reach && ball.cy_px >= reach && ball.cx_px <= frame.width() - 1 - reach &&
+         ball.cy_px <= frame.height() - 1 - reach;
+}
+
+// Rings about the centre as rows, each free of its mean. They must be in view.
 cv::Mat unwrapped(const Frame& frame, const Circle& ball) {
   constexpr int kAngles = 720, kRings = 48;
-  constexpr double kInner = 0.25, kOuter = 0.92;  // of the radius
   cv::Mat polar, rings;
   cv::warpPolar(as_floats(frame), polar, cv::Size(kRings, kAngles),
                 cv::Point2f(static_cast<float>(ball.cx_px), static_cast<float>(ball.cy_px)),
@@ -134,6 +141,9 @@ bool is_interlaced(const Frame& frame, const Roi& region) {
 std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,
                                        const Frame& second, const Circle& second_ball) {
   constexpr double kLeastCorrelation = 0.3;
+  if (!rings_are_in_view(first, first_ball) || !rings_are_in_view(second, second_ball)) {
+    return std::nullopt;
+  }
   const cv::Mat a = unwrapped(first, first_ball), b = unwrapped(second, second_ball);
   const double energies = cv::norm(a) * cv::norm(b);
   if (energies <= 0) return std::nullopt;

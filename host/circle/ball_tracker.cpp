@@ -118,8 +118,9 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
     const double vx = (last.fit.circle.cx_px - before.fit.circle.cx_px) / steps;
     const double vy = (last.fit.circle.cy_px - before.fit.circle.cy_px) / steps;
     const double ahead = static_cast<double>(index - last.index);
-    prior.predicted.cx_px += vx * ahead;
-    prior.predicted.cy_px += vy * ahead;
+    const auto [bend_x, bend_y] = ahead == 1 ? fall() : std::pair(0.0, 0.0);
+    prior.predicted.cx_px += vx * ahead + bend_x;
+    prior.predicted.cy_px += vy * ahead + bend_y;
     prior.centre_sd_px = kTracking.steady_px + kTracking.steady_of_step * std::hypot(vx, vy);
     prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * r);
   }
@@ -129,6 +130,18 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
   return prior;
+}
+
+// By how much each step is longer than the one before, px, where the last three frames show a fall.
+std::pair<double, double> BallTracker::fall() const {
+  if (memory_.seen.size() < 3) return {0, 0};
+  const Seen &a = memory_.seen[0], &b = memory_.seen[1], &c = memory_.seen[2];
+  if (b.index != a.index + 1 || c.index != b.index + 1) return {0, 0};
+  const double x = c.fit.circle.cx_px - 2 * b.fit.circle.cx_px + a.fit.circle.cx_px;
+  const double y = c.fit.circle.cy_px - 2 * b.fit.circle.cy_px + a.fit.circle.cy_px;
+  const double bend = std::hypot(x, y);
+  if (bend < kTracking.falls_px || bend > kTracking.falls_of_r * c.fit.circle.r_px) return {0, 0};
+  return {x, y};
 }
 
 BallTracker::Radius BallTracker::radius() const {
@@ -145,7 +158,7 @@ void BallTracker::learn_radius(const CircleFit& fit) {
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
   memory_.seen.push_back({index, fit});
-  if (memory_.seen.size() > 2) memory_.seen.pop_front();
+  if (memory_.seen.size() > 3) memory_.seen.pop_front();
   // Where the rim model could not be learnt it is tried again, but not in every frame.
   if (fit.rim_model == nullptr && index >= memory_.next_learning) {
     memory_.next_learning = index + kTracking.learn_every;
@@ -192,6 +205,10 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
       wide.centre_sd_px = std::max(kTracking.lost_px, kTracking.lost_factor * prior->centre_sd_px);
       wide.rim_sd_px.reset();
       fit = measure_circle(frame, wide, options_.circle);
+      if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
+        wide.centre_sd_px = std::max(wide.centre_sd_px, kTracking.lost_of_r * wide.predicted.r_px);
+        fit = measure_circle(frame, wide, options_.circle);
+      }
     }
     if (is_ball(fit) || fit.status == CircleStatus::kOutOfView) return fit;
   }

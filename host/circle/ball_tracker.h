@@ -24,9 +24,10 @@ struct BallTrackerOptions {
 };
 
 // Follows one ball through frames in order (of time; a step back or a gap is allowed). Predicts
-// with constant velocity from the last two measured frames, measures (measure_circle), and looks
-// in the whole picture (find_ball) in the first frame and after a loss. Learns the free ball's
-// radius as the median of what it measured while the ball was round, and its polarity.
+// with constant velocity from the last two measured frames, or from three as a ball falls in slow
+// film, measures (measure_circle), and looks in the whole picture (find_ball) in the first frame
+// and after a loss. Learns the free ball's radius as the median of what it measured while the ball
+// was round, and its polarity.
 //
 // Not for use from several threads; `follow` spreads the frames over threads itself.
 class BallTracker {
@@ -81,6 +82,7 @@ class BallTracker {
   };
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
+  std::pair<double, double> fall() const;
   // Measures one frame, from the prior or by searching all of it, without a memory.
   CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
                    const Radius& radius, bool* searched = nullptr) const;

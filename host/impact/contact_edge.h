@@ -2,6 +2,8 @@
 // to the impact analysis; pixels, frames, axis n out of the surface.
 #pragma once
 
+#include <impactdic/impact.h>
+
 #include <Eigen/Core>
 
 #include "host/impact/impact_series.h"
@@ -34,6 +36,8 @@ struct ContactEdge {
   double misfit = 0;                     // reduced chi square
   double reach = 0;        // part of the way to the maximum compression that was fitted
   bool law_holds = false;  // the misfit is what chance makes of it
+
+  ContactEdgeResult result() const { return {{instant, sd}, {exponent, exponent_sd}, law_holds}; }
 };
 
 // Beginning: the deflection x follows x'' = -a with a = K x^p + A v/v0 (v = x', v0 at the touch),

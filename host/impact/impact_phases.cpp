@@ -12,6 +12,7 @@
 #include "host/impact/evidence/contact_guess.h"
 #include "host/impact/evidence/more_impacts.h"
 #include "host/impact/evidence/path_evidence.h"
+#include "host/impact/evidence/sparse_flights.h"
 #include "host/impact/flight_fit.h"
 #include "host/impact/flight_spin.h"
 #include "host/impact/free_radius.h"
@@ -27,7 +28,8 @@ constexpr std::size_t kFewestFlightFrames = 6;
 constexpr std::size_t kFewestContactFrames = 8;
 constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
 constexpr double kSignificant = 3;      // deviations that an impulse must stand out by
-constexpr double kEvident = 7;  // logarithm of the odds: the sharpest of some hundred places
+// Logarithm of the odds: the sharpest of some hundred places, and two flights under one gravity.
+constexpr double kEvident = 7, kEvidentFlights = 0;
 
 class Analysis {
  public:
@@ -59,14 +61,32 @@ class Analysis {
     return result_;
   }
 
+  // Of film so slow that few centres show each flight and none the contact.
+  ImpactAnalysis run_sparse() {
+    use_centres(series_);
+    for (const SparseBounce& bounce : sparse_bounces(series_, direction_.n)) {
+      before_ = bounce.before, after_ = bounce.after;
+      guess_.first = before_.last, guess_.last = after_.first;
+      turn_.instant = before_.at;
+      fit_both();
+      if (!is_evident(true, kEvidentFlights) || !is_impact()) continue;
+      // A ball that is pressed in by a third of its radius is so for that long, roughly.
+      contact_ = std::min(static_cast<double>(guess_.last - guess_.first),
+                          free_radius(rows_, before_, after_).px.value / -flights_.state[kVn0]);
+      result_.status = ImpactStatus::kNotResolved;
+      finish();
+      break;
+    }
+    return result_;
+  }
+
  private:
   bool set_flights();
   void limit_flights();
-  void trim(FlightRange& range, bool before) const;
   void fit_both() {
     flights_ = fit_flights(series_, before_, after_, direction_, options_.gravity);
   }
-  bool is_evident(bool with_flights) const;
+  bool is_evident(bool with_flights, double odds = kEvident) const;
   bool is_impact() const;
   void find_contact();
   void refit(double length);
@@ -89,6 +109,7 @@ class Analysis {
   FlightFit flights_;
   TurnInstant turn_;
   ContactEdge start_, end_;
+  double contact_ = 0;  // frames that the surface acts for, as far as is known without its edges
   ImpactAnalysis result_;
 };
 
@@ -111,8 +132,9 @@ bool Analysis::set_flights() {
   after_.last = last_row;
   after_.at = static_cast<double>(guess_.last);
   limit_flights();
-  trim(before_, true);
-  trim(after_, false);
+  const double gravity = options_.gravity.value_or(0.0) * direction_.n;
+  before_ = trimmed(series_, guess_, before_, true, gravity);
+  after_ = trimmed(series_, guess_, after_, false, gravity);
   return true;
 }
 
@@ -123,35 +145,12 @@ void Analysis::limit_flights() {
   after_.last = std::min(after_.last, after_.first + longest);
 }
 
-// Cuts off another impact or a hand: ten frames must go on as those nearer to the contact do.
-void Analysis::trim(FlightRange& range, bool before) const {
-  constexpr std::size_t kBlock = 10;
-  const double gravity = options_.gravity.value_or(0.0) * direction_.n;
-  const auto level = [&](std::size_t first) {  // of the block that starts so far from the contact
-    std::vector<double> steps;
-    for (std::size_t k = first; k < first + kBlock; ++k) {
-      const std::size_t i = before ? range.last - 1 - k : range.first + k;
-      steps.push_back(series_.step_n[i] - gravity * (static_cast<double>(i) - range.at));
-    }
-    return upper_median(finite(steps));
-  };
-  const std::size_t count = range.last - range.first;
-  for (std::size_t first = kBlock; first + kBlock <= count; first += kBlock) {
-    const double near = level(first - kBlock), far = level(first);
-    if (std::isnan(far) || std::abs(far - near) <= 8 * guess_.step_noise + 0.05 * std::abs(near)) {
-      continue;
-    }
-    (before ? range.first : range.last) = before ? range.last - first : range.first + first;
-    return;
-  }
-}
-
-bool Analysis::is_evident(bool with_flights) const {
+bool Analysis::is_evident(bool with_flights, double odds) const {
   const auto longest = static_cast<std::size_t>(options_.flight_frames);
   PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
                    std::min(guess_.last + longest, series_.size() - 1)};
   if (with_flights) span.begin = before_.first, span.end = after_.last;
-  return odds_of_contact(series_, span) > kEvident;
+  return odds_of_contact(series_, span) > odds;
 }
 
 // The surface's impulse must stand out of what gravity alone would show.
@@ -227,7 +226,7 @@ void Analysis::refit(double length) {
 }
 
 void Analysis::find_contact() {
-  const double length = static_cast<double>(guess_.last - guess_.first);
+  const double length = contact_ = static_cast<double>(guess_.last - guess_.first);
   // Centres tell an acceleration worse than steps do.
   const double reach = length / (series_.from_circle ? 5 : 10);
   turn_ = fit_turn(series_, guess_.turn, std::max(4.0, reach), guess_.peak_acceleration,
@@ -296,8 +295,7 @@ void Analysis::place(const ImpactSources& s, bool timed) {
     result_.turn = {turn_.instant, turn_.sd};
     result_.crossing_above_lowest = above_lowest(s, crossing).measured;
   } else {  // somewhere in the contact
-    const double length = static_cast<double>(guess_.last - guess_.first);
-    result_.turn = {result_.crossing.value, std::hypot(result_.crossing.sd, length / 4)};
+    result_.turn = {result_.crossing.value, std::hypot(result_.crossing.sd, contact_ / 4)};
   }
   const double since = s.value[kStart] - s.before.at;
   const auto at_touch = [&](int place, int speed, double pull) {
@@ -307,10 +305,9 @@ void Analysis::place(const ImpactSources& s, bool timed) {
   const double c = std::cos(options_.surface_angle_rad), up = std::sin(options_.surface_angle_rad);
   result_.touch_x = c * t - up * n;
   result_.touch_y = up * t + c * n;
+  if (start_.ok) result_.start = start_.result();
+  if (end_.ok) result_.end = end_.result();
   if (!timed) return;
-  result_.start = {
-      {start_.instant, start_.sd}, {start_.exponent, start_.exponent_sd}, start_.law_holds};
-  result_.end = {{end_.instant, end_.sd}, {end_.exponent, end_.exponent_sd}, end_.law_holds};
   result_.duration =
       noted(result_, ImpactFigure::kContactDuration,
             propagate(s, [](const ImpactSources::Vector& x) { return x[kEnd] - x[kStart]; }));
@@ -331,11 +328,10 @@ ImpactSources Analysis::sources(bool timed) const {
       flights_.covariance - flights_.common;
   part(ErrorSource::kCircle).topLeftCorner<kFlightStates, kFlightStates>() = flights_.common;
   // A contact that was not resolved is taken for an instant, known to its guessed length.
-  const double unresolved = static_cast<double>(guess_.last - guess_.first) / 2;
   s.value[kStart] = timed ? start_.instant : turn_.instant;
   s.value[kEnd] = timed ? end_.instant : turn_.instant;
-  s.add(ErrorSource::kContact, kStart, timed ? start_.sd : unresolved);
-  s.add(ErrorSource::kContact, kEnd, timed ? end_.sd : unresolved);
+  s.add(ErrorSource::kContact, kStart, timed ? start_.sd : contact_ / 2);
+  s.add(ErrorSource::kContact, kEnd, timed ? end_.sd : contact_ / 2);
   const FlightSpin spin0 = flight_spin(series_, before_), spin1 = flight_spin(series_, after_);
   s.value[kSpin0] = spin0.value, s.value[kSpin1] = spin1.value;
   s.add(ErrorSource::kNoise, kSpin0, spin0.noise_sd);
@@ -380,6 +376,10 @@ void Analysis::finish() {
 ImpactAnalysis impact_on_this_side(const std::vector<TrackRow>& rows,
                                    const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
+  if (!is_found(result)) {
+    const ImpactAnalysis sparse = Analysis(rows, options).run_sparse();
+    if (is_found(sparse)) result = sparse;
+  }
   if (is_found(result)) result.space = space_impact(options, result);
   return result;
 }

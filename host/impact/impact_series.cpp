@@ -111,15 +111,17 @@ ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_ang
     series.turn.push_back(motion ? row.rot_deg * kRadPerDeg : kNotMeasured);
     series.turn_sd.push_back(row.rot_sd_deg * kRadPerDeg);
   }
-  series.from_circle = !any_motion;
-  if (!any_motion) {
-    for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-      series.step_t[i] = series.position_t[i + 1] - series.position_t[i];
-      series.step_n[i] = series.position_n[i + 1] - series.position_n[i];
-      series.step_sd[i] = std::hypot(series.position_sd[i], series.position_sd[i + 1]);
-    }
-  }
+  if (!any_motion) use_centres(series);
   return series;
+}
+
+void use_centres(ImpactSeries& series) {
+  series.from_circle = true;
+  for (std::size_t i = 0; i + 1 < series.size(); ++i) {
+    series.step_t[i] = series.position_t[i + 1] - series.position_t[i];
+    series.step_n[i] = series.position_n[i + 1] - series.position_n[i];
+    series.step_sd[i] = std::hypot(series.position_sd[i], series.position_sd[i + 1]);
+  }
 }
 
 }  // namespace impactdic::impact

@@ -48,7 +48,7 @@ struct ImpactSeries {
   std::vector<double> step_t, step_n, step_sd;              // motion from i to i + 1
   std::vector<double> turn, turn_sd;                        // rad, from i to i + 1
   std::optional<SphereSteps> sphere;                        // nullopt: a flat ball
-  bool from_circle = false;  // no motion was measured: steps are differences of positions
+  bool from_circle = false;  // no motion is used: steps are differences of positions
 
   std::size_t size() const { return position_n.size(); }
 };
@@ -57,6 +57,9 @@ struct ImpactSeries {
 // sphere. `radius_sd_px`: of its radius (SphereSteps).
 ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad,
                            std::optional<double> radius_sd_px);
+
+// Takes differences of the centres for steps, as where no motion was measured.
+void use_centres(ImpactSeries& series);
 
 // `count` values that scatter by `scatter` of the deviation which each of them states: the share of
 // its square that they must have in common, beyond chance (three deviations). A steady ball meets

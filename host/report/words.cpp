@@ -100,8 +100,9 @@ std::string in_words(const ImpactFigures& impact) {
     if (std::isfinite(value)) line += say(format, value, sd);
   };
   add(impact.t0.frame, impact.t0.sd_frames, "; contact from frame %.2f +- %.2f");
-  add(impact.t_end.frame, impact.t_end.sd_frames, " to %.2f +- %.2f");
-  if (!impact.t0.known()) {
+  add(impact.t_end.frame, impact.t_end.sd_frames,
+      impact.t0.known() ? " to %.2f +- %.2f" : "; contact to frame %.2f +- %.2f");
+  if (!impact.t0.known() || !impact.t_end.known()) {
     add(impact.t_max_compression.frame, impact.t_max_compression.sd_frames,
         "; at frame %.2f +- %.2f");
   }

@@ -120,6 +120,15 @@ TEST(FrameChecks, TurnOfAnySize) {
   EXPECT_FALSE(advice::turn_between_deg(frames[0], first, other, second).has_value());
 }
 
+// Beyond the picture's edge there is nothing to compare.
+TEST(FrameChecks, TurnOfABallThatThePictureCutsIsNotTold) {
+  const auto frames = testing::render_frames(testing::quick_ball(3, 80), scene(2),
+                                             {pose(98, 101, 10), pose(98, 40, 13)});
+  const Circle whole{98, 101, 80}, cut{98, 40, 80};
+  EXPECT_FALSE(advice::turn_between_deg(frames[0], whole, frames[1], cut).has_value());
+  EXPECT_FALSE(advice::turn_between_deg(frames[1], cut, frames[0], whole).has_value());
+}
+
 TEST(FrameChecks, WovenFieldsAreInterlaced) {
   const auto frames = testing::render_frames(testing::quick_ball(3, 80), scene(2),
                                              {pose(98, 101, 0), pose(101, 101, 0)});

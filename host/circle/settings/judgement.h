@@ -48,13 +48,18 @@ struct TrackingSettings {
   double mad = 1.48;             // σ over the median of a normal deviate's size [definition]
   double radius_sd_of_r = 2e-4;  // the ball's distance from the camera may change a little [hand]
   // Scatter of a prediction: px, and of the velocity (an impact apart).
-  double steady_px = 0.3, steady_of_step = 0.05;     // from two frames [hand]
-  double first_px = 3, first_of_r = 0.05;            // from one [hand]
+  double steady_px = 0.3, steady_of_step = 0.05;  // from two frames [hand]
+  double first_px = 3, first_of_r = 0.05;         // from one [hand]
+  // Steps that differ by so much, px, and at most so much of the radius, are those of a ball that
+  // falls in slow film: the next step differs by as much [hand]. An impact's differ by more.
+  double falls_px = 4, falls_of_r = 0.5;
   double rim_px = 0.3, rim_of_r = 0.005;             // of the shape [hand]
   double between_px = 0.05, between_of_off = 0.125;  // on the line between two frames; the share
                                                      // is that of a parabola's middle over its end
-  double lost_px = 3, lost_factor = 3;               // before the whole picture is searched [hand]
-  double found_sd_px = 1;                            // of find_ball's circle [hand]
+  // Before the whole picture is searched: px, over what was predicted; then as a share of the
+  // radius, for in slow film gravity changes a step by a third of it [hand].
+  double lost_px = 3, lost_factor = 3, lost_of_r = 0.15;
+  double found_sd_px = 1;  // of find_ball's circle [hand]
   // Of a ball that is found anew: share of the rim in view, at least; share that leaves no doubt,
   // and with less e/R and the distance from the known radius, at most [hand]. Arms and shadows of a
   // filmed clip had 0.05 to 0.3 of a rim, or were ovals of 0.15.

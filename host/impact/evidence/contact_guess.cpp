@@ -132,4 +132,27 @@ ContactGuess guess_contact(const ImpactSeries& series, double gravity_n) {
   return fine;
 }
 
+FlightRange trimmed(const ImpactSeries& series, const ContactGuess& guess, FlightRange flight,
+                    bool before, double gravity_n) {
+  constexpr std::size_t kBlock = 10;
+  const auto level = [&](std::size_t first) {  // of the block that starts so far from the contact
+    std::vector<double> steps;
+    for (std::size_t k = first; k < first + kBlock; ++k) {
+      const std::size_t i = before ? flight.last - 1 - k : flight.first + k;
+      steps.push_back(series.step_n[i] - gravity_n * (static_cast<double>(i) - flight.at));
+    }
+    return upper_median(finite(steps));
+  };
+  const std::size_t count = flight.last - flight.first;
+  for (std::size_t first = kBlock; first + kBlock <= count; first += kBlock) {
+    const double near = level(first - kBlock), far = level(first);
+    if (std::isnan(far) || std::abs(far - near) <= 8 * guess.step_noise + 0.05 * std::abs(near)) {
+      continue;
+    }
+    (before ? flight.first : flight.last) = before ? flight.last - first : flight.first + first;
+    break;
+  }
+  return flight;
+}
+
 }  // namespace impactdic::impact

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "host/impact/flight_fit.h"
 #include "host/impact/impact_series.h"
 
 namespace impactdic::impact {
@@ -20,5 +21,10 @@ struct ContactGuess {
 // Looks at the track frame by frame and, where noise hides the contact, at blocks of 2, 4, … 16
 // frames. `gravity_n`: normal acceleration of free flight, px/frame^2 (0 where it is unknown).
 ContactGuess guess_contact(const ImpactSeries& series, double gravity_n);
+
+// `flight`, less another impact or a hand at the end far from the contact: ten frames must go on as
+// those nearer to the contact do. `before`: it is the flight before the contact.
+FlightRange trimmed(const ImpactSeries& series, const ContactGuess& guess, FlightRange flight,
+                    bool before, double gravity_n);
 
 }  // namespace impactdic::impact

@@ -1,0 +1,134 @@
+#include "host/impact/evidence/sparse_flights.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace impactdic::impact {
+namespace {
+
+constexpr std::size_t kFewestCentres = 4;
+constexpr std::size_t kLongestGap = 3;    // frames between two centres of a flight
+constexpr double kLeastBend = 2;          // px/frame^2: less is no film of this kind
+constexpr double kOff = 0.1;              // of the bend: centres on the path lie so near
+constexpr double kNear = 0.5;             // the same where no fit holds them there
+constexpr double kSameBend = 0.15;        // by which the bends of two flights may differ
+constexpr std::size_t kLongestLoss = 20;  // frames between two flights
+
+// Height over time: height(t) = at + speed (t - from) + bend (t - from)^2 / 2.
+struct Parabola {
+  double from = 0, at = 0, speed = 0, bend = 0;
+  double height(double t) const { return at + (t - from) * (speed + (t - from) * bend / 2); }
+  double speed_at(double t) const { return speed + bend * (t - from); }
+};
+
+struct Arc {
+  std::vector<std::size_t> rows;
+  Parabola path;
+};
+
+Parabola fit(const std::vector<double>& heights, const std::vector<std::size_t>& rows) {
+  Parabola path;
+  path.from = static_cast<double>(rows.front() + rows.back()) / 2;
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const std::size_t row : rows) {
+    const double t = static_cast<double>(row) - path.from;
+    const Eigen::Vector3d slopes(1, t, t * t / 2);
+    normal += slopes * slopes.transpose();
+    right += heights[row] * slopes;
+  }
+  const Eigen::Vector3d found = normal.ldlt().solve(right);
+  path.at = found[0], path.speed = found[1], path.bend = found[2];
+  return path;
+}
+
+// Whether all centres lie on the path, and it bends enough, as gravity would have it.
+bool holds(const Arc& arc, const std::vector<double>& heights) {
+  if (!(arc.path.bend < -kLeastBend)) return false;
+  return std::all_of(arc.rows.begin(), arc.rows.end(), [&](std::size_t row) {
+    const double off = heights[row] - arc.path.height(static_cast<double>(row));
+    return std::abs(off) <= kOff * -arc.path.bend;
+  });
+}
+
+// The flights in order of time, each as long as it can be.
+std::vector<Arc> flights(const std::vector<double>& heights) {
+  std::vector<std::size_t> seen;
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    if (std::isfinite(heights[i])) seen.push_back(i);
+  }
+  std::vector<Arc> arcs;
+  for (std::size_t first = 0; first + kFewestCentres <= seen.size();) {
+    Arc longest;
+    Arc arc;
+    for (std::size_t k = first; k < seen.size(); ++k) {
+      if (k > first && seen[k] - seen[k - 1] > kLongestGap) break;
+      arc.rows.push_back(seen[k]);
+      if (arc.rows.size() < kFewestCentres) continue;
+      arc.path = fit(heights, arc.rows);
+      if (!holds(arc, heights)) break;
+      longest = arc;
+    }
+    first += std::max<std::size_t>(longest.rows.size(), 1);
+    if (!longest.rows.empty()) arcs.push_back(std::move(longest));
+  }
+  return arcs;
+}
+
+// When the paths cross between the flights; nullopt where they do not, or not as a ball bounces.
+std::optional<double> crossing(const Arc& before, const Arc& after) {
+  const double first = static_cast<double>(before.rows.back());
+  const double last = static_cast<double>(after.rows.front());
+  if (last - first > static_cast<double>(kLongestLoss)) return std::nullopt;
+  const double bend = (before.path.bend + after.path.bend) / 2;
+  if (std::abs(before.path.bend - after.path.bend) > kSameBend * -bend) return std::nullopt;
+  const auto apart = [&](double t) { return before.path.height(t) - after.path.height(t); };
+  // Before the bounce the path of the flight after it lies below, after it above.
+  double low = first, high = last;
+  if (!(apart(low) > 0) || !(apart(high) < 0)) return std::nullopt;
+  for (int round = 0; round < 50; ++round) {
+    const double middle = (low + high) / 2;
+    (apart(middle) > 0 ? low : high) = middle;
+  }
+  if (!(before.path.speed_at(low) < 0) || !(after.path.speed_at(low) > 0)) return std::nullopt;
+  return low;
+}
+
+// Whether what is seen between the flights is a ball that goes on with the one and then is on the
+// other: a hand or a string bends the path all the way. Of two centres one may be wrong.
+bool flies_between(const std::vector<double>& heights, const Arc& before, const Arc& after,
+                   double at) {
+  int on = 0, off = 0;
+  for (std::size_t i = before.rows.back() + 1; i < after.rows.front(); ++i) {
+    if (!std::isfinite(heights[i])) continue;
+    const double t = static_cast<double>(i);
+    const Parabola& path = t < at ? before.path : after.path;
+    ++(std::abs(heights[i] - path.height(t)) <= kNear * -path.bend ? on : off);
+  }
+  return off <= on + 1;
+}
+
+}  // namespace
+
+std::vector<SparseBounce> sparse_bounces(const ImpactSeries& series, double gravity_n) {
+  if (!(gravity_n < 0)) return {};
+  const std::vector<Arc> arcs = flights(series.position_n);
+  std::vector<SparseBounce> bounces;
+  for (std::size_t i = 0; i + 1 < arcs.size(); ++i) {
+    const Arc &before = arcs[i], &after = arcs[i + 1];
+    const std::optional<double> at = crossing(before, after);
+    if (!at || !flies_between(series.position_n, before, after, *at)) continue;
+    bounces.push_back({{before.rows.front(), before.rows.back(), *at},
+                       {after.rows.front(), after.rows.back(), *at},
+                       after.path.speed_at(*at) - before.path.speed_at(*at)});
+  }
+  std::stable_sort(
+      bounces.begin(), bounces.end(),
+      [](const SparseBounce& a, const SparseBounce& b) { return a.change > b.change; });
+  return bounces;
+}
+
+}  // namespace impactdic::impact
