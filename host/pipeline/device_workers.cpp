@@ -124,8 +124,10 @@ class DeviceWorkers::Turn {
 
 DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
                              const motion::EstimatorOptions& options, const Clip& clip, int ahead,
-                             StageTimes* times, const WorkerStages& stages)
+                             std::function<bool()> cancelled, StageTimes* times,
+                             const WorkerStages& stages)
     : radius_px_(clip.radius_px),
+      cancelled_(std::move(cancelled)),
       crop_(options, clip.radius_px, clip.width, clip.height),
       times_(times),
       stages_(stages),
@@ -191,7 +193,7 @@ DeviceWorkers::Batch DeviceWorkers::submit(const Batch& batch) {
                         Turn placing(*this, placed_, number);
                         Turn planning(*this, planned_, number);
                         Use use(*this, number);
-                        measure(use.worker(), *batch, planning, placing);
+                        return measure(use.worker(), *batch, planning, placing);
                       })});
   return finished;
 }
@@ -200,15 +202,21 @@ DeviceWorkers::Batch DeviceWorkers::take() {
   if (flights_.empty()) return nullptr;
   Flight flight = std::move(flights_.front());
   flights_.pop_front();
-  flight.done.get();
-  return flight.batch;
+  return flight.done.get() ? flight.batch : nullptr;
 }
 
 std::int64_t DeviceWorkers::place_in_group(const TrackBatch& batch) const {
   return batch.own->first_index / batch_ % ahead_;
 }
 
-void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing) {
+// Once it was true it stays so for all: a batch behind a dropped one would leave a gap in the rows.
+bool DeviceWorkers::is_cancelled() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  dropping_ = dropping_ || (cancelled_ && cancelled_());
+  return dropping_;
+}
+
+bool DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing) {
   const std::size_t count = batch.frames.size();
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
@@ -216,19 +224,24 @@ void DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, T
   // A part begins with the last frame of the one before.
   for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
     const std::size_t frames = std::min(slots, count - first);
+    if (is_cancelled()) return false;
     measure_part(worker, batch, first, frames);
     if (!keyframes_) continue;
+    if (is_cancelled()) return false;
     motion::Keyframes::Ahead ahead;
     ahead.frames = chained(batch, first, frames);
     if (ahead_ > 1) register_ahead(worker, batch, ahead, planning, placing);
     placing.wait();
+    if (is_cancelled()) return false;
     place_part(worker, batch, first, ahead);
   }
+  return true;
 }
 
 void DeviceWorkers::register_ahead(Worker& worker, const TrackBatch& batch,
                                    motion::Keyframes::Ahead& ahead, Turn& planning, Turn& placing) {
   planning.wait();
+  if (is_cancelled()) return;  // the batch before may have left no forecast
   if (place_in_group(batch) == 0) {
     placing.wait();
     forecast_->begin(keyframes_->memory());

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -38,10 +39,12 @@ class DeviceWorkers {
   // queue, frames and an estimator of its own. Batches go to the device in as many parts as its
   // memory asks for. `ahead`: batches whose frames are registered against keyframes before the
   // poses of the first of them are known; 1: none is, 0: as suits the devices. Poses depend on it
-  // by a small part of their errors. The engines and `times` (may be null) must outlive the
-  // workers.
+  // by a small part of their errors. Once `cancelled` (may be empty) says so, no work is begun any
+  // more: a batch that is not done is dropped, and with it all behind it. The engines and `times`
+  // (may be null) must outlive the workers.
   DeviceWorkers(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
-                const Clip& clip, int ahead, StageTimes* times, const WorkerStages& stages);
+                const Clip& clip, int ahead, std::function<bool()> cancelled, StageTimes* times,
+                const WorkerStages& stages);
   ~DeviceWorkers();
 
   std::span<const Window> grid() const;
@@ -59,14 +62,16 @@ class DeviceWorkers {
   // all workers are busy it waits for the oldest batch and returns that, else nullptr. What a
   // worker throws comes out here or from `take`.
   Batch submit(const Batch& batch);
-  // Waits for the oldest batch; nullptr where none is left.
+  // Waits for the oldest batch; nullptr where none is left, or it was dropped.
   Batch take();
 
  private:
   struct Worker;
   class Turn;
   class Use;
-  void measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
+  // False where the batch was dropped.
+  bool measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
+  bool is_cancelled();
   void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
   // Registers the batch's frames against keyframes as soon as it is known about where they are.
   void register_ahead(Worker& worker, const TrackBatch& batch, motion::Keyframes::Ahead& ahead,
@@ -79,13 +84,14 @@ class DeviceWorkers {
   std::int64_t place_in_group(const TrackBatch& batch) const;
 
   double radius_px_;
+  std::function<bool()> cancelled_;
   motion::BallCrop crop_;
   StageTimes* times_;
   WorkerStages stages_;
   std::vector<std::unique_ptr<Worker>> workers_;
   struct Flight {
     Batch batch;
-    std::future<void> done;
+    std::future<bool> done;  // whether it was measured
   };
   std::deque<Flight> flights_;  // oldest first
   // Poses are a chain through all frames: batches come to it one after the other. So they do to the
@@ -100,6 +106,7 @@ class DeviceWorkers {
   std::deque<Worker*> free_;
   // Batches that have had a worker, a forecast, and their poses.
   std::int64_t started_ = 0, planned_ = 0, placed_ = 0;
+  bool dropping_ = false;
 };
 
 }  // namespace impactdic::pipeline

@@ -94,7 +94,7 @@ class ClipTracker {
 
   // Measures the circles that `locate` left; safe on several batches at once.
   Batch complete(Batch batch) const {
-    if (!batch) return nullptr;
+    if (!batch || is_cancelled()) return nullptr;
     const StageTimes::Scope timed(options_.times, circle_stage_);
     const FrameBatch& own = *batch->own;
     tracker_.complete(batch->plan, own.frames, batch->fits);
@@ -224,7 +224,7 @@ class ClipTracker {
     clip.batch = batch_;
     clip.batches = (options_.frames.count() - batch.first_index + batch_ - 1) / batch_;
     workers_ = std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead,
-                                               options_.times, worker_stages_);
+                                               options_.cancelled, options_.times, worker_stages_);
     if (point_.keyframes) {
       workers_->restore(*point_.keyframes,
                         [&](std::int64_t index) { return read_frame(source_, options_, index); });

@@ -17,5 +17,6 @@ void bind_track(nanobind::module_& module);
 void bind_correlate(nanobind::module_& module);
 void bind_synth(nanobind::module_& module);
 void bind_models(nanobind::module_& module);
+void bind_sweep(nanobind::module_& module);
 
 }  // namespace impactdic::python

@@ -67,4 +67,5 @@ NB_MODULE(_impactdic, module) {
   impactdic::python::bind_correlate(module);
   impactdic::python::bind_synth(module);
   impactdic::python::bind_models(module);
+  impactdic::python::bind_sweep(module);
 }

@@ -71,7 +71,8 @@ std::vector<double> numbers(nb::handle value, std::size_t count, const std::stri
 }
 
 void assign(nb::handle value, bool& to, const std::string& where) {
-  const bool numpys = std::string(Py_TYPE(value.ptr())->tp_name).find("bool") != std::string::npos;
+  const bool numpys =
+      nb::cast<std::string>(value.type().attr("__name__")).find("bool") != std::string::npos;
   if (!numpys) refuse(value, where, "True or False");
   to = PyObject_IsTrue(value.ptr()) == 1;
 }

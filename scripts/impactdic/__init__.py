@@ -23,7 +23,7 @@ _LATER = {
     "Ball": "run", "ResultWarning": "run", "batch": "run", "correlate": "run", "track": "run",
     "track_blocks": "run", "Clip": "clip", "open": "clip", "Batch": "shot", "Shot": "shot",
     "Fit": "models", "Simulation": "models", "fit": "models", "simulate": "models",
-    "synth": "models", "devices": "engine", "to_mat": "export", "to_vtk": "export",
+    "sweep": "sweep", "synth": "models", "devices": "engine", "to_mat": "export", "to_vtk": "export",
 }
 
 __all__ = ["BuildError", "Error", "FileError", "FormatError", "InvalidArgument", "MissingPackage",

@@ -13,7 +13,7 @@ _POSE = ("cx_px", "cy_px", "angle_deg", "compression", "compression_axis_deg", "
          "z_px", "qw", "qx", "qy", "qz")
 
 
-def _read_job(job):
+def read_job(job):
     """A job as a dictionary: given as one, or the path of a TOML file."""
     if isinstance(job, dict):
         return dict(job)
@@ -60,7 +60,7 @@ def synth(*, velocity_px=None, spin_deg=None, poses=None, simulate=None, progres
     if poses is not None:
         options["poses"] = _pose_rows(poses)
     if simulate is not None:
-        job = _read_job(simulate)
+        job = read_job(simulate)
         options["simulate"] = {key: job[key] for key in job if key != "output"}
     if len([key for key in ("poses", "simulate") if key in options]) > 1 or (
             ("poses" in options or "simulate" in options) and (velocity_px is not None
@@ -140,7 +140,7 @@ def simulate(job, *, rate_hz=0.0, times_s=()):
     (normal, friction, preset, body, contact, surface, initial, environment, solver), or its file.
     rate_hz: points of the path a second, 0: 200 over the first contact; or times_s, ascending.
     Returns a Simulation. Raises InvalidArgument naming the key."""
-    job = _read_job(job)
+    job = read_job(job)
     output = job.pop("output", None) or {}
     return Simulation(engine.module().simulate(job, float(rate_hz or output.get("rate_hz", 0)),
                                                [float(t) for t in times_s]))

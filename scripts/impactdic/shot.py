@@ -85,8 +85,9 @@ class Shot(Result):
         return Shot(target, self.ball)
 
     def report(self, path=None):
-        """Writes one page that needs nothing but a browser, as `impactdic report` does: to `path`,
-        else to report.html in the folder. Returns the path."""
+        """Writes one page that needs nothing but a browser, that of `impactdic report`: to `path`,
+        else to report.html in the folder, with its figures as files in `figures`. Returns the
+        path."""
         return _report(self, path)
 
     def to_vtk(self, folder):
@@ -132,7 +133,9 @@ def _report(result, path):
     from .report.__main__ import make
 
     ball = getattr(result, "ball", None)
-    make(result.folder, mass_kg=ball.mass_g / 1e3 if ball is not None and ball.mass_g else None)
+    # Figures as files take four times as long as the page.
+    make(result.folder, mass_kg=ball.mass_g / 1e3 if ball is not None and ball.mass_g else None,
+         page_alone=path is not None)
     page = result.folder / "report.html"
     if path is None:
         return page

@@ -41,7 +41,7 @@ def film():
 @pytest.fixture(scope="session")
 def impact_film():
     """The impact above in 110 pictures."""
-    return idic.synth(simulate=IMPACT, radius_px=45, size=(160, 160), fps=FPS)
+    return idic.synth(simulate=IMPACT, radius_px=30, size=(112, 112), fps=FPS)
 
 
 @pytest.fixture(scope="session")

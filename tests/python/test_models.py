@@ -123,7 +123,7 @@ rivals = true
     told = {row["parameter"]: row for row in fit.shots[0]["parameters"]}
     for name, wanted in stored["shots"][0]["parameters"].items():
         assert told[name]["value"] == wanted["value"] and told[name]["sd"] == wanted["sd"], name
-    assert abs(told["stiffness_n_per_m"]["value"] / 13385 - 1) < 0.05  # of a film of 45 px radius
+    assert abs(told["stiffness_n_per_m"]["value"] / 13385 - 1) < 0.05  # of a film of 30 px radius
     assert len(fit.rivals) > 3 and fit.rivals["above_best"].min() == 0
     assert fit.parameters["parameter"].tolist() == ["stiffness_n_per_m", "damping_n_s_per_m"]
     assert "stiffness" in repr(fit)

@@ -82,6 +82,7 @@ def test_figures_page_and_exports(impact_shot, tmp_path):
         impact_shot.plot.nothing
     page = impact_shot.report(tmp_path / "page.html")
     assert "restitution" in page.read_text()
+    assert not (impact_shot.folder / "figures").exists()
 
 
 def test_vtk(impact_shot, tmp_path):
@@ -106,7 +107,7 @@ def test_vtk(impact_shot, tmp_path):
     moved = array("displacement", "<f8")
     assert np.allclose(moved[:, 0], scale * fields["u_px"].values[found])
     assert np.allclose(moved[:, 1], -scale * fields["v_px"].values[found])
-    assert np.allclose(array("points", "<f8")[:, 1], scale * (159 - fields["y_px"].values[found]))
+    assert np.allclose(array("points", "<f8")[:, 1], scale * (111 - fields["y_px"].values[found]))
 
 
 def test_mat(impact_shot, tmp_path):
@@ -155,16 +156,16 @@ def test_ctrl_c_returns_what_was_measured(film):
 
     def press():
         seen.wait(60)
-        pressed.append(time.monotonic())
+        pressed.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
     threading.Thread(target=press).start()
     with pytest.warns(idic.ResultWarning, match="stopped"):
         shot = idic.track(long_clip(film[0]), on_frame=lambda *_: seen.set())
-    late = time.monotonic() - pressed[0]
+    spent = time.process_time() - pressed[0]
     assert shot.cancelled and 0 < len(shot.track) < 100000
     assert shot.track["status"].iloc[0] == "ok"
-    assert late < 10, late  # a second where nothing else runs; a test machine may be busy
+    assert spent < 1, spent  # s of processor time: a busy machine spends no more of it
 
 
 def test_a_handler_that_raises_is_heard(film):

@@ -11,12 +11,15 @@ from ..results import load, read_table, shots_of
 from .first import First, sentence_of_shots
 
 
+# Modules, and Debian's packages of them.
+NEEDED = {"numpy": "python3-numpy", "h5py": "python3-h5py", "matplotlib": "python3-matplotlib",
+          "plotly": "python3-plotly", "rjsmin": "python3-rjsmin"}
+
+
 def missing_packages():
     from importlib.util import find_spec
 
-    needed = {"numpy": "python3-numpy", "h5py": "python3-h5py", "matplotlib": "python3-matplotlib",
-              "plotly": "python3-plotly", "rjsmin": "python3-rjsmin"}
-    return [package for module, package in needed.items() if find_spec(module) is None]
+    return [package for module, package in NEEDED.items() if find_spec(module) is None]
 
 
 def versions():
@@ -119,15 +122,18 @@ class Report:
         if not self.subtitle:
             self.subtitle = f"Results of impactdic {models.kind_of(folder)}."
 
-    def write(self, jobs):
+    def write_page(self):
         from . import page
 
+        page.write(self.folder / "report.html", f"{self.kind}: {self.folder.resolve().name}",
+                   self.first, self.subtitle, self.warnings, self.figures, self.tables, self.texts)
+
+    def write(self, jobs):
         into = self.folder / "figures"
         into.mkdir(exist_ok=True)
         with ProcessPoolExecutor(max_workers=jobs) as pool:
             drawing = [pool.submit(_save, figure, into) for figure in self.figures]
-            page.write(self.folder / "report.html", f"{self.kind}: {self.folder.resolve().name}",
-                       self.first, self.subtitle, self.warnings, self.figures, self.tables, self.texts)
+            self.write_page()
             for done in drawing:
                 done.result()
 
@@ -142,9 +148,9 @@ def _save(figure, into):
     draw.save(figure, into)
 
 
-def make(folder, program=None, threads=0, mass_kg=None):
-    """Draws the figures of the results in `folder` and writes report.html there; returns what
-    stands on the page. `program`: the impactdic that integrates models; none: they are left out.
+def make(folder, program=None, threads=0, mass_kg=None, page_alone=False):
+    """Writes report.html into `folder`, and the figures of the results as files unless `page_alone`;
+    returns what stands on the page. `program`: the impactdic that integrates models; none: they are left out.
     `mass_kg`: the ball's; none: what a table of shots or a job of fit and compare says of it.
     Raises ResultError, MissingPackage."""
     folder = Path(folder)
@@ -156,7 +162,10 @@ def make(folder, program=None, threads=0, mass_kg=None):
         raise ResultError("there is no such folder", folder)
     report = Report(folder, program, mass_kg)
     report.gather()
-    report.write(threads or os.cpu_count() or 1)
+    if page_alone:
+        report.write_page()
+    else:
+        report.write(threads or os.cpu_count() or 1)
     return report
 
 
