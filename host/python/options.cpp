@@ -71,9 +71,9 @@ std::vector<double> numbers(nb::handle value, std::size_t count, const std::stri
 }
 
 void assign(nb::handle value, bool& to, const std::string& where) {
-  const bool numpys =
-      nb::cast<std::string>(value.type().attr("__name__")).find("bool") != std::string::npos;
-  if (!numpys) refuse(value, where, "True or False");
+  const nb::str kind(value.type().attr("__name__"));  // bool, and numpy's bool_
+  if (std::string(kind.c_str()).find("bool") == std::string::npos)
+    refuse(value, where, "True or False");
   to = PyObject_IsTrue(value.ptr()) == 1;
 }
 void assign(nb::handle value, int& to, const std::string& where) { to = whole<int>(value, where); }

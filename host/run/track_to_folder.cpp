@@ -8,6 +8,7 @@
 
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
+#include "host/base/toml_text.h"
 #include "host/report/advice_json.h"
 #include "host/report/impact_json.h"
 #include "host/report/picture/key_frames.h"
@@ -83,6 +84,14 @@ nlohmann::json describe_camera(const TrackRequest& request, const TrackResult& r
           {"ball_before_plane_m", measured(camera.before_plane_m)}};
 }
 
+// The whole calibration, so that fields can be put into metres where its file is not.
+void describe_calibration(const TrackRequest& request, report::Attributes& attributes) {
+  constexpr std::size_t kMostBytes = 60000;  // HDF5 takes attributes of less than 64 KB
+  if (request.camera.empty()) return;
+  std::string text = read_toml_text(request.camera);
+  if (text.size() <= kMostBytes) attributes["camera_calibration"] = std::move(text);
+}
+
 nlohmann::json describe_times(const FrameTimes& times) {
   nlohmann::json described = {{"from_file", times.measured}, {"missing_frames", times.missing}};
   described["jitter_s"] = times.measured ? nlohmann::json(times.jitter_s) : nlohmann::json(nullptr);
@@ -152,6 +161,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   options.folder = path;
   options.attributes = run::attributes_of(session, run.info());
   settings.describe(options.attributes);
+  describe_calibration(request, options.attributes);
   run::visit_session(settings, session.options());
   options.rows = result.frames.count();
   options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);

@@ -9,6 +9,7 @@ from .tables import unit_of
 # Of fields.h5, and of what the engine hands over.
 STATUS = ("ok", "masked", "no_texture", "low_correlation", "at_search_edge", "not_converged",
           "out_of_view")
+SCHEMA = 1  # the newest schema_version of fields.h5 that is known here
 _WORDS = {
     "x_px": "centre of the window, x right", "y_px": "centre of the window, y down",
     "u_px": "displacement, x right", "v_px": "displacement, y down",
@@ -44,6 +45,25 @@ def dataset(columns, frames, fps, attributes):
     return xarray.Dataset(rows, coords=coordinates, attrs=attributes)
 
 
+def open_file(path):
+    """fields.h5 as an h5py.File, of this or an older schema. Files without `schema_version` are of
+    schema 0: the same datasets, without the group for viewers and the words of `status`."""
+    h5py = engine.package("h5py", "a displacement field")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise ResultError("cannot read the displacement fields", path, error) from error
+    version = float(np.ravel(file.attrs.get("schema_version", 0))[0])
+    missing = [name for name in ("time", "frame", "status") if name not in file]
+    if version <= SCHEMA and not missing:
+        return file
+    file.close()
+    if missing:
+        raise ResultError(f"this is no file of displacement fields: it has no {missing[0]}", path)
+    raise ResultError(f"the displacement fields have schema {version:g}, this version reads up to "
+                      f"{SCHEMA}", path, "a newer impactdic")
+
+
 def open_fields(path):
     """fields.h5 as it lies on the disk: values are read when they are asked for."""
     xarray = engine.package("xarray", "a displacement field")
@@ -51,10 +71,7 @@ def open_fields(path):
     from xarray.core import indexing
 
     h5py = engine.package("h5py", "a displacement field")
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise ResultError("cannot read the displacement fields", path, error) from error
+    file = open_file(path)
 
     class Stored(BackendArray):
         def __init__(self, data):

@@ -23,6 +23,8 @@ def read_table(path):
             rows = list(csv.reader(file))
     except OSError as error:
         raise ResultError("cannot read the table", path, error.strerror) from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ResultError("the table is no text", path, error) from error
     if not rows:
         raise ResultError("the table is empty", path)
     header, rows = rows[0], [row for row in rows[1:] if row]
@@ -117,14 +119,11 @@ class Result:
         """The windows of one frame that were found, as a dictionary of arrays: x_px, y_px (their
         centres), u_px, v_px (displacement to the next frame), correlation and more."""
         from . import engine
+        from .fields import open_file
 
         path = self.folder / "fields.h5"
         h5py = engine.package("h5py", "a displacement field")
-        try:
-            file = h5py.File(path, "r")
-        except OSError as error:
-            raise ResultError("cannot read the displacement fields", path, error) from error
-        with file:
+        with open_file(path) as file:
             rows = np.flatnonzero(file["frame"][:] == frame)
             if len(rows) == 0:
                 raise ResultError(f"there is no field of frame {frame}", path)

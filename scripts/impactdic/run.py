@@ -1,5 +1,6 @@
 """The measurements: track, batch, correlate."""
 
+import numbers
 import tempfile
 import warnings
 from dataclasses import dataclass
@@ -127,8 +128,11 @@ def track_blocks(pictures, ball=None, *, block=256, **options):
     that no motion is lost. Scale and impact are worked out from each block alone.
     options: as `track`; block: pictures at a time, 2 or more.
     """
-    if not block >= 2:
-        raise InvalidArgument("a motion needs two pictures", "block")
+    if not isinstance(block, numbers.Integral) or block < 2:
+        raise InvalidArgument("a motion needs two pictures", "block", "a whole number, 2 or more")
+    if not hasattr(pictures, "__iter__"):
+        raise InvalidArgument(f"a {type(pictures).__name__} gives no pictures", "pictures",
+                              "an iterator of arrays (height, width)")
     for offset, some, last in blocks_of(pictures, block):
         shot = track(list(some), ball, **options)
         table = shot.track

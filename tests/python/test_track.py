@@ -224,6 +224,21 @@ def test_blocks_of_a_clip_without_end(film):
     assert np.allclose(dx, whole["dx_px"], atol=1e-3, equal_nan=True)  # px; noise-free pictures
 
 
+def test_a_clip_that_never_ends(film):
+    taken = []
+
+    def camera():
+        while True:
+            taken.append(len(taken))
+            yield film[0][len(taken) % 12]
+
+    shots = idic.track_blocks(camera(), block=5, no_field=True)
+    last = [next(shots) for _ in range(3)][-1]
+    assert last.track["frame"].tolist() == [8, 9, 10, 11]
+    assert len(taken) <= 3 * 5 + 4  # pictures are asked for as they are needed
+    shots.close()
+
+
 @pytest.mark.parametrize("options, words", [
     ({"windows": 15}, "windows"),
     ({"window": 4}, "window"),
