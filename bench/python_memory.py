@@ -32,7 +32,7 @@ def read_map(gigabytes, side):
         mapped = np.memmap(file.name, np.uint8, "r", shape=(count, side, side))
         start = time.monotonic()
         # A strip alone is looked at; it touches every page of the file.
-        shot = idic.track(mapped, no_field=True, radius_px=(20, 60), roi=(0, 0, 128, side))
+        shot = idic.track(mapped, no_field=True, radius_px=(20, 28), roi=(0, 0, 64, side))
         seconds = time.monotonic() - start
     print(f"{count} frames, {mapped.nbytes / 1e9:.1f} GB, {len(shot.track)} rows in {seconds:.0f} s; "
           f"the process held {megabytes('VmHWM'):.0f} MB at most")
