@@ -1,5 +1,7 @@
 #include "host/app/command.h"
 
+#include <impactdic/safety/sandbox.h>
+
 #include <memory>
 #include <vector>
 
@@ -24,6 +26,12 @@ void add_common_options(CLI::App& command, Common& common) {
   command.add_option_function<std::string>(
       "--job", [&command](const std::string& file) { apply_job(command, file); },
       "TOML file with any of these options under their long names; those on the command line win");
+}
+
+void add_sandbox_option(CLI::App& command) {
+  command.add_flag_callback(
+      "--no-sandbox", [] { set_sandbox(false); },
+      "Decode AVI, MP4, MOV and MKV in this program, not in a process of their own");
 }
 
 std::filesystem::path prepare_output_directory(const std::string& dir, bool force) {

@@ -24,6 +24,9 @@ struct Common {
 // stand in the job file too, under its long name without the dashes (see job.h).
 void add_common_options(CLI::App& command, Common& common);
 
+// Of a command that reads clips: --no-sandbox.
+void add_sandbox_option(CLI::App& command);
+
 // Checks of an option's value.
 using cli::non_negative_number;
 using cli::positive_number;

@@ -12,7 +12,7 @@ namespace {
 
 // Options that belong to one run, not to the job.
 const std::set<std::string> kNotInJobs = {"output", "job",     "help",  "help-all", "quiet",
-                                          "v",      "verbose", "force", "resume"};
+                                          "v",      "verbose", "force", "resume",   "no-sandbox"};
 
 std::string key_of(const CLI::Option& option) {
   const auto& longs = option.get_lnames();

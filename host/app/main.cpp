@@ -91,8 +91,8 @@ int run(int argc, char** argv) {
     return report(error.line(), kFailed);
   } catch (const std::bad_alloc&) {
     return report("out of memory", kFailed);
-  } catch (const std::exception& error) {
-    return report(error.what(), kFailed);
+  } catch (const std::exception& error) {  // of a library: it may have several lines
+    return report(impactdic::Error(error.what()).line(), kFailed);
   }
 }
 

@@ -1,5 +1,6 @@
 // Which reader takes a clip.
 #include <impactdic/error.h>
+#include <impactdic/safety/sandbox.h>
 
 #include <filesystem>
 
@@ -8,6 +9,7 @@
 #include "host/video/format/readers.h"
 #include "host/video/natural_order.h"
 #include "host/video/picture_size.h"
+#include "host/video/sandbox/codec_process.h"
 
 namespace impactdic::video {
 namespace {
@@ -26,6 +28,7 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const OpenOption
     case FileKind::kPicture:
       return open_image_sequence({path}, options);
     case FileKind::kContainer:
+      if (has_codecs() && has_sandbox()) return sandbox::open(path, options);
       return codec_module(path, "convert the clip to TIFF, or build with IMPACTDIC_CODECS")
           .open(path, options);
     case FileKind::kUnknown:

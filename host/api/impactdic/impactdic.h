@@ -23,6 +23,7 @@
 #include <impactdic/models/sweep.h>
 #include <impactdic/rod.h>
 #include <impactdic/rod_model.h>
+#include <impactdic/safety/sandbox.h>
 #include <impactdic/simulate.h>
 #include <impactdic/study.h>
 #include <impactdic/synth.h>

@@ -66,6 +66,7 @@ void add_batch_command(CLI::App& app) {
       ->capture_default_str();
   OptionAdder add(*command);
   run::visit_reading(add, request.track.clip);
+  add_sandbox_option(*command);
   run::visit_track_settings(add, request.track, request.output);
   add_common_options(*command, options->common);
   command->footer(

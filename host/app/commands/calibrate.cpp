@@ -83,6 +83,7 @@ void add_calibrate_command(CLI::App& app) {
       ->expected(4);
   number("--marks-sd-px", request.marks_sd_px, "Standard deviation of a mark along an axis");
   add_common_options(*command, options->common);
+  add_sandbox_option(*command);
   command->footer(
       "Writes camera.toml and, beside it, a drawing of the residuals (.svg).\n"
       "Example:\n  impactdic calibrate 'target/*.png' --cells 10x7 --pitch-mm 12 -o camera.toml\n");

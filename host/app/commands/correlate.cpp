@@ -32,6 +32,7 @@ void add_correlate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   OptionAdder add(*command);
   run::visit_correlate(add, options->request, options->folder);
+  add_sandbox_option(*command);
   command->add_option("-o,--output", options->folder.folder, "Folder for the results")->required();
   command->add_flag("--resume", options->folder.resume,
                     "Go on where an earlier run into the folder ended");

@@ -99,6 +99,7 @@ void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   OptionAdder add(*command);
   run::visit_clip(add, options->request.clip);
+  add_sandbox_option(*command);
   command
       ->add_option("--window", options->request.field.window_px,
                    "Side of an interrogation window, px")

@@ -73,6 +73,7 @@ void add_track_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   OptionAdder add(*command);
   run::visit_clip(add, options->request.clip);
+  add_sandbox_option(*command);
   command->add_option("-o,--output", options->folder.folder, "Folder for the results");
   run::visit_track_settings(add, options->request, options->folder);
   command->add_flag("--resume", options->folder.resume,

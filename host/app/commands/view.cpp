@@ -51,6 +51,7 @@ void add_view_command(CLI::App& app) {
       ->required();
   OptionAdder add(*command);
   run::visit_reading(add, options->clip);
+  add_sandbox_option(*command);
   command->add_option("--port", options->port, "Port of the page; 0 takes a free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();

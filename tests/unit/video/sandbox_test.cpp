@@ -1,0 +1,166 @@
+// Containers in a process of their own: the same frames, few rights, and no harm where it ends.
+#include <gtest/gtest.h>
+#include <impactdic/error.h>
+#include <impactdic/safety/sandbox.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "host/video/codec_module.h"
+#include "tests/support/video.h"
+
+namespace impactdic {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::random_frame;
+using testing::same_pixels;
+using testing::ScratchFolder;
+
+constexpr int kWidth = 40, kHeight = 24, kFrames = 50;
+
+std::string write_avi(const ScratchFolder& folder) {
+  const std::string path = folder.file("a.avi");
+  ClipInfo info;
+  info.width = kWidth;
+  info.height = kHeight;
+  info.fps = 1000;
+  const auto sink = video::codec_module(path, "").open_sink(path, video::SinkFormat::kAvi, info);
+  for (int i = 0; i < kFrames; ++i) sink->write(random_frame(kWidth, kHeight, 8, 100u + i));
+  sink->finish();
+  return path;
+}
+
+// Of this process, those of the program that decodes.
+std::vector<pid_t> decoders() {
+  std::vector<pid_t> found;
+  for (const auto& task : fs::directory_iterator("/proc/self/task")) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) found.push_back(child);
+  }
+  return found;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+TEST(Sandbox, GivesWhatTheCodecsGiveInAnyOrder) {
+  const ScratchFolder folder;
+  const std::string path = write_avi(folder);
+  const auto inside = video::codec_module(path, "").open(path, {});
+  const auto clip = video::open_video({path});
+  ASSERT_EQ(decoders().size(), 1u);
+  EXPECT_EQ(clip->info().frame_count, kFrames);
+  EXPECT_EQ(clip->info().format, inside->info().format);
+  EXPECT_EQ(clip->info().storage, inside->info().storage);
+  EXPECT_EQ(clip->info().fps, inside->info().fps);
+  EXPECT_EQ(clip->info().warnings, inside->info().warnings);
+  Frame frame;
+  for (const int k : {0, 1, 2, 3, 9, 8, 7, 30, 31, 29, 0, 49, 48, 49, 12}) {
+    clip->read(k, frame);
+    EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 8, 100u + k))) << k;
+  }
+  EXPECT_THROW(clip->read(kFrames, frame), InvalidArgument);
+}
+
+TEST(Sandbox, ThreadsShareAClip) {
+  const ScratchFolder folder;
+  const auto clip = video::open_video({write_avi(folder)});
+  std::atomic<int> next = 0, wrong = 0;
+  const auto work = [&] {
+    Frame frame;
+    for (int k = next++; k < kFrames; k = next++) {
+      clip->read(k, frame);
+      wrong += !same_pixels(frame, random_frame(kWidth, kHeight, 8, 100u + k));
+    }
+  };
+  std::thread first(work), second(work);
+  work();
+  first.join();
+  second.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Sandbox, TheProcessHasFewRightsAndEndsWithItsClip) {
+  const ScratchFolder folder;
+  const std::ofstream secret(folder.file("secret"));
+  auto clip = video::open_video({write_avi(folder)});
+  const auto running = decoders();
+  ASSERT_EQ(running.size(), 1u);
+  const fs::path process = "/proc/" + std::to_string(running.front());
+  EXPECT_NE(text_of(process / "limits").find("Max file size             0 "), std::string::npos);
+  EXPECT_NE(text_of(process / "limits").find("Max open files            64 "), std::string::npos);
+  EXPECT_NE(text_of(process / "status").find("NoNewPrivs:\t1"), std::string::npos);
+  for (const auto& entry : fs::directory_iterator(process / "fd")) {
+    std::error_code gone;
+    EXPECT_NE(fs::read_symlink(entry.path(), gone).filename(), "secret");
+  }
+  clip.reset();
+  EXPECT_TRUE(decoders().empty());
+  EXPECT_FALSE(fs::exists(process));
+}
+
+TEST(Sandbox, AProcessThatEndsIsAnErrorOfItsFile) {
+  const ScratchFolder folder;
+  const auto clip = video::open_video({write_avi(folder)});
+  Frame frame;
+  clip->read(0, frame);
+  for (const pid_t child : decoders()) ::kill(child, SIGSEGV);
+  const auto began = std::chrono::steady_clock::now();
+  try {
+    // What was decoded ahead may still come.
+    for (int k = 1; k < kFrames; ++k) clip->read(k, frame);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const FormatError& error) {
+    EXPECT_NE(error.line().find("a.avi"), std::string::npos) << error.line();
+    EXPECT_NE(error.line().find("signal 11"), std::string::npos) << error.line();
+  }
+  EXPECT_THROW(clip->read(5, frame), FormatError);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
+}
+
+TEST(Sandbox, ErrorsAreThoseOfTheCodecs) {
+  const ScratchFolder folder;
+  const std::string path = write_avi(folder);
+  OpenOptions small;
+  small.max_megapixels = 0.0005;
+  EXPECT_THROW(video::open_video({path}, small), FormatError);
+  auto bytes = testing::file_bytes(path);
+  std::fill(bytes.begin() + 100, bytes.end(), '\x5a');
+  testing::write_bytes(folder / "a.avi", bytes);
+  const auto line = [&](const auto& open) -> std::string {
+    try {
+      open();
+      return "";
+    } catch (const FormatError& error) {
+      return error.line();
+    }
+  };
+  const std::string inside = line([&] { video::codec_module(path, "").open(path, {}); });
+  EXPECT_NE(inside, "");
+  EXPECT_EQ(line([&] { video::open_video({path}); }), inside);
+  EXPECT_TRUE(decoders().empty());
+}
+
+TEST(Sandbox, CanBeLeftOut) {
+  const ScratchFolder folder;
+  const std::string path = write_avi(folder);
+  set_sandbox(false);
+  const auto clip = video::open_video({path});
+  set_sandbox(true);
+  EXPECT_TRUE(decoders().empty());
+  Frame frame;
+  clip->read(7, frame);
+  EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 8, 107u)));
+}
+
+}  // namespace
+}  // namespace impactdic
