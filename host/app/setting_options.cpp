@@ -16,6 +16,8 @@ std::map<std::string, CLI::Validator> checks() {
       {"surface-angle-sd-deg", positive_number()},
       {"drop-height-mm", positive_number()},
       {"inertia-factor", CLI::Range(0.01, 1.0)},
+      {"distance-mm", positive_number()},
+      {"distance-sd-mm", positive_number()},
       {"slow-motion", non_negative_number()},
       {"arrow-scale", positive_number()},
       {"compress", CLI::Range(0, 9)},

@@ -91,6 +91,8 @@ void RowCorrection::correct_pose(const std::vector<TrackRow>& seen, TrackRow& ro
   pose.x_px = corrected.x();
   pose.y_px = corrected.y();
   spread(slope / metre_per_px_, pose.x_sd_px, pose.y_sd_px);
+  pose.key_dx_px = pose.key_dy_px = kNotMeasured;  // as the camera saw it
+  pose.key_rot_x_deg = pose.key_rot_y_deg = pose.key_rot_deg = kNotMeasured;
   pose.ok = corrected.allFinite();
 }
 

@@ -48,6 +48,8 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"surface-angle-sd-deg", {"Scale and axes", false}},
     {"gravity-angle-deg", {"Scale and axes", false}},
     {"drop-height-mm", {"Scale and axes", false}},
+    {"distance-mm", {"Scale and axes", false}},
+    {"distance-sd-mm", {"Scale and axes", false}},
     {"roi", {"Ball and region", true}},
     {"radius-px", {"Ball and region", true}},
     {"reference", {"Ball and region", true}},

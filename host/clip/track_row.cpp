@@ -64,9 +64,26 @@ SiRow to_si(const TrackRow& row, const SiScale& scale) {
   return si;
 }
 
+namespace {
+
+// A free flight's velocity towards the camera is that of each of its rows.
+void add_depth(const ImpactFigures& figures, std::int64_t frame, SiRow& si) {
+  for (const ImpactMotion& flight : {figures.before, figures.after, figures.flight}) {
+    const auto at = static_cast<double>(frame);
+    const bool within = flight.known && at >= flight.first_frame && at <= flight.last_frame;
+    if (!within || !figures.in_si) continue;
+    si.vz_m_s = flight.vz.value;
+    si.vz_sd_m_s = flight.vz.sd;
+  }
+}
+
+}  // namespace
+
 SiRow to_si(const TrackResult& result, std::size_t row) {
-  if (!result.camera) return to_si(result.rows[row], result.scale);
-  SiRow si = to_si(result.camera->rows[row], result.scale);
+  const TrackRow& seen = result.camera ? result.camera->rows[row] : result.rows[row];
+  SiRow si = to_si(seen, result.scale);
+  add_depth(result.impact_si, seen.frame, si);
+  if (!result.camera) return si;
   const CameraRowSd& part = result.camera->row_sd[row];
   si.vx_sd_m_s = std::hypot(si.vx_sd_m_s, part.vx_m_s);
   si.vy_sd_m_s = std::hypot(si.vy_sd_m_s, part.vy_m_s);

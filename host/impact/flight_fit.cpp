@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "host/base/statistics.h"
-#include "host/impact/flight_data.h"
+#include "host/impact/flight/flight_data.h"
+#include "host/impact/flight/flight_links.h"
+#include "host/impact/flight/row_groups.h"
 
 namespace impactdic::impact {
 namespace {
@@ -18,6 +20,9 @@ constexpr double kLeastSd_px = 1e-7;
 // Of a sphere's turn out of the plane, in proportion: blur acts in the picture and foreshortening
 // does not move it along (four patterns of R 115 px, 0.3 to 8 degrees a frame).
 constexpr double kTurnModel = 2.5e-4;
+// The same where poses against keyframes were fitted, and of the centre what it makes in proportion
+// to the rim's speed (sixteen flights of four patterns, R 115 px).
+constexpr double kLinkedTurnModel = 1.4e-4, kLinkedCentreModel = 6e-6;
 // How far from a sphere's centre its circle lies by the texture under its rim. It turns along with
 // the ball, and neither centres nor motions, which are about that place, tell it from a path.
 constexpr double kOffsetSd_px = 0.05;
@@ -26,33 +31,22 @@ constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-// Less the line through them, in order.
-void remove_line(std::vector<double>& values) {
-  const double middle = (static_cast<double>(values.size()) - 1) / 2;
-  double sum = 0, moment = 0, spread = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = static_cast<double>(i) - middle;
-    sum += values[i], moment += x * values[i], spread += x * x;
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double x = static_cast<double>(i) - middle;
-    values[i] -= sum / static_cast<double>(values.size()) + (spread > 0 ? moment / spread * x : 0);
-  }
-}
-
 class FlightSolver {
  public:
   FlightSolver(const ImpactSeries& series, const GravityDirection& direction,
-               std::optional<double> gravity, int flights, bool across = false)
+               std::optional<double> gravity, const std::vector<FlightRange>& ranges,
+               bool across = false)
       : series_(series),
         direction_(direction),
         gravity_(gravity),
-        flights_(flights),
-        across_(across) {}
-
-  void add(const FlightRange& range, int flight) {
-    const std::vector<Datum> more = flight_data(series_, direction_, range, flight);
-    data_.insert(data_.end(), more.begin(), more.end());
+        flights_(static_cast<int>(ranges.size())),
+        across_(across) {
+    for (int flight = 0; flight < flights_; ++flight) {
+      const FlightRange& range = ranges[static_cast<std::size_t>(flight)];
+      const std::vector<Datum> more = flight_data(series_, direction_, range, flight);
+      data_.insert(data_.end(), more.begin(), more.end());
+    }
+    add_links(ranges);
   }
 
   // Of the acceleration across the direction of gravity, with `gravity` along it.
@@ -70,8 +64,12 @@ class FlightSolver {
       if (!reject() && round > 0) break;
     }
     const double position_scale = scale_[0];
-    if (series_.sphere) scale_[0] *= std::sqrt(alike_in_a_row(DatumKind::kCentre));
-    if (!series_.sphere) scale_[1] *= std::sqrt(alike_in_a_row(DatumKind::kStep));
+    // What centres scatter less than is stated may turn along with the texture under the rim.
+    if (linked_) scale_[0] = std::max(scale_[0], 1.0);
+    if (series_.sphere)
+      scale_[0] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
+    if (!series_.sphere)
+      scale_[1] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kStep, false));
     if (!least_squares()) return fit;
     fit.ok = true;
     fit.state.head(states()) = solution_.head(states());
@@ -86,18 +84,38 @@ class FlightSolver {
     fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(states(), states()));
     fit.position_scale = position_scale;
     fit.step_scale = scale_[1];
-    for (const Datum& datum : data_) ++(datum.used ? fit.used : fit.rejected);
+    for (const Datum& datum : data_) {
+      if (datum.fitted) ++(datum.used ? fit.used : fit.rejected);
+    }
     return fit;
   }
 
  private:
+  // Registrations against keyframes take the place of steps and turns where all flights have them.
+  void add_links(const std::vector<FlightRange>& ranges) {
+    std::vector<Datum> links;
+    for (int flight = 0; flight < flights_; ++flight) {
+      const std::vector<Datum> more =
+          flight_links(series_, direction_, ranges[static_cast<std::size_t>(flight)], flight,
+                       static_cast<int>(links.size()));
+      if (more.empty()) return;
+      links.insert(links.end(), more.begin(), more.end());
+    }
+    linked_ = true;
+    for (Datum& d : data_) d.fitted = d.kind == DatumKind::kCentre;
+    data_.insert(data_.end(), links.begin(), links.end());
+  }
+
   // The unknowns: states, gravity where it is not given, and of a sphere its radius, the circles'
   // offsets and its spins.
   int states() const { return flights_ * kStatesOfOne; }
   int radius_column() const { return states() + (gravity_ && !across_ ? 0 : 1); }
   int offset_column(int flight) const { return radius_column() + 1 + 2 * flight; }
-  int spin_column(int spin) const { return offset_column(flights_) + spin; }
-  int unknowns() const { return series_.sphere ? spin_column(2 * flights_) : radius_column(); }
+  int spins() const { return linked_ ? 3 : 2; }  // of a flight
+  int spin_column(int flight) const { return offset_column(flights_) + spins() * flight; }
+  int unknowns() const { return series_.sphere ? spin_column(flights_) : radius_column(); }
+  // Whether the row counts in the fit.
+  static bool counts(const Datum& d) { return d.fitted && d.used; }
 
   // Data without a stated deviation get the others' median.
   void equalise() {
@@ -117,17 +135,28 @@ class FlightSolver {
   double radius_error() const { return series_.sphere ? solution_[radius_column()] : 0.0; }
   double sd(const Datum& d) const { return d.sd * scale_[static_cast<std::size_t>(d.kind)]; }
 
-  double residual(const Datum& d) const {
-    double model = d.slope[0] * solution_[d.column[0]] + d.slope[1] * solution_[d.column[1]];
-    model += d.gravity_slope * gravity();
-    if (across_) model += d.across_slope * solution_[states()];
-    if (d.spin >= 0) model += solution_[spin_column(d.spin)];
-    if (!series_.sphere) return d.value - model;
-    model += d.radius_slope * radius_error();
-    for (std::size_t k = 0; k < 2; ++k) {
-      model += d.offset_slope[k] * solution_[offset_column(d.flight) + static_cast<int>(k)];
+  double value(const Datum& d) const {
+    return d.value - (gravity_ ? d.gravity_slope * *gravity_ : 0.0);
+  }
+  double residual(const Datum& d) const { return value(d) - row_of(d).dot(solution_); }
+
+  Vector row_of(const Datum& d) const {
+    Vector row = Vector::Zero(unknowns());
+    for (int k = 0; k < kStatesOfOne; ++k) {
+      row[kStatesOfOne * d.flight + k] = d.slope[static_cast<std::size_t>(k)];
     }
-    return d.value - model;
+    if (across_) {
+      row[states()] = d.across_slope;
+    } else if (!gravity_) {
+      row[states()] = d.gravity_slope;
+    }
+    if (!series_.sphere) return row;
+    row[radius_column()] = d.radius_slope;
+    row.segment<2>(offset_column(d.flight)) << d.offset_slope[0], d.offset_slope[1];
+    for (int k = 0; k < spins(); ++k) {
+      row[spin_column(d.flight) + k] = d.spin_slope[static_cast<std::size_t>(k)];
+    }
+    return row;
   }
 
   bool least_squares() {
@@ -136,28 +165,18 @@ class FlightSolver {
     Vector right = Vector::Zero(size);
     pull_ = Vector::Zero(size);
     int used = 0;
+    RowGroups groups;
     for (const Datum& d : data_) {
-      if (!d.used) continue;
-      Vector row = Vector::Zero(size);
-      row[d.column[0]] = d.slope[0];
-      row[d.column[1]] = d.slope[1];
-      if (across_) {
-        row[states()] = d.across_slope;
-      } else if (!gravity_) {
-        row[states()] = d.gravity_slope;
-      }
-      if (series_.sphere) {
-        row[radius_column()] = d.radius_slope;
-        row.segment<2>(offset_column(d.flight)) << d.offset_slope[0], d.offset_slope[1];
-      }
-      if (d.spin >= 0) row[spin_column(d.spin)] = 1;
-      const double value = d.value - (gravity_ ? d.gravity_slope * *gravity_ : 0.0);
-      const double weight = 1 / (sd(d) * sd(d));
-      normal += weight * row * row.transpose();
-      right += weight * value * row;
-      pull_ += weight * d.gravity_slope * row;
+      if (!counts(d)) continue;
+      const Vector row = row_of(d) / sd(d);
+      const double seen = value(d) / sd(d), gravity = d.gravity_slope / sd(d);
+      normal += row * row.transpose();
+      right += seen * row;
+      pull_ += gravity * row;
+      if (d.group >= 0) groups.add(d, row, seen, gravity);
       ++used;
     }
+    groups.take_off(normal, right, pull_);
     if (used < kFewestData) return false;
     if (series_.sphere) {
       normal(radius_column(), radius_column()) += 1 / std::pow(series_.sphere->radius_sd_px(), 2);
@@ -180,60 +199,48 @@ class FlightSolver {
   // Scatter over stated deviation, of centres and of steps; each kind pays for its share of the
   // unknowns.
   void rescale() {
-    const double used = static_cast<double>(
-        std::count_if(data_.begin(), data_.end(), [](const Datum& d) { return d.used; }));
+    const auto used = static_cast<double>(std::count_if(data_.begin(), data_.end(), counts));
     const double part = 1 - static_cast<double>(solution_.size()) / used;
-    for (const DatumKind kind : {DatumKind::kCentre, DatumKind::kStep, DatumKind::kTurn}) {
-      double sum = 0, count = 0;
-      for (const Datum& d : data_) {
-        if (!d.used || d.kind != kind) continue;
-        const double r = residual(d) / d.sd;
-        sum += r * r, ++count;
-      }
-      double& scale = scale_[static_cast<std::size_t>(kind)];
-      if (count > 0) scale = std::sqrt(sum / (count * part));
-      scale = std::max(scale, 1e-6);
+    std::array<double, kDatumKinds> sums{}, numbers{};
+    const std::vector<double> all = residuals(), own = own_residuals(data_, all);
+    for (std::size_t i = 0; i < data_.size(); ++i) {
+      if (!data_[i].used) continue;
+      const auto kind = static_cast<std::size_t>(data_[i].kind);
+      sums[kind] += all[i] * own[i];
+      ++numbers[kind];
     }
+    for (std::size_t kind = 0; kind < kDatumKinds; ++kind) {
+      if (numbers[kind] > 0) scale_[kind] = std::sqrt(sums[kind] / (numbers[kind] * part));
+      scale_[kind] = std::max(scale_[kind], 1e-6);
+    }
+  }
+  // Over what is stated.
+  std::vector<double> residuals() const {
+    std::vector<double> all;
+    for (const Datum& d : data_) all.push_back(residual(d) / d.sd);
+    return all;
   }
 
   void take_sphere(FlightFit& fit) const {
-    const int spins = 2 * flights_, first = spin_column(0), radius = radius_column();
-    fit.spin.head(spins) = solution_.segment(first, spins);
-    fit.spin_covariance.topLeftCorner(spins, spins) = covariance_.block(first, first, spins, spins);
-    for (int first_spin = 0; first_spin < spins; first_spin += 2) {
-      const double model = kTurnModel * fit.spin.segment<2>(first_spin).norm();
-      fit.spin_covariance.diagonal().segment<2>(first_spin).array() += model * model;
+    const int radius = radius_column();
+    for (int flight = 0; flight < flights_; ++flight) {
+      const int from = spin_column(flight), to = 2 * flight;
+      fit.spin.segment<2>(to) = solution_.segment<2>(from);
+      for (int other = 0; other < flights_; ++other) {
+        fit.spin_covariance.block<2, 2>(to, 2 * other) =
+            covariance_.block<2, 2>(from, spin_column(other));
+      }
+      const double tilting = fit.spin.segment<2>(to).norm();
+      const double model = (linked_ ? kLinkedTurnModel : kTurnModel) * tilting;
+      fit.spin_covariance.diagonal().segment<2>(to).array() += model * model;
+      if (!linked_) continue;
+      const double rim = kLinkedCentreModel * tilting * series_.sphere->radius_px();
+      for (const int velocity : {kVn0, kVt0}) {
+        const int column = kStatesOfOne * flight + velocity;
+        fit.common(column, column) += rim * rim;
+      }
     }
     fit.radius_error = {solution_[radius], std::sqrt(covariance_(radius, radius))};
-  }
-
-  // A sphere's circle errs as its texture turns under the rim, and compressed film as its coder
-  // goes on from picture to picture: alike in frames that follow each other. How many of them count
-  // as one: the sum of the residuals' correlations (Sokal 1997).
-  double alike_in_a_row(DatumKind kind) const {
-    std::array<std::vector<double>, 4> residuals;  // by flight and axis, in order
-    for (const Datum& d : data_) {
-      if (!d.used || d.kind != kind) continue;
-      residuals[static_cast<std::size_t>(d.column[0] / 2)].push_back(residual(d) / d.sd);
-    }
-    double variance = 0, sum = 0, count = 0;
-    for (auto& r : residuals) {
-      // What centres and steps contradict each other by is no scatter (take_disagreement).
-      if (!series_.sphere) remove_line(r);
-      for (const double x : r) variance += x * x, ++count;
-    }
-    // Of independent errors one in a thousand looks alike.
-    const double least = series_.sphere ? 0.05 : 3 / std::sqrt(count);
-    for (std::size_t lag = 1;; ++lag) {
-      double products = 0;
-      bool any = false;
-      for (const auto& r : residuals) {
-        for (std::size_t i = 0; i + lag < r.size(); ++i) products += r[i] * r[i + lag], any = true;
-      }
-      if (!any || !(products > least * variance)) break;
-      sum += products / variance;
-    }
-    return 1 + 2 * sum;
   }
 
   // Data of one kind that scatter less than their deviations say are wrong by the rest of it all
@@ -250,6 +257,7 @@ class FlightSolver {
   }
 
   void take_common_part(FlightFit& fit) const {
+    if (linked_) return;
     const double steps = common_variance(DatumKind::kStep);
     for (const int velocity : kVelocities) fit.common(velocity, velocity) += steps;
     if (!series_.sphere) return;
@@ -291,8 +299,10 @@ class FlightSolver {
     double step = 0, step_weight = 0, to_radius = 0;
     double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (const Datum& d : data_) {
-      if (!d.used || d.kind == DatumKind::kTurn || d.column[1] != column) continue;
-      const double weight = 1 / (sd(d) * sd(d)), x = d.slope[1];
+      const int place = kStatesOfOne * d.flight + (d.normal ? kN0 : kT0);
+      if (!d.used || d.kind > DatumKind::kStep || place + 1 != column) continue;
+      const double weight = 1 / (sd(d) * sd(d));
+      const double x = d.slope[static_cast<std::size_t>(d.normal ? kVn0 : kVt0)];
       const double y = d.value - d.gravity_slope * gravity();
       if (d.kind == DatumKind::kStep) {
         step += weight * y, step_weight += weight, to_radius += weight * d.radius_slope;
@@ -303,16 +313,22 @@ class FlightSolver {
     }
     const double spread = w * wxx - wx * wx;
     if (!(step_weight > 0) || !(spread > 0)) return std::nullopt;
+    const double of_centres = (w * wxy - wx * wy) / spread;
+    // Keyframes tell no velocity apart from all the rest.
+    if (linked_) return TwoVelocities{solution_[column], of_centres, w / spread};
     double chance = 1 / step_weight + w / spread;
     if (series_.sphere) {
       chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2);
     }
-    return TwoVelocities{step / step_weight, (w * wxy - wx * wy) / spread, chance};
+    return TwoVelocities{step / step_weight, of_centres, chance};
   }
 
   bool reject() {
     std::vector<double> sizes;
-    for (const Datum& d : data_) sizes.push_back(std::abs(residual(d)) / sd(d));
+    const std::vector<double> own = own_residuals(data_, residuals());
+    for (std::size_t i = 0; i < data_.size(); ++i) {
+      sizes.push_back(std::abs(own[i]) / scale_[static_cast<std::size_t>(data_[i].kind)]);
+    }
     const double limit = kOutlier * std::max(kSdOfMad * upper_median(finite(sizes)), 1e-9);
     bool changed = false;
     for (std::size_t i = 0; i < data_.size(); ++i) {
@@ -329,7 +345,8 @@ class FlightSolver {
   int flights_;
   bool across_;  // fits the acceleration across gravity, too
   std::vector<Datum> data_;
-  std::array<double, 3> scale_ = {1, 1, 1};  // by DatumKind
+  std::array<double, kDatumKinds> scale_ = {1, 1, 1, 1, 1, 1};
+  bool linked_ = false;  // by registrations against keyframes
   Vector solution_;
   Vector pull_;  // of gravity on the right-hand side
   Matrix covariance_;
@@ -340,25 +357,17 @@ class FlightSolver {
 FlightFit fit_flights(const ImpactSeries& series, const FlightRange& before,
                       const FlightRange& after, const GravityDirection& direction,
                       std::optional<double> gravity) {
-  FlightSolver solver(series, direction, gravity, 2);
-  solver.add(before, 0);
-  solver.add(after, 1);
-  return solver.solve();
+  return FlightSolver(series, direction, gravity, {before, after}).solve();
 }
 
 FlightFit fit_flight(const ImpactSeries& series, const FlightRange& range,
                      const GravityDirection& direction, std::optional<double> gravity) {
-  FlightSolver solver(series, direction, gravity, 1);
-  solver.add(range, 0);
-  return solver.solve();
+  return FlightSolver(series, direction, gravity, {range}).solve();
 }
 
 Measured fall_across(const ImpactSeries& series, const FlightRange& before,
                      const FlightRange& after, const GravityDirection& direction, double gravity) {
-  FlightSolver solver(series, direction, gravity, 2, true);
-  solver.add(before, 0);
-  solver.add(after, 1);
-  return solver.solve_across();
+  return FlightSolver(series, direction, gravity, {before, after}, true).solve_across();
 }
 
 }  // namespace impactdic::impact

@@ -73,7 +73,80 @@ FreeRadius mean_of(std::vector<Radius> radii) {
   return result;
 }
 
+// A line of least squares through radii.
+class Line {
+ public:
+  void add(double at, double value) { at_.push_back(at), values_.push_back(value); }
+  std::size_t size() const { return at_.size(); }
+
+  void fit() {
+    double at = 0, value = 0, moment = 0;
+    for (std::size_t i = 0; i < size(); ++i) at += at_[i], value += values_[i];
+    middle_ = at / static_cast<double>(size()), mean_ = value / static_cast<double>(size());
+    spread_ = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      spread_ += (at_[i] - middle_) * (at_[i] - middle_);
+      moment += (at_[i] - middle_) * (values_[i] - mean_);
+    }
+    slope_ = moment / spread_;
+  }
+  // Whether any value was left out.
+  bool drop_outliers() {
+    std::vector<double> off;
+    for (const double r : residuals()) off.push_back(std::abs(r));
+    const double limit = kOutlier * kSdOfMad * upper_median(off) + kRounding;
+    Line kept;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (off[i] <= limit) kept.add(at_[i], values_[i]);
+    }
+    const bool dropped = kept.size() < size();
+    at_ = std::move(kept.at_), values_ = std::move(kept.values_);
+    return dropped;
+  }
+
+  double mean() const { return mean_; }
+  Measured slope() const {
+    const std::vector<double> r = residuals();
+    double squares = 0, products = 0;
+    for (const double x : r) squares += x * x;
+    // How many residuals count as one: the sum of their correlations (Sokal 1997).
+    for (std::size_t lag = 1; lag < r.size(); ++lag) {
+      double product = 0;
+      for (std::size_t i = 0; i + lag < r.size(); ++i) product += r[i] * r[i + lag];
+      if (!(product > 0.05 * squares)) break;
+      products += product;
+    }
+    const double variance = (squares + 2 * products) / static_cast<double>(r.size() - 2);
+    return {slope_, std::sqrt(variance / spread_)};
+  }
+
+ private:
+  std::vector<double> residuals() const {
+    std::vector<double> r;
+    for (std::size_t i = 0; i < size(); ++i) {
+      r.push_back(values_[i] - mean_ - slope_ * (at_[i] - middle_));
+    }
+    return r;
+  }
+  std::vector<double> at_, values_;
+  double middle_ = 0, mean_ = 0, spread_ = 0, slope_ = 0;
+};
+
 }  // namespace
+
+Measured radius_growth(const std::vector<TrackRow>& rows, const FlightRange& range) {
+  constexpr std::size_t kFewest = 12;
+  Line line;
+  for (std::size_t i = range.first; i <= range.last && i < rows.size(); ++i) {
+    if (rows[i].circle_ok) line.add(static_cast<double>(i), rows[i].r_px);
+  }
+  do {
+    if (line.size() < kFewest) return {};
+    line.fit();
+  } while (line.drop_outliers());
+  const Measured slope = line.slope();
+  return {slope.value / line.mean(), slope.sd / line.mean()};
+}
 
 FreeRadius free_radius(const std::vector<TrackRow>& rows, const FlightRange& before,
                        const FlightRange& after) {

@@ -22,6 +22,11 @@ struct FreeRadius {
 FreeRadius free_radius(const std::vector<TrackRow>& rows, const FlightRange& before,
                        const FlightRange& after);
 
+// By how much the ball's outline grows a frame, in proportion to its size: the slope of a line
+// through the radii of `range`. The deviation is that of their scatter; errors that are alike in a
+// row, as of a texture that turns under the rim, count as fewer. NaN of fewer than twelve circles.
+Measured radius_growth(const std::vector<TrackRow>& rows, const FlightRange& range);
+
 // Of a clip without an impact: the halves of `rows`, about the median.
 FreeRadius free_radius(const std::vector<TrackRow>& rows);
 

@@ -358,8 +358,7 @@ void Analysis::finish() {
   set_radius(free_radius(rows_, before_, after_));
   const ImpactSources s = sources(timed);
   fill_figures(s, options_, result_);
-  put_spins(flights_, kSpinT0, result_.before);
-  put_spins(flights_, kSpinT1, result_.after);
+  put_out_of_plane(flights_, rows_, options_, result_);
   place(s, timed);
   const FlightFit fall = fit_flights(series_, before_, after_, direction_, std::nullopt);
   if (fall.ok) {

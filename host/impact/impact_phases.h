@@ -25,6 +25,8 @@ struct ImpactOptions {
   std::optional<double> inertia_factor;
   // The free ball's, where the rim is not what tells it; nullopt: from the rows.
   std::optional<Measured> radius_px;
+  // Of the camera from the ball, px; nullopt: not known, and so no velocity towards it.
+  std::optional<Measured> distance_px;
   int flight_frames = 100;  // longest flight used on each side (dissertation, section 3.2.2)
 };
 

@@ -30,6 +30,11 @@ class SphereSteps {
   SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
               std::optional<double> radius_sd_px);
   double radius_sd_px() const { return radius_sd_px_.value_or(kOfRim_px); }
+  double radius_px() const { return radius_px_; }
+  const std::vector<TrackRow>& rows() const { return rows_; }
+  // Of the surface's angle.
+  double cosine() const { return c_; }
+  double sine() const { return s_; }
   // Of row `i` to the next. Costs some ten microseconds.
   SphereStep operator[](std::size_t i) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/impact/flight_spin.h"
+#include "host/impact/free_radius.h"
 
 namespace impactdic::impact {
 namespace {
@@ -21,6 +22,16 @@ bool describes(const FlightFit& fit) {
   return fit.rejected <= kMostRejected * (fit.used + fit.rejected);
 }
 
+// `first`: the component about t.
+void put_spins(const FlightFit& fit, SphereSpin first, FlightMotion& motion) {
+  const auto spin = [&](int i) {
+    return Measured{fit.spin[i], std::sqrt(fit.spin_covariance(i, i))};
+  };
+  if (!std::isfinite(fit.spin[first])) return;
+  motion.spin_t = spin(first);
+  motion.spin_n = spin(first + 1);
+}
+
 }  // namespace
 
 std::optional<double> sphere_radius_sd_px(const ImpactOptions& options) {
@@ -33,13 +44,24 @@ double tilted_spin_sd(const FlightFit& fit, SphereSpin first) {
   return kTiltedModel * fit.spin.segment<2>(first).norm();
 }
 
-void put_spins(const FlightFit& fit, SphereSpin first, FlightMotion& motion) {
-  const auto spin = [&](int i) {
-    return Measured{fit.spin[i], std::sqrt(fit.spin_covariance(i, i))};
-  };
-  if (!std::isfinite(fit.spin[first])) return;
-  motion.spin_t = spin(first);
-  motion.spin_n = spin(first + 1);
+Measured towards_camera(const std::vector<TrackRow>& rows, const FlightRange& range,
+                        const ImpactOptions& options, double radius_px) {
+  if (!options.distance_px) return {};
+  const Measured growth = radius_growth(rows, range);
+  const Measured& distance = *options.distance_px;
+  const double slant = 1 - std::pow(radius_px / distance.value, 2);
+  return {growth.value * distance.value * slant,
+          std::hypot(growth.sd * distance.value, growth.value * distance.sd) * slant};
+}
+
+void put_out_of_plane(const FlightFit& fit, const std::vector<TrackRow>& rows,
+                      const ImpactOptions& options, ImpactAnalysis& result) {
+  put_spins(fit, kSpinT0, result.before);
+  put_spins(fit, kSpinT1, result.after);
+  for (FlightMotion* flight : {&result.before, &result.after}) {
+    const FlightRange range = {flight->first, flight->last, 0};
+    flight->vb = towards_camera(rows, range, options, result.radius_px.value);
+  }
 }
 
 FlightMotion whole_flight(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
@@ -71,6 +93,7 @@ FlightMotion whole_flight(const std::vector<TrackRow>& rows, const ImpactOptions
   motion.spin = {spin.value,
                  std::hypot(spin.noise_sd, spin.common_sd, tilted_spin_sd(fit, kSpinT0))};
   put_spins(fit, kSpinT0, motion);
+  motion.vb = towards_camera(rows, range, options, median_radius_px(rows).value_or(0));
   return motion;
 }
 

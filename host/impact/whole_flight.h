@@ -14,8 +14,15 @@ namespace impactdic::impact {
 // flat ball. `first`: of the flight's spins.
 double tilted_spin_sd(const FlightFit& fit, SphereSpin first);
 
-// A sphere's spins about t and n; `first` is the component about t (SphereSpin).
-void put_spins(const FlightFit& fit, SphereSpin first, FlightMotion& motion);
+// What both flights of `result` do out of the picture's plane: a sphere's spins about t and n, and
+// the velocity along b.
+void put_out_of_plane(const FlightFit& fit, const std::vector<TrackRow>& rows,
+                      const ImpactOptions& options, ImpactAnalysis& result);
+
+// The velocity towards the camera, px/frame: of an outline that grows. A ball of radius R at the
+// distance D shows the radius f R / sqrt(D^2 - R^2). NaN where the distance is not known.
+Measured towards_camera(const std::vector<TrackRow>& rows, const FlightRange& range,
+                        const ImpactOptions& options, double radius_px);
 
 // Of a sphere's radius, as the rows' deviations have it; nullopt where it is not known.
 std::optional<double> sphere_radius_sd_px(const ImpactOptions& options);

@@ -13,7 +13,7 @@ const char* const kTrackCsvHeader =
     "frame,time_s,status,cx_px,cy_px,r_px,cx_sd_px,cy_sd_px,r_sd_px,dx_px,dy_px,rot_deg,dx_sd_px,"
     "dy_sd_px,rot_sd_deg,windows,x_m,y_m,vx_m_s,vy_m_s,vt_m_s,vn_m_s,omega_rad_s,vx_sd_m_s,"
     "vy_sd_m_s,omega_sd_rad_s,rot_x_deg,rot_y_deg,rot_x_sd_deg,rot_y_sd_deg,dx_rot_y_corr,"
-    "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s";
+    "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s,vz_m_s,vz_sd_m_s";
 const char* const kMotionCsvHeader =
     "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows,dx_m,dy_m,"
     "plane_rot_deg,dx_sd_m,dy_sd_m,plane_rot_sd_deg";
@@ -141,6 +141,7 @@ std::string line_of(const TrackRow& row, const SiRow& si) {
   line.add(row.rot_x_deg, row.rot_y_deg, row.rot_x_sd_deg, row.rot_y_sd_deg, row.dx_rot_y_corr,
            row.dy_rot_x_corr);
   line.add(si.omega_t_rad_s, si.omega_n_rad_s, si.omega_t_sd_rad_s, si.omega_n_sd_rad_s);
+  line.add(si.vz_m_s, si.vz_sd_m_s);
   return line.text();
 }
 

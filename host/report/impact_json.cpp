@@ -69,6 +69,7 @@ json flight(const ImpactMotion& m, bool in_si) {
                  {"vn" + unit, figure(m.vn)},
                  {"omega" + rate, figure(m.spin)}};
   put_spins(m, rate, result);
+  if (std::isfinite(m.vz.value)) result["vz" + unit] = figure(m.vz);
   return result;
 }
 
@@ -85,6 +86,7 @@ json motion(const ImpactFigures& impact, const ImpactMotion& m, ImpactFigure fir
   const std::string rate = impact.in_si ? "_rad_s" : "_rad_per_frame";
   result["omega" + rate] = figure(impact, static_cast<ImpactFigure>(next), m.spin);
   put_spins(m, rate, result);
+  if (std::isfinite(m.vz.value)) result["vz" + unit] = figure(m.vz);
   return result;
 }
 
@@ -137,6 +139,7 @@ void read_motion(const json& from, const std::string& pointer, ImpactMotion& to)
   read_figure(from, pointer + "/omega_rad_s", to.spin);
   read_figure(from, pointer + "/omega_t_rad_s", to.spin_t);
   read_figure(from, pointer + "/omega_n_rad_s", to.spin_n);
+  read_figure(from, pointer + "/vz_m_s", to.vz);
 }
 
 template <typename Word, std::size_t n>

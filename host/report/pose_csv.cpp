@@ -13,7 +13,7 @@ namespace impactdic::report {
 
 const char* const kPoseCsvHeader =
     "frame,time_s,x_px,y_px,angle_deg,x_sd_px,y_sd_px,angle_sd_deg,origin,keyframe,qw,qx,qy,qz,"
-    "tilt_x_sd_deg,tilt_y_sd_deg";
+    "tilt_x_sd_deg,tilt_y_sd_deg,key_dx_px,key_dy_px,key_rot_x_deg,key_rot_y_deg,key_rot_deg";
 
 PoseCsv::PoseCsv(std::filesystem::path path, std::int64_t keep)
     : path_(std::move(path)), file_(continue_table(path_, kPoseCsvHeader, keep)) {}
@@ -35,8 +35,49 @@ void PoseCsv::add(const TrackRow& row) {
       flat ? std::array{std::cos(pose.angle_rad / 2), 0.0, 0.0, std::sin(pose.angle_rad / 2)}
            : std::array{pose.qw, pose.qx, pose.qy, pose.qz};
   for (const double value : quaternion) file_ << "," << shortest(value);
-  file_ << "," << shortest(pose.tilt_x_sd_rad * kDegPerRad) << ","
-        << shortest(pose.tilt_y_sd_rad * kDegPerRad) << "\n";
+  for (const double value :
+       {pose.tilt_x_sd_rad * kDegPerRad, pose.tilt_y_sd_rad * kDegPerRad, pose.key_dx_px,
+        pose.key_dy_px, pose.key_rot_x_deg, pose.key_rot_y_deg, pose.key_rot_deg}) {
+    file_ << "," << shortest(value);
+  }
+  file_ << "\n";
+}
+
+void read_pose_csv(const std::filesystem::path& path, std::vector<TrackRow>& rows) {
+  std::ifstream file(path);
+  if (!file) throw FileError("cannot read the file", path.string());
+  std::string line;
+  if (!std::getline(file, line) || trim(line) != kPoseCsvHeader) {
+    throw FormatError(path.string(), 0, "this is no such table: its header differs");
+  }
+  for (TrackRow& row : rows) {
+    if (!std::getline(file, line) || file.eof()) return;  // its last line was cut off
+    const auto cells = split(trim(line), ',');
+    constexpr std::size_t kColumns = 21;
+    if (cells.size() != kColumns) {
+      throw FormatError(path.string(), -1, "a line has " + std::to_string(cells.size()) + " cells");
+    }
+    const auto number = [&](std::size_t i) {
+      return cells[i].empty() ? kNotMeasured : parse_double(cells[i], path.string());
+    };
+    BodyPose& pose = row.pose;
+    pose.ok = !cells[8].empty();
+    if (!pose.ok) continue;
+    pose.x_px = number(2), pose.y_px = number(3);
+    pose.angle_rad = number(4) * kRadPerDeg;
+    pose.x_sd_px = number(5), pose.y_sd_px = number(6);
+    pose.angle_sd_rad = number(7) * kRadPerDeg;
+    pose.origin = parse_int(cells[8], path.string());
+    pose.keyframe = parse_int(cells[9], path.string());
+    if (std::isnan(pose.angle_rad)) {
+      pose.qw = number(10), pose.qx = number(11), pose.qy = number(12), pose.qz = number(13);
+    }
+    pose.tilt_x_sd_rad = number(14) * kRadPerDeg;
+    pose.tilt_y_sd_rad = number(15) * kRadPerDeg;
+    pose.key_dx_px = number(16), pose.key_dy_px = number(17);
+    pose.key_rot_x_deg = number(18), pose.key_rot_y_deg = number(19);
+    pose.key_rot_deg = number(20);
+  }
 }
 
 void PoseCsv::flush() {

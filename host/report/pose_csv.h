@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "host/clip/track_row.h"
 
@@ -22,5 +23,9 @@ class PoseCsv {
   std::filesystem::path path_;
   std::ofstream file_;
 };
+
+// The poses of an earlier run into its rows, those of the table's beginning. Throws FileError,
+// FormatError where the file is no such table.
+void read_pose_csv(const std::filesystem::path& path, std::vector<TrackRow>& rows);
 
 }  // namespace impactdic::report

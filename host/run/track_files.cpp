@@ -43,6 +43,7 @@ struct TrackFiles::Impl {
       // The table says itself where it holds fewer.
       if (earlier.size() > done) earlier.resize(done);
     }
+    if (options.with_poses) report::read_pose_csv(options.folder / "pose.csv", earlier);
     if (options.with_field && (complete || from->grid_radius_px)) {
       fields = std::make_unique<report::FieldsFile>(
           report::FieldsFile::resume(fields_path(), options.window_px, earlier.size()));

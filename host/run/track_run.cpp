@@ -73,6 +73,9 @@ void TrackRequest::validate() const {
   check(surface_angle_sd_deg >= 0 && surface_angle_sd_deg < 90, "between 0 and 90",
         surface_angle_sd_deg, "--surface-angle-sd-deg");
   check(drop_height_mm >= 0, "positive", drop_height_mm, "--drop-height-mm");
+  check(distance_mm >= 0, "positive", distance_mm, "--distance-mm");
+  check(distance_sd_mm >= 0 && (distance_sd_mm == 0 || distance_sd_mm < distance_mm),
+        "positive and less than --distance-mm", distance_sd_mm, "--distance-sd-mm");
   check(true, "a finite number", gravity_angle_deg, "--gravity-angle-deg");
   check(inertia_factor == 0 || (inertia_factor >= 0.01 && inertia_factor <= 1),
         "between 0.01 and 1", inertia_factor, "--inertia-factor");

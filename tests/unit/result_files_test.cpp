@@ -7,6 +7,7 @@
 
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
+#include "host/report/pose_csv.h"
 #include "tests/support/scratch.h"
 
 namespace impactdic {
@@ -77,6 +78,56 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   EXPECT_FALSE(rows[1].circle_ok || rows[1].motion_ok);
   EXPECT_EQ(rows[1].status, TrackStatus::kNoBall);
   EXPECT_TRUE(std::isnan(rows[1].cx_px));
+}
+
+TEST(PoseCsv, ReadsARegistrationBackToTheLastBit) {
+  const ScratchFolder scratch;
+  std::vector<TrackRow> rows = {example_row(0), example_row(1), example_row(2)};
+  for (std::size_t i = 0; i < 2; ++i) {  // the last row has none
+    BodyPose& pose = rows[i].pose;
+    pose.ok = true;
+    pose.origin = 0;
+    pose.keyframe = static_cast<std::int64_t>(i);
+    pose.x_px = 1.0 / 3, pose.y_px = 2.0 / 7, pose.x_sd_px = 1e-3, pose.y_sd_px = 2e-3;
+    pose.qw = 0.6, pose.qx = 0.1 / 3, pose.qy = -0.8, pose.qz = 1e-17;
+    pose.key_dx_px = 10.0 / 3, pose.key_dy_px = -1e-9;
+    pose.key_rot_x_deg = 2.0 / 3, pose.key_rot_y_deg = -5.0 / 3, pose.key_rot_deg = 1e-5 / 3;
+  }
+  {
+    report::PoseCsv table(scratch / "pose.csv", 0);
+    for (const TrackRow& row : rows) table.add(row);
+    table.flush();
+  }
+  std::vector<TrackRow> read = {example_row(0), example_row(1), example_row(2)};
+  report::read_pose_csv(scratch / "pose.csv", read);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const BodyPose &a = read[i].pose, &b = rows[i].pose;
+    EXPECT_TRUE(a.ok);
+    EXPECT_EQ(a.origin, b.origin);
+    EXPECT_EQ(a.keyframe, b.keyframe);
+    for (const auto member :
+         {&BodyPose::x_px, &BodyPose::y_px, &BodyPose::x_sd_px, &BodyPose::qw, &BodyPose::qx,
+          &BodyPose::qy, &BodyPose::qz, &BodyPose::key_dx_px, &BodyPose::key_dy_px,
+          &BodyPose::key_rot_x_deg, &BodyPose::key_rot_y_deg, &BodyPose::key_rot_deg}) {
+      EXPECT_EQ(a.*member, b.*member);
+    }
+  }
+  EXPECT_FALSE(read[2].pose.ok);
+  std::ofstream(scratch / "other.csv") << "frame,x\n";
+  EXPECT_THROW(report::read_pose_csv(scratch / "other.csv", read), FormatError);
+}
+
+TEST(ToSi, AFlightsDepthIsThatOfItsRows) {
+  TrackResult result;
+  for (std::int64_t i = 0; i < 4; ++i) result.rows.push_back(example_row(i));
+  result.scale = {2e-4, 1e4, 0, 512};
+  result.impact_si.in_si = true;
+  result.impact_si.after.known = true;
+  result.impact_si.after.first_frame = 2, result.impact_si.after.last_frame = 3;
+  result.impact_si.after.vz = {1.5, 0.2};
+  EXPECT_TRUE(std::isnan(to_si(result, 1).vz_m_s));
+  EXPECT_EQ(to_si(result, 2).vz_m_s, 1.5);
+  EXPECT_EQ(to_si(result, 3).vz_sd_m_s, 0.2);
 }
 
 TEST(TrackCsv, DropsALineThatWasCutOffAndRefusesDamage) {

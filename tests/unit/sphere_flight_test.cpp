@@ -106,6 +106,123 @@ TEST(SphereFlight, CentresShowWhatTheRadiusDoesToStepsAndTurns) {
   EXPECT_GT(std::sqrt(squares / figures), 0.4);  // the model's own part is here no error
 }
 
+// Registers every frame against a keyframe, another one every eighth frame, as pictures do: both
+// frames' noise, the keyframe's the same for all that lean on it, and what its circle and the
+// radius are off by.
+void add_keyframes(const Flight& f, unsigned seed, std::vector<TrackRow>& rows) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> deviate(0, 1);
+  constexpr double kCorrelation = 0.94;
+  const double rest = std::sqrt(1 - kCorrelation * kCorrelation), half = std::sqrt(0.5);
+  struct Noise {
+    double across, down, x, y, z;
+  };
+  std::vector<Noise> noise;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double across = half * deviate(random), down = half * deviate(random);
+    noise.push_back({f.step_px * across, f.step_px * down,
+                     -f.turn_deg * (kCorrelation * down + half * rest * deviate(random)),
+                     -f.turn_deg * (kCorrelation * across + half * rest * deviate(random)),
+                     half * 0.0004 * deviate(random)});
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::size_t key = i == 0 ? 0 : (i - 1) / 8 * 8;
+    BodyPose& pose = rows[i].pose;
+    pose.ok = true;
+    pose.origin = 0;
+    pose.keyframe = static_cast<std::int64_t>(key);
+    if (i == 0) continue;
+    const auto frames = static_cast<double>(i - key), at = static_cast<double>(key);
+    const double off_x = rows[key].cx_px - 200 - f.vx * at;
+    const double off_y = rows[key].cy_px - 250 + f.vy * at;
+    const auto bent = sphere::source_response(
+        {frames * f.rot_x_deg * kRadPerDeg, frames * f.rot_y_deg * kRadPerDeg,
+         frames * f.rot_deg * kRadPerDeg},
+        kRadius_px);
+    const auto by = [&](const sphere::SourceResponse::ToSources& to) {
+      return to[0] * off_x + to[1] * off_y + to[2] * f.radius_error_px;
+    };
+    const Noise &a = noise[i], &b = noise[key];
+    pose.key_dx_px = frames * f.vx + by(bent.dx) + a.across - b.across;
+    pose.key_dy_px = -frames * f.vy + by(bent.dy) + a.down - b.down;
+    pose.key_rot_x_deg = frames * f.rot_x_deg + by(bent.rot_x) * kDegPerRad + a.x - b.x;
+    pose.key_rot_y_deg = frames * f.rot_y_deg + by(bent.rot_y) * kDegPerRad + a.y - b.y;
+    pose.key_rot_deg = frames * f.rot_deg + by(bent.rot_z) * kDegPerRad + a.z - b.z;
+  }
+}
+
+TEST(SphereFlight, KeyframesKnowTheFlightBetterThanSteps) {
+  constexpr double kRadiusSd_px = 0.05;
+  Flight truth;
+  truth.radius_error_px = 0.04;
+  double squares = 0, keyed = 0, stepped = 0;
+  int figures = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto rows = rows_of(truth, seed, kRadiusSd_px);
+    const FlightMotion by_steps = impact::analyse_impact(rows, options_of(kRadiusSd_px)).flight;
+    add_keyframes(truth, 100 + seed, rows);
+    const FlightMotion flight = impact::analyse_impact(rows, options_of(kRadiusSd_px)).flight;
+    ASSERT_EQ(flight.last, rows.size() - 1);
+    const auto score = [&](const Measured& found, const Measured& before, double wanted) {
+      squares += std::pow((found.value - wanted) / found.sd, 2);
+      keyed += std::pow((found.value - wanted) / before.sd, 2);
+      stepped += std::pow((before.value - wanted) / before.sd, 2);
+      ++figures;
+    };
+    score(flight.vx, by_steps.vx, truth.vx);
+    score(flight.vy, by_steps.vy, truth.vy);
+    score(flight.spin_t, by_steps.spin_t, truth.rot_x_deg * kRadPerDeg);
+    score(flight.spin_n, by_steps.spin_n, truth.rot_y_deg * kRadPerDeg);
+    score(flight.spin, by_steps.spin, truth.rot_deg * kRadPerDeg);
+  }
+  // The model's own part is here no error.
+  EXPECT_LT(std::sqrt(squares / figures), 1.2);
+  EXPECT_GT(std::sqrt(squares / figures), 0.3);
+  EXPECT_LT(keyed, 0.5 * stepped);
+}
+
+TEST(SphereFlight, AKeyframeBeforeTheRowsTellsOnlyHowFramesMovedAmongThemselves) {
+  const Flight truth;
+  auto rows = rows_of(truth, 11, 0.05);
+  add_keyframes(truth, 111, rows);
+  for (std::size_t i = 1; i <= 8; ++i) {  // one that is not among the rows, somewhere else
+    rows[i].pose.keyframe = -7;
+    rows[i].pose.key_dx_px += 31;
+    rows[i].pose.key_dy_px -= 12;
+  }
+  const FlightMotion flight = impact::analyse_impact(rows, options_of(0.05)).flight;
+  ASSERT_EQ(flight.last, rows.size() - 1);
+  EXPECT_NEAR(flight.vx.value, truth.vx, 4 * flight.vx.sd);
+  EXPECT_NEAR(flight.vy.value, truth.vy, 4 * flight.vy.sd);
+}
+
+TEST(SphereFlight, AnOutlineThatGrowsTellsTheVelocityTowardsTheCamera) {
+  constexpr double kDistance_px = 25 * kRadius_px, kNoise_px = 0.02, kTowards = 0.4;
+  double squares = 0;
+  constexpr int kSeeds = 60;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    auto rows = rows_of(Flight{}, seed, 0.05);
+    std::mt19937 random(1000 + seed);
+    std::normal_distribution<double> deviate(0, kNoise_px);
+    const double ball_px = kRadius_px * std::sqrt(1 - 1 / (25.0 * 25.0));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double z = kTowards * (static_cast<double>(i) - 29.5);
+      const double from = kDistance_px - z;  // f = D: a pixel is one where the flight's middle is
+      rows[i].r_px =
+          kDistance_px * ball_px / std::sqrt(from * from - ball_px * ball_px) + deviate(random);
+    }
+    rows[20].r_px += 3;  // a wrong circle
+    impact::ImpactOptions options = options_of(0.05);
+    EXPECT_TRUE(std::isnan(impact::analyse_impact(rows, options).flight.vb.value));
+    options.distance_px = Measured{kDistance_px, 0};
+    const Measured towards = impact::analyse_impact(rows, options).flight.vb;
+    squares += std::pow((towards.value - kTowards) / towards.sd, 2);
+    EXPECT_LT(towards.sd, 0.02);
+  }
+  // 60 scores tell their rms to a tenth.
+  EXPECT_NEAR(std::sqrt(squares / kSeeds), 1, 0.3);
+}
+
 TEST(SphereFlight, HoldsInTheSurfacesAxes) {
   const Flight truth;
   const auto rows = rows_of(truth, 3, 0.05);

@@ -65,6 +65,7 @@ struct FlightMotion {
   std::size_t first = 0, last = 0;  // rows of the fit
   Measured vx, vy, vt, vn, spin;
   Measured spin_t, spin_n;  // about t and n; NaN of a flat ball
+  Measured vb;  // along t x n, towards the camera; NaN where the camera's distance is not known
 };
 
 // One side of the contact.
@@ -98,8 +99,9 @@ struct MeasuredVector {
 };
 
 // What an impact does out of the picture's plane; plane figures are elsewhere. The velocity along b
-// is not seen by parallel rays: before the contact it is taken for 0, and the friction along b is
-// what the spin about t shows, which needs the inertia factor (I d(omega_t) = -R J_b).
+// is known where the camera's distance is (FlightMotion::vb), and taken for 0 before the contact
+// elsewhere. The friction along b is what the spin about t shows, which needs the inertia factor
+// (I d(omega_t) = -R J_b).
 struct SpaceImpact {
   MeasuredVector spin_before, spin_after;
   Measured slip_t, slip_b;  // velocity of the contact point along the surface, before
@@ -165,6 +167,7 @@ struct ImpactMotion {
   double first_frame = kNotMeasured, last_frame = kNotMeasured;  // of the stored file, of the fit
   Measured vx, vy, vt, vn, spin;
   Measured spin_t, spin_n;  // of a sphere, about t and n
+  Measured vz;              // towards the camera; NaN where its distance is not known
 };
 
 // Two things that cannot both be true: something given, and what the clip shows.

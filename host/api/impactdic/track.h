@@ -57,13 +57,17 @@ TrackStatus parse_track_status(const std::string& word);
 // but the unit quaternion (qw, qx, qy, qz) that turns it from frame `origin` to here, in the
 // camera's axes (X right, Y up, Z towards the camera); angle_sd_rad is then that of a small turn
 // about Z, tilt_x_sd_rad and tilt_y_sd_rad those about X and Y. Of a flat ball it stands for the
-// angle.
+// angle. key_... is a sphere's registration itself: how far the point that was the keyframe's
+// circle's centre has moved, and its rotation vector, with the radius that the run began with; NaN
+// of a frame that was placed by the motion from the one before.
 struct BodyPose {
   bool ok = false;
   double x_px = kNotMeasured, y_px = kNotMeasured, angle_rad = kNotMeasured;
   double x_sd_px = kNotMeasured, y_sd_px = kNotMeasured, angle_sd_rad = kNotMeasured;
   double qw = kNotMeasured, qx = kNotMeasured, qy = kNotMeasured, qz = kNotMeasured;
   double tilt_x_sd_rad = kNotMeasured, tilt_y_sd_rad = kNotMeasured;
+  double key_dx_px = kNotMeasured, key_dy_px = kNotMeasured;
+  double key_rot_x_deg = kNotMeasured, key_rot_y_deg = kNotMeasured, key_rot_deg = kNotMeasured;
   std::int64_t origin = -1, keyframe = -1;
 };
 
@@ -109,6 +113,9 @@ struct SiRow {
   double vx_sd_m_s, vy_sd_m_s, omega_sd_rad_s;
   // Of a sphere: spin about the surface's t and n; omega_rad_s is that about t x n, to the camera.
   double omega_t_rad_s, omega_n_rad_s, omega_t_sd_rad_s, omega_n_sd_rad_s;
+  // Towards the camera: of the free flight that the row belongs to, out of how its radius grows.
+  // NaN in contact, and where the camera's distance is not known.
+  double vz_m_s = kNotMeasured, vz_sd_m_s = kNotMeasured;
 };
 
 // The camera's own part of a row's deviations, which all rows have in common.
@@ -161,6 +168,9 @@ struct TrackRequest {
   double surface_angle_sd_deg = 0;  // standard deviation of the surface's inclination
   double drop_height_mm = 0;        // from which the ball fell, to the touch; 0: not known
   double inertia_factor = 0;        // I / (m R^2): 2/3 hollow, 2/5 solid, 0.01 … 1; 0: not known
+  // Of the camera from the ball, for the velocity along the line of sight, and its standard
+  // deviation; 0: not known, but for what `camera` tells.
+  double distance_mm = 0, distance_sd_mm = 0;
   // Throws InvalidArgument naming the setting, by its name on the command line.
   void validate() const;
 };

@@ -11,7 +11,8 @@ namespace {
 
 // The sources of the figures, all independent: the analysis of the plane states no covariances.
 enum Source {
-  kVt,        // before
+  kVt,  // before
+  kVb,
   kImpulseT,  // over the mass
   kImpulseN,
   kSpinT0,
@@ -30,7 +31,7 @@ class SpaceFigures {
       : sources_(sources), inertia_(inertia_factor.value_or(kNotMeasured)) {}
 
   Tangential slip(const Values& x) const {
-    return tip_velocity({x[kVt], 0}, x[kSpinB0], x[kSpinT0], x[kRadiusPx]);
+    return tip_velocity({x[kVt], x[kVb]}, x[kSpinB0], x[kSpinT0], x[kRadiusPx]);
   }
   // Impulse ratio.
   Tangential friction(const Values& x) const {
@@ -87,7 +88,7 @@ std::optional<SpaceImpact> space_impact(const ImpactOptions& options, const Impa
     return Measured{a.value - b.value - off, std::hypot(a.sd, b.sd)};
   };
   const SpaceFigures figures(
-      {plane.before.vt,
+      {plane.before.vt, std::isfinite(plane.before.vb.value) ? plane.before.vb : Measured{0, 0},
        difference(plane.after.vt, plane.before.vt, gravity * std::cos(angle) * lasted),
        difference(plane.after.vn, plane.before.vn, gravity * std::sin(angle) * lasted),
        space.spin_before.t, space.spin_before.n, space.spin_before.b, space.spin_after.t,

@@ -10,8 +10,8 @@ namespace impactdic::impact {
 // and rad; nullopt where they are not known.
 //
 // A contact at a point passes no moment about the normal and I d(omega_t) = -R J_b: the spin about
-// t tells the friction across the plane, which the velocity towards the camera, not seen by
-// parallel rays, would tell else. That velocity is taken for 0 before the contact.
+// t tells the friction across the plane. The velocity towards the camera is too uncertain to
+// tell it; before the contact it is part of the slip, and taken for 0 where it is not known.
 std::optional<SpaceImpact> space_impact(const ImpactOptions& options, const ImpactAnalysis& plane);
 
 }  // namespace impactdic::impact

@@ -131,6 +131,8 @@ BodyPose LinkedPose::stated(double radius_sd_px) const {
 
 BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotion& motion) {
   BodyPose next = pose;
+  next.key_dx_px = next.key_dy_px = kNotMeasured;
+  next.key_rot_x_deg = next.key_rot_y_deg = next.key_rot_deg = kNotMeasured;
   Point arm{pose.x_px - circle.cx_px, pose.y_px - circle.cy_px};
   if (is_sphere(pose)) {
     arm = turned(arm.x, arm.y, turn_of(motion));
@@ -168,7 +170,13 @@ LinkedPose registered(const LinkedPose& key, const Circle& circle, const BallMot
   rigid.dy_px = motion.dy + v;
   if (is_sphere(key)) {
     const RadiusEffect effect = effect_on(rigid, radius.px);
-    return with_link(key, circle, corrected(rigid, effect, radius.error_px), effect);
+    LinkedPose pose = with_link(key, circle, corrected(rigid, effect, radius.error_px), effect);
+    pose.key_dx_px = rigid.dx_px;
+    pose.key_dy_px = rigid.dy_px;
+    pose.key_rot_x_deg = rigid.rot_x_rad * kDegPerRad;
+    pose.key_rot_y_deg = rigid.rot_y_rad * kDegPerRad;
+    pose.key_rot_deg = rigid.rot_rad * kDegPerRad;
+    return pose;
   }
   rigid.rot_rad = motion.rot_rad;
   rigid.dx_sd_px = motion.dx_sd;

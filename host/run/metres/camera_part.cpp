@@ -66,6 +66,9 @@ class ThroughCamera {
     }
     TrackRequest request = request_;
     if (request.ball_diameter_mm == 0) request.mm_per_px = metre_per_px_ * 1e3;
+    if (request.distance_mm == 0 && camera.focal_length_known) {
+      request.distance_mm = PlaneView(camera).eye().z() * 1e3;
+    }
     conclude_metres(request, radius, result);
     for (const TrackRow& row : result.rows) found.si.push_back(to_si(row, result.scale));
     return found;

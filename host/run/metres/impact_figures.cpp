@@ -143,6 +143,7 @@ class Converter {
     motion.spin = part(m.spin, 4, 0);
     motion.spin_t = plain(m.spin_t, 0, si);
     motion.spin_n = plain(m.spin_n, 0, si);
+    motion.vz = plain(m.vb, si, si);
     return motion;
   }
 
@@ -176,6 +177,10 @@ impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& sca
   if (request.inertia_factor > 0) options.inertia_factor = request.inertia_factor;
   if (scale.metre_per_px > 0 && scale.fps > 0) {
     options.gravity = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
+  }
+  if (scale.metre_per_px > 0 && request.distance_mm > 0) {
+    const double px_per_mm = 1e-3 / scale.metre_per_px;
+    options.distance_px = {request.distance_mm * px_per_mm, request.distance_sd_mm * px_per_mm};
   }
   return options;
 }

@@ -22,6 +22,8 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
      "Height that the ball fell freely to the touch: a check of scale and frame rate"},
     {"inertia-factor",
      "I / (m R^2) of the ball: 0.667 hollow, 0.4 solid; for rolling cap and closure"},
+    {"distance-mm", "Of the camera from the ball: gives the velocity along the line of sight"},
+    {"distance-sd-mm", "Standard deviation of the distance"},
     {"frames", "A:B[:STEP]: frames analysed, B excluded"},
     {"roi", "X,Y,W,H: the rectangle that is looked at, px"},
     {"radius-px", "LO:HI: range of the ball's radius, px"},

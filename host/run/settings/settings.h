@@ -76,6 +76,8 @@ void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"gravity-angle-deg", kAfterwards}, request.gravity_angle_deg);
   visit(Setting{"drop-height-mm", kAfterwards | kZeroUnset}, request.drop_height_mm);
   visit(Setting{"inertia-factor", kAfterwards | kZeroUnset}, request.inertia_factor);
+  visit(Setting{"distance-mm", kAfterwards | kZeroUnset}, request.distance_mm);
+  visit(Setting{"distance-sd-mm", kAfterwards | kZeroUnset}, request.distance_sd_mm);
   visit(Setting{"frames", kEmptyUnset}, request.frames);
   visit(Setting{"roi", kEmptyUnset}, request.roi);
   visit(Setting{"radius-px", kEmptyUnset}, request.radius_px);

@@ -11,7 +11,8 @@ const ROWS = [
   ["turn Y, °", "rot_y_deg", "rot_y_sd_deg"], ["vx, m/s", "vx_m_s", "vx_sd_m_s"],
   ["vy, m/s", "vy_m_s", "vy_sd_m_s"], ["along, m/s", "vt_m_s"], ["out, m/s", "vn_m_s"],
   ["spin, rad/s", "omega_rad_s", "omega_sd_rad_s"], ["spin t, rad/s", "omega_t_rad_s", "omega_t_sd_rad_s"],
-  ["spin n, rad/s", "omega_n_rad_s", "omega_n_sd_rad_s"], ["windows", "windows"],
+  ["spin n, rad/s", "omega_n_rad_s", "omega_n_sd_rad_s"],
+  ["vz, m/s", "vz_m_s", "vz_sd_m_s"], ["windows", "windows"],
 ];
 
 export function build() {

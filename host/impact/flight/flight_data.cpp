@@ -1,4 +1,4 @@
-#include "host/impact/flight_data.h"
+#include "host/impact/flight/flight_data.h"
 
 #include <cmath>
 
@@ -37,61 +37,64 @@ class FlightData {
   std::vector<Datum> data;
 
  private:
-  int column(bool normal) const { return flight_ * kStatesOfOne + (normal ? kN0 : kT0); }
+  static std::size_t column(bool normal) { return normal ? kN0 : kT0; }
   double pull(bool normal) const { return normal ? direction_.n : direction_.t; }
   double across(bool normal) const { return normal ? direction_.t : -direction_.n; }
 
-  void keep(Datum datum) {
-    datum.flight = flight_;
+  void keep(const Datum& datum) {
     if (std::isfinite(datum.value)) data.push_back(datum);
   }
 
+  Datum begun(DatumKind kind, bool normal) const {
+    Datum datum;
+    datum.kind = kind;
+    datum.normal = normal;
+    datum.flight = flight_;
+    return datum;
+  }
+
   void add_centre(std::size_t i, double from, bool normal) {
-    Datum seen = {{column(normal), column(normal) + 1},
-                  {1, from},
-                  pull(normal) * from * from / 2,
-                  across(normal) * from * from / 2,
-                  normal ? series_.position_n[i] : series_.position_t[i],
-                  series_.position_sd[i],
-                  DatumKind::kCentre};
+    Datum seen = begun(DatumKind::kCentre, normal);
+    seen.slope[column(normal)] = 1;
+    seen.slope[column(normal) + 1] = from;
+    seen.gravity_slope = pull(normal) * from * from / 2;
+    seen.across_slope = across(normal) * from * from / 2;
+    seen.value = normal ? series_.position_n[i] : series_.position_t[i];
+    seen.sd = series_.position_sd[i];
     if (series_.sphere) seen.offset_slope = turned_offset(turned_, normal);
     keep(seen);
   }
 
-  void add_step(const SphereStep& sphere, std::size_t i, double from, bool normal) {
-    Datum moved = {{column(normal), column(normal) + 1},
-                   {0, 1},
-                   pull(normal) * (from + 0.5),
-                   across(normal) * (from + 0.5),
-                   normal ? series_.step_n[i] : series_.step_t[i],
-                   series_.step_sd[i],
-                   DatumKind::kStep};
+  Datum step(const SphereStep& sphere, std::size_t i, double from, bool normal) const {
+    Datum moved = begun(DatumKind::kStep, normal);
+    moved.slope[column(normal) + 1] = 1;
+    moved.gravity_slope = pull(normal) * (from + 0.5);
+    moved.across_slope = across(normal) * (from + 0.5);
+    moved.value = normal ? series_.step_n[i] : series_.step_t[i];
+    moved.sd = series_.step_sd[i];
     if (sphere.ok) {
       moved.sd = sphere.step_sd[normal ? 1 : 0];
       moved.radius_slope = sphere.step_to_radius[normal ? 1 : 0];
       moved.offset_slope = moved_offset(turned_, turned_ + series_.turn[i], normal);
     }
-    keep(moved);
+    return moved;
+  }
+  void add_step(const SphereStep& sphere, std::size_t i, double from, bool normal) {
+    keep(step(sphere, i, from, normal));
   }
 
   // A step and the turn across it err together: the turn is taken less what the step's error makes
   // of it, which is then independent of the step.
   void add_turns(const SphereStep& sphere, std::size_t i, double from) {
-    const auto along = moved_offset(turned_, turned_ + series_.turn[i], false);
-    const auto up = moved_offset(turned_, turned_ + series_.turn[i], true);
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const auto& [by_t, by_n] = sphere.by_step[axis];
-      Datum turn = {{column(true) + 1, column(false) + 1},
-                    {-by_n, -by_t},
-                    -(by_t * pull(false) + by_n * pull(true)) * (from + 0.5),
-                    -(by_t * across(false) + by_n * across(true)) * (from + 0.5),
-                    sphere.turn[axis] - by_t * series_.step_t[i] - by_n * series_.step_n[i],
-                    sphere.turn_sd[axis],
-                    DatumKind::kTurn};
-      turn.spin = 2 * flight_ + static_cast<int>(axis);
-      turn.radius_slope = sphere.turn_to_radius[axis] - by_t * sphere.step_to_radius[0] -
-                          by_n * sphere.step_to_radius[1];
-      for (std::size_t k = 0; k < 2; ++k) turn.offset_slope[k] = -by_t * along[k] - by_n * up[k];
+      Datum turn = begun(DatumKind::kTurn, axis == 1);
+      turn.spin_slope[axis] = 1;
+      turn.value = sphere.turn[axis];
+      turn.sd = sphere.turn_sd[axis];
+      turn.radius_slope = sphere.turn_to_radius[axis];
+      for (const bool normal : {false, true}) {
+        take_off(turn, sphere.by_step[axis][normal ? 1 : 0], step(sphere, i, from, normal));
+      }
       keep(turn);
     }
   }
@@ -103,6 +106,15 @@ class FlightData {
 };
 
 }  // namespace
+
+void take_off(Datum& row, double factor, const Datum& other) {
+  for (std::size_t k = 0; k < row.slope.size(); ++k) row.slope[k] -= factor * other.slope[k];
+  for (std::size_t k = 0; k < 2; ++k) row.offset_slope[k] -= factor * other.offset_slope[k];
+  row.gravity_slope -= factor * other.gravity_slope;
+  row.across_slope -= factor * other.across_slope;
+  row.radius_slope -= factor * other.radius_slope;
+  row.value -= factor * other.value;
+}
 
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
                                const FlightRange& range, int flight) {

@@ -1,0 +1,48 @@
+// What the frames of a flight say of it, as rows of a linear least-squares problem. Internal to the
+// impact analysis; pixels, frames, radians, local axes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "host/impact/flight_fit.h"
+
+namespace impactdic::impact {
+
+inline constexpr int kStatesOfOne = kFlightStates / 2;
+
+// Turns are a sphere's, out of the picture's plane. The last three are registrations against
+// keyframes: place, turns out of the picture's plane and in it.
+enum class DatumKind { kCentre, kStep, kTurn, kShift, kTilt, kRoll };
+inline constexpr std::size_t kDatumKinds = 6;
+
+// One row: value = slope · the flight's state + gravity_slope · gravity + … + error.
+struct Datum {
+  std::array<double, kStatesOfOne> slope{};  // as the states of FlightState of one flight
+  double gravity_slope = 0, across_slope = 0;
+  double value = 0, sd = 0;
+  DatumKind kind = DatumKind::kCentre;
+  bool normal = false;                 // along n, else t
+  std::array<double, 3> spin_slope{};  // about t, n and b
+  // Of a sphere, and how the place on it that is taken for its centre turns along.
+  double radius_slope = 0;
+  std::array<double, 2> offset_slope{};
+  int flight = 0;
+  // Rows of one group err alike, too: by `loose` times their deviation, and in proportion to
+  // `reach` times it.
+  int group = -1;
+  double loose = 0, reach = 0;
+  bool fitted = true;  // false: its scatter alone is of interest
+  bool used = true;
+};
+
+// Takes `factor` times the row `other` off `row`.
+void take_off(Datum& row, double factor, const Datum& other);
+
+// Centres, steps and, of a sphere, turns of flight number `flight` (0: before); what was not
+// measured is left out.
+std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
+                               const FlightRange& range, int flight);
+
+}  // namespace impactdic::impact

@@ -1,0 +1,74 @@
+#include "host/impact/flight/row_groups.h"
+
+#include <array>
+#include <cmath>
+
+namespace impactdic::impact {
+namespace {
+
+// Less the line through them, in order.
+void remove_line(std::vector<double>& values) {
+  const double middle = (static_cast<double>(values.size()) - 1) / 2;
+  double sum = 0, moment = 0, spread = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    sum += values[i], moment += x * values[i], spread += x * x;
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    values[i] -= sum / static_cast<double>(values.size()) + (spread > 0 ? moment / spread * x : 0);
+  }
+}
+
+}  // namespace
+
+std::vector<double> own_residuals(const std::vector<Datum>& data,
+                                  const std::vector<double>& residuals) {
+  struct Sums {
+    Eigen::Vector2d residual = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d square = Eigen::Matrix2d::Identity();
+  };
+  std::map<int, Sums> groups;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (data[i].group < 0 || !data[i].used) continue;
+    const Eigen::Vector2d u = alike(data[i]);
+    groups[data[i].group].residual += residuals[i] * u;
+    groups[data[i].group].square += u * u.transpose();
+  }
+  std::map<int, Eigen::Vector2d> shared;
+  for (const auto& [group, sums] : groups) shared[group] = sums.square.inverse() * sums.residual;
+  std::vector<double> own = residuals;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const auto found = shared.find(data[i].group);
+    if (found != shared.end()) own[i] -= alike(data[i]).dot(found->second);
+  }
+  return own;
+}
+
+double alike_in_a_row(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                      DatumKind kind, bool sphere) {
+  std::array<std::vector<double>, 4> rows;  // by flight and axis, in order
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const Datum& d = data[i];
+    if (!d.used || d.kind != kind) continue;
+    rows[static_cast<std::size_t>(2 * d.flight + (d.normal ? 0 : 1))].push_back(residuals[i]);
+  }
+  double variance = 0, sum = 0, count = 0;
+  for (auto& r : rows) {
+    if (!sphere) remove_line(r);
+    for (const double x : r) variance += x * x, ++count;
+  }
+  const double least = sphere ? 0.05 : 3 / std::sqrt(count);
+  for (std::size_t lag = 1;; ++lag) {
+    double products = 0;
+    bool any = false;
+    for (const auto& r : rows) {
+      for (std::size_t i = 0; i + lag < r.size(); ++i) products += r[i] * r[i + lag], any = true;
+    }
+    if (!any || !(products > least * variance)) break;
+    sum += products / variance;
+  }
+  return 1 + 2 * sum;
+}
+
+}  // namespace impactdic::impact
