@@ -165,8 +165,32 @@ void validate_disc(const SynthRequest& request) {
   }
 }
 
+bool finite(const BallPose& p) {
+  for (const double v : {p.cx_px, p.cy_px, p.angle_deg, p.compression, p.compression_axis_deg,
+                         p.rx_deg, p.ry_deg, p.z_px}) {
+    if (!std::isfinite(v)) return false;
+  }
+  return true;
+}
+
+bool finite(const ConstantMotion& m) {
+  for (const double v : {m.dx_px, m.dy_px, m.rotation_deg, m.compression_per_frame, m.spin_x_deg,
+                         m.spin_y_deg, m.dz_px}) {
+    if (!std::isfinite(v)) return false;
+  }
+  return finite(m.start);
+}
+
 void validate_motion(const SynthRequest& request) {
-  if (const auto* given = std::get_if<GivenMotion>(&request.motion)) {
+  if (const auto* motion = std::get_if<ConstantMotion>(&request.motion)) {
+    if (!finite(*motion)) {
+      throw InvalidArgument("must be finite", "motion");
+    }
+  } else if (const auto* given = std::get_if<GivenMotion>(&request.motion)) {
+    if (!std::all_of(given->poses.begin(), given->poses.end(),
+                     [](const BallPose& pose) { return finite(pose); })) {
+      throw InvalidArgument("must be finite", "--motion");
+    }
     if (given->poses.empty()) throw InvalidArgument("the motion has no pose", "--motion");
     if (static_cast<std::size_t>(request.frames) > given->poses.size()) {
       throw InvalidArgument(
@@ -184,7 +208,12 @@ void validate_motion(const SynthRequest& request) {
     if (impact->impact.other) {
       throw InvalidArgument("the renderer shows one ball", "--simulate", "without [other]");
     }
+    if (!std::isfinite(impact->touch_frame)) throw InvalidArgument("must be finite", "touch_frame");
     impact->impact.validate();
+  }
+  if (request.start &&
+      !(std::isfinite(request.start->x_px) && std::isfinite(request.start->y_px))) {
+    throw InvalidArgument("must be finite", "--start-px");
   }
 }
 

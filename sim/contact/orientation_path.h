@@ -19,6 +19,8 @@ class OrientationPath {
 
   void start(double time_s, const ImpactState& x) { time_s_ = time_s, x_ = x; }
   void reach(double time_s, const ImpactState& x) {
+    // A turn in the plane adds up by itself.
+    if (in_plane(x_) && in_plane(x)) return;
     turned_ = at(time_s, x);
     start(time_s, x);
   }
@@ -36,6 +38,9 @@ class OrientationPath {
   }
 
  private:
+  static bool in_plane(const ImpactState& x) {
+    return x[kOmegaT] == 0 && x[kOmegaN] == 0 && x[kQb] == 0 && x[kVb] == 0;
+  }
   static Eigen::Vector3d spin(const ImpactState& x) { return {x[kOmegaT], x[kOmegaN], x[kOmega]}; }
 
   double spin_per_push_;

@@ -192,7 +192,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
   }
   const double angle = job.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
-  for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy}) v->resize(times.size());
+  for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy, &p.spin}) v->resize(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
     const BodyState& state = impact.trajectory[i].state;
     p.x[i] = x + c * state.qt_m - s * state.qn_m;
@@ -200,6 +200,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
     p.vx[i] = c * state.vt_m_s - s * state.vn_m_s;
     p.vy[i] = s * state.vt_m_s + c * state.vn_m_s;
     p.angle[i] = state.angle_rad;
+    p.spin[i] = state.omega_rad_s;
   }
   return true;
 }
@@ -253,6 +254,20 @@ bool ShotModel::is_length(const Row& row) {
   return row.kind != Row::Kind::kTurn && row.kind != Row::Kind::kPrior;
 }
 
+// Of the path by the contact's start or by the rate, which only move the instants: the velocities
+// are its derivatives, through the events as well.
+ShotModel::Prediction ShotModel::slope_in_time(FitParameter parameter, const double* values,
+                                               const Prediction& here) const {
+  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
+  const double rate = value_or(FitParameter::kRate, values, 1);
+  Prediction slope{here.vx, here.vy, here.spin, {}, {}, {}};
+  for (std::size_t i = 0; i < time_s_.size(); ++i) {
+    const double moves = parameter == FitParameter::kRate ? time_s_[i] - start : -rate;
+    slope.x[i] *= moves, slope.y[i] *= moves, slope.angle[i] *= moves;
+  }
+  return slope;
+}
+
 // The model's lengths are divided by the scale, not the measured ones multiplied: their deviations
 // are those of the table, and a smaller scale must not shrink what the model leaves.
 bool ShotModel::evaluate(const double* values, double* residual, double* jacobian) const {
@@ -287,6 +302,11 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
       column([&](const Row& row) {
         return is_length(row) ? -predicted(row, here, values) / scale : 0.0;
       });
+    } else if (unknown.kind == Unknown::Kind::kParameter &&
+               (unknown.parameter == FitParameter::kContactTime ||
+                unknown.parameter == FitParameter::kRate)) {
+      const Prediction slope = slope_in_time(unknown.parameter, values, here);
+      column([&](const Row& row) { return predicted(row, slope, values); });
     } else {
       // Central differences, one-sided at a bound.
       const double up = std::min(values[u] + unknown.step, unknown.upper);

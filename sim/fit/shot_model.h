@@ -68,9 +68,11 @@ class ShotModel {
   };
   static bool is_length(const Row& row);
   struct Prediction {
-    std::vector<double> x, y, angle, vx, vy;
+    std::vector<double> x, y, angle, vx, vy, spin;
   };
   bool predict(const double* values, Prediction& prediction) const;
+  Prediction slope_in_time(FitParameter parameter, const double* values,
+                           const Prediction& here) const;
   double value_or(FitParameter parameter, const double* values, double otherwise) const;
   void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
   void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,

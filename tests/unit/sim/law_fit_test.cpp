@@ -1,6 +1,13 @@
-// Fits of the viscoelastic laws: their own constants come back.
+// Fits of the viscoelastic laws: their own constants come back. What the fits differentiate by.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/fit/shot_model.h"
+#include "sim/shot/shot.h"
+#include "sim/shot/track_table.h"
 #include "tests/support/fitted_shots.h"
 
 namespace impactdic {
@@ -37,6 +44,44 @@ TEST(LawFit, TheConstantsComeBackWithTheirOwnKeys) {
       EXPECT_LT(p.sd, 0.1 * expected[i]) << p.key;
     }
     EXPECT_EQ(fit.adequacy, Adequacy::kAdequate) << name_of(normal);
+  }
+}
+
+// The contact's start and the rate move the instants only: their derivatives are velocities.
+TEST(LawFit, DerivativesByTheInstantsAreThoseOfDifferences) {
+  testing::ScratchFolder folder;
+  testing::SyntheticTrack known{testing::tennis_shot(30, -1.6, -2.8)};
+  known.position_noise_m = known.stated_sd_m = 13e-6;
+  known.motion = true;
+  known.motion_noise_m = 1.3e-6;
+  known.turn_noise_rad = 3.5e-4;
+  write_track(known, folder / "track.csv");
+  MeasuredTrack track = sim::shot::read_track(folder / "track.csv");
+  track.rate_sd = 1e-3;
+  const MeasuredShot shot = sim::shot::measure_shot(track, {known.job.body, 30});
+  const sim::fit::ShotModel model(track, shot, known.job, {FitParameter::kStiffness},
+                                  {FitParameter::kContactTime});
+  std::vector<double> values;
+  for (const sim::fit::Unknown& u : model.unknowns()) values.push_back(u.start);
+  const std::size_t rows = model.residuals();
+  std::vector<double> here(rows), jacobian(rows * model.size()), high(rows), low(rows);
+  ASSERT_TRUE(model.evaluate(values.data(), here.data(), jacobian.data()));
+  for (const FitParameter parameter : {FitParameter::kContactTime, FitParameter::kRate}) {
+    const std::size_t place = model.place_of(parameter);
+    ASSERT_LT(place, model.size());
+    const double step = model.unknowns()[place].step, value = values[place];
+    values[place] = value + step;
+    ASSERT_TRUE(model.evaluate(values.data(), high.data(), nullptr));
+    values[place] = value - step;
+    ASSERT_TRUE(model.evaluate(values.data(), low.data(), nullptr));
+    values[place] = value;
+    double largest = 0, off = 0;
+    for (std::size_t r = 0; r < rows; ++r) {
+      const double exact = jacobian[r * model.size() + place];
+      largest = std::max(largest, std::abs(exact));
+      off = std::max(off, std::abs((high[r] - low[r]) / (2 * step) - exact));
+    }
+    EXPECT_LT(off, 1e-5 * largest) << key_of(parameter, known.job.normal);
   }
 }
 

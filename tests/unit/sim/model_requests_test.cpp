@@ -8,8 +8,11 @@
 #include <impactdic/study.h>
 #include <impactdic/synth.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
+#include <variant>
+#include <vector>
 
 #include "sim/compare/compare_job.h"
 #include "tests/support/racket_job.h"
@@ -114,6 +117,14 @@ TEST(Requests, SynthRefusesImpossibleValuesByName) {
   EXPECT_EQ(painting([](auto& r) { r.hidden = -1; }), "--occlude");
   EXPECT_EQ(painting([](auto& r) { r.motion = GivenMotion{}; }), "--motion");
   EXPECT_EQ(painting([](auto& r) { r.motion = SimulatedMotion{}; }), "body.mass_kg");
+  const double nan = std::nan("");
+  EXPECT_EQ(painting([&](auto& r) { std::get<ConstantMotion>(r.motion).dx_px = nan; }), "motion");
+  EXPECT_EQ(painting([&](auto& r) { std::get<ConstantMotion>(r.motion).start.z_px = nan; }),
+            "motion");
+  EXPECT_EQ(
+      painting([&](auto& r) { r.motion = GivenMotion{std::vector<BallPose>(3, BallPose{nan})}; }),
+      "--motion");
+  EXPECT_EQ(painting([&](auto& r) { r.start = {nan, 0}; }), "--start-px");
 }
 
 TEST(Requests, StudyRefusesImpossibleValuesByName) {
