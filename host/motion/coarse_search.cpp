@@ -20,6 +20,8 @@ constexpr double kFarthestPx = 60;  // from the region's centre
 constexpr int kFewestWindows = 5;
 constexpr double kMinCorrelation = 0.35;
 constexpr double kLargestResidualPx = 3;
+constexpr std::size_t kMostMotions = 3;
+constexpr double kApartPx = 8;
 
 std::vector<Window> windows_about(const Roi& region, int window_px) {
   const double reach_x = std::min(kFarthestPx, (region.width - window_px) / 2.0);
@@ -40,6 +42,13 @@ std::vector<Window> windows_about(const Roi& region, int window_px) {
 
 }  // namespace
 
+bool are_apart(const dic::RigidMotion& a, const dic::RigidMotion& b, double reach_px) {
+  const double turn = std::remainder(a.rot_rad - b.rot_rad, 2 * std::numbers::pi);
+  return std::hypot(a.dx_px - b.dx_px, a.dy_px - b.dy_px) +
+             2 * reach_px * std::sin(std::abs(turn) / 2) >
+         kApartPx;
+}
+
 CoarseSearch::CoarseSearch(opencl::Engine& engine, const FieldOptions& options)
     : engine_(engine), options_(options) {
   options_.method = FieldMethod::kZncc;
@@ -47,7 +56,8 @@ CoarseSearch::CoarseSearch(opencl::Engine& engine, const FieldOptions& options)
   options_.min_correlation = kMinCorrelation;
 }
 
-dic::RigidMotion CoarseSearch::find(const Frame& first, const Frame& second, const Roi& region) {
+std::vector<dic::RigidMotion> CoarseSearch::find(const Frame& first, const Frame& second,
+                                                 const Roi& region) {
   const int window_px = std::min({kWindowPx, region.width, region.height});
   if (window_px != window_px_) {
     options_.window_px = window_px_ = window_px;
@@ -66,8 +76,11 @@ dic::RigidMotion CoarseSearch::find(const Frame& first, const Frame& second, con
   }
   const std::vector<WindowMotion> found = correlator_->correlate(turned);
 
-  dic::RigidMotion best;
-  double best_score = 0;
+  struct Scored {
+    dic::RigidMotion motion;
+    double score;
+  };
+  std::vector<Scored> scored;
   for (int k = 0; k < kAngles; ++k) {
     const auto from = static_cast<std::size_t>(k) * grid.size();
     const auto points = field_points(std::span(turned).subspan(from, grid.size()),
@@ -81,10 +94,17 @@ dic::RigidMotion CoarseSearch::find(const Frame& first, const Frame& second, con
       if (found[i].status == static_cast<idic_int>(WindowStatus::kOk))
         score += found[i].correlation;
     }
-    if (score > best_score) {
-      best_score = score;
-      best = motion;
-    }
+    scored.push_back({motion, score});
+  }
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+  const double reach = std::min(kFarthestPx, std::min(region.width, region.height) / 2.0);
+  std::vector<dic::RigidMotion> best;
+  for (const Scored& one : scored) {
+    const bool is_new = std::all_of(best.begin(), best.end(), [&](const dic::RigidMotion& other) {
+      return are_apart(one.motion, other, reach);
+    });
+    if (is_new && best.size() < kMostMotions) best.push_back(one.motion);
   }
   return best;
 }

@@ -23,6 +23,11 @@ constexpr int kFewestWindows = 3;
 // Of the windows that have texture, the share that must agree on one motion. Below the first, the
 // region is looked for anew wherever it may be; below the second, a few windows agreed by chance.
 constexpr double kWellFound = 0.3, kFound = 0.1;
+// Those few do not lie so far from what they agree on where it is the region's motion.
+constexpr double kChancePx = 1;
+// Another motion that so large a part of the windows agree on, over those of the best: parts that
+// look alike, and nobody can tell which motion it was.
+constexpr double kAsGood = 0.6;
 // A clip that cannot be measured is not searched anew in every frame.
 constexpr int kVainSearches = 3;
 
@@ -227,7 +232,8 @@ class RegionCorrelator {
         dic::fit_rigid_motion(motion::field_points(windows_, field, window_px), cx_px_, cy_px_);
     motion::account_for_overlap(out.motion, window_px, options_.effective_spacing_px());
     share_ = motion::agreeing_share(out.motion, field);
-    if (out.motion.used < kFewestWindows || share_ < kFound) out.motion.ok = false;
+    const double least = out.motion.residual_px > kChancePx ? kWellFound : kFound;
+    if (out.motion.used < kFewestWindows || share_ < least) out.motion.ok = false;
     out.status = out.motion.ok ? TrackStatus::kOk : motion::explain_failure(field);
     return field;
   }
@@ -258,22 +264,35 @@ class RegionCorrelator {
     out.motion.rot_sd_rad = found.rot_sd_rad;
   }
 
-  // Finds the region without a guess and measures again; keeps what more windows agree on.
+  // Finds the region without a guess and measures again; keeps what more windows agree on. Where
+  // about as many agree on another motion, neither is known.
   void search_anew(const Task& now, CorrelatedFrame& out, std::vector<WindowMotion>& field) {
     if (vain_searches_ >= kVainSearches) return;
     ++vain_searches_;
-    const dic::RigidMotion coarse = coarse_.find(*before_, *now.frame, options_.roi);
-    if (!coarse.ok) return;
-    const dic::RigidMotion kept = std::exchange(guess_, coarse);
-    const double share = share_;
-    CorrelatedFrame again = out;
-    std::vector<WindowMotion> field_again = look(now.index, again);
-    if (share_ > share) {
+    const dic::RigidMotion kept = guess_;
+    double best = share_;
+    std::vector<std::pair<dic::RigidMotion, double>> tried = {{out.motion, share_}};  // and share
+    for (const dic::RigidMotion& coarse : coarse_.find(*before_, *now.frame, options_.roi)) {
+      guess_ = coarse;
+      CorrelatedFrame again = out;
+      std::vector<WindowMotion> field_again = look(now.index, again);
+      tried.emplace_back(again.motion, share_);
+      if (share_ <= best) continue;
+      best = share_;
       out = again;
       field = std::move(field_again);
       vain_searches_ = 0;
     }
     guess_ = kept;
+    share_ = best;
+    const double reach = std::min(options_.roi.width, options_.roi.height) / 2.0;
+    const bool is_alike = std::any_of(tried.begin(), tried.end(), [&](const auto& other) {
+      return other.first.ok && other.second >= kAsGood * best &&
+             motion::are_apart(other.first, out.motion, reach);
+    });
+    if (!out.motion.ok || !is_alike) return;
+    out.motion.ok = false;
+    out.status = TrackStatus::kInconsistent;
   }
 
   const CorrelateOptions& options_;

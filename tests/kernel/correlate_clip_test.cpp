@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
+#include <random>
 
 #include "tests/support/rendered_clip.h"
 #include "tests/support/speckle_frames.h"
@@ -26,14 +29,15 @@ std::vector<Frame> jumping_frames() {
 
 struct Row {
   TrackStatus status;
-  double dx_px;
+  double dx_px, rot_deg;
   std::string bits;
 };
 
-std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int workers) {
+std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int workers,
+                           const Roi& roi = {40, 44, 60, 60}) {
   pipeline::CorrelateOptions options;
   options.frames = {0, clip.info().frame_count, 1};
-  options.roi = {40, 44, 60, 60};
+  options.roi = roi;
   options.reference = reference;
   options.workers = workers;
   std::vector<Row> rows;
@@ -49,7 +53,7 @@ std::vector<Row> correlate(FrameSource& clip, ReferenceFrame reference, int work
         text += " " + std::to_string(std::bit_cast<std::uint32_t>(value));
       }
     }
-    rows.push_back({frame.status, frame.motion.dx_px, text});
+    rows.push_back({frame.status, frame.motion.dx_px, frame.motion.rot_rad * 180 / M_PI, text});
   };
   pipeline::correlate_clip(clip, shared_engine(), options, sink, [](std::int64_t, std::int64_t) {});
   return rows;
@@ -76,6 +80,77 @@ TEST_P(CorrelateClip, CopiesAheadChangeNothing) {
 
 INSTANTIATE_TEST_SUITE_P(References, CorrelateClip,
                          ::testing::Values(ReferenceFrame::kFirst, ReferenceFrame::kPrevious));
+
+// Three alike parts about the centre, 120 degrees apart, and as much of a fourth kind as `unlike`
+// says: the picture turned by 60 degrees is nearly the one turned by -60 or by 180.
+std::vector<Frame> three_parts(double unlike, std::uint64_t seed) {
+  constexpr int kSide = 200;
+  constexpr double kThird = 2 * M_PI / 3;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> part(0, 1);
+  struct Speck {
+    double x, y, r;
+  };
+  std::vector<Speck> specks;
+  const auto add = [&](double radius, double angle, double r) {
+    specks.push_back({radius * std::cos(angle), radius * std::sin(angle), r});
+  };
+  for (int i = 0; i < 220; ++i) {
+    const double radius = 95 * std::sqrt(part(random)), angle = kThird * part(random);
+    const double r = 2 + 2 * part(random);
+    const bool is_alike = part(random) >= unlike;
+    for (int k = 0; k < 3; ++k) {
+      add(is_alike ? radius : 95 * std::sqrt(part(random)),
+          (is_alike ? angle : kThird * part(random)) + k * kThird, r);
+    }
+  }
+  std::vector<Frame> frames;
+  for (const double turn : {0.0, 60.0 * M_PI / 180}) {
+    Frame& frame = frames.emplace_back();
+    frame.reset(kSide, kSide, 8);
+    std::fill_n(frame.u8.data(), frame.u8.size(), std::uint8_t{190});
+    const double c = std::cos(turn), s = std::sin(turn);
+    for (const Speck& speck : specks) {  // counter-clockwise on the screen
+      const double x = 99.5 + c * speck.x + s * speck.y, y = 99.5 - s * speck.x + c * speck.y;
+      for (int j = static_cast<int>(y) - 6; j <= y + 6; ++j) {
+        for (int i = static_cast<int>(x) - 6; i <= x + 6; ++i) {
+          if (i < 0 || j < 0 || i >= kSide || j >= kSide) continue;
+          const double ink = std::clamp(speck.r + 0.5 - std::hypot(i - x, j - y), 0.0, 1.0);
+          auto& pixel = frame.u8(i, j);
+          pixel = static_cast<std::uint8_t>(std::lround(pixel + ink * (40.0 - pixel)));
+        }
+      }
+    }
+  }
+  return frames;
+}
+
+// Where parts look alike nobody can tell the motion, and none is stated; where little is unlike,
+// that tells.
+TEST(CorrelateClip, AMotionThatFitsAsWellAsAnotherIsNotStated) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    MemoryClip alike(three_parts(0, seed));
+    const std::vector<Row> rows = correlate(alike, ReferenceFrame::kFirst, 1, {30, 30, 140, 140});
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[1].status, TrackStatus::kInconsistent) << seed;
+    MemoryClip unlike(three_parts(0.6, seed));
+    const std::vector<Row> told = correlate(unlike, ReferenceFrame::kFirst, 1, {30, 30, 140, 140});
+    ASSERT_EQ(told.size(), 2u);
+    EXPECT_EQ(told[1].status, TrackStatus::kOk) << seed;
+    EXPECT_NEAR(told[1].rot_deg, 60, 0.05) << seed;
+  }
+}
+
+// Another piece of the same surface, farther off than is searched: what few windows agree on by
+// chance is not its motion.
+TEST(CorrelateClip, WhatFewWindowsAgreeOnByChanceIsNotStated) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    MemoryClip clip({three_parts(1, seed)[0], three_parts(1, seed + 100)[0]});
+    const std::vector<Row> rows = correlate(clip, ReferenceFrame::kFirst, 1, {30, 30, 140, 140});
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_NE(rows[1].status, TrackStatus::kOk) << seed;
+  }
+}
 
 // A clip whose later frames cannot be read.
 class BrokenClip : public FrameSource {

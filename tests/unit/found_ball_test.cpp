@@ -74,6 +74,7 @@ TEST(FoundBall, ScrewsThatNeverMoveAreNotTheBall) {
 // A dark ball over grain, and an arm that takes it out of the picture.
 TEST(FoundBall, AnArmIsNotTheBall) {
   ClutteredScene scene;
+  scene.frames = 34;
   scene.ground = 150;
   scene.grain = 25;
   scene.screws = {{300, 20, 12, 60}};
@@ -97,7 +98,7 @@ TEST(FoundBall, AmongManyHolesWhatMovesIsFound) {
   ClutteredScene scene;
   scene.width = 200;
   scene.height = 160;
-  scene.frames = 32;
+  scene.frames = 24;
   for (int i = 0; i < 5; ++i) {
     for (int j = 0; j < 4; ++j) scene.screws.push_back({20.0 + 40 * i, 20.0 + 40 * j, 13, 20});
   }
