@@ -20,6 +20,7 @@
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/lens_check.h"
 #include "host/run/metres/scale.h"
+#include "host/run/metres/surface_edge.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
 
@@ -280,6 +281,7 @@ void TrackRun::conclude() {
   } else {
     conclude_metres(request_, sphere, result_);
   }
+  look_for_surface();
   const std::vector<TrackRow>& seen = camera_ ? result_.camera->rows : result_.rows;
   std::optional<FallInPicture> gravity;
   const SiScale& scale = result_.scale;
@@ -299,6 +301,18 @@ void TrackRun::conclude() {
     result_.warnings.push_back(found.message);
     caller_.say(MessageKind::kWarning, found.message);
   }
+}
+
+void TrackRun::look_for_surface() {
+  if (!result_.impact_si.found() || camera_) return;
+  surface_in_picture_ =
+      run::surface_in_picture(*source_, evenly_spaced(result_.rows), result_.impact);
+  if (!surface_in_picture_) return;
+  char text[120];
+  std::snprintf(text, sizeof text, "surface: an edge at %.2f +- %.2f degrees in the picture",
+                surface_in_picture_->value, surface_in_picture_->sd);
+  caller_.say(MessageKind::kNote, text);
+  compare_with_edge(request_, *surface_in_picture_, result_.impact_si);
 }
 
 void hand_on(const pipeline::TrackedFrame& frame, int window_px, const TrackSink& sink) {

@@ -39,10 +39,14 @@ class TrackRun {
   void measure(const Outputs& outputs);
   // Scale and impact of the rows measured.
   void conclude();
+  // The surface's inclination by its edge in the picture, deg; where one is seen at the impact.
+  const std::optional<Measured>& surface_in_picture() const { return surface_in_picture_; }
 
  private:
   // Looks for the ball in frames spread over the clip.
   void scout(advice::AdviceRequest& request);
+  // Looks for the surface's edge, and compares it with the angle that was given.
+  void look_for_surface();
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
 
@@ -55,6 +59,7 @@ class TrackRun {
   std::vector<std::string> clock_warnings_;
   std::string second_ball_warning_;  // "": none is seen
   std::optional<Camera> camera_;
+  std::optional<Measured> surface_in_picture_;
 };
 
 // Gives a frame to a caller's sink, which is not empty.

@@ -99,6 +99,11 @@ nlohmann::json describe_times(const FrameTimes& times) {
   return described;
 }
 
+nlohmann::json describe(const std::optional<Measured>& figure) {
+  if (!figure) return nullptr;
+  return {{"value", figure->value}, {"sd", figure->sd}};
+}
+
 nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
                          const Session& session) {
   nlohmann::json summary = report::summarise_track(result);
@@ -186,6 +191,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
     run.conclude();
     files->finish(result);
     nlohmann::json summary = summarise(request, result, session);
+    summary["surface_in_picture_deg"] = describe(run.surface_in_picture());
     const Stopwatch waiting;
     const video::ClipDigest found = digest.get();
     if (digest.wanted()) files->set_source_digest(found);

@@ -28,6 +28,8 @@ struct Tolerances {
   double diameter_sd_mm = 0.03;  // of the ball's
   double ruler_sd = 5e-4;        // of millimetres a pixel, relative
   double angle_sd_deg = 0.03;    // of the surface
+  // Free flight before and after the contact, frames.
+  int fewest_frames = 40, most_frames = 120;
 };
 
 // Any of the two balls, at any surface, speed, framing and frame rate, by `random`.
@@ -38,7 +40,8 @@ inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Toleran
   FilmedImpact& f = shot.filmed = part(random) < 0.5 ? tennis_on_racket() : lacrosse_on_wood();
   f.seed = static_cast<unsigned>(random());
   f.touch = part(random);
-  f.frames_before = 40 + static_cast<int>(80 * part(random));
+  const int more = t.most_frames - t.fewest_frames;
+  f.frames_before = t.fewest_frames + static_cast<int>(more * part(random));
   f.metre_per_px = (0.2 + 0.3 * part(random)) * 1e-3;
   f.job.surface_angle_deg = -50 + 100 * part(random);
   if (std::abs(f.job.surface_angle_deg) < 8) f.job.surface_angle_deg = 12;
@@ -46,7 +49,7 @@ inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Toleran
   f.job.initial.vn_m_s *= 0.7 + 0.8 * part(random);
   f.job.initial.vt_m_s = side * (0.3 + 1.2 * part(random));
   f.job.initial.omega_rad_s = 10 * (part(random) - 0.5);
-  f.frames = f.frames_before + 40 + static_cast<int>(80 * part(random)) +
+  f.frames = f.frames_before + t.fewest_frames + static_cast<int>(more * part(random)) +
              static_cast<int>(sim::contact::simulate_impact(f.job).contact_s * f.fps);
   shot.truth = film(f, shot.result.rows);
   const double off = t.radius_sd_px * normal(random);

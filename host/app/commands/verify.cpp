@@ -9,6 +9,7 @@
 #include "host/app/command.h"
 #include "host/app/run_context.h"
 #include "host/base/parse.h"
+#include "host/run/metres/verify_budgets.h"
 #include "host/run/results/repeat_run.h"
 #include "host/run/results/result_digests.h"
 #include "sim/verify/verify_cases.h"
@@ -21,6 +22,8 @@ std::vector<sim::verify::VerifyCase> all_cases(const std::string& only) {
   std::vector<sim::verify::VerifyCase> cases = sim::verify::impact_cases();
   std::vector<sim::verify::VerifyCase> rod = sim::verify::rod_cases();
   std::move(rod.begin(), rod.end(), std::back_inserter(cases));
+  std::vector<sim::verify::VerifyCase> budgets = run::budget_cases();
+  std::move(budgets.begin(), budgets.end(), std::back_inserter(cases));
   std::erase_if(cases, [&only](const sim::verify::VerifyCase& row) {
     return (row.group + ": " + row.name).find(only) == std::string::npos;
   });
@@ -85,7 +88,8 @@ void repeat(const std::string& folder) {
 void add_verify_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("verify",
                                          "Check every impact model against formulas, conservation "
-                                         "laws and published figures; or, with "
+                                         "laws and published figures, and the parts of every "
+                                         "deviation against finite differences; or, with "
                                          "DIR, results against the digests that their run left");
   struct Options {
     std::string only, folder;

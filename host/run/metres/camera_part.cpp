@@ -11,6 +11,7 @@
 #include "host/camera/spread.h"
 #include "host/clip/track_row.h"
 #include "host/run/metres/contradictions.h"
+#include "host/run/metres/impact_figures.h"
 #include "host/run/metres/scale.h"
 
 namespace impactdic::run {
@@ -21,12 +22,8 @@ using camera::RowCorrection;
 
 // Every figure with a deviation; the first are those that have a budget, in their order.
 std::vector<Measured*> measured_figures(ImpactFigures& f) {
-  std::vector<Measured*> all = {&f.before.vx,  &f.before.vy,       &f.before.vt,
-                                &f.before.vn,  &f.before.spin,     &f.after.vx,
-                                &f.after.vy,   &f.after.vt,        &f.after.vn,
-                                &f.after.spin, &f.restitution,     &f.friction_published,
-                                &f.friction,   &f.rolling_cap,     &f.closure.inertia_factor,
-                                &f.contact_s,  &f.max_deflection_m};
+  const auto first = figures_with_budget(f);
+  std::vector<Measured*> all(first.begin(), first.end());
   for (Measured* more :
        {&f.flight.vx, &f.flight.vy, &f.flight.vt, &f.flight.vn, &f.flight.spin, &f.gravity_m_s2,
         &f.surface_angle_deg, &f.gravity_angle_deg, &f.max_deflection_px, &f.closure.ratio}) {

@@ -274,6 +274,8 @@ void Search::radius() {
 
 }  // namespace
 
+std::vector<ImpactFigure> figures_of_surface() { return kLocal; }
+
 bool contradicts(const ImpactFigures& figures, const std::string& what) {
   return std::any_of(figures.contradictions.begin(), figures.contradictions.end(),
                      [&](const Contradiction& c) { return c.what == what; });

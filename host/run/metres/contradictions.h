@@ -4,6 +4,7 @@
 #include <impactdic/track.h>
 
 #include <string>
+#include <vector>
 
 namespace impactdic::run {
 
@@ -16,6 +17,9 @@ void find_contradictions(const TrackRequest& request, const ImpactAnalysis& anal
 // `angle_deg`, by `other`.
 void note_other_surface(const TrackRequest& request, const ImpactAnalysis& other, double angle_deg,
                         ImpactFigures& figures);
+
+// The figures that go by the surface's direction.
+std::vector<ImpactFigure> figures_of_surface();
 
 // Whether there is one of this kind (Contradiction::what).
 bool contradicts(const ImpactFigures& figures, const std::string& what);

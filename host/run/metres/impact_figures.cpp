@@ -199,6 +199,15 @@ std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
   return impact::other_impacts(rows, options_of(request, scale, radius_px), found);
 }
 
+std::array<Measured*, kImpactFigures> figures_with_budget(ImpactFigures& f) {
+  return {&f.before.vx,  &f.before.vy,       &f.before.vt,
+          &f.before.vn,  &f.before.spin,     &f.after.vx,
+          &f.after.vy,   &f.after.vt,        &f.after.vn,
+          &f.after.spin, &f.restitution,     &f.friction_published,
+          &f.friction,   &f.rolling_cap,     &f.closure.inertia_factor,
+          &f.contact_s,  &f.max_deflection_m};
+}
+
 ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
                              const SiScale& scale, const ImpactAnalysis& analysis) {
   ImpactFigures figures;

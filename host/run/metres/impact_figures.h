@@ -3,6 +3,7 @@
 
 #include <impactdic/track.h>
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,9 @@ std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
                                           const std::vector<TrackRow>& rows, const SiScale& scale,
                                           const std::optional<Measured>& radius_px,
                                           const ImpactAnalysis& found);
+
+// The figures that have a budget, indexed by ImpactFigure.
+std::array<Measured*, kImpactFigures> figures_with_budget(ImpactFigures& figures);
 
 // What was found, in frames of the stored file, seconds and metres as far as `scale` knows them;
 // its deviations are part of theirs.
