@@ -118,7 +118,8 @@ INSTANTIATE_TEST_SUITE_P(All, CalibrateTarget,
                                            CalibrationTarget::kCharuco, CalibrationTarget::kDots),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
-// In short what bench/camera_coverage does on pictures; 20 x 15 parameters that hang together.
+// In short what bench/metres/camera_coverage does on pictures; 20 x 15 parameters that hang
+// together.
 TEST(Calibrate, TruthLiesWithinTwoDeviations) {
   CalibrateRequest request = request_of(CalibrationTarget::kDots);
   request.dot_mm = 1e-6;
