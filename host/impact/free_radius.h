@@ -23,8 +23,9 @@ FreeRadius free_radius(const std::vector<TrackRow>& rows, const FlightRange& bef
                        const FlightRange& after);
 
 // By how much the ball's outline grows a frame, in proportion to its size: the slope of a line
-// through the radii of `range`. The deviation is that of their scatter; errors that are alike in a
-// row, as of a texture that turns under the rim, count as fewer. NaN of fewer than twelve circles.
+// through the radii of `range`. The deviation is that of their scatter, in which errors that are
+// alike in a row count as fewer, and of a drift over the whole range, as of a texture that turns
+// under the rim. NaN of fewer than twelve circles.
 Measured radius_growth(const std::vector<TrackRow>& rows, const FlightRange& range);
 
 // Of a clip without an impact: the halves of `rows`, about the median.

@@ -198,18 +198,20 @@ TEST(SphereFlight, AKeyframeBeforeTheRowsTellsOnlyHowFramesMovedAmongThemselves)
 
 TEST(SphereFlight, AnOutlineThatGrowsTellsTheVelocityTowardsTheCamera) {
   constexpr double kDistance_px = 25 * kRadius_px, kNoise_px = 0.02, kTowards = 0.4;
+  constexpr double kDrift_px = 0.03;  // over the flight: texture that turns under the rim
   double squares = 0;
   constexpr int kSeeds = 60;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     auto rows = rows_of(Flight{}, seed, 0.05);
     std::mt19937 random(1000 + seed);
     std::normal_distribution<double> deviate(0, kNoise_px);
+    const double drift = std::normal_distribution<double>(0, kDrift_px)(random) / 59;
     const double ball_px = kRadius_px * std::sqrt(1 - 1 / (25.0 * 25.0));
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double z = kTowards * (static_cast<double>(i) - 29.5);
       const double from = kDistance_px - z;  // f = D: a pixel is one where the flight's middle is
-      rows[i].r_px =
-          kDistance_px * ball_px / std::sqrt(from * from - ball_px * ball_px) + deviate(random);
+      rows[i].r_px = kDistance_px * ball_px / std::sqrt(from * from - ball_px * ball_px) +
+                     deviate(random) + drift * static_cast<double>(i);
     }
     rows[20].r_px += 3;  // a wrong circle
     impact::ImpactOptions options = options_of(0.05);
