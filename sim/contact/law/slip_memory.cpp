@@ -130,8 +130,7 @@ SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) c
     const double xi = std::clamp(piece.begin - begin / slope, piece.begin, piece.end);
     return {index, xi, piece.begin_value + piece.slope * (xi - piece.begin), 0};
   }
-  double low = 0, high = piece.end_tau;
-  double tau = tau_hint_ > 0 && tau_hint_ < high ? tau_hint_ : 0.5 * high;
+  double low = 0, high = piece.end_tau, tau = 0.5 * high;
   for (int iteration = 0; iteration < 60; ++iteration) {
     const double value = edge.side * (edge.way_m - value_of(piece.way, tau)) -
                          edge.alpha * (edge.depth_m - value_of(piece.depth, tau));
@@ -146,7 +145,6 @@ SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) c
     tau = next;
     if (step <= (bisect ? 1e-15 : 1e-8)) break;
   }
-  tau_hint_ = tau;
   return {index, value_of(piece.depth, tau), -value_of(piece.way, tau), tau};
 }
 

@@ -98,7 +98,6 @@ class SlipMemory {
   bool broken_ = false;
   std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
   mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only
-  mutable double tau_hint_ = 0;
 };
 
 }  // namespace impactdic::sim::contact
