@@ -103,6 +103,11 @@ void each_of_pose(Field field, T& pose) {
   field("qz", pose.qz);
   field("tilt_x_sd_rad", pose.tilt_x_sd_rad);
   field("tilt_y_sd_rad", pose.tilt_y_sd_rad);
+  field("key_dx_px", pose.key_dx_px);
+  field("key_dy_px", pose.key_dy_px);
+  field("key_rot_x_deg", pose.key_rot_x_deg);
+  field("key_rot_y_deg", pose.key_rot_y_deg);
+  field("key_rot_deg", pose.key_rot_deg);
   field("origin", pose.origin);
   field("keyframe", pose.keyframe);
 }

@@ -160,6 +160,31 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   EXPECT_FALSE(back.grid_radius_px || back.keyframes);
 }
 
+TEST(ResumeFile, KeepsEveryFigureOfASpheresPose) {
+  const ScratchFolder folder;
+  pipeline::ResumePoint point;
+  point.next_row = 7;
+  BodyPose& pose = point.keyframes.emplace().last;
+  double value = 0.1;
+  const auto figures = [](BodyPose& p) {
+    return std::array{&p.x_px,         &p.y_px,          &p.x_sd_px,       &p.y_sd_px,
+                      &p.angle_sd_rad, &p.tilt_x_sd_rad, &p.tilt_y_sd_rad, &p.key_dx_px,
+                      &p.key_dy_px,    &p.key_rot_x_deg, &p.key_rot_y_deg, &p.key_rot_deg};
+  };
+  for (double* figure : figures(pose)) *figure = value *= 1.7;
+  pose.ok = true;
+  pose.qw = 0.5, pose.qx = -0.5, pose.qy = 0.5, pose.qz = 0.5;
+  pose.origin = 2, pose.keyframe = 5;
+  report::write_resume_point(folder / "resume.json", point);
+  pipeline::ResumePoint back = report::read_resume_point(folder / "resume.json");
+  ASSERT_TRUE(back.keyframes);
+  for (std::size_t i = 0; i < figures(pose).size(); ++i) {
+    EXPECT_EQ(*figures(back.keyframes->last)[i], *figures(pose)[i]) << i;
+  }
+  EXPECT_EQ(back.keyframes->last.qx, -0.5);
+  EXPECT_EQ(back.keyframes->last.keyframe, 5);
+}
+
 TEST(ResumeFile, DamageIsRefused) {
   const ScratchFolder folder;
   EXPECT_THROW(report::read_resume_point(folder / "resume.json"), FileError);
