@@ -41,16 +41,8 @@ void count(testing::ScaleBy by, int shots, const testing::Tolerances& tolerances
       score.inside += std::abs(off) <= kNormal95;
       score.squares += off * off;
     };
-    const testing::FilmedTruth& truth = shot.truth;
-    add("vt before", figures.before.vt, truth.before.vt_m_s);
-    add("vn before", figures.before.vn, truth.before.vn_m_s);
-    add("spin before", figures.before.spin, truth.before.omega_rad_s);
-    add("vt after", figures.after.vt, truth.after.vt_m_s);
-    add("vn after", figures.after.vn, truth.after.vn_m_s);
-    add("spin after", figures.after.spin, truth.after.omega_rad_s);
-    add("restitution", figures.restitution, truth.restitution);
-    add("friction", figures.friction, truth.friction);
-    add("deflection", figures.max_deflection_m, truth.deflection_px * shot.filmed.metre_per_px);
+    testing::each_figure(shot, add);
+    add("spin before", figures.before.spin, shot.truth.before.omega_rad_s);
   }
   std::printf("scale by %s: %d of %d impacts found, %d warned of\n",
               by == testing::ScaleBy::kDiameter ? "diameter" : "ruler", found, shots, warned);

@@ -75,11 +75,11 @@ std::string read_toml_text(const std::filesystem::path& file) {
   std::error_code error;
   std::ifstream stream(file, std::ios::binary);
   if (!stream || std::filesystem::is_directory(file, error)) {
-    throw FileError("cannot read the job", file.string());
+    throw FileError("cannot read the file", file.string());
   }
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (!error && size > kMostTomlBytes) {
-    throw InvalidArgument("a job of " + std::to_string(size) + " bytes", file.string(),
+    throw InvalidArgument("a file of " + std::to_string(size) + " bytes", file.string(),
                           "at most " + std::to_string(kMostTomlBytes) + " are read");
   }
   std::string text{std::istreambuf_iterator<char>(stream), {}};

@@ -23,6 +23,21 @@ struct FilmedShot {
   void conclude() { run::conclude_metres(request, std::nullopt, result); }
 };
 
+// The headline figures of a shot that was concluded: `add(name, found, truth)` for each.
+template <typename Add>
+void each_figure(const FilmedShot& shot, Add add) {
+  const ImpactFigures& found = shot.result.impact_si;
+  const FilmedTruth& truth = shot.truth;
+  add("vt before", found.before.vt, truth.before.vt_m_s);
+  add("vn before", found.before.vn, truth.before.vn_m_s);
+  add("vt after", found.after.vt, truth.after.vt_m_s);
+  add("vn after", found.after.vn, truth.after.vn_m_s);
+  add("spin after", found.after.spin, truth.after.omega_rad_s);
+  add("restitution", found.restitution, truth.restitution);
+  add("friction", found.friction, truth.friction);
+  add("deflection", found.max_deflection_m, truth.deflection_px * shot.filmed.metre_per_px);
+}
+
 struct Tolerances {
   double radius_sd_px = 0.02;    // of the clip's radius
   double diameter_sd_mm = 0.03;  // of the ball's

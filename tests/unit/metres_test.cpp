@@ -36,15 +36,7 @@ std::map<std::string, double> coverage(ScaleBy by) {
     const auto add = [&](const char* name, const Measured& m, double truth) {
       inside[name] += std::abs(m.value - truth) <= kNormal95 * m.sd;
     };
-    const FilmedTruth& truth = shot.truth;
-    add("vt before", found.before.vt, truth.before.vt_m_s);
-    add("vn before", found.before.vn, truth.before.vn_m_s);
-    add("vt after", found.after.vt, truth.after.vt_m_s);
-    add("vn after", found.after.vn, truth.after.vn_m_s);
-    add("spin after", found.after.spin, truth.after.omega_rad_s);
-    add("restitution", found.restitution, truth.restitution);
-    add("friction", found.friction, truth.friction);
-    add("deflection", found.max_deflection_m, truth.deflection_px * shot.filmed.metre_per_px);
+    each_figure(shot, add);
     add("closing inertia", found.closure.inertia_factor, shot.filmed.job.body.inertia_factor());
     add("surface", found.surface_angle_deg, shot.filmed.job.surface_angle_deg);
   }
