@@ -4,6 +4,7 @@
 #include <impactdic/control.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -39,7 +40,7 @@ struct JobRun {
   Result (*run)(const Request&, const RunControl&);
   void (*write)(const std::filesystem::path& folder, const Request&, const Result&);
   std::string (*to_toml)(const Request&);  // what job.toml holds beside the results
-  void (*print)(const Result&);
+  std::string (*in_words)(const Result&);
 };
 
 // Runs the job and writes results and job into the folder asked for.
@@ -51,7 +52,7 @@ Result run_job(const JobOptions& options, const JobRun<Request, Result>& job) {
   const auto folder = prepare_output_directory(options.output, options.force);
   job.write(folder, request, result);
   sim::job::write_text(folder / "job.toml", job.to_toml(request));
-  if (!options.quiet) job.print(result);
+  if (!options.quiet) std::fputs(job.in_words(result).c_str(), stdout);
   return result;
 }
 

@@ -137,4 +137,36 @@ dic::TunedKernel tune_equal(opencl::Engine& engine, const FieldOptions& field,
               });
 }
 
+std::vector<dic::TunedKernel> tune_and_keep(opencl::Engine& engine, int window_px, int search_px,
+                                            const TuneOptions& options, const TuneSink& sink) {
+  std::vector<FieldOptions> sizes;
+  const auto add = [&sizes](int window, int search) {
+    FieldOptions& field = sizes.emplace_back();
+    field.method = FieldMethod::kZncc;
+    field.window_px = window;
+    field.search_px = search;
+    field.validate();
+  };
+  if (window_px > 0) {
+    add(window_px, search_px);
+  } else {
+    add(15, 8);
+    add(31, 8);
+    add(31, 16);
+  }
+  dic::store_tuning(engine, {});
+  std::vector<dic::TunedKernel> best;
+  for (const FieldOptions& field : sizes) {
+    best.push_back(tune_zncc(engine, field, options, sink));
+  }
+  if (window_px == 0) {
+    FieldOptions field;
+    field.window_px = 32;
+    field.min_correlation = 0.3;
+    best.push_back(tune_equal(engine, field, options, sink));
+  }
+  dic::store_tuning(engine, best);
+  return best;
+}
+
 }  // namespace impactdic::benchmark

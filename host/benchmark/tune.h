@@ -29,4 +29,10 @@ dic::TunedKernel tune_zncc(opencl::Engine& engine, const FieldOptions& field,
 dic::TunedKernel tune_equal(opencl::Engine& engine, const FieldOptions& field,
                             const TuneOptions& options, const TuneSink& sink);
 
+// Tries every kernel on windows of `window_px` with `search_px`, or, where `window_px` is 0, on the
+// sizes that `correlate` and `track` use and `bench` measures; keeps the best for this device.
+// Throws FileError at once where nothing can be kept, InvalidArgument for impossible sizes.
+std::vector<dic::TunedKernel> tune_and_keep(opencl::Engine& engine, int window_px, int search_px,
+                                            const TuneOptions& options, const TuneSink& sink);
+
 }  // namespace impactdic::benchmark

@@ -6,19 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "host/report/words/text.h"
 
 namespace impactdic::report {
-namespace {
-
-template <typename... Values>
-std::string say(const char* format, Values... values) {
-  char text[240];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
-}  // namespace
 
 std::string in_words(const SizeAdvice& size) {
   std::string text = say("%d windows of %d px, %.0f %% usable", size.windows, size.window_px,

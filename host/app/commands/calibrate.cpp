@@ -7,6 +7,7 @@
 #include "host/app/command.h"
 #include "host/app/run_context.h"
 #include "host/base/parse.h"
+#include "host/report/words/clip_words.h"
 
 namespace impactdic::app {
 namespace {
@@ -17,18 +18,6 @@ struct Options {
   std::string output, target = "checkerboard", cells;
   std::vector<double> marks;
 };
-
-void print(const CalibrateResult& found) {
-  std::printf("scale %.6g +- %.2g mm/px in the plane of motion\n", found.metre_per_px.value * 1e3,
-              found.metre_per_px.sd * 1e3);
-  std::printf("distortion: %s, at most %.2f px; points scatter by %.3f px\n", found.terms.c_str(),
-              found.distortion_px, found.point_sd_px);
-  if (found.camera.focal_length_known) {
-    std::printf("the camera is tilted by %.2f +- %.2f deg against the plane\n",
-                found.tilt_deg.value, found.tilt_deg.sd);
-  }
-  for (const std::string& verdict : found.verdict) std::printf("verdict: %s\n", verdict.c_str());
-}
 
 void run_calibrate(Options& options) {
   CalibrateRequest& request = options.request;
@@ -45,7 +34,7 @@ void run_calibrate(Options& options) {
   const CalibrateResult found =
       calibrate_to_file(request, options.output, options.common.force, terminal.control());
   terminal.end();
-  if (!options.common.quiet) print(found);
+  if (!options.common.quiet) std::fputs(report::in_words(found).c_str(), stdout);
 }
 
 }  // namespace

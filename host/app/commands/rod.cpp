@@ -1,8 +1,6 @@
 // impactdic rod MARKERS.csv -o DIR: a rod's impact from three markers (chapter 5).
 #include <impactdic/rod.h>
-#include <impactdic/units.h>
 
-#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -10,6 +8,7 @@
 #include "host/app/job.h"
 #include "host/app/job_command.h"
 #include "host/report/job/rod_files.h"
+#include "host/report/words/model_words.h"
 #include "sim/rod/markers.h"
 
 namespace impactdic::app {
@@ -20,28 +19,6 @@ struct Options {
   std::string markers, output, vertical = "y", deformations;
   RodRequest rod;
 };
-
-void print(const RodResult& result) {
-  const RodMeasurement& m = result.measurement;
-  std::printf("impact at %.5f s, angle %.2f deg; restitution at the contact point %.4f +- %.4f\n",
-              m.impact_s.value, m.before.angle_rad.value * kDegPerRad, m.restitution.value,
-              m.restitution.sd);
-  const auto row = [](const char* name, double vt, double vn, double omega) {
-    std::printf("  %-14s vt %8.4f  vn %8.4f m/s  omega %9.3f rad/s\n", name, vt, vn, omega);
-  };
-  row("before", m.before.vt_m_s.value, m.before.vn_m_s.value, m.before.omega_rad_s.value);
-  row("after", m.after.vt_m_s.value, m.after.vn_m_s.value, m.after.omega_rad_s.value);
-  for (const RodPrediction& p : result.predictions) {
-    row(p.model.c_str(), p.impact.vt_m_s, p.impact.vn_m_s, p.impact.omega_rad_s);
-  }
-  std::printf("  free fall %.4f +- %.4f m/s2; impulses give omega %.3f rad/s after, |Jt|/Jn %.3f\n",
-              m.before.gravity_m_s2.value, m.before.gravity_m_s2.sd,
-              m.closure.omega_as_measured_rad_s.value, m.closure.impulse_ratio.value);
-  if (m.closure.tangential_sign < 0) {
-    std::printf("  the impulses close only with the tangential axis flipped (omega %.3f)\n",
-                m.closure.omega_axis_flipped_rad_s.value);
-  }
-}
 
 void run_rod(const CLI::App& command, const Options& options) {
   RodRequest request = options.rod;
@@ -56,7 +33,7 @@ void run_rod(const CLI::App& command, const Options& options) {
   const auto folder = prepare_output_directory(options.output, options.common.force);
   report::write_rod(folder, request, result);
   write_job(command, folder / "job.toml");
-  if (!options.common.quiet) print(result);
+  if (!options.common.quiet) std::fputs(report::in_words(result).c_str(), stdout);
   print_warnings(result.measurement.warnings);
 }
 

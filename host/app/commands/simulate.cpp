@@ -7,6 +7,7 @@
 #include "host/app/command.h"
 #include "host/app/job_command.h"
 #include "host/report/job/sweep_files.h"
+#include "host/report/words/model_words.h"
 #include "sim/job/job_toml.h"
 #include "sim/job/rebound_job.h"
 #include "sim/job/result_files.h"
@@ -24,22 +25,9 @@ ImpactResult integrate(const SimulateRequest& request, const std::string& file) 
   }
 }
 
-void print(const ImpactJob& job, const ImpactResult& result) {
-  std::printf("restitution %.4f, contact %.4f ms, maximum deflection %.4f mm\n", result.restitution,
-              1e3 * result.contact_s, 1e3 * result.max_deflection_m);
-  const auto motion = [](const char* whose, const BodyState& s, bool plane) {
-    std::printf("%s: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", whose, s.vt_m_s, s.vn_m_s,
-                s.omega_rad_s);
-    if (plane) return;
-    std::printf("  across: vb %.4f m/s, omega_t %.3f rad/s, omega_n %.3f rad/s\n", s.vb_m_s,
-                s.omega_t_rad_s, s.omega_n_rad_s);
-  };
-  const bool plane = job.initial.plane() && (!job.other || job.other->initial.plane());
-  motion("after", result.final, plane);
-  if (job.other) motion("the other after", result.other_final, plane);
-  for (const ContactPhase& phase : result.phases) {
-    std::printf("  %-16s %9.4f to %9.4f ms\n", phase.name, 1e3 * phase.start_s, 1e3 * phase.end_s);
-  }
+template <typename... Results>
+void print(const JobOptions& options, const Results&... results) {
+  if (!options.quiet) std::fputs(report::in_words(results...).c_str(), stdout);
 }
 
 void run_rod_simulation(const JobOptions& options) {
@@ -49,12 +37,7 @@ void run_rod_simulation(const JobOptions& options) {
   sim::rod::write_rod_trajectory(dir / "trajectory.csv", impact);
   sim::job::write_text(dir / "summary.json", sim::rod::rod_summary_json(job, impact));
   sim::job::write_text(dir / "job.toml", sim::rod::to_toml(job));
-  if (!options.quiet) {
-    std::printf("restitution %.4f, %d micro-impacts in %.4f ms, dent %.2f um\n", impact.restitution,
-                impact.micro_impacts, 1e3 * impact.start_to_end_s, 1e6 * impact.residual_m);
-    std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", impact.vt_m_s, impact.vn_m_s,
-                impact.omega_rad_s);
-  }
+  print(options, impact);
   print_warnings(impact.warnings);
 }
 
@@ -65,18 +48,14 @@ void run_formula(const JobOptions& options) {
   sim::job::write_rebound_trajectory(dir / "trajectory.csv", result);
   sim::job::write_text(dir / "summary.json", sim::job::rebound_summary_json(job, result));
   sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
-  if (!options.quiet) {
-    std::printf("restitution %.4f\n", result.restitution);
-    std::printf("after: vt %.4f m/s, vn %.4f m/s, omega %.3f rad/s\n", result.after.vt_m_s,
-                result.after.vn_m_s, result.after.omega_rad_s);
-  }
+  print(options, result);
   print_warnings(result.warnings);
 }
 
 void run_sweep(const JobOptions& options) {
   const auto result = run_job<SweepRequest, SweepResult>(
       options, {sim::sweep::read_sweep_job, sweep, report::write_sweep, sim::sweep::to_toml,
-                [](const auto& r) { std::fputs(report::sweep_words(r).c_str(), stdout); }});
+                report::sweep_words});
   print_warnings(report::sweep_warnings(result));
 }
 
@@ -91,7 +70,7 @@ void run_simulate(const JobOptions& options) {
   sim::job::write_trajectory_csv(dir / "trajectory.csv", job.impact, result.trajectory);
   sim::job::write_text(dir / "summary.json", sim::job::summary_json(job.impact, result));
   sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
-  if (!options.quiet) print(job.impact, result);
+  print(options, job.impact, result);
   print_warnings(result.warnings);
 }
 

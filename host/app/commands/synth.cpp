@@ -1,8 +1,5 @@
-#include <impactdic/error.h>
 #include <impactdic/synth.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -11,93 +8,18 @@
 #include "host/app/job.h"
 #include "host/app/run_context.h"
 #include "host/app/terminal_progress.h"
-#include "host/base/parse.h"
+#include "host/run/settings/synth_texts.h"
 #include "host/run/synth_files.h"
-#include "sim/job/job_toml.h"
-#include "sim/speckle/motion.h"
 
 namespace impactdic::app {
 namespace {
 
-constexpr const char* kUsualVelocity = "1,0";
-
 struct Options {
   Common common;
   SynthRequest synth;
-  ConstantMotion step;
-  std::string output, body = "disc", size = "512x512", format = "tiff";
-  std::vector<double> distortion;
-  std::string start, velocity = kUsualVelocity, spin, motion_file, impact_job;
-  double touch_frame = 25;  // of an impact
+  run::SynthTexts texts;
+  std::string output, format = "tiff";
 };
-
-void parse_size(const std::string& text, SynthScene& scene) {
-  const std::vector<double> sides = parse_doubles(text, 'x', 2, "--size");
-  for (const double side : sides) {
-    if (!(side >= 1 && side <= 32768 && side == std::floor(side))) {
-      throw InvalidArgument("the size '" + text + "' is impossible", "--size",
-                            "WIDTHxHEIGHT, whole pixels up to 32768");
-    }
-  }
-  scene.width = static_cast<int>(sides[0]);
-  scene.height = static_cast<int>(sides[1]);
-}
-
-// A file or a model says how the ball moves; options that say otherwise would be lost silently.
-void refuse_constant_motion(const Options& options, const std::string& source) {
-  if (options.velocity != kUsualVelocity || options.step.rotation_deg != 0 ||
-      !options.spin.empty() || options.step.compression_per_frame != 0) {
-    throw InvalidArgument("the motion is given twice", source,
-                          "leave out --velocity-px, --rotation-deg, --spin-deg and --compression");
-  }
-}
-
-ConstantMotion constant_motion(const Options& options) {
-  ConstantMotion motion = options.step;
-  const std::vector<double> step = parse_doubles(options.velocity, ',', 0, "--velocity-px");
-  if (step.size() != 2 && step.size() != 3) {
-    throw InvalidArgument("'" + options.velocity + "' is no velocity", "--velocity-px",
-                          "DX,DY or DX,DY,DZ");
-  }
-  motion.dx_px = step[0];
-  motion.dy_px = step[1];
-  if (step.size() == 3) motion.dz_px = step[2];
-  if (options.spin.empty()) return motion;
-  if (motion.rotation_deg != 0) {
-    throw InvalidArgument("the rotation is given twice", "--rotation-deg, --spin-deg",
-                          "choose one");
-  }
-  const std::vector<double> spin = parse_doubles(options.spin, ',', 0, "--spin-deg");
-  if (spin.size() != 1 && spin.size() != 3) {
-    throw InvalidArgument("'" + options.spin + "' is no spin", "--spin-deg", "X,Y,Z or Z");
-  }
-  motion.rotation_deg = spin.back();
-  if (spin.size() == 3) {
-    motion.spin_x_deg = spin[0];
-    motion.spin_y_deg = spin[1];
-  }
-  return motion;
-}
-
-void read_motion(const Options& options, SynthRequest& request) {
-  if (!options.motion_file.empty() && !options.impact_job.empty()) {
-    throw InvalidArgument("the motion is given twice", "--motion, --simulate", "choose one");
-  }
-  if (!options.impact_job.empty()) {
-    refuse_constant_motion(options, "--simulate");
-    request.motion = SimulatedMotion{sim::job::read_simulate_job(options.impact_job).impact,
-                                     options.touch_frame};
-  } else if (!options.motion_file.empty()) {
-    refuse_constant_motion(options, "--motion");
-    request.motion = sim::speckle::read_motion_csv(options.motion_file);
-  } else {
-    request.motion = constant_motion(options);
-  }
-  if (!options.start.empty()) {
-    const std::vector<double> at = parse_doubles(options.start, ',', 2, "--start-px");
-    request.start = StartPx{at[0], at[1]};
-  }
-}
 
 SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool quiet) {
   TerminalProgress progress("synth", quiet);
@@ -110,11 +32,7 @@ SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool qui
 void run_synth(const CLI::App& command, const Options& options) {
   const video::SinkFormat format = video::parse_sink_format(options.format);
   SynthRequest request = options.synth;
-  if (!options.distortion.empty()) request.scene.distortion_k1 = options.distortion.front();
-  if (options.distortion.size() > 1) request.scene.distortion_k2 = options.distortion.back();
-  if (options.body == "sphere") request.body = SynthBody::kSphere;
-  parse_size(options.size, request.scene);
-  read_motion(options, request);
+  run::apply(options.texts, request);
   const RunContext context(options.common, false);
   const SynthTruth truth = synth_truth(request);
   const auto folder = prepare_output_directory(options.output, options.common.force);
@@ -146,44 +64,44 @@ void add_motion_options(CLI::App& command, Options& options) {
       ->check(CLI::Range(0, 10000000))
       ->capture_default_str();
   command
-      .add_option("--velocity-px", options.velocity,
+      .add_option("--velocity-px", options.texts.velocity,
                   "DX,DY: the centre's motion per frame, x right, y down, px; a sphere's third "
                   "number is its motion towards the camera")
       ->capture_default_str();
   command
-      .add_option("--rotation-deg", options.step.rotation_deg,
+      .add_option("--rotation-deg", options.texts.step.rotation_deg,
                   "Rotation per frame, counter-clockwise on the screen")
       ->capture_default_str();
   command.add_option(
-      "--spin-deg", options.spin,
+      "--spin-deg", options.texts.spin,
       "X,Y,Z: a sphere's spin vector per frame, X right, Y up, Z towards the camera; "
       "one number is Z, as --rotation-deg");
   command
-      .add_option("--compression", options.step.compression_per_frame,
+      .add_option("--compression", options.texts.step.compression_per_frame,
                   "Share of its diameter by which the ball gets shorter per frame")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command
-      .add_option("--compression-axis-deg", options.step.start.compression_axis_deg,
+      .add_option("--compression-axis-deg", options.texts.step.start.compression_axis_deg,
                   "Axis of the compression, counter-clockwise from image-right")
       ->capture_default_str();
   command.add_option(
-      "--start-px", options.start,
+      "--start-px", options.texts.start,
       "X,Y: the centre in frame 0; without it the path lies in the picture's middle");
   command
       .add_option(
-          "--motion,--poses", options.motion_file,
+          "--motion,--poses", options.texts.motion_file,
           "CSV with a row per frame: cx_px,cy_px (or x_px,y_px) or dx_px,dy_px, angle_deg or "
           "rot_deg or a sphere's rotation vector rx_deg,ry_deg,rz_deg, z_px, compression, "
           "compression_axis_deg; a truth.csv is such a file")
       ->transform(absolute_path);
   command
-      .add_option("--simulate", options.impact_job,
+      .add_option("--simulate", options.texts.impact_job,
                   "Job of impactdic simulate: the ball follows the integrated impact, compressed "
                   "along the surface's normal; its diameter is twice --radius-px")
       ->transform(absolute_path);
   command
-      .add_option("--touch-frame", options.touch_frame,
+      .add_option("--touch-frame", options.texts.touch_frame,
                   "With --simulate: the frame, fractions allowed, of the first touch")
       ->capture_default_str();
 }
@@ -229,7 +147,7 @@ void add_options(CLI::App& command, Options& options) {
   command.add_option("-o,--output", options.output, "Folder for the clip and its truth")
       ->required();
   command
-      .add_option("--body", options.body,
+      .add_option("--body", options.texts.body,
                   "What is painted: disc, a flat ball that turns in the picture's plane, or sphere")
       ->check(CLI::IsMember({"disc", "sphere"}))
       ->capture_default_str();
@@ -239,7 +157,7 @@ void add_options(CLI::App& command, Options& options) {
       ->capture_default_str();
   command.add_option("--seed", request.seed, "Of the pattern and of the noise")
       ->capture_default_str();
-  command.add_option("--size", options.size, "WIDTHxHEIGHT of the picture, px")
+  command.add_option("--size", options.texts.size, "WIDTHxHEIGHT of the picture, px")
       ->capture_default_str();
   command.add_option("--fps", request.fps, "Frames a second")
       ->check(positive_number())
@@ -251,7 +169,7 @@ void add_options(CLI::App& command, Options& options) {
   add_camera_options(command, request);
   command
       .add_option(
-          "--distortion", options.distortion,
+          "--distortion", options.texts.distortion,
           "K1[,K2]: a lens that shows the corners 1 + K1 + K2 times as far from the middle; "
           "the truth is without it")
       ->delimiter(',')

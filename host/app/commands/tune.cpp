@@ -16,27 +16,6 @@ struct Options {
   int window_px = 0, search_px = 8;  // 0: the usual sizes
 };
 
-// As `correlate` and `track` use them, and what `bench` measures.
-std::vector<FieldOptions> sizes_of(const Options& options) {
-  std::vector<FieldOptions> sizes;
-  const auto add = [&](int window_px, int search_px) {
-    FieldOptions field;
-    field.method = FieldMethod::kZncc;
-    field.window_px = window_px;
-    field.search_px = search_px;
-    field.validate();
-    sizes.push_back(field);
-  };
-  if (options.window_px > 0) {
-    add(options.window_px, options.search_px);
-  } else {
-    add(15, 8);
-    add(31, 8);
-    add(31, 16);
-  }
-  return sizes;
-}
-
 void run_tune(const Options& options) {
   RunContext context(options.common);
   opencl::Engine& engine = context.engine();
@@ -47,18 +26,8 @@ void run_tune(const Options& options) {
                 tried.rejected.c_str());
     std::fflush(stdout);
   };
-  dic::store_tuning(engine, {});  // fails at once where nothing can be kept
-  std::vector<dic::TunedKernel> best;
-  for (const FieldOptions& field : sizes_of(options)) {
-    best.push_back(benchmark::tune_zncc(engine, field, options.tune, sink));
-  }
-  if (options.window_px == 0) {
-    FieldOptions field;
-    field.window_px = 32;
-    field.min_correlation = 0.3;
-    best.push_back(benchmark::tune_equal(engine, field, options.tune, sink));
-  }
-  dic::store_tuning(engine, best);
+  const std::vector<dic::TunedKernel> best =
+      benchmark::tune_and_keep(engine, options.window_px, options.search_px, options.tune, sink);
   for (const dic::TunedKernel& kernel : best) {
     std::printf("%s: %s\n", kernel.work.c_str(), kernel.variant.c_str());
   }
