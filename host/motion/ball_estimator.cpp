@@ -6,8 +6,8 @@ namespace impactdic::motion {
 namespace {
 
 // One registration of the whole ball, started from the field, or from circle and the rings' turn
-// where the field has too little texture. Rigid, unless the field says that the ball is being
-// compressed.
+// where the field has too little texture. Rigid, unless the field or the circle says that the ball
+// is compressed.
 class BallEstimator : public MotionEstimator {
  public:
   BallEstimator(opencl::Engine& engine, const EstimatorOptions& options, double radius_px,
@@ -37,6 +37,7 @@ class BallEstimator : public MotionEstimator {
   // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
   static bool is_strained(const PairMotion& pair) {
     constexpr double kSignificant = 5, kSmallest = 2e-4;
+    if (pair.shape.is_compressed()) return true;
     return pair.strain.ok && pair.strain.largest > kSmallest &&
            pair.strain.largest > kSignificant * pair.strain.sd;
   }
@@ -95,6 +96,7 @@ class BallEstimator : public MotionEstimator {
     pair.motion.dx_sd_px = ball.dx_sd;
     pair.motion.dy_sd_px = ball.dy_sd;
     pair.motion.rot_sd_rad = ball.rot_sd_rad;
+    correct_turn(pair.shape, ball, pair.motion);
     pair.status = TrackStatus::kOk;
   }
 

@@ -10,6 +10,7 @@
 
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
+#include "host/motion/ball_shape.h"
 #include "host/motion/field_motion.h"
 
 namespace impactdic::dic {
@@ -44,6 +45,7 @@ struct EstimatorOptions {
 struct PairMotion {
   int first_slot = 0, second_slot = 0;
   Circle first, second;  // the ball in both frames
+  BallShape shape;       // of a flat one in the first
   // Of a pair before this one; a sphere's is the rotation vector (x, y, and this).
   double guess_rot_rad = 0;
   double guess_rot_x_rad = 0, guess_rot_y_rad = 0;

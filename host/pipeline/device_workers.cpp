@@ -271,6 +271,7 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
     pair.second_slot = static_cast<int>(k + 1);
     pair.first = batch.circles[i];
     pair.second = batch.circles[i + 1];
+    pair.shape = batch.shapes[i];
     motion::into_crops(pair, origins[k], origins[k + 1]);
     which.push_back(k);
   }
@@ -307,7 +308,7 @@ std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch
     frame.index = batch.first_index + static_cast<std::int64_t>(i);
     frame.circle_ok = batch.rows[i].circle_ok;
     frame.circle = batch.circles[i];
-    frame.compressed = batch.compressed[i];
+    frame.shape = batch.shapes[i];
     frame.frame = batch.frames[i];
     if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
     frame.slot = static_cast<int>(k);

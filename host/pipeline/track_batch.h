@@ -19,7 +19,7 @@ struct TrackBatch {
   std::vector<const Frame*> frames;
   std::vector<TrackRow> rows;  // of `frames`; the last one is finished with the next batch
   std::vector<Circle> circles;
-  std::vector<bool> compressed;  // of the circles: plainly ellipses
+  std::vector<motion::BallShape> shapes;
   // Pair i leads from frame i to frame i + 1; measured where both have a ball.
   std::vector<motion::PairMotion> pairs;
   std::vector<bool> measured;

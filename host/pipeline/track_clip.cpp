@@ -188,9 +188,7 @@ class ClipTracker {
     batch.frames.push_back(&frame);
     batch.rows.push_back(row_of(fit, index));
     batch.circles.push_back(fit.circle);
-    constexpr double kCompressed = 0.01;  // |e| / R of a ball that is 2 % shorter
-    batch.compressed.push_back(fit.ellipse &&
-                               std::hypot(fit.e1_px, fit.e2_px) > kCompressed * fit.circle.r_px);
+    batch.shapes.push_back(motion::shape_of(fit));
   }
 
   TrackRow row_of(const circle::CircleFit& fit, std::int64_t index) const {

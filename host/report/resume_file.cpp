@@ -142,6 +142,13 @@ void each_of_keyframe(Field field, T& key) {
 }
 
 template <typename Field, typename T>
+void each_of_shape(Field field, T& shape) {
+  field("e1", shape.e1);
+  field("e2", shape.e2);
+  field("sd", shape.sd);
+}
+
+template <typename Field, typename T>
 void each_of_correlate(Field field, T& point) {
   field("next_row", point.next_row);
   field("dx_px", point.dx_px);
@@ -190,7 +197,9 @@ json describe(const motion::Keyframes::Memory& memory) {
       {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
   if (std::isfinite(memory.reach_rad)) described["reach_rad"] = number(memory.reach_rad);
   for (const motion::Keyframes::Keyframe& key : memory.keyframes) {
-    each_of_keyframe(Writer{described["keyframes"].emplace_back(json::object())}, key);
+    json& item = described["keyframes"].emplace_back(json::object());
+    each_of_keyframe(Writer{item}, key);
+    if (key.shape.is_compressed()) each_of_shape(Writer{item["shape"]}, key.shape);
   }
   each_of_linked(Writer{described["last"]}, memory.last);
   each_of_radius(Writer{described["radius"] = json::object()}, memory.radius);
@@ -200,7 +209,9 @@ json describe(const motion::Keyframes::Memory& memory) {
 motion::Keyframes::Memory keyframes_of(const json& described) {
   motion::Keyframes::Memory memory;
   for (const json& item : described.at("keyframes")) {
-    each_of_keyframe(Reader{item}, memory.keyframes.emplace_back());
+    motion::Keyframe& key = memory.keyframes.emplace_back();
+    each_of_keyframe(Reader{item}, key);
+    if (item.contains("shape")) each_of_shape(Reader{item.at("shape")}, key.shape);
   }
   each_of_linked(Reader{described.at("last")}, memory.last);
   memory.last_index = described.at("last_index").get<std::int64_t>();
@@ -275,6 +286,7 @@ void check(const pipeline::ResumePoint& point) {
     demand(key.last_used >= 0 && key.last_used <= row && key.pose.ok);
     check(key.pose, row);
     check(key.circle);
+    demand(std::hypot(key.shape.e1, key.shape.e2) < 1 && key.shape.sd >= 0);
   }
 }
 

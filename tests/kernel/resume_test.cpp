@@ -160,7 +160,7 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   EXPECT_FALSE(back.grid_radius_px || back.keyframes);
 }
 
-TEST(ResumeFile, KeepsEveryFigureOfASpheresPose) {
+TEST(ResumeFile, KeepsEveryFigureOfPoses) {
   const ScratchFolder folder;
   pipeline::ResumePoint point;
   point.next_row = 7;
@@ -175,6 +175,14 @@ TEST(ResumeFile, KeepsEveryFigureOfASpheresPose) {
   pose.ok = true;
   pose.qw = 0.5, pose.qx = -0.5, pose.qy = 0.5, pose.qz = 0.5;
   pose.origin = 2, pose.keyframe = 5;
+  for (const double e1 : {0.0, -0.06}) {  // round, and in contact
+    motion::Keyframe& key = point.keyframes->keyframes.emplace_back();
+    key.pose.ok = true;
+    key.pose.x_px = key.pose.y_px = key.pose.angle_rad = 0;
+    key.pose.origin = key.pose.keyframe = 0;
+    key.circle = {1, 2, 3};
+    if (e1 != 0) key.shape = {e1, 0.04, 0.001};
+  }
   report::write_resume_point(folder / "resume.json", point);
   pipeline::ResumePoint back = report::read_resume_point(folder / "resume.json");
   ASSERT_TRUE(back.keyframes);
@@ -183,6 +191,9 @@ TEST(ResumeFile, KeepsEveryFigureOfASpheresPose) {
   }
   EXPECT_EQ(back.keyframes->last.qx, -0.5);
   EXPECT_EQ(back.keyframes->last.keyframe, 5);
+  EXPECT_EQ(back.keyframes->keyframes[0].shape.e1, 0);
+  const motion::BallShape& shape = back.keyframes->keyframes[1].shape;
+  EXPECT_TRUE(shape.e1 == -0.06 && shape.e2 == 0.04 && shape.sd == 0.001);
 }
 
 TEST(ResumeFile, DamageIsRefused) {

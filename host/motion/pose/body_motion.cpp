@@ -163,14 +163,16 @@ LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::Rigid
   return next;
 }
 
-LinkedPose registered(const LinkedPose& key, const Circle& circle, const BallMotion& motion, int u,
-                      int v, double expected_rad, const SphereRadius& radius) {
-  dic::RigidMotion rigid = is_sphere(key) ? sphere_motion(motion, 0) : dic::RigidMotion{};
-  rigid.dx_px = motion.dx + u;
-  rigid.dy_px = motion.dy + v;
-  if (is_sphere(key)) {
+LinkedPose registered(const Anchor& key, const BallMotion& motion, const CropOrigin& from_key,
+                      double expected_rad, const SphereRadius& radius) {
+  const bool sphere = is_sphere(key.pose);
+  dic::RigidMotion rigid = sphere ? sphere_motion(motion, 0) : dic::RigidMotion{};
+  rigid.dx_px = motion.dx + from_key.x;
+  rigid.dy_px = motion.dy + from_key.y;
+  if (sphere) {
     const RadiusEffect effect = effect_on(rigid, radius.px);
-    LinkedPose pose = with_link(key, circle, corrected(rigid, effect, radius.error_px), effect);
+    LinkedPose pose =
+        with_link(key.pose, key.circle, corrected(rigid, effect, radius.error_px), effect);
     pose.key_dx_px = rigid.dx_px;
     pose.key_dy_px = rigid.dy_px;
     pose.key_rot_x_deg = rigid.rot_x_rad * kDegPerRad;
@@ -182,7 +184,8 @@ LinkedPose registered(const LinkedPose& key, const Circle& circle, const BallMot
   rigid.dx_sd_px = motion.dx_sd;
   rigid.dy_sd_px = motion.dy_sd;
   rigid.rot_sd_rad = motion.rot_sd_rad;
-  LinkedPose pose = linked(key, circle, rigid, radius);
+  correct_turn(key.shape, motion, rigid);
+  LinkedPose pose = linked(key.pose, key.circle, rigid, radius);
   pose.angle_rad = expected_rad + std::remainder(pose.angle_rad - expected_rad, 2 * kPi);
   return pose;
 }

@@ -5,6 +5,8 @@
 
 #include "host/circle/circle.h"
 #include "host/dic/rigid_fit.h"
+#include "host/motion/ball_crop.h"
+#include "host/motion/ball_shape.h"
 #include "host/motion/pose/linked_pose.h"
 #include "kernels/types.h"
 
@@ -35,9 +37,15 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
                   const SphereRadius& radius);
 
-// Of a frame that was registered against a keyframe (`key`, its `circle`), its part's corner (u, v)
-// from that one's; the turn of a flat ball is the one nearest to `expected_rad`.
-LinkedPose registered(const LinkedPose& key, const Circle& circle, const BallMotion& motion, int u,
-                      int v, double expected_rad, const SphereRadius& radius);
+// A keyframe: its pose, and the ball as it is seen there.
+struct Anchor {
+  const LinkedPose& pose;
+  const Circle& circle;
+  const BallShape& shape;
+};
+// Of a frame that was registered against a keyframe, its part's corner `from_key` from that one's;
+// the turn of a flat ball is the one nearest to `expected_rad`.
+LinkedPose registered(const Anchor& key, const BallMotion& motion, const CropOrigin& from_key,
+                      double expected_rad, const SphereRadius& radius);
 
 }  // namespace impactdic::motion

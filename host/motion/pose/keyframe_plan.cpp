@@ -54,11 +54,12 @@ void KeyframeAim::plan(std::span<const ChainedFrame> frames, std::span<const Bod
   for (std::size_t i = 0; i < near.size(); ++i) {
     std::size_t best = best_for(near[i], plan.targets, reach_rad);
     if (i > 0 && !reaches(plan.targets[best].key, near[i], reach_rad) &&
-        !frames[i - 1].compressed && plan.targets.back().frame != &frames[i - 1]) {
+        !frames[i - 1].shape.is_compressed() && plan.targets.back().frame != &frames[i - 1]) {
       Target before;
       static_cast<BodyPose&>(before.key.pose) = near[i - 1];
       before.key.pose.keyframe = frames[i - 1].index;
       before.key.circle = frames[i - 1].circle;
+      before.key.shape = frames[i - 1].shape;
       before.frame = &frames[i - 1];
       plan.targets.push_back(before);
       best = plan.targets.size() - 1;

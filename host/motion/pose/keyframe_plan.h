@@ -11,6 +11,7 @@
 #include "host/clip/track_row.h"
 #include "host/dic/rigid_fit.h"
 #include "host/motion/ball_crop.h"
+#include "host/motion/ball_shape.h"
 #include "host/motion/pose/keyframe_slots.h"
 #include "host/motion/pose/linked_pose.h"
 
@@ -21,8 +22,8 @@ namespace impactdic::motion {
 struct ChainedFrame {
   std::int64_t index = 0;  // among the analysed frames
   bool circle_ok = false;
-  bool compressed = false;  // plainly no circle: in contact
   Circle circle;
+  BallShape shape;
   const Frame* frame = nullptr;
   const dic::RigidMotion* next = nullptr;  // nullptr where it was not measured
   int slot = 0;
@@ -32,8 +33,9 @@ struct ChainedFrame {
 struct Keyframe {
   LinkedPose pose;  // its own
   Circle circle;
-  double residual = 0;                   // of the best registration against it; 0 before the first
-  std::int64_t last_used = 0;            // frame index
+  BallShape shape;             // only a chain that begins in contact has one that is compressed
+  double residual = 0;         // of the best registration against it; 0 before the first
+  std::int64_t last_used = 0;  // frame index
   std::shared_ptr<const Frame> picture;  // the part of it that goes to devices
 };
 

@@ -63,6 +63,7 @@ Keyframes::Keyframe Keyframes::keep(const ChainedFrame& frame, const LinkedPose&
   made.pose = pose;
   made.pose.keyframe = frame.index;
   made.circle = frame.circle;
+  made.shape = frame.shape;
   made.last_used = frame.index;
   ++made_;
   if (memory_.keyframes.size() == kKeyframes) {
@@ -141,7 +142,7 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
   for (std::size_t i = 0; i < count; ++i) {
     const BodyPose& near = registered.near[i];
     Target& target = plan.targets[plan.of[i]];
-    if (fits(registered.motions[i], target.key)) {
+    if (!is_strained(frames[i], target.key) && fits(registered.motions[i], target.key)) {
       placed.push_back(pose_of(frames[i], near, registered.motions[i], target.key));
     } else if (const auto pose = place_otherwise(frames[i], near, target, slots)) {
       placed.push_back(*pose);
@@ -172,7 +173,7 @@ std::optional<LinkedPose> Keyframes::place_otherwise(const ChainedFrame& frame,
   if (!aim_.sphere()) pose = tried(target, true);
   const Keyframe& newest = memory_.keyframes.back();
   if (pose || newest.pose.keyframe == target.key.pose.keyframe) return pose;
-  pose = tried({newest, nullptr}, false);
+  if (!is_strained(frame, newest)) pose = tried({newest, nullptr}, false);
   if (!pose && !aim_.sphere()) pose = tried({newest, nullptr}, true);
   return pose;
 }
@@ -191,8 +192,9 @@ LinkedPose Keyframes::pose_of(const ChainedFrame& frame, const BodyPose& near,
     kept.last_used = key.last_used;
   }
   const CropOrigin origin = aim_.crop().about(key.circle);
-  return registered(key.pose, key.circle, motion, frame.origin.x - origin.x,
-                    frame.origin.y - origin.y, near.angle_rad, memory_.radius);
+  return registered({key.pose, key.circle, key.shape}, motion,
+                    {frame.origin.x - origin.x, frame.origin.y - origin.y}, near.angle_rad,
+                    memory_.radius);
 }
 
 void Keyframes::close_turn(const Before& last, std::vector<LinkedPose>& placed,
@@ -218,6 +220,10 @@ void Keyframes::learn_reach(const BodyPose& key, const BodyPose& near) {
   if (!aim_.sphere()) return;
   memory_.reach_rad =
       std::min(memory_.reach_rad, std::max(kReach * tilt_between(key, near), kLeastReach_rad));
+}
+
+bool Keyframes::is_strained(const ChainedFrame& frame, const Keyframe& key) const {
+  return !aim_.sphere() && (frame.shape.is_compressed() || key.shape.is_compressed());
 }
 
 bool Keyframes::fits(const BallMotion& motion, const Keyframe& key) const {
@@ -329,7 +335,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
     if (was_ahead) failed.insert(registered.plan.of[placed.size()]);
     const LinkedPose reached =
         linked(poses[i - 1], frames[i - 1].circle, *frames[i - 1].next, memory_.radius);
-    const bool compressed = frames[i].compressed;
+    const bool compressed = frames[i].shape.is_compressed();
     poses[i] = compressed ? reached : keep(frames[i], reached).pose;
     ++i;
     // A sphere's reach is known by now.

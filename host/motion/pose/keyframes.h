@@ -124,6 +124,8 @@ class Keyframes {
   // the plan and the poses that have been placed.
   void close_turn(const Before& last, std::vector<LinkedPose>& placed, KeyframePlan& plan);
   void learn_reach(const BodyPose& key, const BodyPose& near);
+  // Whether a rigid registration would err: a flat ball whose shape is another than a circle.
+  bool is_strained(const ChainedFrame& frame, const Keyframe& key) const;
   bool fits(const BallMotion& motion, const Keyframe& key) const;
   // Looks for the ball after a gap: the turn by rings about the circles.
   std::optional<LinkedPose> find_again(const ChainedFrame& frame, KeyframeSlots& slots);

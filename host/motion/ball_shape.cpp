@@ -1,0 +1,31 @@
+#include "host/motion/ball_shape.h"
+
+#include <cmath>
+
+namespace impactdic::motion {
+
+bool BallShape::is_compressed() const {
+  constexpr double kCompressed = 0.01;
+  return std::hypot(e1, e2) > kCompressed;
+}
+
+BallShape shape_of(const circle::CircleFit& fit) {
+  if (!fit.ellipse || !(fit.circle.r_px > 0)) return {};
+  return {fit.e1_px / fit.circle.r_px, fit.e2_px / fit.circle.r_px,
+          std::hypot(fit.e1_sd_px, fit.e2_sd_px) / std::sqrt(2) / fit.circle.r_px};
+}
+
+void correct_turn(const BallShape& first, const BallMotion& strain, dic::RigidMotion& motion) {
+  if (!first.is_compressed()) return;
+  // The gradient is Q U with the rotation Q and U = 1 + strain, so the turn of U V1 is missing.
+  const double differ = strain.exx - strain.eyy, skew = strain.exy;
+  const double across = first.e2 * differ - 2 * first.e1 * skew;
+  const double along = 2.0 + strain.exx + strain.eyy + first.e1 * differ + 2 * first.e2 * skew;
+  motion.rot_rad += std::atan2(across, along);
+  const double by_shape = std::hypot(differ, 2 * skew) * first.sd;
+  const double by_strain =
+      std::hypot(first.e2 * strain.exx_sd, first.e2 * strain.eyy_sd, 2 * first.e1 * strain.exy_sd);
+  motion.rot_sd_rad = std::hypot(motion.rot_sd_rad, by_shape / along, by_strain / along);
+}
+
+}  // namespace impactdic::motion

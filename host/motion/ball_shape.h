@@ -1,0 +1,28 @@
+// The shape of a flat ball in a picture, and what it does to the turn that two pictures show.
+#pragma once
+
+#include "host/circle/circle.h"
+#include "host/dic/rigid_fit.h"
+#include "kernels/types.h"
+
+namespace impactdic::motion {
+
+// The stretch that makes an ellipse of a round ball, but for its size: [1 + e1, e2; e2, 1 − e1] in
+// image axes. Figures of CircleFit over the radius; 0 of a circle.
+struct BallShape {
+  double e1 = 0, e2 = 0, sd = 0;
+
+  // Plainly no circle: in contact. A ball that is 2 % shorter along one axis.
+  bool is_compressed() const;
+};
+BallShape shape_of(const circle::CircleFit& fit);
+
+// What turns from one shape to another is not the rotation that their pictures show. A ball with
+// stretch V and turn R shows V R (polar decomposition), so between two frames V2 R V1⁻¹ is
+// registered: its own rotation is not R, though V1 and V2 be equal. Of a flat ball that was
+// registered with a uniform strain, from a frame with the shape `first`: turns `motion` by what is
+// missing, and widens its deviation by what is not known of the shape and of the strain.
+// Only V1 is needed: the registered gradient times V1 is V2 R.
+void correct_turn(const BallShape& first, const BallMotion& strain, dic::RigidMotion& motion);
+
+}  // namespace impactdic::motion
