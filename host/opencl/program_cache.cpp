@@ -53,6 +53,7 @@ std::optional<std::vector<unsigned char>> ProgramCache::load(const std::string& 
   const std::string entry((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const std::size_t head = kDigestLength + key.size() + 1;
   if (entry.size() <= head || entry.compare(kDigestLength, key.size(), key) != 0 ||
+      entry[head - 1] != '\0' ||
       sha256_of_text(std::string_view(entry).substr(kDigestLength)) !=
           std::string_view(entry).substr(0, kDigestLength)) {
     remove(key);

@@ -10,6 +10,7 @@
 #include <string>
 #include <type_traits>
 
+#include "host/base/json_number.h"
 #include "host/base/sha256.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/report/summary.h"
@@ -54,7 +55,9 @@ struct Reader {
     if constexpr (std::is_same_v<T, double>) {
       value = number(object.at(name));
     } else if constexpr (std::is_enum_v<T>) {
-      value = static_cast<T>(object.at(name).get<int>());
+      value = static_cast<T>(whole_number(object.at(name)));
+    } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+      value = static_cast<T>(whole_number(object.at(name)));
     } else {
       value = object.at(name).get<T>();
     }
@@ -175,7 +178,7 @@ circle::BallTracker::Memory tracker_of(const json& described) {
   circle::BallTracker::Memory tracker;
   for (const json& item : described.at("seen")) {
     auto& seen = tracker.seen.emplace_back();
-    seen.index = item.at("index").get<std::int64_t>();
+    seen.index = whole_number(item.at("index"));
     each_of_fit(Reader{item}, seen.fit);
     if (item.contains("look")) {
       const auto numbers = item.at("look").get<std::vector<double>>();
@@ -187,7 +190,7 @@ circle::BallTracker::Memory tracker_of(const json& described) {
       seen.fit.rim_model = std::make_shared<circle::RimModel>(numbers);
     }
   }
-  tracker.next_learning = described.at("next_learning").get<std::int64_t>();
+  tracker.next_learning = whole_number(described.at("next_learning"));
   for (const json& radius : described.at("radii_px")) tracker.radii_px.push_back(number(radius));
   return tracker;
 }
@@ -214,7 +217,7 @@ motion::Keyframes::Memory keyframes_of(const json& described) {
     if (item.contains("shape")) each_of_shape(Reader{item.at("shape")}, key.shape);
   }
   each_of_linked(Reader{described.at("last")}, memory.last);
-  memory.last_index = described.at("last_index").get<std::int64_t>();
+  memory.last_index = whole_number(described.at("last_index"));
   if (described.contains("radius")) each_of_radius(Reader{described.at("radius")}, memory.radius);
   if (described.contains("reach_rad")) memory.reach_rad = number(described.at("reach_rad"));
   return memory;
@@ -222,7 +225,7 @@ motion::Keyframes::Memory keyframes_of(const json& described) {
 
 pipeline::ResumePoint point_of(const json& described) {
   pipeline::ResumePoint point;
-  point.next_row = described.at("next_row").get<std::int64_t>();
+  point.next_row = whole_number(described.at("next_row"));
   each_of_fit(Reader{described.at("circle")}, point.circle);
   point.tracker = tracker_of(described.at("tracker"));
   if (described.contains("grid_radius_px")) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "host/base/json_number.h"
 #include "host/base/parse.h"
 #include "host/report/impact_json.h"
 
@@ -103,10 +104,11 @@ void read_shot(ShotResult& shot, const std::filesystem::path& summary) {
     if (read.contains(scale_sd) && read.at(scale_sd).is_number()) {
       shot.metre_per_px_sd = read.at(scale_sd).get<double>();
     }
-    shot.frames = read.at("frames_analysed").get<std::int64_t>();
+    shot.frames = whole_number(read.at("frames_analysed"));
     shot.frames_ok = 0;
     for (const char* status : {"ok", "last_frame"}) {
-      shot.frames_ok += read.at("frames_by_status").value(status, 0);
+      const json& counts = read.at("frames_by_status");
+      if (counts.contains(status)) shot.frames_ok += whole_number(counts.at(status));
     }
     shot.impact = read_impact(read.at("impact"));
   } catch (const json::exception&) {

@@ -127,6 +127,22 @@ TEST(Buffer, RefusesToCopyBeyondItsEnd) {
   EXPECT_THROW(buffer.read(engine, host), InvalidArgument);
 }
 
+// The entry of another key whose name begins alike is not this key's.
+TEST(ProgramCache, AKeyEndsWhereItEnds) {
+  const testing::ScratchFolder folder;
+  const opencl::ProgramCache cache(folder.string());
+  cache.store("key", {1, 2, 3});
+  const std::filesystem::path short_entry = *std::filesystem::directory_iterator(folder.string());
+  EXPECT_EQ(cache.load("key"), (std::vector<unsigned char>{1, 2, 3}));
+  cache.store("key and more", {4, 5, 6});
+  for (const auto& entry : std::filesystem::directory_iterator(folder.string())) {
+    if (entry.path() == short_entry) continue;
+    std::filesystem::copy_file(entry.path(), short_entry,
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  EXPECT_EQ(cache.load("key"), std::nullopt);
+}
+
 TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
   const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test";
   std::filesystem::remove_all(folder);

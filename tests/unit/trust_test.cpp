@@ -17,6 +17,7 @@
 #include "host/report/fields_file.h"
 #include "host/report/journaled_file.h"
 #include "host/report/shots_csv.h"
+#include "host/run/batch/shot_line.h"
 #include "host/run/results/folder_lock.h"
 #include "host/run/results/result_digests.h"
 #include "host/video/picture_size.h"
@@ -330,6 +331,23 @@ TEST(ShotsCsv, NoCellIsTakenForAFormula) {
                        0),
             0u)
       << line;
+}
+
+// get<unsigned>() of such a number is undefined; a reader of tickets is told that it is damaged.
+TEST(ShotLine, ANumberThatIsNoCharacterIsDamage) {
+  run::BatchShot shot;
+  shot.clip = "a.cine";
+  shot.drop_height_mm = "50";
+  const std::string line = run::to_line(shot);
+  EXPECT_EQ(run::to_line(run::parse_shot_line(line, "ticket")), line);
+  for (const char* wrong : {"7e95", "[7e95]", "[0.5]", "{}x"}) {
+    std::string damaged = line;
+    const std::string was = "\"drop_height_mm\":\"50\"";
+    const std::size_t at = damaged.find(was);
+    ASSERT_NE(at, std::string::npos);
+    damaged.replace(at, was.size(), std::string("\"drop_height_mm\":") + wrong);
+    EXPECT_THROW(run::parse_shot_line(damaged, "ticket"), FormatError) << wrong;
+  }
 }
 
 TEST(PrivateFolder, IsForItsOwnerAlone) {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/json_number.h"
+
 namespace impactdic::run {
 namespace {
 
@@ -24,7 +26,7 @@ json bytes(const std::string& text) {
 std::string text_of(const json& value) {
   if (value.is_string()) return value.get<std::string>();
   std::string text;
-  for (const json& code : value) text += static_cast<char>(code.get<unsigned>());
+  for (const json& code : value) text += static_cast<char>(whole_number(code));
   return text;
 }
 
