@@ -103,7 +103,8 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   const Seen& last = memory_.seen.back();
   CirclePrior prior;
   prior.predicted = last.fit.circle;
-  prior.bright = last.fit.bright;
+  // Of a circle that was only drawn the polarity is not known.
+  if (last.fit.by_hand != ByHand::kDrawn || last.fit.rim_model) prior.bright = last.fit.bright;
   prior.inked = last.fit.inked;
   prior.rim_model = last.fit.rim_model;
   prior.learn = index >= memory_.next_learning;
@@ -216,7 +217,19 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
   return search(frame, radius);
 }
 
+const BallByHand* BallTracker::correction(std::int64_t index) const {
+  const auto at =
+      std::lower_bound(options_.by_hand.begin(), options_.by_hand.end(), index,
+                       [](const BallByHand& ball, std::int64_t i) { return ball.frame < i; });
+  return at != options_.by_hand.end() && at->frame == index ? &*at : nullptr;
+}
+
 CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
+  if (const BallByHand* given = correction(index)) {
+    const CircleFit fit = measure_by_hand(frame, *given);
+    if (fit.status == CircleStatus::kOk) remember(fit, index);
+    return fit;
+  }
   bool searched = false;
   const CircleFit fit = locate(frame, predict(index), radius(), &searched);
   if (fit.status != CircleStatus::kOk) return fit;
@@ -235,7 +248,16 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
   Plan plan;
   plan.first_index = first_index;
   for (std::size_t begin = 0; begin < frames.size(); begin += kTracking.run) {
-    lead_run(frames, begin, std::min(begin + kTracking.run, frames.size()), fits, plan);
+    const std::size_t end = std::min(begin + kTracking.run, frames.size());
+    std::size_t from = begin;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int64_t index = first_index + static_cast<std::int64_t>(i);
+      if (correction(index) == nullptr) continue;
+      if (from < i) lead_run(frames, from, i, fits, plan);
+      fits[i] = track(frames[i], index);
+      from = i + 1;
+    }
+    if (from < end) lead_run(frames, from, end, fits, plan);
   }
   plan.radius = radius();
   return plan;

@@ -20,6 +20,8 @@ struct BallTrackerOptions {
   std::optional<double> compression_axis_rad;  // normal of the surface that is hit, image axes
   std::optional<double> scouted_radius_px;     // roughly: another circle is not this ball
   std::shared_ptr<const StillScene> scene;     // what stands still is not this ball either
+  // Frames corrected by hand, in order: by their numbers here, px of the pictures given.
+  std::vector<BallByHand> by_hand;
   void validate() const;
 };
 
@@ -27,7 +29,8 @@ struct BallTrackerOptions {
 // with constant velocity from the last two measured frames, or from three as a ball falls in slow
 // film, measures (measure_circle), and looks in the whole picture (find_ball) in the first frame
 // and after a loss. Learns the free ball's radius as the median of what it measured while the ball
-// was round, and its polarity.
+// was round, and its polarity. Where a frame is corrected by hand it measures from the circle given
+// and goes on from there; frames in which it had followed something else are forgotten.
 //
 // Not for use from several threads; `follow` spreads the frames over threads itself.
 class BallTracker {
@@ -87,6 +90,10 @@ class BallTracker {
   CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
                    const Radius& radius, bool* searched = nullptr) const;
   CircleFit search(const Frame& frame, const Radius& radius) const;
+  // The correction of frame `index`; nullptr where there is none.
+  const BallByHand* correction(std::int64_t index) const;
+  CircleFit measure_by_hand(const Frame& frame, const BallByHand& given);
+  void forget_others(const BallByHand& given);
   // The steps of `lead`, for the run of frames [begin, end).
   void lead_run(std::span<const Frame> frames, std::size_t begin, std::size_t end,
                 std::span<CircleFit> fits, Plan& plan);

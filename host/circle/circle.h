@@ -32,6 +32,7 @@ struct CircleFit {
   bool ellipse = false;
   double e1_px = 0, e2_px = 0;
   double e1_sd_px = 0, e2_sd_px = 0;
+  ByHand by_hand = ByHand::kNo;
   bool bright = true;       // the ball is brighter than what lies behind it
   bool inked = false;       // ink reaches into most of the rim
   double residual_px = 0;   // scatter of the rim points that no ink disturbs
@@ -45,6 +46,8 @@ struct CircleFit {
 struct CircleOptions {
   // Search range of the radius; from the picture's size where absent.
   std::optional<std::pair<double, double>> radius_range_px;
+  // Where the ball's centre may be: of the picture's size, 0 elsewhere. nullptr: anywhere.
+  std::shared_ptr<const Image<std::uint8_t>> region;
   int rays = 720;
   bool allow_ellipse = true;
   // Throws InvalidArgument.

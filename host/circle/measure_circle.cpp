@@ -108,7 +108,10 @@ CircleFit accepted(CircleFit fit, const Frame& frame, const CircleOptions& optio
   }
   const bool centre_in =
       c.cx_px >= 0 && c.cy_px >= 0 && c.cx_px <= frame.width() - 1 && c.cy_px <= frame.height() - 1;
-  fit.status = centre_in ? CircleStatus::kOk : CircleStatus::kOutOfView;
+  const bool in_region =
+      centre_in && (!options.region || (*options.region)(static_cast<int>(std::lround(c.cx_px)),
+                                                         static_cast<int>(std::lround(c.cy_px))));
+  fit.status = in_region ? CircleStatus::kOk : CircleStatus::kOutOfView;
   return fit;
 }
 

@@ -55,6 +55,7 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"reference", {"Ball and region", true}},
     {"polygon", {"Ball and region", true}},
     {"mask", {"Ball and region", true}},
+    {"ball-at", {"Ball and region", false}},
     {"estimator", {"Ball and region", false}},
     {"body", {"Ball and region", false}},
     {"motion", {"Ball and region", false}},

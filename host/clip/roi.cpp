@@ -111,6 +111,12 @@ void copy_rows(const Image<T>& from, const Roi& roi, Image<T>& to) {
 }
 }  // namespace
 
+Image<std::uint8_t> cut(const Image<std::uint8_t>& mask, const Roi& roi) {
+  Image<std::uint8_t> part(roi.width, roi.height);
+  copy_rows(mask, roi, part);
+  return part;
+}
+
 void crop(const Frame& frame, const Roi& roi, Frame& cut) {
   cut.reset(roi.width, roi.height, frame.bits);
   if (frame.type == PixelType::kU8) {

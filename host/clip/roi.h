@@ -27,6 +27,9 @@ Image<std::uint8_t> polygon_mask(const std::vector<PointPx>& corners, int image_
 // Both at once.
 Image<std::uint8_t> parse_polygon(const std::string& text, int image_width, int image_height);
 
+// The part of a mask in a rectangle that lies in it.
+Image<std::uint8_t> cut(const Image<std::uint8_t>& mask, const Roi& roi);
+
 // The smallest rectangle that holds all pixels of a mask that are not 0.
 Roi extent(const Image<std::uint8_t>& mask);
 

@@ -33,6 +33,7 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.status = fit.status == circle::CircleStatus::kOk          ? TrackStatus::kOk
                : fit.status == circle::CircleStatus::kOutOfView ? TrackStatus::kOutOfView
                                                                 : TrackStatus::kNoBall;
+  row.by_hand = fit.by_hand;
   if (!row.circle_ok) return;
   row.cx_px = fit.circle.cx_px;
   row.cy_px = fit.circle.cy_px;
@@ -40,6 +41,11 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.cx_sd_px = fit.cx_sd_px;
   row.cy_sd_px = fit.cy_sd_px;
   row.r_sd_px = fit.r_sd_px;
+  if (!fit.ellipse) return;
+  row.e1_px = fit.e1_px;
+  row.e2_px = fit.e2_px;
+  row.e1_sd_px = fit.e1_sd_px;
+  row.e2_sd_px = fit.e2_sd_px;
 }
 
 void set_motion(TrackRow& row, const dic::RigidMotion& motion) {

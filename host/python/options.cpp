@@ -146,6 +146,24 @@ void assign(nb::handle value, std::vector<PointPx>& to, const std::string& where
   }
 }
 
+void assign(nb::handle value, std::vector<BallByHand>& to, const std::string& where) {
+  constexpr char kWanted[] = "{frame: (x, y, radius) or None, ...}";
+  if (!nb::isinstance<nb::dict>(value)) refuse(value, where, kWanted);
+  to.clear();
+  for (const auto& [frame, circle] : nb::borrow<nb::dict>(value)) {
+    BallByHand ball;
+    ball.frame = whole<std::int64_t>(frame, where);
+    if (!circle.is_none()) {
+      const std::vector<double> three = numbers(circle, 3, where);
+      if (!(three[2] > 0)) refuse(value, where, kWanted);
+      ball = {ball.frame, three[0], three[1], three[2]};
+    }
+    to.push_back(ball);
+  }
+  std::sort(to.begin(), to.end(),
+            [](const BallByHand& a, const BallByHand& b) { return a.frame < b.frame; });
+}
+
 OptionReader::OptionReader(nb::dict values) {
   for (const auto& [key, value] : values) {
     values_[nb::cast<nb::str>(key).c_str()] = nb::borrow(value);

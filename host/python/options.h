@@ -40,6 +40,7 @@ void assign(nanobind::handle value, std::optional<RadiusRange>& to, const std::s
 void assign(nanobind::handle value, std::optional<RawLayout>& to, const std::string& where);
 // [(x, y), ...]
 void assign(nanobind::handle value, std::vector<PointPx>& to, const std::string& where);
+void assign(nanobind::handle value, std::vector<BallByHand>& to, const std::string& where);
 void assign(nanobind::handle value, std::optional<double>& to, const std::string& where);
 // A setting of a kind that has no words in Python yet.
 template <typename T>

@@ -13,7 +13,8 @@ const char* const kTrackCsvHeader =
     "frame,time_s,status,cx_px,cy_px,r_px,cx_sd_px,cy_sd_px,r_sd_px,dx_px,dy_px,rot_deg,dx_sd_px,"
     "dy_sd_px,rot_sd_deg,windows,x_m,y_m,vx_m_s,vy_m_s,vt_m_s,vn_m_s,omega_rad_s,vx_sd_m_s,"
     "vy_sd_m_s,omega_sd_rad_s,rot_x_deg,rot_y_deg,rot_x_sd_deg,rot_y_sd_deg,dx_rot_y_corr,"
-    "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s,vz_m_s,vz_sd_m_s";
+    "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s,vz_m_s,vz_sd_m_s,"
+    "e1_px,e2_px,e1_sd_px,e2_sd_px,by_hand";
 const char* const kMotionCsvHeader =
     "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows,dx_m,dy_m,"
     "plane_rot_deg,dx_sd_m,dy_sd_m,plane_rot_sd_deg";
@@ -49,6 +50,14 @@ void check(const std::ofstream& file, const std::filesystem::path& path) {
   if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
 }
 
+ByHand parse_by_hand(const std::string& cell, const std::string& where) {
+  const std::int64_t number = parse_int(cell, where);
+  if (number < 0 || number > static_cast<int>(ByHand::kAbsent)) {
+    throw FormatError(where, -1, "by_hand is 0 to 3, not " + cell);
+  }
+  return static_cast<ByHand>(number);
+}
+
 TrackRow parse_row(const std::vector<std::string>& cells, const std::string& where) {
   const auto number = [&](std::size_t i) {
     return cells[i].empty() ? kNotMeasured : parse_double(cells[i], where);
@@ -76,6 +85,11 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   row.rot_y_sd_deg = number(29);
   row.dx_rot_y_corr = number(30);
   row.dy_rot_x_corr = number(31);
+  row.e1_px = number(38);
+  row.e2_px = number(39);
+  row.e1_sd_px = number(40);
+  row.e2_sd_px = number(41);
+  row.by_hand = parse_by_hand(cells[42], where);
   row.circle_ok = !std::isnan(row.cx_px);
   row.motion_ok = !std::isnan(row.dx_px);
   return row;
@@ -142,6 +156,8 @@ std::string line_of(const TrackRow& row, const SiRow& si) {
            row.dy_rot_x_corr);
   line.add(si.omega_t_rad_s, si.omega_n_rad_s, si.omega_t_sd_rad_s, si.omega_n_sd_rad_s);
   line.add(si.vz_m_s, si.vz_sd_m_s);
+  line.add(row.e1_px, row.e2_px, row.e1_sd_px, row.e2_sd_px);
+  line.add_text(std::to_string(static_cast<int>(row.by_hand)));
   return line.text();
 }
 

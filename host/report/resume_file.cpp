@@ -89,6 +89,7 @@ void each_of_fit(Field field, T& fit) {
   field("residual_px", fit.residual_px);
   field("rim_points", fit.rim_points);
   field("rim_fraction", fit.rim_fraction);
+  field("by_hand", fit.by_hand);
 }
 
 template <typename Field, typename T>
@@ -249,6 +250,7 @@ void check(const Circle& circle) {
 void check(const circle::CircleFit& fit) {
   demand(static_cast<unsigned>(fit.status) <=
          static_cast<unsigned>(circle::CircleStatus::kOutOfView));
+  demand(static_cast<unsigned>(fit.by_hand) <= static_cast<unsigned>(ByHand::kAbsent));
   if (fit.status != circle::CircleStatus::kOk) return;
   check(fit.circle);
   for (const double value : {fit.e1_px, fit.e2_px}) demand(is_usual(value));

@@ -126,14 +126,7 @@ void CorrelateRequest::validate() const {
     throw InvalidArgument("this is no way to measure the motion", "--motion", "windows or region");
   }
   if (roi) run::check_rectangle(*roi);
-  if (!polygon.empty() && polygon.size() < 3) {
-    throw InvalidArgument("a polygon has at least three corners", "--polygon");
-  }
-  for (const PointPx& corner : polygon) {
-    if (!std::isfinite(corner.x_px) || !std::isfinite(corner.y_px)) {
-      throw InvalidArgument("a corner is no finite number", "--polygon");
-    }
-  }
+  run::check_polygon(polygon);
 }
 
 namespace run {

@@ -69,6 +69,17 @@ void check_rectangle(const Roi& roi) {
   }
 }
 
+void check_polygon(const std::vector<PointPx>& polygon) {
+  if (!polygon.empty() && polygon.size() < 3) {
+    throw InvalidArgument("a polygon has at least three corners", "--polygon");
+  }
+  for (const PointPx& corner : polygon) {
+    if (!std::isfinite(corner.x_px) || !std::isfinite(corner.y_px)) {
+      throw InvalidArgument("a corner is no finite number", "--polygon");
+    }
+  }
+}
+
 void check_spacing(int spacing_px) {
   if (spacing_px < 0) {
     throw InvalidArgument("the spacing must be 0 or more, not " + std::to_string(spacing_px),

@@ -25,6 +25,7 @@ std::vector<std::string> all_warnings(const ClipRequest& request, const ClipInfo
 // Throw InvalidArgument for what no clip has, whatever it is.
 void check_frames(const FrameRange& frames);
 void check_rectangle(const Roi& roi);
+void check_polygon(const std::vector<PointPx>& polygon);  // an empty one is none
 void check_spacing(int spacing_px);
 void check_compression(int level);
 

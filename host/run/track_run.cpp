@@ -12,6 +12,7 @@
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
 #include "host/circle/scout_ball.h"
+#include "host/clip/ball_by_hand.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
@@ -61,8 +62,10 @@ void TrackRequest::validate() const {
                               "' is not LO:HI with 0 < LO < HI",
                           "--radius-px");
   }
+  check_balls_by_hand(ball_at);
   run::check_frames(frames);
   if (roi) run::check_rectangle(*roi);
+  run::check_polygon(polygon);
   check(ball_diameter_mm >= 0, "positive", ball_diameter_mm, "--ball-diameter-mm");
   check(ball_diameter_sd_mm >= 0 &&
             (ball_diameter_sd_mm == 0 || ball_diameter_sd_mm < ball_diameter_mm),
@@ -114,6 +117,7 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   options_.roi = request.roi.value_or(Roi{0, 0, info().width, info().height});
   check_roi(options_.roi, info().width, info().height);
   result_.roi = options_.roi;
+  take_limits();
   options_.with_field = request.with_field;
   const bool si = request.ball_diameter_mm > 0 || request.mm_per_px > 0 || camera_;
   options_.fps = resolve_fps(request.clip, info(), si ? "a velocity in m/s" : needs_rate);
@@ -129,6 +133,14 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   clock_warnings_ = std::move(clock.warnings);
   result_.scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
   result_.scale.image_height = info().height;
+}
+
+void TrackRun::take_limits() {
+  check_balls_by_hand(request_.ball_at, info());
+  options_.ball.by_hand = as_analysed(request_.ball_at, options_.frames, options_.roi);
+  if (request_.polygon.empty()) return;
+  options_.ball.circle.region = std::make_shared<Image<std::uint8_t>>(
+      cut(polygon_mask(request_.polygon, info().width, info().height), options_.roi));
 }
 
 void TrackRun::look() {
@@ -170,7 +182,8 @@ void TrackRun::scout(advice::AdviceRequest& request) {
   circle::Scouted found =
       circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
   options_.scouted = true;
-  options_.ball.scouted_radius_px = request.radius_px = found.radius_px();
+  options_.ball.scouted_radius_px = request.radius_px =
+      radius_by_hand(found.radius_px(), request_.ball_at);
   options_.ball.scene = request.scene = found.scene;
   if (const circle::BallCandidate* other = found.second_ball()) {
     const circle::BallCandidate::Sighting& seen = other->sightings.front();

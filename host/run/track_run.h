@@ -43,6 +43,8 @@ class TrackRun {
   const std::optional<Measured>& surface_in_picture() const { return surface_in_picture_; }
 
  private:
+  // Where the ball's centre may be, and the frames corrected by hand.
+  void take_limits();
   // Looks for the ball in frames spread over the clip.
   void scout(advice::AdviceRequest& request);
   // Looks for the surface's edge, and compares it with the angle that was given.

@@ -90,7 +90,8 @@ def track(clip, ball=None, *, surface_deg=None, out=None, force=False, resume=Fa
     numbers, an array (height, width), a dictionary of arrays (windows).
     on_message: called with (kind, text). device, threads: as the program's.
     options: those of `impactdic track`, underscores for dashes: frames (a slice), roi (x, y, width,
-    height), radius_px (low, high), estimator, body, window, spacing, search, method, mm_per_px,
+    height), radius_px (low, high), polygon [(x, y), …], ball_at {frame: (x, y, radius) or None} for
+    frames corrected by hand, estimator, body, window, spacing, search, method, mm_per_px,
     gravity_angle_deg, no_field, overlay, compress, fps, bits, …
 
     Returns a Shot. Numbers are those of the program to the last bit. Ctrl-C ends the run within a

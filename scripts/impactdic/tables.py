@@ -9,7 +9,7 @@ _UNITS = (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_kg_m2", "kg m^2"), ("_n_s", "
 
 
 # Columns that count; they are whole numbers where none is missing.
-_COUNTS = ("frame", "windows", "origin", "keyframe", "frames", "frames_ok")
+_COUNTS = ("frame", "windows", "origin", "keyframe", "frames", "frames_ok", "by_hand")
 
 
 def unit_of(name):

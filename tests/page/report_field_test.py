@@ -15,7 +15,7 @@ sys.path.insert(0, str(SOURCE / "scripts"))
 sys.dont_write_bytecode = True
 
 import impactdic  # noqa: E402
-from impactdic.report import correlate, first, study  # noqa: E402
+from impactdic.report import correlate, first, shots, study  # noqa: E402
 from impactdic.report.__main__ import Report  # noqa: E402
 
 SIDE, PITCH = 12, 20.0
@@ -151,6 +151,47 @@ class OfShots(unittest.TestCase):
                          "e 0.820 ± 0.020 red at 30° (2 shots), 1 in doubt and left out")
         table["restitution"] = np.full(len(rows), np.nan)
         self.assertEqual(first.sentence_of_shots(table), "")
+
+    @staticmethod
+    def table(rows):
+        """shots.csv of (shot, ball, diameter in mm, angle, restitution, drop height in mm)."""
+        names = "shot ball ball_diameter_mm surface_angle_deg restitution drop_height_mm".split()
+        table = {name: np.array(column) for name, column in zip(names, zip(*rows))}
+        for name in ("restitution_sd friction friction_sd friction_eq_3_12 rolling_cap contact_s "
+                     "contact_sd_s max_deflection_m max_deflection_sd_m omega_after_rad_s "
+                     "omega_after_sd_rad_s vt_before_m_s").split():
+            table[name] = np.zeros(len(rows))
+        table["vn_before_m_s"] = np.full(len(rows), -2.0)
+        table["status"], table["doubtful"] = np.full(len(rows), "ok"), np.full(len(rows), "")
+        return table
+
+    def test_figures_never_mix_balls_nor_count_what_was_left_out(self):
+        table = self.table([("a", "red", 67, 0, 0.80, 204.0), ("b", "red", 67, 0, 0.84, np.nan),
+                            ("c", "blue", 40, 0, 0.5, 204.0), ("d", "red", 67, 0, 0.1, 204.0),
+                            ("e", "red", 67, 15, 0.7, np.nan)])
+        made = {f.name: f for f in shots.figures(table, [], {"d": "hit the frame"})}
+        against_speed, against_angle = made["restitution"].panels
+        self.assertEqual([s.name for s in against_speed.series], ["blue: 0°", "red: 0°", "red: 15°"])
+        self.assertEqual([s.labels for s in against_speed.series], [["c"], ["a", "b"], ["e"]])
+        blue, red = against_angle.series
+        self.assertEqual((blue.name, red.name), ("blue: mean", "red: mean"))
+        np.testing.assert_allclose(blue.y, [0.5, np.nan])
+        np.testing.assert_allclose(red.y, [0.82, 0.7])
+        np.testing.assert_allclose(red.sd, [0.02, np.nan])  # the scatter over the root of two
+        drop = made["drop"].panels[0].series
+        self.assertEqual([s.labels for s in drop[:2]], [["c"], ["a"]])
+        np.testing.assert_allclose(drop[0].x, np.sqrt(2 * 9.81 * 0.204))
+        np.testing.assert_allclose(drop[0].y, 2)
+        self.assertEqual(first.sentence_of_shots(table, {"d": "hit the frame"}),
+                         "e 0.5 blue at 0° (1 shot), e 0.820 ± 0.020 red at 0° (2 shots), "
+                         "e 0.7 red at 15° (1 shot), 1 left out by hand")
+
+    def test_balls_without_a_name_are_told_apart_by_what_is_known_of_them(self):
+        table = self.table([("a", "", 67, 0, 0.80, np.nan), ("b", "", 40, 0, 0.5, np.nan)])
+        self.assertEqual([s.name for s in shots.figures(table, [])[0].panels[0].series],
+                         ["40 mm: 0°", "67 mm: 0°"])
+        self.assertEqual(first.sentence_of_shots(table),
+                         "e 0.5 40 mm at 0° (1 shot), e 0.8 67 mm at 0° (1 shot)")
 
 
 class OfStudy(unittest.TestCase):

@@ -38,10 +38,12 @@ class Look(Case):
         with open(self.root / "clip" / "truth.csv", newline="", encoding="utf-8") as file:
             return list(csv.DictReader(file))
 
-    def go_to(self, frame):
+    def go_to(self, frame, panel="look"):
         self.browser.value(f"""(() => {{ const box = document.getElementById('frame');
             box.value = {frame}; box.onchange(); }})()""")
-        self.browser.wait(f"document.getElementById('values').dataset.frame === '{frame}'")
+        where = {"look": f"document.getElementById('values').dataset.frame === '{frame}'",
+                 "setup": f"document.getElementById('correct-frame').textContent === 'Frame {frame}:'"}
+        self.browser.wait(where[panel])
 
     def outline(self):
         """Centre and radius of the outline on the screen, in the picture's pixels, worked out from
@@ -154,6 +156,7 @@ class Look(Case):
         b.wait("document.getElementById('found').textContent.includes('radius')")
         b.wait("document.getElementById('setting-window').getAttribute('aria-invalid') === 'false'")
         b.forget("400 (Bad Request)")
+        self.correct_by_hand()
         b.value("document.getElementById('tab-run').click()")
         b.value("document.getElementById('run').click()")
         b.wait("document.getElementById('sentence').textContent.includes('e 0.8')")
@@ -164,6 +167,60 @@ class Look(Case):
         run("track", "--job", work / "video_results" / "job.toml", "-q", "-o", work / "again")
         for name in ("track.csv", "pose.csv"):
             self.assertEqual((work / "again" / name).read_bytes(), (work / "video_results" / name).read_bytes())
+        with open(work / "video_results" / "track.csv", newline="", encoding="utf-8") as file:
+            track = list(csv.DictReader(file))
+        self.assertEqual({row["frame"]: row["by_hand"] for row in track if row["by_hand"] != "0"},
+                         {"5": "1", "60": "3"})
+        self.assertAlmostEqual(float(track[5]["cx_px"]), float(self.truth()[5]["cx_px"]), delta=0.05)
+        self.assertEqual((track[60]["status"], track[60]["cx_px"]), ("no_ball", ""))
+        self.look_at_what_is_lost()
+
+    def correct_by_hand(self):
+        """Frame 5: the ball, two pixels off; frame 60: said to show none; frame 61 taken back."""
+        b, truth = self.browser, self.truth()
+        self.go_to(5, "setup")
+        b.value("document.getElementById('draw-correct').click()")
+        x, y = float(truth[5]["cx_px"]) + 2, float(truth[5]["cy_px"]) - 1
+        b.drag(*self.point(x, y), *self.point(x, y + 47))
+        frame, circle = self.read_setting("ball-at").split(":")
+        self.assertEqual(frame, "5")
+        for found, meant in zip(map(float, circle.split(",")), (x, y, 47)):
+            self.assertAlmostEqual(found, meant, delta=0.6)  # a pixel of the screen is half of one here
+        b.wait("document.querySelectorAll('#hand .correction').length === 2")
+        b.wait("document.getElementById('found').textContent.includes('frame 5: ok')")
+        for frame, button in ((60, "none"), (61, "none"), (61, "undo")):
+            self.go_to(frame, "setup")
+            b.value(f"document.getElementById('correct-{button}').click()")
+        self.assertEqual(self.read_setting("ball-at"), f"5:{circle}/60:none")
+        b.wait("document.querySelectorAll('#corrected button').length === 2")
+        b.wait("document.getElementById('command').textContent.includes('/60:none')")
+
+    def look_at_what_is_lost(self):
+        b = self.browser
+        self.go_to(5)
+        shown = "document.querySelector('#values [data-column=by_hand]').textContent"
+        self.assertEqual(b.value(shown), "measured from the circle given")
+        self.assertIn("2 of 64 frames", b.value("document.getElementById('lost-look').textContent"))
+        for frame in ("59", "60"):  # 59 has no next frame to move to
+            b.value("document.getElementById('lost-forth-look').click()")
+            b.wait(f"document.getElementById('values').dataset.frame === '{frame}'")
+        self.assertTrue(b.value("document.getElementById('lost-forth-look').disabled"))
+
+    def test_polygon_by_mouse(self):
+        self.open(self.page(self.clip))
+        b = self.browser
+        b.value("document.getElementById('draw-polygon').click()")
+        for x, y in ((20, 20), (140, 20), (140, 150)):
+            b.click(*self.point(x, y))
+        b.key("Enter")
+        corners = list(map(float, self.read_setting("polygon").split(",")))
+        for found, meant in zip(corners, (20, 20, 140, 20, 140, 150)):
+            self.assertAlmostEqual(found, meant, delta=0.6)
+        self.assertEqual(len(corners), 6)
+        b.wait("document.querySelectorAll('#hand .polygon').length === 2")
+        b.wait("document.getElementById('found').textContent.includes('radius')")
+        self.setting("polygon", "1,1,9,1,9,9")  # where the ball is not
+        b.wait("document.getElementById('found').textContent.includes('no_ball') || document.getElementById('found').textContent.includes('out_of_view')")
 
     def test_compare_sorts_leaves_out_and_leads_to_a_shot(self):
         self.open(self.page(make_batch(self)))
@@ -174,6 +231,11 @@ class Look(Case):
         for order in ("one,two", "two,one"):
             b.value("document.querySelector('#shots-table th button').click()")
             b.wait(f"{names} === '{order}'")
+        b.value("""(() => { const box = document.getElementById('group');
+            box.value = 'surface'; box.onchange(); })()""")
+        self.assertEqual(b.value("[...document.querySelectorAll('#shots-table tr.group')].map(r => r.textContent).join()"), "30°")
+        b.value("""(() => { const box = document.getElementById('group');
+            box.value = ''; box.onchange(); })()""")
         b.value("""(() => { const box = document.querySelector('#shots-table tbody tr input');
             box.value = '<b>hit the frame</b>'; box.onchange(); })()""")
         b.wait("document.querySelectorAll('#shots-table tr.out').length === 1")

@@ -51,6 +51,16 @@ def test_layouts_depths_and_parts_measure_the_same(film):
         idic.track(idic.open(film[0])[2:9], frames=(0, 3))
 
 
+def test_frames_corrected_by_hand_are_marked(film):
+    x, y = film[1]["cx_px"][4], film[1]["cy_px"][4]
+    options = {"no_field": True, "polygon": [(0, 0), (149, 0), (149, 127), (0, 127)]}
+    track = idic.track(film[0], ball_at={7: None, 4: (x + 2, y - 1, 39)}, **options).track
+    assert track["by_hand"].tolist() == [0, 0, 0, 0, 1, 0, 0, 3, 0, 0, 0, 0]
+    assert track["status"][7] == "no_ball" and np.isnan(track["cx_px"][7])
+    assert np.hypot(track["cx_px"][4] - x, track["cy_px"][4] - y) < 0.05
+    assert np.isnan(track["e1_px"][4])  # a free ball is round
+
+
 def test_a_shot_says_what_it_found(impact_shot, tmp_path):
     figures = impact_shot.figures
     text, page = repr(impact_shot), impact_shot._repr_html_()
@@ -252,6 +262,11 @@ def test_a_clip_that_never_ends(film):
     ({"roi": (0, 0, 10)}, "roi"),
     ({"roi": (0, 0, 1000, 1000)}, "roi"),
     ({"radius_px": (50, 40)}, "radius"),
+    ({"ball_at": {3: (1, 2)}}, "ball_at"),
+    ({"ball_at": {3: (1, 2, 0)}}, "None"),
+    ({"ball_at": [3]}, "ball_at"),
+    ({"ball_at": {30: None}}, "frame 30"),
+    ({"polygon": [(0, 0), (9, 9)]}, "three corners"),
     ({"frames": (20, 30)}, "frames"),
     ({"frames": 3}, "frames"),
     ({"estimator": "guess"}, "guess"),

@@ -69,6 +69,27 @@ TEST(Overlay, CircleShowsOverBlackAndWhiteAtAnySize) {
   }
 }
 
+TEST(Overlay, AnEllipseIsDrawnWhereOneWasFitted) {
+  TrackRow row = ball(100, 100, 50);
+  // Long along the diagonal that goes down to the right: 60 px there and 40 px across.
+  row.e1_px = 0;
+  row.e2_px = 10;
+  const ColourPicture made = OverlayPainter(5, 0, 0).paint(frame_of(200, 0), row, {}, {}, 15);
+  const auto coloured_at = [&](double radius, double x, double y) {
+    int most = 0;
+    for (double r = radius - 1; r <= radius + 1; r += 0.5) {
+      const Pixel p = at(made, static_cast<int>(std::lround(100 + r * x)),
+                         static_cast<int>(std::lround(100 + r * y)));
+      most = std::max({most, p.b, p.g, p.r});
+    }
+    return most > 80;  // of 255, shared among neighbours where it passes between them
+  };
+  const double s = std::sqrt(0.5);
+  EXPECT_TRUE(coloured_at(60, s, s) && coloured_at(60, -s, -s));
+  EXPECT_TRUE(coloured_at(40, s, -s) && coloured_at(40, -s, s));
+  EXPECT_FALSE(coloured_at(50, s, s) || coloured_at(50, s, -s));
+}
+
 TEST(Overlay, ArrowsAreAsLongAsTheyAreScaled) {
   TrackRow row = ball(100, 100, 60);
   row.motion_ok = true;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <impactdic/advice.h>
+#include <impactdic/circle.h>
 #include <impactdic/clip.h>
 #include <impactdic/control.h>
 #include <impactdic/device.h>
@@ -81,6 +82,12 @@ struct TrackRow {
   bool circle_ok = false, motion_ok = false;
   double cx_px = kNotMeasured, cy_px = kNotMeasured, r_px = kNotMeasured;
   double cx_sd_px = kNotMeasured, cy_sd_px = kNotMeasured, r_sd_px = kNotMeasured;
+  // Where the rim demands an ellipse, NaN of a circle: at the angle φ (from x towards y, y down)
+  // the rim is r_px + e1_px cos 2φ + e2_px sin 2φ from the centre. Its semi-axes are r_px ± |e|,
+  // the long one at atan2(e2, e1) / 2.
+  double e1_px = kNotMeasured, e2_px = kNotMeasured;
+  double e1_sd_px = kNotMeasured, e2_sd_px = kNotMeasured;
+  ByHand by_hand = ByHand::kNo;
   double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
   double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;
   // The displacement field interpolated at the centroid, the dissertation's velocity of the centre.
@@ -149,7 +156,13 @@ struct TrackRequest {
   ClipRequest clip;
   FrameRange frames = {0, kToTheEnd, 1};  // of the stored file; the part that it has
   std::optional<Roi> roi;                 // the rectangle that is looked at; all of the picture
-  std::optional<RadiusRange> radius_px;   // of the ball; from the picture's size
+  // Corners in order, at least three; empty: none. The ball's centre lies inside: what has its
+  // centre elsewhere is not the ball, and a ball that has left it is out of view.
+  std::vector<PointPx> polygon;
+  std::optional<RadiusRange> radius_px;  // of the ball; from the picture's size
+  // Frames corrected by hand, each once; those that are not analysed count for nothing. Their
+  // circles tell the ball's radius, too: they may be those of another ball than the one found.
+  std::vector<BallByHand> ball_at;
   Estimator estimator = Estimator::kBall;
   Body body = Body::kAuto;
   FieldOptions field;

@@ -64,6 +64,10 @@ struct TrackingSettings {
   // and with less e/R and the distance from the known radius, at most [hand]. Arms and shadows of a
   // filmed clip had 0.05 to 0.3 of a rim, or were ovals of 0.15.
   double found_rim = 0.25, plain_rim = 0.6, found_oval = 0.1, found_radius = 0.15;
+  // Of a circle drawn by hand: deviation of each of its figures, px and as a share of the radius,
+  // the larger [hand]; a ball whose centre is expected or measured farther from it than this share
+  // of the radius is another one [hand].
+  double hand_px = 1, hand_sd_of_r = 0.02, hand_of_r = 0.5;
   std::int64_t longest_gap = 5;   // frames without a ball before the picture is searched [hand]
   double radius_tolerance = 0.2;  // of the radius: another circle, not this ball [hand]
   // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.

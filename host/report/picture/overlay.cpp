@@ -65,6 +65,21 @@ std::vector<std::size_t> drawn_windows(std::span<const Window> windows,
   return kept;
 }
 
+// The ellipse that was fitted, closed: see TrackRow::e1_px.
+std::vector<PicturePoint> ellipse_of(const TrackRow& row, const PicturePoint& centre) {
+  constexpr int kPoints = 180;
+  const double oval = std::hypot(row.e1_px, row.e2_px);
+  const double turn = std::atan2(row.e2_px, row.e1_px) / 2;
+  std::vector<PicturePoint> points;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double angle = 2 * kPi * i / kPoints;
+    const double a = (row.r_px + oval) * std::cos(angle), b = (row.r_px - oval) * std::sin(angle);
+    points.push_back({centre.x + a * std::cos(turn) - b * std::sin(turn),
+                      centre.y + a * std::sin(turn) + b * std::cos(turn)});
+  }
+  return points;
+}
+
 std::string with_unit(double value, const char* unit) {
   char text[40];
   std::snprintf(text, sizeof text, "%g %s", value, unit);
@@ -105,7 +120,11 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   for (const Point& point : trajectory_) path.push_back({point.x, point.y});
   const PicturePoint centre{row.cx_px - origin_x_, row.cy_px - origin_y_};
   if (row.circle_ok) {
-    brush.circle(centre, row.r_px, kCircleColour);
+    if (std::isfinite(row.e1_px)) {
+      brush.path(ellipse_of(row, centre), kCircleColour);
+    } else {
+      brush.circle(centre, row.r_px, kCircleColour);
+    }
     path.push_back(centre);
   }
   brush.path(path, kPathColour);
@@ -113,7 +132,8 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   if (row.motion_ok) {
     brush.arrow(centre, arrow_scale_ * row.dx_px, arrow_scale_ * row.dy_px, kMotionColour, 2);
   }
-  brush.text("frame " + std::to_string(row.frame) + "  " + to_string(row.status),
+  const char* by_hand = row.by_hand == ByHand::kNo ? "" : ", by hand";
+  brush.text("frame " + std::to_string(row.frame) + "  " + to_string(row.status) + by_hand,
              {kMargin, 0.75 * brush.line_height() + kMargin}, kTextColour);
   ColourPicture out{picture.cols, picture.rows, {}};
   out.bgr.assign(picture.data, picture.data + picture.total() * 3);

@@ -255,6 +255,13 @@ void LiveRequest::validate() const {
     throw InvalidArgument("a stream is bare pixels from one place", "--live",
                           "track - --raw WIDTHxHEIGHTxBITS --fps F --live");
   }
+  if (!track.polygon.empty()) {
+    throw InvalidArgument("a stream is looked at in rectangles", "--polygon", "give --roi");
+  }
+  if (!track.ball_at.empty()) {
+    throw InvalidArgument("nobody has seen a stream's frames before", "--ball-at",
+                          "only a clip's frames can be corrected");
+  }
   if (!(track.clip.fps > 0)) {
     throw InvalidArgument("a stream does not say its frame rate", "--fps", "give the camera's");
   }

@@ -27,6 +27,9 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"frames", "A:B[:STEP]: frames analysed, B excluded"},
     {"roi", "X,Y,W,H: the rectangle that is looked at, px"},
     {"radius-px", "LO:HI: range of the ball's radius, px"},
+    {"ball-at",
+     "FRAME:X,Y,R/FRAME:none/...: frames corrected by hand: the ball's circle there, px, or that "
+     "there is none"},
     {"estimator",
      "How the motion is measured: ball (one registration of the whole ball, the most exact, and "
      "poses without drift), field (windows alone) or ring (rotation from rings, any angle)"},
@@ -66,7 +69,10 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"max-megapixels", "Largest picture that is read, 10^6 pixels"},
     {"reference", "Measure against: first or previous"},
     {"mask", "Picture: only its non-zero pixels are measured"},
-    {"polygon", "X,Y,X,Y,X,Y...: corners, px; only pixels inside are measured"},
+    {"polygon",
+     "X,Y,X,Y,X,Y...: corners, px: what is looked at: only pixels inside are measured, and a "
+     "ball's "
+     "centre lies inside"},
     {"motion",
      "Rigid motion of the region: windows (robust fit to their displacements) or region (one "
      "registration of all its pixels, for rigid bodies)"},

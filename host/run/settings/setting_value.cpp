@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/base/parse.h"
+#include "host/clip/ball_by_hand.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/video/frame_source.h"
@@ -48,6 +49,7 @@ SettingValue value_of(ReferenceFrame value) { return std::string(to_string(value
 SettingValue value_of(RegionMotion value) { return std::string(to_string(value)); }
 SettingValue value_of(const FrameRange& value) { return impactdic::to_text(value); }
 SettingValue value_of(const std::vector<PointPx>& value) { return impactdic::to_text(value); }
+SettingValue value_of(const std::vector<BallByHand>& value) { return impactdic::to_text(value); }
 SettingValue value_of(const std::optional<Roi>& value) {
   return value ? impactdic::to_text(*value) : std::string();
 }
@@ -116,6 +118,10 @@ void assign(const SettingValue& from, std::optional<RawLayout>& to, const std::s
 void assign(const SettingValue& from, std::vector<PointPx>& to, const std::string&) {
   const std::string text = to_text(from);
   to = text.empty() ? std::vector<PointPx>() : read_polygon(text);
+}
+void assign(const SettingValue& from, std::vector<BallByHand>& to, const std::string&) {
+  const std::string text = to_text(from);
+  to = text.empty() ? std::vector<BallByHand>() : read_balls_by_hand(text);
 }
 
 }  // namespace impactdic::run

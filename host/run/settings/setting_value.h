@@ -36,6 +36,7 @@ SettingValue value_of(const std::optional<Roi>& value);
 SettingValue value_of(const std::optional<RadiusRange>& value);
 SettingValue value_of(const std::optional<RawLayout>& value);
 SettingValue value_of(const std::vector<PointPx>& value);
+SettingValue value_of(const std::vector<BallByHand>& value);
 
 // Takes a value over; `where` names the setting in errors. Throws InvalidArgument.
 void assign(const SettingValue& from, bool& to, const std::string& where);
@@ -53,5 +54,6 @@ void assign(const SettingValue& from, std::optional<Roi>& to, const std::string&
 void assign(const SettingValue& from, std::optional<RadiusRange>& to, const std::string& where);
 void assign(const SettingValue& from, std::optional<RawLayout>& to, const std::string& where);
 void assign(const SettingValue& from, std::vector<PointPx>& to, const std::string& where);
+void assign(const SettingValue& from, std::vector<BallByHand>& to, const std::string& where);
 
 }  // namespace impactdic::run

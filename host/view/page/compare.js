@@ -11,7 +11,7 @@ const COLUMNS = [["shot", "shot"], ["status", "status"], ["surface, °", "surfac
                  ["doubtful", "doubtful"], ["notes", "notes"]];
 const MEANS = [["e", "restitution"], ["friction", "friction"]];
 
-let order = {column: null, down: false}, show = null;
+let order = {column: null, down: false}, group = "", show = null;
 
 // Called with the name of a shot that was clicked.
 export const setShow = listener => { show = listener; };
@@ -42,12 +42,20 @@ function mean(values) {
   return `${withDeviation(String(m), Number.isFinite(sd) ? String(sd) : "")} (${n})`;
 }
 
-// Balls and surfaces are never mixed.
+// Its name, else what is known of it (scripts/impactdic/report/groups.py).
+function ballOf(table, k) {
+  const known = [["ball_diameter_mm", v => `${v} mm`], ["mass_g", v => `${v} g`], ["inertia_factor", v => `I/mR² ${v}`]];
+  return table.cell(k, "ball") || known.filter(([column]) => table.cell(k, column)).map(([column, words]) => words(table.cell(k, column))).join(", ") || "ball";
+}
+const surfaceOf = (table, k) => `${table.cell(k, "surface_angle_deg") || "?"}°`;
+const GROUPS = {ball: ballOf, surface: surfaceOf};
+
+// Balls and surfaces are never mixed, and figures in doubt do not count.
 function groups(table, excluded) {
   const found = new Map();
   table.rows.forEach((_, k) => {
-    if (table.cell(k, "status") !== "ok" || excluded[table.cell(k, "shot")] !== undefined) return;
-    const name = [table.cell(k, "ball") || "ball", `${table.cell(k, "surface_angle_deg") || "?"}°`].join(", ");
+    if (table.cell(k, "status") !== "ok" || table.cell(k, "doubtful") || excluded[table.cell(k, "shot")] !== undefined) return;
+    const name = [ballOf(table, k), surfaceOf(table, k)].join(", ");
     if (!found.has(name)) found.set(name, []);
     found.get(name).push(k);
   });
@@ -73,7 +81,19 @@ function line(table, k, excluded) {
   return make("tr", {className: out ? "out" : ""}, ...cells, make("td", {}, reason));
 }
 
+// The rows in their order; in groups each under its name.
+function body(table, excluded, columns) {
+  const rows = sorted(table), of = GROUPS[group];
+  if (!of) return rows.map(k => line(table, k, excluded));
+  const names = [...new Set(rows.map(k => of(table, k)))].sort((a, b) => a.localeCompare(b, undefined, {numeric: true}));
+  return names.flatMap(name => [
+    make("tr", {className: "group"}, make("th", {colSpan: columns, scope: "rowgroup", textContent: name})),
+    ...rows.filter(k => of(table, k) === name).map(k => line(table, k, excluded))]);
+}
+
 export function build() {
+  const choice = make("select", {id: "group", onchange: () => { group = choice.value; redraw(); }},
+                      new Option("no groups", ""), new Option("ball"), new Option("surface"));
   const place = make("div", {className: "scroll", id: "shots-table"}), list = make("ul", {id: "means"});
   const wrong = make("p", {className: "error"});
   const redraw = () => {
@@ -87,10 +107,10 @@ export function build() {
         redraw();
       }})));
     place.replaceChildren(make("table", {}, make("thead", {}, make("tr", {}, ...head, make("th", {textContent: "left out because"}))),
-                               make("tbody", {}, ...sorted(table).map(k => line(table, k, excluded)))));
+                               make("tbody", {}, ...body(table, excluded, head.length + 1))));
     list.replaceChildren(...groups(table, excluded));
   };
   on(["state", "excluded", "compareError"], redraw);
   return [make("p", {className: "soft", textContent: "A click on a name shows the shot, one on a column sorts. A shot with a reason is left out of the means; the reasons are kept in excluded.csv."}),
-          place, make("h2", {textContent: "Means, with the deviation of the mean between shots"}), list, wrong];
+          make("label", {}, "In groups by ", choice), place, make("h2", {textContent: "Means, with the deviation of the mean between shots"}), list, wrong];
 }

@@ -1,6 +1,7 @@
 // The panel to look at results: layers, figures, curves.
 import {SHOWN} from "./field.js";
 import {make} from "./dom.js";
+import {buildLost} from "./corrections.js";
 import * as exporting from "./export.js";
 import * as player from "./player.js";
 import * as lights from "./lights.js";
@@ -57,6 +58,6 @@ export function build() {
     warnings.hidden = !lines.length;
     warnings.replaceChildren(...lines.map(line => make("li", {textContent: line})));
   });
-  return [words, lights.build(), layerRow(), mapRow(), contrastRow(), exporting.build(), make("h2", {textContent: "This frame"}), values.build(),
+  return [words, lights.build(), layerRow(), mapRow(), contrastRow(), exporting.build(), make("h2", {textContent: "This frame"}), buildLost("look"), values.build(),
           make("h2", {textContent: "Curves"}), ...plots.build(), warnings];
 }

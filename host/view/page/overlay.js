@@ -44,11 +44,19 @@ function arrow(x, y, u, v) {
   return `M${x} ${y}L${tx} ${ty}M${tx} ${ty}${wing(1)}M${tx} ${ty}${wing(-1)}`;
 }
 
+// Of a circle, or of the ellipse where one was fitted: the rim is r + e1 cos 2φ + e2 sin 2φ from the centre.
+function axes(r, e1, e2, cx, cy) {
+  if (!Number.isFinite(e1 + e2)) return {rx: r, ry: r};
+  const oval = Math.hypot(e1, e2);
+  return {rx: r + oval, ry: r - oval, transform: `rotate(${Math.atan2(e2, e1) * 90 / Math.PI} ${cx} ${cy})`};
+}
+
 function drawCircle(track, row, preview) {
   const of = name => (preview ? Number(preview.row[name] || NaN) : track.number(row, name));
   const [cx, cy, r] = ["cx_px", "cy_px", "r_px"].map(of);
   if (![cx, cy, r].every(Number.isFinite)) return;
-  line("circle", {cx, cy, r, class: "outline"}, preview ? SKY : ORANGE);
+  const byHand = of("by_hand") > 0 ? {"stroke-dasharray": "10 4"} : {};
+  line("ellipse", {cx, cy, ...axes(r, of("e1_px"), of("e2_px"), cx, cy), class: "outline", ...byHand}, preview ? SKY : ORANGE);
   line("path", {d: `M${cx - 4} ${cy}H${cx + 4}M${cx} ${cy - 4}V${cy + 4}`}, preview ? SKY : ORANGE, 1.5);
 }
 

@@ -2,6 +2,7 @@
 import * as server from "./server.js";
 import {make, say} from "./dom.js";
 import {rigidMotion} from "./field.js";
+import * as corrections from "./corrections.js";
 import * as settings from "./settings.js";
 import {get, on, set} from "./store.js";
 import * as tools from "./tools.js";
@@ -28,6 +29,12 @@ function drawing() {
     "surface-angle-deg": [tool("surface", "draw", "Drag along the surface", found => settings.change("surface-angle-deg", String(found.angle)))],
     "gravity-angle-deg": [tool("gravity", "draw", "Drag the way things fall: along a plumb line, downwards", found => settings.change("gravity-angle-deg", String(found.angle)))],
     roi: [tool("roi", "draw", "Drag a rectangle", ({x, y, w, h}) => settings.change("roi", `${x},${y},${w},${h}`))],
+    polygon: [make("button", {className: "tool", id: "draw-polygon", textContent: "draw",
+      title: "Click the corners; Enter, a click on the first one or here closes it: the ball's centre lies inside",
+      onclick: () => tools.choosePolygon(corners => {
+        set({hand: {...get("hand"), polygon: undefined}});
+        settings.change("polygon", corners.map(({x, y}) => `${x},${y}`).join(","));
+      })})],
     "radius-px": [tool("ball", "draw", "Drag from the ball's centre to its rim", ({r}) => settings.change("radius-px",
       `${Math.floor((1 - RADIUS_SPREAD) * r)}:${Math.ceil((1 + RADIUS_SPREAD) * r)}`))],
     "mm-per-px": [tool("scale", "draw", "Drag along a known length, then type it", takeScale),
@@ -133,5 +140,5 @@ export function build() {
   });
   const reset = make("button", {textContent: "All defaults", onclick: () => { settings.fill({}); set({hand: {}}); say(""); }});
   return [make("p", {className: "soft", textContent: "Type or draw; the frame that is shown is measured again at once. Names have the texts of impactdic track --help."}),
-          found, fields, make("div", {className: "row"}, reset, save), command];
+          found, ...corrections.build(), fields, make("div", {className: "row"}, reset, save), command];
 }

@@ -38,10 +38,12 @@ const TOOLS = {
     return w < 16 || h < 16 ? null : {x, y, w, h};
   },
   ball: (a, b) => (far(a, b) < 4 ? null : {x: a.x, y: a.y, r: round(far(a, b), 1)}),
+  correct: (a, b) => (far(a, b) < 4 ? null : {x: a.x, y: a.y, r: round(far(a, b), 1)}),
   scale: (a, b) => (far(a, b) < 2 ? null : {a, b, px: round(far(a, b), 2)}),
 };
 
-let chosen = null;
+const CLOSE_PX = 12;  // of the screen: a click so near the first corner is meant for it
+let chosen = null, finish = null;
 
 // `found(value)` is called once; choosing the same tool again puts it away.
 export function choose(name, found) {
@@ -64,8 +66,34 @@ export function choose(name, found) {
   });
 }
 
+// One click a corner; Enter, the button or a click on the first corner closes it.
+export function choosePolygon(found) {
+  const corners = [];
+  const show = () => set({hand: {...get("hand"), polygon: corners.length ? [...corners] : undefined}});
+  const close = () => {
+    putAway();
+    if (corners.length < 3) { corners.length = 0; return show(); }
+    found(corners);
+  };
+  if (chosen === "polygon") return finish?.();
+  putAway();
+  chosen = "polygon";
+  finish = close;
+  set({tool: chosen});
+  picture.setTool({
+    down: () => {},
+    move: () => {},
+    up: point => {
+      if (corners.length > 2 && far(point, corners[0]) * picture.view.scale < CLOSE_PX) return close();
+      corners.push({x: round(point.x, 1), y: round(point.y, 1)});
+      show();
+    },
+  });
+}
+
 export function putAway() {
   chosen = null;
+  finish = null;
   picture.setTool(null);
   set({tool: null});
 }
@@ -73,7 +101,10 @@ export function putAway() {
 // Forgets what was drawn, because its value has been typed.
 export const forget = name => set({hand: {...get("hand"), [name]: undefined}});
 
-document.addEventListener("keydown", event => { if (event.key === "Escape" && chosen) putAway(); });
+document.addEventListener("keydown", event => {
+  if (event.key === "Escape" && chosen) putAway();
+  if (event.key === "Enter" && finish) { event.preventDefault(); finish(); }
+});
 
 function stroke(tag, properties, colour) {
   const plain = {fill: "none", "vector-effect": "non-scaling-stroke", ...properties};
@@ -81,10 +112,24 @@ function stroke(tag, properties, colour) {
               draw(tag, {...plain, stroke: colour, "stroke-width": 2.5}));
 }
 
-on(["hand", "panel"], ({hand: drawn, panel}) => {
+// What the settings say, whether drawn, typed or of an earlier run.
+function drawSettings({settings, shown, hand: drawn}) {
+  const typed = (settings?.polygon ?? "").split(",").map(Number);
+  const corners = drawn?.polygon ?? typed.flatMap((x, k) => (k % 2 ? [] : [{x, y: typed[k + 1]}]));
+  if (corners.length > 1 && corners.every(p => Number.isFinite(p.x + p.y))) {
+    stroke("path", {d: `M${corners.map(p => `${p.x} ${p.y}`).join("L")}Z`, class: "polygon", "stroke-dasharray": "6 4"}, "#fff");
+  }
+  const given = (settings?.["ball-at"] ?? "").split("/").find(one => one.startsWith(`${shown}:`));
+  const [cx, cy, r] = (given?.split(":")[1] ?? "").split(",").map(Number);
+  if (r > 0) stroke("circle", {cx, cy, r, class: "correction", "stroke-dasharray": "2 5"}, "#fff");
+}
+
+on(["hand", "panel", "settings", "shown"], values => {
+  const {hand: drawn, panel} = values;
   hand.replaceChildren();
   if (!drawn || panel !== "setup") return;
-  const {surface, gravity, roi, ball, scale} = drawn;
+  drawSettings(values);
+  const {surface, gravity, roi, ball, correct, scale} = drawn;
   if (surface) {
     const {a, b} = surface, x = (a.x + b.x) / 2, y = (a.y + b.y) / 2, share = 0.12;
     stroke("path", {d: `M${a.x} ${a.y}L${b.x} ${b.y}M${x} ${y}l${share * (b.y - a.y)} ${share * (a.x - b.x)}`, class: "surface"}, BLUE);
@@ -95,6 +140,7 @@ on(["hand", "panel"], ({hand: drawn, panel}) => {
   }
   if (roi) stroke("rect", {x: roi.x - 0.5, y: roi.y - 0.5, width: roi.w, height: roi.h, "stroke-dasharray": "6 4"}, "#fff");
   if (ball) stroke("circle", {cx: ball.x, cy: ball.y, r: ball.r, "stroke-dasharray": "4 4"}, ORANGE);
+  if (correct && get("tool") === "correct") stroke("circle", {cx: correct.x, cy: correct.y, r: correct.r, "stroke-dasharray": "2 5"}, "#fff");
   if (scale) stroke("path", {d: `M${scale.a.x} ${scale.a.y}L${scale.b.x} ${scale.b.y}`}, "#fff");
 });
 on(["tool"], ({tool}) => {

@@ -13,7 +13,10 @@ const ROWS = [
   ["spin, rad/s", "omega_rad_s", "omega_sd_rad_s"], ["spin t, rad/s", "omega_t_rad_s", "omega_t_sd_rad_s"],
   ["spin n, rad/s", "omega_n_rad_s", "omega_n_sd_rad_s"],
   ["vz, m/s", "vz_m_s", "vz_sd_m_s"], ["windows", "windows"],
+  ["ellipse e1, px", "e1_px", "e1_sd_px"], ["ellipse e2, px", "e2_px", "e2_sd_px"], ["by hand", "by_hand"],
 ];
+const BY_HAND = ["no", "measured from the circle given", "the circle given", "said to show no ball"];
+const EMPTY = {by_hand: "0"};  // what stands where there is nothing to say; else ""
 
 export function build() {
   const list = make("dl", {className: "values", id: "values"});
@@ -23,11 +26,11 @@ export function build() {
     const row = track.row(shown);
     list.dataset.frame = shown;
     const shownRows = [["status", "status"], ...ROWS.filter(([, column]) =>
-      track.has(column) && track.rows.some((_, k) => track.cell(k, column) !== ""))];
+      track.has(column) && track.rows.some((_, k) => track.cell(k, column) !== (EMPTY[column] ?? "")))];
     list.replaceChildren(...shownRows.map(([name, column, sd]) => {
       const cell = track.cell(row, column);
       const text = column === "status" ? (row < 0 ? "not measured" : cell)
-                                       : withDeviation(cell, sd && track.cell(row, sd));
+                 : column === "by_hand" ? BY_HAND[cell] ?? "—" : withDeviation(cell, sd && track.cell(row, sd));
       const value = make("dd", {title: cell, textContent: text});
       value.dataset.column = column;
       value.dataset.cell = cell;

@@ -96,13 +96,14 @@ class Report:
         self.tables += study.tables(result)
 
     def add_batch(self):
-        from . import shots, tables
+        from . import groups, shots, tables
 
         table = read_table(self.folder / "shots.csv")
         results = shots_of(self.folder)
-        self.first = First(sentence_of_shots(table))
-        self.figures += shots.figures(table, results)
-        self.tables.append(tables.shots_table(table))
+        excluded = groups.left_out(self.folder)
+        self.first = First(sentence_of_shots(table, excluded))
+        self.figures += shots.figures(table, results, excluded)
+        self.tables.append(tables.shots_table(table, excluded))
         failed = len(table["shot"]) - len(results)
         found = sum(result.impact is not None for result in results)
         self.subtitle = f"{len(results)} shots measured, {failed} failed, {found} with an impact."

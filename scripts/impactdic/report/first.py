@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import groups
 from .text import rounded, with_sd
 
 ENOUGH = 0.9  # share of the windows that is usable
@@ -25,6 +26,17 @@ class Light:
 
 
 @dataclass
+class Shape:
+    """An outline: centre, semi-axes, px, and the angle of the long one from x towards y, rad."""
+
+    x: float
+    y: float
+    long: float
+    short: float
+    angle: float
+
+
+@dataclass
 class KeyPicture:
     """A frame of the ball: the picture's first pixel is (x_px, y_px), what is drawn is in px."""
 
@@ -32,7 +44,7 @@ class KeyPicture:
     grey: np.ndarray
     x_px: float
     y_px: float
-    circle: tuple[float, float, float]  # centre x, y, radius
+    outline: Shape
     path: np.ndarray  # (points, 2)
     motion: tuple[float, float] | None  # as long as it is drawn
     surface: tuple[float, float, float, float] | None  # x0, y0, x1, y1
@@ -93,39 +105,35 @@ def lights(summary):
     return found
 
 
-def sentence_of_shots(table):
+def sentence_of_shots(table, excluded=()):
     """Of shots.csv: mean restitution and its deviation between shots, for each ball at each angle of
-    the surface. Shots whose figures are in doubt are left out."""
-    groups, left_out = {}, 0
-    for i, status in enumerate(table["status"]):
-        e = _number(table["restitution"][i])
-        if str(status) != "ok" or not math.isfinite(e):
+    the surface. Shots that a person has left out (`excluded`) or whose figures are in doubt do not
+    count."""
+    found, doubtful = {}, 0
+    counts = groups.counted(table, excluded)
+    for row in range(len(table["status"])):
+        e = groups.number(table, "restitution", row)
+        if groups.text(table, "status", row) != "ok" or not math.isfinite(e):
             continue
-        if "doubtful" in table and str(table["doubtful"][i]) not in ("", "nan"):
-            left_out += 1
-            continue
-        ball = str(table["ball"][i]) if "ball" in table else ""
-        key = (ball if ball != "nan" else "", _number(table["surface_angle_deg"][i]))
-        groups.setdefault(key, []).append(e)
-    parts = [_mean_e(ball, angle, values) for (ball, angle), values in sorted(groups.items())]
-    if left_out:
-        parts.append(f"{left_out} in doubt and left out")
+        if counts[row]:
+            key = (groups.ball_of(table, row), groups.number(table, "surface_angle_deg", row))
+            found.setdefault(key, []).append(e)
+        elif groups.text(table, "shot", row) not in excluded:
+            doubtful += 1
+    parts = [_mean_e(ball, angle, values) for (ball, angle), values in sorted(found.items())]
+    if doubtful:
+        parts.append(f"{doubtful} in doubt and left out")
+    if excluded:
+        parts.append(f"{len(excluded)} left out by hand")
     return ", ".join(parts)
 
 
 def _mean_e(ball, angle, values):
     count = len(values)
     where = ([ball] if ball else []) + ([f"at {angle:g}°"] if math.isfinite(angle) else [])
-    deviation = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
-    return (f"e {rounded(float(np.mean(values)), deviation)}"
+    mean, deviation = groups.mean(values)
+    return (f"e {rounded(mean, deviation if count > 1 else None)}"
             + "".join(f" {word}" for word in where) + f" ({count} shot{'s' if count > 1 else ''})")
-
-
-def _number(cell):
-    try:
-        return float(cell)
-    except ValueError:
-        return math.nan
 
 
 def texture_light(summary):

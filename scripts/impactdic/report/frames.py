@@ -38,7 +38,7 @@ def key_frames(shot):
             moved.append(field)
     if not originals:
         return None
-    caption = "The measured circle (red) and the path of its centre (orange)."
+    caption = "The measured outline (red) and the path of its centre (orange)."
     if moved:
         caption += (
             " Below, on the ball's surface set white: the windows and their displacement to the "
@@ -66,7 +66,6 @@ def _grey(path):
 
 def _key_picture(shot, frame, grey):
     row = _row_of(shot, frame)
-    cx, cy, r = (float(shot.track[key][row]) for key in ("cx_px", "cy_px", "r_px"))
     width = grey.shape[1]
     path = np.column_stack([shot.track["cx_px"][: row + 1], shot.track["cy_px"][: row + 1]])
     path = path[np.isfinite(path).all(axis=1)]
@@ -80,7 +79,7 @@ def _key_picture(shot, frame, grey):
     if shot.si:
         length = round_below(0.3 * width * shot.mm_per_px)
         bar = (length / shot.mm_per_px, f"{length:g} mm")
-    return first.KeyPicture(title, grey, frame["x_px"], frame["y_px"], (cx, cy, r),
+    return first.KeyPicture(title, grey, frame["x_px"], frame["y_px"], shape_of(shot, row),
                             path[:: max(1, len(path) // 400)],
                             tuple(factor * m for m in motion) if moving else None,
                             _surface_line(shot, frame, grey), bar)
@@ -130,10 +129,26 @@ def _frame_panel(frame, picture, series):
     )
 
 
-def _circle(shot, row):
-    cx, cy, r = (shot.track[key][row] for key in ("cx_px", "cy_px", "r_px"))
+def shape_of(shot, row):
+    """The outline that was fitted: centre x and y, long and short semi-axis, px, and the angle of the
+    long one in the picture (from x towards y, y down), rad. Results of older versions have circles."""
+    cx, cy, r = (float(shot.track[key][row]) for key in ("cx_px", "cy_px", "r_px"))
+    e1, e2 = (float(shot.track[key][row]) if key in shot.track else np.nan
+              for key in ("e1_px", "e2_px"))
+    if not np.isfinite(e1):
+        return first.Shape(cx, cy, r, r, 0.0)
+    oval = np.hypot(e1, e2)
+    return first.Shape(cx, cy, r + oval, r - oval, np.arctan2(e2, e1) / 2)
+
+
+def _outline(shot, row):
+    shape = shape_of(shot, row)
     angle = np.linspace(0, 2 * np.pi, 121)
-    return Series("circle", cx + r * np.cos(angle), cy + r * np.sin(angle), colour=RED)
+    along, across = shape.long * np.cos(angle), shape.short * np.sin(angle)
+    c, s = np.cos(shape.angle), np.sin(shape.angle)
+    name = "circle" if shape.long == shape.short else "ellipse"
+    return Series(name, shape.x + along * c - across * s, shape.y + along * s + across * c,
+                  colour=RED)
 
 
 def _row_of(shot, frame):
@@ -148,7 +163,7 @@ def _original(shot, frame, grey):
         shot.track["cy_px"][: row + 1],
         colour=ORANGE,
     )
-    return _frame_panel(frame, grey, [_circle(shot, row), path])
+    return _frame_panel(frame, grey, [_outline(shot, row), path])
 
 
 def _velocity_field(shot, frame, grey, factor):
@@ -167,7 +182,7 @@ def _velocity_field(shot, frame, grey, factor):
     labels = [f"u {a:.4f} px, v {b:.4f} px" for a, b in zip(u, v)]
     places = Series("windows", x, y, None, BLUE, "markers", size=3, labels=labels)
     panel = _frame_panel(frame, _white_ball(shot, frame, grey, row),
-                         [_circle(shot, row), arrows, places])
+                         [_outline(shot, row), arrows, places])
     if _fastest(shot) > 0:
         panel.reference = _reference(shot, frame, grey, factor)
     return panel

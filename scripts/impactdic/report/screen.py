@@ -2,6 +2,7 @@
 
 import base64
 import html
+import math
 
 from .draw import png_of
 from .figure import BLACK, ORANGE, RED, SKY
@@ -46,9 +47,11 @@ def _picture(key):
     stroke = width / 160  # as thick on a phone as on a large screen, for the picture's size
     source = base64.b64encode(png_of(key.grey)).decode()
     x, y = key.x_px - 0.5, key.y_px - 0.5
-    cx, cy, r = key.circle
+    shape = key.outline
+    cx, cy = shape.x, shape.y
     path = "M" + "L".join(f"{px:.2f} {py:.2f}" for px, py in key.path) if len(key.path) else ""
-    drawn = [f'<circle cx="{cx:.2f}" cy="{cy:.2f}" r="{r:.2f}" />']
+    drawn = [f'<ellipse cx="{cx:.2f}" cy="{cy:.2f}" rx="{shape.long:.2f}" ry="{shape.short:.2f}" '
+             f'transform="rotate({math.degrees(shape.angle):.2f} {cx:.2f} {cy:.2f})" />']
     colours = [RED]
     if path:
         drawn.append(f'<path d="{path}" />')

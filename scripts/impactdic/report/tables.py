@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ..results import read_table
-from . import budget, simulated, sweep
+from . import budget, groups, simulated, sweep
 from .models import kind_of, name_of
 from .text import rounded, with_sd
 
@@ -148,9 +148,9 @@ def _or(value, text, otherwise):
     return otherwise if value is None else text.format(value)
 
 
-def shots_table(table):
-    """The rows of shots.csv in short."""
-    header = ["shot", "status", "surface", "v before, m/s", "restitution", "friction",
+def shots_table(table, excluded):
+    """The rows of shots.csv in short. `excluded`: why a person has left shots out, by their names."""
+    header = ["shot", "status", "ball", "surface", "v before, m/s", "restitution", "friction",
               "contact, ms", "ω after, rad/s", "notes"]
     rows = []
     for i in range(len(table["shot"])):
@@ -166,9 +166,12 @@ def shots_table(table):
             status = "ok" if impact == "found" else f"impact: {impact}"
             if "doubtful" in table and str(table["doubtful"][i]) not in ("", "nan"):
                 status = f"doubtful: {table['contradictions'][i]}"
+        if str(table["shot"][i]) in excluded:
+            status = f"left out: {excluded[str(table['shot'][i])]}"
         rows.append([
             str(table["shot"][i]),
             status if status != "failed" else f"failed: {table['reason'][i]}",
+            groups.ball_of(table, i),
             "" if math.isnan(angle) else f"{angle:g}°",
             "" if math.isnan(vn) else f"{math.hypot(vt, vn):.3f}",
             pair("restitution", "restitution_sd"),
