@@ -30,7 +30,7 @@ double scaled_bessel_i1(double x) {
 
 }  // namespace
 
-BlurredDisc::BlurredDisc(double radius_px, double sigma_px) {
+BlurredDisc::BlurredDisc(double radius_px, double sigma_px, double least_px) {
   const double r = radius_px, variance = sigma_px * sigma_px;
   core_px_ = std::max(0.0, r - kEdgeReach * sigma_px);
   reach_px_ = r + kEdgeReach * sigma_px;
@@ -45,7 +45,8 @@ BlurredDisc::BlurredDisc(double radius_px, double sigma_px) {
   cells_.resize(static_cast<std::size_t>(count) + 1);
   cells_.back() = {0, 0, 0, 0};  // reached only by rounding at reach_px_
   double right = 0, right_slope = slope(reach_px_) * step;
-  for (int i = count - 1; i >= 0; --i) {
+  const int innermost = static_cast<int>(std::max(0.0, (least_px - core_px_) * per_step_));
+  for (int i = count - 1; i >= innermost; --i) {
     const double start = core_px_ + i * step;
     double drop = 0;
     for (int k = 0; k < 4; ++k) {

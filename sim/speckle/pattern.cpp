@@ -143,7 +143,8 @@ double disc_radius_for(double area_px) {
   double low = 0.2, high = half_level_radius + 2;
   for (int i = 0; i < 24; ++i) {
     const double r = (low + high) / 2;
-    (BlurredDisc(r, picture_sigma())(half_level_radius) < 0.5F ? low : high) = r;
+    const BlurredDisc disc(r, picture_sigma(), half_level_radius);
+    (disc(half_level_radius) < 0.5F ? low : high) = r;
   }
   return (low + high) / 2;
 }

@@ -15,6 +15,11 @@ constexpr int kSweeps = 60;
 constexpr double kCell = 6;     // px
 constexpr double kMargin = 24;  // of the grid beyond the ball, px
 
+// Whether hypot(dx, dy) is beyond the distance, where rounding cannot matter; hypot is slow.
+bool surely_beyond(double dx, double dy, double distance) {
+  return distance <= 0 || dx * dx + dy * dy > distance * distance * (1 + 1e-9);
+}
+
 }  // namespace
 
 Random::Random(std::uint64_t seed, std::uint64_t stream) {
@@ -64,7 +69,8 @@ bool Placement::fits(const std::vector<InkDisc>& shape, double x_px, double y_px
     const bool free = each_near(x, y, d.radius_px + largest_px_ + gap_px_, [&](std::size_t other) {
       const InkDisc& o = discs_[other];
       const double apart = d.radius_px + o.radius_px + gap_px_;
-      return apart <= 0 || std::hypot(x - o.x_px, y - o.y_px) >= apart;
+      const double dx = x - o.x_px, dy = y - o.y_px;
+      return apart <= 0 || surely_beyond(dx, dy, apart) || std::hypot(dx, dy) >= apart;
     });
     if (!free) return false;
   }
@@ -101,8 +107,10 @@ bool Placement::push_apart(std::size_t index, double gap_px) {
   each_near(at.x_px, at.y_px, at.radius_px + largest_px_ + gap_px, [&](std::size_t other) {
     if (other == index) return true;
     InkDisc &a = discs_[index], &b = discs_[other];
-    const double dx = b.x_px - a.x_px, dy = b.y_px - a.y_px, apart = std::hypot(dx, dy);
-    const double lacking = a.radius_px + b.radius_px + gap_px - apart;
+    const double dx = b.x_px - a.x_px, dy = b.y_px - a.y_px;
+    const double wanted = a.radius_px + b.radius_px + gap_px;
+    if (surely_beyond(dx, dy, wanted)) return true;
+    const double apart = std::hypot(dx, dy), lacking = wanted - apart;
     if (lacking <= 0 || apart == 0) return true;
     const double push = lacking / (2 * apart);
     a = {a.x_px - push * dx, a.y_px - push * dy, a.radius_px};

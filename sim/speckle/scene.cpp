@@ -44,28 +44,37 @@ void SynthScene::validate() const {
 
 namespace impactdic::sim::speckle {
 
-double bar_coverage(const SynthScene& scene, double x_px, double y_px) {
-  if (!scene.bar) return 0;
-  const OccludingBar& bar = *scene.bar;
-  const Vec along = direction(bar.angle_deg);
+namespace {
+
+// `along`: the bar's direction, which takes longer to find than all the rest.
+double coverage(const OccludingBar& bar, const Vec& along, double sigma_px, double x_px,
+                double y_px) {
   const double off = std::abs((y_px - bar.y_px) * along.x - (x_px - bar.x_px) * along.y);
-  const double half = bar.width_px / 2, reach = kEdgeReach * scene.psf_sigma_px;
+  const double half = bar.width_px / 2, reach = kEdgeReach * sigma_px;
   if (off > half + reach) return 0;
   if (off < half - reach) return 1;
-  return blurred_edge(half - off, scene.psf_sigma_px) -
-         blurred_edge(-half - off, scene.psf_sigma_px);
+  return blurred_edge(half - off, sigma_px) - blurred_edge(-half - off, sigma_px);
+}
+
+}  // namespace
+
+double bar_coverage(const SynthScene& scene, double x_px, double y_px) {
+  if (!scene.bar) return 0;
+  return coverage(*scene.bar, direction(scene.bar->angle_deg), scene.psf_sigma_px, x_px, y_px);
 }
 
 Image<double> make_backdrop(const SynthScene& scene, const Quadrature& pixel) {
   Image<double> out(scene.width, scene.height, scene.background);
   if (!scene.bar) return out;
+  const Vec along = direction(scene.bar->angle_deg);
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
       double covered = 0;
       for (std::size_t j = 0; j < pixel.node.size(); ++j) {
         for (std::size_t i = 0; i < pixel.node.size(); ++i) {
-          covered += pixel.weight[j] * pixel.weight[i] *
-                     bar_coverage(scene, x + pixel.node[i], y + pixel.node[j]);
+          covered +=
+              pixel.weight[j] * pixel.weight[i] *
+              coverage(*scene.bar, along, scene.psf_sigma_px, x + pixel.node[i], y + pixel.node[j]);
         }
       }
       out(x, y) += covered * (scene.bar->level - scene.background);

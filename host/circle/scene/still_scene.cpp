@@ -112,28 +112,42 @@ cv::Mat StillScene::compare(const cv::Mat& reduced) const {
   return off > threshold_;
 }
 
-double StillScene::moved_share(const cv::Mat& moved, const Circle& circle) const {
+std::vector<StillScene::DiscRow> StillScene::rows_of(const Circle& circle, cv::Size size) const {
   const double half = 0.5 * (shrink_ - 1);
   const double cx = (circle.cx_px - half) / shrink_, cy = (circle.cy_px - half) / shrink_;
   const double r = std::max(circle.r_px / shrink_, 1.0);
-  int inside = 0, changed = 0;
-  const int bottom = std::min(moved.rows - 1, static_cast<int>(std::floor(cy + r)));
-  const int right = std::min(moved.cols - 1, static_cast<int>(std::floor(cx + r)));
+  const int left = std::max(0, static_cast<int>(std::ceil(cx - r)));
+  const int bottom = std::min(size.height - 1, static_cast<int>(std::floor(cy + r)));
+  const int right = std::min(size.width - 1, static_cast<int>(std::floor(cx + r)));
+  std::vector<DiscRow> rows;
   for (int y = std::max(0, static_cast<int>(std::ceil(cy - r))); y <= bottom; ++y) {
-    const std::uint8_t* row = moved.ptr(y);
-    for (int x = std::max(0, static_cast<int>(std::ceil(cx - r))); x <= right; ++x) {
-      const double off2 = (x - cx) * (x - cx) + (y - cy) * (y - cy);
-      if (off2 > r * r) continue;
-      ++inside;
-      changed += row[x] != 0;
-    }
+    const auto outside = [&](int x) { return (x - cx) * (x - cx) + (y - cy) * (y - cy) > r * r; };
+    int begin = left, end = right + 1;
+    while (begin < end && outside(begin)) ++begin;
+    while (begin < end && outside(end - 1)) --end;
+    if (begin < end) rows.push_back({y, begin, end});
+  }
+  return rows;
+}
+
+double StillScene::share_of(const cv::Mat& moved, const std::vector<DiscRow>& rows) {
+  int inside = 0, changed = 0;
+  for (const DiscRow& at : rows) {
+    const std::uint8_t* row = moved.ptr(at.y);
+    inside += at.end - at.begin;
+    for (int x = at.begin; x < at.end; ++x) changed += row[x] != 0;
   }
   return inside > 0 ? static_cast<double>(changed) / inside : 0;
 }
 
+double StillScene::moved_share(const cv::Mat& moved, const Circle& circle) const {
+  return share_of(moved, rows_of(circle, moved.size()));
+}
+
 bool StillScene::is_still(const cv::Mat& moved, const Circle& circle) const {
+  const std::vector<DiscRow> rows = rows_of(circle, moved.size());
   const auto same = [&](const cv::Mat& picture) {
-    return moved_share(picture, circle) < kStill.changed;
+    return share_of(picture, rows) < kStill.changed;
   };
   if (!same(moved)) return false;
   const auto others = std::count_if(movements_.begin(), movements_.end(),

@@ -42,7 +42,12 @@ class StillScene {
   int shrink() const { return shrink_; }
 
  private:
+  struct DiscRow {
+    int y, begin, end;  // pixels of the row that lie in the disc
+  };
   StillScene() = default;
+  std::vector<DiscRow> rows_of(const Circle& circle, cv::Size size) const;
+  static double share_of(const cv::Mat& moved, const std::vector<DiscRow>& rows);
 
   int shrink_ = 1;
   cv::Mat median_, threshold_;      // grey levels of the file

@@ -81,6 +81,29 @@ struct Foreshortening {
   }
 };
 
+// Where the samples of the strips lie: the same for every line.
+struct StripPlaces {
+  struct Place {
+    double sin, cos;  // of the surface's normal against the line of sight
+  };
+  std::vector<Place> all;  // strip by strip
+  int length;
+
+  StripPlaces(const Foreshortening& shape, double last) : length(shape.length) {
+    const double span = shape.length * shape.step_rad;
+    for (int strip = 0; strip < kSphere.strips; ++strip) {
+      const double begin = (last - span) * strip / (kSphere.strips - 1.0);
+      for (int m = 0; m < length; ++m) {
+        const double angle = begin + (length - 1 - m) * shape.step_rad;
+        all.push_back({std::sin(angle), std::cos(angle)});
+      }
+    }
+  }
+  const Place& at(int strip, int m) const {
+    return all[static_cast<std::size_t>(strip * length + m)];
+  }
+};
+
 template <typename T>
 void add_strips(ImageView<const T> picture, const Rim& rim, const LineRequest& request,
                 const LineTrace& trace) {
@@ -89,22 +112,21 @@ void add_strips(ImageView<const T> picture, const Rim& rim, const LineRequest& r
   const Foreshortening shape(request, rim.r);
   const double last = std::asin(kSphere.most_strip), span = shape.length * shape.step_rad;
   if (span > last) return;
+  const StripPlaces places(shape, last);
   const RimLines& lines = trace.lines;
   const double ground = quantile(trace.levels.ground, 0.5);
   for (std::size_t i = 0; i < lines.size(); i += kSphere.strips_every) {
     const double c = lines.cos[i], s = lines.sin[i];
     for (int strip = 0; strip < kSphere.strips; ++strip) {
-      const double begin = (last - span) * strip / (kSphere.strips - 1.0);
       double b[kTexture] = {};
       bool inside = true;
       for (int m = 0; m < shape.length && inside; ++m) {
-        const double angle = begin + (shape.length - 1 - m) * shape.step_rad;
-        const double x = std::sin(angle);
+        const auto [x, z] = places.at(strip, m);
         const auto px = static_cast<float>(rim.cx + rim.r * x * c);
         const auto py = static_cast<float>(rim.cy + rim.r * x * s);
         inside = sampler.inside(px, py, kSphere.margin_px);
         if (!inside) break;
-        const double paint = trace.levels.sphere.at(x * c, x * s, std::cos(angle)) - ground;
+        const double paint = trace.levels.sphere.at(x * c, x * s, z) - ground;
         const double level = static_cast<double>(sign * sampler.bilinear(px, py)) - ground;
         inside = paint > kSphere.least_contrast * static_cast<double>(trace.levels.usual);
         const double ink = (1 - level / paint) * as_usual(static_cast<float>(paint),

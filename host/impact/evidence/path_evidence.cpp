@@ -76,6 +76,9 @@ class PathFits {
     scale_[kPlace] = noise_of(series.position_n);
     scale_[kStep] = noise_of(series.step_n);
     for (double& scale : scale_) scale = scale > 1e-7 ? scale : 1e-7;
+    for (std::size_t i = span.begin; i <= span.end; ++i) {
+      instants_.push_back(static_cast<double>(i));
+    }
   }
 
   std::size_t size() const { return samples_.size(); }
@@ -86,14 +89,21 @@ class PathFits {
     const auto columns = static_cast<Eigen::Index>(basis.size());
     Eigen::MatrixXd slopes(rows, columns);
     Eigen::VectorXd values(rows);
+    const std::array<double, kKinds> weight = {1 / scale_[kPlace], 1 / scale_[kStep]};
+    std::vector<double> places(instants_.size());  // places and steps share their instants
+    for (Eigen::Index k = 0; k < columns; ++k) {
+      std::transform(instants_.begin(), instants_.end(), places.begin(),
+                     basis[static_cast<std::size_t>(k)]);
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const Sample& s = samples_[static_cast<std::size_t>(i)];
+        const auto at = static_cast<std::size_t>(s.at - instants_.front());
+        const double place = s.kind == kPlace ? places[at] : places[at + 1] - places[at];
+        slopes(i, k) = weight[s.kind] * place;
+      }
+    }
     for (Eigen::Index i = 0; i < rows; ++i) {
       const Sample& s = samples_[static_cast<std::size_t>(i)];
-      const double weight = 1 / scale_[s.kind];
-      values[i] = s.value * weight;
-      for (Eigen::Index k = 0; k < columns; ++k) {
-        const auto& place = basis[static_cast<std::size_t>(k)];
-        slopes(i, k) = weight * (s.kind == kPlace ? place(s.at) : place(s.at + 1) - place(s.at));
-      }
+      values[i] = s.value * weight[s.kind];
     }
     Eigen::MatrixXd normal = slopes.transpose() * slopes;
     const Eigen::VectorXd scale =
@@ -157,6 +167,7 @@ class PathFits {
   }
 
   std::vector<Sample> samples_;
+  std::vector<double> instants_;  // of all samples, ascending
   std::array<double, kKinds> count_{}, scale_{}, alike_ = {1, 1};
 };
 

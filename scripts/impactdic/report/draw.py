@@ -6,6 +6,9 @@ import matplotlib
 import matplotlib.figure
 import matplotlib.image
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from .figure import with_heads
 
@@ -60,9 +63,13 @@ def save(figure, folder):
     with matplotlib.rc_context(STYLE):
         made.draw_without_rendering()  # finds the layout,
         made.set_layout_engine("none")  # once for all three
-        made.savefig(folder / f"{figure.name}.pdf", dpi=DPI, metadata={"CreationDate": None})
-        made.savefig(folder / f"{figure.name}.png", dpi=DPI)
-        made.savefig(folder / f"{figure.name}.svg", dpi=DPI, metadata={"Date": None})
+        # Figure.savefig would draw each of them once more to find the layout again.
+        for write, metadata in ((FigureCanvasPdf(made).print_pdf, {"CreationDate": None}),
+                                (FigureCanvasAgg(made).print_png, {}),
+                                (FigureCanvasSVG(made).print_svg, {"Date": None})):
+            made.set_dpi(DPI)
+            kind = write.__name__.removeprefix("print_")
+            write(folder / f"{figure.name}.{kind}", metadata=metadata)
 
 
 def png_of(grey):
