@@ -90,9 +90,8 @@ ContactPoint ContactDynamics::contact_point(const ImpactState& x) const {
   at.acceleration_m_s2 = -(normal * inverse_mass_ + gravity_n_);  // of a ball
   // d(tip velocity)/dt = 0, with r' = omega x r for a rod's axis; its cap only rolls.
   at.mobility_per_kg = inverse_mass_ + r.n * r.n * inverse_inertia_;
-  at.rolling_n = (-gravity_t_ * along.t + r.n * r.t * at.normal_n * inverse_inertia_ +
-                  x[kOmega] * x[kOmega] * r.t) /
-                 at.mobility_per_kg;
+  at.drift_m_s2 = -gravity_t_ * along.t + r.n * r.t * at.normal_n * inverse_inertia_ +
+                  x[kOmega] * x[kOmega] * r.t;
   at.holding_n = -mass_ * gravity_t_ * along.t;
   if (rates_) add_force_rates(at);
   return at;

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace impactdic::sim::contact {
 
@@ -32,6 +33,39 @@ struct EventLimits {
   int most_switches = 0;
   long most_steps = 0;
   const char* hint = "";  // of the errors
+};
+
+// The next step from the errors of the last two, in the form that odeint asks for: where steps have
+// to shrink again and again, as before the separation of a Hertz contact, the last error alone
+// would have every second step repeated (Gustafsson 1991).
+class StepAdjuster {
+ public:
+  explicit StepAdjuster(double longest_s = 0) : longest_s_(longest_s) {}
+
+  double decrease_step(double step_s, double error, int) const {
+    return limited(step_s * std::max(kSafety * std::pow(error, -kExponent), 1 / kMostChange));
+  }
+  double increase_step(double step_s, double error, int) {
+    const double root = std::pow(std::max(error, 1e-8), kExponent);
+    double factor = kSafety / root;
+    if (last_step_s_ > 0) factor *= std::min(step_s / last_step_s_ * last_root_ / root, 1.0);
+    last_step_s_ = step_s, last_root_ = root;
+    return limited(step_s * std::clamp(factor, 1 / kMostChange, kMostChange));
+  }
+  bool check_step_size_limit(double step_s) const {
+    return longest_s_ == 0 || step_s <= longest_s_;
+  }
+  double get_max_dt() const { return longest_s_; }
+
+ private:
+  static constexpr double kExponent = 0.2;  // the error estimate is of the fifth order in the step
+  static constexpr double kSafety = 0.85, kMostChange = 5;
+  double limited(double step_s) const {
+    return longest_s_ == 0 ? step_s : std::min(step_s, longest_s_);
+  }
+
+  double longest_s_;  // 0: any
+  double last_step_s_ = 0, last_root_ = 0;
 };
 
 // A system with modes and guards. It has the types and members that are used below:
@@ -52,7 +86,8 @@ class EventIntegrator {
   using State = typename System::State;
   using Instant = EventInstant<State>;
   using Dopri5 = boost::numeric::odeint::runge_kutta_dopri5<State>;
-  using Stepper = boost::numeric::odeint::controlled_runge_kutta<Dopri5, ErrorChecker>;
+  using Stepper =
+      boost::numeric::odeint::controlled_runge_kutta<Dopri5, ErrorChecker, StepAdjuster>;
 
   EventIntegrator(System& system, const ErrorChecker& checker, const EventLimits& limits,
                   double start_s, const State& start)
@@ -103,19 +138,25 @@ class EventIntegrator {
     return guards;
   }
 
+  // The stepper asks for the rate at the step's end as well, as its sixth: nobody looks at it here.
   State single_step(const Instant& from, double step_s) {
     State x = from.x, rate = from.x;
-    rk_.do_step(right_side(), from.x, from.rate, from.time_s, x, rate, step_s);
+    const auto stages = [this, asked = 0](const State& at, State& to, double) mutable {
+      if (++asked < 6) system_.rates(at, to);
+    };
+    rk_.do_step(stages, from.x, from.rate, from.time_s, x, rate, step_s);
     return x;
   }
 
-  // Whether the part of a step up to an event meets the tolerance by itself. The whole step did,
-  // but its stages may have passed by a rate that changes fast just before the event.
-  bool exact_enough(double step_s) {
-    if (step_s < limits_.negligible_s) return true;
+  // The part of a step up to an event; nothing where it does not meet the tolerance by itself. The
+  // whole step did, but its stages may have passed by a rate that changes fast just before the
+  // event.
+  std::optional<State> exact_part(double step_s) {
     State x = now_.x, rate = now_.x, error = now_.x;
     rk_.do_step(right_side(), now_.x, now_.rate, now_.time_s, x, rate, step_s, error);
-    return checker_.error(rk_.algebra(), now_.x, now_.rate, error, step_s) <= 1;
+    const bool exact = step_s < limits_.negligible_s ||
+                       checker_.error(rk_.algebra(), now_.x, now_.rate, error, step_s) <= 1;
+    return exact ? std::optional(x) : std::nullopt;
   }
 
   Instant try_steps(double& step_s) {
@@ -144,18 +185,19 @@ class EventIntegrator {
       first_of_mode_ = false;
       if (leave_at_once(middle, end)) return true;
     }
-    const Event event = first_event(taken, middle, end);
+    const Event event = first_event(next, middle, end);
     if (event.guard < 0) {
       hand_over(next, false);
       accept(next);
       now_guards_ = end;
       return false;
     }
-    if (!exact_enough(event.after_s)) {
+    const std::optional<State> part = exact_part(event.after_s);
+    if (!part) {
       step_s = 0.5 * event.after_s;
       return false;
     }
-    const Instant at_event{now_.time_s + event.after_s, single_step(now_, event.after_s), {}};
+    const Instant at_event{now_.time_s + event.after_s, *part, {}};
     hand_over(at_event, true);
     accept(at_event);
     switch_mode(event.guard);
@@ -189,10 +231,10 @@ class EventIntegrator {
   };
   // Where a law jumps all guards that look at it fall together. Then the first in the system's
   // order counts, and the others are judged behind the jump.
-  Event first_event(double taken, const GuardValues& middle, const GuardValues& end) {
-    Event first{-1, taken};
+  Event first_event(const Instant& next, const GuardValues& middle, const GuardValues& end) {
+    Event first{-1, next.time_s - now_.time_s};
     for (int i = 0; i < end.count; ++i) {
-      const double root = guard_root(i, taken, middle.value[i], end.value[i]);
+      const double root = guard_root(i, next, middle.value[i], end.value[i]);
       const double apart = first.guard < 0 ? 0 : limits_.negligible_s;
       if (root < first.after_s - apart) first = {i, root};
     }
@@ -200,10 +242,10 @@ class EventIntegrator {
   }
 
   // The time from now_ at which guard i falls through zero, infinite if it does not.
-  double guard_root(int i, double taken, double middle, double end) {
+  double guard_root(int i, const Instant& next, double middle, double end) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
-    const double begin = now_guards_.value[i];
-    double low = 0, high = taken, low_value = begin;
+    const double taken = next.time_s - now_.time_s, begin = now_guards_.value[i];
+    double low = 0, high = taken;
     if (begin > 0 && middle <= 0) {
       high = 0.5 * taken;
     } else if (middle > 0 && end <= 0) {
@@ -211,8 +253,11 @@ class EventIntegrator {
     } else {
       return kNever;
     }
+    const double near = root_by_interpolant(
+        i, next, {low, low > 0 ? middle : begin, high, high < taken ? middle : end});
+    if (near >= 0) return near;
     const auto value = [&](double step) { return guards(single_step(now_, step)).value[i]; };
-    if (low > 0) low_value = value(low);
+    const double low_value = low > 0 ? value(low) : begin;
     double high_value = value(high);
     if (high_value > 0 && high < taken) high_value = value(high = taken);
     if (!(low_value > 0)) {  // the interpolant and the step differ by rounding: it is there
@@ -221,10 +266,49 @@ class EventIntegrator {
     if (high_value > 0) return kNever;
     if (high_value == 0) return high;
     std::uintmax_t iterations = 100;
-    const auto close = [taken](double a, double b) { return std::abs(b - a) <= 1e-15 * taken; };
+    const auto close = [taken](double a, double b) { return std::abs(b - a) <= kSame * taken; };
     return boost::math::tools::toms748_solve(value, low, high, low_value, high_value, close,
                                              iterations)
         .second;
+  }
+
+  // Where two signs differ.
+  struct Bracket {
+    double low = 0, low_value = 0, high = 0, high_value = 0;
+  };
+
+  // The same from the root of the interpolant, which asks for no right-hand side, by one step of
+  // Newton's method with the interpolant's slope and one of the secant. Below zero where they do
+  // not close in on the root.
+  double root_by_interpolant(int i, const Instant& next, const Bracket& in) {
+    constexpr double kNone = -1;
+    if (!(in.low_value > 0) || !(in.high_value < 0)) return kNone;
+    const double taken = next.time_s - now_.time_s;
+    const auto guess = [&](double after) {
+      return guards(within(next, now_.time_s + after)).value[i];
+    };
+    std::uintmax_t iterations = 30;
+    const auto close = [taken](double a, double b) { return std::abs(b - a) <= 1e-5 * taken; };
+    const auto [a, b] = boost::math::tools::toms748_solve(guess, in.low, in.high, in.low_value,
+                                                          in.high_value, close, iterations);
+    const auto value = [&](double after) { return guards(single_step(now_, after)).value[i]; };
+    const double first = 0.5 * (a + b), aside = 1e-3 * taken;
+    const double left = std::max(first - aside, in.low), right = std::min(first + aside, in.high);
+    const double slope = (guess(right) - guess(left)) / (right - left);
+    const double first_value = value(first), second = first - first_value / slope;
+    if (!(second > in.low && second < in.high)) return kNone;
+    const double second_value = value(second);
+    const double third = second - second_value * (second - first) / (second_value - first_value);
+    const double error = std::abs((third - second) * (third - first));
+    const double exact_s = kSame * taken;
+    if (!(error <= exact_s * taken && third > in.low && third < in.high)) return kNone;
+    // What jumps there must be seen from its far side.
+    double after = third;
+    for (double beyond = exact_s; beyond < 1e6 * exact_s; beyond *= 4) {
+      if (value(after) <= 0) return after;
+      after = third + beyond;
+    }
+    return kNone;
   }
 
   // Hands over the points that were asked for up to `next`. Within a whole step they come from the
@@ -251,6 +335,8 @@ class EventIntegrator {
     }
     system_.switch_mode(guard, now_.time_s, now_.x);
   }
+
+  static constexpr double kSame = 1e-15;  // two instants in parts of a step
 
   System& system_;
   const EventLimits limits_;

@@ -45,7 +45,7 @@ class DryFriction final : public FrictionLaw {
     } else if (at.tip_vt_m_s != 0) {
       slide(sign(at.tip_vt_m_s));
     } else if (rule_ == Rule::kFullSliding) {
-      slide(-sign(at.rolling_n));  // as the weight would drive it
+      slide(-sign(at.rolling_n()));  // as the weight would drive it
       if (direction_ == 0) mode_ = Mode::kFrictionless;
     } else if (rule_ == Rule::kBrody) {
       roll_freely();
@@ -67,7 +67,7 @@ class DryFriction final : public FrictionLaw {
         force = -sliding(at) * load(at) * direction_;
         break;
       case Mode::kRolling:
-        force = at.rolling_n;
+        force = at.rolling_n();
         break;
       case Mode::kSticking:
         force = -static_ * load(at) * direction_;
@@ -86,7 +86,7 @@ class DryFriction final : public FrictionLaw {
         return 1;
       case Mode::kRolling:
         // Where rolling takes no force nothing ends it, not even a contact without load.
-        values[0] = at.rolling_n == 0 ? 1.0 : static_ * load(at) - std::abs(at.rolling_n);
+        values[0] = at.rolling_n() == 0 ? 1.0 : static_ * load(at) - std::abs(at.rolling_n());
         return 1;
       case Mode::kSticking:
         values[0] = load(at) - critical_n_;
@@ -106,7 +106,7 @@ class DryFriction final : public FrictionLaw {
         stop_sliding(at);
         break;
       case Mode::kRolling:
-        slide(-sign(at.rolling_n));
+        slide(-sign(at.rolling_n()));
         break;
       case Mode::kSticking:
         if (guard == 0) {
@@ -168,10 +168,10 @@ class DryFriction final : public FrictionLaw {
   // The contact point is at rest. It stays so while friction can hold it; otherwise the force that
   // is missing drives it (the Filippov solution of Coulomb's law).
   void roll_or_slide(const ContactPoint& at) {
-    if (std::abs(at.rolling_n) <= static_ * load(at)) {
+    if (std::abs(at.rolling_n()) <= static_ * load(at)) {
       mode_ = Mode::kRolling;
     } else {
-      slide(-sign(at.rolling_n));
+      slide(-sign(at.rolling_n()));
     }
   }
 

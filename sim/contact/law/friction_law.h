@@ -23,13 +23,16 @@ struct ContactPoint {
   double acceleration_m_s2 = 0;  // of the deflection
   bool compressing = true;       // the deflection grows
   double damping_n_s_per_m = 0;  // of the damper at present; 0 while it rests
-  double rolling_n = 0;          // the force that would keep tip_vt_m_s as it is
-  double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility (force - rolling_n)
-  double holding_n = 0;          // the force that would keep centre_vt_m_s as it is
+  double mobility_per_kg = 0;    // d(tip_vt)/dt = mobility force - drift
+  double drift_m_s2 = 0;
+  double holding_n = 0;  // the force that would keep centre_vt_m_s as it is
   // For laws that ask for them, of balls: the first and second derivative by time of the spring's
   // force and of spring and damper together.
   double spring_rate_n_s = 0, spring_turn_n_s2 = 0;
   double normal_rate_n_s = 0, normal_turn_n_s2 = 0;
+
+  // The force that would keep tip_vt_m_s as it is.
+  double rolling_n() const { return drift_m_s2 / mobility_per_kg; }
 };
 
 struct Traction {

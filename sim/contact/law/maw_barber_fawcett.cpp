@@ -103,7 +103,7 @@ class MawBarberFawcett final : public FrictionLaw {
       values[0] = side_ * at.tip_vt_m_s - alpha_ * depth.rate;
       if (gross_) return count;
       const SlipEdge edge = edge_at(at, depth.value);
-      values[1] = -memory_.excess_at_corner(corner_, edge);
+      values[1] = -SlipMemory::excess_at_corner(corner_, edge);
       values[2] = memory_.excess_at_rim(edge) + rim_tolerance_;
     }
     return count;
@@ -207,7 +207,7 @@ class MawBarberFawcett final : public FrictionLaw {
 
   // The force that keeps an annulus at rest on a bound that moves: v = side alpha delta'.
   double holding_force(const ContactPoint& at) const {
-    return at.rolling_n + side_ * alpha_ * at.acceleration_m_s2 / at.mobility_per_kg;
+    return at.rolling_n() + side_ * alpha_ * at.acceleration_m_s2 / at.mobility_per_kg;
   }
 
   // The part of it that the springs do not give.
@@ -288,7 +288,7 @@ class MawBarberFawcett final : public FrictionLaw {
             depth.acceleration,
             at.tip_m,
             at.tip_vt_m_s,
-            at.mobility_per_kg * (sticking_force(at) - at.rolling_n)};
+            at.mobility_per_kg * sticking_force(at) - at.drift_m_s2};
   }
 
   // `sum` is int u dx at this moment.
@@ -313,9 +313,9 @@ class MawBarberFawcett final : public FrictionLaw {
   void next_corner(const ContactPoint& at) {
     const SlipEdge edge = edge_at(at, depth_of(at).value);
     const double along_bound = 1e-10 * alpha_ * edge.depth_m;
-    while (corner_ > 0) {
-      corner_ = memory_.corner_below(corner_);
-      if (memory_.excess_at_corner(corner_, edge) < -along_bound) return;
+    while (corner_.xi > 0) {
+      corner_ = memory_.corner_below(corner_.xi);
+      if (SlipMemory::excess_at_corner(corner_, edge) < -along_bound) return;
     }
     gross_ = true;
   }
@@ -324,14 +324,14 @@ class MawBarberFawcett final : public FrictionLaw {
   bool hertz_spring_, damped_restitution_;
   double shear_modulus_, alpha_;
   SlipMemory memory_;
-  TrailPoint recorded_;       // where the record of a sticking loading has come to
-  double time_s_ = 0;         // of the last accepted step
-  int side_ = 0;              // 0: all springs stick; +-1: an annulus slips at that bound
-  bool holding_ = false;      // the annulus rests on its bound, held by the damper's friction
-  bool gross_ = false;        // the annulus covers everything
-  double sticking_sum_ = 0;   // int u dx less ContactPoint::springs_m2
-  double rim_tolerance_ = 0;  // of guard 2
-  double corner_ = 0;         // the next corner that the annulus's inner edge will reach
+  TrailPoint recorded_;        // where the record of a sticking loading has come to
+  double time_s_ = 0;          // of the last accepted step
+  int side_ = 0;               // 0: all springs stick; +-1: an annulus slips at that bound
+  bool holding_ = false;       // the annulus rests on its bound, held by the damper's friction
+  bool gross_ = false;         // the annulus covers everything
+  double sticking_sum_ = 0;    // int u dx less ContactPoint::springs_m2
+  double rim_tolerance_ = 0;   // of guard 2
+  SlipMemory::Corner corner_;  // the next one that the annulus's inner edge will reach
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "sim/contact/law/slip_memory.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
@@ -10,11 +11,13 @@ namespace {
 
 using Polynomial = std::array<double, 6>;
 
-double value_of(const Polynomial& c, double z) {
+template <typename Number>
+Number value_of(const Polynomial& c, const Number& z) {
   return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
 }
 
-double slope_of(const Polynomial& c, double z) {
+template <typename Number>
+Number slope_of(const Polynomial& c, const Number& z) {
   return c[1] + z * (2 * c[2] + z * (3 * c[3] + z * (4 * c[4] + z * 5 * c[5])));
 }
 
@@ -30,6 +33,23 @@ Polynomial quintic(double f0, double d0, double s0, double f1, double d1, double
 }
 
 using Gauss = boost::math::quadrature::gauss<double, 7>;
+
+// The nodes of Gauss's rule on [0, 1], all at once.
+using Nodes = Eigen::Array<double, 8, 1>;
+struct GaussRule {
+  Nodes at, weight;
+};
+
+GaussRule gauss_rule() {
+  using Rule = boost::math::quadrature::gauss<double, 8>;
+  GaussRule rule;
+  for (int i = 0; i < 4; ++i) {
+    rule.at[i] = 0.5 * (1 - Rule::abscissa()[i]), rule.at[4 + i] = 0.5 * (1 + Rule::abscissa()[i]);
+    rule.weight[i] = rule.weight[4 + i] = 0.5 * Rule::weights()[i];
+  }
+  return rule;
+}
+const GaussRule kGauss = gauss_rule();
 
 }  // namespace
 
@@ -130,14 +150,19 @@ SlipMemory::Place SlipMemory::meet_in(std::size_t index, const SlipEdge& edge) c
     const double xi = std::clamp(piece.begin - begin / slope, piece.begin, piece.end);
     return {index, xi, piece.begin_value + piece.slope * (xi - piece.begin), 0};
   }
-  double low = 0, high = piece.end_tau, tau = 0.5 * high;
+  // side (s + g) - alpha (D - xi) as one polynomial of tau.
+  Polynomial beyond;
+  for (std::size_t k = 0; k < beyond.size(); ++k) {
+    beyond[k] = edge.alpha * piece.depth[k] - edge.side * piece.way[k];
+  }
+  beyond[0] += edge.side * edge.way_m - edge.alpha * edge.depth_m;
+  double low = 0, high = piece.end_tau;
+  const double rise = value_of(beyond, high) - beyond[0];
+  double tau = rise > 0 ? std::clamp(-beyond[0] / rise, 0.0, 1.0) * high : 0.5 * high;
   for (int iteration = 0; iteration < 60; ++iteration) {
-    const double value = edge.side * (edge.way_m - value_of(piece.way, tau)) -
-                         edge.alpha * (edge.depth_m - value_of(piece.depth, tau));
+    const double value = value_of(beyond, tau);
     (value > 0 ? high : low) = tau;
-    const double slope =
-        edge.alpha * slope_of(piece.depth, tau) - edge.side * slope_of(piece.way, tau);
-    double next = tau - value / slope;
+    double next = tau - value / slope_of(beyond, tau);
     const bool bisect = !(next >= low && next <= high);
     if (bisect) next = 0.5 * (low + high);
     // The error that is left is of the order of the step's square.
@@ -191,15 +216,14 @@ double SlipMemory::integral(const Piece& piece, const Place& to) const {
     const double flat = piece.begin_value - piece.slope * piece.begin;
     return flat * (x1 - x0) + piece.slope * (x1 * x1 * x1 - x0 * x0 * x0) / (3 * radius_);
   }
-  const auto moment = [&](double tau) {
-    return std::sqrt(radius_ * std::max(value_of(piece.depth, tau), 0.0)) *
-           slope_of(piece.way, tau);
+  const auto moment = [&](const Nodes& tau) -> Nodes {
+    return (radius_ * value_of(piece.depth, tau).max(0.0)).sqrt() * slope_of(piece.way, tau);
   };
-  double sum = to.value * x1 - piece.begin_value * x0;
-  if (piece.begin > 0) return sum + Gauss::integrate(moment, 0.0, to.tau);
+  const double sum = to.value * x1 - piece.begin_value * x0;
+  const Nodes& w = kGauss.at;
+  if (piece.begin > 0) return sum + to.tau * (kGauss.weight * moment(to.tau * w)).sum();
   // x grows like the root of the time at the touch.
-  const auto rooted = [&](double w) { return 2 * to.tau * w * moment(to.tau * w * w); };
-  return sum + Gauss::integrate(rooted, 0.0, 1.0);
+  return sum + 2 * to.tau * (kGauss.weight * w * moment(to.tau * w * w)).sum();
 }
 
 // int u^2 dx = [u^2 x] - 2 int x u du with u = s + g, and along a trail -du = ds.
@@ -245,20 +269,17 @@ double SlipMemory::square_sum_of_trail(const TrailPoint& from, const TrailPoint&
   return square_integral(piece, end_of(piece, 0), to.way_m);
 }
 
-double SlipMemory::corner_below(double xi) const {
-  double below = 0;
+SlipMemory::Corner SlipMemory::corner_below(double xi) const {
+  if (pieces_.empty()) return {};
+  Corner below{0, pieces_.front().begin_value};
   for (const Piece& piece : pieces_) {
-    if (piece.corner && piece.begin < xi) below = piece.begin;
+    if (piece.corner && piece.begin < xi) below = {piece.begin, piece.begin_value};
   }
   return below;
 }
 
-double SlipMemory::excess_at_corner(double corner, const SlipEdge& edge) const {
-  double value = pieces_.empty() ? 0.0 : pieces_.front().begin_value;
-  for (const Piece& piece : pieces_) {
-    if (piece.corner && piece.begin == corner) value = piece.begin_value;
-  }
-  return edge.side * (edge.way_m + value) - edge.alpha * (edge.depth_m - corner);
+double SlipMemory::excess_at_corner(const Corner& corner, const SlipEdge& edge) {
+  return edge.side * (edge.way_m + corner.value) - edge.alpha * (edge.depth_m - corner.xi);
 }
 
 }  // namespace impactdic::sim::contact

@@ -61,10 +61,14 @@ class SlipMemory {
   // How far g lies beyond the edge at the contact's rim, or at the end of the memory where the
   // contact is larger. Below zero the edge no longer meets g: the annulus is gone.
   double excess_at_rim(const SlipEdge& edge) const;
-  // The next place below xi, not smooth in g, that an edge will reach; 0 is the last.
-  double corner_below(double xi) const;
-  // How far g at a corner (or at 0) lies beyond the edge; it grows with xi.
-  double excess_at_corner(double corner, const SlipEdge& edge) const;
+  // A place at which g is not smooth.
+  struct Corner {
+    double xi = 0, value = 0;
+  };
+  // The next one below xi that an edge will reach; that at 0 is the last.
+  Corner corner_below(double xi) const;
+  // How far g at a corner lies beyond the edge; it grows with xi.
+  static double excess_at_corner(const Corner& corner, const SlipEdge& edge);
 
  private:
   struct Piece {
