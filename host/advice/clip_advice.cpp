@@ -89,6 +89,16 @@ std::optional<Circle> find(const Frame& frame, const AdviceRequest& request) {
   return ball && is_plausible(frame, *ball, request) ? ball : std::nullopt;
 }
 
+std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
+                                 const AdviceRequest& request) {
+  for (const circle::BallCandidate::Sighting& seen : request.sightings) {
+    if (seen.index != index) continue;
+    const auto ball = measured(frame, seen.ball.circle, 2, request.circle);
+    if (ball && is_plausible(frame, *ball, request)) return ball;
+  }
+  return std::nullopt;
+}
+
 // In the frame after one with the ball at `before`.
 std::optional<Circle> find_next(const Frame& frame, const Circle& before,
                                 const AdviceRequest& request) {
@@ -124,7 +134,8 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
     return look;
   }
   if (request.ball) {
-    look.first_ball = find(look.first, request);
+    look.first_ball = find_known(look.first, index, request);
+    if (!look.first_ball) look.first_ball = find(look.first, request);
     if (two && look.first_ball) {
       look.second_ball = find_next(look.second, *look.first_ball, request);
     }
@@ -251,6 +262,7 @@ bool is_textured_at(const Frame& frame, const FieldOptions& field,
   request.window_px = field.window_px;
   request.min_texture = field.min_texture;
   request.max_sd_px = field.max_sd_px;
+  request.asked_alone = true;
   return std::all_of(places.begin(), places.end(), [&](const auto& place) {
     request.region = {static_cast<int>(place.first * (frame.width() - side)),
                       static_cast<int>(place.second * (frame.height() - side)), side, side};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/advice/texture_advice.h"
+#include "host/circle/scout_ball.h"
 #include "host/clip/frame_range.h"
 #include "host/motion/motion_estimator.h"
 #include "host/video/frame_source.h"
@@ -22,6 +23,8 @@ struct AdviceRequest {
   // Of scout_ball: what has another radius, or stands still, is not the ball.
   std::optional<double> radius_px;
   std::shared_ptr<const circle::StillScene> scene;
+  // Frames in which the ball is known already, to about a pixel: there it is not searched for.
+  std::vector<circle::BallCandidate::Sighting> sightings;
   Estimator estimator = Estimator::kField;
   FieldOptions field;
   bool with_field = true;  // windows will be measured

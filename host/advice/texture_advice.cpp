@@ -1,6 +1,8 @@
 #include "host/advice/texture_advice.h"
 
 #include <impactdic/units.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -77,11 +79,19 @@ TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request) 
   const auto size = [&](int window_px) {
     return advise_size(slopes, request, part, window_px, noise, level);
   };
-  advice.asked = size(request.window_px);
+  std::vector<int> sizes = {request.window_px};
   for (const int window_px : kSizes) {
-    if (window_px <= std::min(part.width, part.height)) advice.sizes.push_back(size(window_px));
+    if (request.asked_alone) break;
+    if (window_px <= std::min(part.width, part.height)) sizes.push_back(window_px);
   }
-  if (request.circle) {
+  advice.sizes.resize(sizes.size());
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, sizes.size(),
+                      [&](std::size_t k) { advice.sizes[k] = size(sizes[k]); });
+  });
+  advice.asked = advice.sizes.front();
+  advice.sizes.erase(advice.sizes.begin());
+  if (request.circle && !request.asked_alone) {
     advice.ball = slopes.disc(request.circle->cx_px - part.x, request.circle->cy_px - part.y,
                               request.circle->r_px - dic::kRimMarginPx, noise);
   }

@@ -21,6 +21,7 @@ struct TextureRequest {
   double rim_margin_px = 3;      // windows keep this far inside the ball's rim
   std::optional<Circle> circle;  // the ball; otherwise all of `region`
   Roi region;
+  bool asked_alone = false;  // only windows of `window_px`, neither other sizes nor the whole ball
 };
 
 // Looks at one frame; only at the ball where there is one.

@@ -27,8 +27,10 @@ int frames_in_batch(const TrackOptions& options, int bits) {
   if (options.batch > 0) return options.batch;
   const std::size_t bytes =
       static_cast<std::size_t>(options.roi.width) * options.roi.height * (bits > 8 ? 2 : 1);
-  return static_cast<int>(
+  const int usual = static_cast<int>(
       std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
+  // A short clip is one batch, whose memory need be no larger: to clear it takes long.
+  return static_cast<int>(std::min<std::int64_t>(usual, options.frames.count()));
 }
 
 Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {

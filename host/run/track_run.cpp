@@ -178,9 +178,18 @@ void TrackRun::look() {
   for (const std::string& warning : result_.warnings) caller_.say(MessageKind::kWarning, warning);
 }
 
+void TrackRun::look_for_ball() {
+  advice::AdviceRequest request;
+  scout(request);
+}
+
 void TrackRun::scout(advice::AdviceRequest& request) {
-  circle::Scouted found =
-      circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
+  if (scouted_ && !scouted_->balls.empty()) {
+    request.sightings = scouted_->balls.front().sightings;
+  } else if (!scouted_) {
+    scouted_ = circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
+  }
+  const circle::Scouted& found = *scouted_;
   options_.scouted = true;
   options_.ball.scouted_radius_px = request.radius_px =
       radius_by_hand(found.radius_px(), request_.ball_at);

@@ -9,6 +9,7 @@
 
 #include "host/advice/clip_advice.h"
 #include "host/base/stage_times.h"
+#include "host/circle/scout_ball.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
 
@@ -25,6 +26,12 @@ class TrackRun {
   FrameSource& source() { return *source_; }
   const pipeline::TrackOptions& options() const { return options_; }
 
+  // The ball as another run over the same frames, region and radii has scouted it, so that this one
+  // need not. Figures then differ in their last digits from those of a run that was told nothing.
+  void know(circle::Scouted scouted) { scouted_ = std::move(scouted); }
+  const std::optional<circle::Scouted>& scouted() const { return scouted_; }
+  // In place of `look`, where circles alone are wanted at once: says nothing of texture and light.
+  void look_for_ball();
   // Looks at the texture: the noise that windows are judged by, and the warnings.
   void look();
 
@@ -59,6 +66,7 @@ class TrackRun {
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
+  std::optional<circle::Scouted> scouted_;
   std::string second_ball_warning_;  // "": none is seen
   std::optional<Camera> camera_;
   std::optional<Measured> surface_in_picture_;

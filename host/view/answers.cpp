@@ -8,6 +8,8 @@
 
 #include "host/base/parse.h"
 #include "host/run/settings/job_file.h"
+#include "host/video/codec_module.h"
+#include "host/view/film.h"
 #include "host/view/page_files.h"
 
 namespace impactdic::view {
@@ -75,6 +77,13 @@ std::size_t whole(const PageRequest& request, const std::string& key) {
   return static_cast<std::size_t>(value);
 }
 
+// As the request asks, else as the shot's first picture has it.
+Contrast contrast_of(const PageRequest& request, const Shot& shot) {
+  if (request.text("black").empty()) return shot.contrast();
+  return {parse_double(request.text("black"), "black"),
+          parse_double(request.text("white"), "white")};
+}
+
 namespace fs = std::filesystem;
 
 // A run that did not come to its end has left no summary, or one that says so.
@@ -124,6 +133,7 @@ PageAnswer Answers::operator()(const PageRequest& request) {
   if (request.name == "api/file") return file(request);
   if (request.name == "api/field") return field(request);
   if (request.name == "api/history") return history(request);
+  if (request.name == "api/film") return film(request);
   if (request.name == "api/run") return as_json(run_.status(whole(request, "from")));
   return page_file(request.name);
 }
@@ -132,15 +142,18 @@ PageAnswer Answers::operator()(const PageRequest& request) {
 PageAnswer Answers::state(const PageRequest& request) {
   Json state = {{"title", target_.title()}, {"version", IMPACTDIC_VERSION}};
   state["plots"] = page_files().count("plotly.js") > 0;
+  state["films"] = video::has_codecs();
   state["shots"] = target_.shots();
   state["shots_table"] = target_.shots_table();
   state["excluded"] = target_.excluded();
+  state["parameters"] = Json::parse(target_.parameters());
   const std::string name = request.text("shot");
   state["files"] = Json::array();
   for (const char* key : {"clip", "fields", "given"}) state[key] = nullptr;
   for (const char* key : {"clip_error", "folder", "proposed"}) state[key] = "";
   state["settings"] = describe_settings();
-  if (name.empty() && !target_.shots_table().empty()) return as_json(state);
+  const bool several = !target_.shots().empty() || !target_.shots_table().empty();
+  if (name.empty() && several) return as_json(state);
   const auto shot = target_.shot(name);
   state["clip"] = describe_clip(*shot);
   state["clip_error"] = shot->clip_error();
@@ -154,11 +167,7 @@ PageAnswer Answers::state(const PageRequest& request) {
 
 PageAnswer Answers::picture(const PageRequest& request) {
   const auto shot = target_.shot(request.text("shot"));
-  Contrast contrast = shot->contrast();
-  if (!request.text("black").empty()) {
-    contrast = {parse_double(request.text("black"), "black"),
-                parse_double(request.text("white"), "white")};
-  }
+  const Contrast contrast = contrast_of(request, *shot);
   const int shrink = request.text("shrink").empty()
                          ? 1
                          : static_cast<int>(std::min<std::size_t>(whole(request, "shrink"), 1000));
@@ -183,6 +192,18 @@ PageAnswer Answers::history(const PageRequest& request) {
   return as_floats(fields->history(whole(request, "window")));
 }
 
+PageAnswer Answers::film(const PageRequest& request) {
+  const auto shot = target_.shot(request.text("shot"));
+  FilmRequest asked;
+  asked.first = static_cast<std::int64_t>(whole(request, "first"));
+  asked.end = static_cast<std::int64_t>(whole(request, "end"));
+  asked.step = static_cast<std::int64_t>(whole(request, "step"));
+  asked.rate = parse_double(request.text("rate"), "rate");
+  asked.contrast = contrast_of(request, *shot);
+  const std::lock_guard<std::mutex> one_at_a_time(filming_);
+  return {200, "video/mp4", film_of(*shot, asked)};
+}
+
 PageAnswer Answers::change(const PageRequest& request) {
   const bool known = request.name == "api/measure" || request.name == "api/job" ||
                      request.name == "api/run" || request.name == "api/stop" ||
@@ -200,7 +221,8 @@ PageAnswer Answers::change(const PageRequest& request) {
   const auto shot = target_.shot(member(body, "shot", std::string()));
   TrackJob job = read_job(member(body, "settings", Json::object()), shot->clip());
   if (request.name == "api/measure") {
-    return as_json(measurer_.measure(*shot, job, member(body, "frame", std::int64_t{-1})));
+    return as_json(measurer_.measure(*shot, job, member(body, "frame", std::int64_t{-1}),
+                                     member(body, "outline", false)));
   }
   job.folder.folder = member(body, "folder", std::string());
   job.folder.force = member(body, "force", false);

@@ -3,6 +3,7 @@
 
 #include <impactdic/device.h>
 
+#include <mutex>
 #include <string>
 
 #include "host/view/measure_frame.h"
@@ -26,6 +27,7 @@ class Answers {
   PageAnswer file(const PageRequest& request);
   PageAnswer field(const PageRequest& request);
   PageAnswer history(const PageRequest& request);
+  PageAnswer film(const PageRequest& request);
   PageAnswer change(const PageRequest& request);
   PageAnswer describe_job(const TrackJob& job) const;
 
@@ -33,6 +35,7 @@ class Answers {
   Session& session_;
   RunJob& run_;
   FrameMeasurer measurer_;
+  std::mutex filming_;  // one film at a time: each takes all cores
 };
 
 }  // namespace impactdic::view

@@ -11,6 +11,9 @@
 #include "host/base/stopwatch.h"
 #include "host/report/advice_json.h"
 #include "host/report/csv.h"
+#include "host/run/control.h"
+#include "host/run/settings/job_file.h"
+#include "host/run/track_run.h"
 #include "host/view/field_frames.h"
 
 namespace impactdic::view {
@@ -61,9 +64,19 @@ Json cells(const TrackRow& row, const SiScale& scale) {
   return named;
 }
 
+// All that scouting goes by, so that it is done once while other settings change.
+std::string scouting_of(const Shot& shot, const TrackRequest& request) {
+  run::SettingWriter settings;
+  settings(run::Setting{"frames"}, request.frames);
+  settings(run::Setting{"roi"}, request.roi);
+  settings(run::Setting{"polygon"}, request.polygon);
+  settings(run::Setting{"radius-px"}, request.radius_px);
+  return shot.folder().string() + run::job_text(shot.source()->info().path, settings.values());
+}
+
 }  // namespace
 
-Json FrameMeasurer::measure(const Shot& shot, TrackJob job, std::int64_t frame) {
+Json FrameMeasurer::measure(const Shot& shot, TrackJob job, std::int64_t frame, bool outline) {
   if (!shot.source()) throw FileError(shot.clip_error());
   const std::int64_t frames = shot.source()->info().frame_count;
   if (frame < 0 || frame >= frames) throw InvalidArgument("the clip has no such frame", "frame");
@@ -75,6 +88,7 @@ Json FrameMeasurer::measure(const Shot& shot, TrackJob job, std::int64_t frame) 
   job.request.clip.source = shot.source();
   const std::int64_t step = job.request.frames.step;
   job.request.frames = {frame, std::min(frames, frame + step + 1), step};
+  if (outline) job.request.with_field = false;
 
   Json field = Json::array();
   const TrackSink sink = [&](const TrackedFrame& tracked) {
@@ -86,7 +100,20 @@ Json FrameMeasurer::measure(const Shot& shot, TrackJob job, std::int64_t frame) 
   control.message = [&](const Message& message) {
     if (message.kind == MessageKind::kNote) notes.push_back(message.text);
   };
-  const TrackResult result = track(job.request, session_, control, sink);
+  TrackResult result;
+  run::Caller caller(control);
+  run::TrackRun run(job.request, session_, caller, result);
+  const std::string looked_at = scouting_of(shot, job.request);
+  if (looked_at == looked_at_ && scouted_) run.know(*scouted_);
+  outline ? run.look_for_ball() : run.look();
+  looked_at_ = looked_at;
+  scouted_ = run.scouted();
+  run::TrackRun::Outputs outputs;
+  outputs.frame = [&](const pipeline::TrackedFrame& tracked) {
+    run::hand_on(tracked, job.request.field.window_px, sink);
+  };
+  run.measure(outputs);
+  run.conclude();
   if (overtaken() || result.rows.empty()) {
     throw Overtaken("another request has taken this one's place");
   }

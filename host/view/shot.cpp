@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kTextFiles = {"track.csv", "pose.csv",  "motion.csv",
                                    "job.toml",  "shots.csv", "summary.json"};
+constexpr char kResiduals[] = "residuals.csv";
 constexpr double kCutShare = 0.002;  // of the pixels, at either end
 
 template <typename T>
@@ -108,7 +109,8 @@ std::string bytes_of_picture(const Frame& frame, const Contrast& contrast, int s
   return out;
 }
 
-Shot::Shot(ClipRequest clip, fs::path folder) : clip_(std::move(clip)), folder_(std::move(folder)) {
+Shot::Shot(ClipRequest clip, fs::path folder, fs::path residuals)
+    : clip_(std::move(clip)), residuals_(std::move(residuals)), folder_(std::move(folder)) {
   try {
     source_ = run::open_requested(clip_);
     if (source_->info().frame_count < 1) {
@@ -153,6 +155,7 @@ std::string Shot::text(const std::string& name) const {
   const fs::path folder = this->folder();
   std::ifstream file;
   if (known && !folder.empty()) file.open(folder / name, std::ios::binary);
+  if (name == kResiduals && !residuals_.empty()) file.open(residuals_, std::ios::binary);
   if (!file.is_open()) throw NotThere("there is no such file of results");
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -163,6 +166,7 @@ std::vector<std::string> Shot::text_files() const {
   for (const char* name : kTextFiles) {
     if (!folder.empty() && fs::is_regular_file(folder / name)) names.emplace_back(name);
   }
+  if (!residuals_.empty() && fs::is_regular_file(residuals_)) names.emplace_back(kResiduals);
   return names;
 }
 

@@ -30,7 +30,8 @@ std::string bytes_of_picture(const Frame& frame, const Contrast& contrast, int s
 class Shot {
  public:
   // `folder` may be empty: no results yet. A clip that cannot be read is no error: see clip_error.
-  Shot(ClipRequest clip, std::filesystem::path folder);
+  // `residuals`: what a fit left of the track, or empty.
+  Shot(ClipRequest clip, std::filesystem::path folder, std::filesystem::path residuals = {});
 
   // Null where the clip cannot be read; why, in a line.
   std::shared_ptr<FrameSource> source() const { return source_; }
@@ -43,7 +44,8 @@ class Shot {
   // Where results are, or empty. Called from several threads, as all of these.
   std::filesystem::path folder() const;
   void set_folder(const std::filesystem::path& folder);
-  // A file of the results by its name: one of those that `track` and `correlate` write as text.
+  // A file of the results by its name: one of those that `track` and `correlate` write as text, or
+  // residuals.csv.
   // Throws NotThere for any other name, or where there is none.
   std::string text(const std::string& name) const;
   // Those of them that are there.
@@ -56,6 +58,7 @@ class Shot {
  private:
   ClipRequest clip_;
   std::shared_ptr<FrameSource> source_;
+  std::filesystem::path residuals_;
   std::string clip_error_;
   Contrast contrast_;
   mutable std::mutex mutex_;  // of what follows

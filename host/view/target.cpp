@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "host/base/csv_table.h"
 #include "host/run/open_clip.h"
@@ -19,8 +20,8 @@ constexpr std::size_t kOpenShots = 4;  // of a batch at a time
 
 bool holds(const fs::path& folder, const char* name) { return fs::is_regular_file(folder / name); }
 
-std::shared_ptr<Shot> shot_of_results(const fs::path& folder) {
-  return std::make_shared<Shot>(clip_of_results(folder), folder);
+std::shared_ptr<Shot> shot_of_results(const fs::path& folder, const fs::path& residuals = {}) {
+  return std::make_shared<Shot>(clip_of_results(folder), folder, residuals);
 }
 
 // Text for a cell: neither divides it, nor is it taken for a formula.
@@ -70,12 +71,39 @@ Target::Target(const ClipRequest& clip) {
   if (alone && holds(folder, "shots.csv")) {
     batch_ = folder;
     shots_ = shots_of(batch_);
+  } else if (alone && holds(folder, "parameters.csv") && holds(folder, "summary.json")) {
+    read_fit(folder);
   } else if (alone && holds(folder, "job.toml")) {
     open_[""] = shot_of_results(folder);
   } else {
     run::open_requested(clip);  // for its error
     open_[""] = std::make_shared<Shot>(clip, "");
     if (!open_[""]->source()) throw FileError(open_[""]->clip_error());
+  }
+}
+
+void Target::read_fit(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  const auto member = [](const nlohmann::json& of, const char* key) {
+    return of.is_object() ? of.value(key, nlohmann::json()) : nlohmann::json();
+  };
+  for (std::size_t k = 0; k < member(summary, "shots").size(); ++k) {
+    const nlohmann::json track = member(member(member(summary, "shots")[k], "shot"), "track");
+    if (!track.is_string()) continue;
+    const fs::path results = fs::path(track.get<std::string>()).parent_path();
+    if (!holds(results, "job.toml")) continue;
+    std::string name = results.filename().string();
+    if (fitted_.count(name) > 0) name += "_" + std::to_string(k + 1);
+    fitted_[name] = {results, folder / ("residuals_" + std::to_string(k) + ".csv")};
+    shots_.push_back(name);
+  }
+  if (shots_.empty()) {
+    throw InvalidArgument("the results of none of its tracks are here", folder.string());
+  }
+  const nlohmann::json parameters = member(summary, "parameters");
+  if (parameters.is_object()) {
+    parameters_ = parameters.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   }
 }
 
@@ -119,7 +147,10 @@ std::shared_ptr<Shot> Target::shot(const std::string& name) {
     throw NotThere("there is no such shot");
   }
   if (open_.size() >= kOpenShots) open_.erase(open_.begin());
-  return open_[name] = shot_of_results(batch_ / "shots" / name);
+  const auto fitted = fitted_.find(name);
+  return open_[name] = fitted != fitted_.end()
+                           ? shot_of_results(fitted->second.results, fitted->second.residuals)
+                           : shot_of_results(batch_ / "shots" / name);
 }
 
 }  // namespace impactdic::view

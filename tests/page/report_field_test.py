@@ -2,6 +2,8 @@
 """The report of `correlate`, `study` and many shots: fields whose strain is known, tables whose errors are."""
 
 import json
+import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -18,8 +20,13 @@ import impactdic  # noqa: E402
 from impactdic.report import correlate, first, shots, study  # noqa: E402
 from impactdic.report.__main__ import Report  # noqa: E402
 
+PROGRAM = os.environ["IMPACTDIC_PROGRAM"]
 SIDE, PITCH = 12, 20.0
 STRETCH, SHEAR, TURN = 0.02, 0.01, np.deg2rad(30)  # of the last frame
+
+
+def run(*arguments):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=True)
 
 
 def gradient(share):
@@ -192,6 +199,58 @@ class OfShots(unittest.TestCase):
                          ["40 mm: 0°", "67 mm: 0°"])
         self.assertEqual(first.sentence_of_shots(table),
                          "e 0.5 40 mm at 0° (1 shot), e 0.8 67 mm at 0° (1 shot)")
+
+
+class OfClip(unittest.TestCase):
+    def test_what_info_says_stands_on_the_page(self):
+        with tempfile.TemporaryDirectory() as name:
+            root, folder = Path(name), Path(name) / "said"
+            run("synth", "-q", "-o", root / "clip", "--frames", 8, "--size", "160x150", "--radius-px", 36,
+                "--pattern", "f1", "--velocity-px", "2,1", "--fps", 5000, "--format", "cine")
+            said = run("info", root / "clip" / "video.cine", "-o", folder).stdout
+            again = subprocess.run([PROGRAM, "info", root / "clip" / "video.cine", "-o", folder],
+                                   capture_output=True, text=True)
+            self.assertEqual((again.returncode, again.stderr.count("\n")), (2, 1))
+            self.assertIn("--force", again.stderr)
+            report = Report(folder, None)
+            report.gather()
+            self.assertEqual(report.tables[0].rows, [[line[:17].strip(), line[17:].strip()]
+                                                     for line in said.splitlines()
+                                                     if not line.startswith("warning")])
+            self.assertRegex(report.first.sentence, r"160 × 150 px, 8 bits, 8 frames at 5000 1/s; a ball of "
+                                                    r"radius \d\d\.\d px; windows of 15 px are expected to err by 0")
+            self.assertEqual([(light.name, light.state) for light in report.first.lights],
+                             [("ball", "good"), ("texture", "good")])
+            self.assertEqual([key.title for key in report.first.pictures],
+                             ["first, frame 0", "middle, frame 3", "last, frame 7"])
+            error = report.figures[0].panels[0].series[0]
+            self.assertTrue((np.diff(error.x) > 0).all() and (error.y > 0).all())
+            report.write_page()
+            page = (folder / "report.html").read_text()
+            self.assertIn("Phantom cine", page)
+            self.assertIn("middle, frame 3</figcaption>", page)
+
+
+class OfTables(unittest.TestCase):
+    def test_any_table_over_time_is_drawn_by_units(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "truth.csv").write_text("frame,time_s,status,cx_px,cy_px,rot_deg\n"
+                                              "0,0,ok,10,20,1.5\n1,0.001,ok,11,,1.5\n")
+            (folder / "job.toml").write_text('command = "synth"\n')
+            report = Report(folder, None)
+            report.gather()
+        panels = report.figures[0].panels
+        self.assertEqual([(p.x_label, p.y_label) for p in panels], [("time, ms", "px"), ("time, ms", "deg")])
+        self.assertEqual([s.name for s in panels[0].series], ["cx_px", "cy_px"])
+        np.testing.assert_allclose(panels[0].series[0].y, [10, 11])
+        np.testing.assert_allclose(panels[0].series[0].x, [0, 1])
+        self.assertEqual(report.first.sentence, "impactdic synth: 2 rows in truth.csv")
+
+    def test_nothing_to_report_is_said(self):
+        with tempfile.TemporaryDirectory() as name:
+            with self.assertRaisesRegex(impactdic.ResultError, "nothing to report"):
+                Report(Path(name), None).gather()
 
 
 class OfStudy(unittest.TestCase):

@@ -11,51 +11,14 @@ import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support" / "page"))
-from page_browser import PageBrowser, find_chromium  # noqa: E402
-from view_page import NO_PAGE, RESTITUTION, Case, main, make_batch, run  # noqa: E402
+import view_screens  # noqa: E402
+from page_browser import find_chromium  # noqa: E402
+from view_page import JOB, NO_PAGE, RESTITUTION, main, make_batch, run  # noqa: E402
 
 HOSTILE = "<img src=x onerror=alert(1)> <script>alert(2)<!--"
 
 
-class Look(Case):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.browser = PageBrowser()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.browser.close()
-
-    def open(self, page, width=1280, height=900):
-        self.browser.open(page.address, width, height)
-        self.browser.wait("document.documentElement?.dataset?.ready === 'yes'")
-
-    def tearDown(self):
-        self.assertEqual(self.browser.problems(), [])
-
-    def truth(self):
-        with open(self.root / "clip" / "truth.csv", newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-
-    def go_to(self, frame, panel="look"):
-        self.browser.value(f"""(() => {{ const box = document.getElementById('frame');
-            box.value = {frame}; box.onchange(); }})()""")
-        where = {"look": f"document.getElementById('values').dataset.frame === '{frame}'",
-                 "setup": f"document.getElementById('correct-frame').textContent === 'Frame {frame}:'"}
-        self.browser.wait(where[panel])
-
-    def outline(self):
-        """Centre and radius of the outline on the screen, in the picture's pixels, worked out from
-        where the picture lies on the screen."""
-        return self.browser.value("""(() => {
-            const box = document.querySelector('#world .outline').getBoundingClientRect();
-            const stroke = 4, at = document.getElementById('picture').getBoundingClientRect();
-            const zoom = Math.min(at.width / 160, at.height / 170);
-            const left = at.left + (at.width - 160 * zoom) / 2, top = at.top + (at.height - 170 * zoom) / 2;
-            return [((box.left + box.right) / 2 - left) / zoom - 0.5, ((box.top + box.bottom) / 2 - top) / zoom - 0.5,
-                    box.width / 2 / zoom]; })()""")
-
+class Look(view_screens.Screens):
     def test_circle_and_values(self):
         self.open(self.page(self.shot))
         truth = self.truth()
@@ -102,14 +65,6 @@ class Look(Case):
             return [(c.left + c.right) / 2, (c.top + c.bottom) / 2]; })()""")
         b.click(x + 20, y + 20)
         b.wait("document.getElementById('history')._fullLayout && !document.getElementById('history').hidden")
-
-    def point(self, x, y):
-        """Where a point of the picture lies on the screen, while all of the picture is shown."""
-        return self.browser.value(f"""(() => {{
-            const at = document.getElementById('picture').getBoundingClientRect();
-            const zoom = Math.min(at.width / 160, at.height / 170);
-            return [at.left + (at.width - 160 * zoom) / 2 + ({x} + 0.5) * zoom,
-                    at.top + (at.height - 170 * zoom) / 2 + ({y} + 0.5) * zoom]; }})()""")
 
     def setting(self, key, value):
         self.browser.value(f"""(() => {{ const box = document.getElementById('setting-{key}');
@@ -190,6 +145,7 @@ class Look(Case):
         b.wait("document.getElementById('found').textContent.includes('frame 5: ok')")
         for frame, button in ((60, "none"), (61, "none"), (61, "undo")):
             self.go_to(frame, "setup")
+            b.wait(f"!document.getElementById('correct-{button}').disabled")
             b.value(f"document.getElementById('correct-{button}').click()")
         self.assertEqual(self.read_setting("ball-at"), f"5:{circle}/60:none")
         b.wait("document.querySelectorAll('#corrected button').length === 2")
@@ -254,15 +210,49 @@ class Look(Case):
             URL.createObjectURL = blob => { last = blob; return make.call(URL, blob); };
             HTMLAnchorElement.prototype.click = function () {
                 const [name, blob] = [this.download, last];
-                blob.text().then(text => saved.push([name, blob.type, blob.size, text.slice(0, 100)]));
+                blob.arrayBuffer().then(bytes => saved.push([name, blob.type, blob.size,
+                    String.fromCharCode(...new Uint8Array(bytes).slice(0, 100))]));
             }; })()""")
-        for key in ("svg", "png", "csv"):
+        b.value("document.getElementById('film-last').value = 9")
+        films = b.value("document.getElementById('save-mp4').offsetParent !== null")  # there are codecs
+        for key in ("svg", "png", "pdf", "csv") + ("mp4",) * films:
             b.value(f"document.getElementById('save-{key}').click()")
-        b.wait("saved.length === 3")
+            # One after the other: the blob is told by when it was made.
+            b.wait(f"saved.some(([name]) => name.endsWith('.{key}'))")
         saved = {name.rpartition(".")[2]: rest for name, *rest in b.value("saved")}
         self.assertIn("<svg", saved["svg"][2])
         self.assertGreater(saved["png"][1], 20000)
+        # 300 pixels an inch are 11811 a metre.
+        self.assertIn("pHYs" + 2 * "\x00\x00\x2e\x23" + "\x01", saved["png"][2])
+        self.assertTrue(saved["pdf"][2].startswith("%PDF-1.4"))
+        self.assertGreater(saved["pdf"][1], 20000)
+        if films:
+            self.assertEqual((saved["mp4"][0], saved["mp4"][2][4:8]), ("video/mp4", "ftyp"))
         self.assertEqual(saved["csv"][1], (self.shot / "track.csv").stat().st_size)
+
+    def test_a_fit_shows_its_model_over_the_measurement(self):
+        (self.root / "fit.toml").write_text(JOB.partition("[surface]")[0]
+            + f'[surface]\nangle_deg = 30.0\n[fit]\nmethod = "trajectory"\nrivals = false\n'
+              'parameters = ["stiffness_n_per_m", "damping_n_s_per_m", "friction_kinetic"]\n', encoding="utf-8")
+        job = (self.root / "fit.toml").read_text()
+        (self.root / "fit.toml").write_text(f'tracks = ["{self.shot}/track.csv"]\n' + job)
+        run("fit", self.root / "fit.toml", "-q", "-o", self.root / "fit")
+        self.open(self.page(self.root / "fit"))
+        b = self.browser
+        b.wait("document.getElementById('title').textContent === 'shot'")
+        b.value("document.getElementById('tab-look').click()")
+        b.wait("document.getElementById('model-curves')._fullLayout")
+        with open(self.root / "fit" / "residuals_0.csv", newline="", encoding="utf-8") as file:
+            left = [1e6 * float(row["residual"]) for row in csv.DictReader(file) if row["series"] == "x_m"]
+        with open(self.shot / "track.csv", newline="", encoding="utf-8") as file:
+            x = [1e3 * float(row["x_m"]) for row in csv.DictReader(file)]
+        curves = {(c["name"], c.get("yaxis", "y")): c["y"] for c in b.value(
+            "document.getElementById('model-curves').data.map(({name, yaxis, y}) => ({name, yaxis, y: [...y]}))")}
+        for k in (0, 20, 63):
+            self.assertAlmostEqual(curves["x", "y2"][k], left[k], places=6)
+            self.assertAlmostEqual(curves["x, right, measured", "y"][k], x[k] - x[0], places=6)
+            self.assertAlmostEqual(curves["x, right, model", "y"][k], x[k] - x[0] + left[k] / 1e3, places=6)
+        self.assertRegex(b.value("document.getElementById('parameters').textContent"), r"stiffness_n_per_m 125\d\d")
 
     def test_keyboard_alone(self):
         self.open(self.page(self.shot))

@@ -265,6 +265,21 @@ class Measuring(Case):
         self.assertGreater(len(found["windows"][0]), 30)
         self.assertGreater(found["advice"]["windows"]["usable"], 30)
 
+    def test_a_film_holds_the_frames_asked_for(self):
+        page = self.page(self.shot)
+        if not json.loads(page.ask("state"))["films"]:
+            self.skipTest("this program was built without codecs")
+        film = page.ask("film", first=0, end=30, step=3, rate=25)
+        self.assertTrue(any(code in film for code in (b"avc1", b"vp09", b"av01")))  # what browsers play
+        (self.root / "film.mp4").write_bytes(film)
+        said = run("info", self.root / "film.mp4").stdout
+        self.assertRegex(said, r"size +160 x 170 px")
+        self.assertRegex(said, r"frames +10,")
+        self.assertRegex(said, r"frame rate +25 ")
+        for wrong in ({"end": 65}, {"end": 0}, {"step": 0}, {"rate": 0}, {"rate": "nan"}):
+            query = urllib.parse.urlencode({"first": 0, "end": 30, "step": 3, "rate": 25} | wrong)
+            self.assertEqual(page.get(f"{page.path}api/film?{query}")[0], 400, wrong)
+
     def test_command_and_job_are_those_of_a_run(self):
         page = self.page(self.clip, cwd=self.root)
         asked = {"settings": {**self.settings, "no-checksum": True}, "folder": "it's here"}

@@ -6,6 +6,7 @@
 #include "host/app/command.h"
 #include "host/app/setting_options.h"
 #include "host/report/words/clip_words.h"
+#include "host/run/results/inspection_files.h"
 
 namespace impactdic::app {
 namespace {
@@ -13,11 +14,16 @@ namespace {
 struct Options {
   InspectRequest request;
   double error_px = 0.01;
+  std::string output;
+  bool force = false;
 };
 
 void run_info(Options& options) {
   options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
-  std::fputs(report::in_words(inspect(options.request), options.error_px).c_str(), stdout);
+  const Inspection found = inspect(options.request);
+  std::fputs(report::in_words(found, options.error_px).c_str(), stdout);
+  if (options.output.empty()) return;
+  run::write_inspection(options.request, found, options.error_px, options.output, options.force);
 }
 
 }  // namespace
@@ -39,6 +45,9 @@ void add_info_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--camera", options->request.camera,
                       "Camera that `calibrate` wrote: its scale, distortion and tilt");
+  command->add_option("-o,--output", options->output,
+                      "Folder for the same as files, which impactdic report makes a page of");
+  command->add_flag("--force", options->force, "Write into a folder that already holds files");
   command->footer("Example:\n  impactdic info shot_01.cine\n");
   command->callback([options] { run_info(*options); });
 }

@@ -1,11 +1,14 @@
-// Files for elsewhere: the picture with what is drawn on it, as PNG or SVG, and the tables.
+// Files for elsewhere: the picture with what is drawn on it, as PNG, SVG or PDF, films, and the tables.
 import {colour} from "./colours.js";
 import {draw, id, make, say} from "./dom.js";
+import {pdfOf, withDensity} from "./paper.js";
 import * as picture from "./picture.js";
+import * as player from "./player.js";
 import * as server from "./server.js";
-import {get} from "./store.js";
+import {get, on} from "./store.js";
 
-const DENSITY = 3;  // pixels of a PNG to one of the screen: print at some 300 to the inch
+const DENSITY = 300 / 96;  // pixels to one of the screen: 300 to the inch
+const MOST_PICTURES = 1000;      // of a film
 
 function save(blob, name) {
   const link = make("a", {href: URL.createObjectURL(blob), download: name});
@@ -48,26 +51,70 @@ export function saveSvg() {
   save(new Blob([drawing(DENSITY).text], {type: "image/svg+xml"}), name("svg"));
 }
 
-export function savePng() {
+// What is on the screen, as pixels: a canvas.
+function paint() {
   const {text, width, height} = drawing(DENSITY), image = new Image();
-  const canvas = make("canvas", {width: DENSITY * width, height: DENSITY * height});
-  image.onload = () => {
-    canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
-    URL.revokeObjectURL(image.src);
-    canvas.toBlob(blob => save(blob, name("png")), "image/png");
-  };
-  image.onerror = () => say("the picture cannot be drawn");
-  image.src = URL.createObjectURL(new Blob([text], {type: "image/svg+xml"}));
+  const canvas = make("canvas", {width: Math.round(DENSITY * width), height: Math.round(DENSITY * height)});
+  return new Promise((done, failed) => {
+    image.onload = () => {
+      canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+      URL.revokeObjectURL(image.src);
+      done(canvas);
+    };
+    image.onerror = () => failed(new Error("the picture cannot be drawn"));
+    image.src = URL.createObjectURL(new Blob([text], {type: "image/svg+xml"}));
+  });
+}
+
+const told = async work => { try { await work(); } catch (error) { say(error.message); } };
+
+export const savePng = () => told(async () => {
+  const canvas = await paint(), blob = await new Promise(done => canvas.toBlob(done, "image/png"));
+  save(new Blob([withDensity(new Uint8Array(await blob.arrayBuffer()), 300)], {type: "image/png"}), name("png"));
+});
+
+export const savePdf = () => told(async () => {
+  const canvas = await paint();
+  save(new Blob(await pdfOf(canvas, 300), {type: "application/pdf"}), name("pdf"));
+});
+
+// The frames from the first to the last one asked for, drawn by the program.
+async function saveFilm(first, last, status) {
+  const clip = get("clip"), step = Math.max(1, Math.ceil((last - first + 1) / MOST_PICTURES));
+  const contrast = player.contrast();
+  status.textContent = "writing the film …";
+  await told(async () => {
+    const bytes = await server.bytes("film", {shot: get("shot"), first, end: Math.min(clip.frames, last + 1), step, rate: id("speed").value, ...contrast});
+    save(new Blob([bytes], {type: "video/mp4"}), name("mp4"));
+  });
+  status.textContent = "";
 }
 
 async function saveTable(file) {
-  try {
-    save(new Blob([await server.text("file", {shot: get("shot"), name: file})], {type: "text/csv"}), file);
-  } catch (error) { say(error.message); }
+  await told(async () => save(new Blob([await server.text("file", {shot: get("shot"), name: file})], {type: "text/csv"}), file));
+}
+
+function filmRow() {
+  const field = (key, label) => make("input", {type: "number", min: 0, id: `film-${key}`, className: "level", ariaLabel: label});
+  const first = field("first", "First frame of the film"), last = field("last", "Last frame of the film");
+  const status = make("span", {className: "soft", role: "status"});
+  const go = make("button", {id: "save-mp4", textContent: "MP4", title: `With what was measured, at the speed chosen below the picture; of more than ${MOST_PICTURES} frames every second, third …`,
+    onclick: async () => { go.disabled = true; await saveFilm(Number(first.value), Number(last.value), status); go.disabled = false; }});
+  on(["clip"], ({clip}) => {
+    go.disabled = !clip;
+    first.value = 0;
+    last.value = first.max = last.max = clip ? clip.frames - 1 : 0;
+  });
+  const row = make("div", {className: "row"}, go, make("label", {}, "of frames ", first), make("label", {}, "to ", last), status);
+  on(["state"], ({state}) => { row.hidden = !state.films; });
+  return row;
 }
 
 export function build() {
   const button = (text, onclick, key) => make("button", {id: `save-${key}`, textContent: text, onclick});
-  return make("div", {className: "row", id: "export"}, make("span", {className: "soft", textContent: "Save"}),
-              button("PNG", savePng, "png"), button("SVG", saveSvg, "svg"), button("track.csv", () => saveTable("track.csv"), "csv"));
+  const csv = button("track.csv", () => saveTable("track.csv"), "csv");
+  on(["track"], ({track}) => { csv.disabled = !track; });
+  return make("div", {id: "export"},
+    make("div", {className: "row"}, make("span", {className: "soft", textContent: "Save"}), button("PNG", savePng, "png"), button("SVG", saveSvg, "svg"), button("PDF", savePdf, "pdf"), csv),
+    filmRow());
 }

@@ -3,6 +3,7 @@ import {SHOWN} from "./field.js";
 import {make} from "./dom.js";
 import {buildLost} from "./corrections.js";
 import * as exporting from "./export.js";
+import * as models from "./models.js";
 import * as player from "./player.js";
 import * as lights from "./lights.js";
 import * as plots from "./plots.js";
@@ -59,5 +60,5 @@ export function build() {
     warnings.replaceChildren(...lines.map(line => make("li", {textContent: line})));
   });
   return [words, lights.build(), layerRow(), mapRow(), contrastRow(), exporting.build(), make("h2", {textContent: "This frame"}), buildLost("look"), values.build(),
-          make("h2", {textContent: "Curves"}), ...plots.build(), warnings];
+          make("h2", {textContent: "Curves"}), ...plots.build(), ...models.build(), warnings];
 }

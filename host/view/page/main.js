@@ -34,11 +34,12 @@ const table = async (state, name) => { const csv = await result(state, name); re
 
 // What the results of the shot hold.
 export async function loadResults(state) {
-  const [track, motion, pose, summary] = await Promise.all(
-    [table(state, "track.csv"), table(state, "motion.csv"), table(state, "pose.csv"), result(state, "summary.json")]);
+  const [track, motion, pose, summary, residuals] = await Promise.all(
+    [table(state, "track.csv"), table(state, "motion.csv"), table(state, "pose.csv"), result(state, "summary.json"),
+     table(state, "residuals.csv")]);
   let parsed = null;
   try { parsed = summary && JSON.parse(summary); } catch { say("summary.json cannot be read"); }
-  set({track: track ?? motion, pose, summary: parsed, fields: state.fields, folder: state.folder,
+  set({track: track ?? motion, pose, residuals, summary: parsed, fields: state.fields, folder: state.folder,
        scale: arrowScale(track), metrePerPx: parsed?.scale_m_per_px ?? null, history: null});
 }
 
@@ -64,7 +65,7 @@ async function begin() {
     if (ended === "done") choosePanel("look");
   });
   const state = await openShot("");
-  choosePanel(state.shots_table ? "compare" : state.files.length ? "look" : "setup");
+  choosePanel(state.shots_table ? "compare" : state.shots.length || state.files.length ? "look" : "setup");
   id("tab-compare").hidden = !state.shots_table;
   compare.setShow(async name => {
     await openShot(name);

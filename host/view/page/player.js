@@ -24,6 +24,9 @@ export function setContrast(black, white) {
   show(get("frame") ?? 0);
 }
 
+// As the pictures are shown; nothing without a clip.
+export const contrast = () => (frames ? {black: frames.contrast[0], white: frames.contrast[1]} : {});
+
 export function show(frame) {
   const last = get("clip") ? get("clip").frames - 1 : 0;
   const next = Math.min(last, Math.max(0, Math.round(frame) || 0));

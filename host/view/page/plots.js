@@ -5,12 +5,12 @@ import * as player from "./player.js";
 import {get, on} from "./store.js";
 
 const MOST_POINTS = 4000;  // of a curve: more take the browser long and show no more
-const CONFIG = {responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d"],
+export const CONFIG = {responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d"],
                 toImageButtonOptions: {format: "svg", filename: "impactdic"}};
 let loading = null;
 
 // The script is large: it comes when the first curve is wanted, behind the picture.
-function plotly() {
+export function plotly() {
   loading ??= new Promise((done, failed) => {
     const script = make("script", {src: "plotly.js"});
     script.onload = () => done(window.Plotly);
@@ -73,10 +73,10 @@ function phases(track, summary) {
           part(middle, impact.t_end.frame, "rgba(0,114,178,.14)", "restitution")];
 }
 
-const axis = title => ({title: {text: title, font: {size: 12}}, zeroline: false, gridcolor: "#e8e8e8", automargin: true});
+export const axis = title => ({title: {text: title, font: {size: 12}}, zeroline: false, gridcolor: "#e8e8e8", automargin: true});
 
 // A line over the curves at the frame that is shown.
-function cursorOver(plot, place) {
+export function cursorOver(plot, place) {
   const cursor = make("div", {className: "cursor"});
   plot.append(cursor);
   const move = () => {

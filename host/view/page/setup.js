@@ -8,7 +8,7 @@ import {get, on, set} from "./store.js";
 import * as tools from "./tools.js";
 import {withDeviation} from "./table.js";
 
-const WAIT_MS = 60;          // after the last change
+const WAIT_MS = 15;          // after the last change
 const SLOW_MS = 700;         // above which it is said that something is at work
 const RADIUS_SPREAD = 0.15;  // about a radius drawn by hand
 
@@ -65,11 +65,9 @@ async function measure() {
     if (mine === current) set({busy: compiling || "measuring"});
   }, SLOW_MS);
   try {
-    const asked = get("settings"), outline = {...asked, "no-field": true};
-    for (const step of asked["no-field"] ? [outline] : [outline, asked]) {
-      const found = await server.post("measure", {shot: get("shot"), frame, settings: step}, mine.signal);
+    for (const outline of [true, false]) {
+      const found = await server.post("measure", {shot: get("shot"), frame, settings: get("settings"), outline}, mine.signal);
       if (mine !== current) return;
-      if (step !== asked) found.windows = [];
       takeOver(found, get("preview"));
     }
   } catch (error) {

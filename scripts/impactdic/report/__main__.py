@@ -39,7 +39,7 @@ class Report:
         self.subtitle, self.first, self.kind = "", First(), "Impact"
 
     def gather(self):
-        from . import models, study
+        from . import clip, models, study
 
         is_shot = (self.folder / "track.csv").exists()
         is_batch = (self.folder / "shots.csv").exists()
@@ -52,10 +52,12 @@ class Report:
             self.add_field()
         elif study.is_study(self.folder):
             self.add_study()
-        elif not model_folders:
+        elif clip.is_clip(self.folder, load(self.folder).job):
+            self.add_clip()
+        elif not model_folders and not self.add_tables():
             raise ResultError("there is nothing to report", self.folder,
-                              "wanted is a folder of track, batch, correlate, study, fit, compare "
-                              "or simulate")
+                              "wanted is a folder of track, batch, correlate, study, fit, "
+                              "compare, simulate or info -o")
         for folder in model_folders:
             self.add_models(folder)
         job = load(self.folder).job_text
@@ -94,6 +96,27 @@ class Report:
         self.first, self.kind = study.first_screen(result), "Speckle study"
         self.figures += study.figures(self.folder)
         self.tables += study.tables(result)
+
+    def add_tables(self):
+        """Whether there are any."""
+        from . import curves
+
+        found = curves.tables_in(self.folder)
+        command = load(self.folder).job.get("command", "a table")
+        self.kind = f"impactdic {command}"
+        self.figures += [made for made in (curves.figure(*table) for table in found) if made]
+        self.first.sentence = f"impactdic {command}: " + ", ".join(
+            f"{len(next(iter(table.values())))} rows in {name}" for name, table in found)
+        return bool(self.figures)
+
+    def add_clip(self):
+        from . import clip, tables
+
+        result = load(self.folder)
+        self.first, self.kind = clip.first_screen(result), "Clip"
+        self.figures += clip.figures(result.summary)
+        self.tables.append(tables.Table("Clip", ["", ""], clip.table_rows(result.summary), "Clip"))
+        self.warnings += result.warnings
 
     def add_batch(self):
         from . import groups, shots, tables

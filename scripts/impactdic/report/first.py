@@ -44,7 +44,7 @@ class KeyPicture:
     grey: np.ndarray
     x_px: float
     y_px: float
-    outline: Shape
+    outline: Shape | None
     path: np.ndarray  # (points, 2)
     motion: tuple[float, float] | None  # as long as it is drawn
     surface: tuple[float, float, float, float] | None  # x0, y0, x1, y1

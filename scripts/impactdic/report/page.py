@@ -73,7 +73,8 @@ for (const [id, panel] of Object.entries(panels)) {
 
 
 # Of the page, in their order.
-SECTIONS = ["Figures of the impact", "Shots", "Frames", "Displacement field", "Study", "Motion",
+SECTIONS = ["Figures of the impact", "Clip", "Texture", "Tables", "Shots", "Frames",
+            "Displacement field", "Study", "Motion",
             "Contact", "Many shots", "Models", "Quality", "Run", "Job", "Versions"]
 
 

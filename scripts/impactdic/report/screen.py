@@ -47,12 +47,15 @@ def _picture(key):
     stroke = width / 160  # as thick on a phone as on a large screen, for the picture's size
     source = base64.b64encode(png_of(key.grey)).decode()
     x, y = key.x_px - 0.5, key.y_px - 0.5
-    shape = key.outline
-    cx, cy = shape.x, shape.y
     path = "M" + "L".join(f"{px:.2f} {py:.2f}" for px, py in key.path) if len(key.path) else ""
-    drawn = [f'<ellipse cx="{cx:.2f}" cy="{cy:.2f}" rx="{shape.long:.2f}" ry="{shape.short:.2f}" '
-             f'transform="rotate({math.degrees(shape.angle):.2f} {cx:.2f} {cy:.2f})" />']
-    colours = [RED]
+    drawn, colours = [], []
+    shape = key.outline
+    if shape is not None:
+        drawn.append(
+            f'<ellipse cx="{shape.x:.2f}" cy="{shape.y:.2f}" rx="{shape.long:.2f}" '
+            f'ry="{shape.short:.2f}" transform="rotate({math.degrees(shape.angle):.2f} '
+            f'{shape.x:.2f} {shape.y:.2f})" />')
+        colours.append(RED)
     if path:
         drawn.append(f'<path d="{path}" />')
         colours.append(ORANGE)
@@ -61,7 +64,7 @@ def _picture(key):
             f'{name}="{value:.2f}" ' for name, value in zip(("x1", "y1", "x2", "y2"), key.surface))))
         colours.append("#FFFFFF")
     if key.motion is not None:
-        drawn.append(f'<path d="{_arrow(cx, cy, *key.motion, 5 * stroke)}" />')
+        drawn.append(f'<path d="{_arrow(shape.x, shape.y, *key.motion, 5 * stroke)}" />')
         colours.append(SKY)
     lines = "".join(_haloed(shape, colour, stroke) for shape, colour in zip(drawn, colours))
     return (f'<figure><svg viewBox="{x:.2f} {y:.2f} {width} {height}" role="img" '

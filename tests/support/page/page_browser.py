@@ -1,5 +1,7 @@
 """A headless Chromium for tests of pages: opens, waits, clicks, types, and says what went wrong."""
 
+import base64
+import io
 import json
 import shutil
 import sys
@@ -64,8 +66,27 @@ class PageBrowser(Browser):
     def key(self, key):
         text = {"text": key} if len(key) == 1 else {}
         code = {" ": "Space"}.get(key, key)
-        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, code=code, **text)
-        self.call("Input.dispatchKeyEvent", type="keyUp", key=key, code=code)
+        number = {"Tab": 9, "Enter": 13, " ": 32}.get(key)  # what the browser itself acts on
+        numbers = {"windowsVirtualKeyCode": number} if number else {}
+        if key == "Enter":
+            text = {"text": "\r"}
+        self.call("Input.dispatchKeyEvent", type="keyDown", key=key, code=code, **text, **numbers)
+        self.call("Input.dispatchKeyEvent", type="keyUp", key=key, code=code, **numbers)
+
+    def tab_to(self, name, most=200):
+        """Presses the tabulator key until the element of that id has the focus."""
+        for _ in range(most):
+            if self.value("document.activeElement?.id ?? ''") == name:
+                return
+            self.key("Tab")
+        raise AssertionError(f"{name} cannot be reached with the tabulator key")
+
+    def picture(self):
+        """What is on the screen: (height, width, 3 or 4) of 0 to 1."""
+        import matplotlib.image
+
+        shot = self.call("Page.captureScreenshot", format="png")["data"]
+        return matplotlib.image.imread(io.BytesIO(base64.b64decode(shot)))
 
     def forget(self, message):
         """Leaves out the errors that a test has made on purpose."""
