@@ -35,7 +35,8 @@ double estimate_noise(ImageView<const float> picture, double full_scale) {
   constexpr int kBorder = kReach + 1;
   constexpr std::ptrdiff_t kWanted = 40000;
   const auto pixels = static_cast<std::ptrdiff_t>(picture.width) * picture.height;
-  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(pixels / kWanted))));
+  const std::ptrdiff_t share = pixels / kWanted;
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(share))));
   std::vector<Place> places;
   for (int y = kBorder; y < picture.height - kBorder; y += step) {
     for (int x = kBorder; x < picture.width - kBorder; x += step) {

@@ -54,9 +54,7 @@ struct Reader {
   void operator()(const std::string& name, T& value) {
     if constexpr (std::is_same_v<T, double>) {
       value = number(object.at(name));
-    } else if constexpr (std::is_enum_v<T>) {
-      value = static_cast<T>(whole_number(object.at(name)));
-    } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+    } else if constexpr (std::is_enum_v<T> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
       value = static_cast<T>(whole_number(object.at(name)));
     } else {
       value = object.at(name).get<T>();
@@ -309,6 +307,9 @@ auto read_point(const std::filesystem::path& path, const char* command, Of of) {
       if (sha256_of_text(described.dump()) != digest) throw std::runtime_error("it was changed");
     }
     return of(described);
+  } catch (const json::out_of_range&) {  // whole, but without what this version needs
+    throw FormatError(path.string(), -1, "another version of impactdic wrote where its run ended",
+                      "go on with that version, or start anew with --force without --resume");
   } catch (const std::exception&) {
     throw FormatError(path.string(), -1,
                       std::string("this is not where a run of impactdic ") + command + " ended",

@@ -11,25 +11,15 @@
 
 #include "host/video/frame_source.h"
 #include "sim/speckle/render.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
 
 namespace fs = std::filesystem;
 
-class SynthCommand : public testing::Test {
+class SynthCommand : public ::testing::Test {
  protected:
-  SynthCommand()
-      : dir_(fs::temp_directory_path() /
-             ("impactdic_synth_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::remove_all(dir_);
-    fs::create_directories(dir_);
-  }
-  ~SynthCommand() override {
-    std::error_code ignored;
-    fs::remove_all(dir_, ignored);
-  }
   // Exit status of `impactdic synth -o dir_/name options`; stderr in dir_/errors.
   int synth(const std::string& name, const std::string& options) const {
     const std::string command = std::string(IMPACTDIC_PROGRAM) + " synth -o " +
@@ -39,12 +29,12 @@ class SynthCommand : public testing::Test {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
   std::string text(const fs::path& file) const {
-    std::ifstream in(dir_ / file, std::ios::binary);
+    std::ifstream in(dir_ / file.string(), std::ios::binary);
     std::stringstream all;
     all << in.rdbuf();
     return all.str();
   }
-  fs::path dir_;
+  testing::ScratchFolder dir_;
 };
 
 struct Format {

@@ -9,7 +9,7 @@ import unittest
 
 import h5py
 
-from installed import CMAKE, PREFIX, compilers, empty, run
+from installed import CACHED, CMAKE, PREFIX, compilers, empty, run
 
 FPS, DIAMETER_MM = 10000, 67
 CODECS = os.environ.get("IMPACTDIC_CODECS", "1") == "1"
@@ -83,7 +83,7 @@ class Examples(unittest.TestCase):
         """A copy in an empty folder, by find_package, as its first lines say."""
         source = empty(f"examples_{name}") / "examples"
         shutil.copytree(PREFIX / "share/doc/impactdic/examples", source)
-        environment = {key: value for key, value in os.environ.items()
+        environment = {key: value for key, value in CACHED.items()
                        if key not in ("CXXFLAGS", "LDFLAGS", "CMAKE_PREFIX_PATH")}
         run(CMAKE, "-S", source, "-B", source / "build", f"-DCMAKE_PREFIX_PATH={PREFIX}",
             f"-DCMAKE_CXX_COMPILER={compiler}",

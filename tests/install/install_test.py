@@ -17,7 +17,7 @@ sys.dont_write_bytecode = True
 
 from example_runs import Examples  # noqa: E402, F401
 from installed import (  # noqa: E402
-    BUILD, CMAKE, OPTIONS, PREFIX, SCRATCH, SOURCE, compilers, empty, find, headers, run)
+    BUILD, CMAKE, OPTIONS, PREFIX, SCRATCH, SOURCE, compiled, compilers, empty, find, headers, run)
 
 # Neither a folder nor a dot: a header of the standard library. Ours are the only folders.
 ALLOWED_INCLUDE = re.compile(r'#include <(impactdic/(\w+/)?\w+\.h|[a-z_]+)>$')
@@ -140,22 +140,27 @@ class Headers(unittest.TestCase):
                  for name, path in found for standard in STANDARDS]
         self.assertGreater(len(jobs), 10)
 
-        def build(job):
+        folder = empty("headers")
+
+        def build(number, job):
             _, compiler, header, standard = job
             newer = "c++2b" if standard == "c++23" else standard  # as Clang 14 calls it
-            run(compiler, f"-std={newer}", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
-                "-fsyntax-only", "-I", PREFIX / "include", "-include", header, "-x", "c++", "/dev/null")
+            source = folder / f"{number}.cpp"
+            source.write_text(f"#include <{header.relative_to(PREFIX / 'include')}>\n")
+            compiled(compiler, f"-std={newer}", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-I",
+                     PREFIX / "include", source, "-o", source.with_suffix(".o"))
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            list(pool.map(build, jobs))
+            list(pool.map(build, range(len(jobs)), jobs))
 
 
 def layouts(compiler, *options):
     """Name, size and alignment of each type that the headers lead to, and its members' offsets."""
-    binary = empty("layout") / "all.o"
-    run(compiler, "-std=c++20", "-g", "-gdwarf-4", "-fno-eliminate-unused-debug-types", "-c", "-x",
-        "c++", "-I", PREFIX / "include", *options, "-o", binary, "-include", "impactdic/impactdic.h",
-        "/dev/null")
+    source = empty("layout") / "all.cpp"
+    source.write_text("#include <impactdic/impactdic.h>\n")
+    binary = source.with_suffix(".o")
+    compiled(compiler, "-std=c++20", "-g", "-gdwarf-4", "-fno-eliminate-unused-debug-types", "-I",
+             PREFIX / "include", *options, source, "-o", binary)
     found = []
     for line in run("readelf", "--debug-dump=info", binary).splitlines():
         tag = re.search(r"\((DW_TAG_(?:structure|class|union|enumeration)_type|DW_TAG_member)\)", line)

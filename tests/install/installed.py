@@ -16,6 +16,13 @@ COMPILERS = {"GCC": os.environ.get("IMPACTDIC_GCC", "g++"),
              "Clang": os.environ.get("IMPACTDIC_CLANG", "")}
 
 
+# What a compiler made of the same files before is taken again, wherever the checkout lies.
+CCACHE = shutil.which("ccache")
+CACHED = {**os.environ, "CCACHE_BASEDIR": str(SCRATCH), "CCACHE_NOHASHDIR": "1"}
+if CCACHE:
+    CACHED["CMAKE_CXX_COMPILER_LAUNCHER"] = CCACHE
+
+
 def run(*command, status=0, **keywords):
     """What the command prints; another exit status than `status` is a failure with its output."""
     words = [str(word) for word in command]
@@ -24,6 +31,11 @@ def run(*command, status=0, **keywords):
         raise AssertionError(f"{' '.join(words)}\n{done.returncode}: "
                              f"{done.stdout}{done.stderr}")
     return done.stdout
+
+
+def compiled(compiler, *arguments):
+    """Compiles one source, through ccache where it is."""
+    run(*([CCACHE] if CCACHE else []), compiler, "-c", *arguments, env=CACHED, cwd=SCRATCH)
 
 
 def compilers(test):

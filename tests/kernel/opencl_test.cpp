@@ -144,19 +144,17 @@ TEST(ProgramCache, AKeyEndsWhereItEnds) {
 }
 
 TEST(ProgramCache, ServesWholeEntriesAndDeletesDamagedOnes) {
-  const auto folder = std::filesystem::temp_directory_path() / "impactdic_cache_test";
-  std::filesystem::remove_all(folder);
-  const opencl::ProgramCache cache(folder);
+  const testing::ScratchFolder folder;
+  const opencl::ProgramCache cache(folder.string());
   const std::vector<unsigned char> binary = {1, 0, 2, 255};
   EXPECT_FALSE(cache.load("key"));
   cache.store("key", binary);
   EXPECT_EQ(cache.load("key"), binary);
   EXPECT_FALSE(cache.load("another key"));
-  const auto entry = std::filesystem::directory_iterator(folder)->path();
+  const auto entry = std::filesystem::directory_iterator(folder.string())->path();
   std::fstream(entry, std::ios::in | std::ios::out | std::ios::ate).seekp(-1, std::ios::end) << 'x';
   EXPECT_FALSE(cache.load("key"));
   EXPECT_FALSE(std::filesystem::exists(entry));
-  std::filesystem::remove_all(folder);
 }
 
 // Runs `unpack` on a few pixels.

@@ -3,21 +3,19 @@
 
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "sim/job/job_toml.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic::testing {
 
-// Tests run side by side, each in a process of its own.
+// The file is gone with the process.
 inline std::filesystem::path write_job(const std::string& text) {
-  const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / ("job_text_" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
+  static const ScratchFolder folder;
   const std::filesystem::path file = folder / "job.toml";
   std::ofstream(file) << text;
   return file;

@@ -131,7 +131,7 @@ Chosen choose(const CalibrateRequest& request, const std::vector<View>& pictures
 
 }  // namespace
 
-CalibrateResult calibrate_points(const CalibrateRequest& request, std::vector<View> pictures,
+CalibrateResult calibrate_points(const CalibrateRequest& request, const std::vector<View>& pictures,
                                  int width, int height) {
   CalibrateResult result;
   const Chosen chosen = choose(request, pictures, result);

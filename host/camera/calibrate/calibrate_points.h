@@ -11,7 +11,7 @@ namespace impactdic::camera {
 
 // `pictures`: one a picture, without a point where the target was not found. Throws InvalidArgument
 // where no camera can be found, or the plane's picture shows no target.
-CalibrateResult calibrate_points(const CalibrateRequest& request, std::vector<View> pictures,
+CalibrateResult calibrate_points(const CalibrateRequest& request, const std::vector<View>& pictures,
                                  int width, int height);
 
 // A scale from two marks of a ruler, request.pitch_mm apart.

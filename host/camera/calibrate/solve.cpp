@@ -45,6 +45,7 @@ bool reject(const Bundle& bundle, const Adjusted& state, Weights& weights) {
   for (std::size_t v = 0; v < bundle.views().size(); ++v) {
     const std::vector<Vector2d> off = bundle.residuals(state, v);
     std::vector<char> used;
+    used.reserve(off.size());
     for (const Vector2d& one : off) used.push_back(one.norm() <= most);
     if (static_cast<std::size_t>(std::count(used.begin(), used.end(), 1)) < kFewestPoints) continue;
     changed = changed || used != weights.used[v];
@@ -130,7 +131,7 @@ Adjusted settle(const Bundle& bundle, Weights& weights) {
 
 }  // namespace
 
-Solved solve(Bundle bundle, int width, int height, std::size_t plane, double pitch_sd,
+Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, double pitch_sd,
              const char* from) {
   Solved solved;
   solved.weights = bundle.equal_weights();

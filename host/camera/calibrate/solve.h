@@ -19,7 +19,7 @@ struct Solved {
 // criterion (Hurvich and Tsai 1989); where others are about as good, their difference is part of
 // the covariance (Burnham and Anderson 2002, Eq. 6.12). `pitch_sd`: relative deviation of the
 // target's pitch, which all lengths share. Throws InvalidArgument where no camera can be found.
-Solved solve(Bundle bundle, int width, int height, std::size_t plane, double pitch_sd,
+Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, double pitch_sd,
              const char* from);
 
 }  // namespace impactdic::camera

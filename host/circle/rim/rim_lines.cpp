@@ -80,14 +80,15 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
 
 void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
                 float contrast, std::vector<float>& out) {
+  constexpr int kQuarter = kLevelSectors / 4;
   const int n = lines.size();
   out.resize(static_cast<std::size_t>(n));
   for (int b = -1, i = 0; i < n; ++b) {
     const float a = levels[b < 0 ? kLevelSectors - 1 : b];
     const float c = levels[b + 1 < kLevelSectors ? b + 1 : 0];
     const float from = static_cast<float>(b) + 0.5f, to = from + 1;
-    for (; i < n && lines.turn[i] * (kLevelSectors / 4) < to; ++i) {
-      const float t = lines.turn[i] * (kLevelSectors / 4) - from;
+    for (; i < n && lines.turn[i] * kQuarter < to; ++i) {
+      const float t = lines.turn[i] * kQuarter - from;
       out[i] = ground_between(a, c, t, lines.level[i].v[kSamples - 1], contrast);
     }
   }

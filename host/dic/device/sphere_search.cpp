@@ -54,7 +54,8 @@ std::vector<SphereTurn> about(const std::vector<SphereTurn>& turns, double step_
   std::vector<SphereTurn> all;
   for (const SphereTurn& turn : turns) {
     for (int k = 0; k < 27; ++k) {
-      const Eigen::Vector3d step(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      const int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
+      const Eigen::Vector3d step(x, y, z);
       const Eigen::Quaterniond q = quaternion(turn) * quaternion_of(step_rad * step);
       all.push_back({q.w(), q.x(), q.y(), q.z(), 0});
     }

@@ -107,7 +107,8 @@ std::vector<std::string> sweep_warnings(const SweepResult& result) {
     }
   }
   std::vector<std::string> warnings;
-  for (const auto& [kind, count] : found) {
+  for (const auto& kind_and_count : found) {
+    const auto& kind = kind_and_count.first;
     const auto first = std::find_if(result.shots.begin(), result.shots.end(), [&](const auto& s) {
       return std::any_of(s.warnings.begin(), s.warnings.end(),
                          [&](const std::string& w) { return w.starts_with(kind); });
@@ -115,8 +116,8 @@ std::vector<std::string> sweep_warnings(const SweepResult& result) {
     const auto& texts = first->warnings;
     const auto text = std::find_if(texts.begin(), texts.end(),
                                    [&](const std::string& w) { return w.starts_with(kind); });
-    warnings.push_back(std::to_string(count) + " of " + std::to_string(result.shots.size()) +
-                       " shots, such as the one in row " +
+    warnings.push_back(std::to_string(kind_and_count.second) + " of " +
+                       std::to_string(result.shots.size()) + " shots, such as the one in row " +
                        std::to_string(first - result.shots.begin() + 1) + ": " + *text);
   }
   const std::array<long, 3> count = counts(result);

@@ -85,7 +85,7 @@ CalibrateResult find_camera(const CalibrateRequest& request, const RunControl& c
   for (const char one : done) {
     if (!one) throw Error("the calibration was stopped");
   }
-  return camera::calibrate_points(request, std::move(views), info.width, info.height);
+  return camera::calibrate_points(request, views, info.width, info.height);
 }
 
 void write_drawing(const fs::path& path, const CalibrateResult& result) {

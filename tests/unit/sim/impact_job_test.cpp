@@ -14,6 +14,7 @@
 #include "sim/job/result_files.h"
 #include "sim/job/source_jobs.h"
 #include "tests/support/job_text.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
@@ -119,7 +120,8 @@ TEST(JobFile, ReadyJobsRun) {
 TEST(ResultFiles, TrajectoryReadsBackExactly) {
   const ImpactResult result =
       sim::contact::simulate_impact(sim::job::racket_job(), {.rate_hz = 10000});
-  const fs::path file = fs::path(::testing::TempDir()) / "impact_trajectory.csv";
+  const testing::ScratchFolder folder;
+  const fs::path file = folder / "impact_trajectory.csv";
   sim::job::write_trajectory_csv(file, sim::job::racket_job(), result.trajectory);
   std::ifstream stream(file);
   std::string header, line;
@@ -149,7 +151,8 @@ TEST(ResultFiles, TrajectoryInSpaceHasItsColumns) {
   other.body = job.body;
   job.other = other;
   const ImpactResult result = sim::contact::simulate_impact(job, {.rate_hz = 1000});
-  const fs::path file = fs::path(::testing::TempDir()) / "impact_trajectory_in_space.csv";
+  const testing::ScratchFolder folder;
+  const fs::path file = folder / "impact_trajectory_in_space.csv";
   sim::job::write_trajectory_csv(file, job, result.trajectory);
   std::ifstream stream(file);
   std::string header, line;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 #include <impactdic/units.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "host/base/parse.h"
 #include "sim/rod/markers.h"
 #include "sim/rod/rod_impact.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
@@ -176,8 +176,8 @@ TEST(RodMotion, ATableWithoutImpactIsRefused) {
 class MarkerFile : public ::testing::Test {
  protected:
   std::string error_of(const std::string& contents) {
-    const auto path =
-        std::filesystem::temp_directory_path() / ("markers_" + std::to_string(::getpid()) + ".csv");
+    const testing::ScratchFolder folder;
+    const auto path = folder / "markers.csv";
     std::ofstream(path) << contents;
     std::string line = "accepted";
     try {
@@ -185,7 +185,6 @@ class MarkerFile : public ::testing::Test {
     } catch (const Error& error) {
       line = error.line();
     }
-    std::filesystem::remove(path);
     return line;
   }
   static std::string table(int rows, const std::string& special, int at) {

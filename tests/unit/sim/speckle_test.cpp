@@ -11,13 +11,14 @@
 #include "sim/speckle/motion.h"
 #include "sim/speckle/noise.h"
 #include "sim/speckle/pattern.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Patterns : public testing::TestWithParam<sim::speckle::PatternSpec> {};
+class Patterns : public ::testing::TestWithParam<sim::speckle::PatternSpec> {};
 
 // Figures of the dissertation's section 2.3, as measured on the rendered picture.
 TEST_P(Patterns, HasTheStatedDensityAndArea) {
@@ -31,7 +32,7 @@ TEST_P(Patterns, HasTheStatedDensityAndArea) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Patterns, testing::ValuesIn(sim::speckle::pattern_specs()),
+INSTANTIATE_TEST_SUITE_P(All, Patterns, ::testing::ValuesIn(sim::speckle::pattern_specs()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Pattern, RadiusChangesTheNumberOfSpecklesNotTheirSize) {
@@ -118,23 +119,13 @@ TEST(Noise, IsIndependentFromFrameRowPixelAndSeed) {
   EXPECT_EQ(noise, noise_of(3, 17));
 }
 
-class MotionFile : public testing::Test {
+class MotionFile : public ::testing::Test {
  protected:
-  MotionFile()
-      : dir_(fs::temp_directory_path() /
-             ("impactdic_motion_" +
-              std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    fs::create_directories(dir_);
-  }
-  ~MotionFile() override {
-    std::error_code ignored;
-    fs::remove_all(dir_, ignored);
-  }
   fs::path write(const std::string& text) const {
     std::ofstream(dir_ / "motion.csv") << text;
     return dir_ / "motion.csv";
   }
-  fs::path dir_;
+  testing::ScratchFolder dir_;
 };
 
 TEST_F(MotionFile, TruthHasTheStatedHeaderAndExactRows) {

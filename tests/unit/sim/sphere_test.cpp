@@ -14,6 +14,7 @@
 #include "sim/speckle/motion.h"
 #include "sim/speckle/orientation.h"
 #include "sim/speckle/sphere/sphere_render.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic {
 namespace {
@@ -51,7 +52,7 @@ TEST(SphereMotion, ASpinTurnsEveryFrameByTheSameVector) {
   }
 }
 
-class SpherePatterns : public testing::TestWithParam<sim::speckle::PatternSpec> {};
+class SpherePatterns : public ::testing::TestWithParam<sim::speckle::PatternSpec> {};
 
 // The share of ink is the disc's; grain where the speckles do not touch.
 TEST_P(SpherePatterns, HasTheDensityAndGrainOfTheDisc) {
@@ -72,7 +73,7 @@ TEST_P(SpherePatterns, HasTheDensityAndGrainOfTheDisc) {
   EXPECT_LT(sum.norm() / area, 3 / std::sqrt(static_cast<double>(sphere.caps.size())));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SpherePatterns, testing::ValuesIn(sim::speckle::pattern_specs()),
+INSTANTIATE_TEST_SUITE_P(All, SpherePatterns, ::testing::ValuesIn(sim::speckle::pattern_specs()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(SphereMotion, ExposureIsTheMeanOverTheShutter) {
@@ -102,7 +103,8 @@ TEST(SphereMotion, ExposureIsTheMeanOverTheShutter) {
 
 // Row k holds the pose of frame k and the turn to frame k + 1, and reads back as the same motion.
 TEST(SphereMotion, TheTruthHoldsPoseQuaternionAndTurn) {
-  const auto file = std::filesystem::temp_directory_path() / "impactdic_sphere_truth.csv";
+  const testing::ScratchFolder folder;
+  const auto file = folder / "truth.csv";
   ConstantMotion motion{{50, 60, 0}, 1, -2, 30};
   motion.spin_x_deg = 60;
   motion.spin_y_deg = -20;
@@ -144,7 +146,6 @@ TEST(SphereMotion, TheTruthHoldsPoseQuaternionAndTurn) {
     EXPECT_EQ(again[k].z_px, poses[k].z_px);
     EXPECT_EQ(again[k].cy_px, poses[k].cy_px);
   }
-  std::filesystem::remove(file);
 }
 
 }  // namespace
