@@ -255,12 +255,18 @@ double ElasticPlasticLaw::loading_energy_j(double w_m) const {
     if (x > 1) sum += stronge_energy(x);
     return sum * critical_force_n_ * critical_compression_m_;
   }
+  using Kronrod = boost::math::quadrature::gauss_kronrod<double, 31>;
   for (std::size_t i = 0; i < kinks.size() && x > kinks[i]; ++i) {
-    const double end = i + 1 < kinks.size() ? std::min(x, kinks[i + 1]) : x;
+    const bool last = i + 1 == kinks.size();
+    const double end = last ? x : std::min(x, kinks[i + 1]);
     // Just inside the piece: the published fits jump at the kinks.
     const double start = std::nextafter(kinks[i], end);
-    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
-        force, start, std::nextafter(end, start), 12, 1e-12);
+    if (last) {  // over decades
+      const auto by_log = [&](double t) { return force(std::exp(t)) * std::exp(t); };
+      sum += Kronrod::integrate(by_log, std::log(start), std::log(x), 12, 1e-14);
+    } else {
+      sum += Kronrod::integrate(force, start, std::nextafter(end, start), 12, 1e-12);
+    }
   }
   return sum * critical_force_n_ * critical_compression_m_;
 }
