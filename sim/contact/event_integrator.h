@@ -1,9 +1,10 @@
 // The one integrator of impacts, of balls and of rods: an adaptive Dormand-Prince 5(4)
 // (Boost.odeint) through a sequence of modes that end at events.
 //
-// Every switch of a mode is the root of a guard, found with TOMS 748 (Alefeld, Potra and Shi 1995)
-// on single Runge-Kutta steps from the last accepted state, so that a switch is as exact as the
-// method, which the interpolant of a step is not; the integration restarts there.
+// Every switch of a mode is the root of a guard, found on single Runge-Kutta steps from the last
+// accepted state, so that a switch is as exact as the method; the integration restarts there. The
+// search begins at the root of the step's interpolant, which is near but not as exact; where that
+// does not lead there TOMS 748 does (Alefeld, Potra and Shi 1995).
 #pragma once
 
 #include <impactdic/error.h>
