@@ -3,6 +3,7 @@
 #include <impactdic/units.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -106,14 +107,15 @@ BallInPlane BallView::ball(const CircleInPicture& circle_px) const {
   return {Vector2d::Constant(kNotMeasured), kNotMeasured};
 }
 
-TurnInPlane BallView::motion_in_picture(const BallInPlane& ball, const Vector2d& circle_centre,
+TurnInPlane BallView::motion_in_picture(const BallInPlane& ball, const CircleInPicture& circle,
                                         const TurnInPlane& motion) const {
   const Matrix2d turn = turned(motion.angle);
+  const double reach = ball.radius * std::max(1 - rim_margin_px_ / circle.radius, 0.0);
   const auto& disc = disc_points();
   std::array<Vector2d, kRings * kSpokes> before, after;
   Vector2d before_mean(0, 0), after_mean(0, 0);
   for (std::size_t i = 0; i < disc.size(); ++i) {
-    const Vector2d off = ball.radius * disc[i];
+    const Vector2d off = reach * disc[i];
     before[i] = picture_of(ball.centre + off);
     after[i] = picture_of(ball.centre + motion.shift + turn * off);
     before_mean += before[i] / static_cast<double>(disc.size());
@@ -128,18 +130,18 @@ TurnInPlane BallView::motion_in_picture(const BallInPlane& ball, const Vector2d&
   TurnInPlane shown;
   shown.angle = std::atan2(sine, cosine);
   // Of the point that is at the circle's centre.
-  const Vector2d arm = circle_centre - before_mean;
-  shown.shift = after_mean + turned(-shown.angle) * arm - circle_centre;
+  const Vector2d arm = circle.centre - before_mean;
+  shown.shift = after_mean + turned(-shown.angle) * arm - circle.centre;
   return shown;
 }
 
-TurnInPlane BallView::motion(const BallInPlane& ball, const Vector2d& circle_centre,
+TurnInPlane BallView::motion(const BallInPlane& ball, const CircleInPicture& circle,
                              const TurnInPlane& in_picture) const {
   Matrix2d slope;
-  const Vector2d next = plane_.to_plane(circle_centre + in_picture.shift, 0, &slope);
-  TurnInPlane found{next - plane_.to_plane(circle_centre), in_picture.angle};
+  const Vector2d next = plane_.to_plane(circle.centre + in_picture.shift, 0, &slope);
+  TurnInPlane found{next - plane_.to_plane(circle.centre), in_picture.angle};
   for (int step = 0; step < kMostSteps; ++step) {
-    const TurnInPlane shown = motion_in_picture(ball, circle_centre, found);
+    const TurnInPlane shown = motion_in_picture(ball, circle, found);
     const Vector2d off = in_picture.shift - shown.shift;
     const double turn = std::remainder(in_picture.angle - shown.angle, 2 * kPi);
     found.shift += slope * off;

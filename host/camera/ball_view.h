@@ -29,19 +29,21 @@ struct CircleInPicture {
 class BallView {
  public:
   // `sphere`: the outline is where lines of sight touch a sphere; else a circle in the plane.
-  BallView(const PlaneView& plane, bool sphere) : plane_(plane), sphere_(sphere) {}
+  // `rim_margin_px`: how far inside the outline the texture is registered.
+  BallView(const PlaneView& plane, bool sphere, double rim_margin_px)
+      : plane_(plane), sphere_(sphere), rim_margin_px_(rim_margin_px) {}
 
   // The circle of least squares through the outline's picture, all around.
   CircleInPicture circle(const BallInPlane& ball) const;
   // The ball whose outline has this circle; NaN where there is none.
   BallInPlane ball(const CircleInPicture& circle) const;
 
-  // The rigid motion of least squares about the circle's centre, over all of the ball's picture, of
-  // points that shift and turn with the ball about its centre.
-  TurnInPlane motion_in_picture(const BallInPlane& ball, const Eigen::Vector2d& circle_centre,
+  // The rigid motion of least squares about the circle's centre, over what is registered of the
+  // ball's picture, of points that shift and turn with the ball about its centre.
+  TurnInPlane motion_in_picture(const BallInPlane& ball, const CircleInPicture& circle,
                                 const TurnInPlane& motion) const;
   // The ball's motion that shows as `in_picture` does; its shift in px, y down.
-  TurnInPlane motion(const BallInPlane& ball, const Eigen::Vector2d& circle_centre,
+  TurnInPlane motion(const BallInPlane& ball, const CircleInPicture& circle,
                      const TurnInPlane& in_picture) const;
 
  private:
@@ -50,6 +52,7 @@ class BallView {
   }
   const PlaneView& plane_;
   bool sphere_;
+  double rim_margin_px_;
 };
 
 }  // namespace impactdic::camera

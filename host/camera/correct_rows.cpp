@@ -22,9 +22,10 @@ void spread(const Matrix2d& slope, double& x_sd, double& y_sd) {
 
 }  // namespace
 
-RowCorrection::RowCorrection(const Camera& camera, bool sphere, double metre_per_px)
+RowCorrection::RowCorrection(const Camera& camera, bool sphere, double metre_per_px,
+                             double rim_margin_px)
     : plane_(camera),
-      ball_(plane_, sphere && camera.focal_length_known),
+      ball_(plane_, sphere && camera.focal_length_known, rim_margin_px),
       metre_per_px_(metre_per_px),
       height_(camera.height) {}
 
@@ -50,7 +51,7 @@ void RowCorrection::correct_motion(const TrackRow& seen, TrackRow& row) const {
   const Vector2d centre(seen.cx_px, seen.cy_px);
   const BallInPlane ball = ball_.ball(circle_of(seen));
   const TurnInPlane motion =
-      ball_.motion(ball, centre, {{seen.dx_px, seen.dy_px}, seen.rot_deg * kRadPerDeg});
+      ball_.motion(ball, circle_of(seen), {{seen.dx_px, seen.dy_px}, seen.rot_deg * kRadPerDeg});
   Matrix2d slope;
   plane_.to_plane(centre + Vector2d(seen.dx_px, seen.dy_px), 0, &slope);
   slope /= metre_per_px_;
@@ -82,7 +83,7 @@ void RowCorrection::correct_pose(const std::vector<TrackRow>& seen, TrackRow& ro
     const BallInPlane ball = ball_.ball(circle_of(*origin));
     const bool flat = std::isfinite(pose.angle_rad);
     const TurnInPlane motion =
-        ball_.motion(ball, centre, {at - centre, flat ? pose.angle_rad : 0.0});
+        ball_.motion(ball, circle_of(*origin), {at - centre, flat ? pose.angle_rad : 0.0});
     world = ball.centre + motion.shift;
     // The angle is not wrapped.
     if (flat) pose.angle_rad += std::remainder(motion.angle - pose.angle_rad, 2 * kPi);

@@ -13,8 +13,9 @@ namespace impactdic::camera {
 class RowCorrection {
  public:
   // `metre_per_px`: of the corrected rows, whatever the camera. `sphere`: a ball that was measured
-  // as one; a camera whose focal length is not known shows it as a disc.
-  RowCorrection(const Camera& camera, bool sphere, double metre_per_px);
+  // as one; a camera whose focal length is not known shows it as a disc. `rim_margin_px`: how far
+  // inside the rim the texture was registered.
+  RowCorrection(const Camera& camera, bool sphere, double metre_per_px, double rim_margin_px);
 
   // Circle, motion and pose; deviations by the local slope. Corrected pixels are `metre_per_px`
   // wide, y down, with (0, height - 1) at the origin of the world axes: to_si with that scale gives

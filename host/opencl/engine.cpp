@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <exception>
+#include <memory>
 #include <thread>
 
 #include "host/base/log.h"
@@ -116,6 +118,12 @@ void Engine::wait(const cl::Event& event) const {
   }
 }
 
+void Engine::Shared::check_compiler() const {
+  if (compiler_is_stuck) {
+    throw OpenClError("the device's compiler ran out of memory", CL_OUT_OF_HOST_MEMORY);
+  }
+}
+
 cl::Kernel Engine::kernel(const std::string& file, const std::string& name, const Defines& defines,
                           const std::string& options) {
   try {
@@ -134,6 +142,7 @@ cl::Kernel Engine::kernel(const std::string& file, const std::string& name, cons
 Engine::Program Engine::program(const std::string& file, const std::string& options) {
   const std::string key = file + "\n" + options;
   const std::lock_guard<std::mutex> lock(shared_->mutex);
+  shared_->check_compiler();
   const auto found = shared_->programs.find(key);
   if (found != shared_->programs.end()) return found->second;
   Program made = load_or_build(kernel_source(file, shared_->options.kernel_dir), options, file);
@@ -173,13 +182,24 @@ Engine::Program Engine::load_or_build(const std::string& source, const std::stri
 
 cl::Program Engine::build(const std::string& source, const std::string& options,
                           const std::string& file) {
-  cl::Program program(shared_->context, source);
+  // Out of memory, PoCL's compiler throws through the library and leaves its locks closed: whoever
+  // compiles or releases a program then waits for ever. So nobody does.
+  struct Held {
+    cl::Program program;
+    std::shared_ptr<Shared> shared;
+  };
+  auto held = std::make_unique<Held>(Held{cl::Program(shared_->context, source), shared_});
+  const cl::Program& program = held->program;
   try {
-    program.build(options.c_str());
+    held->program.build(options.c_str());
   } catch (const cl::Error&) {
     const std::string log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle);
     throw BuildError("kernel does not compile: " + log,
                      "kernels/" + file + " on " + shared_->device.name + " with " + options);
+  } catch (const std::exception&) {
+    shared_->compiler_is_stuck = true;
+    static_cast<void>(held.release());
+    throw;
   }
   library_log().debug("compiled kernels/{} {} {}", file, options,
                       program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(shared_->device.handle));
@@ -189,6 +209,7 @@ cl::Program Engine::build(const std::string& source, const std::string& options,
 void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
                     const cl::NDRange& global, const cl::NDRange& local, WorkCount work) {
   const auto name = [&kernel] { return kernel.getInfo<CL_KERNEL_FUNCTION_NAME>(); };
+  shared_->check_compiler();
   try {
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, global, local, nullptr, &event);

@@ -1,6 +1,7 @@
 // One OpenCL device ready for work: context, queue, compiled programs, profiler.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -100,6 +101,8 @@ class Engine {
     std::vector<cl::CommandQueue> idle_queues;  // of engines that are gone
     std::shared_ptr<CompileWatch> compiling;
     bool keeps_binaries = true;
+    std::atomic<bool> compiler_is_stuck = false;
+    void check_compiler() const;  // throws OpenClError
     Shared(const Device& info, EngineOptions asked);
   };
   explicit Engine(std::shared_ptr<Shared> shared);

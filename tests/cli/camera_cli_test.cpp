@@ -90,6 +90,44 @@ TEST_F(ShotThroughALens, IsOfConstantSpeedInMetres) {
   EXPECT_NE(read_text(*folder_ / "corrected" / "job.toml").find("camera.toml"), std::string::npos);
 }
 
+// The ball that fills half of the picture, at a usual noise: what the lens does is gone from speed
+// and path, down to what one pair is known to.
+TEST_F(ShotThroughALens, ALargeBallsSpeedIsConstantOnItsWay) {
+  const std::string clip = quoted(*folder_ / "large");
+  const Outcome made =
+      run_program("synth -q -o " + clip +
+                  " --pattern a1 --size 512x512 --radius-px 115 --frames 34 --velocity-px 7.3,6.7 "
+                  "--rotation-deg 1.5 --noise 2 --distortion 0.01 --fps 10000");
+  ASSERT_EQ(made.status, 0) << made.err;
+  write_camera(bent_camera(512, kMetrePerPx), folder_->file("large.toml"));
+  const Outcome tracked = run_program(
+      "track " + quoted(*folder_ / "large" / "video.tif") + " -q --body disc --camera " +
+      quoted(*folder_ / "large.toml") + " -o " + quoted(*folder_ / "large_out"));
+  ASSERT_EQ(tracked.status, 0) << tracked.err;
+  const CsvTable table(*folder_ / "large_out" / "track.csv");
+  const CsvTable truth(*folder_ / "large" / "truth.csv");
+  constexpr double kUnit = kMetrePerPx * 10000;  // m/s of a px/frame
+  const auto check = [&](const char* speed, const char* path, const char* centre, double expected,
+                         double way_up) {
+    std::vector<double> v = table.numbers(speed);
+    v.pop_back();  // the last frame has no next one
+    ASSERT_EQ(v.size(), 33u);
+    // The means of thirds: a speed that changes on the way shows in them.
+    for (std::size_t third = 0; third < 3; ++third) {
+      const auto from = v.begin() + static_cast<std::ptrdiff_t>(11 * third);
+      const Scatter part = scatter({from, from + 11});
+      EXPECT_NEAR(part.mean / kUnit, expected, 0.0008) << speed << ", third " << third;
+      EXPECT_LT(part.sd / kUnit, 0.0012) << speed << ", third " << third;
+    }
+    std::vector<double> off;
+    const auto at = table.numbers(path), is = truth.numbers(centre);
+    for (std::size_t i = 0; i < at.size(); ++i) off.push_back(at[i] / kMetrePerPx - way_up * is[i]);
+    EXPECT_LT(scatter(off).sd, 0.012) << path;
+  };
+  check("vx_m_s", "x_m", "cx_px", 7.3, 1);
+  check("vy_m_s", "y_m", "cy_px", -6.7, -1);
+}
+
 TEST_F(ShotThroughALens, WithoutACameraTheBendIsTold) {
   const Outcome tracked = track("plain", "--mm-per-px 0.3");
   ASSERT_EQ(tracked.status, 0) << tracked.err;

@@ -10,6 +10,7 @@
 #include "host/dic/field.h"
 #include "host/dic/frames/device_frames.h"
 #include "host/dic/frames/spline_frames.h"
+#include "host/dic/rim_margin.h"
 
 namespace impactdic::dic {
 
@@ -30,9 +31,6 @@ struct BallOptions {
   Image<std::uint8_t> mask;
   void validate() const;  // throws InvalidArgument
 };
-
-// A task's disc should end this far within the ball's rim: nearer, background shines through.
-inline constexpr double kRimMarginPx = 4;
 
 class BallRegistration {
  public:

@@ -10,6 +10,7 @@
 #include "host/camera/lens.h"
 #include "host/camera/spread.h"
 #include "host/clip/track_row.h"
+#include "host/dic/rim_margin.h"
 #include "host/run/metres/contradictions.h"
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/scale.h"
@@ -52,7 +53,8 @@ class ThroughCamera {
     Conclusion found;
     const bool sphere = measured_.body == Body::kSphere;
     TrackResult& result = found.result;
-    result.rows = RowCorrection(camera, sphere, metre_per_px_).correct(measured_.rows);
+    result.rows =
+        RowCorrection(camera, sphere, metre_per_px_, dic::kRimMarginPx).correct(measured_.rows);
     result.scale = measured_.scale;
     result.body = measured_.body;
     std::optional<Measured> radius = sphere_radius_px_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/camera/ball_view.h"
+#include "host/dic/rim_margin.h"
 
 namespace impactdic::testing {
 
@@ -29,7 +30,7 @@ inline Camera bent_camera(int side_px, double metre_per_px, double k1_at_corner 
 inline std::vector<TrackRow> through_lens(const Camera& camera, const std::vector<TrackRow>& rows,
                                           double metre_per_px, bool sphere = false) {
   const camera::PlaneView plane(camera);
-  const camera::BallView view(plane, sphere);
+  const camera::BallView view(plane, sphere, dic::kRimMarginPx);
   std::vector<TrackRow> seen = rows;
   for (TrackRow& row : seen) {
     if (!row.circle_ok) continue;
@@ -42,7 +43,7 @@ inline std::vector<TrackRow> through_lens(const Camera& camera, const std::vecto
     row.r_px = circle.radius;
     if (!row.motion_ok) continue;
     const camera::TurnInPlane motion = view.motion_in_picture(
-        ball, circle.centre,
+        ball, circle,
         {{row.dx_px * metre_per_px, -row.dy_px * metre_per_px}, row.rot_deg * kRadPerDeg});
     row.dx_px = motion.shift.x();
     row.dy_px = motion.shift.y();

@@ -34,12 +34,12 @@ constexpr double kMetrePerPx = 3e-4;
 TEST(BallView, WithoutALensNothingIsCorrected) {
   const Camera camera = bent_camera(512, 3e-4, 0);
   const PlaneView plane(camera);
-  const BallView view(plane, false);
+  const BallView view(plane, false, 4);
   const BallInPlane ball = view.ball({{140, 390}, 61});
   EXPECT_NEAR(ball.centre.x(), 140 * 3e-4, 1e-12);
   EXPECT_NEAR(ball.centre.y(), (511 - 390) * 3e-4, 1e-12);
   EXPECT_NEAR(ball.radius, 61 * 3e-4, 1e-12);
-  const TurnInPlane motion = view.motion(ball, {140, 390}, {{2.5, -1.5}, 0.03});
+  const TurnInPlane motion = view.motion(ball, {{140, 390}, 61}, {{2.5, -1.5}, 0.03});
   EXPECT_NEAR(motion.shift.x(), 2.5 * 3e-4, 1e-12);
   EXPECT_NEAR(motion.shift.y(), 1.5 * 3e-4, 1e-12);  // up
   EXPECT_NEAR(motion.angle, 0.03, 1e-12);
@@ -49,15 +49,15 @@ TEST(BallView, BackFromThePictureToTheBall) {
   const Camera camera = askew_camera();
   const PlaneView plane(camera);
   for (const bool sphere : {false, true}) {
-    const BallView view(plane, sphere);
+    const BallView view(plane, sphere, 4);
     const BallInPlane ball{{0.09, 0.05}, 0.033};
     const CircleInPicture circle = view.circle(ball);
     const BallInPlane back = view.ball(circle);
     EXPECT_LT((back.centre - ball.centre).norm(), 1e-12);
     EXPECT_NEAR(back.radius, ball.radius, 1e-12);
     const TurnInPlane motion{{0.002, -0.001}, 0.05};
-    const TurnInPlane seen = view.motion_in_picture(ball, circle.centre, motion);
-    const TurnInPlane found = view.motion(ball, circle.centre, seen);
+    const TurnInPlane seen = view.motion_in_picture(ball, circle, motion);
+    const TurnInPlane found = view.motion(ball, circle, seen);
     EXPECT_LT((found.shift - motion.shift).norm(), 1e-12);
     EXPECT_NEAR(found.angle, motion.angle, 1e-10);
   }
@@ -67,11 +67,11 @@ TEST(BallView, BackFromThePictureToTheBall) {
 TEST(BallView, FewPointsAreEnough) {
   const Camera camera = bent_camera(512, 3e-4);
   const PlaneView plane(camera);
-  const BallView view(plane, false);
+  const BallView view(plane, false, 0);
   const BallInPlane ball{{0.03, 0.12}, 0.025};
   const TurnInPlane motion{{0.0007, -0.0004}, 0.05};
   const CircleInPicture circle = view.circle(ball);
-  const TurnInPlane seen = view.motion_in_picture(ball, circle.centre, motion);
+  const TurnInPlane seen = view.motion_in_picture(ball, circle, motion);
   constexpr int kMany = 200;
   Vector2d before_mean(0, 0), after_mean(0, 0);
   std::vector<Vector2d> before, after;
@@ -107,7 +107,8 @@ TEST(BallView, ASphereShowsMoreThanItsEquator) {
   const Camera camera = bent_camera(513, 3e-4, 0);
   const PlaneView plane(camera);
   const double distance = camera[P::kPositionZ], radius = 0.06;
-  const CircleInPicture circle = BallView(plane, true).circle({{256 * 3e-4, 256 * 3e-4}, radius});
+  const CircleInPicture circle =
+      BallView(plane, true, 0).circle({{256 * 3e-4, 256 * 3e-4}, radius});
   const double expected =
       camera[P::kFx] * radius / std::sqrt(distance * distance - radius * radius);
   EXPECT_NEAR(circle.radius, expected, kRounding_px);
@@ -130,7 +131,8 @@ TEST(RowCorrection, AFlightOfConstantSpeedStaysOne) {
   const std::vector<TrackRow> seen = through_lens(camera, rows, 3e-4);
   EXPECT_GT(std::abs(seen[0].dx_px - seen[30].dx_px), 0.05);  // the lens is felt
   EXPECT_GT(std::abs(seen[0].cx_px - rows[0].cx_px), 1);
-  const std::vector<TrackRow> back = camera::RowCorrection(camera, false, 3e-4).correct(seen);
+  const std::vector<TrackRow> back =
+      camera::RowCorrection(camera, false, 3e-4, dic::kRimMarginPx).correct(seen);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_NEAR(back[i].cx_px, rows[i].cx_px, kRounding_px);
     EXPECT_NEAR(back[i].cy_px, rows[i].cy_px, kRounding_px);
@@ -221,7 +223,8 @@ std::vector<ImpactFigures> drawn_figures(const ShotInCamera& made, int cameras, 
       one.values[p] += std::sqrt(made.camera.variance(static_cast<P>(p))) * normal(random);
     }
     TrackResult result = made.shot.result;
-    result.rows = camera::RowCorrection(one, false, scale).correct(made.shot.result.rows);
+    result.rows =
+        camera::RowCorrection(one, false, scale, dic::kRimMarginPx).correct(made.shot.result.rows);
     TrackRequest request = made.shot.request;
     request.mm_per_px = scale * 1e3;
     run::conclude_metres(request, std::nullopt, result);
