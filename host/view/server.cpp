@@ -63,7 +63,7 @@ void send(PageAnswer answer, httplib::Response& response) {
   // quality, the packed script once more: seconds of work for what never leaves this machine.
   const auto body = std::make_shared<const std::string>(std::move(answer.body));
   response.set_content_provider(
-      body->size(), answer.type.c_str(),
+      body->size(), answer.type,
       [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
         return sink.write(body->data() + offset, length);
       });

@@ -55,7 +55,9 @@ void run_synth(const CLI::App& command, const Options& options) {
 }
 
 // A path that is the same wherever the program runs.
-std::string absolute_path(std::string path) { return std::filesystem::absolute(path).string(); }
+std::string absolute_path(const std::string& path) {
+  return std::filesystem::absolute(path).string();
+}
 
 void add_motion_options(CLI::App& command, Options& options) {
   command

@@ -60,8 +60,8 @@ struct Bending {
 struct Equations {
   std::vector<Eigen::VectorXd> slopes;
   std::vector<double> values;  // both over the deviation
-  void add(Eigen::VectorXd slope, double value, double sd) {
-    slopes.push_back(std::move(slope) / sd);
+  void add(const Eigen::VectorXd& slope, double value, double sd) {
+    slopes.push_back(slope / sd);
     values.push_back(value / sd);
   }
 };

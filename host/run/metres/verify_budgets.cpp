@@ -134,7 +134,7 @@ class Chain {
  private:
   struct All {
     ImpactFigures figures;
-    std::array<ErrorParts, kImpactFigures> slopes{};
+    std::array<ErrorParts, kImpactFigures> slopes;
   };
 
   All& all() {
