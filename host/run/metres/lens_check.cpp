@@ -82,7 +82,7 @@ void add_row(const TrackRow& row, double t, bool motions, Eigen::Index at, Eigen
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
     slope.segment<3>(at + 3 * axis) = path;
     slope[size - 1] = bend[axis];
-    equations.add(std::move(slope), value[axis],
+    equations.add(slope, value[axis],
                   std::max(sd[axis], motions ? kLeastStepSd_px : kLeastCentreSd_px));
   }
 }
