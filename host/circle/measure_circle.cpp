@@ -12,7 +12,9 @@
 #include "host/circle/circle.h"
 #include "host/circle/model_fit.h"
 #include "host/circle/rim/rim.h"
+#include "host/circle/rim/rim_levels.h"
 #include "host/circle/settings/judgement.h"
+#include "host/circle/settings/outline.h"
 #include "host/circle/settings/sphere.h"
 
 namespace impactdic::circle {
@@ -65,8 +67,8 @@ void fill(const Fit& fit, double edge_sigma_px, CircleFit& result) {
 // Paint of a bright ball, or the background of a dark one, at the end of the camera's scale. How
 // bright it would be is not known, nor then where half of that is.
 bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool bright, double scale) {
-  const double paint = surface == Surface::kSphere ? levels.sphere.at(0, 0, 1)
-                                                   : static_cast<double>(levels.light[0]);
+  const double paint =
+      surface != Surface::kFlat ? levels.sphere.at(0, 0, 1) : static_cast<double>(levels.light[0]);
   const double most =
       bright ? paint : -*std::min_element(levels.ground.begin(), levels.ground.end());
   return most > kJudge.over_exposed * scale;
@@ -80,8 +82,15 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     fit.sd[i] = std::hypot(fit.sd[i], m.rim_model->place_sd_px() * std::sqrt(fit.misplaced[i]));
   }
   fill(fit, sigma, result);
-  if (m.rim_model->surface() == Surface::kSphere) {
+  if (m.rim_model->surface() != Surface::kFlat) {
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.radius_sd_of_r * result.circle.r_px);
+  }
+  // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
+  if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) &&
+      fit.points < kSphere.most_left * trace.cast) {
+    result.cx_sd_px = std::hypot(result.cx_sd_px, kSphere.arc_sd_px);
+    result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
+    result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
   }
   if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
@@ -138,7 +147,7 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
 // the half level lie too far inside on a lit sphere, and on its dark side they may be wrong.
 std::optional<CircleFit> follow_from(const Rim& found, const Frame& frame, CirclePrior prior,
                                      const CircleOptions& options, LineTrace& lines) {
-  if (!prior.rim_model || prior.rim_model->surface() != Surface::kSphere) return std::nullopt;
+  if (!prior.rim_model || prior.rim_model->surface() == Surface::kFlat) return std::nullopt;
   prior.e1_px = prior.e2_px = 0;
   // The last frame's radius is better known than what was found.
   constexpr double kSeek = kSphere.seek_px;
@@ -198,6 +207,45 @@ double free_distance(const RimTrace& trace, const Rim& rim) {
   return free_distance(cos, sin, cos.size(), rim);
 }
 
+// By its outline, where that shows at least `least_points` rays' worth of it.
+std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior,
+                                    const CircleOptions& options, double least_points,
+                                    LineTrace& lines) {
+  const RimSearch search = search_outline(frame, prior, options);
+  if (!search.found || search.support < kOutline.support) return std::nullopt;
+  thread_local RimTrace trace;  // memory only
+  RimFit fit;
+  fit.rim = search.rim;
+  for (int pass = 0; pass < kJudge.traces; ++pass) {
+    const Rim rim = fit.rim;
+    trace_outline(frame, rim, search.blur_px, options.rays, trace);
+    fit = fit_outline(trace, rim);
+    if (!fit.ok || distance(fit.rim, rim) < kJudge.retrace_px) break;
+  }
+  if (!is_enough(fit) || fit.points < least_points) return std::nullopt;
+  const bool bright = search.polarity == Polarity::kBright;
+  if (prior.bright && *prior.bright == bright) {
+    if (const auto followed = follow_from(fit.rim, frame, prior, options, lines)) return followed;
+  }
+  ModelFit learnt;
+  // A ball that is followed is worth the time: without a model an outline knows little.
+  const bool followed = prior.radius_px.has_value();
+  if (prior.learn || followed) learnt = learn_rim(frame, fit, search, prior, options, lines);
+  CircleFit result;
+  if (is_enough(learnt.fit)) {
+    result = describe(frame, learnt, lines, learnt.polarity == Polarity::kBright);
+  } else {
+    fill(fit, trace.edge_sigma_px, result);
+    result.bright = bright;
+    result.rim_fraction = static_cast<double>(fit.points) / options.rays;
+    result.cx_sd_px = std::hypot(result.cx_sd_px, kOutline.centre_sd_px);
+    result.cy_sd_px = std::hypot(result.cy_sd_px, kOutline.centre_sd_px);
+    result.r_sd_px = std::hypot(result.r_sd_px, kOutline.radius_sd_px);
+  }
+  result.circle.free_px = free_distance(trace, fit.rim);
+  return result;
+}
+
 }  // namespace
 
 const char* to_string(CircleStatus status) {
@@ -241,15 +289,17 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     result.status = CircleStatus::kOutOfView;
     return result;
   }
-  if (!search.found) return result;
-
-  const Crossings crossings = trace_crossings(frame, search, prior, options, trace);
-  if (trace.rays_in_view < kJudge.in_view * crossings.rays) {
+  Crossings crossings;
+  if (search.found) crossings = trace_crossings(frame, search, prior, options, trace);
+  if (search.found && trace.rays_in_view < kJudge.in_view * crossings.rays) {
     result.status = CircleStatus::kOutOfView;
     return result;
   }
   const RimFit& fit = crossings.fit;
-  if (!is_enough(fit)) return result;
+  if (!is_enough(fit)) {
+    const auto outlined = by_outline(frame, around, options, 0, lines);
+    return outlined ? accepted(*outlined, frame, options) : result;
+  }
 
   for (const Rim& found : {fit.rim, search.rim}) {
     if (!prior.bright || *prior.bright != bright) break;
@@ -258,8 +308,16 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   }
   ModelFit learnt;
   if (prior.learn) learnt = learn_rim(frame, fit, search, prior, options, lines);
-  if (is_enough(learnt.fit)) {
-    result = describe(frame, learnt, lines, bright);
+  const bool known = is_enough(learnt.fit);
+  const bool whole = known && learnt.fit.points > kSphere.most_left * lines.cast;
+  if (!whole && fit.points < kOutline.poor_rim * options.rays) {
+    thread_local LineTrace others;  // memory only
+    const double least = kOutline.more_rim * fit.points;
+    const auto outlined = by_outline(frame, around, options, least, others);
+    if (outlined) return accepted(*outlined, frame, options);
+  }
+  if (known) {
+    result = describe(frame, learnt, lines, learnt.polarity == Polarity::kBright);
   } else {
     fill(fit, trace.edge_sigma_px, result);
     result.rim_fraction = static_cast<double>(fit.points) / options.rays;
@@ -267,7 +325,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // Crossings end more sharply at what hides the rim.
   result.circle.free_px = free_distance(trace, fit.rim);
   result.inked = fit.inked > kJudge.dense;
-  if (prior.rim_model && prior.rim_model->surface() == Surface::kSphere && !result.rim_model) {
+  if (prior.rim_model && prior.rim_model->surface() != Surface::kFlat && !result.rim_model) {
     doubt_crossings(prior, result);
   }
   return accepted(result, frame, options);

@@ -7,8 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "host/circle/rim/rim_levels.h"
 #include "host/circle/settings/judgement.h"
 #include "host/circle/settings/levels.h"
+#include "host/circle/settings/outline.h"
 #include "host/circle/settings/rim_model.h"
 #include "host/circle/settings/sphere.h"
 
@@ -18,14 +20,14 @@ namespace {
 // A fit farther from its lines' rim is traced again: the light on a sphere is told along the lines
 // from where the rim was expected.
 double retrace_px(Surface surface, double step_px) {
-  return step_px * (surface == Surface::kSphere ? kSphere.retrace_steps : kJudge.retrace_steps);
+  return step_px * (surface != Surface::kFlat ? kSphere.retrace_steps : kJudge.retrace_steps);
 }
 
 // The fit by the model lies where the crossings allow it: an edge of another shape, or a ball whose
 // ink near its rim is not as it is inside, shows here.
 bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px, Surface surface) {
   // A sphere's foreshortened ink, light and limb move crossings of the half level.
-  if (surface == Surface::kSphere) return distance(rim, crossings.rim) < kSphere.most_shift_px;
+  if (surface != Surface::kFlat) return distance(rim, crossings.rim) < kSphere.most_shift_px;
   const auto near = [](double off, double sd) {
     return std::abs(off) < kLearning.agree_sds * sd + kLearning.apart_px;
   };
@@ -72,7 +74,7 @@ class Learner {
     rival_ = rival;
     if (!find_place() || !find_width() || !holds()) return {};
     state_place_sd();
-    return {fit_, model_};
+    return {fit_, model_, polarity_};
   }
   // Of the lines' grey levels, if they were fitted at all.
   std::optional<double> log_likelihood() const {
@@ -82,13 +84,15 @@ class Learner {
 
  private:
   RimTexture texture() const {
-    return texture_.result(surface_ == Surface::kSphere ? kSphere.paint_sd : kInk.paint_sd);
+    return texture_.result(surface_ == Surface::kFlat     ? kInk.paint_sd
+                           : surface_ == Surface::kSphere ? kSphere.paint_sd
+                                                          : kSphere.outline_sd);
   }
 
   // Fits under the present texture and width, from `start` if there is one.
   bool fit(const Rim* start) {
     model_ = std::make_shared<RimModel>(texture(), trace_.noise, sigma_px_, trace_.step_px);
-    if (surface_ == Surface::kSphere) model_->set_sphere(trace_.levels.sphere);
+    if (surface_ != Surface::kFlat) model_->set_surface(surface_, trace_.levels.sphere);
     fit_ = fit_lines(trace_, *model_, from_, prior_, shapes_of(options_),
                      {Thoroughness::kWithWidth, start});
     return fit_.ok;
@@ -206,7 +210,7 @@ ModelFit follow_rim(const Frame& frame, const CirclePrior& prior, const CircleOp
     const double moved = distance(fit.rim, from) / trace.step_px;
     if (moved > farthest) break;
     if (!preview && moved * trace.step_px < retrace_px(model.surface(), trace.step_px))
-      return {fit, prior.rim_model};
+      return {fit, prior.rim_model, polarity_of(*prior.bright)};
   }
   return {};
 }
@@ -223,8 +227,29 @@ ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& sea
     sphere = as_sphere.run(grown_px, of_disc);
     if (sphere.fit.ok) break;
   }
-  if (!sphere.fit.ok) return disc;
-  if (of_disc && *as_sphere.log_likelihood() < *of_disc + margin(other.levels.sphere)) return disc;
+  const bool is_sphere = sphere.fit.ok && !(of_disc && *as_sphere.log_likelihood() <
+                                                           *of_disc + margin(other.levels.sphere));
+  if (!is_sphere && disc.fit.ok) return disc;
+  if (!is_sphere) sphere = {};
+  // The light of an outline is found from more of the ball.
+  const Rim& rim = is_sphere ? sphere.fit.rim : known.rim;
+  LineRequest request{search.polarity, step_px_of(search.blur_px, rim.r), options.rays};
+  request.surface = Surface::kOutline;
+  trace_lines(frame, rim, request, trace);
+  if (trace.lines.empty() || !fades(trace.levels)) {
+    if (is_sphere) std::swap(trace, other);
+    return sphere;
+  }
+  RimSearch either = search;
+  for (const Polarity polarity : {Polarity::kBright, Polarity::kDark}) {
+    either.polarity = polarity;
+    Learner as_outline(frame, known, either, prior, options, Surface::kOutline, trace);
+    for (const double grown_px : kSphere.grown_px) {
+      const ModelFit outline = as_outline.run(grown_px);
+      if (outline.fit.ok) return outline;
+    }
+  }
+  if (!is_sphere) return {};
   std::swap(trace, other);
   return sphere;
 }

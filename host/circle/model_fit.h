@@ -14,6 +14,8 @@ namespace impactdic::circle {
 struct ModelFit {
   LineFit fit;  // not ok where the lines do not follow the model
   std::shared_ptr<const RimModel> rim_model;
+  // In which it was learnt. A lamp may leave most of a ball's rim darker than the background.
+  Polarity polarity = Polarity::kBright;
 };
 
 inline Shapes shapes_of(const CircleOptions& options) {

@@ -2,7 +2,11 @@
 // the rim.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 #include "host/circle/circle.h"
+#include "host/circle/rim/rim_model.h"
 #include "tests/support/light_scenes.h"
 #include "tests/support/motion_truth.h"
 
@@ -59,6 +63,62 @@ TEST(LightAccuracy, ASphereDarkTowardsItsLimb) {
 
 TEST(LightAccuracy, ASphereInEvenLight) {
   expect_within({.name = "even", .sphere = true}, 0.03, 0.15);
+}
+
+// A rim that fades: its paint is hardly brighter than the background, its ink is darker. No ball
+// was found in it before outlines were.
+TEST(LightAccuracy, ASphereUnderALampFromTheFront) {
+  const LightScene scene{.name = "front",
+                         .sphere = true,
+                         .radius_px = 75,
+                         .lamp_share = 0.7,
+                         .lamp_elevation_deg = 60,
+                         .limb_darkening = 0.3};
+  LightClip clip(scene, 1, 2);
+  Frame frame;
+  clip.render(0, frame);
+  const BallPose& pose = clip.poses()[0];
+  const auto found = circle::find_ball(frame, {});
+  ASSERT_TRUE(found);
+  const circle::CircleFit fit = circle::measure_circle(frame, {.predicted = *found}, {});
+  ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
+  EXPECT_NEAR(fit.circle.cx_px, pose.cx_px, 0.15);
+  EXPECT_NEAR(fit.circle.cy_px, pose.cy_px, 0.15);
+  EXPECT_NEAR(fit.circle.r_px, scene.radius_px, 0.15);
+  EXPECT_LT(std::abs(fit.circle.cx_px - pose.cx_px), 4 * fit.cx_sd_px);
+  EXPECT_LT(std::abs(fit.circle.cy_px - pose.cy_px), 4 * fit.cy_sd_px);
+  EXPECT_LT(fit.cx_sd_px, 0.1);
+  EXPECT_GT(fit.rim_fraction, 0.6) << "both the lit side and the other";
+  ASSERT_TRUE(fit.rim_model);
+  EXPECT_EQ(fit.rim_model->surface(), circle::Surface::kOutline);
+  const circle::RimModel again(fit.rim_model->numbers());
+  EXPECT_EQ(again.surface(), circle::Surface::kOutline);
+  EXPECT_EQ(again.numbers(), fit.rim_model->numbers());
+}
+
+// A rim that is in turns brighter and darker than the background: no polarity tells it.
+TEST(LightAccuracy, AnOutlineOfBothPolarities) {
+  Frame frame;
+  frame.reset(200, 200, 8);
+  const double cx = 99.3, cy = 101.6, r = 61.2;
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      const double off = std::hypot(x - cx, y - cy) - r;
+      const double inside = 0.5 * std::erfc(off / (0.7 * std::sqrt(2.0)));
+      const bool bright = std::sin(9 * std::atan2(y - cy, x - cx)) > 0;
+      const double noise = 0.7 * std::sin(12.9898 * x + 78.233 * y * (1 + 0.01 * x));
+      frame.u8(x, y) =
+          static_cast<std::uint8_t>(std::lround(60 + inside * (bright ? 40 : -40) + noise));
+    }
+  }
+  const circle::CircleFit fit =
+      circle::measure_circle(frame, {.predicted = {cx + 1.2, cy - 0.9, r - 0.8}}, {});
+  ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
+  EXPECT_NEAR(fit.circle.cx_px, cx, 0.2);
+  EXPECT_NEAR(fit.circle.cy_px, cy, 0.2);
+  EXPECT_NEAR(fit.circle.r_px, r, 0.3);
+  EXPECT_LT(std::abs(fit.circle.cx_px - cx), 3 * fit.cx_sd_px);
+  EXPECT_GT(fit.rim_fraction, 0.4);
 }
 
 // White beyond the camera's scale: the rim seems to lie too far out, and the deviation says so.

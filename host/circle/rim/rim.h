@@ -138,6 +138,10 @@ struct RimSearch {
   double blur_px = 1;   // scale of the edge: contrast / steepest slope / √(2π)
 };
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options);
+// The same by where the rays leave the background, whether to the brighter or to the darker.
+// `found` where most rays agree.
+RimSearch search_outline(const Frame& frame, const CirclePrior& prior,
+                         const CircleOptions& options);
 
 // One sub-pixel edge: direction from the rim's centre and distance beyond the rim.
 struct RimPoint {
@@ -162,6 +166,9 @@ struct RayRequest {
 // and the usual shape between them. `trace` keeps its memory from call to call.
 void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, RimTrace& trace);
 
+// The same for a rim without a polarity: where each ray leaves the background, to either side.
+void trace_outline(const Frame& frame, const Rim& rim, double blur_px, int count, RimTrace& trace);
+
 // The fit through traced points.
 struct RimFit {
   bool ok = false;
@@ -174,5 +181,7 @@ struct RimFit {
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
 };
 RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, Shapes shapes);
+// A circle through an outline, whose points scatter evenly; to a tenth of a pixel or two.
+RimFit fit_outline(const RimTrace& trace, const Rim& rim);
 
 }  // namespace impactdic::circle

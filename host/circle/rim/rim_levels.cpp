@@ -278,17 +278,32 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
   levels.noise = sample_noise(outermost);
   levels.ground = ground_levels(lines, outermost, levels.noise);
   const float ground = quantile(levels.ground, 0.5);
-  sample_sphere(frame, rim, request.polarity, request.step_px, levels.noise, samples);
-  const auto light = fit_sphere_light(samples, ground, levels.noise, request.light);
-  if (!light) return false;
-  levels.sphere = *light;
+  if (request.surface == Surface::kOutline && request.light) {
+    levels.sphere = *request.light;
+  } else {
+    sample_sphere(frame, rim, request.polarity, request.step_px, levels.noise,
+                  request.surface == Surface::kOutline ? kSphere.layers : 1, samples);
+    const auto light = fit_sphere_light(samples, ground, levels.noise, request.light);
+    if (!light) return false;
+    levels.sphere = *light;
+  }
   levels.usual = kLineLevels.least_contrast;
   for (int k = 0; k < kLevelSectors; ++k) {
     const double angle = (k + 0.5) * 2 * kPi / kLevelSectors;
-    const double level = light->at(std::cos(angle), std::sin(angle), kSphere.rim_z);
+    const double level = levels.sphere.at(std::cos(angle), std::sin(angle), kSphere.rim_z);
     levels.usual = std::max(levels.usual, static_cast<float>(level) - ground);
   }
   return true;
+}
+
+bool fades(const LineTrace::Levels& levels) {
+  const double ground = quantile(levels.ground, 0.5);
+  double least = 1e300;
+  for (int k = 0; k < kLevelSectors; ++k) {
+    const double angle = 2 * kPi * k / kLevelSectors;
+    least = std::min(least, levels.sphere.at(std::cos(angle), std::sin(angle), kSphere.rim_z));
+  }
+  return least - ground < static_cast<double>(kSphere.least_contrast * levels.usual);
 }
 
 IMPACTDIC_WIDE bool find_levels(CastLines& lines, LineTrace::Levels& levels) {

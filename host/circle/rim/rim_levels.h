@@ -69,6 +69,9 @@ bool find_levels(CastLines& lines, LineTrace::Levels& levels);
 // The same of a sphere.
 bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& request,
                         const CastLines& lines, LineTrace::Levels& levels);
+// Whether a part of the rim is lit so little that its paint cannot be told from the background, or
+// is darker.
+bool fades(const LineTrace::Levels& levels);
 // The background at each line from the lines' outermost samples.
 void grounds_at(const CastLines& lines, const std::array<float, kLevelSectors>& levels,
                 float contrast, std::vector<float>& out);

@@ -121,7 +121,7 @@ void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request,
   const bool anew = request.levels == LineRequest::Levels::kFoundAnew;
   // A texture wants all that it can get, the light a hundred lines or two.
   const bool many = request.most_lines > kLine.deep_all_up_to;
-  const bool sphere = request.surface == Surface::kSphere;
+  const bool sphere = request.surface != Surface::kFlat;
   const int deep_every = sphere ? 0 : request.texture ? 1 : !anew ? 0 : many ? kLine.deep_every : 1;
   cast_lines(frame, rim, {request.polarity, request.step_px, request.most_lines, deep_every},
              lines);
@@ -143,7 +143,11 @@ void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request,
     keep_clear_lines(lines, ground, request.texture, trace);
     return;
   }
-  keep_clear_sphere_lines(lines, ground, rim, request, trace);
+  if (request.surface == Surface::kOutline) {
+    keep_outline_lines(lines, ground, trace);
+  } else {
+    keep_clear_sphere_lines(lines, ground, rim, request, trace);
+  }
   if (request.texture) add_sphere_texture(frame, rim, request, trace);
 }
 

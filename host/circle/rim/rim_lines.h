@@ -44,8 +44,10 @@ struct RimLines {
 };
 
 // What a ball shows inside its rim: a picture that lies flat, or ink and light on a sphere, which
-// both change more and more quickly towards the rim.
-enum class Surface { kFlat, kSphere };
+// both change more and more quickly towards the rim. An outline is a sphere whose rim is in parts
+// hardly brighter than the background or darker: its profiles are in shares of one contrast for
+// all lines, and what they show inside is anything that the light makes of ink and paint.
+enum class Surface { kFlat, kSphere, kOutline };
 
 struct LineTrace {
   // Grey levels, every ball made bright: see rim_levels.h.

@@ -43,7 +43,8 @@ namespace {
 constexpr std::size_t kStoredNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
 
 RimTexture texture_of(const std::vector<double>& numbers) {
-  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms) {
+  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms &&
+      numbers.size() != kStoredNumbers + kLightTerms + 1) {
     throw InvalidArgument("a rim model has another count of numbers", "resume");
   }
   RimTexture texture;
@@ -65,8 +66,9 @@ RimModel::RimModel(const std::vector<double>& numbers)
   place_sd_px_ = numbers[3];
   if (numbers.size() == kStoredNumbers) return;
   LightTerms terms;
-  std::copy(numbers.begin() + kStoredNumbers, numbers.end(), terms.begin());
-  light_.emplace(terms);
+  std::copy_n(numbers.begin() + kStoredNumbers, kLightTerms, terms.begin());
+  const bool outline = numbers.size() > kStoredNumbers + kLightTerms;
+  set_surface(outline ? Surface::kOutline : Surface::kSphere, SphereLight(terms));
 }
 
 std::vector<double> RimModel::numbers() const {
@@ -82,6 +84,7 @@ std::vector<double> RimModel::numbers() const {
     const LightTerms& terms = light_->terms();
     numbers.insert(numbers.end(), terms.begin(), terms.end());
   }
+  if (surface_ == Surface::kOutline) numbers.push_back(1);
   return numbers;
 }
 

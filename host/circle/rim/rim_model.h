@@ -42,9 +42,13 @@ class RimModel {
   void set_place_sd_px(double sd) { place_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
   // What the ball shows, and of a sphere the light in which it was learnt.
-  Surface surface() const { return light_ ? Surface::kSphere : Surface::kFlat; }
+  Surface surface() const { return surface_; }
   const SphereLight* light() const { return light_ ? &*light_ : nullptr; }
-  void set_sphere(const SphereLight& light) { light_ = light; }
+  // kSphere or kOutline.
+  void set_surface(Surface surface, const SphereLight& light) {
+    surface_ = surface;
+    light_ = light;
+  }
   // The same model through more noise: its likelihood has no maxima beside the rim's, so that it
   // finds the rim from farther away, and less exactly.
   const RimModel& blurred() const { return *blurred_; }
@@ -105,6 +109,7 @@ class RimModel {
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
   double place_sd_px_ = 0;
+  Surface surface_ = Surface::kFlat;
   std::optional<SphereLight> light_;
   std::unique_ptr<const RimModel> blurred_;
   std::array<float, kKinds> log_share_{};

@@ -14,87 +14,16 @@
 
 #include "host/base/statistics.h"
 #include "host/circle/rim/rim.h"
+#include "host/circle/rim/rim_rays.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
 namespace {
 
-constexpr int kEdgesPerRay = 3;  // room for the outermost strong edges of each ray
 constexpr const RimSearchSettings& kSearch = kRimSearch;
 
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
-struct Ray {
-  double cos, sin, cos2, sin2;
-  int edges = 0;
-  std::array<double, kEdgesPerRay> rho;  // distance of each edge from the predicted centre
-
-  double model(const Vector5& p) const {
-    return p[0] * cos + p[1] * sin + p[2] + p[3] * cos2 + p[4] * sin2;
-  }
-  // Residual of the edge nearest to the model; `none` where the ray has no edge.
-  double residual(const Vector5& p, double none) const {
-    const double at = model(p);
-    double best = none;
-    for (int k = 0; k < edges; ++k) {
-      const double r = rho[k] - at;
-      if (std::abs(r) < std::abs(best)) best = r;
-    }
-    return best;
-  }
-};
-
-struct Profiles {
-  std::vector<Ray> rays;
-  std::vector<float> samples;  // (rays, length), from the inner to the outer end, 1 px apart
-  std::vector<int> valid;      // samples of each ray that lie in the picture
-  std::vector<float> scratch;
-  int length = 0;
-  double first = 0;  // distance of sample 0 from the predicted rim
-  int in_view = 0;   // rays whose predicted rim lies in the picture
-  int cast = 0;
-  double blur_px = 1;
-};
-
-template <typename T>
-void sample_rays(ImageView<const T> picture, const Rim& rim, double inward, double outward,
-                 int count, Profiles& p) {
-  const Sampler<T> sampler(picture);
-  p.first = -std::floor(inward);
-  p.length = static_cast<int>(std::floor(inward) + std::floor(outward)) + 1;
-  p.rays.clear();
-  p.valid.clear();
-  p.samples.resize(static_cast<std::size_t>(count) * p.length);
-  p.in_view = 0;
-  p.cast = count;
-  const double step = 2 * kPi / count;
-  for (int i = 0; i < count; ++i) {
-    Ray ray;
-    ray.cos = std::cos(i * step);
-    ray.sin = std::sin(i * step);
-    ray.cos2 = ray.cos * ray.cos - ray.sin * ray.sin;
-    ray.sin2 = 2 * ray.cos * ray.sin;
-    const double rim_at = rim.radius_at(ray.cos2, ray.sin2);
-    const float dx = static_cast<float>(ray.cos), dy = static_cast<float>(ray.sin);
-    const float x0 = static_cast<float>(rim.cx + (rim_at + p.first) * ray.cos);
-    const float y0 = static_cast<float>(rim.cy + (rim_at + p.first) * ray.sin);
-    const float x_rim = static_cast<float>(rim.cx + rim_at * ray.cos);
-    const float y_rim = static_cast<float>(rim.cy + rim_at * ray.sin);
-    if (sampler.inside(x_rim, y_rim, kSearch.in_view_px)) ++p.in_view;
-    if (!sampler.inside(x0, y0, kSearch.margin_px)) continue;
-    const float reach = sampler.reach(x0, y0, dx, dy, kSearch.margin_px);
-    const int valid = std::min(p.length, static_cast<int>(std::min(reach, 1e6f)) + 1);
-    if (valid < kSearch.least_samples) continue;
-    float* out = p.samples.data() + p.rays.size() * p.length;
-    for (int k = 0; k < valid; ++k) {
-      const float t = static_cast<float>(k);
-      out[k] = sampler.bilinear(x0 + t * dx, y0 + t * dy);
-    }
-    p.rays.push_back(ray);
-    p.valid.push_back(valid);
-  }
-}
 
 // Does the ball look brighter than its surroundings? Inner against outer half of most rays.
 Polarity likely_polarity(const Profiles& p) {
@@ -287,12 +216,19 @@ double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, Polarity pol
   return upper_median(p.scratch) / std::sqrt(2 * kPi);
 }
 
-RimSearch search_one(Profiles& p, const Task& task, Polarity polarity) {
+enum class Edges { kStrong, kDepartures };
+
+RimSearch search_one(Profiles& p, const Task& task, Polarity polarity,
+                     Edges edges = Edges::kStrong) {
   const Rim& start = task.start;
   RimSearch result;
   result.polarity = polarity;
   result.in_view = static_cast<double>(p.in_view) / p.cast;
-  result.strength = find_edges(p, start, polarity);
+  if (edges == Edges::kStrong) {
+    result.strength = find_edges(p, start, polarity);
+  } else {
+    find_departures(p, start);
+  }
   if (p.rays.size() < static_cast<std::size_t>(kSearch.least_rays)) return result;
   const Vector5 model = consensus(p, task);
   result.support = support(p, model);
@@ -302,7 +238,8 @@ RimSearch search_one(Profiles& p, const Task& task, Polarity polarity) {
                 model[4]};
   result.found = result.rim.r > kSearch.least_r_px && result.support > kSearch.least_support &&
                  std::hypot(model[3], model[4]) < kSearch.most_oval * result.rim.r;
-  if (result.found) result.blur_px = edge_blur(p, start, model, polarity);
+  if (result.found && edges == Edges::kStrong)
+    result.blur_px = edge_blur(p, start, model, polarity);
   return result;
 }
 
@@ -321,10 +258,8 @@ Task task_of(const CirclePrior& prior, const CircleOptions& options) {
   return task;
 }
 
-}  // namespace
-
-RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
-  const Task task = task_of(prior, options);
+// The rays that `task` wants, in this thread's memory.
+Profiles& profiles_of(const Frame& frame, const Task& task, const CircleOptions& options) {
   // Far enough for levels on both sides of the edge.
   const double outward = task.wide_px + kSearch.beside_px;
   const double inward = std::min(outward, task.start.r - 1);
@@ -337,6 +272,22 @@ RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleO
     sample_rays(frame.u16.view(), task.start, inward, outward, count, profiles);
   }
 
+  return profiles;
+}
+
+}  // namespace
+
+RimSearch search_outline(const Frame& frame, const CirclePrior& prior,
+                         const CircleOptions& options) {
+  const Task task = task_of(prior, options);
+  Profiles& profiles = profiles_of(frame, task, options);
+  const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
+  return search_one(profiles, task, likely, Edges::kDepartures);
+}
+
+RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
+  const Task task = task_of(prior, options);
+  Profiles& profiles = profiles_of(frame, task, options);
   const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
   RimSearch first = search_one(profiles, task, likely);
   if (prior.bright || first.support > kSearch.plain) return first;

@@ -20,6 +20,8 @@ struct SphereSettings {
   double start_deg[4] = {0, 25, 50, -15};  // elevations of the lamp to start from [hand]
   int settling_passes = 2;                 // of each window [hand]
   // Weights of no light of a kind, in cells; and what a cell is worth in samples.
+  double least_light = 0.1;  // at a rim, of its brightest, that grey levels are told in [hand]
+  int layers = 8;            // of samples where the light of a clip is learnt [hand]
   double held_lamp = 1e-3, held_limb = 0.01, held_soft = 0.3;  // [hand]
   double samples_of_cell = 8;                                  // [definition]: about
   double damping = 1e-6;                                       // settles what is undetermined
@@ -42,11 +44,16 @@ struct SphereSettings {
   double radius_sd_of_r = 7e-4;  // [measured] light_accuracy
   // learn_rim.
   double paint_sd = 0.03;    // of the level of bare paint about that of the light [hand]
+  double outline_sd = 0.1;   // the same, of an outline [hand]
   double most_shift_px = 2;  // of the crossings, which ink, light and limb move inwards [hand]
   double grown_px[3] = {0, 0.8, 1.6};       // from which the rim is tried [hand]
   double hopeless = 2;                      // so far below a disc nothing can be gained [hand]
   double likelier_even = 0.3, even = 0.85;  // in light whose least is so much of its most [hand]
-  double likelier = 0.02;  // of a line's ln p that a sphere must be above a disc [hand]
+  // A sphere whose rim fades and that keeps less of its lines than this is known by an arc, which
+  // may misplace it by so much, px.
+  double most_left = 0.7;   // [hand]
+  double arc_sd_px = 0.12;  // [measured] light_accuracy, seeds 1 to 3
+  double likelier = 0.02;   // of a line's ln p that a sphere must be above a disc [hand]
 };
 inline constexpr SphereSettings kSphere;
 

@@ -28,16 +28,19 @@ void sample(ImageView<const T> picture, const Rim& rim, float sign, double step_
   const float uneven = kSphere.uneven_noise * noise + kSphere.uneven_least;
   samples.directions.clear();
   std::vector<float> rises;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = (i + 0.5) * 2 * kPi / kDirections - kPi / 4;
+  const int layers = static_cast<int>(samples.x.size());
+  for (int i = 0; i < layers * kDirections; ++i) {
+    const int layer = i % layers;
+    const std::array<float, kRings>& ring_x = samples.x[layer];
+    const double angle = (i / layers + 0.5) * 2 * kPi / kDirections - kPi / 4;
     SphereSamples::Direction d{
-        static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), {}};
+        static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), layer, {}};
     const auto reach = static_cast<float>(
         rim.radius_at(d.cos * d.cos - d.sin * d.sin, 2.0 * static_cast<double>(d.cos * d.sin)));
     const auto x = [&](float share) { return static_cast<float>(rim.cx) + share * reach * d.cos; };
     const auto y = [&](float share) { return static_cast<float>(rim.cy) + share * reach * d.sin; };
     if (!sampler.inside(x(outside), y(outside), kSphere.margin_px) ||
-        !sampler.inside(x(samples.x[kRings - 1]), y(samples.x[kRings - 1]), kSphere.margin_px)) {
+        !sampler.inside(x(ring_x[kRings - 1]), y(ring_x[kRings - 1]), kSphere.margin_px)) {
       continue;
     }
     // Where ink ends the level is neither paint's nor ink's.
@@ -45,9 +48,9 @@ void sample(ImageView<const T> picture, const Rim& rim, float sign, double step_
     const float beside = kSphere.beside_px / static_cast<float>(rim.r);
     for (int k = 0; k < kRings; ++k) {
       const auto level = [&](float share) { return sign * sampler.bilinear(x(share), y(share)); };
-      const float here = level(samples.x[k]);
-      const bool flat = std::abs(level(samples.x[k] - beside) - here) < uneven &&
-                        std::abs(level(samples.x[k] + beside) - here) < uneven;
+      const float here = level(ring_x[k]);
+      const bool flat = std::abs(level(ring_x[k] - beside) - here) < uneven &&
+                        std::abs(level(ring_x[k] + beside) - here) < uneven;
       d.level[k] = flat ? here : kNoLevel;
       if (k <= kRingsOfCell) brightest = std::max(brightest, here);
     }
@@ -146,7 +149,8 @@ class Fit {
           }
         }
         if (levels.size() < kSphere.cell_samples) continue;
-        const double x = 0.5 * (samples_.x[ring] + samples_.x[ring + 1]);
+        const auto& ring_x = samples_.x[samples_.x.size() / 2];
+        const double x = 0.5 * static_cast<double>(ring_x[ring] + ring_x[ring + 1]);
         cells_.push_back({begin, end, ring, x * middle.cos, x * middle.sin, std::sqrt(1 - x * x),
                           quantile(levels, kSphere.bright)});
       }
@@ -234,8 +238,8 @@ class Fit {
       for (std::size_t i = cell.begin; i < cell.end; ++i) {
         const auto& d = samples_.directions[i];
         for (int k = cell.ring; k < cell.ring + kRingsOfCell; ++k) {
-          const double x = samples_.x[k];
-          const double off = d.level[k] - light.at(x * d.cos, x * d.sin, samples_.z[k]);
+          const double x = samples_.x[d.layer][k];
+          const double off = d.level[k] - light.at(x * d.cos, x * d.sin, samples_.z[d.layer][k]);
           const bool near = std::abs(off) <= window;
           sum += near ? off : 0;
           n += near;
@@ -262,12 +266,17 @@ double SphereLight::at(double x, double y, double z) const {
 }
 
 void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double step_px,
-                   double noise, SphereSamples& samples) {
+                   double noise, int layers, SphereSamples& samples) {
   const double most = std::asin(std::clamp(1 - (kInside + 1) * step_px / rim.r, 0.3, 0.99));
-  for (int k = 0; k < kRings; ++k) {
-    const double angle = std::lerp(most, kSphere.least_deg * kRadPerDeg, k / (kRings - 1.0));
-    samples.x[k] = static_cast<float>(std::sin(angle));
-    samples.z[k] = static_cast<float>(std::cos(angle));
+  samples.x.resize(layers);
+  samples.z.resize(layers);
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int k = 0; k < kRings; ++k) {
+      const double part = (k + layer / static_cast<double>(layers)) / (kRings - 1.0);
+      const double angle = std::lerp(most, kSphere.least_deg * kRadPerDeg, part);
+      samples.x[layer][k] = static_cast<float>(std::sin(angle));
+      samples.z[layer][k] = static_cast<float>(std::cos(angle));
+    }
   }
   if (frame.type == PixelType::kU8) {
     sample(frame.u8.view(), rim, sign_of(polarity), step_px, static_cast<float>(noise), samples);

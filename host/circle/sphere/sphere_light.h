@@ -39,15 +39,17 @@ inline constexpr float kNoLevel = -1e9f;
 struct SphereSamples {
   struct Direction {
     float cos, sin;
+    int layer;
     std::array<float, kRings> level;  // kNoLevel where ink ends beside it
   };
   std::vector<Direction> directions;  // those that show the ball, in the order of the angle
-  std::array<float, kRings> x, z;     // of the normals: distance from the axis of sight, and along
+  // Of the normals: distance from the axis of sight, and along. Each layer has its own circles.
+  std::vector<std::array<float, kRings>> x, z;
 };
-// `step_px` of the lines across the rim; `noise` of a sample. `samples` keeps its memory from call
-// to call.
+// `step_px` of the lines across the rim; `noise` of a sample; `layers` times as many samples.
+// `samples` keeps its memory from call to call.
 void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double step_px,
-                   double noise, SphereSamples& samples);
+                   double noise, int layers, SphereSamples& samples);
 
 // `ground`: the background's level; `noise` of a sample; `start`: the light of an earlier frame.
 // nullopt where too little of the ball is seen.

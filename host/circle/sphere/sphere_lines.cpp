@@ -52,6 +52,15 @@ float as_usual(float contrast, float ground, const LineTrace::Levels& levels) {
   return std::min(usual * contrast / (contrast + ground), 1.0f);
 }
 
+// What a line's grey levels are told in by an outline. Ink and paint are shares of the light, but
+// noise is not: the root of the light is between the two.
+float outline_scale(const LineTrace::Levels& levels, float c, float s, float ground) {
+  const auto x = static_cast<double>(c), y = static_cast<double>(s);
+  const double paint = levels.sphere.at(x, y, kSphere.rim_z);
+  const double most = static_cast<double>(std::max(levels.usual + ground, levels.usual));
+  return levels.usual * static_cast<float>(std::sqrt(std::max(paint / most, kSphere.least_light)));
+}
+
 // How the surface's length goes into the samples of a line, from the rim on inwards.
 struct Foreshortening {
   int length = 0;       // samples of a strip
@@ -115,8 +124,12 @@ void add_strips(ImageView<const T> picture, const Rim& rim, const LineRequest& r
   const StripPlaces places(shape, last);
   const RimLines& lines = trace.lines;
   const double ground = quantile(trace.levels.ground, 0.5);
+  const bool outline = request.surface == Surface::kOutline;
+  const std::array<Seen, kSamples> seen = seen_along(request, rim.r);
   for (std::size_t i = 0; i < lines.size(); i += kSphere.strips_every) {
     const double c = lines.cos[i], s = lines.sin[i];
+    const auto scale = static_cast<double>(
+        outline_scale(trace.levels, lines.cos[i], lines.sin[i], static_cast<float>(ground)));
     for (int strip = 0; strip < kSphere.strips; ++strip) {
       double b[kTexture] = {};
       bool inside = true;
@@ -129,11 +142,21 @@ void add_strips(ImageView<const T> picture, const Rim& rim, const LineRequest& r
         const double paint = trace.levels.sphere.at(x * c, x * s, z) - ground;
         const double level = static_cast<double>(sign * sampler.bilinear(px, py)) - ground;
         inside = paint > kSphere.least_contrast * static_cast<double>(trace.levels.usual);
+        if (outline) {
+          // As it would be lit at the rim.
+          const double share = (level + ground) / (paint + ground);
+          for (int k = 0; k < kTexture; ++k) b[k] += shape.weight[m][k] * share;
+          continue;
+        }
         const double ink = (1 - level / paint) * as_usual(static_cast<float>(paint),
                                                           static_cast<float>(ground), trace.levels);
         for (int k = 0; k < kTexture; ++k) b[k] += shape.weight[m][k] * (1 - ink);
       }
       if (!inside) continue;
+      for (int k = 0; outline && k < kTexture; ++k) {
+        const double paint = trace.levels.sphere.at(seen[k].x * c, seen[k].x * s, seen[k].z);
+        b[k] = (b[k] * paint - ground) / scale;
+      }
       float samples[kTexture];
       for (int k = 0; k < kTexture; ++k) samples[k] = static_cast<float>(b[k]);
       request.texture->add(samples, static_cast<float>(trace.noise));
@@ -195,6 +218,47 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
     kept[count++] = i;
   }
   out.keep(static_cast<std::size_t>(count));
+}
+
+void keep_outline_lines(const CastLines& lines, const std::vector<float>& grounds,
+                        LineTrace& trace) {
+  const LineTrace::Levels& levels = trace.levels;
+  RimLines& out = trace.lines;
+  const int n = lines.size();
+  out.make_room(static_cast<std::size_t>(n));
+  constexpr int kBeside = kClear.beside;
+  thread_local std::vector<int> kept;  // number of each line kept; memory only
+  kept.resize(static_cast<std::size_t>(n));
+  int count = 0, blocked = -kBeside - 1;  // the last line with something else outside
+  const float beyond = kClear.ground_noise * levels.noise + kClear.ground_tolerance * levels.usual;
+  float noise_sq = 0;
+  const float something = kClear.nothing_noise * levels.noise;
+  for (int i = 0; i < n; ++i) {
+    const Profile& level = lines.level[i].v;
+    const float ground = grounds[i];
+    if (std::abs(level[kSamples - 1] - ground) > beyond) {
+      blocked = i;
+      while (count > 0 && kept[count - 1] >= i - kBeside) --count;
+      continue;
+    }
+    if (i - blocked <= kBeside) continue;
+    const float most = std::max({level[0], level[1], level[2]}) - ground;
+    const float least = std::min({level[0], level[1], level[2]}) - ground;
+    if (std::max(most, -least) < something) continue;
+    const float scale = outline_scale(levels, lines.cos[i], lines.sin[i], ground);
+    for (int k = 0; k < kSamples; ++k) out.profile[count].v[k] = (level[k] - ground) / scale;
+    const float relative = levels.usual / scale;
+    noise_sq += relative * relative;
+    out.profile[count].v[kSamples] = 0;
+    out.cos[count] = lines.cos[i];
+    out.sin[count] = lines.sin[i];
+    out.weight[count] = 1;
+    out.sector[count] = lines.sector(i, kRimSectors);
+    out.log_scale[count] = static_cast<float>(kSamples) * std::log(scale);
+    kept[count++] = i;
+  }
+  out.keep(static_cast<std::size_t>(count));
+  if (count > 0) trace.noise *= std::sqrt(static_cast<double>(noise_sq) / count);
 }
 
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,

@@ -14,6 +14,11 @@ namespace impactdic::circle {
 void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& grounds,
                              const Rim& rim, const LineRequest& request, LineTrace& trace);
 
+// Keeps the lines that show background outside and something else inside. A profile is in shares of
+// the usual contrast.
+void keep_outline_lines(const CastLines& lines, const std::vector<float>& grounds,
+                        LineTrace& trace);
+
 // What the ink looks like along lines across the rim, from strips of the surface that face the
 // camera, foreshortened as they would be at the rim: gives them to the request's texture.
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,
