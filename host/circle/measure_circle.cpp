@@ -87,7 +87,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   }
   // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
   if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) &&
-      fit.points < kSphere.most_left * trace.cast) {
+      fit.points < kSphere.most_left * trace.in_view) {
     result.cx_sd_px = std::hypot(result.cx_sd_px, kSphere.arc_sd_px);
     result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
@@ -189,9 +189,11 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
 }
 
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in
-// the frame before.
+// the frame before. Ink in most edges and no model of it may be a sphere's, too.
 void doubt_crossings(const CirclePrior& prior, CircleFit& fit) {
-  const double off = fit.circle.r_px - prior.predicted.r_px;
+  const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
+  if (!sphere && !fit.inked) return;
+  const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
   fit.cx_sd_px = std::hypot(fit.cx_sd_px, kSphere.crossings_centre_px, off);
   fit.cy_sd_px = std::hypot(fit.cy_sd_px, kSphere.crossings_centre_px, off);
   fit.r_sd_px = std::hypot(fit.r_sd_px, kSphere.crossings_radius_px, off);
@@ -205,6 +207,14 @@ double free_distance(const RimTrace& trace, const Rim& rim) {
     sin.push_back(p.sin);
   }
   return free_distance(cos, sin, cos.size(), rim);
+}
+
+// Whether what an outline tells is to be taken for what the crossings tell, or for a sphere's model
+// learnt from them (`known`). A disc behind a bar shows little of itself, too.
+bool replaces(const CircleFit& outlined, bool known, bool learn) {
+  if (!outlined.rim_model) return !known && !learn;
+  const Surface surface = outlined.rim_model->surface();
+  return surface == Surface::kOutline || (!known && surface == Surface::kSphere);
 }
 
 // By its outline, where that shows at least `least_points` rays' worth of it.
@@ -309,12 +319,15 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   ModelFit learnt;
   if (prior.learn) learnt = learn_rim(frame, fit, search, prior, options, lines);
   const bool known = is_enough(learnt.fit);
-  const bool whole = known && learnt.fit.points > kSphere.most_left * lines.cast;
+  const bool whole = known && (learnt.rim_model->surface() == Surface::kFlat ||
+                               learnt.fit.points > kSphere.most_left * lines.in_view);
   if (!whole && fit.points < kOutline.poor_rim * options.rays) {
     thread_local LineTrace others;  // memory only
     const double least = kOutline.more_rim * fit.points;
     const auto outlined = by_outline(frame, around, options, least, others);
-    if (outlined) return accepted(*outlined, frame, options);
+    if (outlined && replaces(*outlined, known, prior.learn)) {
+      return accepted(*outlined, frame, options);
+    }
   }
   if (known) {
     result = describe(frame, learnt, lines, learnt.polarity == Polarity::kBright);
@@ -325,9 +338,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // Crossings end more sharply at what hides the rim.
   result.circle.free_px = free_distance(trace, fit.rim);
   result.inked = fit.inked > kJudge.dense;
-  if (prior.rim_model && prior.rim_model->surface() != Surface::kFlat && !result.rim_model) {
-    doubt_crossings(prior, result);
-  }
+  if (!result.rim_model) doubt_crossings(prior, result);
   return accepted(result, frame, options);
 }
 
