@@ -39,6 +39,9 @@ constexpr LightScene kScenes[] = {
     {.name = "disc_dim", .gain = 0.3},
     {.name = "disc_noise", .noise = 8},
     {.name = "disc_squash", .compression = 0.1},
+    {.name = "contact", .compression = 0.1, .contact = true},
+    {.name = "contact_wood", .compression = 0.1, .contact = true, .backdrop = Backdrop::kWood},
+    {.name = "contact_bar", .hidden = 0.3, .compression = 0.1, .contact = true},
     {.name = "disc_small", .radius_px = 30},
     {.name = "disc_large", .radius_px = 230},
     {.name = "disc_enters", .enters = true},
@@ -70,7 +73,7 @@ constexpr LightScene kScenes[] = {
 constexpr double kBeyond = 5, kMatters_px = 0.02;
 
 struct Table {
-  Errors centre, radius, shift, turn;
+  Errors centre, radius, shift, turn, angle;
   int rows = 0, lost = 0, wrong = 0, wrong_motion = 0, flagged = 0;
 
   static bool is_wrong(double error, double sd, double matters) {
@@ -108,6 +111,10 @@ struct Table {
     }
     wrong_motion += off;
   }
+  void add_pose(const BodyPose& pose, double angle_deg) {
+    if (std::isnan(pose.angle_rad)) return;  // a sphere's
+    angle.add(pose.angle_rad * kDegPerRad - angle_deg, pose.angle_sd_rad * kDegPerRad);
+  }
   void print(const char* name) const {
     const auto two = [](const Errors& e) { std::printf("  %8.4f %6.2f", e.rms(), e.over_sd()); };
     std::printf("%-14s %5d %4d %4d %5d %5d", name, rows, lost, flagged, wrong, wrong_motion);
@@ -117,6 +124,7 @@ struct Table {
     std::printf(" %+8.4f", radius.mean());
     two(shift);
     two(turn);
+    if (angle.count > 0) two(angle);
     std::printf("\n");
     std::fflush(stdout);
   }
@@ -188,6 +196,10 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
     table.lost +=
         !good && row.status != TrackStatus::kInconsistent && all_in_view(poses[k], scene, clip);
     table.add_circle(row, poses[k], scene.radius_px);
+    if (row.pose.ok && row.pose.origin < row.frame) {
+      const BallPose& origin = poses[static_cast<std::size_t>(row.pose.origin)];
+      table.add_pose(row.pose, poses[k].angle_deg - origin.angle_deg);
+    }
     if (k + 1 < poses.size()) table.add_motion(row, scene, poses[k], poses[k + 1]);
   }
 }
@@ -209,8 +221,8 @@ int run(int argc, char** argv) {
   Session session;
   std::printf(
       "condition: rows, lost, inconsistent, wrong circle and motion with status ok; centre rms, "
-      "over sd, largest; radius rms, over sd, mean; dx, dy rms, over sd; turn rms, over sd (px, "
-      "deg)\n");
+      "over sd, largest; radius rms, over sd, mean; dx, dy rms, over sd; turn rms, over sd; of a "
+      "disc the pose's angle rms, over sd (px, deg)\n");
   for (const LightScene& scene : kScenes) {
     const bool one = std::find(wanted.begin(), wanted.end(), scene.name) != wanted.end();
     if (wanted[0] != "all" && !one) continue;

@@ -60,6 +60,7 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.bright = b.bright;
   prior.inked = b.inked;
   prior.rim_model = b.rim_model;
+  prior.rim_fraction = std::min(a.rim_fraction, b.rim_fraction);
   prior.learn = false;
   prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * off_px);
   prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * prior.predicted.r_px);
@@ -88,6 +89,20 @@ double BallTracker::radius_sd_px() const {
   return std::hypot(kTracking.mad * upper_median(off), kTracking.radius_sd_of_r * centre);
 }
 
+// Frames share the ink under their rim and the rim's model, and so a part of their radii's errors:
+// the part of their deviations that does not show as scatter.
+double BallTracker::radius_bias_sd_px() const {
+  const std::deque<double>&own = memory_.own_radii_px, &sds = memory_.own_radii_sd_px;
+  if (own.size() < kTracking.least_radii) return 0;
+  const double centre = upper_median(std::vector<double>(own.begin(), own.end()));
+  const double stated = upper_median(std::vector<double>(sds.begin(), sds.end()));
+  std::vector<double> off;
+  for (const double r : own) off.push_back(std::abs(r - centre));
+  const double scatter = kTracking.mad * upper_median(off);
+  const double common = std::max(0.0, stated * stated - scatter * scatter);
+  return std::sqrt(common + scatter * scatter / static_cast<double>(own.size()));
+}
+
 std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
   if (memory_.seen.empty()) return std::nullopt;
   const double gap = static_cast<double>(std::abs(index - memory_.seen.back().index));
@@ -107,6 +122,7 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   if (last.fit.by_hand != ByHand::kDrawn || last.fit.rim_model) prior.bright = last.fit.bright;
   prior.inked = last.fit.inked;
   prior.rim_model = last.fit.rim_model;
+  prior.rim_fraction = last.fit.rim_fraction;
   prior.learn = index >= memory_.next_learning;
   prior.e1_px = last.fit.e1_px;
   prior.e2_px = last.fit.e2_px;
@@ -128,6 +144,7 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   if (const auto radius = radius_px()) {
     prior.radius_px = *radius;
     prior.radius_sd_px = radius_sd_px();
+    prior.radius_bias_sd_px = radius_bias_sd_px();
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
   return prior;
@@ -147,13 +164,18 @@ std::pair<double, double> BallTracker::fall() const {
 
 BallTracker::Radius BallTracker::radius() const {
   const auto learnt = radius_px();
-  return {learnt, radius_sd_px(), learnt ? learnt : options_.scouted_radius_px};
+  return {learnt, radius_sd_px(), radius_bias_sd_px(),
+          learnt ? learnt : options_.scouted_radius_px};
 }
 
 void BallTracker::learn_radius(const CircleFit& fit) {
   if (fit.ellipse || fit.rim_fraction <= kTracking.whole_rim) return;
   memory_.radii_px.push_back(fit.circle.r_px);
-  if (memory_.radii_px.size() > kTracking.radii) memory_.radii_px.pop_front();
+  memory_.own_radii_px.push_back(fit.own_r_px);
+  memory_.own_radii_sd_px.push_back(fit.own_r_sd_px);
+  for (auto* radii : {&memory_.radii_px, &memory_.own_radii_px, &memory_.own_radii_sd_px}) {
+    if (radii->size() > kTracking.radii) radii->pop_front();
+  }
 }
 
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
@@ -181,6 +203,7 @@ CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
   if (radius.px) {
     prior.radius_px = radius.px;
     prior.radius_sd_px = radius.sd_px;
+    prior.radius_bias_sd_px = radius.bias_sd_px;
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
   const CircleFit fit = measure_circle(frame, prior, options_.circle);
@@ -310,6 +333,7 @@ void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
                                         left.off_px, index);
       prior.radius_px = plan.radius.px;
       prior.radius_sd_px = plan.radius.sd_px;
+      prior.radius_bias_sd_px = plan.radius.bias_sd_px;
       prior.compression_axis_rad = options_.compression_axis_rad;
       fits[left.frame] = locate(frames[left.frame], prior, plan.radius);
     });

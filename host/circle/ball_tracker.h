@@ -43,8 +43,10 @@ class BallTracker {
   };
   // All that it knows of the frames before.
   struct Memory {
-    std::deque<Seen> seen;           // the last measured frames, newest last
-    std::deque<double> radii_px;     // of the last frames in which the ball was round and whole
+    std::deque<Seen> seen;        // the last measured frames, newest last
+    std::deque<double> radii_px;  // of the last frames in which the ball was round and whole
+    // Of the same frames, each by itself, and its deviation.
+    std::deque<double> own_radii_px, own_radii_sd_px;
     std::int64_t next_learning = 0;  // frame from which on the rim model is learnt
   };
   const Memory& memory() const { return memory_; }
@@ -75,12 +77,13 @@ class BallTracker {
   // The free ball's radius so far, and the scatter of that.
   std::optional<double> radius_px() const;
   double radius_sd_px() const;
+  double radius_bias_sd_px() const;
 
  private:
   // The free ball's radius; nothing before it is learnt. `rough_px` tells the ball from others.
   struct Radius {
     std::optional<double> px;
-    double sd_px = 0;
+    double sd_px = 0, bias_sd_px = 0;
     std::optional<double> rough_px;
   };
   Radius radius() const;

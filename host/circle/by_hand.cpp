@@ -27,7 +27,10 @@ void BallTracker::forget_others(const BallByHand& given) {
     std::erase_if(memory_.seen, [](const Seen& seen) { return seen.fit.by_hand == ByHand::kNo; });
   }
   const auto radius = radius_px();
-  if (radius && !is_same_size(*radius, given)) memory_.radii_px.clear();
+  if (!radius || is_same_size(*radius, given)) return;
+  memory_.radii_px.clear();
+  memory_.own_radii_px.clear();
+  memory_.own_radii_sd_px.clear();
 }
 
 CircleFit BallTracker::measure_by_hand(const Frame& frame, const BallByHand& given) {

@@ -32,6 +32,8 @@ struct CircleFit {
   bool ellipse = false;
   double e1_px = 0, e2_px = 0;
   double e1_sd_px = 0, e2_sd_px = 0;
+  // The radius by this frame alone, whatever was known of it.
+  double own_r_px = 0, own_r_sd_px = 0;
   ByHand by_hand = ByHand::kNo;
   bool bright = true;       // the ball is brighter than what lies behind it
   bool inked = false;       // ink reaches into most of the rim
@@ -66,8 +68,10 @@ struct CirclePrior {
   bool inked = false;                             // as in CircleFit: spares a trace
   std::shared_ptr<const RimModel> rim_model;      // as in CircleFit: spares the learning
   bool learn = true;                              // a rim model, where there is none
+  double rim_fraction = 0;                        // as in CircleFit; 0: not known
   std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
-  std::optional<double> compression_axis_rad;     // image axes, y down
+  double radius_bias_sd_px = 0;  // of an error that radius_px and this frame have in common
+  std::optional<double> compression_axis_rad;  // image axes, y down
 };
 
 // A circle that has proved itself by its rim (measure_circle); good to about a pixel.

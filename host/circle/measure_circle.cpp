@@ -49,17 +49,22 @@ void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions&
 // What both kinds of fit have. A blurred disc crosses its half level inside its rim: at R − σ²/2R
 // (mean of the Rice distribution).
 template <typename Fit>
-void fill(const Fit& fit, double edge_sigma_px, CircleFit& result) {
+void fill(const Fit& fit, double edge_sigma_px, double radius_bias_sd_px, CircleFit& result) {
   const double shrink = edge_sigma_px * edge_sigma_px / (2 * fit.rim.r);
+  const auto sd = [&](int i) {
+    return std::hypot(fit.sd[i], fit.own.follows[i] * radius_bias_sd_px);
+  };
   result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink};
-  result.cx_sd_px = fit.sd[0];
-  result.cy_sd_px = fit.sd[1];
-  result.r_sd_px = fit.sd[2];
+  result.cx_sd_px = sd(0);
+  result.cy_sd_px = sd(1);
+  result.r_sd_px = sd(2);
   result.ellipse = fit.ellipse;
   result.e1_px = fit.rim.e1;
   result.e2_px = fit.rim.e2;
-  result.e1_sd_px = fit.sd[3];
-  result.e2_sd_px = fit.sd[4];
+  result.e1_sd_px = sd(3);
+  result.e2_sd_px = sd(4);
+  result.own_r_px = fit.own.r_px + shrink;
+  result.own_r_sd_px = fit.own.r_sd_px;
   result.residual_px = fit.residual_px;
   result.rim_points = fit.points;
 }
@@ -74,14 +79,17 @@ bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool brig
   return most > kJudge.over_exposed * scale;
 }
 
-CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace, bool bright) {
+CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace,
+                   const CirclePrior& prior, bool bright) {
   CircleFit result;
   const double sigma = m.rim_model->edge_sigma_px();
   LineFit fit = m.fit;
   for (int i = 0; i < 5; ++i) {
     fit.sd[i] = std::hypot(fit.sd[i], m.rim_model->place_sd_px() * std::sqrt(fit.misplaced[i]));
   }
-  fill(fit, sigma, result);
+  fit.own.r_sd_px =
+      std::hypot(fit.own.r_sd_px, m.rim_model->place_sd_px() * std::sqrt(fit.own.misplaced));
+  fill(fit, sigma, prior.radius_bias_sd_px, result);
   if (m.rim_model->surface() != Surface::kFlat) {
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.radius_sd_of_r * result.circle.r_px);
   }
@@ -140,7 +148,9 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
   }
   if (!is_enough(m.fit)) m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
   if (!is_enough(m.fit)) return std::nullopt;
-  return describe(frame, m, lines, *prior.bright);
+  CircleFit fit = describe(frame, m, lines, prior, *prior.bright);
+  if (fit.rim_fraction < kJudge.followed_rim * prior.rim_fraction) return std::nullopt;
+  return fit;
 }
 
 // By the prior's rim model of a sphere, from where search or crossings found the rim. Crossings of
@@ -155,7 +165,7 @@ std::optional<CircleFit> follow_from(const Rim& found, const Frame& frame, Circl
   for (const auto& [x, y] : steps) {
     prior.predicted = {found.cx + x, found.cy + y, prior.predicted.r_px};
     const ModelFit m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
-    if (is_enough(m.fit)) return describe(frame, m, lines, *prior.bright);
+    if (is_enough(m.fit)) return describe(frame, m, lines, prior, *prior.bright);
   }
   return std::nullopt;
 }
@@ -243,7 +253,7 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
   if (prior.learn || followed) learnt = learn_rim(frame, fit, search, prior, options, lines);
   CircleFit result;
   if (is_enough(learnt.fit)) {
-    result = describe(frame, learnt, lines, learnt.polarity == Polarity::kBright);
+    result = describe(frame, learnt, lines, prior, learnt.polarity == Polarity::kBright);
   } else {
     fill(fit, trace.edge_sigma_px, result);
     result.bright = bright;
@@ -330,9 +340,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     }
   }
   if (known) {
-    result = describe(frame, learnt, lines, learnt.polarity == Polarity::kBright);
+    result = describe(frame, learnt, lines, prior, learnt.polarity == Polarity::kBright);
   } else {
-    fill(fit, trace.edge_sigma_px, result);
+    fill(fit, trace.edge_sigma_px, prior.radius_bias_sd_px, result);
     result.rim_fraction = static_cast<double>(fit.points) / options.rays;
   }
   // Crossings end more sharply at what hides the rim.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -82,6 +83,8 @@ void each_of_fit(Field field, T& fit) {
   field("e2_px", fit.e2_px);
   field("e1_sd_px", fit.e1_sd_px);
   field("e2_sd_px", fit.e2_sd_px);
+  field("own_r_px", fit.own_r_px);
+  field("own_r_sd_px", fit.own_r_sd_px);
   field("bright", fit.bright);
   field("inked", fit.inked);
   field("residual_px", fit.residual_px);
@@ -159,9 +162,18 @@ void each_of_correlate(Field field, T& point) {
   field("vain_searches", point.vain_searches);
 }
 
+template <typename T, typename Use>
+void each_of_radii(T& tracker, const Use& use) {
+  use("radii_px", tracker.radii_px);
+  use("own_radii_px", tracker.own_radii_px);
+  use("own_radii_sd_px", tracker.own_radii_sd_px);
+}
+
 json describe(const circle::BallTracker::Memory& tracker) {
   json described = {{"seen", json::array()},
                     {"radii_px", json::array()},
+                    {"own_radii_px", json::array()},
+                    {"own_radii_sd_px", json::array()},
                     {"next_learning", tracker.next_learning}};
   for (const circle::BallTracker::Seen& seen : tracker.seen) {
     json& item = described["seen"].emplace_back(json{{"index", seen.index}});
@@ -169,7 +181,9 @@ json describe(const circle::BallTracker::Memory& tracker) {
     // The key of older versions, which this one reads too.
     if (seen.fit.rim_model) item["look"] = seen.fit.rim_model->numbers();
   }
-  for (const double radius : tracker.radii_px) described["radii_px"].push_back(number(radius));
+  each_of_radii(tracker, [&](const char* name, const std::deque<double>& radii) {
+    for (const double radius : radii) described[name].push_back(number(radius));
+  });
   return described;
 }
 
@@ -190,7 +204,10 @@ circle::BallTracker::Memory tracker_of(const json& described) {
     }
   }
   tracker.next_learning = whole_number(described.at("next_learning"));
-  for (const json& radius : described.at("radii_px")) tracker.radii_px.push_back(number(radius));
+  each_of_radii(tracker, [&](const char* name, std::deque<double>& radii) {
+    if (!described.contains(name)) return;  // of an older version
+    for (const json& radius : described.at(name)) radii.push_back(number(radius));
+  });
   return tracker;
 }
 
@@ -275,6 +292,9 @@ void check(const pipeline::ResumePoint& point) {
     check(seen.fit);
   }
   for (const double radius : point.tracker.radii_px) demand(is_usual(radius) && radius > 0);
+  each_of_radii(point.tracker, [](const char*, const std::deque<double>& radii) {
+    for (const double radius : radii) demand(is_usual(radius));
+  });
   demand(!point.grid_radius_px || (is_usual(*point.grid_radius_px) && *point.grid_radius_px > 0));
   if (!point.keyframes) return;
   demand(point.keyframes->last_index >= -1 && point.keyframes->last_index <= row);

@@ -32,6 +32,7 @@ struct LightScene {
   double noise = 2, blur_px = 0.6, exposure = 0;
   double hidden = 0, bar_angle_deg = 0;  // share of the ball behind a bar
   double compression = 0;
+  bool contact = false;  // compressed in the middle third of the clip alone, else in all of it
   Backdrop backdrop = Backdrop::kEven;
   double dx_px = 0.73, dy_px = -0.41, spin_x_deg = 0.4, spin_y_deg = 0.6, rotation_deg = 1.1;
   bool enters = false;  // from outside the picture, and leaves it
@@ -121,6 +122,11 @@ class LightClip {
     motion.start.compression = how_.compression;
     motion.start.compression_axis_deg = 90;
     poses_ = sim::speckle::constant_motion(motion, frames);
+    const double third = (frames - 1) / 3.0;
+    for (int k = 0; how_.contact && k < frames; ++k) {
+      const double t = (k - third) / third;
+      poses_[static_cast<std::size_t>(k)].compression *= t > 0 && t < 1 ? std::sin(kPi * t) : 0.0;
+    }
   }
 
   std::unique_ptr<Renderer> renderer(double background) const {

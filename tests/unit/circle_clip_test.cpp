@@ -1,12 +1,14 @@
-// The circle on a real clip: a steel ball before a lamp, 12 bits, with a glint inside it and a
-// plate below.
+// The circle over the frames of a clip. A real one: a steel ball before a lamp, 12 bits, with a
+// glint inside it and a plate below. Rendered ones: what frames have in common.
 #include <gtest/gtest.h>
+#include <impactdic/units.h>
 
 #include <cmath>
 #include <vector>
 
 #include "host/circle/ball_tracker.h"
 #include "host/video/frame_source.h"
+#include "sim/speckle/render.h"
 #include "tests/support/data.h"
 
 namespace impactdic {
@@ -78,6 +80,68 @@ TEST(RealBall, EveryFrameAloneGivesTheSame) {
     EXPECT_NEAR(alone.circle.cx_px, fits[i].circle.cx_px, 0.005);
     EXPECT_NEAR(alone.circle.cy_px, fits[i].circle.cy_px, 0.005);
   }
+}
+
+SynthScene noisy_scene(int side) {
+  SynthScene scene;
+  scene.width = scene.height = side;
+  scene.noise_sigma = 2;
+  return scene;
+}
+
+// The last frame lies as the first ones predict, so those between are followed from both: a circle
+// of the known radius fits what is left of a pressed ball's rim to a hundredth of a pixel.
+TEST(BallTracker, SeesAContactBetweenRoundFrames) {
+  constexpr int kFrames = 13;
+  constexpr double kPressed = 60;
+  const SynthScene scene = noisy_scene(180);
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", 14, kPressed), scene);
+  std::vector<Frame> frames(kFrames);
+  std::vector<BallPose> poses;
+  for (int k = 0; k < kFrames; ++k) {
+    const double pressed = k > 4 && k < 8 ? 0.1 * std::sin(kPi * (k - 4) / 4) : 0;
+    poses.push_back({85.3 + 0.73 * k, 92.1 - 0.41 * k, 68 + 1.1 * k, pressed, 90});
+    renderer.render(poses.back(), k, frames[static_cast<std::size_t>(k)]);
+  }
+  std::vector<circle::CircleFit> fits(kFrames);
+  circle::BallTracker().follow(frames, 0, fits);
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    ASSERT_EQ(fits[k].status, circle::CircleStatus::kOk) << k;
+    EXPECT_NEAR(fits[k].circle.cx_px, poses[k].cx_px, 0.08) << k;
+    EXPECT_NEAR(fits[k].circle.cy_px, poses[k].cy_px, 0.08) << k;
+    EXPECT_NEAR(fits[k].circle.r_px, kPressed * (1 - poses[k].compression / 2), 0.1) << k;
+    EXPECT_EQ(fits[k].ellipse, poses[k].compression > 0) << k;
+  }
+}
+
+// Frames that show the same ink agree on a radius that is wrong in all of them alike.
+TEST(BallTracker, AgreementOfFramesIsNoExactness) {
+  constexpr int kFrames = 12, kBalls = 8;
+  constexpr double kSmall = 30;
+  const SynthScene scene = noisy_scene(110);
+  double squares = 0, first_sds = 0, last_sds = 0;
+  for (std::uint64_t seed = 21; seed < 21 + kBalls; ++seed) {
+    const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("e1", seed, kSmall), scene);
+    std::vector<Frame> frames(kFrames);
+    for (int k = 0; k < kFrames; ++k) {
+      renderer.render(BallPose{50.3 + 0.73 * k, 57.1 - 0.41 * k, 1.1 * k}, k,
+                      frames[static_cast<std::size_t>(k)]);
+    }
+    std::vector<circle::CircleFit> fits(kFrames);
+    circle::BallTracker().follow(frames, 0, fits);
+    for (const circle::CircleFit& fit : fits) {
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk);
+      const double off = (fit.circle.r_px - kSmall) / fit.r_sd_px;
+      EXPECT_LT(std::abs(off), 5);
+      squares += off * off;
+    }
+    first_sds += fits[1].r_sd_px;
+    last_sds += fits[kFrames - 1].r_sd_px;
+  }
+  std::printf("%.2f; %.4f %.4f\n", std::sqrt(squares / (kFrames * kBalls)), first_sds / kBalls,
+              last_sds / kBalls);
+  EXPECT_LT(std::sqrt(squares / (kFrames * kBalls)), 2.2);
+  EXPECT_GT(last_sds, 0.6 * first_sds);
 }
 
 }  // namespace

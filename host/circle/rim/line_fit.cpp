@@ -29,7 +29,8 @@ struct Estimate {
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
   Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
-  double scatter = 0;                   // of the bare lines
+  RadiusOfFrame own;
+  double scatter = 0;  // of the bare lines
   int points = 0;
   double arc = 0;
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
@@ -41,17 +42,6 @@ struct Estimate {
 };
 
 using Evidence = RimModel::Evidence;
-
-// What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
-// all around the rim and of arcs px sector by sector. A known radius turns some of it aside.
-Matrix5 misplaced(const LineSums& s, double wider, const Matrix5& covariance) {
-  const Matrix5 response = covariance * s.hessian / wider;
-  double squares = 0;
-  for (const double information : s.sectors.information) squares += information * information;
-  const double sector = squares / std::max(s.hessian_sum, 1e-30);
-  return response.col(2) * response.col(2).transpose() +
-         kLineFit.arcs * kLineFit.arcs * sector / wider * response * covariance;
-}
 
 // Kept from call to call.
 struct Workspace {
@@ -279,9 +269,12 @@ void Climb::learn_shares() {
 
 void Climb::describe(const Knowledge& known) {
   const LineSums& s = result_.sums;
-  result_.covariance =
-      Eigen::LDLT<Matrix5>(s.hessian / wider_ + known.precision).solve(Matrix5::Identity());
+  const Matrix5 precision = s.hessian / wider_ + known.precision;
+  result_.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
   result_.misplaced = misplaced(s, wider_, result_.covariance);
+  const RadiusShare share = radius_share(known, precision, result_.covariance, delta_);
+  result_.own = own_radius(share, task_.rim.r + delta_[2]);
+  result_.own.misplaced = misplaced(s, wider_, share.alone)(2, 2);
   if (task_.shape == Shape::kCircle) result_.oval = score_test(s.hessian, s.score, wider_);
   result_.scatter = task_.trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
   result_.points = std::min(static_cast<int>(task_.trace.lines.size()), s.points * stride_);
@@ -385,6 +378,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
     fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
     fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
   }
+  fit.own = best.own;
   fit.residual_px = best.scatter;
   fit.shares = best.shares;
   fit.points = best.points;

@@ -221,4 +221,13 @@ double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel
   return square.ldlt().solve(Eigen::Vector4d{0, 0, 0, slope})[3];
 }
 
+Matrix5 misplaced(const LineSums& s, double wider, const Matrix5& covariance) {
+  const Matrix5 response = covariance * s.hessian / wider;
+  double squares = 0;
+  for (const double information : s.sectors.information) squares += information * information;
+  const double sector = squares / std::max(s.hessian_sum, 1e-30);
+  return response.col(2) * response.col(2).transpose() +
+         kLineFit.arcs * kLineFit.arcs * sector / wider * response * covariance;
+}
+
 }  // namespace impactdic::circle

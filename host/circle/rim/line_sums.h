@@ -38,4 +38,9 @@ LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& de
 double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel::Evidence> widths,
                   float stray);
 
+// What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
+// all around the rim and of kLineFit.arcs px sector by sector. A known radius turns some of it
+// aside.
+Matrix5 misplaced(const LineSums& s, double wider, const Matrix5& covariance);
+
 }  // namespace impactdic::circle

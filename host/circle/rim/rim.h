@@ -170,11 +170,18 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
 void trace_outline(const Frame& frame, const Rim& rim, double blur_px, int count, RimTrace& trace);
 
 // The fit through traced points.
+// Of a fit that was told the radius of other frames.
+struct RadiusOfFrame {
+  double follows[5] = {};        // by how much cx, cy, r, e1, e2 follow an error of it
+  double r_px = 0, r_sd_px = 0;  // what the fit would say without it; `r_px` is the rim's
+  double misplaced = 0;          // variance of that radius, as LineFit::misplaced
+};
 struct RimFit {
   bool ok = false;
   Rim rim;
   bool ellipse = false;
-  double sd[5] = {};       // cx, cy, r, e1, e2
+  double sd[5] = {};  // cx, cy, r, e1, e2
+  RadiusOfFrame own;
   double residual_px = 0;  // scatter of the clean points
   double inked = 0;        // share of the points into which ink or an obstacle reaches
   int points = 0;          // with a weight of at least one half

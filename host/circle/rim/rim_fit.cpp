@@ -24,6 +24,7 @@ struct Estimate {
   bool ok = false;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
+  RadiusOfFrame own;
   double scale = 0;  // scatter of the clean points
   int points = 0;
   double arc = 0;
@@ -169,14 +170,18 @@ Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double 
   Estimate result;
   result.ok = true;
   result.delta = delta;
-  result.covariance = Eigen::LDLT<Matrix5>(s.information / wider + task.known(delta).precision)
-                          .solve(Matrix5::Identity());
+  const Knowledge known = task.known(delta);
+  const Matrix5 precision = s.information / wider + known.precision;
+  result.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
+  RadiusShare share = radius_share(known, precision, result.covariance, delta);
   // A scatter that the camera does not explain is fine ink all along the rim, or a rough ball: the
   // ink moves every crossing inwards, by more than it scatters them.
   const double trusted = kCrossingFit.noise_trust * task.trace.noise_px;
   const double beyond = sigma * sigma - trusted * trusted;
-  result.covariance(2, 2) +=
-      kCrossingFit.ink_shift * kCrossingFit.ink_shift * std::max(0.0, beyond);
+  const double shifted = kCrossingFit.ink_shift * kCrossingFit.ink_shift * std::max(0.0, beyond);
+  result.covariance(2, 2) += shifted;
+  share.alone(2, 2) += shifted;
+  result.own = own_radius(share, task.rim.r + delta[2]);
   if (task.shape == Shape::kCircle) result.oval = score_test(s.information, s.score, wider);
   result.scale = sigma;
   result.points = s.points;
@@ -269,6 +274,7 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, 
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   for (int i = 0; i < 5; ++i) fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+  fit.own = best.own;
   fit.residual_px = best.scale;
   fit.inked = mixture.inked;
   fit.points = best.points;

@@ -42,9 +42,33 @@ Knowledge knowledge(const Rim& rim, const Vector5& delta, const CirclePrior& pri
       value -= u1 * rim.e1 + u2 * rim.e2;
       sd = std::hypot(sd, kPrior.transverse * e);
     }
-    k.add(long_axis, value, std::max(sd, kPrior.least_radius_sd_px));
+    k.radius = long_axis;
+    k.radius_value = value;
+    k.radius_sd = std::max(sd, kPrior.least_radius_sd_px);
+    k.add(long_axis, value, k.radius_sd);
   }
   return k;
+}
+
+RadiusShare radius_share(const Knowledge& known, const Matrix5& precision,
+                         const Matrix5& covariance, const Vector5& delta) {
+  RadiusShare share{Vector5::Zero(), covariance, 0};
+  if (known.radius_sd == 0) return share;
+  const double weight = 1 / (known.radius_sd * known.radius_sd);
+  share.follows = weight * covariance * known.radius;
+  const Matrix5 rest = precision - weight * known.radius * known.radius.transpose();
+  share.alone = Eigen::LDLT<Matrix5>(rest).solve(Matrix5::Identity());
+  const double pulled = known.radius_value - known.radius.dot(delta);
+  share.moved = -weight * pulled * share.alone.row(2).dot(known.radius);
+  return share;
+}
+
+RadiusOfFrame own_radius(const RadiusShare& share, double r_px) {
+  RadiusOfFrame own;
+  Vector5::Map(own.follows) = share.follows;
+  own.r_px = r_px + share.moved;
+  own.r_sd_px = std::sqrt(std::max(0.0, share.alone(2, 2)));
+  return own;
 }
 
 double score_test(const Matrix5& information, const Vector5& score, double wider) {

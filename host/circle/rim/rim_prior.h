@@ -17,9 +17,25 @@ using Matrix5 = Eigen::Matrix<double, 5, 5>;
 struct Knowledge {
   Matrix5 precision = Matrix5::Zero();
   Vector5 pull = Vector5::Zero();
+  // The radius of other frames, a part of the above: radius · delta = radius_value ± radius_sd;
+  // radius_sd 0: not known.
+  Vector5 radius = Vector5::Zero();
+  double radius_value = 0, radius_sd = 0;
   // direction · delta = value ± sd.
   void add(const Vector5& direction, double value, double sd);
 };
+
+// What a fit owes to the radius of other frames.
+struct RadiusShare {
+  Vector5 follows = Vector5::Zero();  // by how much the corrections follow an error of it
+  Matrix5 alone = Matrix5::Zero();    // the covariance without it
+  double moved = 0;                   // and where dR would be, from where it is
+};
+// Of a fit at `delta` with this precision and covariance, the inverse, under all that is known.
+RadiusShare radius_share(const Knowledge& known, const Matrix5& precision,
+                         const Matrix5& covariance, const Vector5& delta);
+// `r_px`: the fitted radius.
+RadiusOfFrame own_radius(const RadiusShare& share, double r_px);
 
 // The uncompressed ball's radius and the axis of its compression, for the rim at `delta`. A
 // circle's e1 and e2 are known to be none.

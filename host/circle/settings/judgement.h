@@ -31,9 +31,12 @@ struct JudgementSettings {
   double near_steps = 0.15;     // … and to need no preview [hand]
   double followed_oval = 0.01;  // e/R of a prediction, no more: a ball under strong compression
                                 // changes its shape from frame to frame [hand]
-  double noisier = 2;           // than when the model was learnt: learn again [hand]
-  double followable = 0.9;      // share of the lines that must have to do with the rim where no
-                                // search confirms it [hand]
+  // Share of what the rim showed beside this frame, at least. Lines find nothing wrong where a ball
+  // that is compressed at once has left the circle: they end in the background.
+  double followed_rim = 0.85;  // [hand]
+  double noisier = 2;          // than when the model was learnt: learn again [hand]
+  double followable = 0.9;     // share of the lines that must have to do with the rim where no
+                               // search confirms it [hand]
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;
