@@ -171,8 +171,9 @@ BallTracker::Radius BallTracker::radius() const {
 void BallTracker::learn_radius(const CircleFit& fit) {
   if (fit.ellipse || fit.rim_fraction <= kTracking.whole_rim) return;
   memory_.radii_px.push_back(fit.circle.r_px);
-  memory_.own_radii_px.push_back(fit.own_r_px);
-  memory_.own_radii_sd_px.push_back(fit.own_r_sd_px);
+  const bool owns = fit.own_r_sd_px > 0;  // or no other frame was asked
+  memory_.own_radii_px.push_back(owns ? fit.own_r_px : fit.circle.r_px);
+  memory_.own_radii_sd_px.push_back(owns ? fit.own_r_sd_px : fit.r_sd_px);
   for (auto* radii : {&memory_.radii_px, &memory_.own_radii_px, &memory_.own_radii_sd_px}) {
     if (radii->size() > kTracking.radii) radii->pop_front();
   }

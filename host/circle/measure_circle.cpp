@@ -149,7 +149,9 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
   if (!is_enough(m.fit)) m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
   if (!is_enough(m.fit)) return std::nullopt;
   CircleFit fit = describe(frame, m, lines, prior, *prior.bright);
-  if (fit.rim_fraction < kJudge.followed_rim * prior.rim_fraction) return std::nullopt;
+  // Of a sphere it is the light that shows more of the rim or less.
+  const bool flat = m.rim_model->surface() == Surface::kFlat;
+  if (flat && fit.rim_fraction < kJudge.followed_rim * prior.rim_fraction) return std::nullopt;
   return fit;
 }
 
@@ -255,7 +257,7 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
   if (is_enough(learnt.fit)) {
     result = describe(frame, learnt, lines, prior, learnt.polarity == Polarity::kBright);
   } else {
-    fill(fit, trace.edge_sigma_px, result);
+    fill(fit, trace.edge_sigma_px, prior.radius_bias_sd_px, result);
     result.bright = bright;
     result.rim_fraction = static_cast<double>(fit.points) / options.rays;
     result.cx_sd_px = std::hypot(result.cx_sd_px, kOutline.centre_sd_px);

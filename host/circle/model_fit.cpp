@@ -149,14 +149,17 @@ class Learner {
            fit_.points > kLearning.explained * static_cast<double>(trace_.lines.size());
   }
 
-  // How far the model may misplace the rim: what a little wider an edge does to the radius.
+  // How far the model may misplace the rim: what a little wider an edge does to the radius. The
+  // edge of a moving ball is wider along its way, and no single width is right.
   void state_place_sd() {
+    const double uneven = fit_.uneven_width;
     constexpr double kWider = kLearning.wider;
     const RimModel wider(texture(), trace_.noise, sigma_px_ * std::exp(kWider), trace_.step_px);
     const LineFit other = fit_lines(trace_, wider, from_, prior_, shapes_of(options_),
                                     {Thoroughness::kFinely, &fit_.rim});
     const double moved = other.ok ? (other.rim.r - fit_.rim.r) / kWider : sigma_px_;
-    model_->set_place_sd_px(std::hypot(kLearning.model_error * moved, kLearning.least_place_sd_px));
+    const double error = std::hypot(kLearning.model_error, kLearning.uneven_error * uneven);
+    model_->set_place_sd_px(std::hypot(error * moved, kLearning.least_place_sd_px));
   }
 
   const Frame& frame_;

@@ -19,9 +19,9 @@ struct CircleErrors {
 };
 
 // Circles of a few frames, each found by itself from a prediction a pixel off.
-CircleErrors circles_of(const LightScene& scene) {
+CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1) {
   CircleErrors errors;
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {first_seed, first_seed + 1}) {
     LightClip clip(scene, seed, 3);
     for (std::size_t k = 0; k < clip.poses().size(); k += 2) {
       Frame frame;
@@ -128,6 +128,17 @@ TEST(LightAccuracy, AnOverExposedBallHasAnHonestRadius) {
   EXPECT_LT(errors.centre.rms(), 0.03);
   EXPECT_LT(errors.radius.over_sd(), 1.5);
   EXPECT_LT(errors.radius.rms(), 0.25);
+}
+
+// The edge is wider along the way than across it, and one width misplaces the rim: the radius by
+// four stated deviations were that not a part of them. Those of the centre are still too small.
+TEST(LightAccuracy, MotionBlurIsInTheRadiusDeviation) {
+  const CircleErrors errors = circles_of(
+      {.name = "blur", .radius_px = 80, .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3}, 11);
+  EXPECT_EQ(errors.failed, 0);
+  EXPECT_LT(errors.centre.rms(), 0.06);
+  EXPECT_LT(errors.radius.rms(), 0.07);
+  EXPECT_LT(errors.radius.over_sd(), 1.6);
 }
 
 }  // namespace

@@ -305,8 +305,8 @@ void Climb::prepare_next_round() {
 }
 
 // Change of ln σ of the edge that the lines ask for, with x, y and R free beside it.
-double change_of_width(const LineTrace& trace, const RimModel& model, const Vector5& delta,
-                       Workspace& work) {
+WidthChange change_of_width(const LineTrace& trace, const RimModel& model, const Vector5& delta,
+                            Workspace& work) {
   work.lines = model.evidence(trace, shift_of(delta, trace.step_px), 1, work.room);
   work.width.assign(work.lines.begin(), work.lines.end());
   model.width_slopes(work.width);
@@ -384,7 +384,9 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.points = best.points;
   fit.arc = best.arc;
   if (start.how == Thoroughness::kWithWidth) {
-    fit.width = change_of_width(trace, model, best.delta, work);
+    const WidthChange change = change_of_width(trace, model, best.delta, work);
+    fit.width = change.even;
+    fit.uneven_width = change.uneven;
     fit.misfit = model.misfit(work.width);
   }
   return fit;

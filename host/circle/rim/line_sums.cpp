@@ -198,10 +198,12 @@ IMPACTDIC_WIDE LineSums sum_lines(std::span<const RimModel::Evidence> blocks, co
   return sums;
 }
 
-double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel::Evidence> widths,
-                  float stray) {
-  Eigen::Matrix4d square = Eigen::Matrix4d::Identity() * kLineFit.width_prior;
-  double slope = 0;
+WidthChange sum_widths(std::span<RimModel::Evidence> blocks,
+                       std::span<const RimModel::Evidence> widths, float stray) {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  Matrix6 square = Matrix6::Identity() * kLineFit.width_prior;
+  Vector6 slope = Vector6::Zero();
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     RimModel::Evidence& e = blocks[i];
     Lanes other;
@@ -212,13 +214,23 @@ double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel
       by_width += e.value[k] * widths[i].slope[k];
     }
     for (int lane = 0; lane < kLanes; ++lane) {
-      const Eigen::Vector4d s{by_place[lane] * e.cos[lane], by_place[lane] * e.sin[lane],
-                              by_place[lane], by_width[lane]};
-      square.noalias() += s * s.transpose();
-      slope += by_width[lane];
+      const double c = e.cos[lane], s = e.sin[lane], width = by_width[lane];
+      Vector6 j;
+      j << by_place[lane] * c, by_place[lane] * s, by_place[lane], width, width * (c * c - s * s),
+          width * 2 * c * s;
+      square.noalias() += j * j.transpose();
+      slope.tail<3>() += j.tail<3>();
     }
   }
-  return square.ldlt().solve(Eigen::Vector4d{0, 0, 0, slope})[3];
+  WidthChange change;
+  const Eigen::Matrix4d even = square.topLeftCorner<4, 4>();
+  change.even = even.ldlt().solve(Eigen::Vector4d{slope.head<4>()})[3];
+  const Eigen::LDLT<Matrix6> all(square);
+  const Eigen::Vector2d uneven = all.solve(slope).tail<2>();
+  const Matrix6 covariance = all.solve(Matrix6::Identity());
+  const double chance = covariance(4, 4) + covariance(5, 5);
+  if (uneven.squaredNorm() > kLineFit.uneven_chance * chance) change.uneven = uneven.norm();
+  return change;
 }
 
 Matrix5 misplaced(const LineSums& s, double wider, const Matrix5& covariance) {

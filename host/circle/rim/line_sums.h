@@ -33,10 +33,15 @@ RimModel::Shift shift_of(const Vector5& delta, double step_px);
 LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& delta, double step_px,
                    const KindShares& shares, float stray, int every);
 
-// Change of ln σ of the edge that the lines ask for, with x, y and R free beside it. `widths` are
-// the blocks with RimModel::width_slopes; `blocks` get the chances of the kinds in place of ln p.
-double sum_widths(std::span<RimModel::Evidence> blocks, std::span<const RimModel::Evidence> widths,
-                  float stray);
+// Changes of ln σ of the edge that the lines ask for, with x, y and R free beside it: the same all
+// around, and the amplitude over cos and sin 2φ, as motion blur makes it; 0 where that is chance.
+struct WidthChange {
+  double even = 0, uneven = 0;
+};
+// `widths` are the blocks with RimModel::width_slopes; `blocks` get the chances of the kinds in
+// place of ln p.
+WidthChange sum_widths(std::span<RimModel::Evidence> blocks,
+                       std::span<const RimModel::Evidence> widths, float stray);
 
 // What errors of the lines' places add to the covariance, if they have a standard deviation of 1 px
 // all around the rim and of kLineFit.arcs px sector by sector. A known radius turns some of it

@@ -97,8 +97,9 @@ struct LineFit {
   int points = 0;          // that have to do with the rim
   double arc = 0;          // share of the rim's kRimSectors sectors that hold such points
   KindShares shares{};
-  // Where wanted: change of ln σ of the edge that the lines ask for, and RimModel::misfit.
-  double width = 0, misfit = 0;
+  // Where wanted: changes of ln σ of the edge that the lines ask for (WidthChange), and
+  // RimModel::misfit.
+  double width = 0, uneven_width = 0, misfit = 0;
 };
 enum class Thoroughness {
   kPreview,    // to a few hundredths of a step, from farther away

@@ -54,6 +54,8 @@ struct LearningSettings {
   // there is finer than where the model is learnt. That misplaces the rim about as a misjudged
   // width of the edge would, by so much of ln σ.
   double model_error = 0.06;         // [measured] on seeds 1 to 4: docs/accuracy.md, Circle
+  double uneven_error = 0.5;         // of the amplitude of an uneven width [measured] on seeds 1 to
+                                     // 10 of light_accuracy's disc_blur
   double least_place_sd_px = 0.001;  // [hand]
   double wider = 0.05;  // of ln σ, to see what the width does [definition]: a difference
 };
