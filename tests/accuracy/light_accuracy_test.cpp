@@ -130,8 +130,8 @@ TEST(LightAccuracy, AnOverExposedBallHasAnHonestRadius) {
   EXPECT_LT(errors.radius.rms(), 0.25);
 }
 
-// The edge is wider along the way than across it, and one width misplaces the rim: the radius by
-// four stated deviations were that not a part of them. Those of the centre are still too small.
+// The edge is wider along the way than across it, and one width misplaces the rim. The centre's
+// deviations are too small in a frame by itself.
 TEST(LightAccuracy, MotionBlurIsInTheRadiusDeviation) {
   const CircleErrors errors = circles_of(
       {.name = "blur", .radius_px = 80, .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3}, 11);
