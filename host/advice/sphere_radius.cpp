@@ -62,15 +62,25 @@ class FarRegistration {
     Sum sum;
     sum.add(radius_px, std::hypot(found->ball_radius_sd, kFreeSd_px));
     add_circles(motion::sphere_motion(*given, 0), start, radius_px, sum);
-    return Measured{sum.values / sum.weights, 1 / std::sqrt(sum.weights)};
+    return sum.mean();
   }
 
  private:
   struct Sum {
-    double values = 0, weights = 0;
+    double values = 0, weights = 0, squares = 0;
+    int count = 0;
     void add(double value, double sd) {
       values += value / (sd * sd);
       weights += 1 / (sd * sd);
+      squares += value * value / (sd * sd);
+      ++count;
+    }
+    // Where they differ beyond chance the deviation is as much larger (Birge, 1932).
+    Measured mean() const {
+      const double mean = values / weights;
+      const double chi_sq = std::max(0.0, squares - weights * mean * mean);
+      const double ratio = count > 1 ? std::sqrt(chi_sq / (count - 1)) : 1;
+      return {mean, std::max(1.0, ratio) / std::sqrt(weights)};
     }
   };
 
