@@ -13,6 +13,7 @@
 #include "host/circle/rim/rim_cast.h"
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/rim/rim_model.h"
+#include "host/circle/settings/line_fit.h"
 #include "tests/support/rim_reference.h"
 
 namespace impactdic {
@@ -239,8 +240,9 @@ TEST_F(LineSums, TheWidthAskedForIsThatOfDoubles) {
   std::vector<circle::RimModel::Evidence> widths(blocks_.begin(), blocks_.end());
   model_.width_slopes(widths);
   const auto lines = reference::lines_of(blocks_, 1), by_width = reference::lines_of(widths, 1);
-  Eigen::Matrix4d square = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d slope = Eigen::Vector4d::Zero();
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  Eigen::Matrix<double, 6, 6> square = Eigen::Matrix<double, 6, 6>::Zero();
+  Vector6 slope = Vector6::Zero();
   std::array<double, kKinds + 1> chance;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     reference::chances(lines[i], 0, {}, model_.stray(), chance);
@@ -249,14 +251,27 @@ TEST_F(LineSums, TheWidthAskedForIsThatOfDoubles) {
       place += chance[k] * lines[i].slope[k];
       width += chance[k] * by_width[i].slope[k];
     }
-    const Eigen::Vector4d s{place * lines[i].cos, place * lines[i].sin, place, width};
+    const double cos = lines[i].cos, sin = lines[i].sin;
+    Vector6 s;
+    s << place * cos, place * sin, place, width, width * (cos * cos - sin * sin),
+        width * 2 * cos * sin;
     square += s * s.transpose();
-    slope[3] += width;
+    slope.tail<3>() += s.tail<3>();
   }
-  const double exact = square.ldlt().solve(slope)[3];
+  const circle::WidthChange change = circle::sum_widths(blocks_, widths, model_.stray());
+  const Eigen::Matrix4d even = square.topLeftCorner<4, 4>();
+  const double exact = even.ldlt().solve(Eigen::Vector4d(slope.head<4>()))[3];
   ASSERT_GT(std::abs(exact), 1e-3);
-  EXPECT_NEAR(circle::sum_widths(blocks_, widths, model_.stray()), exact,
-              1e-3 * std::abs(exact) + 1e-5);
+  EXPECT_NEAR(change.even, exact, 1e-3 * std::abs(exact) + 1e-5);
+  // What differs around the rim counts only where it is no chance.
+  const double uneven = square.ldlt().solve(slope).tail<2>().norm();
+  const Eigen::Matrix<double, 6, 6> covariance = square.inverse();
+  const double by_chance = std::sqrt(covariance(4, 4) + covariance(5, 5));
+  if (uneven > std::sqrt(circle::kLineFit.uneven_chance) * by_chance) {
+    EXPECT_NEAR(change.uneven, uneven, 2e-3 * uneven + 1e-5);
+  } else {
+    EXPECT_EQ(change.uneven, 0);
+  }
 }
 
 // ln p of a crossing in closed form, without the table of the ratio of normal densities.
