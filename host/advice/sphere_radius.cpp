@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/weighted_mean.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/sphere/rotation.h"
 #include "host/motion/estimators.h"
@@ -59,31 +60,13 @@ class FarRegistration {
     const double radius_px = found->ball_radius;
     const auto given = registered(given_, radius_px, motion::sphere_motion(*found, 0));
     if (!given) return std::nullopt;
-    Sum sum;
+    WeightedMean sum;
     sum.add(radius_px, std::hypot(found->ball_radius_sd, kFreeSd_px));
     add_circles(motion::sphere_motion(*given, 0), start, radius_px, sum);
-    return sum.mean();
+    return Measured{sum.value(), sum.sd()};
   }
 
  private:
-  struct Sum {
-    double values = 0, weights = 0, squares = 0;
-    int count = 0;
-    void add(double value, double sd) {
-      values += value / (sd * sd);
-      weights += 1 / (sd * sd);
-      squares += value * value / (sd * sd);
-      ++count;
-    }
-    // Where they differ beyond chance the deviation is as much larger (Birge, 1932).
-    Measured mean() const {
-      const double mean = values / weights;
-      const double chi_sq = std::max(0.0, squares - weights * mean * mean);
-      const double ratio = count > 1 ? std::sqrt(chi_sq / (count - 1)) : 1;
-      return {mean, std::max(1.0, ratio) / std::sqrt(weights)};
-    }
-  };
-
   std::optional<BallMotion> registered(dic::BallRegistration& registration, double radius_px,
                                        const dic::RigidMotion& start) {
     BallTask task = motion::sphere_task(first_ball_, radius_px, start);
@@ -95,7 +78,7 @@ class FarRegistration {
 
   // The radii with which the displacements would be those of the circles.
   static void add_circles(const dic::RigidMotion& motion, const dic::RigidMotion& of_circles,
-                          double radius_px, Sum& sum) {
+                          double radius_px, WeightedMean& sum) {
     const auto response =
         sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px);
     const auto add = [&](double circles, double measured, double measured_sd, double slope) {

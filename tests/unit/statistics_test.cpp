@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "host/base/weighted_mean.h"
+
 namespace impactdic {
 namespace {
 
@@ -66,6 +68,31 @@ TEST(Quantile, IsTheValueThatTheShareLiesBelow) {
   EXPECT_EQ(quantile(values, 0.8), 5);
   EXPECT_EQ(quantile(values, 1), 5);
   EXPECT_EQ(finite({1, std::nan(""), 2}), (std::vector<double>{1, 2}));
+}
+
+TEST(WeightedMean, OfValuesThatAgreeIsAsExactAsTheirWeights) {
+  WeightedMean mean;
+  mean.add(115.01, 0.03);
+  mean.add(114.99, 0.04);
+  const double weight = 1 / (0.03 * 0.03) + 1 / (0.04 * 0.04);
+  EXPECT_NEAR(mean.value(), 115 + 0.01 * (0.04 * 0.04 - 0.03 * 0.03) / (0.03 * 0.03 + 0.04 * 0.04),
+              1e-12);
+  EXPECT_DOUBLE_EQ(mean.sd(), 1 / std::sqrt(weight));
+}
+
+// A circle that is a pixel off beside one that is right: neither is believed to 0.03 px.
+TEST(WeightedMean, OfValuesThatDifferBeyondChanceSaysSo) {
+  WeightedMean mean;
+  mean.add(114.998, 0.036);
+  mean.add(116.6, 0.03);
+  EXPECT_GT(mean.sd(), 0.5);
+  EXPECT_LT(std::abs(mean.value() - 115), 3 * mean.sd());
+  // For two values of one deviation it is half of what they differ by.
+  WeightedMean two;
+  two.add(1, 0.01);
+  two.add(3, 0.01);
+  EXPECT_DOUBLE_EQ(two.value(), 2);
+  EXPECT_DOUBLE_EQ(two.sd(), 1);
 }
 
 }  // namespace
