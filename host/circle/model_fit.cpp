@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -157,9 +158,14 @@ class Learner {
     const RimModel wider(texture(), trace_.noise, sigma_px_ * std::exp(kWider), trace_.step_px);
     const LineFit other = fit_lines(trace_, wider, from_, prior_, shapes_of(options_),
                                     {Thoroughness::kFinely, &fit_.rim});
-    const double moved = other.ok ? (other.rim.r - fit_.rim.r) / kWider : sigma_px_;
+    // By the frame alone: a radius that is known from others would hold it back.
+    const double moved = other.ok ? (other.own.r_px - fit_.own.r_px) / kWider : sigma_px_;
     const double error = std::hypot(kLearning.model_error, kLearning.uneven_error * uneven);
-    model_->set_place_sd_px(std::hypot(error * moved, kLearning.least_place_sd_px));
+    const double place_sd_px = std::hypot(error * moved, kLearning.least_place_sd_px);
+    // From frame to frame of one ball it comes out three times as large or as small: the rms of a
+    // model that is learnt anew and of the one before.
+    const double before = prior_.rim_model ? prior_.rim_model->place_sd_px() : place_sd_px;
+    model_->set_place_sd_px(std::hypot(place_sd_px, before) / std::numbers::sqrt2);
   }
 
   const Frame& frame_;
