@@ -1,9 +1,12 @@
 #include "host/base/private_folder.h"
 
+#include <impactdic/error.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <string>
 #include <system_error>
 
 namespace impactdic {
@@ -22,6 +25,17 @@ bool is_trusted_folder(const std::filesystem::path& folder) {
   if ((!own && found.st_uid != 0) || (found.st_mode & S_IWOTH) != 0) return false;
   if ((found.st_mode & S_IWGRP) == 0) return true;
   return own && ::chmod(folder.c_str(), found.st_mode & 07755U & ~mode_t{S_IWGRP}) == 0;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "impactdic_XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) throw FileError("cannot make a folder", name);
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace impactdic

@@ -14,4 +14,17 @@ bool make_private_folder(const std::filesystem::path& folder);
 // folder of this user's the group's right to write is taken away, which a lax umask leaves.
 bool is_trusted_folder(const std::filesystem::path& folder);
 
+// A folder made for its owner alone among the system's temporary ones, and gone with the object.
+class ScratchFolder {
+ public:
+  ScratchFolder();  // throws FileError
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace impactdic

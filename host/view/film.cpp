@@ -1,7 +1,6 @@
 #include "host/view/film.h"
 
 #include <impactdic/error.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "host/base/private_folder.h"
 #include "host/report/csv.h"
 #include "host/report/picture/overlay.h"
 #include "host/video/codec_module.h"
@@ -25,26 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kMostPictures = 1000;
 constexpr double kHighestRate = 120, kArrowScale = 5;
-
-// A folder of its own, which goes with everything in it.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "impactdic_film_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw FileError("cannot make a folder", name);
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 // What the folder of results knows of the shot.
 struct Measured {
@@ -143,8 +123,8 @@ std::string film_of(Shot& shot, const FilmRequest& request) {
   }
   const Measured measured = read_results(shot.folder());
   const auto fields = shot.fields();
-  const Scratch scratch;
-  const std::string path = (scratch / "film.mp4").string();
+  const ScratchFolder scratch;
+  const std::string path = (scratch.path() / "film.mp4").string();
   std::unique_ptr<video::ColourSink> sink;
   report::OverlayPainter painter(kArrowScale, 0, 0);
   Frame frame;

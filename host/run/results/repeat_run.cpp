@@ -3,8 +3,8 @@
 #include <impactdic/correlate.h>
 #include <impactdic/error.h>
 #include <impactdic/track.h>
-#include <stdlib.h>
 
+#include "host/base/private_folder.h"
 #include "host/base/sha256.h"
 #include "host/run/settings/job_file.h"
 
@@ -12,26 +12,6 @@ namespace impactdic::run {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Made for its owner alone, and gone with the object.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "impactdic_repeat_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw FileError("cannot make a folder", name);
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 }  // namespace
 
@@ -42,7 +22,7 @@ std::vector<RepeatedFile> repeat_run(const fs::path& folder, const RunControl& c
   SessionOptions options;
   visit_session(reader, options);
   Session session(options);
-  const Scratch scratch;
+  const ScratchFolder scratch;
   const auto found = values.find("command");
   const std::string command = found == values.end() ? "" : to_text(found->second);
   if (command == "track") {
