@@ -6,11 +6,13 @@ on from (resume.json) says is measured is never given up and never measured agai
 killed one ends with anything but 0.
 
 Usage: kill_chains.py PROGRAM [--commands track,batch,correlate] [--kills 1000] [--seed 1]
-                      [--folder DIR] [--frames 400]
+                      [--folder DIR] [--frames 400] [--workers 1]
+--workers N: that many chains side by side.
 Prints one line a chain and a summary as JSON. Ends 1 where something did not hold.
 """
 
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import random
@@ -101,6 +103,19 @@ def chain(command, out, whole_s, kills, random_):
     return killed, wrong
 
 
+def differences(out, whole):
+    """What the folder holds that a run that was never killed does not, and the other way round."""
+    try:
+        now = results(out)
+    except OSError as error:
+        return [str(error)]
+    names = [k for k in set(now) | set(whole) if now.get(k) != whole.get(k)]
+    wrong = [f"other bytes: {', '.join(names)}"] if names else []
+    left = [str(p.relative_to(out)) for p in out.rglob("*")
+            if p.suffix in (".part", ".journal", ".lock")]
+    return wrong + ([f"left behind: {left}"] if left else [])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
@@ -109,12 +124,12 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--frames", type=int, default=400)
     parser.add_argument("--folder", type=pathlib.Path)
+    parser.add_argument("--workers", type=int, default=1)
     given = parser.parse_args()
     made = pathlib.Path(given.folder or tempfile.mkdtemp(prefix="kill_chains_"))
     made.mkdir(parents=True, exist_ok=True)
     known = commands(str(pathlib.Path(given.program).resolve()), made, given.frames)
     names = given.commands.split(",")
-    random_ = random.Random(given.seed)
     whole, whole_s = {}, {}
     for name in names:
         subprocess.run(known[name] + ["-o", made / "warm"], check=True)
@@ -124,30 +139,33 @@ def main():
         whole_s[name] = time.monotonic() - began
         whole[name] = results(made / f"whole_{name}")
     killed, faults, chains = dict.fromkeys(names, 0), [], 0
-    while sum(killed.values()) < given.kills and len(faults) < 20:
-        name = names[chains % len(names)]
-        chains += 1
-        out = made / "out"
-        shutil.rmtree(out, ignore_errors=True)
-        count, wrong = chain(known[name], out, whole_s[name], random_.randint(3, LONGEST_CHAIN),
-                             random_)
-        killed[name] += count
-        try:
-            now = results(out)
-        except OSError as error:
-            now = {}
-            wrong.append(str(error))
-        if now != whole[name]:
-            wrong.append("other bytes: " + ", ".join(
-                k for k in set(now) | set(whole[name]) if now.get(k) != whole[name].get(k)))
-        left = [str(p.relative_to(out)) for p in out.rglob("*")
-                if p.suffix in (".part", ".journal", ".lock")]
-        if left:
-            wrong.append(f"left behind: {left}")
-        print(f"{name}: {count} kills{''.join('; ' + w for w in wrong)}", flush=True)
-        faults += [f"{name}: {w}" for w in wrong]
-        if wrong:
-            shutil.copytree(out, made / f"fault_{chains}", dirs_exist_ok=True)
+
+    def judged(number):
+        """One chain: its command, how many runs were killed, and what was wrong."""
+        name, out = names[number % len(names)], made / f"out_{number}"
+        random_ = random.Random(f"{given.seed} {number}")
+        kills = min(random_.randint(3, LONGEST_CHAIN), given.kills)
+        count, wrong = chain(known[name], out, whole_s[name], kills, random_)
+        wrong += differences(out, whole[name])
+        if not wrong:
+            shutil.rmtree(out)
+        return name, count, wrong
+
+    with concurrent.futures.ThreadPoolExecutor(given.workers) as pool:
+        running = set()
+        while sum(killed.values()) < given.kills and len(faults) < 20:
+            while len(running) < given.workers:
+                running.add(pool.submit(judged, chains))
+                chains += 1
+            done, running = concurrent.futures.wait(
+                running, return_when=concurrent.futures.FIRST_COMPLETED)
+            for name, count, wrong in (chain_.result() for chain_ in done):
+                killed[name] += count
+                faults += [f"{name}: {w}" for w in wrong]
+                print(f"{name}: {count} kills{''.join('; ' + w for w in wrong)}", flush=True)
+        for name, count, wrong in (chain_.result() for chain_ in running):
+            killed[name] += count
+            faults += [f"{name}: {w}" for w in wrong]
     print(json.dumps({"kills": killed, "chains": chains, "seed": given.seed, "faults": faults}))
     if not given.folder and not faults:
         shutil.rmtree(made)

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Memory and open files of one long `track` and of one `batch` of many clips.
+
+What must hold: both stay flat. From a quarter of the run on, what is resident grows by less than a
+tenth and 20 MB, and no more descriptors are open at the end than there were at a quarter.
+
+Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S] [-- OPTIONS OF track]
+FOLDER holds the clip: 4 KB a frame. The ball goes around in 400 frames, which are made once and
+copied. --end S: a run that takes longer is stopped by Ctrl-C; the table then says of how much.
+"""
+
+import argparse
+import math
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+PERIOD = 400  # frames
+BALL = ["--pattern", "e1", "--size", "64x64", "--radius-px", "20", "--noise", "1", "--format",
+        "mraw", "--fps", "10000", "-q"]
+SMALL = ["-q", "--spacing", "9", "--no-checksum", "--ball-diameter-mm", "67"]
+
+
+def resident_mb(pid):
+    status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    found = re.search(r"VmRSS:\s+(\d+)", status)
+    return int(found[1]) / 1024 if found else None
+
+
+def make_clip(program, folder, frames):
+    """`frames` frames of a ball that goes around, as FOLDER/video.cihx."""
+    folder.mkdir(parents=True)
+    rows = [f"{32 + 4 * math.cos(2 * math.pi * k / PERIOD)},"
+            f"{32 + 4 * math.sin(2 * math.pi * k / PERIOD)},{360 * k / PERIOD}"
+            for k in range(min(frames, PERIOD))]
+    (folder / "motion.csv").write_text("\n".join(["cx_px,cy_px,angle_deg", *rows]) + "\n")
+    made = folder / "made"
+    subprocess.run([program, "synth", *BALL, "--motion", folder / "motion.csv", "-o", made],
+                   check=True)
+    once = (made / "video.mraw").read_bytes()
+    header = (made / "video.cihx").read_bytes()
+    for name in (b"recordedFrame", b"totalFrame"):
+        header = re.sub(b"<%s>\\d+<" % name, b"<%s>%d<" % (name, frames), header)
+    (folder / "video.cihx").write_bytes(header)
+    frame = len(once) // len(rows)
+    with open(folder / "video.mraw", "wb") as out:
+        for begin in range(0, frames, len(rows)):
+            out.write(once[:frame * min(len(rows), frames - begin)])
+    shutil.rmtree(made)
+    return folder / "video.cihx"
+
+
+def make_clips(program, folder, clips):
+    folder.mkdir(parents=True)
+    different = [make_clip(program, folder.parent / f"one_{i}", 20 + i) for i in range(8)]
+    for i in range(clips):
+        for end in (".cihx", ".mraw"):
+            os.link(different[i % len(different)].with_suffix(end), folder / f"shot_{i:04}{end}")
+
+
+def watched(command, end_s, progress):
+    """Runs it; returns its status, its seconds and samples of (s, progress, MB, descriptors)."""
+    run = subprocess.Popen([str(part) for part in command])
+    began, samples = time.monotonic(), []
+    while run.poll() is None:
+        now = time.monotonic() - began
+        try:
+            memory = resident_mb(run.pid)
+            files = len(os.listdir(f"/proc/{run.pid}/fd"))
+            if memory is not None:
+                samples.append((now, progress(), memory, files))
+        except (FileNotFoundError, ProcessLookupError):
+            pass  # it has ended
+        if now > end_s and end_s > 0:
+            run.send_signal(signal.SIGINT)
+            run.wait()
+        time.sleep(0.25)
+    return run.returncode, time.monotonic() - began, samples
+
+
+def told(name, status, wall_s, samples, stopped):
+    """Prints the table; returns what is wrong."""
+    print(f"{name}: status {status}, {wall_s:.1f} s\ntime_s written resident_mb descriptors")
+    for share in range(11):
+        at = min(len(samples) - 1, share * len(samples) // 10)
+        print("%.1f %s %.1f %d" % samples[at], flush=True)
+    steady = samples[len(samples) // 4:max(len(samples) * 39 // 40, len(samples) // 4 + 1)]
+    early = steady[:len(steady) // 6 + 1]
+    memory = max(s[2] for s in early)
+    files = max(s[3] for s in early)
+    most, most_files = max(s[2] for s in steady), max(s[3] for s in steady[-len(early):])
+    wrong = [] if status == (130 if stopped else 0) else [f"{name} ended {status}"]
+    if most > 1.1 * memory and most > memory + 20:
+        wrong.append(f"{name}: {memory:.0f} MB resident became {most:.0f} MB")
+    if most_files > files:
+        wrong.append(f"{name}: {files} open files became {most_files}")
+    print(f"{name}: {memory:.0f} MB and {files} descriptors after a quarter, then at most "
+          f"{most:.0f} MB, and {most_files} at the end", flush=True)
+    return wrong
+
+
+def size_of(path):
+    return f"{path.stat().st_size / 1e6:.1f}MB" if path.exists() else "0"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program")
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--frames", type=int, default=1000000)
+    parser.add_argument("--clips", type=int, default=1000)
+    parser.add_argument("--end", type=float, default=0)
+    parser.add_argument("options", nargs="*")
+    given = parser.parse_args()
+    program, folder = str(pathlib.Path(given.program).resolve()), given.folder
+    shutil.rmtree(folder, ignore_errors=True)
+    wrong = []
+    if given.frames > 0:
+        clip = make_clip(program, folder / "long", given.frames)
+        out = folder / "out"
+        ended = watched([program, "track", clip, *SMALL, *given.options, "-o", out], given.end,
+                        lambda: size_of(out / "track.csv"))
+        wrong += told(f"track of {given.frames} frames", *ended, 0 < given.end < ended[1])
+        with open(out / "track.csv", "rb") as table:
+            print(f"rows: {sum(1 for _ in table) - 1}", flush=True)
+    if given.clips > 0:
+        make_clips(program, folder / "shots", given.clips)
+        out = folder / "out_batch"
+        ended = watched([program, "batch", folder / "shots", *SMALL, *given.options, "-o", out],
+                        given.end, lambda: str(len(list(out.glob("shot_*/summary.json")))))
+        wrong += told(f"batch of {given.clips} clips", *ended, 0 < given.end < ended[1])
+        print(f"clips done: {len(list(out.glob('shot_*/summary.json')))}", flush=True)
+    print("; ".join(wrong) or "flat")
+    shutil.rmtree(folder)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
