@@ -122,12 +122,14 @@ void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> wind
   }
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
+  opencl::Settled settled(engine_);
   windows_.write_later(engine_, windows);
   if (published_) published_->run(frames, windows_, windows.size(), motions_);
   if (equal_) equal_->run(frames, windows_, windows.size(), motions_);
   if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
   if (refined) icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
+  settled.done();
 }
 
 void WindowCorrelator::refine(DeviceFrames& frames, std::span<const Window> windows,
@@ -135,10 +137,12 @@ void WindowCorrelator::refine(DeviceFrames& frames, std::span<const Window> wind
                               std::span<WindowMotion> motions) {
   windows_.reserve(engine_, windows.size());
   motions_.reserve(engine_, windows.size());
+  opencl::Settled settled(engine_);
   windows_.write_later(engine_, windows);
   motions_.write_later(engine_, seeds);
   icgn_->refine(frames, windows_, windows.size(), motions_);
   motions_.read(engine_, motions);
+  settled.done();
 }
 
 }  // namespace impactdic::dic

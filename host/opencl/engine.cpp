@@ -118,6 +118,14 @@ void Engine::wait(const cl::Event& event) const {
   }
 }
 
+void Engine::settle() const noexcept {
+  try {
+    queue_.finish();
+  } catch (const cl::Error&) {
+    // A device that is lost does nothing any more.
+  }
+}
+
 void Engine::Shared::check_compiler() const {
   if (compiler_is_stuck) {
     throw OpenClError("the device's compiler ran out of memory", CL_OUT_OF_HOST_MEMORY);

@@ -69,6 +69,9 @@ class Engine {
   // sleeps meanwhile: left to themselves, drivers of GPUs keep its core busy. Throws OpenClError.
   void wait() const;
   void wait(const cl::Event& event) const;
+  // The same for who is about to free what the device may still read or write, whatever became of
+  // it.
+  void settle() const noexcept;
   Profiler& profiler() { return shared_->profiler; }
   // Where compiled programs and the result of `impactdic tune` are kept; empty: nowhere.
   const std::filesystem::path& cache_dir() const { return shared_->options.cache_dir; }
@@ -113,6 +116,23 @@ class Engine {
 
   std::shared_ptr<Shared> shared_;
   cl::CommandQueue queue_;
+};
+
+// Where an exception leaves a scope before its work on the device was waited for, waits: until then
+// the device reads and writes memory of the host that goes away with the scope, or with an object.
+class Settled {
+ public:
+  explicit Settled(const Engine& engine) : engine_(&engine) {}
+  ~Settled() {
+    if (engine_ != nullptr) engine_->settle();
+  }
+  Settled(const Settled&) = delete;
+  Settled& operator=(const Settled&) = delete;
+  // It was waited for.
+  void done() { engine_ = nullptr; }
+
+ private:
+  const Engine* engine_;
 };
 
 inline std::size_t round_up(std::size_t value, std::size_t multiple) {

@@ -63,6 +63,9 @@ struct FftPlan::Impl {
 
 FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::size_t batch)
     : impl_(std::make_unique<Impl>(engine, width, height, batch)) {
+  // clFFT ends the process where two threads bring it a program of the same plan.
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
   const std::size_t lengths[2] = {width, height};
   clfftPlanHandle& plan = impl_->handle;
   check(

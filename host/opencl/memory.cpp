@@ -38,6 +38,13 @@ void Memory::swap(Memory& other) noexcept {
 
 void Memory::release() noexcept {
   if (!pool_) return;
+  const auto settle = [this] {
+    try {
+      queue_.finish();
+    } catch (const cl::Error&) {
+      // A device that is lost does nothing any more.
+    }
+  };
   try {
     if (pool_->keeps()) {
       cl::Event idle;
@@ -46,10 +53,11 @@ void Memory::release() noexcept {
       pool_->keep({std::move(piece_), queue_, idle});
     } else if (piece_.mapped != nullptr) {
       queue_.enqueueUnmapMemObject(piece_.buffer, piece_.mapped);
-      queue_.finish();
+      settle();
     }
   } catch (...) {
-    // The context goes away, and the memory with it.
+    // The context goes away, and the memory with it; not before copies from there have ended.
+    settle();
   }
   piece_ = {};
   pool_.reset();

@@ -23,10 +23,10 @@ PinnedBytes::PinnedBytes(const Engine& engine, std::size_t count)
 PinnedBytes::~PinnedBytes() {
   try {
     engine_.queue().enqueueUnmapMemObject(buffer_, mapped_);
-    engine_.queue().finish();
   } catch (const cl::Error&) {
     // The context goes away, and the memory with it.
   }
+  engine_.settle();
 }
 
 }  // namespace impactdic::opencl

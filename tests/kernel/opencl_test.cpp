@@ -1,6 +1,7 @@
 // The OpenCL layer itself: devices, sources, cache, buffers, profiler, clFFT plans.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <complex>
 #include <filesystem>
@@ -125,6 +126,32 @@ TEST(Buffer, RefusesToCopyBeyondItsEnd) {
   std::vector<float> host(5);
   EXPECT_THROW(buffer.write(engine, host), InvalidArgument);
   EXPECT_THROW(buffer.read(engine, host), InvalidArgument);
+}
+
+// A copy from memory of the host that an exception is about to free.
+TEST(Settled, WaitsForWhatTheDeviceStillReads) {
+  opencl::Engine& engine = shared_engine();
+  const cl::CommandQueue& queue = engine.queue();
+  cl::UserEvent gate(engine.context());
+  std::thread opener;
+  cl::Event copied;
+  try {
+    const std::vector<float> host(1000, 3.0F);
+    opencl::Buffer<float> buffer(engine, host.size());
+    const opencl::Settled settled(engine);
+    const std::vector<cl::Event> opened = {gate};
+    queue.enqueueBarrierWithWaitList(&opened);
+    copied = buffer.write_later(engine, host);
+    EXPECT_NE(copied.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>(), CL_COMPLETE);
+    opener = std::thread([&gate] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      gate.setStatus(CL_COMPLETE);
+    });
+    throw InvalidArgument("something else");
+  } catch (const InvalidArgument&) {
+    EXPECT_EQ(copied.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>(), CL_COMPLETE);
+  }
+  opener.join();
 }
 
 // The entry of another key whose name begins alike is not this key's.
@@ -311,6 +338,22 @@ TEST(FftPlan, MatchesTheDefinitionAndInverts) {
   plan.inverse(engine.queue(), buffer.get());
   const auto back = buffer.to_vector(engine);
   for (std::size_t i = 0; i < data.size(); ++i) ASSERT_NEAR(std::abs(back[i] - data[i]), 0, 1e-5);
+}
+
+// Workers of one device that come to the same new plan at once.
+TEST(FftPlan, ThreadsMakeTheSamePlan) {
+  std::vector<std::unique_ptr<opencl::Engine>> engines;
+  for (int k = 0; k < 4; ++k) engines.push_back(shared_engine().beside());
+  std::vector<std::thread> workers;
+  std::atomic<int> made = 0;
+  for (const auto& engine : engines) {
+    workers.emplace_back([&made, &engine] {
+      const opencl::FftPlan plan(*engine, 14, 1, 3);
+      made += plan.batch() == 3 ? 1 : 0;
+    });
+  }
+  for (std::thread& worker : workers) worker.join();
+  EXPECT_EQ(made, 4);
 }
 
 TEST(FftPlan, GoodSizesAreProductsOfSmallPrimes) {

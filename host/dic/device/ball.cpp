@@ -103,6 +103,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   if (mask_.size() == 0) write_mask(splines);
   tasks_.reserve(engine_, tasks.size());
   motions_.reserve(engine_, tasks.size());
+  opencl::Settled settled(engine_);
   tasks_.write_later(engine_, tasks);
   BallLimits limits{};
   limits.width = splines.width();
@@ -125,6 +126,7 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                  {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
   std::vector<BallMotion> motions(tasks.size());
   motions_.read(engine_, motions);
+  settled.done();
   return motions;
 }
 

@@ -36,6 +36,7 @@ class IcgnRefiner {
   opencl::Buffer<cl_float4> device_discs_;
   bool discs_changed_ = true;
   cl_float4 noise_;
+  opencl::Settled settled_{engine_};  // destroyed first: `discs_` may still be on their way
 };
 
 }  // namespace impactdic::dic

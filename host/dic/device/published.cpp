@@ -5,6 +5,7 @@
 
 #include "host/dic/frames/cubic_spline.h"
 #include "host/dic/reference/zncc.h"
+#include "host/opencl/arguments.h"
 
 namespace impactdic::dic {
 namespace {
@@ -40,16 +41,17 @@ void PublishedOpencl::run(const DeviceFrames& frames, const opencl::Buffer<Windo
   for (std::size_t start = 0; start < count; start += most) {
     const std::size_t part = std::min(most, count - start);
     int argument = 0;
-    kernel_.setArg(argument++, frames.images().get());
-    kernel_.setArg(argument++, static_cast<cl_int>(frames.width()));
-    kernel_.setArg(argument++, static_cast<cl_int>(frames.height()));
-    kernel_.setArg(argument++, windows.get());
-    kernel_.setArg(argument++, static_cast<cl_uint>(start));
-    kernel_.setArg(argument++, matrices_.get());
-    kernel_.setArg(argument++, static_cast<cl_int>(options_.interp_points + 1));
-    kernel_.setArg(argument++, static_cast<cl_float>(min_contrast(options_, frames.full_scale())));
-    kernel_.setArg(argument++, scratch_.get());
-    kernel_.setArg(argument++, motions.get());
+    opencl::set_argument(kernel_, argument++, frames.images().get());
+    opencl::set_argument(kernel_, argument++, static_cast<cl_int>(frames.width()));
+    opencl::set_argument(kernel_, argument++, static_cast<cl_int>(frames.height()));
+    opencl::set_argument(kernel_, argument++, windows.get());
+    opencl::set_argument(kernel_, argument++, static_cast<cl_uint>(start));
+    opencl::set_argument(kernel_, argument++, matrices_.get());
+    opencl::set_argument(kernel_, argument++, static_cast<cl_int>(options_.interp_points + 1));
+    opencl::set_argument(kernel_, argument++,
+                         static_cast<cl_float>(min_contrast(options_, frames.full_scale())));
+    opencl::set_argument(kernel_, argument++, scratch_.get());
+    opencl::set_argument(kernel_, argument++, motions.get());
     engine_.launch(engine_.queue(), kernel_, cl::NDRange(part * group_), cl::NDRange(group_));
   }
 }

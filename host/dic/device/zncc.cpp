@@ -6,6 +6,7 @@
 
 #include "host/dic/device/map_spline.h"
 #include "host/dic/reference/zncc.h"
+#include "host/opencl/arguments.h"
 
 namespace impactdic::dic {
 namespace {
@@ -231,15 +232,16 @@ void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const opencl::Buffer<
   const std::size_t groups = pairs ? (count + 1) / 2 : count;
   const bool as_stored = pairs || variant_.vector == 1;
   int argument = 0;
-  fused_.setArg(argument++, as_stored ? frames.pixels().get() : frames.images().get());
-  fused_.setArg(argument++, static_cast<cl_int>(frames.width()));
-  fused_.setArg(argument++, static_cast<cl_int>(frames.height()));
-  fused_.setArg(argument++, windows.get());
-  fused_.setArg(argument++, static_cast<cl_uint>(start));
-  if (pairs) fused_.setArg(argument++, static_cast<cl_uint>(count));
-  fused_.setArg(argument++, contrast(frames));
-  fused_.setArg(argument++, weights_.get());
-  fused_.setArg(argument++, peaks_.get());
+  opencl::set_argument(fused_, argument++,
+                       as_stored ? frames.pixels().get() : frames.images().get());
+  opencl::set_argument(fused_, argument++, static_cast<cl_int>(frames.width()));
+  opencl::set_argument(fused_, argument++, static_cast<cl_int>(frames.height()));
+  opencl::set_argument(fused_, argument++, windows.get());
+  opencl::set_argument(fused_, argument++, static_cast<cl_uint>(start));
+  if (pairs) opencl::set_argument(fused_, argument++, static_cast<cl_uint>(count));
+  opencl::set_argument(fused_, argument++, contrast(frames));
+  opencl::set_argument(fused_, argument++, weights_.get());
+  opencl::set_argument(fused_, argument++, peaks_.get());
   const double area = area_px(options_), window = options_.window_px;
   const auto windows_done = static_cast<double>(count);
   engine_.launch(engine_.queue(), fused_, cl::NDRange(groups * group), cl::NDRange(group),
@@ -257,28 +259,28 @@ void ZnccOpencl::enqueue_batch(const DeviceFrames& frames, const opencl::Buffer<
   int argument = 0;
   for (cl::Kernel* kernel : {&cut_, &map_}) {
     argument = 0;
-    kernel->setArg(argument++, frames.images().get());
-    kernel->setArg(argument++, static_cast<cl_int>(frames.width()));
-    kernel->setArg(argument++, static_cast<cl_int>(frames.height()));
-    kernel->setArg(argument++, windows.get());
-    kernel->setArg(argument++, begin);
+    opencl::set_argument(*kernel, argument++, frames.images().get());
+    opencl::set_argument(*kernel, argument++, static_cast<cl_int>(frames.width()));
+    opencl::set_argument(*kernel, argument++, static_cast<cl_int>(frames.height()));
+    opencl::set_argument(*kernel, argument++, windows.get());
+    opencl::set_argument(*kernel, argument++, begin);
   }
-  cut_.setArg(argument, planes_.get());
-  cut_.setArg(argument + 1, levels_.get());
+  opencl::set_argument(cut_, argument, planes_.get());
+  opencl::set_argument(cut_, argument + 1, levels_.get());
   engine_.launch(queue, cut_, range, group, {2 * planes, 0});
   plan_->forward(queue, planes_.get());
-  power_.setArg(0, planes_.get());
+  opencl::set_argument(power_, 0, planes_.get());
   engine_.launch(queue, power_, cl::NDRange(opencl::round_up(side * (side / 2 + 1), 64), count),
                  cl::NDRange(64, 1), {2 * planes, 0});
   plan_->inverse(queue, planes_.get());
-  map_.setArg(argument++, levels_.get());
-  map_.setArg(argument++, planes_.get());
-  map_.setArg(argument++, sums_.get());
-  map_.setArg(argument++, maps_.get());
-  map_.setArg(argument++, contrast(frames));
-  map_.setArg(argument++, weights_.get());
-  map_.setArg(argument++, peaks_.get());
-  map_.setArg(argument++, static_cast<cl_uint>(at));
+  opencl::set_argument(map_, argument++, levels_.get());
+  opencl::set_argument(map_, argument++, planes_.get());
+  opencl::set_argument(map_, argument++, sums_.get());
+  opencl::set_argument(map_, argument++, maps_.get());
+  opencl::set_argument(map_, argument++, contrast(frames));
+  opencl::set_argument(map_, argument++, weights_.get());
+  opencl::set_argument(map_, argument++, peaks_.get());
+  opencl::set_argument(map_, argument++, static_cast<cl_uint>(at));
   engine_.launch(queue, map_, range, group, {planes, 0});
 }
 
@@ -304,12 +306,13 @@ void ZnccOpencl::run(const DeviceFrames& frames, const opencl::Buffer<Window>& w
       }
     }
     int argument = 0;
-    subpixel_.setArg(argument++, peaks_.get());
-    subpixel_.setArg(argument++, static_cast<cl_uint>(start));
-    subpixel_.setArg(argument++, static_cast<cl_uint>(part));
-    subpixel_.setArg(argument++, static_cast<cl_float>(options_.min_correlation));
-    subpixel_.setArg(argument++, static_cast<cl_float>(options_.window_px * options_.window_px));
-    subpixel_.setArg(argument++, motions.get());
+    opencl::set_argument(subpixel_, argument++, peaks_.get());
+    opencl::set_argument(subpixel_, argument++, static_cast<cl_uint>(start));
+    opencl::set_argument(subpixel_, argument++, static_cast<cl_uint>(part));
+    opencl::set_argument(subpixel_, argument++, static_cast<cl_float>(options_.min_correlation));
+    opencl::set_argument(subpixel_, argument++,
+                         static_cast<cl_float>(options_.window_px * options_.window_px));
+    opencl::set_argument(subpixel_, argument++, motions.get());
     engine_.launch(
         engine_.queue(), subpixel_, cl::NDRange(opencl::round_up(part, 32)), cl::NDRange(32),
         {static_cast<double>(part) * (sizeof(CorrelationPeak) + sizeof(WindowMotion)), 0});

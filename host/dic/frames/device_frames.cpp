@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/dic/frames/spline_frames.h"
+#include "host/opencl/arguments.h"
 #include "kernels/frames/unpack.h"
 
 namespace impactdic::dic {
@@ -87,11 +88,9 @@ void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int wid
     copy_part(parts[i], width, height, staged.data() + i * bytes);
   }
   const std::size_t count = pixels * parts.size();
-  unpack_.setArg(0, staging_.upload(total));
-  unpack_.setArg(1, images_.get());
-  unpack_.setArg(2, pixels_.get());
-  unpack_.setArg(3, static_cast<cl_ulong>(count));
-  unpack_.setArg(4, static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
+  opencl::set_arguments(unpack_, staging_.upload(total), images_.get(), pixels_.get(),
+                        static_cast<cl_ulong>(count),
+                        static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
   engine_.launch(engine_.queue(), unpack_,
                  cl::NDRange(opencl::round_up((count + UNPACK_AT_ONCE - 1) / UNPACK_AT_ONCE, 64)),
                  cl::NDRange(64), {static_cast<double>(2 * total + 4 * count), 0});

@@ -55,6 +55,7 @@ class SplineFrames {
   opencl::Buffer<float> taps_, rows_, coefficients_, planes_;
   std::vector<cl_int> changed_;  // slots of the last call
   opencl::Buffer<cl_int> device_changed_;
+  opencl::Settled settled_{engine_};  // destroyed first: `changed_` may still be on its way
 };
 
 }  // namespace impactdic::dic
