@@ -16,6 +16,7 @@
 
 #include "host/base/parse.h"
 #include "host/video/codec_module.h"
+#include "host/video/sandbox/confine.h"
 #include "host/video/sandbox/message.h"
 
 namespace impactdic::video::sandbox {
@@ -85,7 +86,9 @@ class Decoder {
   explicit Decoder(const std::string& path, double max_megapixels) {
     OpenOptions options;
     options.max_megapixels = max_megapixels;
-    clip_ = codec_module(path, "").open(path, options);
+    const CodecModule& codecs = codec_module(path, "");
+    confine(path);  // the libraries are loaded, of the clip nothing is read yet
+    clip_ = codecs.open(path, options);
   }
 
   void describe() const {
@@ -180,7 +183,7 @@ int run(const std::string& path, double max_megapixels) {
         decoder = std::make_unique<Decoder>(path, max_megapixels);
         decoder->describe();
       })) {
-    return EXIT_FAILURE;
+    ::_exit(EXIT_FAILURE);
   }
   decoder->serve();
   // Without the libraries' own ends: nothing here is to be kept.

@@ -1,7 +1,10 @@
 // Containers in a process of their own: the same frames, few rights, and no harm where it ends.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 #include <impactdic/safety/sandbox.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +16,7 @@
 #include <thread>
 
 #include "host/video/codec_module.h"
+#include "host/video/sandbox/confine.h"
 #include "tests/support/video.h"
 
 namespace impactdic {
@@ -98,7 +102,9 @@ TEST(Sandbox, TheProcessHasFewRightsAndEndsWithItsClip) {
   const fs::path process = "/proc/" + std::to_string(running.front());
   EXPECT_NE(text_of(process / "limits").find("Max file size             0 "), std::string::npos);
   EXPECT_NE(text_of(process / "limits").find("Max open files            64 "), std::string::npos);
-  EXPECT_NE(text_of(process / "status").find("NoNewPrivs:\t1"), std::string::npos);
+  const std::string status = text_of(process / "status");
+  EXPECT_NE(status.find("NoNewPrivs:\t1"), std::string::npos);
+  EXPECT_EQ(status.find("Seccomp:\t0"), std::string::npos) << status;
   for (const auto& entry : fs::directory_iterator(process / "fd")) {
     std::error_code gone;
     EXPECT_NE(fs::read_symlink(entry.path(), gone).filename(), "secret");
@@ -106,6 +112,58 @@ TEST(Sandbox, TheProcessHasFewRightsAndEndsWithItsClip) {
   clip.reset();
   EXPECT_TRUE(decoders().empty());
   EXPECT_FALSE(fs::exists(process));
+}
+
+// In a process of its own: what it can do once it is confined to `clip`, a letter each.
+std::string what_is_left(const std::string& clip, const std::string& other) {
+  int pipe[2];
+  if (::pipe(pipe) != 0) return "no pipe";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const video::sandbox::Confined taken = video::sandbox::confine(clip);
+    std::string can;
+    const auto try_it = [&](char letter, bool works) {
+      if (works) can += letter;
+    };
+    try_it('c', ::open(clip.c_str(), O_RDONLY) >= 0);
+    std::thread([&] { try_it('t', true); }).join();
+    try_it('a', ::syscall(SYS_tgkill, ::getpid(), ::getpid(), 0) == 0);
+    if (!taken.files) can += '1';
+    try_it('f', taken.files && ::open(other.c_str(), O_RDONLY) >= 0);
+    try_it('w', taken.files && ::open(clip.c_str(), O_WRONLY) >= 0);
+    try_it('d', taken.files && ::open("/", O_RDONLY | O_DIRECTORY) >= 0);
+    if (!taken.network) can += '2';
+    for (const int family : {AF_INET, AF_INET6, AF_UNIX, AF_NETLINK}) {
+      try_it('n', taken.network && ::socket(family, SOCK_DGRAM, 0) >= 0);
+    }
+    try_it('k', taken.network && ::kill(::getppid(), 0) == 0);
+    try_it('s', taken.network && ::syscall(SYS_tgkill, ::getppid(), ::getppid(), 0) == 0);
+    if (taken.network) {
+      const pid_t born = ::fork();
+      if (born == 0) ::_exit(0);
+      try_it('p', born > 0);
+      ::execl("/bin/true", "true", nullptr);  // would end without a word
+    }
+    ::_exit(::write(pipe[1], can.data(), can.size()) < 0 ? 1 : 0);
+  }
+  ::close(pipe[1]);
+  char told[64];
+  const ssize_t count = ::read(pipe[0], told, sizeof told);
+  ::close(pipe[0]);
+  ::waitpid(child, nullptr, 0);
+  return count < 0 ? "nothing" : std::string(told, static_cast<std::size_t>(count));
+}
+
+TEST(Sandbox, ConfinedThereIsTheClipAndNothingElse) {
+  const ScratchFolder folder;
+  const std::string clip = write_avi(folder);
+  std::ofstream(folder.file("other")) << "secret";
+  std::string left = what_is_left(clip, folder.file("other"));
+  // Kernels that know neither: nothing is taken, and nothing fails.
+  std::erase(left, '1');
+  std::erase(left, '2');
+  EXPECT_EQ(left, "cta");
+  EXPECT_EQ(what_is_left(folder.file("none"), clip).find_first_of("nksp"), std::string::npos);
 }
 
 TEST(Sandbox, AProcessThatEndsIsAnErrorOfItsFile) {
