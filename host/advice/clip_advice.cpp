@@ -63,16 +63,19 @@ std::optional<Circle> measured(const Frame& frame, const Circle& near, double ce
 }
 
 // Whether the circle may be the ball, as far as scouts tell.
-bool is_plausible(const Frame& frame, const Circle& found, const AdviceRequest& request) {
+bool is_plausible(const Frame& frame, std::int64_t index, const Circle& found,
+                  const AdviceRequest& request) {
   constexpr double kTolerance = 0.2;  // of the radius, as in tracking
   if (request.radius_px &&
       std::abs(found.r_px - *request.radius_px) > kTolerance * *request.radius_px) {
     return false;
   }
-  return !circle::stands_still(request.scene.get(), frame, found);
+  return !circle::stands_still(request.scene.get(), frame, found) &&
+         !circle::is_another_ball(request.choice.get(), index, found);
 }
 
-std::optional<Circle> find(const Frame& frame, const AdviceRequest& request) {
+// In frame `index` among the analysed ones.
+std::optional<Circle> find(const Frame& frame, std::int64_t index, const AdviceRequest& request) {
   constexpr int kLarge = 200;  // px; smaller pictures are searched as they are
   const circle::CircleOptions& options = request.circle;
   if (std::min(frame.width(), frame.height()) >= kLarge) {
@@ -81,12 +84,13 @@ std::optional<Circle> find(const Frame& frame, const AdviceRequest& request) {
     if (const auto half = circle::find_ball(halved(frame), of_half)) {
       const Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
       const auto ball = measured(frame, whole, 3, options);
-      if (ball && is_plausible(frame, *ball, request)) return ball;
+      if (ball && is_plausible(frame, index, *ball, request)) return ball;
     }
   }
-  const auto found = circle::find_ball(frame, options, request.scene.get());
+  const auto found =
+      circle::find_chosen_ball(frame, index, options, request.scene.get(), request.choice.get());
   const auto ball = found ? measured(frame, *found, 2, options) : std::nullopt;
-  return ball && is_plausible(frame, *ball, request) ? ball : std::nullopt;
+  return ball && is_plausible(frame, index, *ball, request) ? ball : std::nullopt;
 }
 
 std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
@@ -94,18 +98,18 @@ std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
   for (const circle::BallCandidate::Sighting& seen : request.sightings) {
     if (seen.index != index) continue;
     const auto ball = measured(frame, seen.ball.circle, 2, request.circle);
-    if (ball && is_plausible(frame, *ball, request)) return ball;
+    if (ball && is_plausible(frame, index, *ball, request)) return ball;
   }
   return std::nullopt;
 }
 
 // In the frame after one with the ball at `before`.
-std::optional<Circle> find_next(const Frame& frame, const Circle& before,
+std::optional<Circle> find_next(const Frame& frame, std::int64_t index, const Circle& before,
                                 const AdviceRequest& request) {
   constexpr double kMovedPx = 6;
   const auto near = measured(frame, before, kMovedPx, request.circle);
   if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
-  return find(frame, request);
+  return find(frame, index, request);
 }
 
 // The rectangle about the ball, within the frame; all of the frame without one.
@@ -135,9 +139,9 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
   }
   if (request.ball) {
     look.first_ball = find_known(look.first, index, request);
-    if (!look.first_ball) look.first_ball = find(look.first, request);
+    if (!look.first_ball) look.first_ball = find(look.first, index, request);
     if (two && look.first_ball) {
-      look.second_ball = find_next(look.second, *look.first_ball, request);
+      look.second_ball = find_next(look.second, index + 1, *look.first_ball, request);
     }
   }
   const Roi region = about(look.first, look.first_ball);
@@ -325,7 +329,7 @@ std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceReques
   } catch (const Error&) {
     return std::nullopt;
   }
-  const std::optional<Circle> ball = find_next(found.picture, near, request);
+  const std::optional<Circle> ball = find_next(found.picture, index, near, request);
   if (!ball) return std::nullopt;
   found.ball = *ball;
   return found;

@@ -25,6 +25,7 @@ struct AdviceRequest {
   std::shared_ptr<const circle::StillScene> scene;
   // Frames in which the ball is known already, to about a pixel: there it is not searched for.
   std::vector<circle::BallCandidate::Sighting> sightings;
+  std::shared_ptr<const circle::BallChoice> choice;  // nor is a ball that was not chosen
   Estimator estimator = Estimator::kField;
   FieldOptions field;
   bool with_field = true;  // windows will be measured

@@ -190,13 +190,14 @@ void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   learn_radius(fit);
 }
 
-CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
+CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radius& radius) const {
   CircleOptions options = options_.circle;
   if (radius.rough_px && !options.radius_range_px) {
     options.radius_range_px = {(1 - kTracking.radius_tolerance) * *radius.rough_px,
                                (1 + kTracking.radius_tolerance) * *radius.rough_px};
   }
-  const auto found = find_ball(frame, options, options_.scene.get());
+  const auto found =
+      find_chosen_ball(frame, index, options, options_.scene.get(), options_.choice.get());
   if (!found) return {};
   CirclePrior prior;
   prior.predicted = *found;
@@ -214,8 +215,9 @@ CircleFit BallTracker::search(const Frame& frame, const Radius& radius) const {
   return another ? CircleFit{} : fit;
 }
 
-CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrior>& prior,
-                              const Radius& radius, bool* searched) const {
+CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
+                              const std::optional<CirclePrior>& prior, const Radius& radius,
+                              bool* searched) const {
   // Little of a rim where nothing ever moves: the ball has gone.
   const auto is_ball = [&](const CircleFit& fit) {
     return plausible(fit, radius.rough_px) &&
@@ -238,7 +240,7 @@ CircleFit BallTracker::locate(const Frame& frame, const std::optional<CirclePrio
     if (is_ball(fit) || fit.status == CircleStatus::kOutOfView) return fit;
   }
   if (searched != nullptr) *searched = true;
-  return search(frame, radius);
+  return search(frame, index, radius);
 }
 
 const BallByHand* BallTracker::correction(std::int64_t index) const {
@@ -255,7 +257,7 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
     return fit;
   }
   bool searched = false;
-  const CircleFit fit = locate(frame, predict(index), radius(), &searched);
+  const CircleFit fit = locate(frame, index, predict(index), radius(), &searched);
   if (fit.status != CircleStatus::kOk) return fit;
   if (searched) memory_.seen.clear();
   remember(fit, index);
@@ -336,7 +338,7 @@ void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
       prior.radius_sd_px = plan.radius.sd_px;
       prior.radius_bias_sd_px = plan.radius.bias_sd_px;
       prior.compression_axis_rad = options_.compression_axis_rad;
-      fits[left.frame] = locate(frames[left.frame], prior, plan.radius);
+      fits[left.frame] = locate(frames[left.frame], index, prior, plan.radius);
     });
   });
 }
@@ -349,7 +351,9 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
   if (fits[begin].status != CircleStatus::kOk) {
     const Radius known = radius();
     tbb::this_task_arena::isolate([&] {
-      tbb::parallel_for(next, end, [&](std::size_t i) { fits[i] = search(frames[i], known); });
+      tbb::parallel_for(next, end, [&](std::size_t i) {
+        fits[i] = search(frames[i], first_index + static_cast<std::int64_t>(i), known);
+      });
     });
     while (next < end && fits[next].status != CircleStatus::kOk) ++next;
     if (next == end) return;

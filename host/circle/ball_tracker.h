@@ -22,6 +22,7 @@ struct BallTrackerOptions {
   std::shared_ptr<const StillScene> scene;     // what stands still is not this ball either
   // Frames corrected by hand, in order: by their numbers here, px of the pictures given.
   std::vector<BallByHand> by_hand;
+  std::shared_ptr<const BallChoice> choice;  // nor are the balls that were not chosen
   void validate() const;
 };
 
@@ -89,10 +90,10 @@ class BallTracker {
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
   std::pair<double, double> fall() const;
-  // Measures one frame, from the prior or by searching all of it, without a memory.
-  CircleFit locate(const Frame& frame, const std::optional<CirclePrior>& prior,
+  // Measures frame number `index`, from the prior or by searching all of it, without a memory.
+  CircleFit locate(const Frame& frame, std::int64_t index, const std::optional<CirclePrior>& prior,
                    const Radius& radius, bool* searched = nullptr) const;
-  CircleFit search(const Frame& frame, const Radius& radius) const;
+  CircleFit search(const Frame& frame, std::int64_t index, const Radius& radius) const;
   // The correction of frame `index`; nullptr where there is none.
   const BallByHand* correction(std::int64_t index) const;
   CircleFit measure_by_hand(const Frame& frame, const BallByHand& given);

@@ -4,6 +4,7 @@
 #include <impactdic/circle.h>
 #include <impactdic/image.h>
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 
 namespace impactdic::circle {
 
+class BallChoice;
 class RimModel;
 class StillScene;
 
@@ -94,6 +96,15 @@ std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& optio
 // The best of them; nullopt where there is none.
 std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options,
                                 const StillScene* scene = nullptr);
+
+// The best of them that is not one of the balls which were not chosen; `index`: of the frame among
+// those of the range. The same as find_ball without a choice.
+std::optional<Circle> find_chosen_ball(const Frame& frame, std::int64_t index,
+                                       const CircleOptions& options, const StillScene* scene,
+                                       const BallChoice* choice);
+
+// Whether the circle is one of those other balls; false without a choice.
+bool is_another_ball(const BallChoice* choice, std::int64_t index, const Circle& circle);
 
 // Whether a circle of the frame is a thing that never moves, as far as the scene tells: false
 // without one.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/circle/circle.h"
+#include "host/circle/scene/ball_choice.h"
 #include "host/circle/scene/still_scene.h"
 #include "host/circle/settings/search.h"
 
@@ -218,6 +219,20 @@ std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options
   const std::vector<FoundBall> balls = find_balls(frame, options, scene, false);
   if (balls.empty()) return std::nullopt;
   return balls.front().circle;
+}
+
+std::optional<Circle> find_chosen_ball(const Frame& frame, std::int64_t index,
+                                       const CircleOptions& options, const StillScene* scene,
+                                       const BallChoice* choice) {
+  if (choice == nullptr) return find_ball(frame, options, scene);
+  for (const FoundBall& ball : find_balls(frame, options, scene, true)) {
+    if (!choice->is_another(index, ball.circle)) return ball.circle;
+  }
+  return std::nullopt;
+}
+
+bool is_another_ball(const BallChoice* choice, std::int64_t index, const Circle& circle) {
+  return choice != nullptr && choice->is_another(index, circle);
 }
 
 }  // namespace impactdic::circle

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/base/statistics.h"
+#include "host/circle/scene/ball_choice.h"
 #include "host/circle/scene/still_scene.h"
 #include "host/circle/settings/search.h"
 
@@ -227,6 +228,30 @@ bool Scouted::is_believed(const BallCandidate& ball) const {
   if (static_cast<int>(ball.sightings.size()) < enough) return false;
   const double moves = std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
   return ball.moved_px > moves || ball.rim_fraction >= kScout.resting_rim;
+}
+
+std::vector<const BallCandidate*> Scouted::believed() const {
+  std::vector<const BallCandidate*> found;
+  for (const BallCandidate& ball : balls) {
+    if (is_believed(ball)) found.push_back(&ball);
+  }
+  return found;
+}
+
+std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) const {
+  const auto places = [](const BallCandidate& one) {
+    BallChoice::Places seen;
+    for (const BallCandidate::Sighting& sighting : one.sightings) {
+      seen.emplace(sighting.index, sighting.ball.circle);
+    }
+    return seen;
+  };
+  std::vector<BallChoice::Places> others;
+  for (const BallCandidate* other : believed()) {
+    if (other != &ball) others.push_back(places(*other));
+  }
+  if (others.empty()) return nullptr;
+  return std::make_shared<BallChoice>(places(ball), std::move(others));
 }
 
 const BallCandidate* Scouted::second_ball() const {

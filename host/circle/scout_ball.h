@@ -40,6 +40,11 @@ struct Scouted {
   // Whether the candidate is believed to be a ball: frames enough show it, and it moves or shows
   // most of its rim. Speckles, holes and hubs hold circles, too.
   bool is_believed(const BallCandidate& ball) const;
+  // Those that are believed, the best first.
+  std::vector<const BallCandidate*> believed() const;
+  // To follow `ball`, one of those, and none of the others that are believed; nullptr where there
+  // is no other.
+  std::shared_ptr<const BallChoice> choose(const BallCandidate& ball) const;
   // A ball beside the best one; nullptr where there is none.
   const BallCandidate* second_ball() const;
 };

@@ -52,6 +52,7 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"distance-sd-mm", {"Scale and axes", false}},
     {"roi", {"Ball and region", true}},
     {"radius-px", {"Ball and region", true}},
+    {"ball", {"Ball and region", true}},
     {"reference", {"Ball and region", true}},
     {"polygon", {"Ball and region", true}},
     {"mask", {"Ball and region", true}},

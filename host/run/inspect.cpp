@@ -54,6 +54,23 @@ ClipAdvice look_at(FrameSource& source, const FieldOptions& field) {
   return advice::advise_clip(source, request);
 }
 
+std::vector<BallSeen> candidates_of(const circle::Scouted& found) {
+  std::vector<BallSeen> candidates;
+  for (const circle::BallCandidate* ball : found.believed()) {
+    BallSeen& seen = candidates.emplace_back();
+    seen.radius_px = ball->radius_px;
+    seen.rim_fraction = ball->rim_fraction;
+    seen.moved_px = ball->moved_px;
+    seen.frames = static_cast<int>(ball->sightings.size());
+    const auto& plainest = *std::max_element(
+        ball->sightings.begin(), ball->sightings.end(),
+        [](const auto& a, const auto& b) { return a.ball.rim_fraction < b.ball.rim_fraction; });
+    seen.place = plainest.ball.circle;
+    seen.frame = plainest.index;
+  }
+  return candidates;
+}
+
 }  // namespace
 
 void InspectRequest::validate() const {
@@ -78,6 +95,13 @@ Inspection inspect(const InspectRequest& request) {
     inspection.last_frame_time_s = source->frame_time_s(inspection.clip.frame_count - 1);
   }
   inspection.advice = look_at(*source, request.field);
+  if (request.candidates) {
+    const ClipInfo& info = source->info();
+    const circle::Scouted found =
+        circle::scout_ball(*source, {0, info.frame_count, 1}, {0, 0, info.width, info.height}, {});
+    inspection.candidates = candidates_of(found);
+    inspection.candidate_frames = found.frames;
+  }
   inspection.warnings = run::all_warnings(request.clip, inspection.clip, inspection.advice);
   return inspection;
 }

@@ -66,6 +66,7 @@ void TrackRequest::validate() const {
   run::check_frames(frames);
   if (roi) run::check_rectangle(*roi);
   run::check_polygon(polygon);
+  check(ball >= 0, "1 or more", ball, "--ball");
   check(ball_diameter_mm >= 0, "positive", ball_diameter_mm, "--ball-diameter-mm");
   check(ball_diameter_sd_mm >= 0 &&
             (ball_diameter_sd_mm == 0 || ball_diameter_sd_mm < ball_diameter_mm),
@@ -183,10 +184,24 @@ void TrackRun::look_for_ball() {
   scout(request);
 }
 
+void TrackRun::choose_ball(const circle::Scouted& found, bool known,
+                           advice::AdviceRequest& request) {
+  const std::vector<const circle::BallCandidate*> balls = found.believed();
+  if (request_.ball > static_cast<int>(balls.size())) {
+    throw InvalidArgument("only " + std::to_string(balls.size()) +
+                              (balls.size() == 1 ? " ball is seen" : " balls are seen"),
+                          "--ball " + std::to_string(request_.ball),
+                          "impactdic info --candidates lists them");
+  }
+  const circle::BallCandidate& ball = *balls[static_cast<std::size_t>(request_.ball) - 1];
+  options_.ball.scouted_radius_px = request.radius_px = ball.radius_px;
+  options_.ball.choice = request.choice = found.choose(ball);
+  if (known) request.sightings = ball.sightings;
+}
+
 void TrackRun::scout(advice::AdviceRequest& request) {
-  if (scouted_ && !scouted_->balls.empty()) {
-    request.sightings = scouted_->balls.front().sightings;
-  } else if (!scouted_) {
+  const bool known = scouted_.has_value();
+  if (!known) {
     scouted_ = circle::scout_ball(*source_, options_.frames, options_.roi, options_.ball.circle);
   }
   const circle::Scouted& found = *scouted_;
@@ -194,13 +209,15 @@ void TrackRun::scout(advice::AdviceRequest& request) {
   options_.ball.scouted_radius_px = request.radius_px =
       radius_by_hand(found.radius_px(), request_.ball_at);
   options_.ball.scene = request.scene = found.scene;
+  if (request_.ball > 0) return choose_ball(found, known, request);
+  if (known && !found.balls.empty()) request.sightings = found.balls.front().sightings;
   if (const circle::BallCandidate* other = found.second_ball()) {
     const circle::BallCandidate::Sighting& seen = other->sightings.front();
     char text[240];
     std::snprintf(
         text, sizeof text,
         "a second ball is seen, of radius %.1f px, at %.0f, %.0f in frame %lld; the one of "
-        "radius %.1f px is measured: --roi or --radius-px keep to one of them",
+        "radius %.1f px is measured: --ball N chooses, info --candidates counts them",
         other->radius_px, seen.ball.circle.cx_px + options_.roi.x,
         seen.ball.circle.cy_px + options_.roi.y,
         static_cast<long long>(options_.frames.at(seen.index)), *found.radius_px());

@@ -52,6 +52,8 @@ class TrackRun {
  private:
   // Where the ball's centre may be, and the frames corrected by hand.
   void take_limits();
+  // The ball that was asked for, and none of the others. `known`: another run has scouted it.
+  void choose_ball(const circle::Scouted& found, bool known, advice::AdviceRequest& request);
   // Looks for the ball in frames spread over the clip.
   void scout(advice::AdviceRequest& request);
   // Looks for the surface's edge, and compares it with the angle that was given.

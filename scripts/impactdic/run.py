@@ -77,12 +77,13 @@ def _finish(outcome):
                       ResultWarning, stacklevel=3)
 
 
-def track(clip, ball=None, *, surface_deg=None, out=None, force=False, resume=False,
-          progress=False, on_frame=None, on_message=None, device="auto", threads=0, **options):
+def track(clip, ball=None, *, surface_deg=None, ball_rank=None, out=None, force=False,
+          resume=False, progress=False, on_frame=None, on_message=None, device="auto", threads=0, **options):
     """Measures a ball in every frame of a clip: centre, motion, displacement field, impact.
 
     clip: a Clip, or whatever `open` takes. ball: a Ball; its diameter gives the scale.
     surface_deg: inclination of the surface, counter-clockwise from image-right.
+    ball_rank: which of several balls is measured, as `impactdic info --candidates` counts them.
     out: a folder for the results, as `impactdic track -o`; without it they lie in a folder that
     goes with the shot. force, resume: as the program's.
     progress: True, or a function of (phase, done, total).
@@ -101,6 +102,8 @@ def track(clip, ball=None, *, surface_deg=None, out=None, force=False, resume=Fa
     clip = _clip_of(clip, options)
     if surface_deg is not None:
         options["surface_angle_deg"] = surface_deg
+    if ball_rank is not None:
+        options["ball"] = ball_rank
     if ball is not None:
         if ball.diameter_mm and not options.get("mm_per_px"):
             options.setdefault("ball_diameter_mm", ball.diameter_mm)

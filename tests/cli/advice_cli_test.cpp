@@ -2,6 +2,7 @@
 // one.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/video/frame_sink.h"
@@ -59,6 +60,26 @@ TEST(Advice, InfoSaysWhatTheTextureLetsBeMeasured) {
   EXPECT_TRUE(has(outcome.out, "31 px reach 0.003 px a window")) << outcome.out;
   EXPECT_TRUE(has(outcome.out, "whole ball")) << outcome.out;
   EXPECT_FALSE(has(outcome.out, "warning")) << outcome.out;
+}
+
+// The one ball is the first candidate, drawn into a picture; there is no second one to ask for.
+TEST(Advice, CandidatesAreListedAndDrawn) {
+  const Clip clip("--size 160x160 --radius-px 50 --velocity-px 2,0 --pattern a1");
+  const std::filesystem::path folder = clip.path().parent_path() / "looked";
+  const Outcome seen =
+      run_program("info " + quoted(clip.path()) + " --candidates -o " + quoted(folder));
+  ASSERT_EQ(seen.status, 0) << seen.err;
+  EXPECT_TRUE(has(seen.out, "candidate 1      radius 50.")) << seen.out;
+  EXPECT_TRUE(has(seen.out, " in frame ")) << seen.out;
+  EXPECT_FALSE(has(seen.out, "candidate 2")) << seen.out;
+  std::ifstream png(folder / "key_frames" / "candidates.png", std::ios::binary);
+  std::string head(4, ' ');
+  png.read(head.data(), 4);
+  EXPECT_EQ(head, "\x89PNG");
+  const Outcome second = run_program("track " + quoted(clip.path()) + " --no-field --ball 2 -o " +
+                                     quoted(clip.path().parent_path() / "second"));
+  EXPECT_EQ(second.status, 2);
+  EXPECT_TRUE(has(second.err, "--ball 2: only 1 ball is seen")) << second.err;
 }
 
 TEST(Advice, MissingScale) {

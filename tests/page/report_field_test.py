@@ -207,7 +207,7 @@ class OfClip(unittest.TestCase):
             root, folder = Path(name), Path(name) / "said"
             run("synth", "-q", "-o", root / "clip", "--frames", 8, "--size", "160x150", "--radius-px", 36,
                 "--pattern", "f1", "--velocity-px", "2,1", "--fps", 5000, "--format", "cine")
-            said = run("info", root / "clip" / "video.cine", "-o", folder).stdout
+            said = run("info", root / "clip" / "video.cine", "--candidates", "-o", folder).stdout
             again = subprocess.run([PROGRAM, "info", root / "clip" / "video.cine", "-o", folder],
                                    capture_output=True, text=True)
             self.assertEqual((again.returncode, again.stderr.count("\n")), (2, 1))
@@ -221,8 +221,16 @@ class OfClip(unittest.TestCase):
                                                     r"radius \d\d\.\d px; windows of 15 px are expected to err by 0")
             self.assertEqual([(light.name, light.state) for light in report.first.lights],
                              [("ball", "good"), ("texture", "good")])
+            [seen] = json.loads((folder / "summary.json").read_text())["candidates"]
             self.assertEqual([key.title for key in report.first.pictures],
-                             ["first, frame 0", "middle, frame 3", "last, frame 7"])
+                             ["first, frame 0", "middle, frame 3", "last, frame 7",
+                              f"candidate 1, frame {seen['frame']}"])
+            outline = report.first.pictures[-1].outline
+            truth = np.genfromtxt(root / "clip" / "truth.csv", delimiter=",", names=True,
+                                  dtype=None, encoding=None)[seen["frame"]]
+            self.assertAlmostEqual(outline.x, truth["cx_px"], delta=1)
+            self.assertAlmostEqual(outline.long, 36, delta=1)
+            self.assertIn("candidate 1      radius 36.", said)
             error = report.figures[0].panels[0].series[0]
             self.assertTrue((np.diff(error.x) > 0).all() and (error.y > 0).all())
             report.write_page()

@@ -1,5 +1,7 @@
 // The ball among what else is round: screws that never move, an arm, a second ball.
 #include <gtest/gtest.h>
+#include <impactdic/advice.h>
+#include <impactdic/error.h>
 #include <impactdic/track.h>
 
 #include <algorithm>
@@ -166,6 +168,52 @@ TEST(FoundBall, ASecondBallIsNamed) {
     if (!row.circle_ok) continue;
     EXPECT_NEAR(row.r_px, 24, 0.5) << row.frame;
   }
+}
+
+// Two balls that cross each other's way; the person says which one is measured.
+TEST(FoundBall, TheBallThatWasAskedForIsMeasured) {
+  ClutteredScene scene = bench();
+  scene.frames = 24;
+  scene.dots = {};
+  scene.screws = {{60, 40, 24, 230}};
+  scene.ball = [](int k) { return Disc{40 + 9.1 * k, 120 + 1.3 * k, 20, 210}; };
+  scene.other = [](int k) { return Disc{280 - 8.3 * k, 205 - 1.1 * k, 18, 220}; };
+  InspectRequest look;
+  look.clip.source = std::make_shared<ClutteredClip>(scene);
+  look.candidates = true;
+  const Inspection seen = inspect(look);
+  ASSERT_EQ(seen.candidates.size(), 2u);
+  Session session;
+  for (int rank = 1; rank <= 2; ++rank) {
+    const BallSeen& asked = seen.candidates[static_cast<std::size_t>(rank - 1)];
+    const bool is_other = asked.radius_px < 19;
+    const auto truth = [&](std::int64_t frame) {
+      return (is_other ? scene.other : scene.ball)(static_cast<int>(frame)).value();
+    };
+    EXPECT_NEAR(asked.place.cx_px, truth(asked.frame).x_px, 1) << rank;
+    EXPECT_GT(asked.moved_px, 100) << rank;
+    TrackRequest request;
+    request.clip.source = look.clip.source;
+    request.with_field = false;
+    request.ball = rank;
+    const TrackResult result = impactdic::track(request, session);
+    int right = 0;
+    for (const TrackRow& row : result.rows) {
+      if (!row.circle_ok) continue;
+      const Disc at = truth(row.frame);
+      EXPECT_LT(std::hypot(row.cx_px - at.x_px, row.cy_px - at.y_px), 1)
+          << rank << ' ' << row.frame;
+      ++right;
+    }
+    EXPECT_GE(right, 20) << rank;
+  }
+  TrackRequest third;
+  third.clip.source = look.clip.source;
+  third.with_field = false;
+  third.ball = 3;
+  EXPECT_THROW(impactdic::track(third, session), InvalidArgument);
+  third.ball = -1;
+  EXPECT_THROW(third.validate(), InvalidArgument);
 }
 
 }  // namespace

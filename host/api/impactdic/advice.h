@@ -8,6 +8,7 @@
 #include <impactdic/export.h>
 #include <impactdic/field.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,9 +49,22 @@ struct ClipAdvice {
 // where none does.
 int window_reaching(const TextureAdvice& advice, double error_px);
 
+// A thing in the picture that may be the ball, as some frames spread over the clip show it.
+struct BallSeen {
+  double radius_px = 0;     // median
+  double rim_fraction = 0;  // mean share of its rim that is seen, 0 … 1
+  double moved_px = 0;      // between the two places farthest apart
+  int frames = 0;           // that show it, of those looked at
+  // Where the most of its rim is seen: px of the whole picture, in this frame of the stored file.
+  Circle place;
+  std::int64_t frame = 0;
+};
+
 struct InspectRequest {
   ClipRequest clip;
-  FieldOptions field;     // window size and thresholds that the texture is judged by
+  FieldOptions field;  // window size and thresholds that the texture is judged by
+  // Looks through all of the clip for what may be the ball, as `track` does before it measures.
+  bool candidates = false;
   std::string camera;     // that `calibrate` wrote; "": none
   void validate() const;  // throws InvalidArgument
 };
@@ -62,6 +76,10 @@ struct Inspection {
   std::optional<PlaneFigures> camera;       // where one was given
   // The ball's texture; that of the whole picture where there is no ball.
   ClipAdvice advice;
+  // Where it was asked for: the best first, of so many frames looked at. TrackRequest::ball counts
+  // them from 1.
+  std::vector<BallSeen> candidates;
+  int candidate_frames = 0;
   // Of the file's header (its doubtful frame rate not where the request gives one), then of the
   // look.
   std::vector<std::string> warnings;

@@ -163,6 +163,9 @@ struct TrackRequest {
   // Frames corrected by hand, each once; those that are not analysed count for nothing. Their
   // circles tell the ball's radius, too: they may be those of another ball than the one found.
   std::vector<BallByHand> ball_at;
+  // Which of several balls is measured, by its rank among Inspection::candidates (with the same
+  // frames, roi and radius_px); 0: the first, wherever it is taken for.
+  int ball = 0;
   Estimator estimator = Estimator::kBall;
   Body body = Body::kAuto;
   FieldOptions field;

@@ -45,6 +45,8 @@ void add_info_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--camera", options->request.camera,
                       "Camera that `calibrate` wrote: its scale, distortion and tilt");
+  command->add_flag("--candidates", options->request.candidates,
+                    "What may be the ball over all of the clip, in the order of track --ball");
   command->add_option("-o,--output", options->output,
                       "Folder for the same as files, which impactdic report makes a page of");
   command->add_flag("--force", options->force, "Write into a folder that already holds files");

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "host/report/picture/brush.h"
+#include "host/report/picture/png.h"
 
 namespace impactdic::report {
 namespace {
@@ -138,6 +139,29 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   ColourPicture out{picture.cols, picture.rows, {}};
   out.bgr.assign(picture.data, picture.data + picture.total() * 3);
   return out;
+}
+
+ColourPicture draw_candidates(const Frame& frame, std::int64_t number,
+                              std::span<const BallSeen> candidates) {
+  cv::Mat canvas = to_colour(frame);
+  Brush brush(canvas);
+  for (std::size_t i = candidates.size(); i-- > 0;) {
+    const BallSeen& seen = candidates[i];
+    const cv::Scalar& colour = seen.frame == number ? kCircleColour : kPathColour;
+    const PicturePoint centre{seen.place.cx_px, seen.place.cy_px};
+    brush.circle(centre, seen.place.r_px, colour);
+    brush.text(std::to_string(i + 1), centre, colour);
+  }
+  ColourPicture picture;
+  picture.width = canvas.cols, picture.height = canvas.rows;
+  picture.bgr.assign(canvas.datastart, canvas.dataend);
+  return picture;
+}
+
+void write_candidates(const std::string& path, const Frame& frame, std::int64_t number,
+                      std::span<const BallSeen> candidates) {
+  const ColourPicture drawn = draw_candidates(frame, number, candidates);
+  write_png_bgr(path, drawn.width, drawn.height, drawn.bgr);
 }
 
 void write_label(ColourPicture& picture, const std::vector<std::string>& lines) {

@@ -2,6 +2,7 @@
 // Figs 2.10 and 3.9.
 #pragma once
 
+#include <impactdic/advice.h>
 #include <impactdic/image.h>
 
 #include <cstdint>
@@ -44,6 +45,14 @@ class OverlayPainter {
   int origin_x_, origin_y_;
   std::vector<Point> trajectory_;
 };
+
+// What may be the ball, drawn into frame number `number` of the stored file with their ranks from
+// 1: those that this frame shows in one colour, those that another shows better in a fainter one.
+ColourPicture draw_candidates(const Frame& frame, std::int64_t number,
+                              std::span<const BallSeen> candidates);
+// The same as a PNG file. Throws FileError.
+void write_candidates(const std::string& path, const Frame& frame, std::int64_t number,
+                      std::span<const BallSeen> candidates);
 
 // Writes `lines` into the picture's lower left corner, on a ground of their own, so small that they
 // fit: done again, it replaces what stood there.

@@ -68,6 +68,25 @@ std::string ball_line(const Inspection& found, const ClipAdvice& advice) {
                                    advice.frames));
 }
 
+std::string in_words(const BallSeen& seen, int frames) {
+  return say(
+      "radius %.1f px, %.0f %% of its rim seen, moves by %.0f px; in %d of %d frames looked "
+      "at, as at %.0f, %.0f in frame %lld",
+      seen.radius_px, 100 * seen.rim_fraction, seen.moved_px, seen.frames, frames, seen.place.cx_px,
+      seen.place.cy_px, static_cast<long long>(seen.frame));
+}
+
+std::string candidate_lines(const Inspection& found) {
+  if (!found.candidate_frames) return {};
+  if (found.candidates.empty()) return line("candidates", "nothing that may be a ball is seen");
+  std::string text;
+  for (std::size_t i = 0; i < found.candidates.size(); ++i) {
+    text += line("candidate " + std::to_string(i + 1),
+                 in_words(found.candidates[i], found.candidate_frames));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string in_words(const Inspection& found, double error_px) {
@@ -75,6 +94,7 @@ std::string in_words(const Inspection& found, double error_px) {
   if (found.camera) text += line("calibration", in_words(*found.camera));
   if (found.advice.ball) text += ball_line(found, found.advice);
   if (found.advice.texture) text += texture_lines(*found.advice.texture, error_px);
+  text += candidate_lines(found);
   for (const std::string& warning : found.warnings) text += line("warning", warning);
   return text;
 }

@@ -265,6 +265,10 @@ void LiveRequest::validate() const {
   if (!(track.clip.fps > 0)) {
     throw InvalidArgument("a stream does not say its frame rate", "--fps", "give the camera's");
   }
+  if (track.ball > 0) {
+    throw InvalidArgument("a stream is not known before it comes", "--ball",
+                          "--roi or --radius-px keep to one ball");
+  }
   check(look >= 2 && look <= 1000, look, "--look", "between 2 and 1000");
   check(wait_s >= 0.0005 && wait_s <= 1, wait_s, "--wait", "between 0.0005 and 1 s");
   check(lag_s >= 0 && lag_s <= 60, lag_s, "--lag", "between 0 and 60 s");

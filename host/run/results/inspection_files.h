@@ -8,7 +8,8 @@
 namespace impactdic::run {
 
 // summary.json, job.toml and the first, the middle and the last picture (key_frames/) into
-// `folder`, which must be empty unless `force`. Throws InvalidArgument, FileError, FormatError.
+// `folder`, which must be empty unless `force`; of candidates a picture each, and one of all.
+// Throws InvalidArgument, FileError, FormatError.
 void write_inspection(const InspectRequest& request, const Inspection& found, double error_px,
                       const std::string& folder, bool force);
 

@@ -30,6 +30,7 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"ball-at",
      "FRAME:X,Y,R/FRAME:none/...: frames corrected by hand: the ball's circle there, px, or that "
      "there is none"},
+    {"ball", "N: which of several balls is measured, as info --candidates counts them"},
     {"estimator",
      "How the motion is measured: ball (one registration of the whole ball, the most exact, and "
      "poses without drift), field (windows alone) or ring (rotation from rings, any angle)"},

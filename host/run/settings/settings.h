@@ -83,6 +83,7 @@ void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"polygon", kEmptyUnset}, request.polygon);
   visit(Setting{"radius-px", kEmptyUnset}, request.radius_px);
   visit(Setting{"ball-at", kEmptyUnset}, request.ball_at);
+  visit(Setting{"ball", kZeroUnset}, request.ball);
   visit(Setting{"estimator", kPlain, "option_estimator"}, request.estimator);
   visit(Setting{"body", kPlain, "option_body"}, request.body);
   visit_field(visit, request.field, request.spacing_px, folder.compression);

@@ -5,7 +5,7 @@ import {get, set} from "./store.js";
 // The first group stands open; what no group names goes to the last.
 const GROUPS = [
   ["Scale and axes", ["ball-diameter-mm", "mm-per-px", "camera", "surface-angle-deg", "fps", "inertia-factor"]],
-  ["Where and when", ["roi", "polygon", "radius-px", "ball-at", "frames"]],
+  ["Where and when", ["roi", "polygon", "radius-px", "ball", "ball-at", "frames"]],
   ["How", ["estimator", "body", "no-field"]],
   ["Uncertainty and checks", ["ball-diameter-sd-mm", "mm-per-px-sd", "surface-angle-sd-deg", "gravity-angle-deg", "drop-height-mm",
                               "distance-mm", "distance-sd-mm"]],

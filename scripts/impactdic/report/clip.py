@@ -26,9 +26,12 @@ def first_screen(result):
         path = folder / frame["picture"]
         if path.exists():
             grey = np.round(255 * matplotlib.image.imread(path)).astype(np.uint8)
+            ball = frame.get("outline")
+            outline = ball and first.Shape(ball["cx_px"], ball["cy_px"], ball["radius_px"],
+                                           ball["radius_px"], 0.0)
             made.pictures.append(first.KeyPicture(
                 f"{frame['moment']}, frame {frame['frame']}", grey, frame["x_px"], frame["y_px"],
-                None, np.empty((0, 2)), None, None, None))
+                outline, np.empty((0, 2)), None, None, None))
     return made
 
 
