@@ -78,7 +78,8 @@ def _finish(outcome):
 
 
 def track(clip, ball=None, *, surface_deg=None, ball_rank=None, out=None, force=False,
-          resume=False, progress=False, on_frame=None, on_message=None, device="auto", threads=0, **options):
+          resume=False, progress=False, on_frame=None, on_message=None, device="auto", threads=0,
+          **options):
     """Measures a ball in every frame of a clip: centre, motion, displacement field, impact.
 
     clip: a Clip, or whatever `open` takes. ball: a Ball; its diameter gives the scale.

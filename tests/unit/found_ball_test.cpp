@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "host/circle/scout_ball.h"
+#include "host/pipeline/fill_row.h"
 #include "host/pipeline/track_clip.h"
 #include "tests/support/cluttered_clip.h"
 
@@ -214,6 +215,27 @@ TEST(FoundBall, TheBallThatWasAskedForIsMeasured) {
   EXPECT_THROW(impactdic::track(third, session), InvalidArgument);
   third.ball = -1;
   EXPECT_THROW(third.validate(), InvalidArgument);
+}
+
+// A circle that steps otherwise than the ink on the ball is another thing, or the ink is.
+TEST(FoundBall, ARowWhoseCircleAndInkGoApartSaysSo) {
+  const auto status = [](double step_px, double sd_px) {
+    TrackRow row, next;
+    row.status = TrackStatus::kOk;
+    row.circle_ok = row.motion_ok = next.circle_ok = true;
+    row.cx_px = row.cy_px = next.cy_px = 100;
+    next.cx_px = 100 + step_px;
+    row.dx_px = 2, row.dy_px = 0;
+    row.dx_sd_px = row.dy_sd_px = 0.001;
+    for (TrackRow* at : {&row, &next}) at->cx_sd_px = at->cy_sd_px = sd_px;
+    pipeline::compare_with_circles(row, next);
+    return row.status;
+  };
+  EXPECT_EQ(status(2, 0.01), TrackStatus::kOk);
+  EXPECT_EQ(status(18, 0.01), TrackStatus::kInconsistent);
+  EXPECT_EQ(status(2.2, 0.01), TrackStatus::kInconsistent);
+  EXPECT_EQ(status(2.2, 0.05), TrackStatus::kOk);    // by chance
+  EXPECT_EQ(status(2.08, 0.001), TrackStatus::kOk);  // of no account
 }
 
 }  // namespace
