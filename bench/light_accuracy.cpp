@@ -1,12 +1,15 @@
 // How exact and how honest `track` is on balls as cameras show them: lamps, backgrounds, obstacles,
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
 //   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
-// CONDITIONS is a list with commas, or "all"; FIRST and LAST are seeds. With "circles" the motion
+// CONDITIONS is a list with commas, or "all", each with the pattern of its ball where that is not
+// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. Rows that are wrong with
+// status ok are listed on stderr. With "circles" the motion
 // is not measured, and no device is needed. Pictures are kept in the folder KEEP and read from
 // there the next time (painting takes longer than all the rest).
 #include <impactdic/device.h>
 #include <impactdic/track.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +17,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/light_scenes.h"
@@ -79,15 +83,19 @@ struct Table {
   static bool is_wrong(double error, double sd, double matters) {
     return !(std::abs(error) <= kBeyond * sd || std::abs(error) <= matters);
   }
-  void add_circle(const TrackRow& row, const BallPose& pose, double radius_px) {
+  // Whether it is wrong.
+  bool add_circle(const TrackRow& row, const BallPose& pose, double radius_px) {
     const double x = row.cx_px - pose.cx_px, y = row.cy_px - pose.cy_px;
     const double r = row.r_px - radius_px * (1 - pose.compression / 2);
     centre.add(x, row.cx_sd_px);
     centre.add(y, row.cy_sd_px);
     radius.add(r, row.r_sd_px);
-    if (row.status != TrackStatus::kOk && row.status != TrackStatus::kLastFrame) return;
-    wrong += is_wrong(x, row.cx_sd_px, kMatters_px) || is_wrong(y, row.cy_sd_px, kMatters_px) ||
-             is_wrong(r, row.r_sd_px, kMatters_px);
+    if (row.status != TrackStatus::kOk && row.status != TrackStatus::kLastFrame) return false;
+    const bool off = is_wrong(x, row.cx_sd_px, kMatters_px) ||
+                     is_wrong(y, row.cy_sd_px, kMatters_px) ||
+                     is_wrong(r, row.r_sd_px, kMatters_px);
+    wrong += off;
+    return off;
   }
   void add_motion(const TrackRow& row, const LightScene& scene, const BallPose& pose,
                   const BallPose& next) {
@@ -140,8 +148,8 @@ bool all_in_view(const BallPose& pose, const LightScene& scene, const LightClip&
 std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::uint64_t seed,
                                const std::string& keep) {
   std::vector<Frame> pictures(clip.poses().size());
-  const std::string name =
-      keep + '/' + scene.name + '-' + std::to_string(seed) + '-' + std::to_string(pictures.size());
+  const std::string name = keep + '/' + scene.name + '-' + scene.pattern + '-' +
+                           std::to_string(seed) + '-' + std::to_string(pictures.size());
   const auto bytes = static_cast<std::streamsize>(clip.width()) * clip.height();
   if (!keep.empty() && std::filesystem::exists(name)) {
     std::ifstream file(name, std::ios::binary);
@@ -195,7 +203,14 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
     }
     table.lost +=
         !good && row.status != TrackStatus::kInconsistent && all_in_view(poses[k], scene, clip);
-    table.add_circle(row, poses[k], scene.radius_px);
+    if (table.add_circle(row, poses[k], scene.radius_px)) {
+      std::fprintf(stderr,
+                   "%s %s seed %llu frame %zu: off %+.3f (sd %.3f), %+.3f (%.3f), radius %+.3f "
+                   "(%.3f) px\n",
+                   scene.name, scene.pattern, static_cast<unsigned long long>(seed), k,
+                   row.cx_px - poses[k].cx_px, row.cx_sd_px, row.cy_px - poses[k].cy_px,
+                   row.cy_sd_px, row.r_px - scene.radius_px, row.r_sd_px);
+    }
     if (row.pose.ok && row.pose.origin < row.frame) {
       const BallPose& origin = poses[static_cast<std::size_t>(row.pose.origin)];
       table.add_pose(row.pose, poses[k].angle_deg - origin.angle_deg);
@@ -208,9 +223,12 @@ int run(int argc, char** argv) {
   const auto argument = [&](int i, const char* usual) {
     return std::string(argc > i ? argv[i] : usual);
   };
-  std::vector<std::string> wanted;
+  std::vector<std::pair<std::string, std::string>> wanted;  // condition, pattern
   std::istringstream names(argument(1, "all"));
-  for (std::string name; std::getline(names, name, ',');) wanted.push_back(name);
+  for (std::string name; std::getline(names, name, ',');) {
+    const std::size_t colon = std::min(name.find(':'), name.size());
+    wanted.emplace_back(name.substr(0, colon), name.substr(std::min(colon + 1, name.size())));
+  }
   Way way;
   way.first = std::atoi(argument(2, "1").c_str());
   way.last = std::atoi(argument(3, "3").c_str());
@@ -223,9 +241,13 @@ int run(int argc, char** argv) {
       "condition: rows, lost, inconsistent, wrong circle and motion with status ok; centre rms, "
       "over sd, largest; radius rms, over sd, mean; dx, dy rms, over sd; turn rms, over sd; of a "
       "disc the pose's angle rms, over sd (px, deg)\n");
-  for (const LightScene& scene : kScenes) {
-    const bool one = std::find(wanted.begin(), wanted.end(), scene.name) != wanted.end();
-    if (wanted[0] != "all" && !one) continue;
+  for (const LightScene& usual : kScenes) {
+    const auto asked = std::find_if(wanted.begin(), wanted.end(), [&](const auto& one) {
+      return one.first == "all" || one.first == usual.name;
+    });
+    if (asked == wanted.end()) continue;
+    LightScene scene = usual;
+    if (!asked->second.empty()) scene.pattern = asked->second.c_str();
     Table table;
     for (int seed = way.first; seed <= way.last; ++seed) {
       measure(scene, static_cast<std::uint64_t>(seed), way, session, table);
