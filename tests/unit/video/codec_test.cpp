@@ -3,6 +3,11 @@
 #include <impactdic/error.h>
 #include <impactdic/safety/sandbox.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <thread>
 
@@ -94,6 +99,55 @@ TEST(AviClips, AnyOrderGivesTheSameFrames) {
   IMPACTDIC_NEED_DATA("avi/ball_MJPG.avi");
   for (const char* name : {"ball_Y800.avi", "ball_MJPG.avi", "ball_DIB8_bottomup_w382.avi"}) {
     expect_exact_in_any_order(data_path(std::string("avi/") + name).string());
+  }
+}
+
+// How a phone notes that it was held on its side: the matrix of the track's header (ISO/IEC
+// 14496-12, 8.3.2), 36 bytes some way behind the box's name.
+void set_turn(const std::string& path, int quarter_turns) {
+  std::vector<char> bytes = testing::file_bytes(path);
+  const std::string name = "tkhd";
+  const auto box = std::search(bytes.begin(), bytes.end(), name.begin(), name.end());
+  ASSERT_NE(box, bytes.end());
+  constexpr int kRows[4][4] = {{1, 0, 0, 1}, {0, 1, -1, 0}, {-1, 0, 0, -1}, {0, -1, 1, 0}};
+  constexpr std::ptrdiff_t kMatrix = 44, kPlaces[4] = {0, 4, 12, 16};
+  for (int i = 0; i < 4; ++i) {
+    const auto value = static_cast<std::uint32_t>(kRows[quarter_turns][i] * 65536);
+    for (int byte = 0; byte < 4; ++byte) {
+      box[kMatrix + kPlaces[i] + byte] = static_cast<char>(value >> (24 - 8 * byte));
+    }
+  }
+  testing::write_bytes(path, bytes);
+}
+
+// The picture as it is meant to be seen: as ffmpeg shows it.
+TEST(Videos, AreTurnedAsTheirTagSays) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+  const ScratchFolder folder;
+  const std::string upright = folder.file("upright.mov"), pixels = folder.file("pixels");
+  const Frame picture = random_frame(48, 32, 8, 3);
+  testing::write_bytes(pixels, reinterpret_cast<const char*>(picture.u8.data()), 48 * 32);
+  ASSERT_EQ(std::system(("ffmpeg -v error -f rawvideo -pix_fmt gray -s 48x32 -r 25 -i " + pixels +
+                         " -c:v png -y " + upright)
+                            .c_str()),
+            0);
+  for (int quarter_turns = 0; quarter_turns < 4; ++quarter_turns) {
+    const std::string turned = folder.file("turned.mov"), shown = folder.file("shown");
+    std::filesystem::copy_file(upright, turned, std::filesystem::copy_options::overwrite_existing);
+    set_turn(turned, quarter_turns);
+    ASSERT_EQ(
+        std::system(
+            ("ffmpeg -v error -i " + turned + " -f rawvideo -pix_fmt gray -y " + shown).c_str()),
+        0);
+    const auto clip = open_clip(turned);
+    const bool on_its_side = quarter_turns % 2 == 1;
+    ASSERT_EQ(clip->info().width, on_its_side ? 32 : 48) << quarter_turns;
+    ASSERT_EQ(clip->info().height, on_its_side ? 48 : 32) << quarter_turns;
+    Frame frame;
+    clip->read(0, frame);
+    const std::vector<char> want = testing::file_bytes(shown);
+    ASSERT_EQ(want.size(), frame.u8.size());
+    EXPECT_EQ(std::memcmp(want.data(), frame.u8.data(), want.size()), 0) << quarter_turns;
   }
 }
 
