@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "host/advice/frame_checks.h"
+#include "host/advice/reflex.h"
 
 namespace impactdic::advice {
 namespace {
@@ -275,7 +276,10 @@ bool is_textured_at(const Frame& frame, const FieldOptions& field,
 }
 
 bool fills_the_picture(const Frame& frame, const FieldOptions& field, bool ball_found) {
+  // In a smaller picture one window reaches from its edge to the rim of a large ball.
+  constexpr int kLeastWindows = 10;
   if (is_textured_at(frame, field, {{0, 0}, {1, 0}, {0, 1}, {1, 1}})) return true;
+  if (std::min(frame.width(), frame.height()) < kLeastWindows * field.window_px) return false;
   return !ball_found && (is_textured_at(frame, field, {{0, 0.5}, {0.5, 0.5}, {1, 0.5}}) ||
                          is_textured_at(frame, field, {{0.5, 0}, {0.5, 0.5}, {0.5, 1}}));
 }
@@ -364,6 +368,13 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
       advice.ball->cx_px += request.roi.x;
       advice.ball->cy_px += request.roi.y;
     }
+    std::vector<BallView> views;
+    for (const Look& one : looks) {
+      if (one.first_ball) views.push_back({&one.first, *one.first_ball});
+      if (one.second_ball) views.push_back({&one.second, *one.second_ball});
+    }
+    advice.reflex_alone = is_reflex_alone(views, advice.texture->noise);
+    if (request.with_field && advice.reflex_alone) advice.warnings.emplace_back(kReflexAlone);
     if (request.with_field) warn_of_texture(request, *advice.texture, advice.warnings);
   }
   warn_of_size(request, advice, looks, advice.warnings);

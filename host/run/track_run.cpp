@@ -158,6 +158,10 @@ void TrackRun::look() {
                       options_.estimator.estimator == Estimator::kBall;
   std::vector<advice::BallPair> pairs;
   result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
+  if (result_.advice.reflex_alone) {
+    options_.with_field = false;  // it would be the reflex that is measured
+    pairs.clear();
+  }
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);

@@ -42,7 +42,10 @@ struct ClipAdvice {
   std::optional<TextureAdvice> texture;  // nullopt where there was no ball to judge
   std::optional<double> edge_px;         // how sharp the ball's edge is, 10 to 90 %
   std::optional<double> turn_deg;        // largest seen, per frame
-  std::vector<std::string> warnings;     // one useful sentence each
+  // The ball's only texture is a spot that stays at one place of its disc in frames spread over the
+  // clip, as a lamp's reflex does: it tells nothing of the spin.
+  bool reflex_alone = false;
+  std::vector<std::string> warnings;  // one useful sentence each
 };
 
 // The smallest window by which at least nine in ten are usable and err by at most `error_px`; 0
