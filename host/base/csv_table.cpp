@@ -102,6 +102,36 @@ std::vector<std::string> CsvTable::text(const std::string& column) const {
   return values;
 }
 
+bool is_header_of(const std::string& found, const std::string& wanted) {
+  return found == wanted || (!found.empty() && wanted.starts_with(found + ","));
+}
+
+namespace {
+
+// Its whole rows with as many cells as `header` has, in one step.
+void widen(const std::filesystem::path& file, const std::string& header) {
+  const std::filesystem::path part = file.string() + ".part";
+  {
+    std::ifstream old(file, std::ios::binary);
+    std::ofstream wide(part, std::ios::trunc);
+    std::string line;
+    std::getline(old, line);
+    const auto commas = [](const std::string& text) {
+      return std::count(text.begin(), text.end(), ',');
+    };
+    const std::string empty(static_cast<std::size_t>(commas(header) - commas(line)), ',');
+    wide << header << '\n';
+    while (std::getline(old, line) && !old.eof()) wide << trim(line) << empty << '\n';
+    wide.flush();
+    if (!wide) throw FileError("cannot write the file", part.string());
+  }
+  std::error_code error;
+  std::filesystem::rename(part, file, error);
+  if (error) throw FileError("cannot replace the file: " + error.message(), file.string());
+}
+
+}  // namespace
+
 std::ofstream continue_table(const std::filesystem::path& file, const std::string& header,
                              std::int64_t rows) {
   if (rows == 0) {
@@ -111,13 +141,18 @@ std::ofstream continue_table(const std::filesystem::path& file, const std::strin
     return table;
   }
   std::uintmax_t kept = 0;
+  std::string line;
   {
     std::ifstream table(file, std::ios::binary);
     if (!table) throw FileError("cannot read the file", file.string());
-    std::string line;
-    if (!std::getline(table, line) || trim(line) != header) {
+    if (!std::getline(table, line) || !is_header_of(trim(line), header)) {
       throw FormatError(file.string(), 0, "this is no such table: its header differs");
     }
+  }
+  if (trim(line) != header) widen(file, header);
+  {
+    std::ifstream table(file, std::ios::binary);
+    std::getline(table, line);
     std::int64_t found = 0;
     while (found < rows && std::getline(table, line) && !table.eof()) ++found;
     if (found < rows) {

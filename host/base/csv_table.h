@@ -37,9 +37,14 @@ class CsvTable {
   std::vector<std::size_t> lines_;  // 1 is the header's
 };
 
+// Whether a table of header `found` is one of `wanted`, as this or an older version wrote it:
+// columns were only ever added at the end.
+bool is_header_of(const std::string& found, const std::string& wanted);
+
 // Opens a table for writing. It keeps the first `rows` rows of an earlier run as they stand, which
 // at no instant are absent from the disk, and what is written goes behind them; without rows to
-// keep the table starts anew with its header. Throws FileError; FormatError where the file has
+// keep the table starts anew with its header. The rows of an older version get empty cells in the
+// columns that they lack. Throws FileError; FormatError where the file has
 // another header or fewer whole rows.
 std::ofstream continue_table(const std::filesystem::path& file, const std::string& header,
                              std::int64_t rows);

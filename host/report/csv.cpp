@@ -51,7 +51,7 @@ void check(const std::ofstream& file, const std::filesystem::path& path) {
 }
 
 ByHand parse_by_hand(const std::string& cell, const std::string& where) {
-  const std::int64_t number = parse_int(cell, where);
+  const std::int64_t number = cell.empty() ? 0 : parse_int(cell, where);
   if (number < 0 || number > static_cast<int>(ByHand::kAbsent)) {
     throw FormatError(where, -1, "by_hand is 0 to 3, not " + cell);
   }
@@ -121,20 +121,21 @@ std::vector<Row> read_rows(const std::filesystem::path& path, const std::string&
   if (!file) throw FileError("cannot read the file", path.string());
   const std::string name = path.filename().string();
   std::string line;
-  if (!std::getline(file, line) || trim(line) != header) {
+  if (!std::getline(file, line) || !is_header_of(trim(line), header)) {
     throw FormatError(path.string(), 0, "this is not a " + name + ": its header differs");
   }
-  const std::size_t columns = split(header, ',').size();
+  const std::size_t columns = split(trim(line), ',').size(), all = split(header, ',').size();
   std::vector<Row> rows;
   for (int number = 2; std::getline(file, line); ++number) {
     const bool whole = !file.eof();  // the line ended with a newline
-    const auto cells = split(trim(line), ',');
+    auto cells = split(trim(line), ',');
     if (cells.size() != columns) {
       if (!whole) break;
       throw FormatError(path.string(), -1,
                         "line " + std::to_string(number) + " has " + std::to_string(cells.size()) +
                             " cells, not " + std::to_string(columns));
     }
+    cells.resize(all);  // of an older version: not measured
     if (whole) rows.push_back(parse(cells, path.string() + ", line " + std::to_string(number)));
   }
   return rows;

@@ -47,16 +47,18 @@ void read_pose_csv(const std::filesystem::path& path, std::vector<TrackRow>& row
   std::ifstream file(path);
   if (!file) throw FileError("cannot read the file", path.string());
   std::string line;
-  if (!std::getline(file, line) || trim(line) != kPoseCsvHeader) {
+  if (!std::getline(file, line) || !is_header_of(trim(line), kPoseCsvHeader)) {
     throw FormatError(path.string(), 0, "this is no such table: its header differs");
   }
+  constexpr std::size_t kColumns = 21;
+  const std::size_t columns = split(trim(line), ',').size();
   for (TrackRow& row : rows) {
     if (!std::getline(file, line) || file.eof()) return;  // its last line was cut off
-    const auto cells = split(trim(line), ',');
-    constexpr std::size_t kColumns = 21;
-    if (cells.size() != kColumns) {
+    auto cells = split(trim(line), ',');
+    if (cells.size() != columns) {
       throw FormatError(path.string(), -1, "a line has " + std::to_string(cells.size()) + " cells");
     }
+    cells.resize(kColumns);  // of an older version: not measured
     const auto number = [&](std::size_t i) {
       return cells[i].empty() ? kNotMeasured : parse_double(cells[i], path.string());
     };

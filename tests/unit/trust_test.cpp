@@ -160,6 +160,10 @@ TEST(ContinueTable, KeepsRowsAndDropsThoseBehind) {
   EXPECT_EQ(read_text(folder / "a.csv"), "x,y\n1,2\n3,4\n8,9\n");
   continue_table(folder / "a.csv", "x,y", 0) << "1,1\n";
   EXPECT_EQ(read_text(folder / "a.csv"), "x,y\n1,1\n");
+  // A version that wrote more columns goes on with the table of an older one.
+  continue_table(folder / "a.csv", "x,y,z", 1) << "2,2,2\n";
+  EXPECT_EQ(read_text(folder / "a.csv"), "x,y,z\n1,1,\n2,2,2\n");
+  EXPECT_THROW(continue_table(folder / "a.csv", "x,y", 1), FormatError);
 }
 
 TEST(FolderLock, OneHoldsItAndIsNamed) {
