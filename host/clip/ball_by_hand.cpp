@@ -37,10 +37,8 @@ BallByHand read_one(const std::string& text) {
 std::vector<BallByHand> read_balls_by_hand(const std::string& text) {
   std::vector<BallByHand> balls;
   for (const std::string& one : split(text, '/')) balls.push_back(read_one(one));
-  std::stable_sort(balls.begin(), balls.end(),
-                   [](const BallByHand& a, const BallByHand& b) { return a.frame < b.frame; });
   check_balls_by_hand(balls);
-  return balls;
+  return in_order(std::move(balls));
 }
 
 std::string to_text(const std::vector<BallByHand>& balls) {
@@ -85,6 +83,12 @@ void check_balls_by_hand(const std::vector<BallByHand>& balls, const ClipInfo& c
   }
 }
 
+std::vector<BallByHand> in_order(std::vector<BallByHand> balls) {
+  std::stable_sort(balls.begin(), balls.end(),
+                   [](const BallByHand& a, const BallByHand& b) { return a.frame < b.frame; });
+  return balls;
+}
+
 std::vector<BallByHand> as_analysed(const std::vector<BallByHand>& balls, const FrameRange& frames,
                                     const Roi& roi) {
   std::vector<BallByHand> analysed;
@@ -93,9 +97,7 @@ std::vector<BallByHand> as_analysed(const std::vector<BallByHand>& balls, const 
     if (ahead < 0 || ball.frame >= frames.end || ahead % frames.step != 0) continue;
     analysed.push_back({ahead / frames.step, ball.cx_px - roi.x, ball.cy_px - roi.y, ball.r_px});
   }
-  std::sort(analysed.begin(), analysed.end(),
-            [](const BallByHand& a, const BallByHand& b) { return a.frame < b.frame; });
-  return analysed;
+  return in_order(std::move(analysed));
 }
 
 std::optional<double> radius_by_hand(std::optional<double> found_px,
@@ -108,6 +110,14 @@ std::optional<double> radius_by_hand(std::optional<double> found_px,
   if (drawn.empty()) return found_px;
   const double drawn_px = upper_median(drawn);
   return found_px && std::abs(*found_px - drawn_px) < kSame * drawn_px ? *found_px : drawn_px;
+}
+
+std::optional<std::int64_t> first_difference(const std::vector<BallByHand>& one,
+                                             const std::vector<BallByHand>& other) {
+  const auto [at, there] = std::mismatch(one.begin(), one.end(), other.begin(), other.end());
+  if (at == one.end() && there == other.end()) return std::nullopt;
+  if (at == one.end()) return there->frame;
+  return there == other.end() ? at->frame : std::min(at->frame, there->frame);
 }
 
 }  // namespace impactdic

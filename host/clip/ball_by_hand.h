@@ -18,6 +18,9 @@ void check_balls_by_hand(const std::vector<BallByHand>& balls);
 // Throws InvalidArgument for a frame that the clip lacks, or a centre that is not in the picture.
 void check_balls_by_hand(const std::vector<BallByHand>& balls, const ClipInfo& clip);
 
+// By their frames.
+std::vector<BallByHand> in_order(std::vector<BallByHand> balls);
+
 // Those of the frames that are analysed, in order: frames by their number among them, places in
 // pictures that are cut to `roi`.
 std::vector<BallByHand> as_analysed(const std::vector<BallByHand>& balls, const FrameRange& frames,
@@ -25,5 +28,9 @@ std::vector<BallByHand> as_analysed(const std::vector<BallByHand>& balls, const 
 // Of the ball: what was found, unless the circles drawn are those of another one.
 std::optional<double> radius_by_hand(std::optional<double> found_px,
                                      const std::vector<BallByHand>& balls);
+
+// The first frame that both, in order, do not say the same of; nullopt where there is none.
+std::optional<std::int64_t> first_difference(const std::vector<BallByHand>& one,
+                                             const std::vector<BallByHand>& other);
 
 }  // namespace impactdic

@@ -48,7 +48,8 @@ void begin_results(const fs::path& folder, const std::string& command,
   for (const char* name : {"summary.json", "SHA256SUMS"}) fs::remove(folder / name);
   fs::remove_all(folder / "key_frames");
   if (!going_on) {
-    // The point first: it speaks of the others.
+    // The points first: they speak of the others.
+    fs::remove_all(folder / "resume");
     for (const char* name : {"resume.json", "track.csv", "motion.csv", "pose.csv", "fields.h5",
                              "fields.h5.journal", "fields.h5.new"}) {
       fs::remove(folder / name);

@@ -7,6 +7,7 @@
 #include "host/report/picture/overlay_files.h"
 #include "host/report/pose_csv.h"
 #include "host/report/resume_file.h"
+#include "host/run/results/kept_points.h"
 
 namespace impactdic::run {
 
@@ -20,6 +21,7 @@ struct TrackFiles::Impl {
   std::vector<TrackRow> earlier;
   bool complete = false;
   std::optional<pipeline::ResumePoint> from, reached;
+  std::unique_ptr<KeptPoints> points;
   std::unique_ptr<report::TrackCsv> csv;
   std::unique_ptr<report::PoseCsv> poses;
   std::unique_ptr<report::FieldsFile> fields;
@@ -81,7 +83,10 @@ struct TrackFiles::Impl {
     for (const TrackRow& row : not_in_csv) csv->add(row);
     not_in_csv.clear();
     csv->flush();
-    if (reached) report::write_resume_point(resume_path(), *reached);
+    if (reached) {
+      report::write_resume_point(resume_path(), *reached);
+      points->add(*reached);
+    }
     since_flush = {};
   }
 };
@@ -91,6 +96,7 @@ TrackFiles::TrackFiles(TrackFilesOptions options) : impl_(std::make_unique<Impl>
   impl_->take_over();
   const auto keep =
       impl_->from ? impl_->from->next_row : static_cast<std::int64_t>(impl_->earlier.size());
+  impl_->points = std::make_unique<KeptPoints>(impl_->options.folder, keep);
   impl_->csv = std::make_unique<report::TrackCsv>(impl_->csv_path(), impl_->options.scale, keep);
   if (impl_->options.with_poses) {
     impl_->poses = std::make_unique<report::PoseCsv>(impl_->options.folder / "pose.csv", keep);

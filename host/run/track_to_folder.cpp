@@ -9,12 +9,14 @@
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
 #include "host/base/toml_text.h"
+#include "host/clip/ball_by_hand.h"
 #include "host/report/advice_json.h"
 #include "host/report/impact_json.h"
 #include "host/report/picture/key_frames.h"
 #include "host/report/summary.h"
 #include "host/run/folder.h"
 #include "host/run/open_clip.h"
+#include "host/run/results/kept_points.h"
 #include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
 #include "host/run/track_files.h"
@@ -137,6 +139,57 @@ nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
   return summary;
 }
 
+// Of a run before, where they differ from those asked for.
+using EarlierCorrections = std::optional<std::vector<BallByHand>>;
+const EarlierCorrections kSame;
+
+// Throws InvalidArgument where the earlier job differs in more.
+EarlierCorrections earlier_corrections(const fs::path& folder, const run::SettingWriter& settings,
+                                       const TrackRequest& request) {
+  run::require_same_job(folder / "job.toml", settings);
+  std::vector<BallByHand> balls = run::corrections_of(folder / "job.toml");
+  if (!first_difference(balls, in_order(request.ball_at))) return std::nullopt;
+  return balls;
+}
+
+// The first row that may differ from that of a run with other corrections; nullopt where none does.
+std::optional<std::int64_t> first_row_changed(const run::TrackRun& run, const TrackRequest& request,
+                                              const std::vector<BallByHand>& earlier) {
+  const std::optional<double> found = run.scouted()->radius_px();
+  // The radius is looked for from the first frame on.
+  if (radius_by_hand(found, earlier) != radius_by_hand(found, request.ball_at)) return 0;
+  const pipeline::TrackOptions& options = run.options();
+  return first_difference(as_analysed(earlier, options.frames, options.roi), options.ball.by_hand);
+}
+
+// Takes the results in the folder back to where the corrections change nothing yet; false where all
+// of them are to be measured anew.
+bool go_back(const fs::path& folder, const run::TrackRun& run,
+             const std::optional<std::int64_t>& row, bool overlay, run::Caller& caller) {
+  if (!row) return true;
+  // Pictures with the words of another ending are not painted over.
+  const auto from = overlay ? std::nullopt : run::KeptPoints::go_back(folder, *row);
+  caller.say(MessageKind::kNote, from ? "corrected by hand: measured again from frame " +
+                                            std::to_string(run.options().frames.at(*from)) + " on"
+                                      : "corrected by hand: all frames are measured again");
+  return from.has_value();
+}
+
+// Rows, fields and points into the files; rows to the sink as well, where there is one.
+run::TrackRun::Outputs into(run::TrackFiles& files, int window_px, const TrackSink& sink) {
+  run::TrackRun::Outputs outputs;
+  outputs.from = files.resume_point();
+  outputs.grid = [&files](std::span<const Window> grid, double radius_px) {
+    files.set_grid(grid, radius_px);
+  };
+  outputs.frame = [&files, &sink, window_px](const pipeline::TrackedFrame& frame) {
+    files.add(frame);
+    if (sink) run::hand_on(frame, window_px, sink);
+  };
+  outputs.checkpoint = [&files](const pipeline::ResumePoint& point) { files.reach(point); };
+  return outputs;
+}
+
 }  // namespace
 
 void TrackFolder::validate() const {
@@ -170,23 +223,19 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run::visit_session(settings, session.options());
   options.rows = result.frames.count();
   options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);
-  if (options.resume) run::require_same_job(path / "job.toml", settings);
-  run::begin_results(path, "track", settings, options.resume);
+  const auto corrected = options.resume ? earlier_corrections(path, settings, request) : kSame;
+  if (!corrected) run::begin_results(path, "track", settings, options.resume);
   run.look();
+  if (corrected) {
+    options.resume = go_back(path, run, first_row_changed(run, request, *corrected),
+                             folder.overlay.wanted, caller);
+    run::begin_results(path, "track", settings, options.resume);
+  }
 
   auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);
   result.rows = files->earlier_rows();
-  run::TrackRun::Outputs outputs;
-  outputs.from = files->resume_point();
-  outputs.grid = [&](std::span<const Window> grid, double radius_px) {
-    files->set_grid(grid, radius_px);
-  };
-  outputs.frame = [&](const pipeline::TrackedFrame& frame) {
-    files->add(frame);
-    if (sink) run::hand_on(frame, request.field.window_px, sink);
-  };
-  outputs.checkpoint = [&](const pipeline::ResumePoint& point) { files->reach(point); };
+  const run::TrackRun::Outputs outputs = into(*files, request.field.window_px, sink);
   const auto finish = [&] {
     run.conclude();
     files->finish(result);

@@ -104,6 +104,54 @@ TEST(Resume, WhatIsMeasuredIsNotMeasuredAgain) {
   EXPECT_EQ(before, read_text(clip().path("again/pose.csv")));
 }
 
+// The tables of a version that did not write the last columns yet.
+TEST(Resume, TablesOfAnOlderVersionAreGoneOnWith) {
+  ASSERT_EQ(run_program(clip().command("track", "old", "--force --no-field")).status, 0);
+  const fs::path table = clip().path("old/track.csv");
+  const std::string now = read_text(table);
+  std::string old;
+  for (std::size_t at = 0; at < now.size();) {
+    const std::size_t end = now.find('\n', at);
+    std::string line = now.substr(at, end - at);
+    for (int k = 0; k < 5; ++k) line.resize(line.rfind(','));
+    old += line + "\n";
+    at = end + 1;
+  }
+  std::ofstream(table) << old;
+  const Outcome outcome = run_program(clip().command("track", "old", "--no-field --resume"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  // This ball is round everywhere: nothing is lost.
+  EXPECT_EQ(read_text(table), now);
+}
+
+// Frames corrected by hand: the run goes back to before them, and ends as one that knew of them.
+TEST(Resume, ACorrectedRunGoesOnFromBeforeTheCorrection) {
+  const auto track = [](const std::string& out, const std::string& options) {
+    return run_program("track " + quoted(clip().path("clip/video.cihx")) + " --no-field -o " +
+                       quoted(clip().path(out)) + " " + options);
+  };
+  ASSERT_EQ(track("corrected", "").status, 0);
+  const auto expect_same = [&](const std::string& balls, const std::string& says) {
+    const Outcome outcome = track("corrected", "--resume --ball-at " + balls);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE((outcome.out + outcome.err).find(says), std::string::npos) << outcome.err;
+    ASSERT_EQ(track("knew", "--force --ball-at " + balls).status, 0);
+    for (const char* name : {"track.csv", "job.toml"}) {
+      EXPECT_EQ(read_text(clip().path("corrected") / name), read_text(clip().path("knew") / name))
+          << balls << " " << name;
+    }
+  };
+  // Batches are of 64 frames.
+  expect_same("290:none", "measured again from frame 255 on");
+  expect_same("270:70,65,36/290:none", "measured again from frame 255 on");
+  expect_same("270:70,65,36", "measured again from frame 255 on");
+  expect_same("3:none/270:70,65,36", "all frames are measured again");
+  expect_one_line("track " + quoted(clip().path("clip/video.cihx")) +
+                      " --no-field --resume --radius-px 30:40 --ball-at 3:none -o " +
+                      quoted(clip().path("corrected")),
+                  2, "radius-px");
+}
+
 TEST(Resume, ADamagedPointIsRefused) {
   ASSERT_EQ(run_program(clip().command("track", "damaged", "--force")).status, 0);
   const fs::path point = clip().path("damaged/resume.json");

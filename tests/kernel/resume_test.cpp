@@ -65,13 +65,15 @@ std::string bits(const pipeline::TrackedFrame& frame) {
 }
 
 Outcome run(FrameSource& clip, Estimator estimator, int batch,
-            const std::optional<pipeline::ResumePoint>& from, int poses_ahead = 0) {
+            const std::optional<pipeline::ResumePoint>& from, int poses_ahead = 0,
+            const std::vector<BallByHand>& by_hand = {}) {
   pipeline::TrackOptions options;
   options.poses_ahead = poses_ahead;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
   options.roi = {4, 2, clip.info().width - 4, clip.info().height - 2};
   options.batch = batch;
+  options.ball.by_hand = by_hand;
   options.from = from;
   Outcome outcome;
   options.checkpoint = [&](const pipeline::ResumePoint& point) {
@@ -124,6 +126,23 @@ TEST(Resume, GoesOnToTheSameBitsWherePosesAreRegisteredAhead) {
       run(clip, Estimator::kBall, 5, report::read_resume_point(folder / "resume.json"), 2);
   for (std::size_t i = 19; i < whole.rows.size(); ++i) {
     ASSERT_EQ(rest.rows.at(i - 19), whole.rows[i]) << "row " << i;
+  }
+}
+
+// A frame corrected by hand changes no row before the batch that it stands in.
+TEST(Resume, GoesBackToBeforeACorrectedFrame) {
+  MemoryClip clip = eventful_clip();
+  const std::vector<BallByHand> by_hand = {{33, 0, 0, 0}, {36, 60, 55, 41}};
+  const Outcome plain = run(clip, Estimator::kBall, 16, std::nullopt);
+  const Outcome whole = run(clip, Estimator::kBall, 16, std::nullopt, 0, by_hand);
+  ASSERT_EQ(plain.points.size(), 2u);
+  ASSERT_EQ(plain.points[1].next_row, 31);
+  for (std::size_t i = 0; i < 31; ++i) ASSERT_EQ(plain.rows[i], whole.rows[i]) << "row " << i;
+  EXPECT_NE(plain.rows[33], whole.rows[33]);
+  const Outcome rest = run(clip, Estimator::kBall, 16, plain.points[1], 0, by_hand);
+  ASSERT_EQ(31 + rest.rows.size(), whole.rows.size());
+  for (std::size_t i = 31; i < whole.rows.size(); ++i) {
+    ASSERT_EQ(rest.rows[i - 31], whole.rows[i]) << "row " << i;
   }
 }
 

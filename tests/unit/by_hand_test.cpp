@@ -43,6 +43,15 @@ TEST(BallAt, IsCountedAsTheFramesThatAreAnalysed) {
   EXPECT_EQ(analysed, wanted);
 }
 
+TEST(BallAt, TellsTheFirstFrameOfWhichTwoDoNotSayTheSame) {
+  const std::vector<BallByHand> balls = {{3, 50, 40, 20}, {7, 0, 0, 0}};
+  EXPECT_EQ(first_difference(balls, balls), std::nullopt);
+  EXPECT_EQ(first_difference({}, balls), 3);
+  EXPECT_EQ(first_difference(balls, {{3, 50, 40, 20}}), 7);
+  EXPECT_EQ(first_difference(balls, {{3, 50, 40, 20}, {5, 0, 0, 0}, {7, 0, 0, 0}}), 5);
+  EXPECT_EQ(first_difference({{3, 50, 40.5, 20}}, balls), 3);
+}
+
 TEST(BallAt, TellsTheRadiusOfAnotherBall) {
   EXPECT_EQ(radius_by_hand(40.0, {}), 40.0);
   EXPECT_EQ(radius_by_hand(40.0, {{3, 0, 0, 0}}), 40.0);

@@ -8,6 +8,7 @@
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
 #include "host/report/pose_csv.h"
+#include "host/run/results/kept_points.h"
 #include "tests/support/scratch.h"
 
 namespace impactdic {
@@ -212,6 +213,44 @@ assert f['u_px'].compression_opts == (level or None) and f['u_px'].shuffle == (l
   const std::string command = "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " +
                               testing::quoted(path) + " " + std::to_string(GetParam());
   EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// Points to go back to: few, spread over the whole run, and damage costs no more than one of them.
+TEST(KeptPoints, AreSpreadOverTheRowsPassed) {
+  const testing::ScratchFolder folder;
+  const std::filesystem::path made(folder.string());
+  const auto count = [&] {
+    return std::distance(std::filesystem::directory_iterator(made / "resume"),
+                         std::filesystem::directory_iterator());
+  };
+  constexpr std::int64_t kBatch = 64, kBatches = 300;
+  {
+    run::KeptPoints points(made, 0);
+    for (std::int64_t k = 1; k <= kBatches; ++k) {
+      pipeline::ResumePoint point;
+      point.next_row = k * kBatch - 1;
+      points.add(point);
+      points.add(point);  // flushed twice
+      ASSERT_LE(count(), 16);
+    }
+  }
+  EXPECT_EQ(run::KeptPoints::before(made, kBatch - 1), std::nullopt);
+  const auto row_before = [&](std::int64_t row) {
+    return run::KeptPoints::before(made, row).value_or(pipeline::ResumePoint{}).next_row;
+  };
+  for (std::int64_t row = kBatch; row <= kBatch * kBatches; row += 100) {
+    const std::int64_t found = row_before(row);
+    ASSERT_LT(found, row);
+    ASSERT_LE(row - found, kBatch * kBatches / 7) << row;
+  }
+  const std::int64_t last = row_before(kBatch * kBatches);
+  std::ofstream(made / "resume" / (std::to_string(last) + ".json")) << "{";
+  std::ofstream(made / "resume" / "x.json") << "{";
+  EXPECT_LT(row_before(kBatch * kBatches), last);
+  EXPECT_GT(row_before(kBatch * kBatches), kBatch * kBatches / 2);
+  run::KeptPoints(made, 5000);
+  EXPECT_LE(row_before(kBatch * kBatches), 5000);
+  EXPECT_GT(row_before(kBatch * kBatches), 0);
 }
 
 }  // namespace

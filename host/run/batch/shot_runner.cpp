@@ -83,8 +83,12 @@ bool ShotRunner::is_settled(const BatchShot& shot, const fs::path& part) const {
 
 std::string ShotRunner::measure(const BatchShot& shot, const fs::path& into, ShotResult& result,
                                 const std::function<void()>& alive) const {
-  const TrackRequest request = request_of(shot);
+  TrackRequest request = request_of(shot);
   const TrackFolder folder = folder_of(into);
+  // What was corrected by hand in the shot itself stays.
+  if (folder.resume && fs::exists(into / "job.toml") && request.ball_at.empty()) {
+    request.ball_at = corrections_of(into / "job.toml");
+  }
   // The batch speaks for its shots.
   RunControl control;
   control.cancelled = [&] {

@@ -71,7 +71,7 @@ std::string comparable(const SettingValues& job, const std::string& key) {
 }  // namespace
 
 void SettingWriter::note(const Setting& setting, SettingValue value) {
-  if (setting.kind & (kMayChange | kAfterwards)) may_change_.emplace_back(setting.key);
+  if (setting.kind & (kMayChange | kAfterwards | kGoesBack)) may_change_.emplace_back(setting.key);
   if (setting.kind & kAfterwards) afterwards_.emplace_back(setting.key);
   if (setting.attribute != nullptr) attributes_[setting.attribute] = value;
   if (auto* flag = std::get_if<bool>(&value)) {
@@ -156,6 +156,14 @@ void require_same_job(const fs::path& path, const SettingWriter& now) {
         "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
         path.string(), "go on with the same, or start anew with --force");
   }
+}
+
+std::vector<BallByHand> corrections_of(const fs::path& path) {
+  const SettingValues job = read_job_file(path);
+  std::vector<BallByHand> balls;
+  const auto found = job.find("ball-at");
+  if (found != job.end()) assign(found->second, balls, path.string() + ", key ball-at");
+  return balls;
 }
 
 bool same_afterwards(const fs::path& path, const SettingWriter& now) {

@@ -71,6 +71,9 @@ void write_job_file(const std::filesystem::path& path, const std::string& comman
 // run, but for those that may. Of the clip only the files' names count.
 void require_same_job(const std::filesystem::path& path, const SettingWriter& now);
 
+// The frames that the job `path` corrects by hand. Throws as read_job_file.
+std::vector<BallByHand> corrections_of(const std::filesystem::path& path);
+
 // Whether the job `path` has the settings of `now` that come in after the last frame.
 bool same_afterwards(const std::filesystem::path& path, const SettingWriter& now);
 

@@ -18,6 +18,7 @@ enum SettingKind : unsigned {
   kPath = 16,       // of a file or a folder that is read
   // Comes in after the last frame: may differ, and what it decides is then worked out anew.
   kAfterwards = 32,
+  kGoesBack = 64,  // may differ: the run goes back to before the first frame that this changes
 };
 
 struct Setting {
@@ -82,7 +83,7 @@ void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"roi", kEmptyUnset}, request.roi);
   visit(Setting{"polygon", kEmptyUnset}, request.polygon);
   visit(Setting{"radius-px", kEmptyUnset}, request.radius_px);
-  visit(Setting{"ball-at", kEmptyUnset}, request.ball_at);
+  visit(Setting{"ball-at", kEmptyUnset | kGoesBack}, request.ball_at);
   visit(Setting{"ball", kZeroUnset}, request.ball);
   visit(Setting{"estimator", kPlain, "option_estimator"}, request.estimator);
   visit(Setting{"body", kPlain, "option_body"}, request.body);
