@@ -2,12 +2,14 @@
 """The page of impactdic view in a headless Chromium: what it shows, and what it measures.
 IMPACTDIC_PROGRAM names the program. Exit status 77: the program has no page, or there is no Chromium."""
 
+import base64
 import csv
 import json
 import math
+import re
 import shutil
 import sys
-import time
+import zlib
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support" / "page"))
@@ -16,6 +18,17 @@ from page_browser import find_chromium  # noqa: E402
 from view_page import JOB, NO_PAGE, RESTITUTION, main, make_batch, run  # noqa: E402
 
 HOSTILE = "<img src=x onerror=alert(1)> <script>alert(2)<!--"
+
+
+def content_of(test, pdf):
+    """What the page of a PDF draws, whose table of objects leads to each of them."""
+    test.assertTrue(pdf.startswith(b"%PDF-1.4") and pdf.endswith(b"%%EOF\n"))
+    table = int(pdf.rpartition(b"startxref\n")[2].split()[0])
+    test.assertTrue(pdf[table:].startswith(b"xref"))
+    for k, place in enumerate(re.findall(rb"(\d{10}) 00000 n", pdf[table:]), 1):
+        test.assertTrue(pdf[int(place):].startswith(b"%d 0 obj" % k))
+    begin = pdf.index(b"stream\n", pdf.index(b"5 0 obj")) + 7
+    return zlib.decompressobj().decompress(pdf[begin:]).decode("latin-1")
 
 
 class Look(view_screens.Screens):
@@ -119,16 +132,39 @@ class Look(view_screens.Screens):
             e = json.load(file)["impact"]["restitution"]
         # Three deviations; the drawn angle errs by a hundredth of a degree at most.
         self.assertAlmostEqual(e["value"], RESTITUTION, delta=3 * e["sd"])
-        run("track", "--job", work / "video_results" / "job.toml", "-q", "-o", work / "again")
-        for name in ("track.csv", "pose.csv"):
-            self.assertEqual((work / "again" / name).read_bytes(), (work / "video_results" / name).read_bytes())
-        with open(work / "video_results" / "track.csv", newline="", encoding="utf-8") as file:
-            track = list(csv.DictReader(file))
+        track = self.rows_of(work / "video_results")
         self.assertEqual({row["frame"]: row["by_hand"] for row in track if row["by_hand"] != "0"},
                          {"5": "1", "60": "3"})
         self.assertAlmostEqual(float(track[5]["cx_px"]), float(self.truth()[5]["cx_px"]), delta=0.05)
         self.assertEqual((track[60]["status"], track[60]["cx_px"]), ("no_ball", ""))
         self.look_at_what_is_lost()
+        self.go_on_with_frame_60_found(work / "video_results")
+        run("track", "--job", work / "video_results" / "job.toml", "-q", "-o", work / "again")
+        for name in ("track.csv", "pose.csv"):
+            self.assertEqual((work / "again" / name).read_bytes(), (work / "video_results" / name).read_bytes())
+
+    @staticmethod
+    def rows_of(folder):
+        with open(folder / "track.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+    def go_on_with_frame_60_found(self, folder):
+        """The run goes on in its folder with one correction less, from the page."""
+        b = self.browser
+        self.assertTrue(b.value("document.getElementById('go-on').hidden"))
+        b.value("document.getElementById('tab-setup').click()")
+        self.go_to(60, "setup")
+        b.wait("!document.getElementById('correct-undo').disabled")
+        b.value("document.getElementById('correct-undo').click()")
+        b.wait("!document.getElementById('go-on').hidden")
+        b.value("document.getElementById('go-on').click()")
+        b.wait("document.getElementById('run-state').dataset.state === 'done' && !document.getElementById('panel-look').hidden"
+               "")
+        self.assertEqual(b.value("document.getElementById('frame').value"), "60")
+        track = self.rows_of(folder)
+        self.assertEqual({row["frame"]: row["by_hand"] for row in track if row["by_hand"] != "0"}, {"5": "1"})
+        self.assertEqual((track[60]["status"], len(track)), ("ok", 64))
+        self.assertRegex((folder / "job.toml").read_text(), r"ball-at = '5:[^/]*'")
 
     def correct_by_hand(self):
         """Frame 5: the ball, two pixels off; frame 60: said to show none; frame 61 taken back."""
@@ -195,14 +231,17 @@ class Look(view_screens.Screens):
         b.value("""(() => { const box = document.querySelector('#shots-table tbody tr input');
             box.value = '<b>hit the frame</b>'; box.onchange(); })()""")
         b.wait("document.querySelectorAll('#shots-table tr.out').length === 1")
-        b.wait("document.getElementById('means').textContent.includes('(1)')")
+        b.wait("/e 0.8\\d+ ± 0.0\\d+ \\(one shot/.test(document.getElementById('means').textContent)")
+        self.assertRegex(b.value("document.querySelector('#shots-table tbody tr:last-child').textContent"), r"6\.\d+ ± 0\.0")  # ms of contact
         b.value("document.querySelectorAll('#shots-table button.link')[1].click()")
         b.wait("document.getElementById('title').textContent === 'one' && !document.getElementById('panel-look').hidden")
         b.wait("document.querySelector('#world .outline')")
+        # Curves drawn behind another panel are as wide as their place.
+        b.wait("document.getElementById('curves')._fullLayout?.width <= document.getElementById('panel-look').clientWidth + 1")
 
     def test_saved_drawing(self):
         self.open(self.page(self.shot))
-        self.go_to(20)
+        self.go_to(5)
         b = self.browser
         b.value("""(() => { window.saved = [];
             const make = URL.createObjectURL;
@@ -211,24 +250,44 @@ class Look(view_screens.Screens):
             HTMLAnchorElement.prototype.click = function () {
                 const [name, blob] = [this.download, last];
                 blob.arrayBuffer().then(bytes => saved.push([name, blob.type, blob.size,
-                    String.fromCharCode(...new Uint8Array(bytes).slice(0, 100))]));
+                    btoa([...new Uint8Array(bytes)].map(c => String.fromCharCode(c)).join(""))]));
             }; })()""")
         b.value("document.getElementById('film-last').value = 9")
         films = b.value("document.getElementById('save-mp4').offsetParent !== null")  # there are codecs
-        for key in ("svg", "png", "pdf", "csv") + ("mp4",) * films:
+        b.wait("document.getElementById('curves')._fullLayout?.shapes?.length === 2")
+        keys = ("svg", "png", "pdf", "curves", "csv") + ("mp4",) * films
+        for count, key in enumerate(keys):
             b.value(f"document.getElementById('save-{key}').click()")
-            # One after the other: the blob is told by when it was made.
-            b.wait(f"saved.some(([name]) => name.endsWith('.{key}'))")
-        saved = {name.rpartition(".")[2]: rest for name, *rest in b.value("saved")}
-        self.assertIn("<svg", saved["svg"][2])
-        self.assertGreater(saved["png"][1], 20000)
+            b.wait(f"saved.length > {count}")  # one after the other: the blob is told by when it was made
+        saved = {key: (kind, base64.b64decode(data)) for key, (_, kind, _, data) in zip(keys, b.value("saved"))}
+        self.assertIn(b"<svg", saved["svg"][1])
+        self.assertGreater(len(saved["png"][1]), 20000)
         # 300 pixels an inch are 11811 a metre.
-        self.assertIn("pHYs" + 2 * "\x00\x00\x2e\x23" + "\x01", saved["png"][2])
-        self.assertTrue(saved["pdf"][2].startswith("%PDF-1.4"))
-        self.assertGreater(saved["pdf"][1], 20000)
+        self.assertIn(b"pHYs" + 2 * b"\x00\x00\x2e\x23" + b"\x01", saved["png"][1])
+        self.check_pages(saved["pdf"][1], saved["curves"][1])
         if films:
-            self.assertEqual((saved["mp4"][0], saved["mp4"][2][4:8]), ("video/mp4", "ftyp"))
-        self.assertEqual(saved["csv"][1], (self.shot / "track.csv").stat().st_size)
+            self.assertEqual((saved["mp4"][0], saved["mp4"][1][4:8]), ("video/mp4", b"ftyp"))
+        self.assertEqual(saved["csv"][1], (self.shot / "track.csv").read_bytes())
+
+    def check_pages(self, picture, curves):
+        """The outline is a curve where the ball is, words are words, one picture has pixels."""
+        drawn = content_of(self, picture)
+        self.assertEqual((picture.count(b"/Subtype /Image"), drawn.count("Do")), (1, 1))
+        self.assertRegex(drawn, r"\(\d+ mm\) Tj")
+        # Four cubics from the circle's right: its rim is where it is on the screen.
+        start, rim = re.search(r"([-\d. ]+) m\n((?:[-\d. ]+ c\n){4})h", drawn).groups()
+        x, y = map(float, start.split())
+        left = float(rim.splitlines()[1].split()[4])
+        at = self.browser.value("(() => { const p = document.getElementById('picture').getBoundingClientRect(); return [p.left, p.top]; })()")
+        cx, cy, r = self.outline()
+        self.assertAlmostEqual((x + left) / 2, self.point(cx, cy)[0] - at[0], delta=0.6)
+        self.assertAlmostEqual(y, self.point(cx, cy)[1] - at[1], delta=0.6)
+        self.assertAlmostEqual(x - left, 2 * (self.point(r, 0)[0] - self.point(0, 0)[0]), delta=0.6)
+        drawn = content_of(self, curves)
+        self.assertEqual(drawn.count("Do"), 0)
+        for words in ("velocity, m/s", "time, ms", "along the surface"):
+            self.assertIn(f"({words}) Tj", drawn)
+        self.assertGreater(len(re.findall(r" l\n", drawn)), 100)  # of the curves
 
     def test_a_fit_shows_its_model_over_the_measurement(self):
         (self.root / "fit.toml").write_text(JOB.partition("[surface]")[0]
@@ -272,12 +331,12 @@ class Look(view_screens.Screens):
         self.assertEqual(hidden, [])
 
     def test_widths(self):
-        page = self.page(self.shot)
-        for width, height in ((390, 844), (1280, 900), (2560, 1440)):
-            self.open(page, width, height)
+        self.open(self.page(self.shot), *view_screens.SIZES[0])
+        for width, height in view_screens.SIZES:
+            self.browser.resize(width, height)
             for tab in self.browser.value("[...document.querySelectorAll('#tabs button')].map(b => b.id)"):
                 self.browser.value(f"document.getElementById('{tab}').click()")
-                time.sleep(0.3)
+                self.browser.settle()
                 self.assertEqual(self.browser.value("[innerWidth, document.documentElement.scrollWidth]"),
                                  [width, width], f"{tab} at {width} px")
                 wide = self.browser.value("""[...document.querySelectorAll('body *')].filter(e =>

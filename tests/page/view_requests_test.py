@@ -114,23 +114,42 @@ class Requests(Case):
             self.assertEqual(page.get(page.path + name)[0], 200, name)
 
     def test_random_requests_do_no_harm(self):
-        page = self.page(self.shot)
+        work = self.root / "fuzzed" / "in"  # where a run of a mangled name may write
+        work.mkdir(parents=True)
+        page = self.page(self.shot, cwd=work)
         draw = random.Random(20261122)
-        good = [f"GET {page.path}api/state HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
-                f"GET {page.path}api/frame?frame=3&black=0&white=255&shrink=2 HTTP/1.1\r\n"
-                "Host: localhost\r\nConnection: close\r\n\r\n",
-                f"GET {page.path}api/field?row=3 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n",
-                f"POST {page.path}api/measure HTTP/1.1\r\nHost: 127.0.0.1\r\n"
-                'Content-Length: 32\r\n\r\n{"frame": 3, "settings": {"a":1}}',
-                f"POST {page.path}api/job HTTP/1.1\r\nHost: 127.0.0.1\r\n"
-                "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n",
-                "GET / HTTP/1.1\r\nHost: evil\r\n\r\n"]
+
+        def get(what):
+            return f"GET {page.path}{what} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+
+        def post(what, body):
+            text = json.dumps(body)
+            return (f"POST {page.path}api/{what} HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                    f"Content-Length: {len(text)}\r\n\r\n{text}")
+        # Every address that there is, and two requests in other forms.
+        good = [get(what) for what in ("", "main.js", "api/state?shot=", "api/field?row=3", "api/history?window=30",
+                                       "api/file?name=track.csv", "api/run?from=0",
+                                       "api/film?first=0&end=2&step=1&rate=25&black=0&white=255")]
+        good += [post("measure", {"frame": 3, "settings": {"no-field": True}, "outline": True}),
+                 post("job", {"settings": {"window": 17}, "folder": "x"}), post("stop", {}),
+                 post("run", {"settings": {"no-field": True, "frames": "0:3"}, "folder": "out", "force": True}),
+                 post("exclude", {"shot": "one", "reason": "x"}),
+                 f"GET {page.path}api/frame?frame=3&black=0&white=255&shrink=2 HTTP/1.1\r\n"
+                 "Host: localhost\r\nConnection: close\r\n\r\n",
+                 f"POST {page.path}api/job HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                 "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n",
+                 "GET / HTTP/1.1\r\nHost: evil\r\n\r\n"]
+        for request in good[:-1]:  # as they stand they are answered
+            request = request.replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n", 1)
+            self.assertIn(page.send(request.encode(), ends=False)[9:12], (b"200", b"404" if "exclude" in request else b"200"), request)
         pieces = ["\0", "\r\n", "%00", "%", "../", "-1", "9" * 30, "\xff\xfe", ":", "nan", "{" * 50,
                   "Content-Length: -5\r\n", "Range: bytes=5-1\r\n", "shrink=0", "&", "=", "[" * 300]
         for _ in range(FUZZED):
             data = bytearray(draw.choice(good).encode("latin-1"))
+            # Mostly behind the token, without which nothing is looked at.
+            least = data.find(page.path.encode()) + len(page.path) if draw.random() < 0.8 else 0
             for _ in range(draw.randint(1, 4)):
-                at, kind = draw.randrange(len(data) + 1), draw.randrange(4)
+                at, kind = draw.randrange(min(least, len(data)), len(data) + 1), draw.randrange(4)
                 if kind == 0 and data:
                     data[at % len(data)] = draw.randrange(256)
                 elif kind == 1:

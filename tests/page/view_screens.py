@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support" / "page")
 from page_browser import PageBrowser  # noqa: E402
 from view_page import Case  # noqa: E402
 
+SIZES = (390, 844), (1280, 900), (2560, 1440)  # of screens: a phone, a laptop, a desk
 # What is left of linear red, green and blue without the cones for long, middle and short waves.
 CONES = {
     "long": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -121,12 +122,14 @@ class Screens(Case):
     def test_screens_show_what_was_filmed_and_measured(self):
         page = self.page(self.shot)
         grey = np.frombuffer(page.ask("frame", frame=5), np.uint8).reshape(170, 160) / 255
-        for width, height in ((390, 844), (1280, 900), (2560, 1440)):
-            self.open(page, width, height)
-            self.go_to(5)
-            for layer in ("path", "axes", "bar"):
-                self.browser.value(f"document.getElementById('layer-{layer}').click()")
-            self.browser.wait("document.querySelectorAll('#world .axis').length === 0")
+        self.open(page, *SIZES[0])
+        self.go_to(5)
+        for layer in ("path", "axes", "bar"):
+            self.browser.value(f"document.getElementById('layer-{layer}').click()")
+        self.browser.wait("document.querySelectorAll('#world .axis').length === 0")
+        for width, height in SIZES:
+            self.browser.resize(width, height)
+            self.browser.settle()
             screen, zoom, corner = self.shown_picture(5, width)
             ys, xs = np.mgrid[10:160, 10:150]
             shown = screen[np.rint(corner[1] + ys * zoom).astype(int).clip(0, screen.shape[0] - 1),

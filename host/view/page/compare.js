@@ -4,12 +4,12 @@ import {make} from "./dom.js";
 import {get, on, set} from "./store.js";
 import {Table, withDeviation} from "./table.js";
 
-// Name on the page, column of shots.csv, column of its deviation.
+// Name on the page, column of shots.csv, column of its deviation, what its unit is multiplied by.
 const COLUMNS = [["shot", "shot"], ["status", "status"], ["surface, °", "surface_angle_deg"], ["ball", "ball"],
                  ["e", "restitution", "restitution_sd"], ["friction", "friction", "friction_sd"],
-                 ["contact, s", "contact_s", "contact_sd_s"], ["in, m/s", "vn_before_m_s", "vn_before_sd_m_s"],
+                 ["contact, ms", "contact_s", "contact_sd_s", 1e3], ["in, m/s", "vn_before_m_s", "vn_before_sd_m_s"],
                  ["doubtful", "doubtful"], ["notes", "notes"]];
-const MEANS = [["e", "restitution"], ["friction", "friction"]];
+const MEANS = [["e", "restitution", "restitution_sd"], ["friction", "friction", "friction_sd"]];
 
 let order = {column: null, down: false}, group = "", show = null;
 
@@ -35,11 +35,11 @@ async function exclude(shot, reason) {
   } catch (error) { set({compareError: error.message}); }
 }
 
-// Mean of the shots that count, and its deviation out of their scatter.
-function mean(values) {
+// Mean of the shots that count, and its deviation out of their scatter; of one shot, that shot's own.
+function mean(values, own) {
   const n = values.length, m = values.reduce((a, b) => a + b, 0) / n;
-  const sd = n > 1 ? Math.sqrt(values.reduce((a, b) => a + (b - m) ** 2, 0) / (n - 1) / n) : NaN;
-  return `${withDeviation(String(m), Number.isFinite(sd) ? String(sd) : "")} (${n})`;
+  const sd = n > 1 ? Math.sqrt(values.reduce((a, b) => a + (b - m) ** 2, 0) / (n - 1) / n) : own[0];
+  return `${withDeviation(String(m), Number.isFinite(sd) ? String(sd) : "")} (${n === 1 ? "one shot, its own deviation" : n})`;
 }
 
 // Its name, else what is known of it (scripts/impactdic/report/groups.py).
@@ -60,8 +60,9 @@ function groups(table, excluded) {
     found.get(name).push(k);
   });
   return [...found].map(([name, rows]) => {
-    const parts = MEANS.map(([title, column]) => [title, rows.map(k => table.number(k, column)).filter(Number.isFinite)])
-      .filter(([, values]) => values.length).map(([title, values]) => `${title} ${mean(values)}`);
+    const of = (column, sd) => rows.filter(k => Number.isFinite(table.number(k, column))).map(k => table.number(k, sd));
+    const parts = MEANS.map(([title, column, sd]) => [title, of(column, column), of(column, sd)])
+      .filter(([, values]) => values.length).map(([title, values, own]) => `${title} ${mean(values, own)}`);
     return make("li", {textContent: `${name}: ${parts.join(", ") || "nothing measured"}`});
   });
 }
@@ -70,13 +71,18 @@ function line(table, k, excluded) {
   const shot = table.cell(k, "shot"), out = excluded[shot] !== undefined;
   const reason = make("input", {type: "text", value: excluded[shot] ?? "", placeholder: "reason", ariaLabel: `Why ${shot} is left out`,
                                 onchange: () => exclude(shot, reason.value.trim())});
-  const cells = COLUMNS.filter(([, column]) => table.has(column)).map(([, column, sd]) => {
+  const inUnit = (cell, unit) => (cell === "" ? "" : String(unit * Number(cell)));
+  const cells = COLUMNS.filter(([, column]) => table.has(column)).map(([, column, sd, unit = 1]) => {
     const cell = table.cell(k, column);
+    if (column === "status" && table.cell(k, "reason")) {
+      const why = table.cell(k, "reason");
+      return make("td", {title: why, textContent: `${cell}: ${why.split(" (")[0]}`});
+    }
     if (column === "shot" && get("state").shots.includes(cell)) {
       return make("td", {}, make("button", {className: "link", textContent: cell, onclick: () => show(cell)}));
     }
     const number = sd || (cell !== "" && Number.isFinite(Number(cell)));
-    return make("td", {title: cell, textContent: number ? withDeviation(cell, sd ? table.cell(k, sd) : "") : cell});
+    return make("td", {title: cell, textContent: number ? withDeviation(inUnit(cell, unit), sd ? inUnit(table.cell(k, sd), unit) : "") : cell});
   });
   return make("tr", {className: out ? "out" : ""}, ...cells, make("td", {}, reason));
 }

@@ -1,6 +1,7 @@
 // Frames corrected by hand: the setting ball-at, "FRAME:X,Y,R/FRAME:none".
 import {make} from "./dom.js";
 import * as player from "./player.js";
+import * as run from "./run.js";
 import * as settings from "./settings.js";
 import {get, on} from "./store.js";
 import * as tools from "./tools.js";
@@ -53,6 +54,13 @@ export function build() {
     onclick: () => tools.choose("correct", ({x, y, r}) => correct(get("shown"), [x, y, r].map(v => v.toFixed(1)).join(",")))});
   const none = make("button", {id: "correct-none", textContent: "no ball", title: "There is no ball in this frame", onclick: () => correct(get("shown"), "none")});
   const undo = make("button", {id: "correct-undo", textContent: "as found", title: "Without a correction", onclick: () => correct(get("shown"), "")});
+  // Behind what was measured: the results of this shot, measured again from before what has changed.
+  const go = make("button", {className: "main", id: "go-on", textContent: "Go on with this", hidden: true,
+    title: "Measures the frames again that the correction can change, into the same folder", onclick: run.goOn});
+  on(["settings", "state", "run"], ({settings: values, state, run: status}) => {
+    go.hidden = !state?.files.includes("track.csv") || (values?.[KEY] ?? "") === (state.given?.[KEY] ?? "");
+    go.disabled = status?.state === "running";
+  });
   on(["shown", "settings", "clip"], ({shown, settings: values, clip}) => {
     const all = corrections(values);
     words.textContent = `Frame ${shown ?? 0}:`;
@@ -61,5 +69,5 @@ export function build() {
     list.hidden = !all.size;
     list.replaceChildren("Corrected:", ...[...all].map(([frame, what]) => make("button", {className: "link", textContent: String(frame), title: what, onclick: () => player.show(frame)})));
   });
-  return [make("div", {className: "row", role: "group", ariaLabel: "Correct this frame by hand"}, words, here, none, undo), list, buildLost("setup")];
+  return [make("div", {className: "row", role: "group", ariaLabel: "Correct this frame by hand"}, words, here, none, undo, go), list, buildLost("setup")];
 }

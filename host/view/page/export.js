@@ -1,7 +1,8 @@
 // Files for elsewhere: the picture with what is drawn on it, as PNG, SVG or PDF, films, and the tables.
 import {colour} from "./colours.js";
 import {draw, id, make, say} from "./dom.js";
-import {pdfOf, withDensity} from "./paper.js";
+import {withDensity} from "./paper.js";
+import {pdfOf} from "./pdf.js";
 import * as picture from "./picture.js";
 import * as player from "./player.js";
 import * as server from "./server.js";
@@ -34,26 +35,28 @@ function legend(width) {
   return group;
 }
 
-// What is on the screen, as one drawing; `density` is that of the picture in it.
-function drawing(density) {
-  const {clientWidth: width, clientHeight: height} = id("picture");
+// What is on the screen, as one drawing, with the pixels of the picture in it.
+function drawing() {
+  const {clientWidth: width, clientHeight: height} = id("picture"), canvas = picture.render(DENSITY);
   const svg = draw("svg", {xmlns: "http://www.w3.org/2000/svg", width, height, viewBox: `0 0 ${width} ${height}`});
   svg.append(draw("rect", {width, height, fill: "#17181a"}),
-             draw("image", {width, height, href: picture.render(density).toDataURL("image/png")}),
+             draw("image", {width, height, href: canvas.toDataURL("image/png")}),
              ...[...id("overlay").children].map(child => child.cloneNode(true)));
   if (!id("legend").hidden) svg.append(legend(width));
-  return {text: new XMLSerializer().serializeToString(svg), width, height};
+  return {svg, canvas, width, height};
 }
+
+const textOf = svg => new XMLSerializer().serializeToString(svg);
 
 const name = end => `${get("shot") || get("state").title}_frame${get("shown")}.${end}`.replace(/[^\w.-]+/g, "_");
 
 export function saveSvg() {
-  save(new Blob([drawing(DENSITY).text], {type: "image/svg+xml"}), name("svg"));
+  save(new Blob([textOf(drawing().svg)], {type: "image/svg+xml"}), name("svg"));
 }
 
 // What is on the screen, as pixels: a canvas.
 function paint() {
-  const {text, width, height} = drawing(DENSITY), image = new Image();
+  const {svg, width, height} = drawing(), image = new Image();
   const canvas = make("canvas", {width: Math.round(DENSITY * width), height: Math.round(DENSITY * height)});
   return new Promise((done, failed) => {
     image.onload = () => {
@@ -62,7 +65,7 @@ function paint() {
       done(canvas);
     };
     image.onerror = () => failed(new Error("the picture cannot be drawn"));
-    image.src = URL.createObjectURL(new Blob([text], {type: "image/svg+xml"}));
+    image.src = URL.createObjectURL(new Blob([textOf(svg)], {type: "image/svg+xml"}));
   });
 }
 
@@ -73,9 +76,19 @@ export const savePng = () => told(async () => {
   save(new Blob([withDensity(new Uint8Array(await blob.arrayBuffer()), 300)], {type: "image/png"}), name("png"));
 });
 
+const savePage = async (file, ...what) => save(new Blob(await pdfOf(...what), {type: "application/pdf"}), file);
+
 export const savePdf = () => told(async () => {
-  const canvas = await paint();
-  save(new Blob(await pdfOf(canvas, 300), {type: "application/pdf"}), name("pdf"));
+  const {svg, canvas, width, height} = drawing();
+  // Styles and places are known of what stands in the document; nobody sees it there.
+  svg.style.cssText = "position: fixed; left: -20000px; top: 0";
+  document.body.append(svg);
+  try { await savePage(name("pdf"), [svg], width, height, canvas); } finally { svg.remove(); }
+});
+
+export const saveCurves = () => told(async () => {
+  const plot = id("curves");
+  await savePage(name("pdf").replace(/_frame\d+/, "_curves"), plot.querySelectorAll("svg.main-svg"), plot.clientWidth, plot.clientHeight);
 });
 
 // The frames from the first to the last one asked for, drawn by the program.
@@ -113,8 +126,13 @@ function filmRow() {
 export function build() {
   const button = (text, onclick, key) => make("button", {id: `save-${key}`, textContent: text, onclick});
   const csv = button("track.csv", () => saveTable("track.csv"), "csv");
-  on(["track"], ({track}) => { csv.disabled = !track; });
+  const curves = button("curves, PDF", saveCurves, "curves");
+  on(["track", "plots"], ({track, plots}) => {
+    csv.disabled = !track;
+    curves.hidden = !plots;
+    curves.disabled = !track?.has("cx_px");
+  });
   return make("div", {id: "export"},
-    make("div", {className: "row"}, make("span", {className: "soft", textContent: "Save"}), button("PNG", savePng, "png"), button("SVG", saveSvg, "svg"), button("PDF", savePdf, "pdf"), csv),
+    make("div", {className: "row"}, make("span", {className: "soft", textContent: "Save"}), button("PNG", savePng, "png"), button("SVG", saveSvg, "svg"), button("PDF", savePdf, "pdf"), curves, csv),
     filmRow());
 }

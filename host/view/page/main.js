@@ -18,6 +18,7 @@ function choosePanel(name) {
     id(`tab-${key}`).setAttribute("aria-selected", key === name);
     id(`panel-${key}`).hidden = key !== name;
   }
+  id("main").dataset.panel = name;
   set({panel: name});
 }
 

@@ -75,6 +75,13 @@ function phases(track, summary) {
 
 export const axis = title => ({title: {text: title, font: {size: 12}}, zeroline: false, gridcolor: "#e8e8e8", automargin: true});
 
+// Curves that were drawn while their panel was hidden, or another one was shown, take the width of
+// their place.
+export function fit(plot) {
+  if (plot._fullLayout && plot.offsetParent && Math.abs(plot._fullLayout.width - plot.clientWidth) > 1) window.Plotly.Plots.resize(plot);
+}
+const watched = new ResizeObserver(entries => entries.forEach(({target}) => fit(target)));
+
 // A line over the curves at the frame that is shown.
 export function cursorOver(plot, place) {
   const cursor = make("div", {className: "cursor"});
@@ -107,7 +114,9 @@ async function drawTrack({track, summary, plots}) {
   };
   const first = !plot._fullLayout;
   await Plotly.react(plot, list, layout, CONFIG);
+  fit(plot);
   if (first) {
+    watched.observe(plot);
     plot.on("plotly_click", event => player.show(event.points[0].customdata[0]));
     cursorOver(plot, () => {
       const now = get("track"), row = now?.row(get("shown")) ?? -1;

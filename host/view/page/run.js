@@ -1,6 +1,6 @@
 // The panel that runs the measurement: progress, rows as they come, stop and resume.
 import * as server from "./server.js";
-import {make} from "./dom.js";
+import {id, make} from "./dom.js";
 import {get, on, set} from "./store.js";
 import {Table} from "./table.js";
 
@@ -43,6 +43,12 @@ async function start(more) {
     running = "here";
     await watch();
   } catch (error) { set({runError: error.message}); }
+}
+
+// With what was corrected by hand, in the folder that is shown.
+export function goOn() {
+  id("tab-run").click();
+  return start({resume: true, folder: get("folder")});
 }
 
 const WORDS = {idle: "Nothing runs.", running: "Measuring", done: "Done.", stopped: "Stopped: what was measured stays, resume goes on.",

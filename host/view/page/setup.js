@@ -88,7 +88,11 @@ async function showJob() {
 }
 
 function soon() {
-  if (get("panel") !== "setup") { if (get("preview")) set({preview: null}); return; }
+  if (get("panel") !== "setup") {
+    // One frame's scale is not that of the run.
+    if (get("preview")) set({preview: null, metrePerPx: get("summary")?.scale_m_per_px ?? null});
+    return;
+  }
   clearTimeout(timer);
   timer = setTimeout(() => { measure(); showJob(); }, WAIT_MS);
 }

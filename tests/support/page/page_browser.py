@@ -36,9 +36,12 @@ class PageBrowser(Browser):
         self.wait("location.href === 'about:blank'")
         self._origin = address
         self.events.clear()
+        self.resize(width, height)
+        self.call("Page.navigate", url=address)
+
+    def resize(self, width, height):
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1,
                   mobile=width < 500)
-        self.call("Page.navigate", url=address)
 
     def wait(self, expression, longest_s=LONGEST_S):
         """Until the expression is true. What it throws meanwhile counts as false."""
@@ -49,6 +52,12 @@ class PageBrowser(Browser):
             time.sleep(0.05)
         raise AssertionError(f"not within {longest_s} s: {expression}; "
                              f"{self.value('document.body.innerText.slice(0, 600)')}; {self.problems()}")
+
+    def settle(self):
+        """Until two pictures of the screen have been drawn: what has changed is laid out."""
+        self.value("document.documentElement.dataset.drawn = ''; requestAnimationFrame(() => requestAnimationFrame("
+                   "() => { document.documentElement.dataset.drawn = 'yes'; }))")
+        self.wait("document.documentElement.dataset.drawn === 'yes'")
 
     def mouse(self, kind, x, y, **more):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", **more)
