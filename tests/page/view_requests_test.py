@@ -13,7 +13,7 @@ import urllib.parse
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support" / "page"))
-from view_page import SYNTH, Case, Page, main, make_batch, run  # noqa: E402
+from view_page import SYNTH, TRACK, Case, Page, main, make_batch, run  # noqa: E402
 
 FUZZED = 3000
 
@@ -241,6 +241,25 @@ class Batch(Case):
         for shot in ("", "none", "../one", "one/.."):
             page.post("exclude", {"shot": shot, "reason": "x"}, status=404)
         self.page(self.shot).post("exclude", {"shot": "one", "reason": "x"}, status=404)
+
+    def test_a_corrected_shot_stays_in_its_batch(self):
+        folder = self.root / "corrected"
+        shutil.copytree(self.batch, folder)
+        shot = folder / "shots" / "one"
+        page = self.page(folder)
+        given = json.loads(page.ask("state", shot="one"))["given"]
+        page.post("run", {"shot": "one", "settings": {**given, "ball-at": "60:none"}, "folder": str(shot), "resume": True})
+        status = page.wait_for_run()
+        self.assertEqual(status["state"], "done", status)
+        self.assertTrue(any(line.startswith("corrected by hand:") for line in status["messages"]), status["messages"])
+        run("batch", self.root / "clips", *TRACK, "--no-field", "--resume", "-q", "-o", folder)
+        with open(folder / "shots.csv", newline="", encoding="utf-8") as file:
+            listed = {row["shot"]: row for row in csv.DictReader(file)}
+        self.assertEqual((listed["one"]["frames_ok"], listed["two"]["frames_ok"]), ("63", "64"))
+        with open(shot / "track.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual((rows[60]["status"], rows[60]["by_hand"], rows[61]["by_hand"]), ("no_ball", "3", "0"))
+        self.assertIn("60:none", (shot / "job.toml").read_text())
 
     def test_a_table_that_leads_elsewhere(self):
         forged = self.root / "forged"
