@@ -14,7 +14,15 @@ void check(clfftStatus status, const char* call) {
   if (status != CLFFT_SUCCESS) throw OpenClError(call, static_cast<int>(status));
 }
 
-// clFFT's own global state: set up with the first plan, torn down with the last one.
+// clFFT ends the process where two threads bring it a program of the same plan, and is not to be
+// torn down while another plan is made.
+std::mutex& one_at_a_time() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+// clFFT's own global state: set up with the first plan, torn down with the last one. Shared and let
+// go of by one thread at a time.
 class Library {
  public:
   Library() {
@@ -27,9 +35,7 @@ class Library {
   Library& operator=(const Library&) = delete;
 
   static std::shared_ptr<Library> share() {
-    static std::mutex mutex;
     static std::weak_ptr<Library> current;
-    const std::lock_guard<std::mutex> lock(mutex);
     std::shared_ptr<Library> library = current.lock();
     if (!library) current = library = std::make_shared<Library>();
     return library;
@@ -39,14 +45,21 @@ class Library {
 }  // namespace
 
 struct FftPlan::Impl {
-  std::shared_ptr<Library> library = Library::share();
+  std::shared_ptr<Library> library;
   Engine& engine;
   std::size_t width, height, batch;
   clfftPlanHandle handle = 0;
 
   Impl(Engine& owner, std::size_t w, std::size_t h, std::size_t b)
-      : engine(owner), width(w), height(h), batch(b) {}
-  ~Impl() { clfftDestroyPlan(&handle); }
+      : engine(owner), width(w), height(h), batch(b) {
+    const std::lock_guard<std::mutex> lock(one_at_a_time());
+    library = Library::share();
+  }
+  ~Impl() {
+    const std::lock_guard<std::mutex> lock(one_at_a_time());
+    clfftDestroyPlan(&handle);
+    library.reset();
+  }
 
   void run(const cl::CommandQueue& queue, const cl::Buffer& data, clfftDirection direction) {
     cl_command_queue raw_queue = queue();
@@ -63,9 +76,7 @@ struct FftPlan::Impl {
 
 FftPlan::FftPlan(Engine& engine, std::size_t width, std::size_t height, std::size_t batch)
     : impl_(std::make_unique<Impl>(engine, width, height, batch)) {
-  // clFFT ends the process where two threads bring it a program of the same plan.
-  static std::mutex mutex;
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard<std::mutex> lock(one_at_a_time());
   const std::size_t lengths[2] = {width, height};
   clfftPlanHandle& plan = impl_->handle;
   check(
