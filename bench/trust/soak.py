@@ -132,9 +132,9 @@ def main():
         make_clips(program, folder / "shots", given.clips)
         out = folder / "out_batch"
         ended = watched([program, "batch", folder / "shots", *SMALL, *given.options, "-o", out],
-                        given.end, lambda: str(len(list(out.glob("shot_*/summary.json")))))
+                        given.end, lambda: str(len(list(out.glob("shots/*/summary.json")))))
         wrong += told(f"batch of {given.clips} clips", *ended, 0 < given.end < ended[1])
-        print(f"clips done: {len(list(out.glob('shot_*/summary.json')))}", flush=True)
+        print(f"clips done: {len(list(out.glob('shots/*/summary.json')))}", flush=True)
     print("; ".join(wrong) or "flat")
     shutil.rmtree(folder)
     return 1 if wrong else 0
