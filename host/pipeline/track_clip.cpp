@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include "host/circle/scout_ball.h"
+#include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
@@ -193,7 +194,8 @@ class ClipTracker {
     batch.shapes.push_back(motion::shape_of(fit));
   }
 
-  TrackRow row_of(const circle::CircleFit& fit, std::int64_t index) const {
+  TrackRow row_of(circle::CircleFit fit, std::int64_t index) const {
+    if (options_.estimator.sphere) circle::doubt_disc(fit);
     TrackRow row;
     row.frame = options_.frames.at(index);
     const double rate =

@@ -40,8 +40,10 @@ struct SphereSettings {
   // And how far off what they or the search found the rim may be sought by its model, px.
   double seek_px = 1.5;                                          // [hand]
   double crossings_centre_px = 0.1, crossings_radius_px = 0.35;  // [measured] light_accuracy
-  // Of the radius, beside what the model says: how a texture learnt from one frame misplaces it.
-  double radius_sd_of_r = 7e-4;  // [measured] light_accuracy
+  // Of the radius, beside what the model says: how a texture learnt from one frame misplaces it, or
+  // a disc's model that fits a sphere; this moves the centre, too.
+  double radius_sd_of_r = 9e-4;       // [measured] light_accuracy, seven patterns
+  double disc_centre_sd_of_r = 2e-4;  // [measured] the same
   // learn_rim.
   double paint_sd = 0.03;    // of the level of bare paint about that of the light [hand]
   double outline_sd = 0.1;   // the same, of an outline [hand]
