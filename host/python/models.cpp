@@ -60,6 +60,19 @@ nb::dict trajectory_of(const std::vector<TrajectoryPoint>& points) {
   return columns;
 }
 
+// {outcome: {input: derivative}}; NaN where there is none.
+nb::dict derivatives_of(const ImpactDerivatives& d) {
+  nb::dict outcomes;
+  for (std::size_t r = 0; r < d.outcomes.size(); ++r) {
+    nb::dict inputs;
+    for (std::size_t c = 0; c < d.inputs.size(); ++c) {
+      inputs[d.inputs[c].c_str()] = d.values[r * d.inputs.size() + c];
+    }
+    outcomes[d.outcomes[r].c_str()] = inputs;
+  }
+  return outcomes;
+}
+
 nb::dict outcome_of(const ImpactResult& impact) {
   nb::dict outcome;
   outcome["separated"] = impact.separated;
@@ -88,14 +101,17 @@ nb::dict outcome_of(const ImpactResult& impact) {
   outcome["phases"] = phases;
   outcome["warnings"] = nb::cast(impact.warnings);
   outcome["trajectory"] = trajectory_of(impact.trajectory);
+  if (impact.derivatives) outcome["derivatives"] = derivatives_of(*impact.derivatives);
   return outcome;
 }
 
-nb::dict simulate_impact(nb::dict job, double rate_hz, std::vector<double> times_s) {
+nb::dict simulate_impact(nb::dict job, double rate_hz, std::vector<double> times_s,
+                         bool derivatives) {
   SimulateRequest request;
   request.impact = impact_job(std::move(job));
   request.rate_hz = rate_hz;
   request.times_s = std::move(times_s);
+  request.derivatives = derivatives;
   Job running({nb::none(), nb::none()});
   ImpactResult result;
   running.run([&](const RunControl&) { result = simulate(request); });
@@ -230,7 +246,8 @@ nb::dict fit_tracks(nb::list tracks, nb::dict impact, nb::dict options, nb::obje
 }  // namespace
 
 void bind_models(nb::module_& module) {
-  module.def("simulate", &simulate_impact, nb::arg("job"), nb::arg("rate_hz"), nb::arg("times_s"));
+  module.def("simulate", &simulate_impact, nb::arg("job"), nb::arg("rate_hz"), nb::arg("times_s"),
+             nb::arg("derivatives"));
   module.def("fit", &fit_tracks, nb::arg("tracks"), nb::arg("impact"), nb::arg("options"),
              nb::arg("progress").none());
 }

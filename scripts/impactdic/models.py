@@ -122,11 +122,18 @@ def _truth(made, sphere):
 
 class Simulation(dict):
     """Figures of an integrated impact by the keys of summary.json (restitution, contact_s, …);
-    `trajectory` is its path, a pandas.DataFrame."""
+    `trajectory` is its path, a pandas.DataFrame; `derivatives`, where they were asked for, a
+    DataFrame of the outcomes (rows) by the numbers of the job (columns), else None."""
 
     @property
     def trajectory(self):
         return tables.frame(self["trajectory"])
+
+    @property
+    def derivatives(self):
+        if "derivatives" not in self:
+            return None
+        return tables.frame(self["derivatives"]).T
 
     def __repr__(self):
         after = self["final"]
@@ -135,15 +142,17 @@ class Simulation(dict):
                 f"{after['vn_m_s']:.4g} m/s, spin {after['omega_rad_s']:.4g} rad/s")
 
 
-def simulate(job, *, rate_hz=0.0, times_s=()):
+def simulate(job, *, rate_hz=0.0, times_s=(), derivatives=None):
     """Integrates an impact model. job: a dictionary with the keys of a job of `impactdic simulate`
     (normal, friction, preset, body, contact, surface, initial, environment, solver), or its file.
     rate_hz: points of the path a second, 0: 200 over the first contact; or times_s, ascending.
+    derivatives: also those of the outcome by every number of the job; None: as the job has it.
     Returns a Simulation. Raises InvalidArgument naming the key."""
     job = read_job(job)
     output = job.pop("output", None) or {}
+    wanted = output.get("derivatives", False) if derivatives is None else derivatives
     return Simulation(engine.module().simulate(job, float(rate_hz or output.get("rate_hz", 0)),
-                                               [float(t) for t in times_s]))
+                                               [float(t) for t in times_s], bool(wanted)))
 
 
 class Fit:

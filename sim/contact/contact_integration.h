@@ -8,13 +8,15 @@
 namespace impactdic::sim::contact {
 
 // What is known when the body has left the surface.
-struct ContactOutcome {
+template <typename Real>
+struct ContactOutcomeOf {
   bool separated = false;
-  double end_s = 0;
-  ImpactState end{};
-  ContactPoint end_point;
-  double t_max_compression_s = 0;  // from the touch; the first maximum
-  double max_deflection_m = 0, max_force_n = 0, peak_force_n = 0, separation_force_n = 0;
+  Real end_s{};
+  ImpactStateOf<Real> end{};
+  ContactPointOf<Real> end_point;
+  Real t_max_compression_s{};  // from the touch; the first maximum
+  Real max_deflection_m{}, max_force_n{}, peak_force_n{}, separation_force_n{};
+  // Of energies no derivatives are followed.
   double plastic_j = 0;  // kept by the surface
   // Stored when the body left, dissipated by the surface on its own.
   double released_tangential_j = 0;
@@ -22,21 +24,26 @@ struct ContactOutcome {
   long steps = 0;
   std::vector<ContactPhase> phases;
 };
+using ContactOutcome = ContactOutcomeOf<double>;
 
 // The points of the trajectory that the caller wants, ascending.
+template <typename Real>
 class TrajectoryRequest {
  public:
   virtual ~TrajectoryRequest() = default;
   // The next time wanted; infinite when there is none.
   virtual double next_s() const = 0;
-  virtual void take(double time_s, const ImpactState& x) = 0;
+  virtual void take(const Real& time_s, const ImpactStateOf<Real>& x) = 0;
   // An accepted step, or a part of one, has come here.
-  virtual void reach(double time_s, const ImpactState& x) = 0;
+  virtual void reach(const Real& time_s, const ImpactStateOf<Real>& x) = 0;
 };
 
 // Integrates one contact that begins at `start_s` in state `start` (event_integrator.h).
-ContactOutcome integrate_contact(const ImpactJob& job, const NormalLaw& normal,
-                                 FrictionLaw& friction, ContactDynamics& dynamics, double start_s,
-                                 const ImpactState& start, TrajectoryRequest& request);
+template <typename Real>
+ContactOutcomeOf<Real> integrate_contact(const ImpactJob& job, const NormalLawOf<Real>& normal,
+                                         FrictionLawOf<Real>& friction,
+                                         ContactDynamicsOf<Real>& dynamics, const Real& start_s,
+                                         const ImpactStateOf<Real>& start,
+                                         TrajectoryRequest<Real>& request);
 
 }  // namespace impactdic::sim::contact

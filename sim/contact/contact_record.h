@@ -5,33 +5,39 @@
 
 namespace impactdic::sim::contact {
 
+template <typename Real>
 struct ContactInstant {
-  double time_s = 0;
-  const ImpactState* x = nullptr;
+  Real time_s{};
+  const ImpactStateOf<Real>* x = nullptr;
 };
 
+template <typename Real>
 class ContactRecord {
  public:
+  using ContactInstant = contact::ContactInstant<Real>;
+  using ContactPoint = ContactPointOf<Real>;
+  using ContactOutcome = ContactOutcomeOf<Real>;
+
   // `touch_force_n`: of the damper, at the touch.
-  ContactRecord(double start_s, double touch_force_n) : start_s_(start_s) {
+  ContactRecord(const Real& start_s, const Real& touch_force_n) : start_s_(start_s) {
     outcome_.peak_force_n = touch_force_n;
   }
 
   // Each of the two sequences of phases has one open at a time; the same name goes on with it.
   void enter(ContactPhaseKind kind, const char* name, const ContactInstant& now);
   // An accepted step that ends with this force. The largest force is an event, hence a step's end.
-  void step(double force_n);
+  void step(const Real& force_n);
   // The deflection turns from growing to falling.
-  void turn(double time_s, const ContactPoint& at, double force_n);
+  void turn(const Real& time_s, const ContactPoint& at, const Real& force_n);
 
   ContactOutcome finish(bool separated, const ContactInstant& now, const ContactPoint& at,
-                        const ContactDynamics& dynamics, const NormalLaw& normal,
-                        const FrictionLaw& friction);
+                        const ContactDynamicsOf<Real>& dynamics, const NormalLawOf<Real>& normal,
+                        const FrictionLawOf<Real>& friction);
 
  private:
   void close(int open, const ContactInstant& now);
 
-  double start_s_;
+  Real start_s_;
   int open_normal_ = -1, open_tangential_ = -1;
   ContactOutcome outcome_;
 };

@@ -19,11 +19,13 @@
 #include <limits>
 #include <optional>
 
+#include "sim/contact/numbers/real.h"
+
 namespace impactdic::sim::contact {
 
 template <typename State>
 struct EventInstant {
-  double time_s = 0;
+  typename State::value_type time_s{};
   State x{}, rate{};
 };
 
@@ -80,21 +82,26 @@ class StepAdjuster {
 //                           after the step before it began, which lasted stretch_s up to here
 //   next_point_s(), take_point(time_s, x)         the points that the caller wants, ascending
 //   restart_step_s(step_s)  first step of the next mode, where the last mode's would be step_s
+// Where its numbers have derivatives, also
+//   fixed_guard(x)   the guard whose value is to keep none from step to step; below zero: no such
+//   just_before(guard, x)   the state a little before it crosses
+// The derivatives are those at instants that move with the inputs as the last event does.
 // ErrorChecker: as odeint's controlled_runge_kutta takes it.
 template <typename System, typename ErrorChecker>
 class EventIntegrator {
  public:
   using State = typename System::State;
+  using Real = typename State::value_type;
   using Instant = EventInstant<State>;
   using Dopri5 = boost::numeric::odeint::runge_kutta_dopri5<State>;
   using Stepper =
       boost::numeric::odeint::controlled_runge_kutta<Dopri5, ErrorChecker, StepAdjuster>;
 
   EventIntegrator(System& system, const ErrorChecker& checker, const EventLimits& limits,
-                  double start_s, const State& start)
+                  const Real& start_s, const State& start)
       : system_(system),
         limits_(limits),
-        start_s_(start_s),
+        start_s_(value_of(start_s)),
         checker_(checker),
         stepper_(checker, typename Stepper::step_adjuster_type(limits.longest_step_s)) {
     now_.time_s = start_s;
@@ -124,7 +131,7 @@ class EventIntegrator {
 
  private:
   struct GuardValues {
-    std::array<double, System::kMostGuards> value{};
+    std::array<Real, System::kMostGuards> value{};
     int count = 0;
   };
 
@@ -132,7 +139,9 @@ class EventIntegrator {
   auto right_side() const {
     return [this](const State& x, State& rate, double) { system_.rates(x, rate); };
   }
-  bool in_time() const { return !system_.finished() && now_.time_s - start_s_ < limits_.longest_s; }
+  bool in_time() const {
+    return !system_.finished() && value_of(now_.time_s) - start_s_ < limits_.longest_s;
+  }
   GuardValues guards(const State& x) const {
     GuardValues guards;
     guards.count = system_.guards(x, guards.value);
@@ -145,7 +154,7 @@ class EventIntegrator {
     const auto stages = [this, asked = 0](const State& at, State& to, double) mutable {
       if (++asked < 6) system_.rates(at, to);
     };
-    rk_.do_step(stages, from.x, from.rate, from.time_s, x, rate, step_s);
+    rk_.do_step(stages, from.x, from.rate, value_of(from.time_s), x, rate, step_s);
     return x;
   }
 
@@ -154,7 +163,7 @@ class EventIntegrator {
   // event.
   std::optional<State> exact_part(double step_s) {
     State x = now_.x, rate = now_.x, error = now_.x;
-    rk_.do_step(right_side(), now_.x, now_.rate, now_.time_s, x, rate, step_s, error);
+    rk_.do_step(right_side(), now_.x, now_.rate, value_of(now_.time_s), x, rate, step_s, error);
     const bool exact = step_s < limits_.negligible_s ||
                        checker_.error(rk_.algebra(), now_.x, now_.rate, error, step_s) <= 1;
     return exact ? std::optional(x) : std::nullopt;
@@ -162,26 +171,28 @@ class EventIntegrator {
 
   Instant try_steps(double& step_s) {
     Instant next{now_.time_s, now_.x, now_.x};
-    for (int failures = 0; stepper_.try_step(right_side(), now_.x, now_.rate, next.time_s, next.x,
+    double time_s = value_of(now_.time_s);
+    for (int failures = 0; stepper_.try_step(right_side(), now_.x, now_.rate, time_s, next.x,
                                              next.rate, step_s) == boost::numeric::odeint::fail;) {
       if (++failures > 500) throw Error("the step size vanishes", "integration", limits_.hint);
     }
+    next.time_s = later(now_.time_s, time_s);
     return next;
   }
 
   State within(const Instant& next, double time_s) {
     State x = now_.x;
-    stepper_.stepper().calc_state(time_s, x, now_.x, now_.rate, now_.time_s, next.x, next.rate,
-                                  next.time_s);
+    stepper_.stepper().calc_state(time_s, x, now_.x, now_.rate, value_of(now_.time_s), next.x,
+                                  next.rate, value_of(next.time_s));
     return x;
   }
 
   // One step, or the part of it up to the first event. Returns whether a mode has changed.
   bool advance(double& step_s) {
-    const Instant next = try_steps(step_s);
-    const double taken = next.time_s - now_.time_s;
-    const GuardValues middle = guards(within(next, now_.time_s + 0.5 * taken));
-    const GuardValues end = guards(next.x);
+    Instant next = try_steps(step_s);
+    const double begin_s = value_of(now_.time_s), taken = value_of(next.time_s) - begin_s;
+    const GuardValues middle = guards(within(next, begin_s + 0.5 * taken));
+    GuardValues end = guards(next.x);
     if (first_of_mode_) {
       first_of_mode_ = false;
       if (leave_at_once(middle, end)) return true;
@@ -189,6 +200,7 @@ class EventIntegrator {
     const Event event = first_event(next, middle, end);
     if (event.guard < 0) {
       hand_over(next, false);
+      keep_fixed(next, end);
       accept(next);
       now_guards_ = end;
       return false;
@@ -198,12 +210,37 @@ class EventIntegrator {
       step_s = 0.5 * event.after_s;
       return false;
     }
-    const Instant at_event{now_.time_s + event.after_s, *part, {}};
+    Instant at_event{later(now_.time_s, begin_s + event.after_s), *part, {}};
     hand_over(at_event, true);
+    if constexpr (kHasDerivatives<Real>) move_onto(event.guard, at_event);
     accept(at_event);
     switch_mode(event.guard);
     step_s = std::min(step_s, taken);
     return true;
+  }
+
+  // Moves an instant with the inputs so that the guard's value keeps its own whatever they do.
+  void move_onto(int guard, Instant& at) requires kHasDerivatives<Real> {
+    system_.rates(system_.just_before(guard, at.x), at.rate);
+    State along = at.x;
+    for (std::size_t i = 0; i < along.size(); ++i) along[i].v[kByTime] = at.rate[i].a;
+    const Real value = guards(along).value[guard];
+    auto wait = (-value.v / value.v[kByTime]).eval();
+    wait[kByTime] = 0;
+    for (std::size_t i = 0; i < along.size(); ++i) at.x[i].v += at.rate[i].a * wait;
+    at.time_s.v += wait;
+    system_.rates(at.x, at.rate);
+  }
+
+  // Near the end of a contact its force is like a power of the way that is left, and too steep for
+  // derivatives of that way.
+  void keep_fixed(Instant& next, GuardValues& end) {
+    if constexpr (kHasDerivatives<Real>) {
+      const int guard = system_.fixed_guard(next.x);
+      if (guard < 0) return;
+      move_onto(guard, next);
+      end = guards(next.x);
+    }
   }
 
   // A mode whose guard is never positive was wrong from its start: the next one takes its place
@@ -233,9 +270,9 @@ class EventIntegrator {
   // Where a law jumps all guards that look at it fall together. Then the first in the system's
   // order counts, and the others are judged behind the jump.
   Event first_event(const Instant& next, const GuardValues& middle, const GuardValues& end) {
-    Event first{-1, next.time_s - now_.time_s};
+    Event first{-1, value_of(next.time_s) - value_of(now_.time_s)};
     for (int i = 0; i < end.count; ++i) {
-      const double root = guard_root(i, next, middle.value[i], end.value[i]);
+      const double root = guard_root(i, next, value_of(middle.value[i]), value_of(end.value[i]));
       const double apart = first.guard < 0 ? 0 : limits_.negligible_s;
       if (root < first.after_s - apart) first = {i, root};
     }
@@ -245,7 +282,8 @@ class EventIntegrator {
   // The time from now_ at which guard i falls through zero, infinite if it does not.
   double guard_root(int i, const Instant& next, double middle, double end) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
-    const double taken = next.time_s - now_.time_s, begin = now_guards_.value[i];
+    const double taken = value_of(next.time_s) - value_of(now_.time_s);
+    const double begin = value_of(now_guards_.value[i]);
     double low = 0, high = taken;
     if (begin > 0 && middle <= 0) {
       high = 0.5 * taken;
@@ -257,7 +295,9 @@ class EventIntegrator {
     const double near = root_by_interpolant(
         i, next, {low, low > 0 ? middle : begin, high, high < taken ? middle : end});
     if (near >= 0) return near;
-    const auto value = [&](double step) { return guards(single_step(now_, step)).value[i]; };
+    const auto value = [&](double step) {
+      return value_of(guards(single_step(now_, step)).value[i]);
+    };
     const double low_value = low > 0 ? value(low) : begin;
     double high_value = value(high);
     if (high_value > 0 && high < taken) high_value = value(high = taken);
@@ -284,15 +324,17 @@ class EventIntegrator {
   double root_by_interpolant(int i, const Instant& next, const Bracket& in) {
     constexpr double kNone = -1;
     if (!(in.low_value > 0) || !(in.high_value < 0)) return kNone;
-    const double taken = next.time_s - now_.time_s;
+    const double begin_s = value_of(now_.time_s), taken = value_of(next.time_s) - begin_s;
     const auto guess = [&](double after) {
-      return guards(within(next, now_.time_s + after)).value[i];
+      return value_of(guards(within(next, begin_s + after)).value[i]);
     };
     std::uintmax_t iterations = 30;
     const auto close = [taken](double a, double b) { return std::abs(b - a) <= 1e-5 * taken; };
     const auto [a, b] = boost::math::tools::toms748_solve(guess, in.low, in.high, in.low_value,
                                                           in.high_value, close, iterations);
-    const auto value = [&](double after) { return guards(single_step(now_, after)).value[i]; };
+    const auto value = [&](double after) {
+      return value_of(guards(single_step(now_, after)).value[i]);
+    };
     const double first = 0.5 * (a + b), aside = 1e-3 * taken;
     const double left = std::max(first - aside, in.low), right = std::min(first + aside, in.high);
     const double slope = (guess(right) - guess(left)) / (right - left);
@@ -316,14 +358,16 @@ class EventIntegrator {
   // dense output; within a part of one from single steps, since the interpolant of the whole step
   // has seen the far side of the switch.
   void hand_over(const Instant& next, bool part) {
-    for (double t = system_.next_point_s(); t <= next.time_s; t = system_.next_point_s()) {
-      system_.take_point(t, part ? single_step(now_, t - now_.time_s) : within(next, t));
+    const double begin_s = value_of(now_.time_s), end_s = value_of(next.time_s);
+    for (double t = system_.next_point_s(); t <= end_s; t = system_.next_point_s()) {
+      system_.take_point(later(now_.time_s, t),
+                         part ? single_step(now_, t - begin_s) : within(next, t));
     }
   }
 
   void accept(const Instant& next) {
     if (++steps_ > limits_.most_steps) throw Error("no progress", "integration", limits_.hint);
-    system_.accepted(next, next.time_s - previous_.time_s,
+    system_.accepted(next, value_of(next.time_s) - value_of(previous_.time_s),
                      [this](double s) { return single_step(previous_, s); });
     previous_ = now_;
     now_ = next;

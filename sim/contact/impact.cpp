@@ -48,13 +48,14 @@ bool closes(const EnergyLedger& energy, double limit, double rounding) {
   return std::abs(energy.residual_j) <= limit * energy.kinetic_start_j + rounding * largest;
 }
 
-class ImpactRun final : public TrajectoryRequest {
+class ImpactRun final : public TrajectoryRequest<double> {
  public:
   ImpactRun(const ImpactJob& job, const Recording& recording)
       : job_(job),
         recording_(recording),
-        flight_(job),
-        normal_(make_normal_law(job)),
+        numbers_(job),
+        flight_(numbers_),
+        normal_(make_normal_law(job, numbers_)),
         orientation_(job.body),
         turns_(job.body.shape != BodyShape::kRod) {}
 
@@ -83,12 +84,12 @@ class ImpactRun final : public TrajectoryRequest {
     return taken_ < recording_.times_s.size() ? recording_.times_s[taken_] : kNever;
   }
 
-  void take(double time_s, const ImpactState& x) override {
+  void take(const double& time_s, const ImpactState& x) override {
     ++taken_;
     result_.trajectory.push_back(point(time_s, x));
   }
 
-  void reach(double time_s, const ImpactState& x) override {
+  void reach(const double& time_s, const ImpactState& x) override {
     if (turns_) orientation_.reach(time_s, x);
   }
 
@@ -112,7 +113,7 @@ class ImpactRun final : public TrajectoryRequest {
       const double touch_s = time_s_ + flight;
       record_flight(std::nextafter(touch_s, 0.0));
       result_.phases.push_back({ContactPhaseKind::kFlight, "flight", time_s_, touch_s, 0});
-      const Flight::Flown flown = flight_.after(now_, flight);
+      const Flight<double>::Flown flown = flight_.after(now_, flight);
       now_ = flown.state;
       air_j_ += flown.air_j;
       now_[kQn] = 0;
@@ -128,7 +129,7 @@ class ImpactRun final : public TrajectoryRequest {
   void record_flight(double until_s) {
     const double before_j = air_j_;
     for (double t = next_s(); t <= until_s; t = next_s()) {
-      const Flight::Flown flown = flight_.after(now_, t - time_s_);
+      const Flight<double>::Flown flown = flight_.after(now_, t - time_s_);
       air_j_ = before_j + flown.air_j;
       take(t, flown.state);
     }
@@ -137,9 +138,9 @@ class ImpactRun final : public TrajectoryRequest {
 
   void follow_contact(int contact) {
     now_[kTip] = now_[kSprings] = 0;
-    friction_ = make_friction_law(job_, now_[kVt], now_[kVn]);
-    dynamics_.emplace(job_, *normal_, *friction_);
-    dynamics_->aim(now_);
+    friction_ = make_friction_law(job_, numbers_, now_[kVt], now_[kVn]);
+    dynamics_.emplace(numbers_, *normal_, *friction_);
+    dynamics_->aim(now_, remembers_slip(job_.friction));
     if (dynamics_->turning() && remembers_slip(job_.friction)) {
       throw InvalidArgument(
           std::string(name_of(job_.friction)) + " knows no slip that the weight turns", "friction",
@@ -153,7 +154,7 @@ class ImpactRun final : public TrajectoryRequest {
     const double touch_s = time_s_;
     const ImpactState before = now_;
     const ContactOutcome outcome =
-        integrate_contact(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
+        integrate_contact<double>(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
     result_.evaluations += dynamics_->evaluations;
     result_.steps += outcome.steps;
     time_s_ = outcome.end_s;
@@ -280,7 +281,8 @@ class ImpactRun final : public TrajectoryRequest {
 
   const ImpactJob& job_;
   const Recording recording_;
-  const Flight flight_;
+  const JobNumbers<double> numbers_;
+  const Flight<double> flight_;
   std::unique_ptr<NormalLaw> normal_;
   std::unique_ptr<FrictionLaw> friction_;
   std::optional<ContactDynamics> dynamics_;  // while in contact

@@ -4,9 +4,10 @@
 
 namespace impactdic::sim::contact {
 
-ContactScales contact_scales(const ImpactJob& job, const NormalLaw& normal,
-                             const ContactPoint& touch, const ImpactState& start) {
-  const double speed_n = touch.rate_m_s;
+template <typename Real>
+ContactScales contact_scales(const ImpactJob& job, const NormalLawOf<Real>& normal,
+                             double touch_rate_m_s, const ImpactState& start) {
+  const double speed_n = touch_rate_m_s;
   const double reach =
       job.body.shape == BodyShape::kRod ? job.body.length_m / 2 : job.body.radius_m();
   const double spin =
@@ -28,5 +29,10 @@ ContactScales contact_scales(const ImpactJob& job, const NormalLaw& normal,
   scales.state[kSprings] = 0.3 * deflection * std::sqrt(job.body.radius_m() * deflection);
   return scales;
 }
+
+template ContactScales contact_scales(const ImpactJob&, const NormalLawOf<double>&, double,
+                                      const ImpactState&);
+template ContactScales contact_scales(const ImpactJob&, const NormalLawOf<Sensitive>&, double,
+                                      const ImpactState&);
 
 }  // namespace impactdic::sim::contact

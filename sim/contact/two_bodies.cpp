@@ -1,16 +1,10 @@
 #include "sim/contact/two_bodies.h"
 
-#include <impactdic/units.h>
-
 #include <cmath>
 #include <utility>
 
 namespace impactdic::sim::contact {
 namespace {
-
-double leverage(const ImpactBody& body) {  // R^2/I
-  return body.radius_m() * body.radius_m() / body.inertia();
-}
 
 double kinetic_j(const ImpactBody& body, const BodyState& s) {
   return 0.5 * body.mass_kg * (s.vt_m_s * s.vt_m_s + s.vn_m_s * s.vn_m_s + s.vb_m_s * s.vb_m_s) +
@@ -19,41 +13,29 @@ double kinetic_j(const ImpactBody& body, const BodyState& s) {
               s.omega_n_rad_s * s.omega_n_rad_s);
 }
 
+ImpactState of_state(const BodyState& s) {
+  ImpactState x{};
+  x[kQt] = s.qt_m, x[kQn] = s.qn_m, x[kQb] = s.qb_m, x[kAngle] = s.angle_rad;
+  x[kVt] = s.vt_m_s, x[kVn] = s.vn_m_s, x[kVb] = s.vb_m_s;
+  x[kOmega] = s.omega_rad_s, x[kOmegaT] = s.omega_t_rad_s, x[kOmegaN] = s.omega_n_rad_s;
+  return x;
+}
+
 // The motion of both balls at one moment, from that of the body which stands for them.
 class BothBodies {
  public:
   explicit BothBodies(const ImpactJob& job)
       : job_(job),
-        relative_(relative_job(job)),
-        mass_(relative_.body.mass_kg),
-        gravity_t_(-job.gravity_m_s2 * std::sin(job.surface_angle_deg * kRadPerDeg)),
-        gravity_n_(-job.gravity_m_s2 * std::cos(job.surface_angle_deg * kRadPerDeg)) {}
+        numbers_(job),
+        gravity_t_(numbers_.gravity_t()),
+        gravity_n_(numbers_.gravity_n()) {}
 
-  // `side`: 1 for the ball above the plane of contact, -1 for the one below.
   BodyState state(double time_s, const BodyState& r, int side) const {
-    const ImpactBody& body = side > 0 ? job_.body : job_.other->body;
-    const InitialMotion& from = side > 0 ? job_.initial : job_.other->initial;
-    const InitialMotion& start = relative_.initial;
-    const double share = side * mass_ / body.mass_kg;
-    // What the contact has done so far: to velocities, and to places by their integral.
-    const double dvt = r.vt_m_s - start.vt_m_s, dvn = r.vn_m_s - start.vn_m_s;
-    const double dvb = r.vb_m_s - start.vb_m_s;
-    const double dqt = r.qt_m - start.vt_m_s * time_s, dqb = r.qb_m - start.vb_m_s * time_s;
-    const double dqn = r.qn_m - start.gap_m - start.vn_m_s * time_s;
-    const double spin = mass_ * body.radius_m() / body.inertia();
-    const double fallen = time_s * time_s / 2;
+    const ImpactState x = state_of_ball(numbers_, time_s, of_state(r), side);
     BodyState s;
-    s.vt_m_s = from.vt_m_s + share * dvt + gravity_t_ * time_s;
-    s.vn_m_s = from.vn_m_s + share * dvn + gravity_n_ * time_s;
-    s.vb_m_s = from.vb_m_s + share * dvb;
-    s.qt_m = from.vt_m_s * time_s + share * dqt + gravity_t_ * fallen;
-    s.qn_m =
-        (side > 0 ? start.gap_m : 0.0) + from.vn_m_s * time_s + share * dqn + gravity_n_ * fallen;
-    s.qb_m = from.vb_m_s * time_s + share * dqb;
-    s.omega_rad_s = from.omega_rad_s + spin * dvt;
-    s.omega_t_rad_s = from.omega_t_rad_s - spin * dvb;
-    s.omega_n_rad_s = from.omega_n_rad_s;
-    s.angle_rad = from.omega_rad_s * time_s + spin * dqt;
+    s.qt_m = x[kQt], s.qn_m = x[kQn], s.qb_m = x[kQb], s.angle_rad = x[kAngle];
+    s.vt_m_s = x[kVt], s.vn_m_s = x[kVn], s.vb_m_s = x[kVb];
+    s.omega_rad_s = x[kOmega], s.omega_t_rad_s = x[kOmegaT], s.omega_n_rad_s = x[kOmegaN];
     return s;
   }
 
@@ -64,8 +46,7 @@ class BothBodies {
         kinetic_j(a, state_of(job_.initial)) + kinetic_j(b, state_of(job_.other->initial));
     energy.kinetic_j = kinetic_j(a, first) + kinetic_j(b, second);
     const double fallen_t = a.mass_kg * first.qt_m + b.mass_kg * second.qt_m;
-    const double fallen_n =
-        a.mass_kg * (first.qn_m - relative_.initial.gap_m) + b.mass_kg * second.qn_m;
+    const double fallen_n = a.mass_kg * (first.qn_m - job_.initial.gap_m) + b.mass_kg * second.qn_m;
     energy.gravity_j = gravity_t_ * fallen_t + gravity_n_ * fallen_n;
     energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
                         energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
@@ -83,32 +64,63 @@ class BothBodies {
   }
 
   const ImpactJob& job_;
-  ImpactJob relative_;
-  double mass_, gravity_t_, gravity_n_;
+  JobNumbers<double> numbers_;
+  double gravity_t_, gravity_n_;
 };
 
 }  // namespace
 
+template <typename Real>
+ImpactStateOf<Real> state_of_ball(const JobNumbers<Real>& numbers, const Real& time_s,
+                                  const ImpactStateOf<Real>& r, int side) {
+  const JobNumbers<Real> one = numbers.relative();
+  const Real gravity_t = numbers.gravity_t(), gravity_n = numbers.gravity_n();
+  const BodyNumbers<Real>& body = side > 0 ? numbers.body : numbers.other;
+  const MotionNumbers<Real>& from = side > 0 ? numbers.initial : numbers.other_initial;
+  const MotionNumbers<Real>& start = one.initial;
+  const Real mass = numbers.contact_mass_kg();
+  const Real share = static_cast<double>(side) * mass / body.mass_kg;
+  // What the contact has done so far: to velocities, and to places by their integral.
+  const Real dvt = r[kVt] - start.vt_m_s, dvn = r[kVn] - start.vn_m_s, dvb = r[kVb] - start.vb_m_s;
+  const Real dqt = r[kQt] - start.vt_m_s * time_s, dqb = r[kQb] - start.vb_m_s * time_s;
+  const Real dqn = r[kQn] - start.gap_m - start.vn_m_s * time_s;
+  const Real spin = mass * body.radius_m() / body.inertia();
+  const Real fallen = time_s * time_s / 2.0;
+  ImpactStateOf<Real> s{};
+  s[kVt] = from.vt_m_s + share * dvt + gravity_t * time_s;
+  s[kVn] = from.vn_m_s + share * dvn + gravity_n * time_s;
+  s[kVb] = from.vb_m_s + share * dvb;
+  s[kQt] = from.vt_m_s * time_s + share * dqt + gravity_t * fallen;
+  s[kQn] =
+      (side > 0 ? start.gap_m : Real(0)) + from.vn_m_s * time_s + share * dqn + gravity_n * fallen;
+  s[kQb] = from.vb_m_s * time_s + share * dqb;
+  s[kOmega] = from.omega_rad_s + spin * dvt;
+  s[kOmegaT] = from.omega_t_rad_s - spin * dvb;
+  s[kOmegaN] = from.omega_n_rad_s;
+  s[kAngle] = from.omega_rad_s * time_s + spin * dqt;
+  return s;
+}
+
+template ImpactState state_of_ball(const JobNumbers<double>&, const double&, const ImpactState&,
+                                   int);
+template ImpactStateOf<Sensitive> state_of_ball(const JobNumbers<Sensitive>&, const Sensitive&,
+                                                const ImpactStateOf<Sensitive>&, int);
+
 ImpactJob relative_job(const ImpactJob& job) {
-  const ImpactBody &a = job.body, &b = job.other->body;
-  const InitialMotion &from = job.initial, &other = job.other->initial;
+  const JobNumbers<double> one = JobNumbers<double>(job).relative();
   ImpactJob relative = job;
   relative.other.reset();
-  relative.gravity_m_s2 = 0;
-  const double radius = job.contact_radius_m();
-  relative.body.shape = BodyShape::kOther;
-  relative.body.mass_kg = job.contact_mass_kg();
-  relative.body.diameter_m = 2 * radius;
-  relative.body.inertia_kg_m2 = radius * radius / (leverage(a) + leverage(b));
-  const auto rolled = [&](double first, double second) {
-    return (a.radius_m() * first + b.radius_m() * second) / radius;
-  };
-  relative.initial.vt_m_s = from.vt_m_s - other.vt_m_s;
-  relative.initial.vn_m_s = from.vn_m_s - other.vn_m_s;
-  relative.initial.vb_m_s = from.vb_m_s - other.vb_m_s;
-  relative.initial.omega_rad_s = rolled(from.omega_rad_s, other.omega_rad_s);
-  relative.initial.omega_t_rad_s = rolled(from.omega_t_rad_s, other.omega_t_rad_s);
-  relative.initial.omega_n_rad_s = from.omega_n_rad_s - other.omega_n_rad_s;
+  relative.gravity_m_s2 = one.gravity_m_s2;
+  relative.body.shape = one.body.shape;
+  relative.body.mass_kg = one.body.mass_kg;
+  relative.body.diameter_m = one.body.diameter_m;
+  relative.body.inertia_kg_m2 = one.body.given_inertia_kg_m2;
+  relative.initial.vt_m_s = one.initial.vt_m_s;
+  relative.initial.vn_m_s = one.initial.vn_m_s;
+  relative.initial.vb_m_s = one.initial.vb_m_s;
+  relative.initial.omega_rad_s = one.initial.omega_rad_s;
+  relative.initial.omega_t_rad_s = one.initial.omega_t_rad_s;
+  relative.initial.omega_n_rad_s = one.initial.omega_n_rad_s;
   return relative;
 }
 

@@ -8,10 +8,17 @@
 
 #include <impactdic/impact_model.h>
 
+#include "sim/contact/contact_dynamics.h"
+
 namespace impactdic::sim::contact {
 
 // The body that stands for both, in an impact of its own.
 ImpactJob relative_job(const ImpactJob& job);
+// The motion of the ball above the plane of contact (`side` 1) or of that below it (-1), from that
+// of the body which stands for both.
+template <typename Real>
+ImpactStateOf<Real> state_of_ball(const JobNumbers<Real>& numbers, const Real& time_s,
+                                  const ImpactStateOf<Real>& relative, int side);
 // What the two do, from what that body does. Energies are those of both balls.
 ImpactResult of_two_bodies(const ImpactJob& job, ImpactResult relative);
 

@@ -139,6 +139,7 @@ SimulateRequest read_simulate_tables(StrictTable& root) {
   job.impact = read_impact_tables(root, false);
   StrictTable& output = root.table("output");
   job.rate_hz = output.number("rate_hz", 0);
+  job.derivatives = output.boolean("derivatives", false);
   return job;
 }
 
@@ -186,6 +187,7 @@ std::string to_toml(const SimulateRequest& job) {
   text.integer("contacts", impact.solver.contacts);
   text.table("output");
   text.number("rate_hz", job.rate_hz);
+  if (job.derivatives) text.boolean("derivatives", true);
   return text.str();
 }
 

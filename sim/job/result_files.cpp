@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <cmath>
 #include <fstream>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
@@ -134,6 +135,21 @@ void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& jo
       const BodyState& o = point.other;
       append(text, {o.qt_m, o.qn_m, o.qb_m, o.vt_m_s, o.vn_m_s, o.vb_m_s, o.omega_rad_s,
                     o.omega_t_rad_s, o.omega_n_rad_s});
+    }
+    text += '\n';
+  }
+  write_text(file, text);
+}
+
+void write_derivatives_csv(const std::filesystem::path& file, const ImpactDerivatives& d) {
+  std::string text = "outcome";
+  for (const std::string& input : d.inputs) text += ',' + input;
+  text += '\n';
+  for (std::size_t r = 0; r < d.outcomes.size(); ++r) {
+    text += d.outcomes[r];
+    for (std::size_t c = 0; c < d.inputs.size(); ++c) {
+      const double value = d.values[r * d.inputs.size() + c];
+      text += ',' + (std::isnan(value) ? std::string() : shortest(value));
     }
     text += '\n';
   }

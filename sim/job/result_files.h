@@ -17,6 +17,10 @@ namespace impactdic::sim::job {
 void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& job,
                           const std::vector<TrajectoryPoint>& trajectory);
 
+// derivatives.csv: one row an outcome, one column an input after `outcome`; what does not exist is
+// an empty field. Throws FileError.
+void write_derivatives_csv(const std::filesystem::path& file, const ImpactDerivatives& derivatives);
+
 // The result as JSON text: restitution, contact_s, t_max_compression_s, max_deflection_m,
 // max_force_n, final, phases, energy, warnings and more. What does not exist is null.
 std::string summary_json(const ImpactJob& job, const ImpactResult& result);

@@ -77,6 +77,18 @@ def test_a_simulation_is_the_program_s(tmp_path):
     assert times.tolist() == [0, 1e-3, 2e-3]
 
 
+def test_derivatives_are_those_of_the_outcome():
+    impact = idic.simulate(IMPACT, derivatives=True)
+    speed = IMPACT["initial"]["vn_m_s"]
+    steps = [idic.simulate({**IMPACT, "initial": {**IMPACT["initial"], "vn_m_s": speed + step}})
+             for step in (1e-4, -1e-4)]
+    for name in ("restitution", "contact_s", "max_deflection_m"):
+        expected = (steps[0][name] - steps[1][name]) / 2e-4
+        assert impact.derivatives.loc[name, "initial.vn_m_s"] == pytest.approx(expected, rel=1e-5,
+                                                                               abs=1e-7)
+    assert idic.simulate(IMPACT).derivatives is None
+
+
 @pytest.mark.parametrize("change, words", [
     ({"normal": "magic"}, "magic"),
     ({"colour": "red"}, "colour"),

@@ -283,6 +283,17 @@ struct ContactPhase {
   double slip_j = 0;
 };
 
+// Derivatives of an impact's outcome by the numbers of its job, in SI units and degrees as they
+// stand there (sensitivity equations with the jumps of Aizerman and Gantmakher 1958 at each switch
+// of a law).
+struct ImpactDerivatives {
+  std::vector<std::string> inputs;    // as in a job file: "contact.friction_kinetic"
+  std::vector<std::string> outcomes;  // as in summary.json: "final.vt_m_s"
+  // Of outcome r by input c: values[r * inputs.size() + c]. NaN where there is none: the body does
+  // not leave the surface, or the motion forks, as where slip has just ended at the separation.
+  std::vector<double> values;
+};
+
 // NaN where the body did not leave the surface and a figure therefore does not exist.
 struct ImpactResult {
   // The body left the surface; otherwise its weight holds it there, and `final` is the moment when
@@ -308,7 +319,8 @@ struct ImpactResult {
   long evaluations = 0;                     // of the right-hand side
   long steps = 0;                           // accepted, of all contacts
   double tip_vb_start_m_s = 0, tip_vb_final_m_s = 0, impulse_b_n_s = 0;
-  BodyState other_start, other_final;  // of the second ball, where there is one
+  BodyState other_start, other_final;            // of the second ball, where there is one
+  std::optional<ImpactDerivatives> derivatives;  // where they were asked for
 };
 
 // Effective friction of an impact, an impulse ratio, positive where it opposes the slip.

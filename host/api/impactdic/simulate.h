@@ -20,6 +20,8 @@ struct SimulateRequest {
   // At these times instead, s, ascending. Times before t = 0 or after the last separation are met
   // by free flight, so that a measured track can be compared frame by frame.
   std::vector<double> times_s;
+  // Also the derivatives of the outcome by every number of the job (ImpactResult::derivatives).
+  bool derivatives = false;
 
   // Throws InvalidArgument naming the key, as it stands in a job file.
   void validate() const;

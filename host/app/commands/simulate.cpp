@@ -68,6 +68,9 @@ void run_simulate(const JobOptions& options) {
   const ImpactResult result = integrate(job, options.job);
   const auto dir = prepare_output_directory(options.output, options.force);
   sim::job::write_trajectory_csv(dir / "trajectory.csv", job.impact, result.trajectory);
+  if (result.derivatives) {
+    sim::job::write_derivatives_csv(dir / "derivatives.csv", *result.derivatives);
+  }
   sim::job::write_text(dir / "summary.json", sim::job::summary_json(job.impact, result));
   sim::job::write_text(dir / "job.toml", sim::job::to_toml(job));
   print(options, job.impact, result);

@@ -4,15 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/derivatives/derivatives.h"
 #include "sim/contact/impact.h"
 #include "sim/contact/rebound.h"
 #include "sim/rod/rod_impact.h"
 
 namespace impactdic {
 
-ImpactResult simulate(const SimulateRequest& request) {
+namespace {
+
+ImpactResult simulate_path(const SimulateRequest& request) {
   constexpr double kDefaultRows = 200;
-  request.validate();
   if (!request.times_s.empty()) {
     return sim::contact::simulate_impact(request.impact, {0, request.times_s});
   }
@@ -23,6 +25,17 @@ ImpactResult simulate(const SimulateRequest& request) {
     rate_hz = kDefaultRows / span_s;
   }
   return sim::contact::simulate_impact(request.impact, {.rate_hz = rate_hz});
+}
+
+}  // namespace
+
+ImpactResult simulate(const SimulateRequest& request) {
+  request.validate();
+  ImpactResult result = simulate_path(request);
+  if (request.derivatives) {
+    result.derivatives = sim::contact::derivatives_of(request.impact, result);
+  }
+  return result;
 }
 
 ReboundResult simulate(const ReboundJob& job) { return sim::contact::simulate_rebound(job); }

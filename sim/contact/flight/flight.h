@@ -7,29 +7,32 @@ namespace impactdic::sim::contact {
 
 // Gravity in closed form; with forces of the air a Runge-Kutta method of fourth order whose steps
 // are short enough that its error is rounding.
+template <typename Real>
 class Flight {
  public:
-  explicit Flight(const ImpactJob& job);
+  using State = ImpactStateOf<Real>;
+
+  explicit Flight(const JobNumbers<Real>& numbers);
 
   struct Flown {
-    ImpactState state;
-    double air_j = 0;  // that the air took meanwhile
+    State state;
+    Real air_j{};  // that the air took meanwhile
   };
   // The motion `elapsed` after a state, or before it.
-  Flown after(const ImpactState& from, double elapsed) const;
+  Flown after(const State& from, const Real& elapsed) const;
   // Until qn = 0 is reached from above; infinite if it never is.
-  double time_to_touch(const ImpactState& from) const;
+  Real time_to_touch(const State& from) const;
 
-  double gravity_t() const { return gravity_t_; }
-  double gravity_n() const { return gravity_n_; }
+  Real gravity_t() const { return gravity_t_; }
+  Real gravity_n() const { return gravity_n_; }
 
  private:
-  Flown step(const Flown& from, double h) const;
-  int steps(const ImpactState& from, double elapsed) const;
+  Flown step(const Flown& from, const Real& h) const;
+  int steps(const State& from, double elapsed) const;
 
-  double gravity_t_, gravity_n_;
-  double mass_kg_;
-  double drag_per_m_ = 0, lift_ = 0;  // a = -drag |v| v + lift omega x v
+  Real gravity_t_, gravity_n_;
+  Real mass_kg_;
+  Real drag_per_m_{}, lift_{};  // a = -drag |v| v + lift omega x v
 };
 
 }  // namespace impactdic::sim::contact

@@ -13,45 +13,50 @@
 namespace impactdic::sim::contact {
 namespace {
 
-class DampedHertz final : public NormalLaw {
+template <typename Real>
+class DampedHertz final : public NormalLawOf<Real> {
  public:
+  using NormalMemory = NormalMemoryOf<Real>;
+  using Slopes = typename NormalLawOf<Real>::Slopes;
+
   // The damper is scale * d^power * d', the power a multiple of a quarter.
   enum class Power { kQuarter, kHalf, kThreeHalves };
 
-  DampedHertz(double stiffness, double scale, Power power, RestitutionDamping ending,
+  DampedHertz(const Real& stiffness, const Real& scale, Power power, RestitutionDamping ending,
               double radius_m)
       : stiffness_(stiffness), scale_(scale), power_(power), ending_(ending), radius_(radius_m) {}
 
   // Below zero deflection the spring continues as an odd function and the damper as an even one, so
   // that an integration step may overshoot.
-  double spring_n(double deflection_m, const NormalMemory&) const override {
-    return stiffness_ * deflection_m * std::sqrt(std::abs(deflection_m));
+  Real spring_n(In<Real> deflection_m, const NormalMemory&) const override {
+    return stiffness_ * deflection_m * root(abs(deflection_m));
   }
 
-  double damper_n(double deflection_m, double rate_m_s, const NormalMemory&) const override {
-    const double root = std::sqrt(std::abs(deflection_m));
+  Real damper_n(In<Real> deflection_m, In<Real> rate_m_s, const NormalMemory&) const override {
+    const Real rooted = root(abs(deflection_m));
     switch (power_) {
       case Power::kQuarter:
-        return scale_ * std::sqrt(root) * rate_m_s;
+        return scale_ * root(rooted) * rate_m_s;
       case Power::kHalf:
-        return scale_ * root * rate_m_s;
+        return scale_ * rooted * rate_m_s;
       case Power::kThreeHalves:
         break;
     }
-    return scale_ * std::abs(deflection_m) * root * rate_m_s;
+    return scale_ * abs(deflection_m) * rooted * rate_m_s;
   }
 
-  double work_j(double deflection_m, const NormalMemory& memory) const override {
+  Real work_j(In<Real> deflection_m, const NormalMemory& memory) const override {
     return spring_n(deflection_m, memory) * deflection_m / 2.5;
   }
 
   // dP/dt over d^(p - 1), for which the damper's own growth is finite at the touch.
-  double force_growth(double deflection_m, double rate_m_s, double acceleration) const override {
-    const double d = std::abs(deflection_m), spring = 1.5 * stiffness_ * rate_m_s;
-    const double square = rate_m_s * rate_m_s, turn = d * acceleration;
+  Real force_growth(In<Real> deflection_m, In<Real> rate_m_s,
+                    In<Real> acceleration) const override {
+    const Real d = abs(deflection_m), spring = 1.5 * stiffness_ * rate_m_s;
+    const Real square = rate_m_s * rate_m_s, turn = d * acceleration;
     switch (power_) {
       case Power::kQuarter:
-        return spring * d * std::sqrt(std::sqrt(d)) + scale_ * (0.25 * square + turn);
+        return spring * d * root(root(d)) + scale_ * (0.25 * square + turn);
       case Power::kHalf:
         return spring * d + scale_ * (0.5 * square + turn);
       case Power::kThreeHalves:
@@ -61,13 +66,13 @@ class DampedHertz final : public NormalLaw {
   }
 
   // At the touch, where some of them are infinite, those of the damper are left out.
-  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
-    const double d = std::abs(deflection_m), root = std::sqrt(d);
+  Slopes slopes(In<Real> deflection_m, const NormalMemory& memory) const override {
+    const Real d = abs(deflection_m), rooted = root(d);
     Slopes slopes;
-    slopes.spring = 1.5 * stiffness_ * root;
-    slopes.damper = damper_n(deflection_m, 1, memory);
+    slopes.spring = 1.5 * stiffness_ * rooted;
+    slopes.damper = damper_n(deflection_m, Real(1), memory);
     if (!(d > 0)) return slopes;
-    slopes.spring_turn = 0.75 * stiffness_ / root;
+    slopes.spring_turn = 0.75 * stiffness_ / rooted;
     slopes.damper_slope = exponent() * slopes.damper / d;
     slopes.damper_turn = (exponent() - 1) * slopes.damper_slope / d;
     return slopes;
@@ -82,10 +87,10 @@ class DampedHertz final : public NormalLaw {
   }
 
   double duration_estimate_s(double mass_kg, double speed_m_s) const override {
-    return hertz_duration_s(mass_kg, stiffness_, speed_m_s);
+    return hertz_duration_s(mass_kg, value_of(stiffness_), speed_m_s);
   }
   double deflection_estimate_m(double mass_kg, double speed_m_s) const override {
-    return hertz_deflection_m(mass_kg, stiffness_, speed_m_s);
+    return hertz_deflection_m(mass_kg, value_of(stiffness_), speed_m_s);
   }
 
  private:
@@ -94,7 +99,7 @@ class DampedHertz final : public NormalLaw {
     return power_ == Power::kHalf ? 0.5 : 1.5;
   }
 
-  double stiffness_, scale_;
+  Real stiffness_, scale_;
   Power power_;
   RestitutionDamping ending_;
   double radius_;
@@ -102,22 +107,27 @@ class DampedHertz final : public NormalLaw {
 
 }  // namespace
 
-std::unique_ptr<NormalLaw> make_damped_hertz(NormalModel model, const ContactParameters& contact,
-                                             double radius_m, double mass_kg) {
-  const double k = contact.stiffness;
-  double scale = 1.5 * k * contact.damping_s_per_m;
-  auto power = DampedHertz::Power::kThreeHalves;
+template <typename Real>
+NormalLawPtr<Real> make_damped_hertz(const ImpactJob& job, const JobNumbers<Real>& numbers) {
+  using Law = DampedHertz<Real>;
+  const ContactNumbers<Real>& contact = numbers.contact;
+  const Real& k = contact.stiffness;
+  Real scale = 1.5 * k * contact.damping_s_per_m;
+  auto power = Law::Power::kThreeHalves;
   RestitutionDamping ending = RestitutionDamping::kToZeroDeflection;
-  if (model == NormalModel::kTsuji) {
-    scale = contact.damping_factor * std::sqrt(mass_kg * k);
-    power = DampedHertz::Power::kQuarter;
-    ending = contact.restitution_damping;
-  } else if (model == NormalModel::kKuwabaraKono) {
+  if (job.normal == NormalModel::kTsuji) {
+    scale = contact.damping_factor * sqrt(numbers.body.mass_kg * k);
+    power = Law::Power::kQuarter;
+    ending = job.contact.restitution_damping;
+  } else if (job.normal == NormalModel::kKuwabaraKono) {
     scale = 1.5 * k * contact.dissipation_s;
-    power = DampedHertz::Power::kHalf;
-    ending = contact.restitution_damping;
+    power = Law::Power::kHalf;
+    ending = job.contact.restitution_damping;
   }
-  return std::make_unique<DampedHertz>(k, scale, power, ending, radius_m);
+  return std::make_unique<Law>(k, scale, power, ending, value_of(numbers.contact_radius_m()));
 }
+
+template NormalLawPtr<double> make_damped_hertz(const ImpactJob&, const JobNumbers<double>&);
+template NormalLawPtr<Sensitive> make_damped_hertz(const ImpactJob&, const JobNumbers<Sensitive>&);
 
 }  // namespace impactdic::sim::contact

@@ -21,16 +21,24 @@ enum class Mode {
   kHeld          // the same, with the centre at rest
 };
 
-double sign(double value) { return (value > 0) - (value < 0); }
+template <typename Real>
+double sign(const Real& value) {
+  return (value > 0) - (value < 0);
+}
 
-class DryFriction final : public FrictionLaw {
+template <typename Real>
+class DryFriction final : public FrictionLawOf<Real> {
  public:
+  using ContactPoint = ContactPointOf<Real>;
+  using Traction = TractionOf<Real>;
+  using Guards = typename FrictionLawOf<Real>::Guards;
+
   struct Load {
     bool spring_only = false;  // friction follows the spring's force, not the damper's
-    double scale = 1;
+    Real scale{1};
   };
 
-  DryFriction(Rule rule, ModelPreset preset, const ContactParameters& contact, Load load)
+  DryFriction(Rule rule, ModelPreset preset, const ContactNumbers<Real>& contact, const Load& load)
       : rule_(rule),
         published_(preset == ModelPreset::kPublished),
         kinetic_(contact.friction_kinetic),
@@ -38,7 +46,7 @@ class DryFriction final : public FrictionLaw {
         fading_speed_(contact.friction_speed_m_s),
         load_(load) {}
 
-  void begin(const ContactPoint& at, double) override {
+  void begin(const ContactPoint& at, In<Real>) override {
     stuck_before_ = false;
     if (rule_ == Rule::kFrictionless) {
       mode_ = Mode::kFrictionless;
@@ -55,13 +63,13 @@ class DryFriction final : public FrictionLaw {
   }
 
   Traction traction(const ContactPoint& at) const override {
-    double force = 0;
+    Real force{};
     switch (mode_) {
       case Mode::kFrictionless:
       case Mode::kFreeRolling:
         break;
       case Mode::kFrozen:
-        return {0, -at.holding_n * at.centre_vt_m_s, 0, at.holding_n};
+        return {Real(0), -at.holding_n * at.centre_vt_m_s, Real(0), at.holding_n};
       case Mode::kSliding:
       case Mode::kReversed:
         force = -sliding(at) * load(at) * direction_;
@@ -76,7 +84,7 @@ class DryFriction final : public FrictionLaw {
         force = at.holding_n;
         break;
     }
-    return {force, -force * at.tip_vt_m_s, 0, 0};
+    return {force, -force * at.tip_vt_m_s, Real(0), Real(0)};
   }
 
   int guards(const ContactPoint& at, Guards& values) const override {
@@ -86,7 +94,7 @@ class DryFriction final : public FrictionLaw {
         return 1;
       case Mode::kRolling:
         // Where rolling takes no force nothing ends it, not even a contact without load.
-        values[0] = at.rolling_n() == 0 ? 1.0 : static_ * load(at) - std::abs(at.rolling_n());
+        values[0] = at.rolling_n() == 0 ? Real(1) : Real(static_ * load(at) - abs(at.rolling_n()));
         return 1;
       case Mode::kSticking:
         values[0] = load(at) - critical_n_;
@@ -145,15 +153,15 @@ class DryFriction final : public FrictionLaw {
   }
 
  private:
-  double load(const ContactPoint& at) const {
+  Real load(const ContactPoint& at) const {
     return load_.scale * (load_.spring_only ? at.spring_n : at.normal_n);
   }
 
   // Oden and Martins 1985 among others: from the static to the kinetic coefficient, the faster it
   // slips.
-  double sliding(const ContactPoint& at) const {
+  Real sliding(const ContactPoint& at) const {
     if (rule_ != Rule::kFading) return kinetic_;
-    return kinetic_ + (static_ - kinetic_) * std::exp(-std::abs(at.tip_vt_m_s) / fading_speed_);
+    return kinetic_ + (static_ - kinetic_) * exp(-abs(at.tip_vt_m_s) / fading_speed_);
   }
 
   void slide(double direction) {
@@ -168,7 +176,7 @@ class DryFriction final : public FrictionLaw {
   // The contact point is at rest. It stays so while friction can hold it; otherwise the force that
   // is missing drives it (the Filippov solution of Coulomb's law).
   void roll_or_slide(const ContactPoint& at) {
-    if (std::abs(at.rolling_n()) <= static_ * load(at)) {
+    if (abs(at.rolling_n()) <= static_ * load(at)) {
       mode_ = Mode::kRolling;
     } else {
       slide(-sign(at.rolling_n()));
@@ -209,12 +217,12 @@ class DryFriction final : public FrictionLaw {
 
   Rule rule_;
   bool published_;
-  double kinetic_, static_;
-  double fading_speed_;
+  Real kinetic_, static_;
+  Real fading_speed_;
   Load load_;
   Mode mode_ = Mode::kSliding;
   double direction_ = 1;  // of the slip; while sticking, of the centre
-  double critical_n_ = 0;
+  Real critical_n_{};
   bool stuck_before_ = false;  // the sticking phase comes once
 };
 
@@ -237,46 +245,52 @@ Rule rule_of(const ImpactJob& job) {
 }
 
 // A contact that gives way along the surface.
-std::unique_ptr<FrictionLaw> make_elastic_friction(const ImpactJob& job) {
-  const ContactParameters& contact = job.contact;
+template <typename Real>
+FrictionLawPtr<Real> make_elastic_friction(const ImpactJob& job, const JobNumbers<Real>& numbers) {
+  const ContactNumbers<Real>& contact = numbers.contact;
   if (!slips_partially(job.friction)) {
     const bool grips = job.friction == FrictionModel::kGripSlip;
     return make_tangential_spring(contact.tangential_stiffness_n_per_m, contact.friction_kinetic,
-                                  grips ? contact.friction_static : 0);
+                                  grips ? contact.friction_static : Real(0));
   }
-  const double radius = job.contact_radius_m();
   if (has_hertz_spring(job.normal)) {
-    return make_maw_barber_fawcett(contact, contact.stiffness, true, radius);
+    return make_maw_barber_fawcett(job, numbers, contact.stiffness, true);
   }
   if (stiffness_key(job.normal).empty()) {
-    return make_maw_barber_fawcett(contact, hertz_stiffness(contact.reduced_modulus_pa, radius),
-                                   false, radius);
+    const Real hertz = 4.0 / 3.0 * contact.reduced_modulus_pa * sqrt(numbers.contact_radius_m());
+    return make_maw_barber_fawcett(job, numbers, hertz, false);
   }
   // The contact of a linear spring does not grow: it sticks or slips as a whole.
-  const double ratio = 2 * (1 - contact.poisson) / (2 - contact.poisson);
-  return make_tangential_spring(ratio * contact.stiffness, contact.friction_kinetic, 0);
+  const Real ratio = 2.0 * (1.0 - contact.poisson) / (2.0 - contact.poisson);
+  return make_tangential_spring<Real>(ratio * contact.stiffness, contact.friction_kinetic, Real(0));
 }
 
 }  // namespace
 
-std::unique_ptr<FrictionLaw> make_friction_law(const ImpactJob& job, double speed_t_m_s,
-                                               double speed_n_m_s) {
-  if (remembers_slip(job.friction)) return make_elastic_friction(job);
+template <typename Real>
+FrictionLawPtr<Real> make_friction_law(const ImpactJob& job, const JobNumbers<Real>& numbers,
+                                       const Real& speed_t_m_s, const Real& speed_n_m_s) {
+  if (remembers_slip(job.friction)) return make_elastic_friction(job, numbers);
   // The printed figures of chapter 4 follow only if friction takes the spring's force alone, scaled
   // by the sine of the angle of incidence.
-  DryFriction::Load load;
+  typename DryFriction<Real>::Load load;
   const bool chapter4 = job.friction == FrictionModel::kThreePhase ||
                         job.friction == FrictionModel::kFullSliding ||
                         job.friction == FrictionModel::kBrody;
   if (job.preset == ModelPreset::kPublished && chapter4) {
     load.spring_only = true;
-    load.scale = std::abs(speed_t_m_s) / std::hypot(speed_t_m_s, speed_n_m_s);
+    load.scale = abs(speed_t_m_s) / hypot(speed_t_m_s, speed_n_m_s);
   }
-  ContactParameters contact = job.contact;
+  ContactNumbers<Real> contact = numbers.contact;
   const bool two_limits =
       job.friction == FrictionModel::kThreePhase || job.friction == FrictionModel::kSpeedDependent;
-  if (!two_limits) contact.friction_static = 0;
-  return std::make_unique<DryFriction>(rule_of(job), job.preset, contact, load);
+  if (!two_limits) contact.friction_static = Real(0);
+  return std::make_unique<DryFriction<Real>>(rule_of(job), job.preset, contact, load);
 }
+
+template FrictionLawPtr<double> make_friction_law(const ImpactJob&, const JobNumbers<double>&,
+                                                  const double&, const double&);
+template FrictionLawPtr<Sensitive> make_friction_law(const ImpactJob&, const JobNumbers<Sensitive>&,
+                                                     const Sensitive&, const Sensitive&);
 
 }  // namespace impactdic::sim::contact

@@ -26,57 +26,60 @@ PlasticLoading loading_of(NormalModel model) {
 
 // The law as an impact's normal law. Below zero force it continues as an odd function, so that an
 // integration step may overshoot.
-class ElasticPlasticNormal final : public NormalLaw {
+template <typename Real>
+class ElasticPlasticNormal final : public NormalLawOf<Real> {
  public:
-  explicit ElasticPlasticNormal(const ElasticPlasticLaw& law) : law_(law) {}
+  using NormalMemory = NormalMemoryOf<Real>;
+  using Slopes = typename NormalLawOf<Real>::Slopes;
 
-  double spring_n(double deflection_m, const NormalMemory& memory) const override {
+  explicit ElasticPlasticNormal(const ElasticPlasticLawOf<Real>& law) : law_(law) {}
+
+  Real spring_n(In<Real> deflection_m, const NormalMemory& memory) const override {
     if (!memory.unloading) {
-      return std::copysign(law_.loading_force_n(std::abs(deflection_m)), deflection_m);
+      return signed_like(law_.loading_force_n(abs(deflection_m)), deflection_m);
     }
-    const double fraction = way_back(deflection_m, memory);
+    const Real fraction = way_back(deflection_m, memory);
     return memory.max_force_n *
-           std::copysign(
-               std::pow(std::abs(fraction), law_.unloading_exponent(memory.max_deflection_m)),
-               fraction);
+           signed_like(power_of(abs(fraction), law_.unloading_exponent(memory.max_deflection_m)),
+                       fraction);
   }
 
-  double work_j(double deflection_m, const NormalMemory& memory) const override {
-    if (!memory.unloading) return law_.loading_energy_j(std::abs(deflection_m));
+  Real work_j(In<Real> deflection_m, const NormalMemory& memory) const override {
+    if (!memory.unloading) return law_.loading_energy_j(abs(deflection_m));
     return law_.loading_energy_j(memory.max_deflection_m) -
            law_.released_energy_j(memory.max_deflection_m) + stored_j(deflection_m, memory);
   }
 
-  double stored_j(double deflection_m, const NormalMemory& memory) const override {
-    if (!memory.unloading) return law_.released_energy_j(std::abs(deflection_m));
-    const double power = law_.unloading_exponent(memory.max_deflection_m) + 1;
+  Real stored_j(In<Real> deflection_m, const NormalMemory& memory) const override {
+    if (!memory.unloading) return law_.released_energy_j(abs(deflection_m));
+    const Real power = law_.unloading_exponent(memory.max_deflection_m) + 1.0;
     return memory.max_force_n * (memory.max_deflection_m - memory.residual_m) / power *
-           std::pow(std::abs(way_back(deflection_m, memory)), power);
+           power_of(abs(way_back(deflection_m, memory)), power);
   }
 
-  NormalMemory turn(double deflection_m, const NormalMemory& memory) const override {
-    NormalMemory turned = NormalLaw::turn(deflection_m, memory);
+  NormalMemory turn(In<Real> deflection_m, const NormalMemory& memory) const override {
+    NormalMemory turned = NormalLawOf<Real>::turn(deflection_m, memory);
     turned.residual_m = law_.residual_m(turned.max_deflection_m);
     return turned;
   }
 
   // Where the published fits change over.
-  double next_kink_m(double deflection_m) const override { return law_.next_kink_m(deflection_m); }
+  Real next_kink_m(In<Real> deflection_m) const override { return law_.next_kink_m(deflection_m); }
 
-  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
+  Slopes slopes(In<Real> deflection_m, const NormalMemory& memory) const override {
     Slopes slopes;
     if (!memory.unloading) {
-      const ElasticPlasticLaw::LoadingSlopes loading = law_.loading_slopes(deflection_m);
+      const auto loading = law_.loading_slopes(deflection_m);
       slopes.spring = loading.first;
       slopes.spring_turn = loading.second;
       return slopes;
     }
-    const double way = memory.max_deflection_m - memory.residual_m;
-    const double fraction = way_back(deflection_m, memory);
+    const Real way = memory.max_deflection_m - memory.residual_m;
+    const Real fraction = way_back(deflection_m, memory);
     if (!(fraction > 0)) return slopes;
-    const double n = law_.unloading_exponent(memory.max_deflection_m);
-    slopes.spring = memory.max_force_n * n / way * std::pow(fraction, n - 1);
-    slopes.spring_turn = slopes.spring * (n - 1) / (way * fraction);
+    const Real n = law_.unloading_exponent(memory.max_deflection_m);
+    slopes.spring = memory.max_force_n * n / way * power_of(fraction, n - 1.0);
+    slopes.spring_turn = slopes.spring * (n - 1.0) / (way * fraction);
     return slopes;
   }
 
@@ -94,22 +97,34 @@ class ElasticPlasticNormal final : public NormalLaw {
   }
 
  private:
-  static double way_back(double deflection_m, const NormalMemory& memory) {
+  static Real signed_like(const Real& size, const Real& sign) {
+    return sign < 0 ? Real(-size) : size;
+  }
+  // A base of zero has no logarithm, by which the derivative of a power goes.
+  static Real power_of(const Real& base, const Real& exponent) {
+    return base > 0 ? pow(base, exponent) : Real(0);
+  }
+  static Real way_back(In<Real> deflection_m, const NormalMemory& memory) {
     return (deflection_m - memory.residual_m) / (memory.max_deflection_m - memory.residual_m);
   }
 
-  ElasticPlasticLaw law_;
+  ElasticPlasticLawOf<Real> law_;
 };
 
 }  // namespace
 
-std::unique_ptr<NormalLaw> make_elastoplastic_law(NormalModel model,
-                                                  const ContactParameters& contact,
-                                                  double radius_m) {
-  const ElasticPlasticSurface surface{radius_m, contact.reduced_modulus_pa,
+template <typename Real>
+NormalLawPtr<Real> make_elastoplastic_law(const ImpactJob& job, const JobNumbers<Real>& numbers) {
+  const ContactNumbers<Real>& contact = numbers.contact;
+  using Law = ElasticPlasticLawOf<Real>;
+  const typename Law::Numbers surface{numbers.contact_radius_m(), contact.reduced_modulus_pa,
                                       contact.yield_strength_pa, contact.poisson};
-  return std::make_unique<ElasticPlasticNormal>(
-      ElasticPlasticLaw(surface, loading_of(model), contact.residual));
+  const Law law(surface, loading_of(job.normal), job.contact.residual);
+  return std::make_unique<ElasticPlasticNormal<Real>>(law);
 }
+
+template NormalLawPtr<double> make_elastoplastic_law(const ImpactJob&, const JobNumbers<double>&);
+template NormalLawPtr<Sensitive> make_elastoplastic_law(const ImpactJob&,
+                                                        const JobNumbers<Sensitive>&);
 
 }  // namespace impactdic::sim::contact

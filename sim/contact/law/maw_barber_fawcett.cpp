@@ -31,25 +31,33 @@ namespace impactdic::sim::contact {
 
 namespace {
 
-class MawBarberFawcett final : public FrictionLaw {
+template <typename Real>
+class MawBarberFawcett final : public FrictionLawOf<Real> {
  public:
-  MawBarberFawcett(const ContactParameters& contact, double hertz_stiffness, bool hertz_spring,
-                   double radius_m)
-      : radius_(radius_m),
-        friction_(contact.friction_kinetic),
+  using ContactPoint = ContactPointOf<Real>;
+  using Traction = TractionOf<Real>;
+  using Guards = typename FrictionLawOf<Real>::Guards;
+  using Memory = SlipMemory<Real>;
+  using Stuck = typename Memory::Stuck;
+
+  MawBarberFawcett(const ImpactJob& job, const JobNumbers<Real>& numbers,
+                   const Real& hertz_stiffness, bool hertz_spring)
+      : radius_(numbers.contact_radius_m()),
+        friction_(numbers.contact.friction_kinetic),
         stiffness_(hertz_stiffness),
         hertz_spring_(hertz_spring),
-        damped_restitution_(contact.restitution_damping != RestitutionDamping::kNone),
-        shear_modulus_(0.75 * hertz_stiffness / std::sqrt(radius_m) * 2 * (1 - contact.poisson) /
-                       (2 - contact.poisson)),
-        alpha_(contact.friction_kinetic * (2 - contact.poisson) / (2 * (1 - contact.poisson))),
-        memory_(radius_m) {}
+        damped_restitution_(job.contact.restitution_damping != RestitutionDamping::kNone),
+        shear_modulus_(0.75 * hertz_stiffness / sqrt(radius_) * 2.0 *
+                       (1.0 - numbers.contact.poisson) / (2.0 - numbers.contact.poisson)),
+        alpha_(friction_ * (2.0 - numbers.contact.poisson) /
+               (2.0 * (1.0 - numbers.contact.poisson))),
+        memory_(radius_) {}
 
-  void begin(const ContactPoint& at, double time_s) override {
+  void begin(const ContactPoint& at, In<Real> time_s) override {
     memory_.clear();
     time_s_ = time_s;
-    if (std::abs(at.tip_vt_m_s) <= alpha_ * at.rate_m_s) {
-      start_sticking(at, 0);
+    if (abs(at.tip_vt_m_s) <= alpha_ * at.rate_m_s) {
+      start_sticking(at, Real(0));
     } else {
       start_slip(at.tip_vt_m_s >= 0 ? 1 : -1, at);
     }
@@ -63,47 +71,47 @@ class MawBarberFawcett final : public FrictionLaw {
       result.springs_rate_m2_s = at.tip_vt_m_s * half_width(depth.value);
       return result;
     }
-    const double damper = damper_friction(at);
+    const Real damper = damper_friction(at);
     if (!(depth.value > 0)) {
       if (!gross_) return result;
       result.force_n = -side_ * damper;
       result.dissipation_w = side_ * damper * at.tip_vt_m_s;
       return result;
     }
-    const SlipEdge edge = edge_at(at, depth.value);
-    const SlipMemory::Stuck stuck = stuck_at(edge);
-    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck);
+    const SlipEdge<Real> edge = edge_at(at, depth.value);
+    const Stuck stuck = stuck_at(edge);
+    const Real springs = -2.0 * shear_modulus_ * slipping_sum(edge, stuck);
     if (holding_) {
       result.force_n = holding_force(at);
       result.dissipation_w = (springs - result.force_n) * at.tip_vt_m_s;
       return result;
     }
-    const double slipping = pressed(depth.value, stuck.xi);
-    const double share = slipping / pressed(depth.value, 0);
+    const Real slipping = pressed(depth.value, stuck.xi);
+    const Real share = slipping / pressed(depth.value, Real(0));
     result.force_n = springs - side_ * damper * share;
     result.dissipation_w =
-        2 * shear_modulus_ * alpha_ * (side_ * at.tip_vt_m_s - alpha_ * depth.rate) * slipping +
+        2.0 * shear_modulus_ * alpha_ * (side_ * at.tip_vt_m_s - alpha_ * depth.rate) * slipping +
         side_ * at.tip_vt_m_s * damper * share;
     return result;
   }
 
   int guards(const ContactPoint& at, Guards& values) const override {
     const Depth depth = depth_of(at);
-    values = {1, 1, 1};
+    values.fill(Real(1));
     const int count = side_ == 0 || holding_ ? 2 : (gross_ ? 1 : 3);
     if (at.normal_n <= 0 && carries_all(at)) return count;  // the surface pulls
     if (side_ == 0) {
       values[0] = alpha_ * depth.rate - at.tip_vt_m_s;
       values[1] = alpha_ * depth.rate + at.tip_vt_m_s;
     } else if (holding_) {
-      const double held = held_by_damper(at, depth);
+      const Real held = held_by_damper(at, depth);
       values[0] = damper_friction(at) * share_at_rest(at, depth) - held;
       values[1] = held;
     } else {
       values[0] = side_ * at.tip_vt_m_s - alpha_ * depth.rate;
       if (gross_) return count;
-      const SlipEdge edge = edge_at(at, depth.value);
-      values[1] = -SlipMemory::excess_at_corner(corner_, edge);
+      const SlipEdge<Real> edge = edge_at(at, depth.value);
+      values[1] = -Memory::excess_at_corner(corner_, edge);
       values[2] = memory_.excess_at_rim(edge) + rim_tolerance_;
     }
     return count;
@@ -140,32 +148,32 @@ class MawBarberFawcett final : public FrictionLaw {
     return gross_ ? "gross_slip" : "partial_slip";
   }
 
-  void step(const ContactPoint& at, double time_s) override {
+  void step(const ContactPoint& at, In<Real> time_s) override {
     time_s_ = time_s;
     if (side_ != 0) return;
-    const TrailPoint point = trail_point(at, time_s);
+    const TrailPoint<Real> point = trail_point(at, time_s);
     if (point.depth_m > recorded_.depth_m) memory_.append_trail(recorded_, point);
     recorded_ = point;
   }
 
-  double stored_j(const ContactPoint& at, double time_s) const override {
-    const double depth = depth_of(at).value;
-    if (!(depth > 0)) return 0;
+  Real stored_j(const ContactPoint& at, In<Real> time_s) const override {
+    const Real depth = depth_of(at).value;
+    if (!(depth > 0)) return Real(0);
     if (side_ == 0) {
-      double sum = memory_.square_sum(at.tip_m);
-      const TrailPoint point = trail_point(at, time_s);
+      Real sum = memory_.square_sum(at.tip_m);
+      const TrailPoint<Real> point = trail_point(at, time_s);
       if (point.depth_m > recorded_.depth_m) sum += memory_.square_sum_of_trail(recorded_, point);
       return shear_modulus_ * sum;
     }
-    const SlipEdge edge = edge_at(at, depth);
-    const double stuck = stuck_at(edge).xi;
-    return shear_modulus_ * ((gross_ ? 0.0 : memory_.square_sum_to(edge)) +
+    const SlipEdge<Real> edge = edge_at(at, depth);
+    const Real stuck = stuck_at(edge).xi;
+    return shear_modulus_ * ((gross_ ? Real(0) : memory_.square_sum_to(edge)) +
                              alpha_ * alpha_ * pressed_squares(depth, stuck));
   }
 
  private:
   struct Depth {
-    double value = 0, rate = 0, acceleration = 0;
+    Real value{}, rate{}, acceleration{};
   };
 
   // Whether D is that of the whole normal force.
@@ -185,42 +193,42 @@ class MawBarberFawcett final : public FrictionLaw {
     return depth_under(at.spring_n, at.spring_rate_n_s, at.spring_turn_n_s2);
   }
 
-  Depth depth_under(double force, double force_rate, double force_turn) const {
+  Depth depth_under(Real force, Real force_rate, Real force_turn) const {
     if (!(force > 0)) return {};
-    const double pressed = force / stiffness_, growth = force_rate / force;
+    const Real pressed = force / stiffness_, growth = force_rate / force;
     Depth depth;
-    depth.value = std::cbrt(pressed * pressed);
+    depth.value = cbrt(pressed * pressed);
     depth.rate = 2.0 / 3.0 * depth.value * growth;
     depth.acceleration =
         2.0 / 3.0 * (depth.rate * growth + depth.value * (force_turn / force - growth * growth));
     return depth;
   }
 
-  SlipEdge edge_at(const ContactPoint& at, double depth) const {
+  SlipEdge<Real> edge_at(const ContactPoint& at, Real depth) const {
     return {side_, alpha_, depth, at.tip_m};
   }
 
   // What the damper's pressure adds to friction where all of the contact slips, N.
-  double damper_friction(const ContactPoint& at) const {
-    return at.compressing ? friction_ * at.damping_n_s_per_m * at.rate_m_s : 0.0;
+  Real damper_friction(const ContactPoint& at) const {
+    return at.compressing ? friction_ * at.damping_n_s_per_m * at.rate_m_s : Real(0);
   }
 
   // The force that keeps an annulus at rest on a bound that moves: v = side alpha delta'.
-  double holding_force(const ContactPoint& at) const {
+  Real holding_force(const ContactPoint& at) const {
     return at.rolling_n() + side_ * alpha_ * at.acceleration_m_s2 / at.mobility_per_kg;
   }
 
   // The part of it that the springs do not give.
-  double held_by_damper(const ContactPoint& at, const Depth& depth) const {
-    const SlipEdge edge = edge_at(at, depth.value);
-    const double springs = -2 * shear_modulus_ * slipping_sum(edge, stuck_at(edge));
+  Real held_by_damper(const ContactPoint& at, const Depth& depth) const {
+    const SlipEdge<Real> edge = edge_at(at, depth.value);
+    const Real springs = -2.0 * shear_modulus_ * slipping_sum(edge, stuck_at(edge));
     return side_ * (springs - holding_force(at));
   }
 
-  double share_at_rest(const ContactPoint& at, const Depth& depth) const {
-    if (gross_) return 1;
-    const double stuck = stuck_at(edge_at(at, depth.value)).xi;
-    return pressed(depth.value, stuck) / pressed(depth.value, 0);
+  Real share_at_rest(const ContactPoint& at, const Depth& depth) const {
+    if (gross_) return Real(1);
+    const Real stuck = stuck_at(edge_at(at, depth.value)).xi;
+    return pressed(depth.value, stuck) / pressed(depth.value, Real(0));
   }
 
   // The slip of the annulus has ended. A damper that pushes loses its friction there; where the
@@ -228,7 +236,7 @@ class MawBarberFawcett final : public FrictionLaw {
   void come_to_rest(const ContactPoint& at) {
     const Depth depth = depth_of(at);
     if (at.compressing && depth.rate > 0 && depth.value > 0 && damper_friction(at) > 0) {
-      const double held = held_by_damper(at, depth);
+      const Real held = held_by_damper(at, depth);
       if (held > 0 && held < damper_friction(at) * share_at_rest(at, depth)) {
         holding_ = true;
         return;
@@ -241,8 +249,8 @@ class MawBarberFawcett final : public FrictionLaw {
   // shrinks the opposite bound catches the outermost ones at once.
   void freeze(const ContactPoint& at) {
     const Depth depth = depth_of(at);
-    const SlipEdge edge = edge_at(at, depth.value);
-    const double sum = slipping_sum(edge, stuck_at(edge));
+    const SlipEdge<Real> edge = edge_at(at, depth.value);
+    const Real sum = slipping_sum(edge, stuck_at(edge));
     if (gross_) memory_.clear();
     memory_.follow(edge);
     if (depth.rate > 0) {
@@ -252,35 +260,35 @@ class MawBarberFawcett final : public FrictionLaw {
     }
   }
 
-  double half_width(double depth) const { return std::sqrt(radius_ * std::max(depth, 0.0)); }
+  Real half_width(Real depth) const { return root(radius_ * at_least(depth, 0)); }
 
   // int (D - x^2/R) dx over the annulus outside xi = stuck.
-  double pressed(double depth, double stuck) const {
-    return 2.0 / 3.0 * half_width(depth) * depth - half_width(stuck) * (depth - stuck / 3);
+  Real pressed(Real depth, Real stuck) const {
+    return 2.0 / 3.0 * half_width(depth) * depth - half_width(stuck) * (depth - stuck / 3.0);
   }
 
   // int (D - x^2/R)^2 dx over the annulus outside xi = stuck.
-  double pressed_squares(double depth, double stuck) const {
+  Real pressed_squares(Real depth, Real stuck) const {
     return 8.0 / 15.0 * half_width(depth) * depth * depth -
-           half_width(stuck) * (depth * depth - 2.0 / 3.0 * depth * stuck + stuck * stuck / 5);
+           half_width(stuck) * (depth * depth - 2.0 / 3.0 * depth * stuck + stuck * stuck / 5.0);
   }
 
   // int u dx while all springs stick: its rate is v a, since the outermost are at u = 0.
-  double sticking_force(const ContactPoint& at) const {
-    return -2 * shear_modulus_ * (sticking_sum_ + at.springs_m2);
+  Real sticking_force(const ContactPoint& at) const {
+    return -2.0 * shear_modulus_ * (sticking_sum_ + at.springs_m2);
   }
 
-  SlipMemory::Stuck stuck_at(const SlipEdge& edge) const {
-    return gross_ ? SlipMemory::Stuck{} : memory_.stuck(edge);
+  Stuck stuck_at(const SlipEdge<Real>& edge) const {
+    return gross_ ? Stuck{} : memory_.stuck(edge);
   }
 
   // int u dx with an annulus outside the springs that stick.
-  double slipping_sum(const SlipEdge& edge, const SlipMemory::Stuck& stuck) const {
+  Real slipping_sum(const SlipEdge<Real>& edge, const Stuck& stuck) const {
     return edge.side * alpha_ * pressed(edge.depth_m, stuck.xi) +
            edge.way_m * half_width(stuck.xi) + stuck.sum;
   }
 
-  TrailPoint trail_point(const ContactPoint& at, double time_s) const {
+  TrailPoint<Real> trail_point(const ContactPoint& at, In<Real> time_s) const {
     const Depth depth = depth_of(at);
     return {time_s,
             depth.value,
@@ -292,14 +300,14 @@ class MawBarberFawcett final : public FrictionLaw {
   }
 
   // `sum` is int u dx at this moment.
-  void start_sticking(const ContactPoint& at, double sum) {
+  void start_sticking(const ContactPoint& at, Real sum) {
     side_ = 0;
     holding_ = false;
     sticking_sum_ = sum - at.springs_m2;
     recorded_ = trail_point(at, time_s_);
   }
 
-  void start_slip(int side, const ContactPoint& at) {
+  void start_slip(double side, const ContactPoint& at) {
     side_ = side;
     holding_ = false;
     gross_ = memory_.empty();
@@ -311,35 +319,41 @@ class MawBarberFawcett final : public FrictionLaw {
   // The annulus has reached a corner of the memory. A part of it that lies along the bound is taken
   // in one stroke.
   void next_corner(const ContactPoint& at) {
-    const SlipEdge edge = edge_at(at, depth_of(at).value);
-    const double along_bound = 1e-10 * alpha_ * edge.depth_m;
+    const SlipEdge<Real> edge = edge_at(at, depth_of(at).value);
+    const Real along_bound = 1e-10 * alpha_ * edge.depth_m;
     while (corner_.xi > 0) {
       corner_ = memory_.corner_below(corner_.xi);
-      if (SlipMemory::excess_at_corner(corner_, edge) < -along_bound) return;
+      if (Memory::excess_at_corner(corner_, edge) < -along_bound) return;
     }
     gross_ = true;
   }
 
-  double radius_, friction_, stiffness_;
+  Real radius_, friction_, stiffness_;
   bool hertz_spring_, damped_restitution_;
-  double shear_modulus_, alpha_;
-  SlipMemory memory_;
-  TrailPoint recorded_;        // where the record of a sticking loading has come to
-  double time_s_ = 0;          // of the last accepted step
-  int side_ = 0;               // 0: all springs stick; +-1: an annulus slips at that bound
-  bool holding_ = false;       // the annulus rests on its bound, held by the damper's friction
-  bool gross_ = false;         // the annulus covers everything
-  double sticking_sum_ = 0;    // int u dx less ContactPoint::springs_m2
-  double rim_tolerance_ = 0;   // of guard 2
-  SlipMemory::Corner corner_;  // the next one that the annulus's inner edge will reach
+  Real shear_modulus_, alpha_;
+  Memory memory_;
+  TrailPoint<Real> recorded_;       // where the record of a sticking loading has come to
+  Real time_s_{};                   // of the last accepted step
+  double side_ = 0;                 // 0: all springs stick; +-1: an annulus slips at that bound
+  bool holding_ = false;            // the annulus rests on its bound, held by the damper's friction
+  bool gross_ = false;              // the annulus covers everything
+  Real sticking_sum_{};             // int u dx less ContactPoint::springs_m2
+  Real rim_tolerance_{};            // of guard 2
+  typename Memory::Corner corner_;  // the next one that the annulus's inner edge will reach
 };
 
 }  // namespace
 
-std::unique_ptr<FrictionLaw> make_maw_barber_fawcett(const ContactParameters& contact,
-                                                     double hertz_stiffness, bool hertz_spring,
-                                                     double radius_m) {
-  return std::make_unique<MawBarberFawcett>(contact, hertz_stiffness, hertz_spring, radius_m);
+template <typename Real>
+FrictionLawPtr<Real> make_maw_barber_fawcett(const ImpactJob& job, const JobNumbers<Real>& numbers,
+                                             const Real& hertz_stiffness, bool hertz_spring) {
+  return std::make_unique<MawBarberFawcett<Real>>(job, numbers, hertz_stiffness, hertz_spring);
 }
+
+template FrictionLawPtr<double> make_maw_barber_fawcett(const ImpactJob&, const JobNumbers<double>&,
+                                                        const double&, bool);
+template FrictionLawPtr<Sensitive> make_maw_barber_fawcett(const ImpactJob&,
+                                                           const JobNumbers<Sensitive>&,
+                                                           const Sensitive&, bool);
 
 }  // namespace impactdic::sim::contact

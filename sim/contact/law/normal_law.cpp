@@ -9,13 +9,19 @@
 
 namespace impactdic::sim::contact {
 
-double NormalLaw::damper_n(double, double, const NormalMemory&) const { return 0; }
+template <typename Real>
+Real NormalLawOf<Real>::damper_n(In<Real>, In<Real>, const NormalMemory&) const {
+  return Real(0);
+}
 
-double NormalLaw::stored_j(double deflection_m, const NormalMemory& memory) const {
+template <typename Real>
+Real NormalLawOf<Real>::stored_j(In<Real> deflection_m, const NormalMemory& memory) const {
   return work_j(deflection_m, memory);
 }
 
-NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) const {
+template <typename Real>
+auto NormalLawOf<Real>::turn(In<Real> deflection_m, const NormalMemory& memory) const
+    -> NormalMemory {
   NormalMemory turned = memory;
   turned.compressing = false;
   if (!memory.unloading) {
@@ -26,7 +32,10 @@ NormalMemory NormalLaw::turn(double deflection_m, const NormalMemory& memory) co
   return turned;
 }
 
-double NormalLaw::force_growth(double, double, double) const { return 1; }
+template <typename Real>
+Real NormalLawOf<Real>::force_growth(In<Real>, In<Real>, In<Real>) const {
+  return Real(1);
+}
 
 std::string beyond_limit(const char* what, double value, double limit) {
   char text[160];
@@ -34,7 +43,10 @@ std::string beyond_limit(const char* what, double value, double limit) {
   return text;
 }
 
-double NormalLaw::next_kink_m(double) const { return std::numeric_limits<double>::infinity(); }
+template <typename Real>
+Real NormalLawOf<Real>::next_kink_m(In<Real>) const {
+  return Real(std::numeric_limits<double>::infinity());
+}
 
 double hertz_deflection_m(double mass_kg, double stiffness, double speed_m_s) {
   return std::pow(1.25 * mass_kg * speed_m_s * speed_m_s / stiffness, 0.4);
@@ -45,7 +57,8 @@ double hertz_duration_s(double mass_kg, double stiffness, double speed_m_s) {
   return 2.94328 * hertz_deflection_m(mass_kg, stiffness, speed_m_s) / speed_m_s;
 }
 
-double NormalLaw::deflection_estimate_m(double mass_kg, double speed_m_s) const {
+template <typename Real>
+double NormalLawOf<Real>::deflection_estimate_m(double mass_kg, double speed_m_s) const {
   return speed_m_s * duration_estimate_s(mass_kg, speed_m_s) / kPi;
 }
 
@@ -53,42 +66,47 @@ namespace {
 
 // P = k delta^p + b delta' (source Eqs 3.6, 3.10 with p = 1; Eqs 4.8, 4.9 with p = 3/2). Below zero
 // deflection the spring continues as an odd function, so that an integration step may overshoot.
-class SpringDamper final : public NormalLaw {
+template <typename Real>
+class SpringDamper final : public NormalLawOf<Real> {
  public:
-  SpringDamper(bool hertz, const ContactParameters& contact, double radius_m)
+  using NormalMemory = NormalMemoryOf<Real>;
+  using Slopes = typename NormalLawOf<Real>::Slopes;
+
+  SpringDamper(bool hertz, const ImpactJob& job, const JobNumbers<Real>& numbers)
       : hertz_(hertz),
-        stiffness_(contact.stiffness),
-        damping_(contact.damping_n_s_per_m),
-        radius_(radius_m),
-        ending_(contact.restitution_damping),
+        stiffness_(numbers.contact.stiffness),
+        damping_(numbers.contact.damping_n_s_per_m),
+        radius_(value_of(numbers.contact_radius_m())),
+        ending_(job.contact.restitution_damping),
         damped_restitution_(ending_ != RestitutionDamping::kNone) {}
 
-  double spring_n(double deflection_m, const NormalMemory&) const override {
-    const double force = stiffness_ * deflection_m;
-    return hertz_ ? force * std::sqrt(std::abs(deflection_m)) : force;
+  Real spring_n(In<Real> deflection_m, const NormalMemory&) const override {
+    const Real force = stiffness_ * deflection_m;
+    return hertz_ ? force * root(abs(deflection_m)) : force;
   }
 
-  double damper_n(double, double rate_m_s, const NormalMemory& memory) const override {
-    return memory.compressing || damped_restitution_ ? damping_ * rate_m_s : 0.0;
+  Real damper_n(In<Real>, In<Real> rate_m_s, const NormalMemory& memory) const override {
+    return memory.compressing || damped_restitution_ ? damping_ * rate_m_s : Real(0);
   }
 
-  double work_j(double deflection_m, const NormalMemory& memory) const override {
+  Real work_j(In<Real> deflection_m, const NormalMemory& memory) const override {
     return spring_n(deflection_m, memory) * deflection_m / (hertz_ ? 2.5 : 2.0);
   }
 
-  double force_growth(double deflection_m, double rate_m_s, double acceleration) const override {
-    const double slope = hertz_ ? 1.5 * stiffness_ * std::sqrt(std::abs(deflection_m)) : stiffness_;
+  Real force_growth(In<Real> deflection_m, In<Real> rate_m_s,
+                    In<Real> acceleration) const override {
+    const Real slope = hertz_ ? 1.5 * stiffness_ * root(abs(deflection_m)) : stiffness_;
     return slope * rate_m_s + damping_ * acceleration;
   }
 
-  Slopes slopes(double deflection_m, const NormalMemory& memory) const override {
+  Slopes slopes(In<Real> deflection_m, const NormalMemory& memory) const override {
     Slopes slopes;
-    slopes.damper = damper_n(deflection_m, 1, memory);
+    slopes.damper = damper_n(deflection_m, Real(1), memory);
     slopes.spring = stiffness_;
     if (!hertz_) return slopes;
-    const double root = std::sqrt(std::abs(deflection_m));
-    slopes.spring *= 1.5 * root;
-    if (root > 0) slopes.spring_turn = 0.75 * stiffness_ / root;
+    const Real rooted = root(abs(deflection_m));
+    slopes.spring *= 1.5 * rooted;
+    if (rooted > 0) slopes.spring_turn = 0.75 * stiffness_ / rooted;
     return slopes;
   }
 
@@ -103,41 +121,48 @@ class SpringDamper final : public NormalLaw {
 
   // Undamped.
   double duration_estimate_s(double mass_kg, double speed_m_s) const override {
-    if (!hertz_) return kPi * std::sqrt(mass_kg / stiffness_);
-    return hertz_duration_s(mass_kg, stiffness_, speed_m_s);
+    if (!hertz_) return kPi * std::sqrt(mass_kg / value_of(stiffness_));
+    return hertz_duration_s(mass_kg, value_of(stiffness_), speed_m_s);
   }
 
   double deflection_estimate_m(double mass_kg, double speed_m_s) const override {
-    if (!hertz_) return speed_m_s * std::sqrt(mass_kg / stiffness_);
-    return hertz_deflection_m(mass_kg, stiffness_, speed_m_s);
+    if (!hertz_) return speed_m_s * std::sqrt(mass_kg / value_of(stiffness_));
+    return hertz_deflection_m(mass_kg, value_of(stiffness_), speed_m_s);
   }
 
  private:
   bool hertz_;
-  double stiffness_, damping_, radius_;
+  Real stiffness_, damping_;
+  double radius_;
   RestitutionDamping ending_;
   bool damped_restitution_;
 };
 
 }  // namespace
 
-std::unique_ptr<NormalLaw> make_normal_law(const ImpactJob& job) {
+template <typename Real>
+NormalLawPtr<Real> make_normal_law(const ImpactJob& job, const JobNumbers<Real>& numbers) {
   switch (job.normal) {
     case NormalModel::kLinearSpringDamper:
-      return std::make_unique<SpringDamper>(false, job.contact, job.contact_radius_m());
+      return std::make_unique<SpringDamper<Real>>(false, job, numbers);
     case NormalModel::kHertzDamper:
-      return std::make_unique<SpringDamper>(true, job.contact, job.contact_radius_m());
+      return std::make_unique<SpringDamper<Real>>(true, job, numbers);
     case NormalModel::kTsuji:
     case NormalModel::kKuwabaraKono:
     case NormalModel::kHuntCrossley:
-      return make_damped_hertz(job.normal, job.contact, job.contact_radius_m(), job.body.mass_kg);
+      return make_damped_hertz(job, numbers);
     case NormalModel::kWaltonBraun:
-      return make_walton_braun(job.contact, job.contact_radius_m());
+      return make_walton_braun(numbers);
     case NormalModel::kJkr:
-      return make_jkr(job.contact, job.contact_radius_m());
+      return make_jkr(numbers);
     default:
-      return make_elastoplastic_law(job.normal, job.contact, job.contact_radius_m());
+      return make_elastoplastic_law(job, numbers);
   }
 }
+
+template class NormalLawOf<double>;
+template class NormalLawOf<Sensitive>;
+template NormalLawPtr<double> make_normal_law(const ImpactJob&, const JobNumbers<double>&);
+template NormalLawPtr<Sensitive> make_normal_law(const ImpactJob&, const JobNumbers<Sensitive>&);
 
 }  // namespace impactdic::sim::contact

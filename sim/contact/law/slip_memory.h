@@ -13,92 +13,100 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim/contact/numbers/real.h"
+
 namespace impactdic::sim::contact {
 
 // The tangential contact at one instant: its depth D, the way s, and their rates.
+template <typename Real>
 struct TrailPoint {
-  double time_s = 0;
-  double depth_m = 0, depth_rate = 0, depth_acceleration = 0;
-  double way_m = 0, way_rate = 0, way_acceleration = 0;
+  Real time_s{};
+  Real depth_m{}, depth_rate{}, depth_acceleration{};
+  Real way_m{}, way_rate{}, way_acceleration{};
 };
 
 // The straight edge of an annulus that slips: u = side alpha (depth - xi).
+template <typename Real>
 struct SlipEdge {
-  int side = 1;
-  double alpha = 0, depth_m = 0, way_m = 0;
+  double side = 1;
+  Real alpha{}, depth_m{}, way_m{};
 };
 
+template <typename Real>
 class SlipMemory {
  public:
-  explicit SlipMemory(double radius_m) : radius_(radius_m) {}
+  using TrailPoint = contact::TrailPoint<Real>;
+  using SlipEdge = contact::SlipEdge<Real>;
+
+  explicit SlipMemory(const Real& radius_m) : radius_(radius_m) {}
 
   void clear();
   bool empty() const { return pieces_.empty(); }
   // The outermost spring that is remembered.
-  double end() const { return pieces_.back().end; }
+  const Real& end() const { return pieces_.back().end; }
 
   // Springs from the present end (0 at first) to `to.depth_m`, touched one after the other.
   void append_trail(const TrailPoint& from, const TrailPoint& to);
   // The next piece of a trail does not go on smoothly.
   void break_trail() { broken_ = true; }
   // Springs from the present end to xi = end on g = value + slope (xi - begin).
-  void append_line(double end, double value, double slope);
+  void append_line(const Real& end, const Real& value, const Real& slope);
   // Forgets all springs beyond where the edge meets g, and follows the edge from there.
   void follow(const SlipEdge& edge);
 
   // The springs that stick.
   struct Stuck {
-    double xi = 0;   // up to there; 0: none
-    double sum = 0;  // int g dx from 0 to that place
+    Real xi{};   // up to there; 0: none
+    Real sum{};  // int g dx from 0 to that place
   };
   Stuck stuck(const SlipEdge& edge) const;
   // int (s + g)^2 dx over them.
-  double square_sum_to(const SlipEdge& edge) const;
+  Real square_sum_to(const SlipEdge& edge) const;
   // The same over all that is remembered, and over the trail that would be appended.
-  double square_sum(double way_m) const;
-  double square_sum_of_trail(const TrailPoint& from, const TrailPoint& to) const;
+  Real square_sum(const Real& way_m) const;
+  Real square_sum_of_trail(const TrailPoint& from, const TrailPoint& to) const;
 
   // How far g lies beyond the edge at the contact's rim, or at the end of the memory where the
   // contact is larger. Below zero the edge no longer meets g: the annulus is gone.
-  double excess_at_rim(const SlipEdge& edge) const;
+  Real excess_at_rim(const SlipEdge& edge) const;
   // A place at which g is not smooth.
   struct Corner {
-    double xi = 0, value = 0;
+    Real xi{}, value{};
   };
   // The next one below xi that an edge will reach; that at 0 is the last.
-  Corner corner_below(double xi) const;
+  Corner corner_below(const Real& xi) const;
   // How far g at a corner lies beyond the edge; it grows with xi.
-  static double excess_at_corner(const Corner& corner, const SlipEdge& edge);
+  static Real excess_at_corner(const Corner& corner, const SlipEdge& edge);
 
  private:
   struct Piece {
     bool trail = false;
-    double begin = 0, end = 0;  // xi
-    double begin_value = 0, end_value = 0;
-    double slope = 0;  // of a line
+    Real begin{}, end{};  // xi
+    Real begin_value{}, end_value{};
+    Real slope{};  // of a line
     // Of a trail: polynomials of tau = (t - t0)/(t1 - t0), and the tau of `end`.
-    std::array<double, 6> depth{}, way{};
-    double end_tau = 1;
-    bool corner = false;    // g is not smooth at `begin`
-    double sum_before = 0;  // int g dx from 0 to `begin`
+    std::array<Real, 6> depth{}, way{};
+    Real end_tau{1};
+    bool corner = false;  // g is not smooth at `begin`
+    Real sum_before{};    // int g dx from 0 to `begin`
   };
   // Where an edge meets g: piece, and the place in it.
   struct Place {
     std::size_t piece = 0;
-    double xi = 0, value = 0, tau = 0;
+    Real xi{}, value{}, tau{};
   };
 
   static Piece trail_piece(const TrailPoint& from, const TrailPoint& to);
   Place meet(const SlipEdge& edge) const;
   Place meet_in(std::size_t index, const SlipEdge& edge) const;
-  double value_at(double xi) const;
-  double integral(const Piece& piece, const Place& to) const;
-  double square_integral(const Piece& piece, const Place& to, double way_m) const;
-  double squares_before(std::size_t index, double way_m) const;
+  Real value_at(const Real& xi) const;
+  Real integral(const Piece& piece, const Place& to) const;
+  Real square_integral(const Piece& piece, const Place& to, const Real& way_m) const;
+  Real squares_before(std::size_t index, const Real& way_m) const;
   static Place end_of(const Piece& piece, std::size_t index);
   void append(Piece piece);
 
-  double radius_;
+  Real radius_;
   bool broken_ = false;
   std::vector<Piece> pieces_;                    // ascending in xi from 0, without gaps
   mutable std::size_t hint_ = 0, rim_hint_ = 0;  // where the last search ended: speed only

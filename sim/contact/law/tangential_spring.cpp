@@ -15,12 +15,17 @@ namespace impactdic::sim::contact {
 
 namespace {
 
-class TangentialSpring final : public FrictionLaw {
+template <typename Real>
+class TangentialSpring final : public FrictionLawOf<Real> {
  public:
-  TangentialSpring(double stiffness, double kinetic, double least_static)
+  using ContactPoint = ContactPointOf<Real>;
+  using Traction = TractionOf<Real>;
+  using Guards = typename FrictionLawOf<Real>::Guards;
+
+  TangentialSpring(const Real& stiffness, const Real& kinetic, const Real& least_static)
       : stiffness_(stiffness), kinetic_(kinetic), static_(std::max(least_static, kinetic)) {}
 
-  void begin(const ContactPoint& at, double) override { hold(at, 0); }
+  void begin(const ContactPoint& at, In<Real>) override { hold(at, Real(0)); }
 
   bool asks_force_rate() const override { return true; }
 
@@ -40,7 +45,7 @@ class TangentialSpring final : public FrictionLaw {
       values[0] = slip_speed(at);
       return 1;
     }
-    const double force = stiffness_ * stretch(at), most = static_ * at.normal_n;
+    const Real force = stiffness_ * stretch(at), most = static_ * at.normal_n;
     values[0] = most - force;
     values[1] = most + force;
     return 2;
@@ -51,7 +56,7 @@ class TangentialSpring final : public FrictionLaw {
       hold(at, stretch(at));
       return;
     }
-    const double held = stored(stretch(at));
+    const Real held = stored(stretch(at));
     side_ = guard == 0 ? 1 : -1;
     // What the spring gives up as it comes loose is lost in that instant.
     lost_j_ = held - stored(stretch(at));
@@ -61,43 +66,50 @@ class TangentialSpring final : public FrictionLaw {
     if (side_ != 0) hold(after, stretch(before));
   }
 
-  double lost_at_once_j() const override { return lost_j_; }
+  Real lost_at_once_j() const override { return lost_j_; }
 
   const char* mode() const override { return side_ == 0 ? "sticking" : "sliding"; }
 
-  double stored_j(const ContactPoint& at, double) const override { return stored(stretch(at)); }
+  Real stored_j(const ContactPoint& at, In<Real>) const override { return stored(stretch(at)); }
 
  private:
-  double stored(double stretch_m) const { return 0.5 * stiffness_ * stretch_m * stretch_m; }
+  Real stored(const Real& stretch_m) const { return 0.5 * stiffness_ * stretch_m * stretch_m; }
 
-  double stretch(const ContactPoint& at) const {
-    return side_ == 0 ? at.tip_m - anchor_m_ : side_ * kinetic_ * at.normal_n / stiffness_;
+  Real stretch(const ContactPoint& at) const {
+    return side_ == 0 ? Real(at.tip_m - anchor_m_)
+                      : Real(side_ * kinetic_ * at.normal_n / stiffness_);
   }
 
   // Of the slip in its own direction.
-  double slip_speed(const ContactPoint& at) const {
-    const double stretching = at.normal_n > 0 ? kinetic_ * at.normal_rate_n_s / stiffness_ : 0.0;
+  Real slip_speed(const ContactPoint& at) const {
+    const Real stretching = at.normal_n > 0 ? kinetic_ * at.normal_rate_n_s / stiffness_ : Real(0);
     return side_ * at.tip_vt_m_s - stretching;
   }
 
-  void hold(const ContactPoint& at, double stretch_m) {
+  void hold(const ContactPoint& at, const Real& stretch_m) {
     side_ = 0;
-    lost_j_ = 0;
+    lost_j_ = Real(0);
     anchor_m_ = at.tip_m - stretch_m;
   }
 
-  double stiffness_, kinetic_, static_;
-  int side_ = 0;  // 0: it sticks; +-1: it slips that way
-  double anchor_m_ = 0;
-  double lost_j_ = 0;  // of the last time it came loose
+  Real stiffness_, kinetic_, static_;
+  double side_ = 0;  // 0: it sticks; +-1: it slips that way
+  Real anchor_m_{};
+  Real lost_j_{};  // of the last time it came loose
 };
 
 }  // namespace
 
-std::unique_ptr<FrictionLaw> make_tangential_spring(double stiffness_n_per_m,
-                                                    double friction_kinetic,
-                                                    double friction_static) {
-  return std::make_unique<TangentialSpring>(stiffness_n_per_m, friction_kinetic, friction_static);
+template <typename Real>
+FrictionLawPtr<Real> make_tangential_spring(const Real& stiffness_n_per_m,
+                                            const Real& friction_kinetic,
+                                            const Real& friction_static) {
+  return std::make_unique<TangentialSpring<Real>>(stiffness_n_per_m, friction_kinetic,
+                                                  friction_static);
 }
+
+template FrictionLawPtr<double> make_tangential_spring(const double&, const double&, const double&);
+template FrictionLawPtr<Sensitive> make_tangential_spring(const Sensitive&, const Sensitive&,
+                                                          const Sensitive&);
 
 }  // namespace impactdic::sim::contact

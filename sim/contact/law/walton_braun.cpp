@@ -11,39 +11,43 @@
 namespace impactdic::sim::contact {
 namespace {
 
-class WaltonBraun final : public NormalLaw {
+template <typename Real>
+class WaltonBraun final : public NormalLawOf<Real> {
  public:
-  WaltonBraun(const ContactParameters& contact, double radius_m)
-      : loading_(contact.stiffness),
-        least_unloading_(contact.unloading_stiffness_n_per_m),
-        hardening_(contact.unloading_hardening_per_m),
-        radius_(radius_m) {}
+  using NormalMemory = NormalMemoryOf<Real>;
+  using Slopes = typename NormalLawOf<Real>::Slopes;
 
-  double spring_n(double deflection_m, const NormalMemory& memory) const override {
+  explicit WaltonBraun(const JobNumbers<Real>& numbers)
+      : loading_(numbers.contact.stiffness),
+        least_unloading_(numbers.contact.unloading_stiffness_n_per_m),
+        hardening_(numbers.contact.unloading_hardening_per_m),
+        radius_(value_of(numbers.contact_radius_m())) {}
+
+  Real spring_n(In<Real> deflection_m, const NormalMemory& memory) const override {
     if (!memory.unloading) return loading_ * deflection_m;
     return unloading(memory.max_force_n) * (deflection_m - memory.residual_m);
   }
 
-  double work_j(double deflection_m, const NormalMemory& memory) const override {
+  Real work_j(In<Real> deflection_m, const NormalMemory& memory) const override {
     if (!memory.unloading) return 0.5 * loading_ * deflection_m * deflection_m;
-    const double lost = 0.5 * memory.max_force_n * memory.residual_m;
+    const Real lost = 0.5 * memory.max_force_n * memory.residual_m;
     return lost + stored_j(deflection_m, memory);
   }
 
-  double stored_j(double deflection_m, const NormalMemory& memory) const override {
-    const double force = spring_n(deflection_m, memory);
-    const double most = memory.unloading ? memory.max_force_n : std::abs(force);
+  Real stored_j(In<Real> deflection_m, const NormalMemory& memory) const override {
+    const Real force = spring_n(deflection_m, memory);
+    const Real most = memory.unloading ? memory.max_force_n : abs(force);
     return 0.5 * force * force / unloading(most);
   }
 
-  NormalMemory turn(double deflection_m, const NormalMemory& memory) const override {
-    NormalMemory turned = NormalLaw::turn(deflection_m, memory);
+  NormalMemory turn(In<Real> deflection_m, const NormalMemory& memory) const override {
+    NormalMemory turned = NormalLawOf<Real>::turn(deflection_m, memory);
     turned.residual_m =
         turned.max_deflection_m - turned.max_force_n / unloading(turned.max_force_n);
     return turned;
   }
 
-  Slopes slopes(double, const NormalMemory& memory) const override {
+  Slopes slopes(In<Real>, const NormalMemory& memory) const override {
     Slopes slopes;
     slopes.spring = memory.unloading ? unloading(memory.max_force_n) : loading_;
     return slopes;
@@ -56,22 +60,27 @@ class WaltonBraun final : public NormalLaw {
   }
 
   double duration_estimate_s(double mass_kg, double) const override {
-    return kPi * std::sqrt(mass_kg / loading_);
+    return kPi * std::sqrt(mass_kg / value_of(loading_));
   }
   double deflection_estimate_m(double mass_kg, double speed_m_s) const override {
-    return speed_m_s * std::sqrt(mass_kg / loading_);
+    return speed_m_s * std::sqrt(mass_kg / value_of(loading_));
   }
 
  private:
-  double unloading(double max_force_n) const { return least_unloading_ + hardening_ * max_force_n; }
+  Real unloading(In<Real> max_force_n) const { return least_unloading_ + hardening_ * max_force_n; }
 
-  double loading_, least_unloading_, hardening_, radius_;
+  Real loading_, least_unloading_, hardening_;
+  double radius_;
 };
 
 }  // namespace
 
-std::unique_ptr<NormalLaw> make_walton_braun(const ContactParameters& contact, double radius_m) {
-  return std::make_unique<WaltonBraun>(contact, radius_m);
+template <typename Real>
+NormalLawPtr<Real> make_walton_braun(const JobNumbers<Real>& numbers) {
+  return std::make_unique<WaltonBraun<Real>>(numbers);
 }
+
+template NormalLawPtr<double> make_walton_braun(const JobNumbers<double>&);
+template NormalLawPtr<Sensitive> make_walton_braun(const JobNumbers<Sensitive>&);
 
 }  // namespace impactdic::sim::contact

@@ -1,0 +1,181 @@
+// Derivatives of impacts: against extrapolated differences, and where a formula knows them.
+#include <gtest/gtest.h>
+#include <impactdic/simulate.h>
+
+#include <cmath>
+
+#include "tests/support/impacts/derivative_check.h"
+#include "tests/support/random_shots.h"
+
+namespace impactdic {
+namespace {
+
+using sim::contact::derivatives_of;
+using sim::contact::simulate_impact;
+
+double derivative(const ImpactDerivatives& d, const std::string& outcome,
+                  const std::string& input) {
+  const auto r = std::find(d.outcomes.begin(), d.outcomes.end(), outcome);
+  const auto c = std::find(d.inputs.begin(), d.inputs.end(), input);
+  if (r == d.outcomes.end() || c == d.inputs.end()) {
+    ADD_FAILURE() << "no " << outcome << " by " << input;
+    return 0;
+  }
+  return d.values[static_cast<std::size_t>(r - d.outcomes.begin()) * d.inputs.size() +
+                  static_cast<std::size_t>(c - d.inputs.begin())];
+}
+
+ImpactDerivatives derivatives(const ImpactJob& job) {
+  return derivatives_of(job, simulate_impact(job));
+}
+
+ImpactJob ball() {
+  ImpactJob job;
+  job.normal = NormalModel::kHertzDamper;
+  job.friction = FrictionModel::kCoulomb;
+  job.body = {BodyShape::kSolidSphere, 0.1, 0.05};
+  job.contact.stiffness = 1e6;
+  job.contact.friction_kinetic = 0.1;
+  job.initial = {3, -2, 0};
+  job.gravity_m_s2 = 0;
+  return job;
+}
+
+// T = 2.94328 delta_m/v ~ (m^2/(k^2 v))^(1/5), delta_m = (5 m v^2/(4 k))^0.4 (Hertz 1882).
+TEST(Derivatives, OfHertzsImpactByItsFormula) {
+  const ImpactJob job = ball();
+  const ImpactResult plain = simulate_impact(job);
+  const ImpactDerivatives d = derivatives_of(job, plain);
+  EXPECT_NEAR(derivative(d, "contact_s", "body.mass_kg") * 0.1 / plain.contact_s, 0.4, 1e-9);
+  EXPECT_NEAR(derivative(d, "contact_s", "contact.stiffness_n_per_m1p5") * 1e6 / plain.contact_s,
+              -0.4, 1e-9);
+  EXPECT_NEAR(derivative(d, "contact_s", "initial.vn_m_s") * -2 / plain.contact_s, -0.2, 1e-9);
+  EXPECT_NEAR(derivative(d, "max_deflection_m", "initial.vn_m_s") * -2 / plain.max_deflection_m,
+              0.8, 1e-9);
+  // It slides throughout: v_t' = v_t - mu (1 + e)|v_n|, R omega' = -5/2 mu (1 + e)|v_n|.
+  EXPECT_NEAR(derivative(d, "final.vt_m_s", "contact.friction_kinetic"), -4, 1e-8);
+  EXPECT_NEAR(derivative(d, "final.vt_m_s", "initial.vn_m_s"), 0.2, 1e-8);
+  EXPECT_NEAR(derivative(d, "final.omega_rad_s", "initial.vn_m_s") * 0.025, 0.5, 1e-8);
+  EXPECT_NEAR(derivative(d, "final.vt_m_s", "initial.vt_m_s"), 1, 1e-8);
+  // A little slip across turns the line of friction by vb/vt.
+  EXPECT_NEAR(derivative(d, "final.vb_m_s", "initial.vb_m_s"), 1 - 0.4 / 3, 1e-8);
+  EXPECT_EQ(derivative(d, "final.vt_m_s", "initial.vb_m_s"), 0);
+}
+
+// A contact point that rests before rolls, and any little slip is gone at once: 5/7.
+TEST(Derivatives, OfAContactPointAtRest) {
+  ImpactJob job = ball();
+  job.initial.vt_m_s = 0;
+  EXPECT_NEAR(derivative(derivatives(job), "final.vt_m_s", "initial.vt_m_s"), 5.0 / 7, 1e-9);
+  EXPECT_NEAR(derivative(derivatives(job), "final.vb_m_s", "initial.vb_m_s"), 5.0 / 7, 1e-9);
+}
+
+// The touch moves with the gap: one metre more of flight takes 1/|v_n|.
+TEST(Derivatives, ByAGapOfZero) {
+  const ImpactDerivatives d = derivatives(ball());
+  EXPECT_NEAR(derivative(d, "contact_start_s", "initial.gap_m"), 0.5, 1e-9);
+  EXPECT_NEAR(derivative(d, "end_s", "initial.gap_m"), 0.5, 1e-9);
+  EXPECT_NEAR(derivative(d, "final.qt_m", "initial.gap_m"), 1.5, 1e-9);
+}
+
+TEST(Derivatives, OfEveryLawMeetDifferences) {
+  constexpr std::size_t kStride = 6;  // all inputs of all laws would take half a minute
+  int compared = 0;
+  std::size_t first = 0;
+  for (const support::LawPair& laws : support::kSoundLaws) {
+    support::RandomShots random(11);
+    const ImpactJob job = random.next(laws);
+    const support::DerivativeError error =
+        support::derivative_error(job, 1e-9, first++ % kStride, kStride);
+    EXPECT_LT(error.worst, 1e-8) << name_of(laws.first) << " " << name_of(laws.second) << ": "
+                                 << error.where;
+    compared += error.compared;
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+TEST(Derivatives, InSpaceMeetDifferences) {
+  for (const support::LawPair& laws :
+       {support::LawPair{NormalModel::kHertzDamper, FrictionModel::kCoulomb},
+        support::LawPair{NormalModel::kHertzDamper, FrictionModel::kMawBarberFawcett},
+        support::LawPair{NormalModel::kThornton, FrictionModel::kCoulomb}}) {
+    support::RandomShots random(4);
+    const support::DerivativeError error =
+        support::derivative_error(random.next_in_space(laws), 1e-9, 1, 3);
+    EXPECT_LT(error.worst, 1e-8) << error.where;
+    EXPECT_GT(error.compared, 30);
+  }
+}
+
+TEST(Derivatives, OfTwoBallsAndOfFlightMeetDifferences) {
+  ImpactJob job = ball();
+  job.friction = FrictionModel::kMawBarberFawcett;
+  job.contact.poisson = 0.3;
+  job.initial = {3, -2, 20};
+  ImpactJob two = job;
+  two.other = OtherBody{{BodyShape::kHollowSphere, 0.05, 0.03}, {-0.4, 0.3, 7}};
+  ImpactJob flown = job;
+  flown.gravity_m_s2 = 9.81;
+  flown.surface_angle_deg = 12;
+  flown.initial.gap_m = 0.3;
+  flown.air.drag_coefficient = 0.5;
+  flown.air.lift_coefficient = 0.8;
+  for (const ImpactJob& one : {two, flown}) {
+    const support::DerivativeError error = support::derivative_error(one, 1e-9, 0, 3);
+    EXPECT_LT(error.worst, 1e-8) << error.where;
+    EXPECT_GT(error.compared, 50);
+  }
+}
+
+TEST(Derivatives, OfARodMeetDifferences) {
+  ImpactJob job = ball();
+  job.body = {BodyShape::kRod, 0.5784, 0.0127, 0.3};
+  job.contact.stiffness = 1e9;
+  job.initial = {0.3, -2, 1};
+  job.initial.angle_deg = 45;
+  const support::DerivativeError error = support::derivative_error(job, 1e-9);
+  EXPECT_LT(error.worst, 1e-8) << error.where;
+  EXPECT_GT(error.compared, 50);
+}
+
+TEST(Derivatives, OfAPathMeetDifferences) {
+  ImpactJob job = ball();
+  job.gravity_m_s2 = 9.81;
+  job.initial = {1, -2, 40};
+  const std::vector<double> times{-1e-3, 1e-4, 4e-4, 7e-4, 3e-3};
+  const std::vector<std::string> inputs{"contact.friction_kinetic", "initial.vn_m_s",
+                                        "surface.angle_deg"};
+  const auto path = sim::contact::sensitive_path(job, times, inputs);
+  ASSERT_EQ(path.states.size(), times.size());
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    ImpactJob high = job, low = job;
+    const double step = 1e-4;
+    support::number_of(high, inputs[i]) += step;
+    support::number_of(low, inputs[i]) -= step;
+    const ImpactResult up = simulate_impact(high, {0, times});
+    const ImpactResult down = simulate_impact(low, {0, times});
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      const BodyState &a = up.trajectory[k].state, &b = down.trajectory[k].state;
+      const auto& slope = path.slopes[k * inputs.size() + i];
+      EXPECT_NEAR(slope[sim::contact::kQt], (a.qt_m - b.qt_m) / (2 * step), 2e-9);
+      EXPECT_NEAR(slope[sim::contact::kVt], (a.vt_m_s - b.vt_m_s) / (2 * step), 1e-6);
+      EXPECT_NEAR(slope[sim::contact::kQn], (a.qn_m - b.qn_m) / (2 * step), 2e-9);
+      EXPECT_NEAR(slope[sim::contact::kAngle], (a.angle_rad - b.angle_rad) / (2 * step), 1e-6);
+    }
+  }
+}
+
+// A ball that its weight holds has no rebound, hence no derivatives.
+TEST(Derivatives, OfABallThatStaysAreNotTold) {
+  ImpactJob job = ball();
+  job.gravity_m_s2 = 9.81;
+  job.initial = {0, -0.01, 0};
+  job.contact.damping_n_s_per_m = 1000;
+  job.contact.restitution_damping = RestitutionDamping::kToZeroDeflection;
+  const ImpactResult plain = simulate_impact(job);
+  ASSERT_FALSE(plain.separated);
+  for (const double value : derivatives_of(job, plain).values) EXPECT_TRUE(std::isnan(value));
+}
+
+}  // namespace
+}  // namespace impactdic
