@@ -65,6 +65,9 @@
 #endif
 
 // rigid.cl, of a sphere: 1 where its radius is a parameter more.
+#ifndef SHAPED
+#define SHAPED 0
+#endif
 #ifndef FREE_RADIUS
 #define FREE_RADIUS 0
 #endif

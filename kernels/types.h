@@ -66,6 +66,18 @@ typedef struct EqualPeak {
   float energy[2];
 } EqualPeak;
 
+// How a sphere is seen in both pictures, where it is not round or not seen by parallel rays; all 0
+// where it is. by_distance: one over the camera's distance from its centre, 1/px, a px being one of
+// the sphere at its centre. first_x, first_y: from the optical axis to the centre in the first
+// picture over the distance, x right, y down; second_x, second_y: the same in the second one, of a
+// ball that has not moved: dx, dy times by_distance are added. first, second: the stretch in the
+// picture's plane that makes the compressed ball of a round one of ball_radius, less one: xx, xy, yy.
+typedef struct BallSight {
+  float by_distance;
+  float first_x, first_y, second_x, second_y;
+  float first[3], second[3];
+} BallSight;
+
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
 // sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
@@ -76,6 +88,7 @@ typedef struct BallTask {
   float guess_dx, guess_dy, guess_rot_rad;
   float ball_radius;
   float guess_rot_x_rad, guess_rot_y_rad;
+  BallSight sight;
 } BallTask;
 
 // The ball's motion from the first to the second frame; NaN where it could not be measured.

@@ -54,8 +54,9 @@ struct Tilt {
 
 class PairLook {
  public:
-  PairLook(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field)
-      : engine_(engine), pair_(pair), field_(field), frames_(engine, 2) {
+  PairLook(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
+           const motion::Perspective& perspective)
+      : engine_(engine), pair_(pair), field_(field), perspective_(perspective), frames_(engine, 2) {
     frames_.set(0, pair.first);
     frames_.set(1, pair.second);
   }
@@ -115,10 +116,12 @@ class PairLook {
     options.estimator = Estimator::kBall;
     options.field = field_;
     options.sphere = sphere;
+    if (sphere) options.perspective = perspective_;
     motion::PairMotion pair;
     pair.second_slot = 1;
-    pair.first = pair_.first_ball;
-    pair.second = pair_.second_ball;
+    pair.first = sphere ? motion::about_centre(pair_.first_ball, perspective_) : pair_.first_ball;
+    pair.second =
+        sphere ? motion::about_centre(pair_.second_ball, perspective_) : pair_.second_ball;
     motion::make_motion_estimator(engine_, options, pair_.first_ball.r_px, frames_)
         ->measure({&pair, 1});
     return pair;
@@ -127,8 +130,11 @@ class PairLook {
   // The whole ball once more, for what is left of the pictures.
   std::optional<BallMotion> registered(const motion::PairMotion& pair, dic::BallModel model) {
     if (!pair.motion.ok) return std::nullopt;
-    BallTask task = motion::sphere_task(pair_.first_ball, pair_.first_ball.r_px, pair.motion);
+    BallTask task = motion::sphere_task(pair.first, pair.first.r_px, pair.motion);
     task.second = 1;
+    if (model != dic::BallModel::kRigid) {
+      task.sight = motion::pair_sight(pair, perspective_, pair.first.r_px);
+    }
     dic::BallRegistration registration(engine_, motion::ball_options(field_, model));
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
@@ -138,24 +144,26 @@ class PairLook {
   opencl::Engine& engine_;
   const BallPair& pair_;
   FieldOptions field_;
+  motion::Perspective perspective_;
   dic::DeviceFrames frames_;
 };
 
 }  // namespace
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field, const FarFrames& far) {
+                      const FieldOptions& field, const motion::Perspective& perspective,
+                      const FarFrames& far) {
   double most_deg = 0, significant = 0;
   int measured = 0;
   bool out_of_plane = false;
   WeightedMean radius;
   for (const BallPair& pair : pairs) {
-    const std::optional<Tilt> tilt = PairLook(engine, pair, field).tilt();
+    const std::optional<Tilt> tilt = PairLook(engine, pair, field, perspective).tilt();
     if (!tilt) continue;
     ++measured;
     radius.add(pair.first_ball.r_px, kRimRadiusSd_px);
     if (tilt->radius_sd_px > 0) {
-      const auto from_far = radius_from_turn(engine, pair, tilt->motion, field, far);
+      const auto from_far = radius_from_turn(engine, pair, tilt->motion, field, perspective, far);
       radius.add(from_far ? from_far->value : tilt->radius_px,
                  from_far ? from_far->sd : tilt->radius_sd_px);
     }

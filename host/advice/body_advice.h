@@ -21,8 +21,9 @@ struct BodyAdvice {
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
 // and the registration of a sphere fits the pictures better than that of a disc. Else a disc: what
 // it measures is then the same, and more exact in each pair. `far`: frames from which the radius
-// can be had (radius_from_turn).
+// can be had (radius_from_turn). `perspective`: of the pairs' frames.
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field, const FarFrames& far);
+                      const FieldOptions& field, const motion::Perspective& perspective,
+                      const FarFrames& far);
 
 }  // namespace impactdic::advice

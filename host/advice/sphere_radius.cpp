@@ -38,8 +38,10 @@ std::int64_t frames_to_tilt(const Eigen::Vector3d& step, std::int64_t most) {
 
 class FarRegistration {
  public:
-  FarRegistration(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field)
-      : first_ball_(pair.first_ball),
+  FarRegistration(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
+                  const motion::Perspective& perspective)
+      : perspective_(perspective),
+        first_ball_(motion::about_centre(pair.first_ball, perspective)),
         frames_(engine, 2),
         free_(engine, motion::ball_options(field, dic::BallModel::kSphereAndRadius)),
         given_(engine, motion::ball_options(field, dic::BallModel::kSphere)) {
@@ -50,8 +52,9 @@ class FarRegistration {
   std::optional<Measured> radius(const BallPicture& far, const Eigen::Vector3d& turn) {
     frames_.set(1, far.picture);
     dic::RigidMotion start;
-    start.dx_px = far.ball.cx_px - first_ball_.cx_px;
-    start.dy_px = far.ball.cy_px - first_ball_.cy_px;
+    const Circle far_ball = motion::about_centre(far.ball, perspective_);
+    start.dx_px = far_ball.cx_px - first_ball_.cx_px;
+    start.dy_px = far_ball.cy_px - first_ball_.cy_px;
     start.rot_x_rad = turn.x();
     start.rot_y_rad = turn.y();
     start.rot_rad = turn.z();
@@ -71,6 +74,8 @@ class FarRegistration {
                                        const dic::RigidMotion& start) {
     BallTask task = motion::sphere_task(first_ball_, radius_px, start);
     task.second = 1;
+    task.sight = motion::sight_of(perspective_, first_ball_.r_px, {first_ball_, {}}, {},
+                                  first_ball_.cx_px, first_ball_.cy_px);
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
     return motion;
@@ -89,6 +94,7 @@ class FarRegistration {
     add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response.dy[sphere::kToRadius]);
   }
 
+  motion::Perspective perspective_;
   Circle first_ball_;
   dic::DeviceFrames frames_;
   dic::BallRegistration free_, given_;
@@ -98,12 +104,13 @@ class FarRegistration {
 
 std::optional<Measured> radius_from_turn(opencl::Engine& engine, const BallPair& pair,
                                          const dic::RigidMotion& step, const FieldOptions& field,
+                                         const motion::Perspective& perspective,
                                          const FarFrames& frames) {
   const Eigen::Vector3d turn(step.rot_x_rad, step.rot_y_rad, step.rot_rad);
   const std::int64_t ahead = frames.count - 1 - pair.index;
   std::int64_t n = frames_to_tilt(turn, std::max(ahead, pair.index));
   const int side = n <= ahead || ahead >= pair.index ? 1 : -1;
-  FarRegistration registration(engine, pair, field);
+  FarRegistration registration(engine, pair, field, perspective);
   for (; n >= kFewest; n /= 2) {
     const double steps = side * static_cast<double>(n);
     Circle near = pair.first_ball;

@@ -6,6 +6,7 @@
 
 #include "host/advice/clip_advice.h"
 #include "host/dic/rigid_fit.h"
+#include "host/motion/perspective.h"
 
 namespace impactdic::opencl {
 class Engine;
@@ -28,6 +29,7 @@ struct FarFrames {
 // registered.
 std::optional<Measured> radius_from_turn(opencl::Engine& engine, const BallPair& pair,
                                          const dic::RigidMotion& step, const FieldOptions& field,
+                                         const motion::Perspective& perspective,
                                          const FarFrames& frames);
 
 }  // namespace impactdic::advice

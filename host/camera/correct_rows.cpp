@@ -25,12 +25,19 @@ void spread(const Matrix2d& slope, double& x_sd, double& y_sd) {
 RowCorrection::RowCorrection(const Camera& camera, bool sphere, double metre_per_px,
                              double rim_margin_px)
     : plane_(camera),
-      ball_(plane_, sphere && camera.focal_length_known, rim_margin_px),
+      sphere_(sphere && camera.focal_length_known),
+      ball_(plane_, sphere_, rim_margin_px),
       metre_per_px_(metre_per_px),
       height_(camera.height) {}
 
 Vector2d RowCorrection::to_corrected(const Vector2d& world) const {
   return {world.x() / metre_per_px_, height_ - 1 - world.y() / metre_per_px_};
+}
+
+CircleInPicture RowCorrection::followed(const TrackRow& row, const BallInPlane& ball) const {
+  CircleInPicture circle = circle_of(row);
+  if (sphere_) circle.centre = plane_.to_picture({ball.centre.x(), ball.centre.y(), 0});
+  return circle;
 }
 
 void RowCorrection::correct_circle(TrackRow& row) const {
@@ -48,10 +55,11 @@ void RowCorrection::correct_circle(TrackRow& row) const {
 }
 
 void RowCorrection::correct_motion(const TrackRow& seen, TrackRow& row) const {
-  const Vector2d centre(seen.cx_px, seen.cy_px);
   const BallInPlane ball = ball_.ball(circle_of(seen));
+  const CircleInPicture circle = followed(seen, ball);
+  const Vector2d centre = circle.centre;
   const TurnInPlane motion =
-      ball_.motion(ball, circle_of(seen), {{seen.dx_px, seen.dy_px}, seen.rot_deg * kRadPerDeg});
+      ball_.motion(ball, circle, {{seen.dx_px, seen.dy_px}, seen.rot_deg * kRadPerDeg});
   Matrix2d slope;
   plane_.to_plane(centre + Vector2d(seen.dx_px, seen.dy_px), 0, &slope);
   slope /= metre_per_px_;
@@ -79,11 +87,11 @@ void RowCorrection::correct_pose(const std::vector<TrackRow>& seen, TrackRow& ro
   Matrix2d slope;
   Vector2d world = plane_.to_plane(at, 0, &slope);
   if (origin != seen.end() && origin->frame == pose.origin && origin->circle_ok) {
-    const Vector2d centre(origin->cx_px, origin->cy_px);
     const BallInPlane ball = ball_.ball(circle_of(*origin));
+    const CircleInPicture circle = followed(*origin, ball);
     const bool flat = std::isfinite(pose.angle_rad);
     const TurnInPlane motion =
-        ball_.motion(ball, circle_of(*origin), {at - centre, flat ? pose.angle_rad : 0.0});
+        ball_.motion(ball, circle, {at - circle.centre, flat ? pose.angle_rad : 0.0});
     world = ball.centre + motion.shift;
     // The angle is not wrapped.
     if (flat) pose.angle_rad += std::remainder(motion.angle - pose.angle_rad, 2 * kPi);

@@ -13,8 +13,9 @@ namespace impactdic::camera {
 class RowCorrection {
  public:
   // `metre_per_px`: of the corrected rows, whatever the camera. `sphere`: a ball that was measured
-  // as one; a camera whose focal length is not known shows it as a disc. `rim_margin_px`: how far
-  // inside the rim the texture was registered.
+  // as one in the camera's perspective, whose motions are those of its centre; a camera whose focal
+  // length is not known shows it as a disc. `rim_margin_px`: how far inside the rim the texture was
+  // registered.
   RowCorrection(const Camera& camera, bool sphere, double metre_per_px, double rim_margin_px);
 
   // Circle, motion and pose; deviations by the local slope. Corrected pixels are `metre_per_px`
@@ -26,9 +27,12 @@ class RowCorrection {
   void correct_circle(TrackRow& row) const;
   void correct_motion(const TrackRow& seen, TrackRow& row) const;
   void correct_pose(const std::vector<TrackRow>& seen, TrackRow& row) const;
+  // What moved as a row's motion says: the middle of a disc, the picture of a sphere's centre.
+  CircleInPicture followed(const TrackRow& row, const BallInPlane& ball) const;
   Eigen::Vector2d to_corrected(const Eigen::Vector2d& world) const;
 
   PlaneView plane_;
+  bool sphere_;
   BallView ball_;
   double metre_per_px_;
   int height_;

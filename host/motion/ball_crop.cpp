@@ -46,11 +46,16 @@ CropOrigin BallCrop::about(const Circle& ball) const {
 void into_crops(PairMotion& pair, const CropOrigin& first, const CropOrigin& second) {
   move_circle(pair.first, first, -1);
   move_circle(pair.second, second, -1);
+  pair.first_left_px = first.x;
+  pair.first_top_px = first.y;
+  pair.second_left_px = second.x;
+  pair.second_top_px = second.y;
 }
 
 void out_of_crops(PairMotion& pair, const CropOrigin& first, const CropOrigin& second) {
   move_circle(pair.first, first, 1);
   move_circle(pair.second, second, 1);
+  pair.first_left_px = pair.first_top_px = pair.second_left_px = pair.second_top_px = 0;
   const int u = second.x - first.x, v = second.y - first.y;
   pair.motion.dx_px += u;
   pair.motion.dy_px += v;

@@ -30,6 +30,8 @@ std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
 SphereSearchTask search_task(const PairMotion& pair, double radius_px);
 // The registration of a sphere from `start`, without its slots, and what comes of it.
 BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
+// How a pair's sphere is seen, whose round outline has the radius `rim_px`.
+BallSight pair_sight(const PairMotion& pair, const Perspective& perspective, double rim_px);
 // `radius_sd_px`: of the sphere's radius, whose error is part of what the deviations say.
 dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px);
 

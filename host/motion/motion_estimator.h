@@ -12,6 +12,7 @@
 #include "host/dic/field.h"
 #include "host/motion/ball_shape.h"
 #include "host/motion/field_motion.h"
+#include "host/motion/perspective.h"
 
 namespace impactdic::dic {
 class DeviceFrames;
@@ -31,6 +32,7 @@ struct EstimatorOptions {
   bool sphere = false;          // the ball turns about any axis (kBall alone), else in the picture
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;
+  Perspective perspective;  // of the sphere; its pairs' circles are about its centre
   // Of the sphere, where its rim has this radius.
   double sphere_radius(double rim_px) const {
     return sphere_radius_px > 0 ? sphere_radius_px : rim_px;
@@ -45,7 +47,9 @@ struct EstimatorOptions {
 struct PairMotion {
   int first_slot = 0, second_slot = 0;
   Circle first, second;  // the ball in both frames
-  BallShape shape;       // of a flat one in the first
+  BallShape shape, second_shape;
+  // Pixel (0, 0) of the parts of the frames in which the circles are.
+  int first_left_px = 0, first_top_px = 0, second_left_px = 0, second_top_px = 0;
   // Of a pair before this one; a sphere's is the rotation vector (x, y, and this).
   double guess_rot_rad = 0;
   double guess_rot_x_rad = 0, guess_rot_y_rad = 0;

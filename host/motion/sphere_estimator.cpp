@@ -17,6 +17,8 @@ class SphereEstimator : public MotionEstimator {
                   dic::DeviceFrames& frames)
       : radius_px_(options.sphere_radius(radius_px)),
         radius_sd_px_(options.sphere_radius_sd_px),
+        rim_px_(radius_px),
+        perspective_(options.perspective),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
         sphere_(engine, ball_options(options.field, dic::BallModel::kSphere)),
@@ -116,6 +118,7 @@ class SphereEstimator : public MotionEstimator {
     BallTask task = sphere_task(pair.first, radius_px_, start);
     task.first = pair.first_slot;
     task.second = pair.second_slot;
+    task.sight = pair_sight(pair, perspective_, rim_px_);
     return task;
   }
 
@@ -126,7 +129,8 @@ class SphereEstimator : public MotionEstimator {
     pair.status = TrackStatus::kOk;
   }
 
-  double radius_px_, radius_sd_px_;
+  double radius_px_, radius_sd_px_, rim_px_;
+  Perspective perspective_;
   std::unique_ptr<MotionEstimator> field_;
   dic::DeviceFrames& frames_;
   dic::BallRegistration sphere_;
@@ -157,6 +161,14 @@ BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMot
   task.guess_rot_y_rad = static_cast<float>(start.rot_y_rad);
   task.guess_rot_rad = static_cast<float>(start.rot_rad);
   return task;
+}
+
+BallSight pair_sight(const PairMotion& pair, const Perspective& perspective, double rim_px) {
+  SeenBall first{pair.first, pair.shape};
+  first.circle.cx_px += pair.first_left_px;
+  first.circle.cy_px += pair.first_top_px;
+  return sight_of(perspective, rim_px, first, {pair.second, pair.second_shape},
+                  pair.first.cx_px + pair.second_left_px, pair.first.cy_px + pair.second_top_px);
 }
 
 dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {

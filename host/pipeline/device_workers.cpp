@@ -131,8 +131,8 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       crop_(options, clip.radius_px, clip.width, clip.height),
       times_(times),
       stages_(stages),
-      aim_(options.sphere ? options.sphere_radius(clip.radius_px) : clip.radius_px, crop_,
-           options.sphere),
+      aim_(clip.radius_px, crop_, options),
+      perspective_(options.perspective),
       batch_(clip.batch),
       ahead_(ahead) {
   if (ahead_ == 0) {
@@ -253,12 +253,16 @@ void DeviceWorkers::register_ahead(Worker& worker, const TrackBatch& batch,
       aim_.measure(std::span(ahead.frames).subspan(1), ahead.near, ahead.plan, *worker.keyframes);
 }
 
+Circle DeviceWorkers::ball(const TrackBatch& batch, std::size_t i) const {
+  return motion::about_centre(batch.circles[i], perspective_);
+}
+
 void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t first,
                                  std::size_t count) {
   std::vector<dic::FramePart> parts;
   std::vector<motion::CropOrigin> origins;
   for (std::size_t k = 0; k < count; ++k) {
-    origins.push_back(crop_.about(batch.circles[first + k]));
+    origins.push_back(crop_.about(ball(batch, first + k)));
     parts.push_back({batch.frames[first + k], origins[k].x, origins[k].y});
   }
   std::vector<motion::PairMotion> pairs;
@@ -269,9 +273,10 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
     motion::PairMotion& pair = pairs.emplace_back();
     pair.first_slot = static_cast<int>(k);
     pair.second_slot = static_cast<int>(k + 1);
-    pair.first = batch.circles[i];
-    pair.second = batch.circles[i + 1];
+    pair.first = ball(batch, i);
+    pair.second = ball(batch, i + 1);
     pair.shape = batch.shapes[i];
+    pair.second_shape = batch.shapes[i + 1];
     motion::into_crops(pair, origins[k], origins[k + 1]);
     which.push_back(k);
   }
@@ -307,12 +312,12 @@ std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch
     motion::ChainedFrame& frame = frames.emplace_back();
     frame.index = batch.first_index + static_cast<std::int64_t>(i);
     frame.circle_ok = batch.rows[i].circle_ok;
-    frame.circle = batch.circles[i];
+    frame.circle = ball(batch, i);
     frame.shape = batch.shapes[i];
     frame.frame = batch.frames[i];
     if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
     frame.slot = static_cast<int>(k);
-    frame.origin = crop_.about(batch.circles[i]);
+    frame.origin = crop_.about(frame.circle);
   }
   return frames;
 }

@@ -66,6 +66,7 @@ class DeviceWorkers {
   Batch take();
 
  private:
+  Circle ball(const TrackBatch& batch, std::size_t i) const;  // about its centre
   struct Worker;
   class Turn;
   class Use;
@@ -99,6 +100,7 @@ class DeviceWorkers {
   std::optional<motion::Keyframes> keyframes_;
   std::optional<motion::PoseForecast> forecast_;
   motion::KeyframeAim aim_;
+  motion::Perspective perspective_;
   int batch_, ahead_;
   std::int64_t submitted_ = 0;
   std::mutex mutex_;  // of what follows

@@ -21,6 +21,7 @@
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/lens_check.h"
 #include "host/run/metres/scale.h"
+#include "host/run/metres/sphere_sight.h"
 #include "host/run/metres/surface_edge.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
@@ -172,11 +173,7 @@ void TrackRun::look() {
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
         "metres");
   }
-  if (options_.estimator.sphere) {
-    result_.warnings.push_back(
-        "parallel rays are assumed: from N ball radii away a turn out of the picture's plane reads "
-        "about 100/N % too large, which is not part of the deviations");
-  }
+  if (options_.estimator.sphere && !perspective_) result_.warnings.emplace_back(kParallelRays);
   if (result_.advice.texture) {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
@@ -242,8 +239,10 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
                                    [&](std::int64_t index, const Circle& near) {
                                      return advice::look_for_ball(*source_, looked, index, near);
                                    }};
-    const advice::BodyAdvice judged = advice::judge_body(*session_.impl().open_engines().front(),
-                                                         pairs, options_.estimator.field, far);
+    see_from_near(pairs.front().first_ball.r_px);
+    const advice::BodyAdvice judged =
+        advice::judge_body(*session_.impl().open_engines().front(), pairs, options_.estimator.field,
+                           options_.estimator.perspective, far);
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
@@ -259,12 +258,16 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
   }
   const double radius_px = options_.estimator.sphere_radius_px;
+  if (!options_.estimator.sphere) perspective_ = options_.estimator.perspective = {};
   if (!options_.estimator.sphere || !(radius_px > 0)) return;
+  see_from_near(radius_px);
   result_.sphere_radius_px = {radius_px, options_.estimator.sphere_radius_sd_px};
-  char text[80];
-  std::snprintf(text, sizeof text, "radius of the sphere: %.3f +- %.3f px", radius_px,
-                result_.sphere_radius_px.sd);
-  caller_.say(MessageKind::kNote, text);
+  caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
+}
+
+void TrackRun::see_from_near(double radius_px) {
+  perspective_ = perspective_of(request_, camera_, info(), radius_px);
+  options_.estimator.perspective = in_region(perspective_, options_.roi);
 }
 
 void TrackRun::measure(const Outputs& outputs) {
@@ -322,7 +325,7 @@ void TrackRun::conclude() {
   if (camera_) {
     conclude_through_camera(*camera_, request_, sphere, result_);
   } else {
-    conclude_metres(request_, sphere, result_);
+    conclude_metres(request_, sphere, result_, perspective_);
   }
   look_for_surface();
   const std::vector<TrackRow>& seen = camera_ ? result_.camera->rows : result_.rows;

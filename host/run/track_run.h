@@ -61,6 +61,9 @@ class TrackRun {
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
 
+  // Tells the estimators from where a sphere of this radius is seen, if that is known.
+  void see_from_near(double radius_px);
+
   const TrackRequest& request_;
   Session& session_;
   Caller& caller_;
@@ -71,6 +74,7 @@ class TrackRun {
   std::optional<circle::Scouted> scouted_;
   std::string second_ball_warning_;  // "": none is seen
   std::optional<Camera> camera_;
+  motion::Perspective perspective_;  // of a sphere, in the whole frames
   std::optional<Measured> surface_in_picture_;
 };
 

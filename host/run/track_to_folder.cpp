@@ -224,13 +224,15 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   options.rows = result.frames.count();
   options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);
   const auto corrected = options.resume ? earlier_corrections(path, settings, request) : kSame;
-  if (!corrected) run::begin_results(path, "track", settings, options.resume);
+  const bool goes_on = options.resume;
+  if (!goes_on) run::begin_results(path, "track", settings, false);
   run.look();
+  if (goes_on && result.body == Body::kSphere) run::require_same_sight(path / "job.toml", settings);
   if (corrected) {
     options.resume = go_back(path, run, first_row_changed(run, request, *corrected),
                              folder.overlay.wanted, caller);
-    run::begin_results(path, "track", settings, options.resume);
   }
+  if (goes_on) run::begin_results(path, "track", settings, options.resume);
 
   auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);

@@ -52,19 +52,40 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL zero = 0.0f, one = 1.0f;
 #if PARAMETERS == SPHERE
   __local const float* turn = shared->turn;
+#if SHAPED
+  const OnBall on = point_seen(&shared->seen[0], shared->radius, x, y);
+  const REAL z = on.z;
+  const REAL turned_x = turn[0] * on.x + turn[1] * on.y + turn[2] * z;
+  const REAL turned_y = turn[3] * on.x + turn[4] * on.y + turn[5] * z;
+  const REAL turned_z = turn[6] * on.x + turn[7] * on.y + turn[8] * z;
+  __local const Seen* then = &shared->seen[1];
+  const float near = shared->seen[0].by_distance;
+  const float aside_x = then->aside_x + near * shared->warp[4];
+  const float aside_y = then->aside_y + near * shared->warp[5];
+  const REAL closer = one / (one - near * turned_z);
+  const REAL lands_x = (then->xx * turned_x + then->xy * turned_y + aside_x * turned_z) * closer;
+  const REAL lands_y = (then->xy * turned_x + then->yy * turned_y + aside_y * turned_z) * closer;
+  REAL w = seen_share(fmin(facing(near, shared->seen[0].aside_x, shared->seen[0].aside_y,
+                                  shared->radius, on.x, on.y, z),
+                           facing(near, aside_x, aside_y, shared->radius, turned_x, turned_y,
+                                  turned_z)));
+  w = on.within2 < task.radius * task.radius ? w : zero;
+#else
   const REAL depth2 = shared->radius * shared->radius - x * x - y * y;
   const REAL z = sqrt(fmax(depth2, zero));
   const REAL turned_x = turn[0] * x + turn[1] * y + turn[2] * z;
   const REAL turned_y = turn[3] * x + turn[4] * y + turn[5] * z;
   const REAL turned_z = turn[6] * x + turn[7] * y + turn[8] * z;
+  const REAL lands_x = turned_x, lands_y = turned_y;
   REAL w = seen_share(fmin(z, turned_z) / shared->radius);
+#endif
   // Behind the rim a position is of no use, but it is read.
   const REAL to_x =
-      clamp(view.t_x + turned_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));
+      clamp(view.t_x + lands_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));
   const REAL to_y =
-      clamp(view.t_y + turned_y, (REAL)(float)-view.base_y, (REAL)(most_y - (float)view.base_y));
-  const REAL view_x = view.t_x + turned_x + (float)view.base_x;
-  const REAL view_y = view.t_y + turned_y + (float)view.base_y;
+      clamp(view.t_y + lands_y, (REAL)(float)-view.base_y, (REAL)(most_y - (float)view.base_y));
+  const REAL view_x = view.t_x + lands_x + (float)view.base_x;
+  const REAL view_y = view.t_y + lands_y + (float)view.base_y;
   w = x * x + y * y < task.radius * task.radius ? w : zero;
 #else
   const REAL to_x = view.t_x + shared->warp[0] * x + shared->warp[1] * y;
@@ -100,7 +121,41 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   column[1] = f;
   column[2] = along_x;
   column[3] = along_y;
-#if PARAMETERS == SPHERE
+#if PARAMETERS == SPHERE && SHAPED
+  // The same as below with lines of sight that lean by T in the first picture and by lean_x, lean_y
+  // in the second, where what is near moves farther. The centre's displacement moves points by
+  // more than itself: 1 / (1 - k z) times.
+  const REAL slant_x = shared->seen[0].xx * slope_x + shared->seen[0].xy * slope_y;
+  const REAL slant_y = shared->seen[0].xy * slope_x + shared->seen[0].yy * slope_y;
+  const REAL slant_z = slant_x * on.ray_x + slant_y * on.ray_y;
+  const REAL first_closer = one / (one - near * z);
+  REAL moved[3];  // by a px of the turned ball along each axis
+  for (int k = 0; k < 3; ++k) {
+    moved[k] = first_closer * (turn[3 * k] * slant_x + turn[3 * k + 1] * slant_y +
+                               turn[3 * k + 2] * slant_z);
+  }
+  const REAL bent_x = aside_x + near * lands_x, bent_y = aside_y + near * lands_y;
+  const REAL lean_x = then->inverse_xx * bent_x + then->inverse_xy * bent_y;
+  const REAL lean_y = then->inverse_xy * bent_x + then->inverse_yy * bent_y;
+  const REAL by_depth = one / fmax(turned_z - turned_x * lean_x - turned_y * lean_y,
+                                   (REAL)(LEAST_DEPTH * shared->radius));
+  const REAL in_depth = by_depth * (lean_x * moved[0] + lean_y * moved[1] - moved[2]);
+  const REAL across_x = moved[0] + turned_x * in_depth;
+  const REAL across_y = moved[1] + turned_y * in_depth;
+  column[4] = then->inverse_xx * across_x + then->inverse_xy * across_y;
+  column[5] = then->inverse_xy * across_x + then->inverse_yy * across_y;
+  column[6] = (slant_y * z - slant_z * on.y) * (first_closer * by_radius);
+  column[7] = (slant_x * z - slant_z * on.x) * (first_closer * by_radius);
+  column[8] = (slant_x * on.y - slant_y * on.x) * (first_closer * by_radius);
+#if FREE_RADIUS
+  // A larger sphere has its points nearer along their lines of sight.
+  const REAL out_x = turn[2] - turn[0] * on.ray_x - turn[1] * on.ray_y;
+  const REAL out_y = turn[5] - turn[3] * on.ray_x - turn[4] * on.ray_y;
+  const REAL out_z = turn[8] - turn[6] * on.ray_x - turn[7] * on.ray_y;
+  column[9] = ((out_x + lean_x * out_z) * across_x + (out_y + lean_y * out_z) * across_y) *
+              (shared->radius / fmax(on.slant, one));
+#endif
+#elif PARAMETERS == SPHERE
   // Where a shift of the second picture leads on the first one's sphere: along the sphere at the
   // turned point (x right or y down, and in depth to stay on it), turned back.
   const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));

@@ -10,6 +10,9 @@
 #include "kernels/status.h"
 #include "kernels/types.h"
 #include "kernels/warp.h"
+#if SHAPED
+#include "kernels/ball/sight.h"
+#endif
 
 #define SPHERE 5 /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4  /* 1, f, f X/R, f Y/R */
@@ -75,6 +78,9 @@ typedef struct Shared {
   float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
   float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
   float radius;                           // of the sphere
+#if SHAPED
+  Seen seen[2];  // in the first and the second picture
+#endif
 #endif
   float origin;                 // grey level taken off both pictures
   float light[LIGHT];           // coefficients of the light's regressors so far

@@ -9,7 +9,8 @@
 // centre. A sphere (5) is turned in depth: W(X) = d + (Q q)_xy with q = (X, √(R² − X²)) and Q in
 // SO(3), pixels that are turned out of sight have no weight, and
 //   D δ = P δd + (Z, δθ), P a shift of the second picture as it looks on the first one's sphere.
-// Its motions are composed as Q exp(−δθ), d − δd. The scale of the weights is the median of |r| of
+// Its motions are composed as Q exp(−δθ), d − δd. SHAPED 1: in perspective, or compressed
+// (sight.h). The scale of the weights is the median of |r| of
 // the step before (a histogram's).
 #include "kernels/ball/pass.h"
 #include "kernels/ball/step.h"
@@ -42,6 +43,12 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     warp_start(shared.warp, task.guess_dx, task.guess_dy, task.guess_rot_rad);
 #if PARAMETERS == SPHERE
     shared.radius = task.ball_radius;
+#if SHAPED
+    shared.seen[0] =
+        seen_with(task.sight.by_distance, task.sight.first_x, task.sight.first_y, task.sight.first);
+    shared.seen[1] = seen_with(task.sight.by_distance, task.sight.second_x, task.sight.second_y,
+                               task.sight.second);
+#endif
     turn_start(shared.turn, task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
 #endif
     shared.origin = value[(size_t)cy * limits.plane_pitch + cx];

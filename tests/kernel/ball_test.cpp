@@ -25,6 +25,8 @@ struct Case {
   bool robust, bar;
   double x_px;  // of the ball in the first frame: 40 hides a part beyond the picture's edge
   std::optional<dic::Tiling> tiling = {};  // other than this device's own
+  double distance_radii = 0;               // 0: parallel rays
+  double compression = 0;                  // along y in the first picture, and half as much more
 };
 constexpr auto kRigid = dic::BallModel::kRigid, kAffine = dic::BallModel::kAffine,
                kSphere = dic::BallModel::kSphere;
@@ -98,12 +100,34 @@ Eigen::Vector3d turn_about(double x, double y, double z, double angle_deg) {
   return Eigen::Vector3d(x, y, z).normalized() * angle_deg * kRadPerDeg;
 }
 
+// Has both poses seen as the case says, from far to the right of and below the optical axis.
+BallSight see(const Case& param, testing::SpherePose& first, testing::SpherePose& second) {
+  BallSight sight{};
+  if (param.distance_radii > 0) {
+    const double by_distance = 1 / (param.distance_radii * kRadiusPx);
+    for (testing::SpherePose* pose : {&first, &second}) {
+      pose->by_distance = by_distance;
+      pose->aside_x = by_distance * (pose->cx_px + 150);
+      pose->aside_y = by_distance * (pose->cy_px + 90);
+    }
+    sight.by_distance = static_cast<float>(by_distance);
+    sight.first_x = sight.second_x = static_cast<float>(first.aside_x);
+    sight.first_y = sight.second_y = static_cast<float>(first.aside_y);
+  }
+  first.compression = param.compression;
+  second.compression = 1.5 * param.compression;
+  sight.first[2] = static_cast<float>(-first.compression);
+  sight.second[2] = static_cast<float>(-second.compression);
+  return sight;
+}
+
 TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   const Case param = GetParam();
   const testing::SpherePictures sphere(6, kRadiusPx);
   const Eigen::Vector3d turn = turn_about(2, -3, 1.5, 5);
-  const testing::SpherePose first{param.x_px, 74.4, dic::quaternion_of({0.3, -1, 2})};
-  const testing::SpherePose second{param.x_px + 1.37, 73.79, dic::quaternion_of(turn) * first.turn};
+  testing::SpherePose first{param.x_px, 74.4, dic::quaternion_of({0.3, -1, 2})};
+  testing::SpherePose second{param.x_px + 1.37, 73.79, dic::quaternion_of(turn) * first.turn};
+  const BallSight sight = see(param, first, second);
   const Frame pictures[] = {sphere.render(first, kWidth, kHeight, 2, 1),
                             sphere.render(second, kWidth, kHeight, 2, 2)};
   dic::BallOptions options;
@@ -118,6 +142,7 @@ TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   task.cy = static_cast<float>(first.cy_px);
   task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
   task.ball_radius = static_cast<float>(kRadiusPx);
+  task.sight = sight;
   task.guess_dx = 1.2F;
   task.guess_dy = -0.8F;
   task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.008);
@@ -150,7 +175,10 @@ INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
                                            Case{5, kSphere, false, false, 76.3},
                                            Case{7, kSphere, true, false, 40.2},
                                            Case{7, kSphere, true, false, 76.3, dic::Tiling{1, 128}},
-                                           Case{7, kSphere, true, false, 76.3, dic::Tiling{4, 2}}));
+                                           Case{7, kSphere, true, false, 76.3, dic::Tiling{4, 2}},
+                                           Case{7, kSphere, true, false, 76.3, {}, 12},
+                                           Case{7, kSphere, true, false, 76.3, {}, 0, 0.08},
+                                           Case{7, kSphere, true, false, 76.3, {}, 12, 0.08}));
 
 // The depth of what turns tells the radius.
 TEST(SphereKernel, FindsTheRadiusAlongWithTheTurn) {
@@ -203,7 +231,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) options.mask(x, y) = left ? x < 68 : x > 84;
     }
-    const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0};
+    const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0, {}};
     const BallMotion motion =
         dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
     ASSERT_EQ(motion.status, static_cast<idic_int>(WindowStatus::kOk)) << left;
@@ -213,7 +241,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
   }
   dic::BallOptions options;
   options.mask = Image<std::uint8_t>(kWidth + 1, kHeight, 1);
-  const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0};
+  const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0, {}};
   EXPECT_THROW(dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
                InvalidArgument);
 }

@@ -102,13 +102,13 @@ void run_icgn() {
   setting.finish();
 }
 
-void run_ball(dic::BallModel model) {
+void run_ball(dic::BallModel model, const BallSight& sight = {}) {
   Setting setting(8);
   dic::BallOptions options;
   options.model = model;
   options.spline_degree = 3;
   dic::BallRegistration ball(setting.engine, options);
-  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0, 0};
+  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0, 0, sight};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
 }
@@ -170,6 +170,11 @@ const std::map<std::string, std::function<void()>> kCases = {
     {"icgn", run_icgn},
     {"ball", [] { run_ball(dic::BallModel::kRigid); }},
     {"ball_sphere", [] { run_ball(dic::BallModel::kSphere); }},
+    {"ball_shaped",
+     [] {
+       run_ball(dic::BallModel::kSphereAndRadius,
+                {3e-3F, 0.01F, -0.02F, 0.01F, -0.02F, {-0.02F, 0.001F, 0}, {-0.03F, 0, 0}});
+     }},
     {"ball_affine", [] { run_ball(dic::BallModel::kAffine); }},
     {"ring", run_ring},
 };

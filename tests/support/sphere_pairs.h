@@ -9,6 +9,7 @@
 
 #include "host/dic/device/ball.h"
 #include "host/dic/device/sphere_search.h"
+#include "host/motion/perspective.h"
 #include "sim/speckle/orientation.h"
 #include "sim/speckle/sphere/sphere_render.h"
 #include "tests/support/engine.h"
@@ -42,6 +43,13 @@ struct Summary {
   Errors shift, in_depth_deg, about_sight_deg;
 };
 
+// How pairs are seen: from so many radii away (0: parallel rays), compressed by so much in the
+// second picture and by four fifths of it in the first, and whether the registration is told.
+struct PairView {
+  double distance_radii = 0, compression = 0;
+  bool told = true;
+};
+
 // The registration of a pair, started beside the truth.
 inline BallTask task_near(const SpherePose& first, const SpherePose& second,
                           const Eigen::Vector3d& turn, std::mt19937& random) {
@@ -60,18 +68,64 @@ inline BallTask task_near(const SpherePose& first, const SpherePose& second,
   return task;
 }
 
+// A compression along y is an ellipse whose mean radius is smaller by half of it.
+inline motion::SeenBall seen_ball(const SpherePose& pose) {
+  const double mean = 1 - pose.compression / 2;
+  motion::SeenBall ball{{pose.cx_px, pose.cy_px, mean * kRadiusPx}, {}};
+  ball.shape.e1 = pose.compression / 2 / mean;
+  return ball;
+}
+
+inline BallSight sight_between(const SpherePose& first, const SpherePose& second,
+                               const motion::Perspective& perspective) {
+  return motion::sight_of(perspective, kRadiusPx, seen_ball(first), seen_ball(second), first.cx_px,
+                          first.cy_px);
+}
+
+// `turn`: the true rotation vector from the first pose to the second.
+inline void add_errors(const BallMotion& got, const SpherePose& first, const SpherePose& second,
+                       const Eigen::Vector3d& turn, Summary& summary) {
+  summary.shift.add(got.dx - (second.cx_px - first.cx_px), got.dx_sd);
+  summary.shift.add(got.dy - (second.cy_px - first.cy_px), got.dy_sd);
+  // The small turn that is left, in the axes of the first picture, as deviations are stated.
+  const Eigen::Vector3d found(got.rot_x_rad, got.rot_y_rad, got.rot_rad);
+  const Eigen::Vector3d left =
+      dic::rotation_vector(dic::quaternion_of(turn).conjugate() * dic::quaternion_of(found));
+  summary.in_depth_deg.add(left.x() * kDegPerRad, std::sqrt(got.covariance[5]) * kDegPerRad);
+  summary.in_depth_deg.add(left.y() * kDegPerRad, std::sqrt(got.covariance[9]) * kDegPerRad);
+  summary.about_sight_deg.add(left.z() * kDegPerRad, got.rot_sd_rad * kDegPerRad);
+}
+
+inline void print_errors(double most_deg, double noise, const Summary& summary) {
+  std::printf(
+      "to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
+      "sight; over sd %.2f %.2f %.2f\n",
+      most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
+      summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
+      summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
+}
+
 // Pairs that fly up to 1.5 px and turn by up to `most_deg` about random axes.
-inline Summary measure_pairs(int count, double most_deg, double noise, unsigned seed) {
+inline Summary measure_pairs(int count, double most_deg, double noise, unsigned seed,
+                             const PairView& view = {}) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> off(-1, 1);
   SynthScene scene;
-  scene.width = scene.height = kSide;
+  scene.distance_radii = view.distance_radii;
+  // From near by the ball is also beside the optical axis.
+  const double beside_px = view.distance_radii > 0 ? 60 : 0;
+  scene.width = scene.height = kSide + 2 * static_cast<int>(beside_px);
+  const double middle = (scene.width - 1) / 2.0;
+  motion::Perspective perspective;
+  if (view.distance_radii > 0)
+    perspective = {1 / (view.distance_radii * kRadiusPx), middle, middle};
   scene.noise_sigma = noise;
   scene.noise_seed = seed;
   const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
                                             scene);
   const auto render = [&](const SpherePose& pose, std::int64_t index, Frame& frame) {
     BallPose at{pose.cx_px, pose.cy_px};
+    at.compression = pose.compression;
     sim::speckle::set_orientation(at, pose.turn);
     sphere.render(at, index, frame);
   };
@@ -81,38 +135,32 @@ inline Summary measure_pairs(int count, double most_deg, double noise, unsigned 
   dic::BallRegistration registration(shared_engine(), options);
   Summary summary;
   for (int k = 0; k < count; ++k) {
-    const SpherePose first{150 + off(random), 150 + off(random),
-                           dic::quaternion_of(3 * random_axis(random))};
+    SpherePose first{middle + 0.5 + off(random), middle + 0.5 + off(random),
+                     dic::quaternion_of(3 * random_axis(random))};
+    if (beside_px > 0) {
+      first.cx_px += beside_px * off(random);
+      first.cy_px += beside_px * off(random);
+    }
     const Eigen::Vector3d turn =
         random_axis(random) * most_deg * std::abs(off(random)) * kRadPerDeg;
-    const SpherePose second{first.cx_px + 1.5 * off(random), first.cy_px + 1.5 * off(random),
-                            dic::quaternion_of(turn) * first.turn};
+    SpherePose second{first.cx_px + 1.5 * off(random), first.cy_px + 1.5 * off(random),
+                      dic::quaternion_of(turn) * first.turn};
+    first.compression = 0.8 * view.compression;
+    second.compression = view.compression;
     Frame pictures[2];
     render(first, 2 * k, pictures[0]);
     render(second, 2 * k + 1, pictures[1]);
     for (int i : {0, 1}) frames.set(i, pictures[i]);
-    const BallTask task = task_near(first, second, turn, random);
+    BallTask task = task_near(first, second, turn, random);
+    if (view.told) task.sight = sight_between(first, second, perspective);
     const BallMotion got = registration.measure(frames, {&task, 1})[0];
     if (got.status != static_cast<idic_int>(WindowStatus::kOk)) {
       ++summary.lost;
       continue;
     }
-    summary.shift.add(got.dx - (second.cx_px - first.cx_px), got.dx_sd);
-    summary.shift.add(got.dy - (second.cy_px - first.cy_px), got.dy_sd);
-    // The small turn that is left, in the axes of the first picture, as deviations are stated.
-    const Eigen::Vector3d found(got.rot_x_rad, got.rot_y_rad, got.rot_rad);
-    const Eigen::Vector3d left =
-        dic::rotation_vector(dic::quaternion_of(turn).conjugate() * dic::quaternion_of(found));
-    summary.in_depth_deg.add(left.x() * kDegPerRad, std::sqrt(got.covariance[5]) * kDegPerRad);
-    summary.in_depth_deg.add(left.y() * kDegPerRad, std::sqrt(got.covariance[9]) * kDegPerRad);
-    summary.about_sight_deg.add(left.z() * kDegPerRad, got.rot_sd_rad * kDegPerRad);
+    add_errors(got, first, second, turn, summary);
   }
-  std::printf(
-      "to %g deg, noise %g: rms %.5f px, %.5f deg in depth, %.5f deg about the line of "
-      "sight; over sd %.2f %.2f %.2f\n",
-      most_deg, noise, summary.shift.rms(), summary.in_depth_deg.rms(),
-      summary.about_sight_deg.rms(), summary.shift.rms_over_sd(),
-      summary.in_depth_deg.rms_over_sd(), summary.about_sight_deg.rms_over_sd());
+  print_errors(most_deg, noise, summary);
   return summary;
 }
 

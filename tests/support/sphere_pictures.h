@@ -20,6 +20,10 @@ struct SpherePose {
   double cx_px = 0, cy_px = 0;
   // From the ball's axes to the camera's: X right, Y up, Z towards the camera.
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  // Seen from near by: one over the distance, 1/px, and how far the centre is from the optical axis
+  // over the distance, y down. The ball is shorter by this share along y.
+  double by_distance = 0, aside_x = 0, aside_y = 0;
+  double compression = 0;
 };
 
 class SpherePictures {
@@ -41,12 +45,10 @@ class SpherePictures {
       for (int i = 0; i < across; ++i) {
         const double x = (i + 0.5) / kSide - 0.5 - pose.cx_px;
         const double y = -((j + 0.5) / kSide - 0.5 - pose.cy_px);
-        const double depth = radius_px_ * radius_px_ - x * x - y * y;
+        const Eigen::Vector3d at = on_ball(pose, x, y);
         float& level = fine[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) +
                             static_cast<std::size_t>(i)];
-        level = depth < 0
-                    ? 60
-                    : static_cast<float>(paint(back * Eigen::Vector3d(x, y, std::sqrt(depth))));
+        level = std::isnan(at.z()) ? 60 : static_cast<float>(paint(back * at));
       }
     }
     blur(fine, across, down, kSide);
@@ -72,6 +74,17 @@ class SpherePictures {
   }
 
  private:
+  // The point of the round ball, y up, that is seen (x, y) px from its centre; NaN beside it.
+  Eigen::Vector3d on_ball(const SpherePose& pose, double x, double y) const {
+    const double flat = 1 - pose.compression;
+    const Eigen::Vector3d from(x, y / flat, 0);
+    const Eigen::Vector3d to_eye(-pose.aside_x - pose.by_distance * x,
+                                 (pose.aside_y - pose.by_distance * y) / flat, 1);
+    const double a = to_eye.squaredNorm(), b = from.dot(to_eye);
+    const double c = from.squaredNorm() - radius_px_ * radius_px_;
+    return from + (std::sqrt(b * b - a * c) - b) / a * to_eye;
+  }
+
   // A Gaussian of 0.6 px, `side` samples a pixel.
   static void blur(std::vector<float>& fine, int across, int down, int side) {
     constexpr int kReach = 8;

@@ -1,5 +1,7 @@
 #include "host/dic/device/ball.h"
 
+#include <algorithm>
+#include <iterator>
 #include <numbers>
 
 #include "host/dic/frames/spline_taps.h"
@@ -10,6 +12,12 @@ namespace {
 
 bool is_sphere(BallModel model) {
   return model == BallModel::kSphere || model == BallModel::kSphereAndRadius;
+}
+
+bool is_shaped(const BallSight& sight) {
+  const float numbers[] = {sight.by_distance, sight.first[0],  sight.first[1], sight.first[2],
+                           sight.second[0],   sight.second[1], sight.second[2]};
+  return std::any_of(std::begin(numbers), std::end(numbers), [](float x) { return x != 0; });
 }
 
 int parameters(BallModel model) {
@@ -49,17 +57,20 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
              static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
 }
 
-void BallRegistration::compile() {
-  if (kernel_() != nullptr) return;
-  kernel_ =
+cl::Kernel& BallRegistration::kernel(bool shaped) {
+  cl::Kernel& kernel = kernels_[shaped ? 1 : 0];
+  if (kernel() != nullptr) return kernel;
+  kernel =
       engine_.kernel("ball/rigid.cl", "register_balls",
                      {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
                       {"VECTOR", std::to_string(tiling_.vector)},
                       {"GROUP", std::to_string(tiling_.group)},
                       {"PARAMETERS", std::to_string(parameters(options_.model))},
                       {"FREE_RADIUS", options_.model == BallModel::kSphereAndRadius ? "1" : "0"},
+                      {"SHAPED", shaped ? "1" : "0"},
                       {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
                       {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
+  return kernel;
 }
 
 void BallRegistration::write_mask(const SplineFrames& splines) {
@@ -85,8 +96,29 @@ void BallRegistration::write_mask(const SplineFrames& splines) {
 
 std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
                                                   std::span<const BallTask> tasks) {
+  std::vector<BallTask> of_kind[2];
+  std::vector<std::size_t> place[2];
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const bool shaped = is_shaped(tasks[i].sight);
+    if (shaped && !is_sphere(options_.model)) {
+      throw InvalidArgument("only a sphere is seen in perspective");
+    }
+    place[shaped].push_back(i);
+    of_kind[shaped].push_back(tasks[i]);
+  }
+  if (place[1].empty()) return launch(frames, tasks, false);
+  std::vector<BallMotion> motions(tasks.size());
+  for (const bool shaped : {false, true}) {
+    const std::vector<BallMotion> some = launch(frames, of_kind[shaped], shaped);
+    for (std::size_t i = 0; i < some.size(); ++i) motions[place[shaped][i]] = some[i];
+  }
+  return motions;
+}
+
+std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
+                                                 std::span<const BallTask> tasks, bool shaped) {
   if (tasks.empty()) return {};
-  compile();
+  cl::Kernel& compiled = kernel(shaped);
   double pixels = 0;
   for (const BallTask& task : tasks) {
     for (const int slot : {task.first, task.second}) {
@@ -116,13 +148,13 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
   limits.min_correlation = static_cast<float>(options_.min_correlation);
   limits.mask_area = mask_area_;
-  opencl::set_arguments(kernel_, splines.coefficients().get(), splines.coefficient_offset(),
+  opencl::set_arguments(compiled, splines.coefficients().get(), splines.coefficient_offset(),
                         splines.planes().get(), tasks_.get(), motions_.get(), limits,
                         smooth_taps_.get(), noise_, mask_.get());
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double taps = options_.spline_degree + 1.0, columns = 5.0 + parameters(options_.model);
   // Four steps are typical.
-  engine_.launch(engine_.queue(), kernel_, cl::NDRange(tasks.size() * group), cl::NDRange(group),
+  engine_.launch(engine_.queue(), compiled, cl::NDRange(tasks.size() * group), cl::NDRange(group),
                  {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
   std::vector<BallMotion> motions(tasks.size());
   motions_.read(engine_, motions);

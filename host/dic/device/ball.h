@@ -4,6 +4,7 @@
 
 #include <impactdic/image.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -40,15 +41,21 @@ class BallRegistration {
 
   // Measures every ball; the result stands at the task's index. The guess must be within about
   // 3 px and 3° of the motion (of a sphere, at its surface, within a speckle's size). Throws
-  // InvalidArgument for a slot that is not there, and for a sphere without its radius.
+  // InvalidArgument for a slot that is not there, for a sphere without its radius, and where a ball
+  // that is no sphere is to be seen in perspective.
   std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
 
  private:
   opencl::Engine& engine_;
   BallOptions options_;
   Tiling tiling_;
-  cl::Kernel kernel_;
-  void compile();  // what the first ball needs
+  // Of round balls seen by parallel rays, and of those that task.sight tells of: compiled for the
+  // first such ball.
+  std::array<cl::Kernel, 2> kernels_;
+  cl::Kernel& kernel(bool shaped);
+  // Balls of one kind.
+  std::vector<BallMotion> launch(DeviceFrames& frames, std::span<const BallTask> tasks,
+                                 bool shaped);
   void write_mask(const SplineFrames& splines);
   opencl::Buffer<float> smooth_taps_, mask_;
   float mask_area_ = 0;

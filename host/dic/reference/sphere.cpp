@@ -23,20 +23,61 @@ constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
 constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
 constexpr double kTukey = 6;
+constexpr double kStep = 1e-4;  // px and rad, of differences
 using Row = Eigen::Matrix<double, kColumns, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;
+
+// One picture of the ball: x right, y down, z towards the camera, from the ball's centre.
+struct Sight {
+  double by_distance;
+  Vector2d aside;  // of the centre from the optical axis, over the distance
+  Eigen::Matrix2d stretch = Eigen::Matrix2d::Identity();
+
+  // The point of the round ball that is seen at `p`: where the line from there to the eye meets the
+  // compressed ball on the near side.
+  Vector3d on_ball(const Vector2d& p, double radius) const {
+    const Eigen::Matrix2d back = stretch.inverse();
+    const Vector2d through = back * p, along = -(back * (aside + by_distance * p));
+    const double a = along.squaredNorm() + 1, b = through.dot(along);
+    const double c = through.squaredNorm() - radius * radius;
+    const double z = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+    const Vector2d at = through + z * along;
+    return {at.x(), at.y(), z};
+  }
+  Vector2d picture(const Vector3d& q) const {
+    return (stretch * q.head<2>() + aside * q.z()) / (1 - by_distance * q.z());
+  }
+  double facing(const Vector3d& q, double radius) const {
+    const double along = q.z() - aside.dot(q.head<2>()) - by_distance * radius * radius;
+    return along / (radius * (1 - by_distance * q.z()));
+  }
+};
+
+Eigen::Matrix2d stretch_of(const float* strain) {
+  Eigen::Matrix2d stretch;
+  stretch << 1 + strain[0], strain[1], strain[1], 1 + strain[2];
+  return stretch;
+}
 
 // Where the sphere's motion takes a pixel: x right, y down, from the centre in the first picture.
 struct SphereWarp {
   Vector2d shift;
   Eigen::Matrix3d turn;
   double radius;
+  Sight first, second;  // the latter of a ball that has not moved
 
-  Vector3d turned(const Vector2d& p) const {
-    const double depth = std::sqrt(std::max(0.0, radius * radius - p.squaredNorm()));
-    return turn * Vector3d(p.x(), p.y(), depth);
+  Sight moved() const {
+    Sight sight = second;
+    sight.aside += sight.by_distance * shift;
+    return sight;
   }
-  Vector2d operator()(const Vector2d& p) const { return shift + turned(p).head<2>(); }
+  Vector3d turned(const Vector2d& p) const { return turn * first.on_ball(p, radius); }
+  Vector2d operator()(const Vector2d& p) const { return shift + moved().picture(turned(p)); }
+  // The lesser cosine of the surface's angle to the line of sight.
+  double facing(const Vector2d& p) const {
+    return std::min(first.facing(first.on_ball(p, radius), radius),
+                    moved().facing(turned(p), radius));
+  }
 };
 
 class SphereRegistration {
@@ -82,26 +123,41 @@ class SphereRegistration {
   }
 
  private:
-  SphereWarp warp(const Vector3d& turned_on = Vector3d::Zero()) const {
-    return {shift_, in_picture(turn_ * quaternion_of(turned_on)), task_.ball_radius};
+  SphereWarp warp(const Vector3d& turned_on = Vector3d::Zero(),
+                  const Vector2d& moved_on = Vector2d::Zero()) const {
+    const BallSight& s = task_.sight;
+    return {shift_ + moved_on,
+            in_picture(turn_ * quaternion_of(turned_on)),
+            task_.ball_radius,
+            {s.by_distance, {s.first_x, s.first_y}, stretch_of(s.first)},
+            {s.by_distance, {s.second_x, s.second_y}, stretch_of(s.second)}};
   }
 
   // What moves the second picture there as much as each parameter does, on the first one.
-  Eigen::Matrix<double, 2, kMotion> shifts(const Vector2d& p, const SphereWarp& here,
-                                           const std::array<SphereWarp, 6>& turned) const {
-    constexpr double kStep = 1e-4;  // px, and rad of `turned`
+  Eigen::Matrix<double, 2, kMotion> shifts(
+      const Vector2d& p, const SphereWarp& here,
+      const std::array<SphereWarp, 2 * kMotion>& moved_on) const {
     Eigen::Matrix2d local;
     for (int axis : {0, 1}) {
       const Vector2d step = kStep * Vector2d::Unit(axis);
       local.col(axis) = (here(p + step) - here(p - step)) / (2 * kStep);
     }
     Eigen::Matrix<double, 2, kMotion> moved;
-    moved.leftCols<2>().setIdentity();
-    for (std::size_t k = 0; k < 3; ++k) {
-      moved.col(2 + static_cast<Eigen::Index>(k)) =
-          (turned[2 * k](p) - turned[2 * k + 1](p)) / (2 * kStep);
+    for (std::size_t k = 0; k < kMotion; ++k) {
+      moved.col(static_cast<Eigen::Index>(k)) =
+          (moved_on[2 * k](p) - moved_on[2 * k + 1](p)) / (2 * kStep);
     }
     return local.inverse() * moved;
+  }
+
+  // The warp with a little more and a little less of each motion.
+  std::array<SphereWarp, 2 * kMotion> around() const {
+    const auto shifted = [&](const Vector2d& by) { return warp(Vector3d::Zero(), kStep * by); };
+    const auto turned = [&](const Vector3d& by) { return warp(kStep * by); };
+    return {shifted(Vector2d::UnitX()),  shifted(-Vector2d::UnitX()), shifted(Vector2d::UnitY()),
+            shifted(-Vector2d::UnitY()), turned(Vector3d::UnitX()),   turned(-Vector3d::UnitX()),
+            turned(Vector3d::UnitY()),   turned(-Vector3d::UnitY()),  turned(Vector3d::UnitZ()),
+            turned(-Vector3d::UnitZ())};
   }
 
   bool step(double& moved) {
@@ -110,17 +166,14 @@ class SphereRegistration {
     std::vector<double> sizes;
     double gg = 0, g_sum = 0;
     const SphereWarp here = warp();
-    const double turn_step = 1e-4;
-    const std::array<SphereWarp, 6> turned = {
-        warp(turn_step * Vector3d::UnitX()), warp(-turn_step * Vector3d::UnitX()),
-        warp(turn_step * Vector3d::UnitY()), warp(-turn_step * Vector3d::UnitY()),
-        warp(turn_step * Vector3d::UnitZ()), warp(-turn_step * Vector3d::UnitZ())};
+    const auto moved_on = around();
+    const Eigen::Matrix2d round = stretch_of(task_.sight.first).inverse();
     for (int y = 0; y < first_.height(); ++y) {
       for (int x = 0; x < first_.width(); ++x) {
         const Vector2d p = Vector2d(x, y) - centre_;
         if (p.squaredNorm() >= task_.radius * task_.radius) continue;
-        const double depth = std::sqrt(task_.ball_radius * task_.ball_radius - p.squaredNorm());
-        const double cosine = std::min(depth, here.turned(p).z()) / task_.ball_radius;
+        if ((round * p).squaredNorm() >= task_.radius * task_.radius) continue;
+        const double cosine = here.facing(p);
         double w = std::clamp((cosine - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
         const Vector2d at = centre_ + here(p);
         if (!(w > 0 && at.x() >= 0 && at.y() >= 0 && at.x() <= second_.width() - 1 &&
@@ -132,7 +185,8 @@ class SphereRegistration {
         Row row;
         row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,
             f.value * p.y() / task_.radius;
-        row.tail<kMotion>() = shifts(p, here, turned).transpose() * Vector2d(f.slope_x, f.slope_y);
+        row.tail<kMotion>() =
+            shifts(p, here, moved_on).transpose() * Vector2d(f.slope_x, f.slope_y);
         const double r = g - light_.dot(row.head<kLight>());
         sizes.push_back(std::abs(r));
         if (scale_ > 0) w *= std::pow(std::max(0.0, 1 - std::pow(r / (kTukey * scale_), 2)), 2);

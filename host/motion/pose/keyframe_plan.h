@@ -52,10 +52,14 @@ struct KeyframePlan {
 
 class KeyframeAim {
  public:
-  // `radius_px` is the ball's, `crop` the size of the frames' parts. `sphere`: it turns about any
-  // axis, and poses have orientations.
-  KeyframeAim(double radius_px, const BallCrop& crop, bool sphere)
-      : radius_px_(radius_px), crop_(crop), sphere_(sphere) {}
+  // `radius_px` is that of the ball's outline, `crop` the size of the frames' parts. A sphere turns
+  // about any axis, and its poses have orientations; circles are then about its centre.
+  KeyframeAim(double radius_px, const BallCrop& crop, const EstimatorOptions& options)
+      : radius_px_(options.sphere ? options.sphere_radius(radius_px) : radius_px),
+        rim_px_(radius_px),
+        crop_(crop),
+        sphere_(options.sphere),
+        perspective_(options.perspective) {}
 
   double radius_px() const { return radius_px_; }
   bool sphere() const { return sphere_; }
@@ -82,9 +86,10 @@ class KeyframeAim {
   std::size_t best_for(const BodyPose& pose, std::span<const Target> targets,
                        double reach_rad) const;
 
-  double radius_px_;
+  double radius_px_, rim_px_;
   BallCrop crop_;
   bool sphere_;
+  Perspective perspective_;
 };
 
 // Puts a keyframe's picture on the device; returns its slot there.

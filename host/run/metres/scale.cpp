@@ -7,6 +7,7 @@
 #include "host/run/metres/contradictions.h"
 #include "host/run/metres/frame_clock.h"
 #include "host/run/metres/impact_figures.h"
+#include "host/run/metres/sphere_sight.h"
 
 namespace impactdic::run {
 namespace {
@@ -55,8 +56,8 @@ void look_for_another_surface(const TrackRequest& request, const std::vector<Tra
 }  // namespace
 
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
-                     TrackResult& result) {
-  const std::vector<TrackRow> rows = evenly_spaced(result.rows);
+                     TrackResult& result, const motion::Perspective& perspective) {
+  const std::vector<TrackRow> rows = about_centres(evenly_spaced(result.rows), perspective);
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
   const auto about = median_radius_px(result.rows);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);

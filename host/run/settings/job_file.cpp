@@ -140,6 +140,22 @@ void write_job_file(const fs::path& path, const std::string& command, const Sett
   if (error) throw FileError("cannot replace the file: " + error.message(), path.string());
 }
 
+namespace {
+
+// `path`: of the earlier job.
+void require_same(const fs::path& path, const SettingValues& earlier, const SettingValues& now,
+                  const std::set<std::string>& keys) {
+  for (const std::string& key : keys) {
+    const std::string before = comparable(earlier, key), wanted = comparable(now, key);
+    if (before == wanted) continue;
+    throw InvalidArgument(
+        "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
+        path.string(), "go on with the same, or start anew with --force");
+  }
+}
+
+}  // namespace
+
 void require_same_job(const fs::path& path, const SettingWriter& now) {
   const SettingValues earlier = read_job_file(path);
   SettingValues wanted_now = now.values();
@@ -149,13 +165,17 @@ void require_same_job(const fs::path& path, const SettingWriter& now) {
   for (const auto& [key, value] : wanted_now) keys.insert(key);
   for (const std::string& free : now.may_change()) keys.erase(free);
   keys.erase("command");
-  for (const std::string& key : keys) {
-    const std::string before = comparable(earlier, key), wanted = comparable(wanted_now, key);
-    if (before == wanted) continue;
-    throw InvalidArgument(
-        "the earlier run has " + key + " '" + before + "', this one '" + wanted + "'",
-        path.string(), "go on with the same, or start anew with --force");
-  }
+  require_same(path, earlier, wanted_now, keys);
+}
+
+void require_same_sight(const fs::path& path, const SettingWriter& now) {
+  const SettingValues earlier = read_job_file(path);
+  const auto from_near = [](const SettingValues& job) {
+    return job.count("distance-mm") > 0 || job.count("camera") > 0;
+  };
+  if (!from_near(earlier) && !from_near(now.values())) return;
+  require_same(path, earlier, now.values(),
+               {"ball-diameter-mm", "camera", "distance-mm", "mm-per-px"});
 }
 
 std::vector<BallByHand> corrections_of(const fs::path& path) {

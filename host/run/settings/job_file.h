@@ -74,6 +74,10 @@ void require_same_job(const std::filesystem::path& path, const SettingWriter& no
 // The frames that the job `path` corrects by hand. Throws as read_job_file.
 std::vector<BallByHand> corrections_of(const std::filesystem::path& path);
 
+// What settles from where a ball is seen is part of how a sphere is measured in perspective. Throws
+// InvalidArgument where one of the jobs has a distance or a camera and they differ in any of it.
+void require_same_sight(const std::filesystem::path& path, const SettingWriter& now);
+
 // Whether the job `path` has the settings of `now` that come in after the last frame.
 bool same_afterwards(const std::filesystem::path& path, const SettingWriter& now);
 
