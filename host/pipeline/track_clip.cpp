@@ -180,7 +180,7 @@ class ClipTracker {
       return;
     }
     point_.next_row = done - 1;
-    point_.circle = batch.fits.back();
+    point_.circle = stated(batch.fits.back());  // its model of the rim is not kept
     point_.tracker = batch.tracker;
     if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);
@@ -194,8 +194,13 @@ class ClipTracker {
     batch.shapes.push_back(motion::shape_of(fit));
   }
 
-  TrackRow row_of(circle::CircleFit fit, std::int64_t index) const {
+  // The circle as a row states it.
+  circle::CircleFit stated(circle::CircleFit fit) const {
     if (options_.estimator.sphere) circle::doubt_disc(fit);
+    return fit;
+  }
+
+  TrackRow row_of(const circle::CircleFit& fit, std::int64_t index) const {
     TrackRow row;
     row.frame = options_.frames.at(index);
     const double rate =
@@ -204,7 +209,7 @@ class ClipTracker {
     if (index + 1 < options_.frames.count()) {
       row.periods = static_cast<int>(period(index + 1) - period(index));
     }
-    set_circle(row, fit);
+    set_circle(row, stated(fit));
     return row;
   }
 

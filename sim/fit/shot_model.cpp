@@ -172,17 +172,12 @@ ImpactJob ShotModel::impact_of(const double* values) const {
   return job;
 }
 
-std::vector<double> ShotModel::model_times(const double* values) const {
-  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
-  const double rate = value_or(FitParameter::kRate, values, 1);
-  std::vector<double> times(time_s_);
-  for (double& time : times) time = (time - start) * rate;
-  return times;
-}
-
 bool ShotModel::predict(const double* values, Prediction& p) const {
   const ImpactJob job = impact_of(values);
-  const std::vector<double> times = model_times(values);
+  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
+  std::vector<double> times(time_s_);
+  const double rate = value_or(FitParameter::kRate, values, 1);
+  for (double& time : times) time = (time - start) * rate;
   ImpactResult impact;
   try {
     impact = contact::simulate_impact(job, {0, times});
@@ -289,7 +284,6 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
   if (jacobian == nullptr) return true;
   std::vector<double> moved(values, values + size());
   Prediction high, low;
-  const std::vector<Prediction> exact = exact_slopes(values);
   for (std::size_t u = 0; u < size(); ++u) {
     const Unknown& unknown = unknowns_[u];
     const auto column = [&](const auto& derivative) {
@@ -313,8 +307,6 @@ bool ShotModel::evaluate(const double* values, double* residual, double* jacobia
                 unknown.parameter == FitParameter::kRate)) {
       const Prediction slope = slope_in_time(unknown.parameter, values, here);
       column([&](const Row& row) { return predicted(row, slope, values); });
-    } else if (!exact[u].x.empty()) {
-      column([&](const Row& row) { return predicted(row, exact[u], values); });
     } else {
       // Central differences, one-sided at a bound.
       const double up = std::min(values[u] + unknown.step, unknown.upper);

@@ -73,11 +73,6 @@ class ShotModel {
   bool predict(const double* values, Prediction& prediction) const;
   Prediction slope_in_time(FitParameter parameter, const double* values,
                            const Prediction& here) const;
-  // By each unknown that is a number of the job, x, y and angle; empty lists for the others, and
-  // where the path has no derivative.
-  std::vector<Prediction> exact_slopes(const double* values) const;
-  // The instants of the frames on the model's clock.
-  std::vector<double> model_times(const double* values) const;
   double value_or(FitParameter parameter, const double* values, double otherwise) const;
   void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
   void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,

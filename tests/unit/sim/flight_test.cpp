@@ -19,6 +19,7 @@ namespace {
 
 using sim::contact::Flight;
 using sim::contact::ImpactState;
+using sim::contact::JobNumbers;
 
 ImpactJob ball_in_air(double drag, double lift) {
   ImpactJob job = testing::tennis_shot(0, 0, -10);
@@ -40,7 +41,7 @@ TEST(Flight, DragAloneIsTheClosedForm) {
   ImpactState start{};
   start[sim::contact::kVt] = 0.6 * speed, start[sim::contact::kVn] = 0.8 * speed;
   for (const double t : {0.3, -0.2}) {
-    const Flight::Flown flown = Flight(job).after(start, t);
+    const Flight<double>::Flown flown = Flight<double>(JobNumbers<double>(job)).after(start, t);
     const double way = std::log1p(k * speed * t) / k, after = speed / (1 + k * speed * t);
     EXPECT_NEAR(flown.state[sim::contact::kQt], 0.6 * way, 1e-11);
     EXPECT_NEAR(flown.state[sim::contact::kVn], 0.8 * after, 1e-11);
@@ -52,7 +53,8 @@ TEST(Flight, DragAloneIsTheClosedForm) {
 TEST(Flight, AFallReachesItsTerminalSpeedAsTheClosedForm) {
   const ImpactJob job = ball_in_air(0.5, 0);
   const double terminal = std::sqrt(9.81 / (0.5 * pressed(job)));
-  const Flight::Flown flown = Flight(job).after(ImpactState{}, 2);
+  const Flight<double>::Flown flown =
+      Flight<double>(JobNumbers<double>(job)).after(ImpactState{}, 2);
   EXPECT_NEAR(flown.state[sim::contact::kVn], -terminal * std::tanh(9.81 * 2 / terminal), 1e-10);
   EXPECT_NEAR(flown.state[sim::contact::kQn],
               -terminal * terminal / 9.81 * std::log(std::cosh(9.81 * 2 / terminal)), 1e-10);
@@ -65,7 +67,7 @@ TEST(Flight, MagnusAloneFliesACircleAndBackspinLifts) {
   start[sim::contact::kVt] = 20;
   start[sim::contact::kOmega] = 300;  // counter-clockwise, flying to the right: backspin
   const double rate = pressed(job) * job.body.radius_m() * 300;
-  const Flight::Flown flown = Flight(job).after(start, 0.5);
+  const Flight<double>::Flown flown = Flight<double>(JobNumbers<double>(job)).after(start, 0.5);
   EXPECT_NEAR(flown.state[sim::contact::kVt], 20 * std::cos(rate * 0.5), 1e-10);
   EXPECT_NEAR(flown.state[sim::contact::kVn], 20 * std::sin(rate * 0.5), 1e-10);
   EXPECT_NEAR(flown.state[sim::contact::kQn], 20 / rate * (1 - std::cos(rate * 0.5)), 1e-10);
@@ -75,7 +77,7 @@ TEST(Flight, MagnusAloneFliesACircleAndBackspinLifts) {
 
 TEST(Flight, TheTouchIsWhereTheFlightComesDown) {
   const ImpactJob job = ball_in_air(0.5, 0.8);
-  const Flight flight(job);
+  const Flight<double> flight(JobNumbers<double>{job});
   ImpactState start{};
   start[sim::contact::kVt] = 15, start[sim::contact::kVn] = 6, start[sim::contact::kOmega] = -100;
   const double touch = flight.time_to_touch(start);
@@ -85,7 +87,7 @@ TEST(Flight, TheTouchIsWhereTheFlightComesDown) {
   start[sim::contact::kQn] = 1e-9, start[sim::contact::kVn] = 1;
   ImpactJob lifted = job;
   lifted.gravity_m_s2 = 0, lifted.air.lift_coefficient = 0;
-  EXPECT_TRUE(std::isinf(Flight(lifted).time_to_touch(start)));
+  EXPECT_TRUE(std::isinf(Flight<double>(JobNumbers<double>(lifted)).time_to_touch(start)));
 }
 
 TEST(Flight, TheLedgerClosesWithTheAirsShare) {
