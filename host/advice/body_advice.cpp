@@ -31,7 +31,7 @@ constexpr double kRimRadiusSd_px = 0.5;
 // Of all that turns show of the radius: one texture's errors are alike in every pair.
 constexpr double kTurnRadiusSd_px = 0.05;
 
-class WeightedMean {
+class InverseVarianceMean {
  public:
   void add(double value, double sd) {
     weight_ += 1 / (sd * sd);
@@ -156,7 +156,7 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
   double most_deg = 0, significant = 0;
   int measured = 0;
   bool out_of_plane = false;
-  WeightedMean radius;
+  InverseVarianceMean radius;
   for (const BallPair& pair : pairs) {
     const std::optional<Tilt> tilt = PairLook(engine, pair, field, perspective).tilt();
     if (!tilt) continue;

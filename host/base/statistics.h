@@ -122,4 +122,7 @@ inline std::vector<double> finite(std::vector<double> values) {
 // Standard deviation of a normal distribution over the median of its distances from the middle.
 inline constexpr double kSdOfMad = 1.4826;
 
+// Standard deviations on either side of the mean that hold 95 % of a normal distribution.
+inline constexpr double kNormal95 = 1.959963984540054;
+
 }  // namespace impactdic

@@ -12,7 +12,7 @@ namespace impactdic::benchmark {
 namespace {
 
 constexpr double kRadius = 115, kDegree = std::numbers::pi / 180;
-constexpr int kPictures = 9;
+constexpr int kBallPictures = 9;
 constexpr double kStepX_px = 0.618, kStepY_px = -0.382;  // of the ball from picture to picture
 
 // Discs of radius 1.6 … 4 px thrown at random, about half of the ball ink.
@@ -58,9 +58,9 @@ void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSi
   SynthScene scene;
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(thrown_discs(), scene);
-  std::vector<Frame> pictures(kPictures);
-  std::vector<BallPose> poses(kPictures);
-  for (int k = 0; k < kPictures; ++k) {
+  std::vector<Frame> pictures(kBallPictures);
+  std::vector<BallPose> poses(kBallPictures);
+  for (int k = 0; k < kBallPictures; ++k) {
     BallPose& pose = poses[static_cast<std::size_t>(k)];
     pose.cx_px = 251.3 + kStepX_px * k;
     pose.cy_px = 259.2 + kStepY_px * k;

@@ -92,6 +92,10 @@ ShiftedPictures make_shifted_pictures(int count, int width, int height, double l
   return pictures;
 }
 
+bool is_wanted(const BenchOptions& options, const std::string& work) {
+  return work.find(options.only) != std::string::npos;
+}
+
 void put_errors(BenchRow& row, const ShiftedPictures& pictures, std::span<const Window> windows,
                 std::span<const WindowMotion> motions) {
   const std::size_t count = pictures.frames.size();

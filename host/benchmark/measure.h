@@ -37,6 +37,8 @@ Roofline measure_roofline(opencl::Engine& engine);
 // runs and times into the row. `run` waits for what it enqueues.
 void measure_time(BenchRow& row, double seconds, const std::function<void()>& run);
 
+inline constexpr int kSide = 512;  // of the pictures that rows are measured on, px
+
 // Speckled pictures of an exactly known surface, picture k moved by (x[k], y[k]) px.
 struct ShiftedPictures {
   std::vector<Frame> frames;
@@ -55,6 +57,7 @@ struct BenchOptions {
   int batch = 0;         // frame pairs a run; 0: 256 on a GPU, 1 on a CPU
   bool every_variant = false;
 };
+bool is_wanted(const BenchOptions& options, const std::string& work);
 // Each row as soon as it is measured.
 using RowSink = std::function<void(const BenchRow&)>;
 void bench_equal_windows(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);

@@ -10,12 +10,6 @@
 namespace impactdic::benchmark {
 namespace {
 
-constexpr int kSide = 512;
-
-bool is_wanted(const BenchOptions& options, const std::string& work) {
-  return work.find(options.only) != std::string::npos;
-}
-
 // Both frames of a pair in, all windows out.
 void bench_pair(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink,
                 const FieldOptions& field, const std::string& work, const std::string& variant,

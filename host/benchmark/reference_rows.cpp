@@ -13,7 +13,7 @@
 namespace impactdic::benchmark {
 namespace {
 
-constexpr int kSide = 512, kWindow = 32, kPoints = kWindow * kWindow;
+constexpr int kWindow = 32, kPoints = kWindow * kWindow;
 constexpr int kBins = kWindow * (kWindow / 2 + 1);
 
 // FFTW's plans for one thread and the memory that they work in.

@@ -11,7 +11,6 @@
 namespace impactdic::benchmark {
 namespace {
 
-constexpr int kSide = 512;
 // Windows that are compared with the reference, which is slow.
 constexpr std::size_t kCompared = 48;
 

@@ -11,7 +11,6 @@
 namespace impactdic::benchmark {
 namespace {
 
-constexpr int kSide = 512;
 constexpr int kPictures = 8;
 
 const ShiftedPictures& pictures() {
@@ -57,10 +56,6 @@ struct Setting {
     row.count = static_cast<double>(count());
   }
 };
-
-bool is_wanted(const BenchOptions& options, const std::string& work) {
-  return work.find(options.only) != std::string::npos;
-}
 
 }  // namespace
 

@@ -11,7 +11,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 namespace {
-constexpr int kMostSteps = 40;
+constexpr int kMostLensSteps = 40;
 constexpr double kConverged = 1e-14;  // of a direction: about 1e-11 px
 }  // namespace
 
@@ -43,7 +43,7 @@ Vector2d Lens::project(const Vector2d& direction, Matrix2d* slope) const {
 Vector2d Lens::direction(const Vector2d& point_px, Matrix2d* slope) const {
   Vector2d found = (point_px - principal_).cwiseQuotient(focal_);
   Matrix2d forward;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostLensSteps; ++step) {
     const Vector2d off = point_px - project(found, &forward);
     const double det = forward.determinant();
     // Beyond the fold of a polynomial the picture runs backwards: no direction leads there.

@@ -8,8 +8,8 @@
 namespace impactdic::impact {
 namespace {
 
-constexpr double kOutlier = 5;      // times the scatter
-constexpr double kRounding = 1e-9;  // px
+constexpr double kRadiusOutlier = 5;  // times the scatter
+constexpr double kRounding = 1e-9;    // px
 // By how much a radius drifts in a flight as the texture turns under the rim: it errs alike in many
 // frames, which their scatter about a line does not show (seven rendered clips of 40 frames).
 constexpr double kDrift_px = 0.03;
@@ -31,7 +31,7 @@ void drop_outliers(std::vector<Radius>& radii) {
   for (const Radius& r : radii) values.push_back(r.px);
   const double centre = upper_median(std::move(values));
   for (const Radius& r : radii) off.push_back(std::abs(r.px - centre));
-  const double limit = kOutlier * kSdOfMad * upper_median(std::move(off)) + kRounding;
+  const double limit = kRadiusOutlier * kSdOfMad * upper_median(std::move(off)) + kRounding;
   std::erase_if(radii, [&](const Radius& r) { return std::abs(r.px - centre) > limit; });
 }
 
@@ -97,7 +97,7 @@ class Line {
   bool drop_outliers() {
     std::vector<double> off;
     for (const double r : residuals()) off.push_back(std::abs(r));
-    const double limit = kOutlier * kSdOfMad * upper_median(off) + kRounding;
+    const double limit = kRadiusOutlier * kSdOfMad * upper_median(off) + kRounding;
     Line kept;
     for (std::size_t i = 0; i < size(); ++i) {
       if (off[i] <= limit) kept.add(at_[i], values_[i]);

@@ -12,14 +12,13 @@
 #include "host/impact/impulse_figures.h"
 #include "sim/contact/contact_integration.h"
 #include "sim/contact/flight/flight.h"
+#include "sim/contact/never.h"
 #include "sim/contact/orientation_path.h"
 #include "sim/contact/two_bodies.h"
 
 namespace impactdic::sim::contact {
 
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q) {
   return {x[kQt],

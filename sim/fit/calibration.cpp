@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/base/parallel.h"
+#include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
 #include "sim/fit/pooling.h"
 #include "sim/fit/restitution_duration.h"
@@ -17,7 +18,6 @@
 namespace impactdic::sim::fit {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;
 constexpr double kStep = 1e-4;  // relative, of differences
 
 ShotFit fit_restitution_duration(const MeasuredTrack& track, const MeasuredShot& shot,

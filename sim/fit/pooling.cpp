@@ -13,7 +13,6 @@
 namespace impactdic::sim::fit {
 namespace {
 
-constexpr double kNormal95 = 1.959963984540054;
 constexpr std::size_t kFewestForTrend = 5;
 // Speeds, or angles, closer together than this part of their range of interest show no trend.
 constexpr double kLeastSpread = 0.1, kLeastSpread_deg = 3;

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "host/base/statistics.h"
 #include "sim/fit/covariance/fit_covariance.h"
 #include "sim/fit/derived_figures.h"
 #include "sim/fit/residual_weights.h"
@@ -23,7 +24,6 @@ namespace impactdic::sim::fit {
 namespace {
 
 constexpr double kChiSquare95 = 3.841458820694124;  // one degree of freedom
-constexpr double kNormal95 = 1.959963984540054;
 // An interval wider than this part of its value is not parabolic any more: profile it.
 constexpr double kWeak = 0.2;
 constexpr int kWeighings = 2;

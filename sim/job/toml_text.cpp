@@ -7,7 +7,7 @@
 namespace impactdic::sim::job {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string toml_quoted(std::string_view text) {
   std::string out = "\"";
   for (char c : text) {
     if (c == '"' || c == '\\') out += '\\';
@@ -26,7 +26,7 @@ std::string digits_of(double value) {
 void TomlText::table(std::string_view name) { text_ += "\n[" + std::string(name) + "]\n"; }
 
 void TomlText::name(std::string_view key, std::string_view value) {
-  text_ += std::string(key) + " = " + quoted(value) + "\n";
+  text_ += std::string(key) + " = " + toml_quoted(value) + "\n";
 }
 
 void TomlText::number(std::string_view key, double value) {
@@ -43,7 +43,7 @@ void TomlText::boolean(std::string_view key, bool value) {
 
 void TomlText::names(std::string_view key, const std::vector<std::string>& values) {
   std::string list;
-  for (const std::string& value : values) list += (list.empty() ? "" : ", ") + quoted(value);
+  for (const std::string& value : values) list += (list.empty() ? "" : ", ") + toml_quoted(value);
   text_ += std::string(key) + " = [" + list + "]\n";
 }
 

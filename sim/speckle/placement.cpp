@@ -8,11 +8,6 @@
 namespace impactdic::sim::speckle {
 namespace {
 
-constexpr double kFirstGap = 3;   // px
-constexpr double kGapStep = 0.1;  // px
-constexpr int kTriesPerGap = 60;
-constexpr int kSweeps = 60;
-constexpr double kCell = 6;     // px
 constexpr double kMargin = 24;  // of the grid beyond the ball, px
 
 // Whether hypot(dx, dy) is beyond the distance, where rounding cannot matter; hypot is slow.

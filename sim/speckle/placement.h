@@ -21,6 +21,13 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+// How speckles are spaced, on a disc and on a sphere.
+inline constexpr double kFirstGap = 3;   // px
+inline constexpr double kGapStep = 0.1;  // px, taken off after so many vain tries
+inline constexpr int kTriesPerGap = 60;
+inline constexpr int kSweeps = 60;  // that push speckles apart
+inline constexpr double kCell = 6;  // side of a cell in which near speckles are looked up, px
+
 // Each shape goes where it keeps the current gap to all placed before; after many vain tries the
 // gap shrinks (below 0: overlap), for good. Fed with the largest first, it packs densely.
 class Placement {

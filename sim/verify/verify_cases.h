@@ -1,6 +1,8 @@
 // The built-in table of analytic and published cases that `impactdic verify` runs.
 #pragma once
 
+#include <impactdic/impact_model.h>
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,6 +26,10 @@ struct VerifyCase {
 inline constexpr const char* kProvenances[] = {"printed", "digitised",  "independent calculation",
                                                "formula", "regression", "conservation",
                                                "limit"};
+
+inline constexpr double kIntegrated = 1e-9;  // relative accuracy asked of an integration
+
+inline double restitution(const ImpactResult& r) { return r.restitution; }
 
 struct VerifyOutcome {
   VerifyCase row;

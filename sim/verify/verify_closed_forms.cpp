@@ -13,7 +13,6 @@ namespace impactdic::sim::verify {
 
 namespace {
 
-constexpr double kIntegrated = 1e-9;  // relative accuracy asked of an integration
 constexpr double kRounding = 1e-12;
 
 ImpactJob weightless(ImpactJob job) {

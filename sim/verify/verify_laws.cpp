@@ -16,8 +16,6 @@ namespace impactdic::sim::verify {
 
 namespace {
 
-constexpr double kIntegrated = 1e-9;  // relative accuracy asked of an integration
-
 // A lacrosse ball that falls straight on the surface, without weight.
 ImpactJob straight(NormalModel normal) {
   ImpactJob job = job::wood_published_job();
@@ -28,7 +26,6 @@ ImpactJob straight(NormalModel normal) {
   return job;
 }
 
-double restitution(const ImpactResult& r) { return r.restitution; }
 double depth(const ImpactResult& r) { return r.max_deflection_m; }
 
 // A restitution is as exact as the speed before; other figures are held to a part of themselves.

@@ -16,7 +16,6 @@ double half_digit(int decimals) { return 0.5 * std::pow(10.0, -decimals); }
 
 using Figure = double (*)(const ImpactResult&);
 
-double restitution(const ImpactResult& r) { return r.restitution; }
 double final_vt(const ImpactResult& r) { return r.final.vt_m_s; }
 double final_vn(const ImpactResult& r) { return r.final.vn_m_s; }
 double final_spin(const ImpactResult& r) { return std::abs(r.final.omega_rad_s); }

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kMostSteps = 60;
+constexpr int kMostRefinements = 60;
 constexpr double kConverged_px = 1e-4;
 
 std::map<std::size_t, Vector2d> by_point(const std::vector<Sighting>& seen) {
@@ -60,7 +60,7 @@ std::pair<double, double> levels(const cv::Mat& picture, const Vector2d& centre,
 constexpr double kLeastInk = 0.1;
 
 bool refine_dot(const cv::Mat& picture, double reach, Vector2d& centre) {
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMostRefinements; ++step) {
     if (!is_inside(picture, centre, reach + 1)) return false;
     const auto [ink, ground] = levels(picture, centre, reach);
     if (std::abs(ink - ground) < 10) return false;
@@ -101,8 +101,9 @@ void refine_corners(const cv::Mat& picture, int columns, double clear,
     std::vector<cv::Point2f> at = {
         {static_cast<float>(sighting.at_px.x()), static_cast<float>(sighting.at_px.y())}};
     const int half = static_cast<int>(reach);
-    cv::cornerSubPix(picture, at, {half, half}, {-1, -1},
-                     {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, kMostSteps, kConverged_px});
+    cv::cornerSubPix(
+        picture, at, {half, half}, {-1, -1},
+        {cv::TermCriteria::COUNT | cv::TermCriteria::EPS, kMostRefinements, kConverged_px});
     const Vector2d refined(at[0].x, at[0].y);
     if ((refined - sighting.at_px).norm() > reach) continue;
     sighting.at_px = refined;

@@ -20,7 +20,7 @@ constexpr double kOutlier = 5;            // deviations beyond which a point is 
 constexpr double kLeastSd_px = 1e-6;      // exact points, as tests have them
 constexpr double kMadToSd = 1.4826;       // of a normal distribution
 constexpr double kFocalKnown = 0.1;       // relative deviation
-constexpr std::size_t kFewestPoints = 6;  // of a view that tells more than its own pose
+constexpr std::size_t kFewestOfView = 6;  // of a view that tells more than its own pose
 constexpr double kDiffers = 4;            // deviations between a view's scatter and the others'
 
 // Scatter of residuals along one axis, whatever a few wrong points do.
@@ -47,7 +47,7 @@ bool reject(const Bundle& bundle, const Adjusted& state, Weights& weights) {
     std::vector<char> used;
     used.reserve(off.size());
     for (const Vector2d& one : off) used.push_back(one.norm() <= most);
-    if (static_cast<std::size_t>(std::count(used.begin(), used.end(), 1)) < kFewestPoints) continue;
+    if (static_cast<std::size_t>(std::count(used.begin(), used.end(), 1)) < kFewestOfView) continue;
     changed = changed || used != weights.used[v];
     weights.used[v] = std::move(used);
   }

@@ -15,8 +15,6 @@
 namespace impactdic::circle {
 namespace {
 
-constexpr int kSectors = kLevelSectors;
-
 using Vector5 = Eigen::Matrix<double, 5, 1>;
 using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
@@ -87,12 +85,12 @@ IMPACTDIC_WIDE void sum_near(const float* values, int n, float middle, float win
 
 // The background's level by sector: the mean of what lies near the middle of its own median and
 // the neighbours'.
-std::array<float, kSectors> ground_levels(const CastLines& lines,
-                                          const std::vector<float>& outermost, float noise) {
+std::array<float, kLevelSectors> ground_levels(const CastLines& lines,
+                                               const std::vector<float>& outermost, float noise) {
   // Lines of each sector, with the last one before the first, and the first after the last.
-  std::array<int, kSectors> count{};
-  for (int i = 0; i < lines.size(); ++i) ++count[lines.sector(i, kSectors)];
-  const int n = lines.size(), before = count[kSectors - 1], after = count[0];
+  std::array<int, kLevelSectors> count{};
+  for (int i = 0; i < lines.size(); ++i) ++count[lines.sector(i, kLevelSectors)];
+  const int n = lines.size(), before = count[kLevelSectors - 1], after = count[0];
   thread_local std::vector<float> around, own;  // memory only
   make_room(around, static_cast<std::size_t>(before + n + after));
   std::copy(outermost.end() - before, outermost.end(), around.begin());
@@ -100,19 +98,19 @@ std::array<float, kSectors> ground_levels(const CastLines& lines,
   std::copy(outermost.begin(), outermost.begin() + after, around.begin() + before + n);
 
   const float window = kLineLevels.ground_noise * noise + kLineLevels.ground_least;
-  std::array<float, kSectors> medians{};
-  for (int b = 0, from = before; b < kSectors; from += count[b++]) {
+  std::array<float, kLevelSectors> medians{};
+  for (int b = 0, from = before; b < kLevelSectors; from += count[b++]) {
     if (count[b] == 0) continue;
     make_room(own, static_cast<std::size_t>(count[b]));
     std::copy_n(around.begin() + from, count[b], own.begin());
     medians[b] = near_quantile(own.data(), static_cast<std::size_t>(count[b]), 0.5f,
                                kLineLevels.ground_tolerance * window);
   }
-  std::array<float, kSectors> levels{};
-  for (int b = 0, from = 0; b < kSectors; ++b) {
+  std::array<float, kLevelSectors> levels{};
+  for (int b = 0, from = 0; b < kLevelSectors; ++b) {
     float values[3] = {};
     int known = 0, among = 0;
-    for (const int sector : {(b + kSectors - 1) % kSectors, b, (b + 1) % kSectors}) {
+    for (const int sector : {(b + kLevelSectors - 1) % kLevelSectors, b, (b + 1) % kLevelSectors}) {
       if (count[sector] > 0) values[known++] = medians[sector];
       among += count[sector];
     }
@@ -184,9 +182,9 @@ class LineLight {
     const int n = static_cast<int>(lines.deep_line.size());
     sectors_ = 0;
     for (int begin = 0; begin < n;) {
-      const int sector = lines.sector(lines.deep_line[begin], kSectors);
+      const int sector = lines.sector(lines.deep_line[begin], kLevelSectors);
       int end = begin;
-      while (end < n && lines.sector(lines.deep_line[end], kSectors) == sector) ++end;
+      while (end < n && lines.sector(lines.deep_line[end], kLevelSectors) == sector) ++end;
       const double x = lines.deep_x[(begin + end) / 2], y = lines.deep_y[(begin + end) / 2];
       const auto samples = static_cast<std::size_t>((end - begin) * kDeep);
       make_room(samples_, samples);
@@ -228,7 +226,7 @@ class LineLight {
   // Upper envelope of the sectors.
   void find_envelope(float ground) {
     w_.setZero();
-    std::array<bool, kSectors> below{};
+    std::array<bool, kLevelSectors> below{};
     for (int pass = 0; pass < kLevels.envelope_passes; ++pass) {
       Normal normal;
       for (int m = 0; m < 5; ++m) normal.a(m, m) = no_shading(m);
@@ -261,7 +259,7 @@ class LineLight {
     w_ += normal.solution();
   }
 
-  std::array<Part, kSectors> parts_;
+  std::array<Part, kLevelSectors> parts_;
   int sectors_ = 0;
   std::vector<float> samples_;  // memory only
   Vector5 w_ = Vector5::Zero();

@@ -41,10 +41,10 @@ Disc cut_disc(const BSplineImage& picture, const Vector2d& centre, double radius
   return disc;
 }
 
-class Registration {
+class BallLoop {
  public:
-  Registration(const BSplineImage& first, const BSplineImage& second, const BallTask& task,
-               const BallOptions& options, double grey_level)
+  BallLoop(const BSplineImage& first, const BSplineImage& second, const BallTask& task,
+           const BallOptions& options, double grey_level)
       : second_(second),
         options_(options),
         centre_(task.cx, task.cy),
@@ -177,7 +177,7 @@ BallMotion ball_reference(const Frame& first, const Frame& second, const BallTas
   const bool affine = options.model == BallModel::kAffine;
   const BSplineImage f(to_double(first), options.spline_degree, options.presmooth_sigma_px);
   const BSplineImage g(to_double(second), options.spline_degree, options.presmooth_sigma_px);
-  Registration registration(f, g, task, options, first.full_scale() / 255);
+  BallLoop registration(f, g, task, options, first.full_scale() / 255);
   BallMotion motion{};
   const float nan = std::numeric_limits<float>::quiet_NaN();
   if (!registration.run()) {

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
-using Row = Eigen::Matrix<double, 1, 6>;
+using SlopeRow = Eigen::Matrix<double, 1, 6>;
 
 // As CLOSE_ENOUGH_PX of kernels/icgn/icgn.cl.
 constexpr double kCloseEnoughPx = 5e-4;
@@ -113,14 +113,14 @@ Template make_template(const BSplineImage& first, const Window& window, int side
 }
 
 // W ∘ (1 + Dδ)⁻¹.
-void compose(const Row& delta, Warp& warp) {
+void compose(const SlopeRow& delta, Warp& warp) {
   const Matrix2d step = (Matrix2d() << 1 + delta(1), delta(2), delta(4), 1 + delta(5)).finished();
   warp.a = warp.a * step.inverse();
   warp.t -= warp.a * Vector2d(delta(0), delta(3));
 }
 
 // Largest displacement of a pixel by δ (an upper bound), px.
-double largest_move(const Row& delta, double half) {
+double largest_move(const SlopeRow& delta, double half) {
   return std::max(std::abs(delta(0)) + half * (std::abs(delta(1)) + std::abs(delta(2))),
                   std::abs(delta(3)) + half * (std::abs(delta(4)) + std::abs(delta(5))));
 }
@@ -152,9 +152,10 @@ void put(const Warp& warp, double noise, const Spread& spread, WindowMotion& mot
   motion.vy = static_cast<float>(warp.a(1, 1) - 1);
 }
 
-class Registration {
+class WindowRegistration {
  public:
-  Registration(Template model, const BSplineImage& second, const Vector2d& centre, double half)
+  WindowRegistration(Template model, const BSplineImage& second, const Vector2d& centre,
+                     double half)
       : model_(std::move(model)), second_(second), centre_(centre), half_(half) {
     contrast_ = centred_norm(model_.f);
     f_unit_ = (model_.f.array() - model_.f.mean()).matrix() / contrast_;
@@ -176,7 +177,7 @@ class Registration {
   Spread spread(double slope_variance) const {
     const double shift = slope_variance * static_cast<double>(model_.f.size());
     const double change = shift * half_ * (half_ + 1) / 3;  // of a whole window's pixels
-    const Row noise = (Row() << shift, change, change, shift, change, change).finished();
+    const SlopeRow noise = (SlopeRow() << shift, change, change, shift, change, change).finished();
     Eigen::Matrix<double, 6, 6> texture = model_.jacobian.transpose() * model_.jacobian;
     texture.diagonal() -= noise.transpose();
     const Eigen::LLT<Eigen::Matrix<double, 6, 6>> factor(texture);
@@ -226,11 +227,11 @@ class Registration {
       return 0;
     }
     project_out(f_unit_, g);
-    const Row q = solver_.solve(model_.jacobian.transpose() * g).transpose();
+    const SlopeRow q = solver_.solve(model_.jacobian.transpose() * g).transpose();
     result.variance =
         (g - model_.jacobian * q.transpose()).squaredNorm() / static_cast<double>(g.size() - 8);
     result.gain = gain;
-    const Row delta = q / gain;
+    const SlopeRow delta = q / gain;
     compose(delta, result.warp);
     return largest_move(delta, half_);
   }
@@ -302,7 +303,7 @@ WindowMotion IcgnReference::refine(const Window& window, const WindowMotion& see
   if (count < 0.5 * side * side) {
     return failed(motion, WindowStatus::kMasked);
   }
-  const Registration registration(std::move(model), second, centre, half);
+  const WindowRegistration registration(std::move(model), second, centre, half);
   const double known_variance = pixel_variance(options_, first.full_scale);
   const double least = options_.min_texture * first.full_scale / 255;
   const double doubt =

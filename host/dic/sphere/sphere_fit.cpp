@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kRounds = 20;
 constexpr std::size_t kFewest = 8;
-constexpr double kTukey = 6, kLeastScale_px = 0.03, kSettled_px = 1e-4;
+constexpr double kPointTukey = 6, kLeastScale_px = 0.03, kSettled_px = 1e-4;
 // Points whose surface is seen more from the side tell little.
-constexpr double kLeastDepth = 0.2;
+constexpr double kLeastPointDepth = 0.2;
 
-using Row = Eigen::Matrix<double, 5, 1>;
+using PointRow = Eigen::Matrix<double, 5, 1>;
 
 struct OnSphere {
   const PointMotion* point;
@@ -29,7 +29,7 @@ std::vector<OnSphere> lift(std::span<const PointMotion> points, const SphereGues
   for (const PointMotion& p : points) {
     const double x = p.x_px - guess.cx_px, y = -(p.y_px - guess.cy_px);
     const double square = guess.radius_px * guess.radius_px - x * x - y * y;
-    if (square < std::pow(kLeastDepth * guess.radius_px, 2)) continue;
+    if (square < std::pow(kLeastPointDepth * guess.radius_px, 2)) continue;
     lifted.push_back({&p, {x, y, std::sqrt(square)}});
   }
   return lifted;
@@ -50,7 +50,7 @@ bool carry(const SphereGuess& motion, double x_px, double y_px, double& to_x_px,
   const Eigen::Vector3d to = motion.turn * Eigen::Vector3d(x, y, std::sqrt(square));
   to_x_px = motion.cx_px + motion.dx_px + to.x();
   to_y_px = motion.cy_px + motion.dy_px - to.y();
-  return to.z() > kLeastDepth * motion.radius_px;
+  return to.z() > kLeastPointDepth * motion.radius_px;
 }
 
 SphereFit fit_sphere_motion(std::span<const PointMotion> points, const SphereGuess& guess) {
@@ -66,17 +66,17 @@ SphereFit fit_sphere_motion(std::span<const PointMotion> points, const SphereGue
     // The median length of a normal deviate in the plane is 1.18 deviations.
     const double scale = std::max(upper_median(sizes) / 1.18, kLeastScale_px);
     Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
-    Row right = Row::Zero();
+    PointRow right = PointRow::Zero();
     fit.used = 0;
     for (const OnSphere& p : lifted) {
       const Eigen::Vector2d r = residual(p, fit);
-      const double u = r.norm() / (kTukey * scale);
+      const double u = r.norm() / (kPointTukey * scale);
       if (u >= 1) continue;
       ++fit.used;
       const double weight = std::pow(1 - u * u, 2) / (scale * scale);
       // Turns after the guess, in the camera's axes.
       const Eigen::Vector3d q = fit.turn * p.at;
-      Row along_x, along_y;
+      PointRow along_x, along_y;
       along_x << 1, 0, 0, q.z(), -q.y();
       along_y << 0, 1, -q.z(), 0, q.x();
       normal += weight * (along_x * along_x.transpose() + along_y * along_y.transpose());
@@ -88,7 +88,7 @@ SphereFit fit_sphere_motion(std::span<const PointMotion> points, const SphereGue
     right(1) -= by_guess * (guess.dy_px - fit.dy_px);
     const Eigen::LDLT<Eigen::Matrix<double, 5, 5>> solver(normal);
     if (solver.info() != Eigen::Success) return fit;
-    const Row step = solver.solve(right);
+    const PointRow step = solver.solve(right);
     if (!step.allFinite()) return fit;
     fit.dx_px += step(0);
     fit.dy_px -= step(1);

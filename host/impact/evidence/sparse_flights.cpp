@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kFewestCentres = 4;
 constexpr std::size_t kLongestGap = 3;    // frames between two centres of a flight
 constexpr double kLeastBend = 2;          // px/frame^2: less is no film of this kind
-constexpr double kOff = 0.1;              // of the bend: centres on the path lie so near
+constexpr double kOffPath = 0.1;          // of the bend: centres on the path lie so near
 constexpr double kNear = 0.5;             // the same where no fit holds them there
 constexpr double kSameBend = 0.15;        // by which the bends of two flights may differ
 constexpr std::size_t kLongestLoss = 20;  // frames between two flights
@@ -50,7 +50,7 @@ bool holds(const Arc& arc, const std::vector<double>& heights) {
   if (!(arc.path.bend < -kLeastBend)) return false;
   return std::all_of(arc.rows.begin(), arc.rows.end(), [&](std::size_t row) {
     const double off = heights[row] - arc.path.height(static_cast<double>(row));
-    return std::abs(off) <= kOff * -arc.path.bend;
+    return std::abs(off) <= kOffPath * -arc.path.bend;
   });
 }
 

@@ -15,11 +15,11 @@ enum Source {
   kVb,
   kImpulseT,  // over the mass
   kImpulseN,
-  kSpinT0,
-  kSpinN0,
-  kSpinB0,
-  kSpinT1,
-  kSpinN1,
+  kSpinTBefore,
+  kSpinNBefore,
+  kSpinBBefore,
+  kSpinTAfter,
+  kSpinNAfter,
   kRadiusPx,
   kSources
 };
@@ -31,11 +31,11 @@ class SpaceFigures {
       : sources_(sources), inertia_(inertia_factor.value_or(kNotMeasured)) {}
 
   Tangential slip(const Values& x) const {
-    return tip_velocity({x[kVt], x[kVb]}, x[kSpinB0], x[kSpinT0], x[kRadiusPx]);
+    return tip_velocity({x[kVt], x[kVb]}, x[kSpinBBefore], x[kSpinTBefore], x[kRadiusPx]);
   }
   // Impulse ratio.
   Tangential friction(const Values& x) const {
-    const double impulse_b = -inertia_ * x[kRadiusPx] * (x[kSpinT1] - x[kSpinT0]);
+    const double impulse_b = -inertia_ * x[kRadiusPx] * (x[kSpinTAfter] - x[kSpinTBefore]);
     return {x[kImpulseT] / x[kImpulseN], impulse_b / x[kImpulseN]};
   }
   // From the direction against the slip to the friction, positive from t towards b.
@@ -104,7 +104,8 @@ std::optional<SpaceImpact> space_impact(const ImpactOptions& options, const Impa
   });
   space.friction_off_rad =
       figures.propagate([&](const Values& x) { return figures.friction_off(x); });
-  space.spin_change_n = figures.propagate([](const Values& x) { return x[kSpinN1] - x[kSpinN0]; });
+  space.spin_change_n =
+      figures.propagate([](const Values& x) { return x[kSpinNAfter] - x[kSpinNBefore]; });
   return space;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMargin = 1.4;  // half side of the box over the radius
+constexpr double kBoxMargin = 1.4;  // half side of the box over the radius
 
 struct KeyFrame {
   const char* moment;
@@ -51,7 +51,7 @@ std::vector<KeyFrame> choose(const std::vector<TrackRow>& rows, const ImpactFigu
 Roi box_around(const std::vector<KeyFrame>& frames, int width, int height) {
   double left = width, right = 0, top = height, bottom = 0;
   for (const KeyFrame& key : frames) {
-    const double half = kMargin * key.row->r_px;
+    const double half = kBoxMargin * key.row->r_px;
     left = std::min(left, key.row->cx_px - half);
     right = std::max(right, key.row->cx_px + half);
     top = std::min(top, key.row->cy_px - half);

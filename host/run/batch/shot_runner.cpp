@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostClips = 4;
+constexpr int kMostAtOnce = 4;
 
 }  // namespace
 
 std::size_t clips_in_flight(int asked, int threads, std::size_t waiting) {
   const int cores = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
-  const int wanted = asked > 0 ? asked : std::clamp(cores, 1, kMostClips);
+  const int wanted = asked > 0 ? asked : std::clamp(cores, 1, kMostAtOnce);
   return std::clamp<std::size_t>(waiting, 1, static_cast<std::size_t>(wanted));
 }
 

@@ -24,7 +24,7 @@ constexpr double kStraight = 0.7;     // of the samples must show it
 constexpr double kHalfProfile_px = 5;
 constexpr double kLeastSd_deg = 0.03;
 // An edge need not lie along the surface to the last degree.
-constexpr double kChance = 4, kTolerance_deg = 1;
+constexpr double kEdgeChance = 4, kTolerance_deg = 1;
 
 // Bilinear; NaN outside, or where nothing was seen.
 double grey_at(const StillPicture& still, double x, double y) {
@@ -42,20 +42,20 @@ double grey_at(const StillPicture& still, double x, double y) {
 }
 
 // A line that touches the circle, and the axes along and across it, picture axes.
-struct Line {
+struct EdgeLine {
   double x, y;    // nearest to the circle's centre
   double mx, my;  // across, away from the ball
   double tx, ty;
 };
 
-Line line_of(const Touch& touch, double towards_rad, double off_px) {
+EdgeLine line_of(const Touch& touch, double towards_rad, double off_px) {
   const double mx = std::cos(towards_rad), my = -std::sin(towards_rad);
   const double far = touch.radius_px + off_px;
   return {touch.x_px + far * mx, touch.y_px + far * my, mx, my, -my, mx};
 }
 
 // Grey level behind the line less that before it, a pixel.
-double slope_at(const StillPicture& still, const Line& line, double along, double across) {
+double slope_at(const StillPicture& still, const EdgeLine& line, double along, double across) {
   const double x = line.x + along * line.tx + across * line.mx;
   const double y = line.y + along * line.ty + across * line.my;
   return (grey_at(still, x + line.mx, y + line.my) - grey_at(still, x - line.mx, y - line.my)) / 2;
@@ -71,7 +71,7 @@ struct Found {
 };
 
 // Mean slope along the line, 0 where too little of it is seen or too few samples show it.
-double mean_slope(const StillPicture& still, const Touch& touch, const Line& line, int every) {
+double mean_slope(const StillPicture& still, const Touch& touch, const EdgeLine& line, int every) {
   double sum = 0;
   int seen = 0;
   std::vector<double> slopes;
@@ -106,7 +106,7 @@ Found search(const StillPicture& still, const Touch& touch) {
 }
 
 // Where the edge lies across the line at one sample: centre of gravity of the slope.
-double edge_across(const StillPicture& still, const Line& line, double along, double sign) {
+double edge_across(const StillPicture& still, const EdgeLine& line, double along, double sign) {
   constexpr double kStep_px = 0.5, kOfPeak = 0.3;
   const int steps = static_cast<int>(kHalfProfile_px / kStep_px);
   std::vector<double> slopes;
@@ -194,7 +194,7 @@ StillPicture still_picture(FrameSource& source, const std::vector<TrackRow>& row
 std::optional<Measured> edge_angle_deg(const StillPicture& still, const Touch& touch) {
   const Found found = search(still, touch);
   if (std::abs(found.slope) < kLeastSlope) return std::nullopt;
-  const Line line = line_of(touch, found.towards_rad, found.off_px);
+  const EdgeLine line = line_of(touch, found.towards_rad, found.off_px);
   std::vector<double> along, across;
   for (int i = 0; i < kSamples; ++i) {
     const double at = place(i, touch);
@@ -234,10 +234,10 @@ void compare_with_edge(const TrackRequest& request, const Measured& edge_deg,
                        ImpactFigures& figures) {
   const double off = turned_into(edge_deg.value - request.surface_angle_deg);
   const double allowed =
-      kChance * std::hypot(edge_deg.sd, request.surface_angle_sd_deg) + kTolerance_deg;
+      kEdgeChance * std::hypot(edge_deg.sd, request.surface_angle_sd_deg) + kTolerance_deg;
   if (std::abs(off) <= allowed || contradicts(figures, "surface_angle")) return;
   const Measured& spin = figures.surface_angle_deg;
-  if (std::isfinite(spin.value) && kChance * spin.sd < std::abs(off) / 2) return;
+  if (std::isfinite(spin.value) && kEdgeChance * spin.sd < std::abs(off) / 2) return;
   char text[200];
   std::snprintf(text, sizeof text,
                 "an edge that the ball touches lies at %.2f +- %.2f degrees in the picture, %g is "

@@ -11,7 +11,7 @@
 namespace impactdic::video {
 namespace {
 
-int keep_error(TIFF*, void* text, const char*, const char* format, va_list arguments) {
+int keep_message(TIFF*, void* text, const char*, const char* format, va_list arguments) {
   char line[400];
   std::vsnprintf(line, sizeof line, format, arguments);
   *static_cast<std::string*>(text) = line;
@@ -25,7 +25,7 @@ class TiffSink : public FrameSink {
     const std::int64_t frame_bytes = std::int64_t{info.width} * info.height * 2;
     const bool big = frame_bytes * std::max<std::int64_t>(info.frame_count, 1) > kClassicLimit;
     TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
-    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, &error_);
+    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_message, &error_);
     handle_ = TIFFOpenExt(path.c_str(), big ? "w8" : "w", options);
     TIFFOpenOptionsFree(options);
     if (handle_ == nullptr) throw FileError("cannot write the file", path, error_);

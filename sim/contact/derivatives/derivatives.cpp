@@ -12,6 +12,7 @@
 
 #include "sim/contact/contact_integration.h"
 #include "sim/contact/flight/flight.h"
+#include "sim/contact/never.h"
 #include "sim/contact/two_bodies.h"
 
 namespace impactdic::sim::contact {
@@ -21,7 +22,6 @@ using State = ImpactStateOf<Sensitive>;
 using Numbers = JobNumbers<Sensitive>;
 using Input = NumberOfJob<Sensitive>;
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 // Where the same motion is followed with and without derivatives, velocities agree to this part.
 constexpr double kSame = 1e-6;
 

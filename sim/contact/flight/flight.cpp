@@ -6,12 +6,12 @@
 #include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
-#include <limits>
+
+#include "sim/contact/never.h"
 
 namespace impactdic::sim::contact {
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
 // Steps in the air: of the fourth order, their error is (step x rate)^5 / 120.
 constexpr double kLongestStep_s = 1e-3, kStepPart = 2e-3;
 constexpr double kLongestFlight_s = 100;

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/contact/closed_form.h"
+#include "sim/contact/never.h"
 
 namespace impactdic::sim::contact {
 
 namespace {
-
-constexpr double kNever = std::numeric_limits<double>::infinity();
 
 // The contact point's velocity and the normal impulse's work as the normal impulse p grows. Within
 // a stretch (one sense of slip, or sticking) velocities are linear in p and the work is quadratic.

@@ -7,16 +7,6 @@
 #include <cmath>
 
 namespace impactdic::sim::speckle {
-namespace {
-
-constexpr double kFirstGap = 3;   // px
-constexpr double kGapStep = 0.1;  // px
-constexpr int kTriesPerGap = 60;
-constexpr int kSweeps = 60;
-constexpr double kCell = 6;  // px
-
-}  // namespace
-
 TangentPlane::TangentPlane(const Eigen::Vector3d& at) : u(at.unitOrthogonal()), v(at.cross(u)) {}
 
 Eigen::Vector3d random_direction(Random& random) {
