@@ -149,9 +149,10 @@ class Fit:
 def open(source: _Source, *, fps: float | None = None, bits: int | None = None,
          **options: Any) -> Clip: ...
 def track(clip: _Source, ball: Ball | None = None, *, surface_deg: float | None = None,
-          out: _Path | None = None, force: bool = False, resume: bool = False,
-          progress: _Progress = False, on_frame: _OnFrame = None, on_message: _OnMessage = None,
-          device: str | int = "auto", threads: int = 0, **options: Any) -> Shot: ...
+          ball_rank: int | None = None, out: _Path | None = None, force: bool = False,
+          resume: bool = False, progress: _Progress = False, on_frame: _OnFrame = None,
+          on_message: _OnMessage = None, device: str | int = "auto", threads: int = 0,
+          **options: Any) -> Shot: ...
 def track_blocks(pictures: Iterable[_Array], ball: Ball | None = None, *, block: int = 256,
                  **options: Any) -> Iterator[Shot]: ...
 def batch(folder: _Path, out: _Path, ball: Ball | None = None, *, table: _Path | None = None,

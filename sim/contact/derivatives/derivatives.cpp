@@ -142,7 +142,6 @@ void add_state(std::vector<std::pair<std::string, Sensitive>>& list, const std::
                const State& x) {
   constexpr std::pair<const char*, StateIndex> kParts[] = {{"qt_m", kQt},
                                                            {"qn_m", kQn},
-                                                           {"angle_rad", kAngle},
                                                            {"vt_m_s", kVt},
                                                            {"vn_m_s", kVn},
                                                            {"omega_rad_s", kOmega},

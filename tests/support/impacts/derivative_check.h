@@ -91,7 +91,6 @@ inline std::map<std::string, double> outcomes_of(const ImpactResult& r, const Ou
     list[of + ".omega_t_rad_s"] = x.omega_t_rad_s / s.spin;
     list[of + ".qt_m"] = x.qt_m / (s.speed * s.time);
     list[of + ".qn_m"] = x.qn_m / (s.speed * s.time);
-    list[of + ".angle_rad"] = x.angle_rad / (s.spin * s.time);
   };
   add("final", r.final);
   return list;
@@ -109,7 +108,6 @@ struct DerivativeError {
 inline double scale_of(const std::string& outcome, const OutcomeScales& s) {
   const auto has = [&](const char* part) { return outcome.find(part) != std::string::npos; };
   if (has("omega")) return s.spin;
-  if (has("angle")) return s.spin * s.time;
   if (has("force")) return s.force;
   if (outcome == "max_deflection_m") return s.depth;
   if (has(".q")) return s.speed * s.time;
