@@ -3,22 +3,13 @@
 
 #include <cmath>
 
+#include "sim/contact/numbers/numbers.h"
+
 namespace impactdic {
 
 double ImpactBody::inertia() const {
-  if (inertia_kg_m2 > 0) return inertia_kg_m2;
-  const double radius = radius_m();
-  switch (shape) {
-    case BodyShape::kHollowSphere:
-      return 2.0 / 3.0 * mass_kg * radius * radius;
-    case BodyShape::kSolidSphere:
-      return 0.4 * mass_kg * radius * radius;
-    case BodyShape::kRod:
-      return mass_kg * length_m * length_m / 12.0;
-    case BodyShape::kOther:
-      break;
-  }
-  return 0;
+  return sim::contact::BodyNumbers<double>{shape, mass_kg, diameter_m, length_m, inertia_kg_m2}
+      .inertia();
 }
 
 void ImpactBody::validate() const {

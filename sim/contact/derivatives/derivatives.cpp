@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -28,12 +27,8 @@ constexpr double kSame = 1e-6;
 // As ImpactRun, of one body, without energies and orientation.
 class SensitiveRun final : public TrajectoryRequest<Sensitive> {
  public:
-  SensitiveRun(const ImpactJob& job, const Numbers& numbers, std::span<const double> times_s)
-      : job_(job),
-        numbers_(numbers),
-        times_(times_s),
-        flight_(numbers),
-        normal_(make_normal_law(job, numbers)) {}
+  SensitiveRun(const ImpactJob& job, const Numbers& numbers)
+      : job_(job), numbers_(numbers), flight_(numbers), normal_(make_normal_law(job, numbers)) {}
 
   void run() {
     const MotionNumbers<Sensitive>& m = numbers_.initial;
@@ -46,17 +41,10 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
       follow_contact(contact);
       if (!first_.separated || !separated_) break;
     }
-    if (separated_) record_flight(std::numeric_limits<double>::max());
   }
 
-  double next_s() const override { return taken_ < times_.size() ? times_[taken_] : kNever; }
-  // At a time that does not move with the inputs.
-  void take(const Sensitive& time_s, const State& x) override {
-    State rate = x, fixed = x;
-    (*dynamics_)(x, rate, 0);
-    for (std::size_t i = 0; i < x.size(); ++i) fixed[i].v -= rate[i].a * time_s.v;
-    keep(fixed);
-  }
+  double next_s() const override { return kNever; }
+  void take(const Sensitive&, const State&) override {}
   void reach(const Sensitive&, const State&) override {}
 
   bool separated() const { return separated_; }
@@ -71,20 +59,8 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
     Sensitive t_start, t_end, b_start, b_end;
   };
   const Tips& tips() const { return tips_; }
-  const std::vector<State>& points() const { return points_; }
 
  private:
-  void keep(const State& x) {
-    ++taken_;
-    points_.push_back(x);
-  }
-
-  void record_flight(double until_s) {
-    for (double t = next_s(); t <= until_s; t = next_s()) {
-      keep(flight_.after(now_, Sensitive(t) - time_s_).state);
-    }
-  }
-
   // Flies to the next touch and says whether there is one. A gap of zero that is to change moves
   // the touch, too.
   bool reach_surface(int contact) {
@@ -95,8 +71,6 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
     } else {
       flight.v = -now_[kQn].v / now_[kVn].a;
     }
-    record_flight(flight.a > 0 ? std::nextafter((time_s_ + flight).a, 0.0)
-                               : -std::numeric_limits<double>::min());
     now_ = flight_.after(now_, flight).state;
     now_[kQn] = Sensitive(0);
     time_s_ += flight;
@@ -124,7 +98,6 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
 
   const ImpactJob& job_;
   const Numbers& numbers_;
-  std::span<const double> times_;
   const Flight<Sensitive> flight_;
   NormalLawPtr<Sensitive> normal_;
   FrictionLawPtr<Sensitive> friction_;
@@ -134,8 +107,6 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
   Sensitive time_s_{}, touch_s_{}, touch_rate_{};
   bool separated_ = false;
   ContactOutcomeOf<Sensitive> first_;
-  std::size_t taken_ = 0;
-  std::vector<State> points_;
 };
 
 void add_state(std::vector<std::pair<std::string, Sensitive>>& list, const std::string& of,
@@ -223,7 +194,7 @@ ImpactDerivatives derivatives_of(const ImpactJob& job, const ImpactResult& plain
     const std::size_t count = std::min<std::size_t>(kInputsAtOnce, inputs.size() - first);
     seed(inputs, first, count);
     const Numbers relative = job.other ? numbers.relative() : numbers;
-    SensitiveRun run(one, relative, {});
+    SensitiveRun run(one, relative);
     try {
       run.run();
     } catch (const Error&) {
@@ -249,41 +220,6 @@ ImpactDerivatives derivatives_of(const ImpactJob& job, const ImpactResult& plain
     }
   }
   return result;
-}
-
-SensitivePath sensitive_path(const ImpactJob& job, std::span<const double> times_s,
-                             std::span<const std::string> inputs) {
-  job.validate();
-  if (job.other) throw InvalidArgument("is known of one ball alone", "other");
-  SensitivePath path;
-  path.slopes.resize(times_s.size() * inputs.size());
-  for (std::size_t first = 0; first == 0 || first < inputs.size(); first += kInputsAtOnce) {
-    Numbers numbers(job);
-    std::vector<Input> all = numbers_of(job, numbers), chosen;
-    const std::size_t count = std::min<std::size_t>(kInputsAtOnce, inputs.size() - first);
-    for (const std::string& key : inputs.subspan(first, count)) {
-      const auto found =
-          std::find_if(all.begin(), all.end(), [&](const Input& i) { return i.key == key; });
-      if (found == all.end()) throw InvalidArgument("is no number of this job", key);
-      chosen.push_back(*found);
-    }
-    seed(chosen, 0, count);
-    SensitiveRun run(job, numbers, times_s);
-    run.run();
-    if (!run.separated() || run.points().size() != times_s.size()) return {};
-    path.separated = true;
-    path.states.clear();
-    for (std::size_t k = 0; k < times_s.size(); ++k) {
-      path.states.push_back(values_of(run.points()[k]));
-      for (std::size_t i = 0; i < count; ++i) {
-        ImpactState& slope = path.slopes[k * inputs.size() + first + i];
-        for (std::size_t n = 0; n < slope.size(); ++n) {
-          slope[n] = run.points()[k][n].v[static_cast<Eigen::Index>(i)] / chosen[i].scale;
-        }
-      }
-    }
-  }
-  return path;
 }
 
 }  // namespace impactdic::sim::contact

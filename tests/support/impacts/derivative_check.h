@@ -15,6 +15,7 @@
 
 #include "sim/contact/derivatives/derivatives.h"
 #include "sim/contact/impact.h"
+#include "sim/contact/numbers/numbers.h"
 
 namespace impactdic::support {
 

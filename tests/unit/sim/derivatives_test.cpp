@@ -138,33 +138,6 @@ TEST(Derivatives, OfARodMeetDifferences) {
   EXPECT_GT(error.compared, 50);
 }
 
-TEST(Derivatives, OfAPathMeetDifferences) {
-  ImpactJob job = ball();
-  job.gravity_m_s2 = 9.81;
-  job.initial = {1, -2, 40};
-  const std::vector<double> times{-1e-3, 1e-4, 4e-4, 7e-4, 3e-3};
-  const std::vector<std::string> inputs{"contact.friction_kinetic", "initial.vn_m_s",
-                                        "surface.angle_deg"};
-  const auto path = sim::contact::sensitive_path(job, times, inputs);
-  ASSERT_EQ(path.states.size(), times.size());
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    ImpactJob high = job, low = job;
-    const double step = 1e-4;
-    support::number_of(high, inputs[i]) += step;
-    support::number_of(low, inputs[i]) -= step;
-    const ImpactResult up = simulate_impact(high, {0, times});
-    const ImpactResult down = simulate_impact(low, {0, times});
-    for (std::size_t k = 0; k < times.size(); ++k) {
-      const BodyState &a = up.trajectory[k].state, &b = down.trajectory[k].state;
-      const auto& slope = path.slopes[k * inputs.size() + i];
-      EXPECT_NEAR(slope[sim::contact::kQt], (a.qt_m - b.qt_m) / (2 * step), 2e-9);
-      EXPECT_NEAR(slope[sim::contact::kVt], (a.vt_m_s - b.vt_m_s) / (2 * step), 1e-6);
-      EXPECT_NEAR(slope[sim::contact::kQn], (a.qn_m - b.qn_m) / (2 * step), 2e-9);
-      EXPECT_NEAR(slope[sim::contact::kAngle], (a.angle_rad - b.angle_rad) / (2 * step), 1e-6);
-    }
-  }
-}
-
 // A ball that its weight holds has no rebound, hence no derivatives.
 TEST(Derivatives, OfABallThatStaysAreNotTold) {
   ImpactJob job = ball();
