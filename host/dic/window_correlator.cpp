@@ -120,29 +120,42 @@ void WindowCorrelator::search(DeviceFrames& frames, std::span<const Window> wind
     std::ranges::fill(motions, without_motion(WindowStatus::kOutOfView, std::nan("")));
     return;
   }
-  windows_.reserve(engine_, windows.size());
-  motions_.reserve(engine_, windows.size());
-  opencl::Settled settled(engine_);
-  windows_.write_later(engine_, windows);
-  if (published_) published_->run(frames, windows_, windows.size(), motions_);
-  if (equal_) equal_->run(frames, windows_, windows.size(), motions_);
-  if (zncc_) zncc_->run(frames, windows_, windows.size(), motions_);
-  if (refined) icgn_->refine(frames, windows_, windows.size(), motions_);
-  motions_.read(engine_, motions);
-  settled.done();
+  const std::size_t most = at_once(windows.size());
+  windows_.reserve(engine_, most);
+  motions_.reserve(engine_, most);
+  for (std::size_t first = 0; first < windows.size(); first += most) {
+    const auto some = windows.subspan(first, std::min(most, windows.size() - first));
+    opencl::Settled settled(engine_);
+    windows_.write_later(engine_, some);
+    if (published_) published_->run(frames, windows_, some.size(), motions_);
+    if (equal_) equal_->run(frames, windows_, some.size(), motions_);
+    if (zncc_) zncc_->run(frames, windows_, some.size(), motions_);
+    if (refined) icgn_->refine(frames, windows_, some.size(), motions_);
+    motions_.read(engine_, motions.subspan(first, some.size()));
+    settled.done();
+  }
+}
+
+std::size_t WindowCorrelator::at_once(std::size_t windows) const {
+  return engine_.at_once(windows, static_cast<double>(window_px_) * window_px_);
 }
 
 void WindowCorrelator::refine(DeviceFrames& frames, std::span<const Window> windows,
                               std::span<const WindowMotion> seeds,
                               std::span<WindowMotion> motions) {
-  windows_.reserve(engine_, windows.size());
-  motions_.reserve(engine_, windows.size());
-  opencl::Settled settled(engine_);
-  windows_.write_later(engine_, windows);
-  motions_.write_later(engine_, seeds);
-  icgn_->refine(frames, windows_, windows.size(), motions_);
-  motions_.read(engine_, motions);
-  settled.done();
+  if (windows.empty()) return;
+  const std::size_t most = at_once(windows.size());
+  windows_.reserve(engine_, most);
+  motions_.reserve(engine_, most);
+  for (std::size_t first = 0; first < windows.size(); first += most) {
+    const std::size_t count = std::min(most, windows.size() - first);
+    opencl::Settled settled(engine_);
+    windows_.write_later(engine_, windows.subspan(first, count));
+    motions_.write_later(engine_, seeds.subspan(first, count));
+    icgn_->refine(frames, windows_, count, motions_);
+    motions_.read(engine_, motions.subspan(first, count));
+    settled.done();
+  }
 }
 
 }  // namespace impactdic::dic

@@ -52,6 +52,7 @@ class WindowCorrelator {
   // Searches for those of `results_` that were not found from their seeds.
   void search_lost(DeviceFrames& frames, std::span<const Window> windows);
   RefineWindows refining(DeviceFrames& frames);
+  std::size_t at_once(std::size_t windows) const;  // go to the device
 
   opencl::Engine& engine_;
   int window_px_;

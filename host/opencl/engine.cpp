@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
@@ -16,6 +17,9 @@ namespace {
 
 // OpenCL C 1.2 is what every vendor has. No fast-math: sub-pixel results must not lose bits.
 constexpr const char* kBaseOptions = "-cl-std=CL1.2";
+
+// What a processor is given at a time: 4700 windows of 15 × 15 px.
+constexpr double kPixelsAtOnce = 1 << 20;
 
 std::string build_options(const Defines& defines) {
   std::string options = kBaseOptions;
@@ -214,10 +218,17 @@ cl::Program Engine::build(const std::string& source, const std::string& options,
   return program;
 }
 
+std::size_t Engine::at_once(std::size_t count, double pixels) const {
+  if (device().is_gpu) return count;
+  const double some = std::clamp(kPixelsAtOnce / std::max(pixels, 1.0) / 2, 1.0, 1e9);
+  return std::min(count, 2 * static_cast<std::size_t>(some));
+}
+
 void Engine::launch(const cl::CommandQueue& queue, const cl::Kernel& kernel,
                     const cl::NDRange& global, const cl::NDRange& local, WorkCount work) {
   const auto name = [&kernel] { return kernel.getInfo<CL_KERNEL_FUNCTION_NAME>(); };
   shared_->check_compiler();
+  if (stopped_ && stopped_()) throw Stopped();
   try {
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange, global, local, nullptr, &event);

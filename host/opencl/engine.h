@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -43,6 +44,9 @@ struct WorkCount {
   double bytes = 0, flops = 0;
 };
 
+// Thrown out of work that the function of Engine::stop_when has stopped.
+struct Stopped {};
+
 // All members may be called from several threads; a cl::Kernel may not be shared between threads.
 class Engine {
  public:
@@ -81,8 +85,16 @@ class Engine {
   cl::Kernel kernel(const std::string& file, const std::string& name, const Defines& defines = {},
                     const std::string& options = "");
 
+  // From now on `launch` throws Stopped once `stopped` says so. Of this engine alone, not of those
+  // beside it; before other threads use it. `stopped` may be empty, and must not throw.
+  void stop_when(std::function<bool()> stopped) { stopped_ = std::move(stopped); }
+  // Of `count` independent pieces of work over so many pixels each, how many one launch takes: all
+  // on a GPU. A processor gets an even number, some tenths of a second's work, so that it can be
+  // stopped between two launches.
+  std::size_t at_once(std::size_t count, double pixels) const;
+
   // Enqueues `kernel` and hands its event to the profiler. Global sizes must be multiples of the
-  // local ones (see round_up). Throws OpenClError.
+  // local ones (see round_up). Throws OpenClError, and Stopped as `stop_when` says.
   void launch(const cl::CommandQueue& queue, const cl::Kernel& kernel, const cl::NDRange& global,
               const cl::NDRange& local, WorkCount work = {});
 
@@ -116,6 +128,7 @@ class Engine {
 
   std::shared_ptr<Shared> shared_;
   cl::CommandQueue queue_;
+  std::function<bool()> stopped_;
 };
 
 // Where an exception leaves a scope before its work on the device was waited for, waits: until then

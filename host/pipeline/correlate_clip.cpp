@@ -31,16 +31,6 @@ constexpr double kAsGood = 0.6;
 // A clip that cannot be measured is not searched anew in every frame.
 constexpr int kVainSearches = 3;
 
-bool on_surface(const Window& window, int window_px, const Image<std::uint8_t>& mask) {
-  if (mask.size() == 0) return true;
-  for (int y = window.y0; y < window.y0 + window_px; ++y) {
-    for (int x = window.x0; x < window.x0 + window_px; ++x) {
-      if (mask(x, y) == 0) return false;
-    }
-  }
-  return true;
-}
-
 // One frame's result, owning its field.
 struct Measured {
   CorrelatedFrame frame;
@@ -70,6 +60,7 @@ class Worker {
   Worker(const opencl::Engine& engine, const CorrelateOptions& options, const ClipInfo& clip)
       : engine_(engine.beside()),
         correlator_(dic::make_opencl_correlator(*engine_, options.field, kSlots)) {
+    engine_->stop_when(options.cancelled);
     if (options.motion == RegionMotion::kRegion) {
       frames_.emplace(*engine_, kSlots);
       registration_.emplace(*engine_, region_options(options, clip));
@@ -139,8 +130,40 @@ class RegionCorrelator {
     return options.workers > 0 ? options.workers : engine.device().is_gpu ? 2 : 1;
   }
 
-  // Sends the frame on its way and gives out the one before, measured; nullopt for the first.
+  // Sends the frame on its way and gives out the one before, measured; nullopt for the first, and
+  // from where the run is cancelled on.
   std::optional<Measured> take(FramePtr frame, std::int64_t index) {
+    return unless_stopped([&] { return next(std::move(frame), index); });
+  }
+  // The last one.
+  std::optional<Measured> end() {
+    return unless_stopped([&]() -> std::optional<Measured> {
+      if (!next_) return std::nullopt;
+      upload_.get();
+      const Task now = *std::exchange(next_, std::nullopt);
+      return measure(now);
+    });
+  }
+
+ private:
+  struct Task {
+    FramePtr frame;
+    std::int64_t index = 0;
+  };
+
+  template <typename Work>
+  std::optional<Measured> unless_stopped(const Work& work) {
+    stopped_ = stopped_ || (options_.cancelled && options_.cancelled());
+    if (stopped_) return std::nullopt;
+    try {
+      return work();
+    } catch (const opencl::Stopped&) {
+      stopped_ = true;
+      return std::nullopt;
+    }
+  }
+
+  std::optional<Measured> next(FramePtr frame, std::int64_t index) {
     if (next_) upload_.get();
     std::optional<Task> now = std::exchange(next_, Task{std::move(frame), index});
     const bool ahead = workers_.size() > 1;
@@ -154,19 +177,6 @@ class RegionCorrelator {
     if (!ahead) upload_next(std::launch::deferred);
     return out;
   }
-  // The last one.
-  std::optional<Measured> end() {
-    if (!next_) return std::nullopt;
-    upload_.get();
-    const Task now = *std::exchange(next_, std::nullopt);
-    return measure(now);
-  }
-
- private:
-  struct Task {
-    FramePtr frame;
-    std::int64_t index = 0;
-  };
 
   bool from_first() const { return options_.reference == ReferenceFrame::kFirst; }
   Worker& worker_of(std::int64_t index) {
@@ -308,6 +318,7 @@ class RegionCorrelator {
   dic::RigidMotion guess_;  // the last motion measured: where to look next
   double share_ = 0;        // of the windows with texture that agreed on the last motion
   int vain_searches_ = 0;   // since a motion was found
+  bool stopped_ = false;
 };
 
 // Has the correlator go on where an earlier run ended.
@@ -319,20 +330,6 @@ void take_up(RegionCorrelator& region, FrameSource& source, const CorrelateOptio
 }
 
 }  // namespace
-
-std::vector<Window> region_grid(const CorrelateOptions& options) {
-  std::vector<Window> windows =
-      dic::rectangle_grid(options.roi.x, options.roi.y, options.roi.width, options.roi.height,
-                          options.field.window_px, options.effective_spacing_px());
-  std::erase_if(windows, [&](const Window& window) {
-    return !on_surface(window, options.field.window_px, options.mask);
-  });
-  if (windows.empty()) {
-    throw InvalidArgument("no interrogation window fits into the region", "--roi, --mask, --window",
-                          "take a smaller window or a larger region");
-  }
-  return windows;
-}
 
 void correlate_clip(FrameSource& source, opencl::Engine& engine, const CorrelateOptions& options,
                     const CorrelateSink& sink, const ProgressFn& progress) {
@@ -354,7 +351,6 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   BatchReader reader(source, options.frames, first, whole, kBatch);
   const auto is_cancelled = [&] { return options.cancelled && options.cancelled(); };
   std::exception_ptr error;
-  bool stopped = false;
   std::int64_t done = first;
   const auto write = [&](Measured& measured) {
     const StageTimes::Scope timed(options.times, stages.write);
@@ -379,8 +375,6 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
                        if (error) return results;
                        error = batch->error;
                        for (std::size_t i = 0; i < batch->frames.size(); ++i) {
-                         stopped = stopped || is_cancelled();
-                         if (stopped) break;
                          auto measured =
                              region.take(FramePtr(batch, &batch->frames[i]),
                                          batch->first_index + static_cast<std::int64_t>(i));

@@ -165,7 +165,10 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       }));
     }
   }
-  for (auto& worker : opening) free_.push_back(workers_.emplace_back(worker.get()).get());
+  for (auto& worker : opening) {
+    free_.push_back(workers_.emplace_back(worker.get()).get());
+    workers_.back()->engine->stop_when([this] { return is_cancelled(); });
+  }
   // A batch that goes to its device in parts leaves no part there for later.
   for (const auto& worker : workers_) {
     if (worker->slots <= batch_) ahead_ = 1;
@@ -217,6 +220,15 @@ bool DeviceWorkers::is_cancelled() {
 }
 
 bool DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing) {
+  try {
+    return measure_parts(worker, batch, planning, placing);
+  } catch (const opencl::Stopped&) {
+    return false;
+  }
+}
+
+bool DeviceWorkers::measure_parts(Worker& worker, TrackBatch& batch, Turn& planning,
+                                  Turn& placing) {
   const std::size_t count = batch.frames.size();
   batch.pairs.resize(count);
   batch.measured.assign(count, false);

@@ -72,6 +72,7 @@ class DeviceWorkers {
   class Use;
   // False where the batch was dropped.
   bool measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
+  bool measure_parts(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
   bool is_cancelled();
   void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
   // Registers the batch's frames against keyframes as soon as it is known about where they are.

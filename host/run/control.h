@@ -25,12 +25,13 @@ class Caller {
     const std::lock_guard<std::mutex> lock(mutex_);
     control_.message({kind, std::move(text)});
   }
-  // Stays true once it is.
+  // Stays true once it is. Asked often, by threads that have work to do: while another talks to the
+  // caller it does not wait.
   bool cancelled() {
     if (!control_.cancelled) return false;
     if (!cancelled_) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (control_.cancelled()) cancelled_ = true;
+      const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+      if (lock && control_.cancelled()) cancelled_ = true;
     }
     return cancelled_;
   }

@@ -74,6 +74,34 @@ TEST(Engine, KeepsMemoryForTheNext) {
   EXPECT_GT(engine.memory().kept_bytes(), std::size_t{1} << 18);
 }
 
+TEST(Engine, StopsWhenItIsToldTo) {
+  const std::unique_ptr<opencl::Engine> engine = shared_engine().beside();
+  const cl::Kernel kernel = engine->kernel("frames/unpack.cl", "unpack", {{"PIXEL", "uchar"}});
+  bool stop = false;
+  engine->stop_when([&stop] { return stop; });
+  const auto launch = [&](opencl::Engine& one) {
+    one.launch(one.queue(), kernel, cl::NDRange(64), cl::NDRange(64));
+  };
+  EXPECT_THROW(launch(*engine), OpenClError);  // gets as far as the device: there are no arguments
+  stop = true;
+  EXPECT_THROW(launch(*engine), opencl::Stopped);
+  EXPECT_THROW(launch(shared_engine()), OpenClError);  // those beside it go on
+}
+
+TEST(Engine, AProcessorGetsAnEvenPartOfTheWork) {
+  const opencl::Engine& engine = shared_engine();
+  const std::size_t part = engine.at_once(1000000, 225);
+  if (engine.device().is_gpu) {
+    EXPECT_EQ(part, 1000000U);
+    return;
+  }
+  EXPECT_EQ(part % 2, 0U);
+  EXPECT_GT(part, 1000U);
+  EXPECT_LT(part, 10000U);
+  EXPECT_EQ(engine.at_once(3, 225), 3U);
+  EXPECT_EQ(engine.at_once(10, 1e9), 2U);
+}
+
 TEST(KernelSource, IncludesEachFileOnceWithLineNumbers) {
   const std::string source = opencl::kernel_source("frames/unpack.cl");
   EXPECT_NE(source.find("#line 1 \"kernels/config.h\""), std::string::npos);

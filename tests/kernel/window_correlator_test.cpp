@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
@@ -84,6 +88,28 @@ TEST_F(Follow, SearchesForWhatIsNotWhereItWasExpected) {
     EXPECT_NEAR(followed[i].v, kDy, 0.1) << i;
   }
   EXPECT_GT(found, grid_.size() * 9 / 10);
+}
+
+// A processor gets some thousands at a time: the bits are those of windows measured in any parts.
+TEST_F(Follow, ManyWindowsInPartsHaveTheSameBits) {
+  const double pixels = static_cast<double>(options().window_px) * options().window_px;
+  std::vector<Window> many;
+  while (many.size() < 6000) many.insert(many.end(), grid_.begin(), grid_.end());
+  if (!testing::shared_engine().device().is_gpu) {
+    ASSERT_LT(testing::shared_engine().at_once(many.size(), pixels), many.size());
+  }
+  const std::vector<WindowMotion> whole = windows_.find(frames_, many);
+  constexpr std::size_t kPart = 1000;
+  for (std::size_t first = 0; first < many.size(); first += kPart) {
+    const std::size_t count = std::min(kPart, many.size() - first);
+    const auto& part = windows_.find(frames_, std::span(many).subspan(first, count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const WindowMotion &a = part[i], &b = whole[first + i];
+      ASSERT_EQ(a.status, b.status) << first + i;
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(a.u), std::bit_cast<std::uint32_t>(b.u)) << first + i;
+      ASSERT_EQ(std::bit_cast<std::uint32_t>(a.v), std::bit_cast<std::uint32_t>(b.v)) << first + i;
+    }
+  }
 }
 
 TEST_F(Follow, EveryWindowNeedsASeed) {

@@ -160,22 +160,47 @@ def long_clip(film, count=100000):
         film, (count, *film.shape[1:]), (0, *film.strides[1:]), writeable=False)
 
 
-def test_ctrl_c_returns_what_was_measured(film):
-    seen = threading.Event()
-    pressed = []
+@pytest.fixture(scope="module")
+def large_picture():
+    return idic.synth(frames=1, radius_px=300, size=(1024, 1024), velocity_px=(0.7, -0.4))[0]
+
+
+def stopped(run):
+    """What run(see) returns, whose Ctrl-C is pressed a third of a second after see was called: then
+    work is under way. And the processor time until it came: a busy machine spends no more of it."""
+    seen, pressed = threading.Event(), []
 
     def press():
         seen.wait(60)
+        time.sleep(0.3)
         pressed.append(time.process_time())
         os.kill(os.getpid(), signal.SIGINT)
 
-    threading.Thread(target=press).start()
-    with pytest.warns(idic.ResultWarning, match="stopped"):
-        shot = idic.track(long_clip(film[0]), on_frame=lambda *_: seen.set())
-    spent = time.process_time() - pressed[0]
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background
+    try:
+        threading.Thread(target=press).start()
+        with pytest.warns(idic.ResultWarning, match="stopped"):
+            result = run(lambda *_: seen.set())
+    finally:
+        signal.signal(signal.SIGINT, before)
+    return result, time.process_time() - pressed[0]
+
+
+@pytest.mark.parametrize("size", [128, 1024])
+def test_ctrl_c_returns_what_was_measured(film, large_picture, size):
+    pictures = film[0] if size == 128 else large_picture
+    clip = long_clip(pictures)
+    shot, spent = stopped(lambda see: idic.track(clip, on_frame=see))
     assert shot.cancelled and 0 < len(shot.track) < 100000
     assert shot.track["status"].iloc[0] == "ok"
-    assert spent < 1, spent  # s of processor time: a busy machine spends no more of it
+    assert spent < 1, spent  # s
+
+
+def test_ctrl_c_stops_correlate(large_picture):
+    clip = long_clip(large_picture)
+    field, spent = stopped(lambda see: idic.correlate(clip, progress=see, spacing=5))
+    assert 0 < field.sizes["time"] < 100000
+    assert spent < 1, spent  # s
 
 
 def test_a_handler_that_raises_is_heard(film):

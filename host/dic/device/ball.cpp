@@ -133,10 +133,10 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
   const SplineFrames& splines =
       frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
   if (mask_.size() == 0) write_mask(splines);
-  tasks_.reserve(engine_, tasks.size());
-  motions_.reserve(engine_, tasks.size());
-  opencl::Settled settled(engine_);
-  tasks_.write_later(engine_, tasks);
+  const double each = pixels / static_cast<double>(tasks.size());
+  const std::size_t most = engine_.at_once(tasks.size(), each);
+  tasks_.reserve(engine_, most);
+  motions_.reserve(engine_, most);
   BallLimits limits{};
   limits.width = splines.width();
   limits.height = splines.height();
@@ -153,12 +153,18 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
                         smooth_taps_.get(), noise_, mask_.get());
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double taps = options_.spline_degree + 1.0, columns = 5.0 + parameters(options_.model);
-  // Four steps are typical.
-  engine_.launch(engine_.queue(), compiled, cl::NDRange(tasks.size() * group), cl::NDRange(group),
-                 {pixels * 16, pixels * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
   std::vector<BallMotion> motions(tasks.size());
-  motions_.read(engine_, motions);
-  settled.done();
+  for (std::size_t first = 0; first < tasks.size(); first += most) {
+    const std::size_t count = std::min(most, tasks.size() - first);
+    const double area = each * static_cast<double>(count);
+    opencl::Settled settled(engine_);
+    tasks_.write_later(engine_, tasks.subspan(first, count));
+    // Four steps are typical.
+    engine_.launch(engine_.queue(), compiled, cl::NDRange(count * group), cl::NDRange(group),
+                   {area * 16, area * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});
+    motions_.read(engine_, std::span(motions).subspan(first, count));
+    settled.done();
+  }
   return motions;
 }
 
