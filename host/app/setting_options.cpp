@@ -19,7 +19,7 @@ std::map<std::string, CLI::Validator> checks() {
       {"distance-mm", positive_number()},
       {"distance-sd-mm", positive_number()},
       {"slow-motion", non_negative_number()},
-      {"arrow-scale", positive_number()},
+      {"arrow-scale", non_negative_number()},
       {"compress", CLI::Range(0, 9)},
       {"fps", positive_number()},
       {"max-megapixels", positive_number()},

@@ -199,8 +199,8 @@ void TrackFolder::validate() const {
     throw InvalidArgument("must be 0 or more, not " + shortest(overlay.slow_motion),
                           "--slow-motion");
   }
-  if (!(overlay.arrow_scale > 0) || !std::isfinite(overlay.arrow_scale)) {
-    throw InvalidArgument("must be positive, not " + shortest(overlay.arrow_scale),
+  if (!(overlay.arrow_scale >= 0) || !std::isfinite(overlay.arrow_scale)) {
+    throw InvalidArgument("must be 0 or more, not " + shortest(overlay.arrow_scale),
                           "--arrow-scale");
   }
 }

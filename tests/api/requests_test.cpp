@@ -114,7 +114,7 @@ TEST(Requests, FoldersCorrelateBatchAndSessionsDoToo) {
   expect_refused<T>(
       folder, [](T& f) { f.overlay.slow_motion = -1; }, "--slow-motion");
   expect_refused<T>(
-      folder, [](T& f) { f.overlay.arrow_scale = 0; }, "--arrow-scale");
+      folder, [](T& f) { f.overlay.arrow_scale = -1; }, "--arrow-scale");
 
   CorrelateRequest correlate;
   correlate.clip.paths = {"plate.tif"};

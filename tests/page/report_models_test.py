@@ -48,6 +48,10 @@ class Simulated(unittest.TestCase):
         parts = energy.panels[0].series
         total = sum(series.y for series in parts[:-1])
         np.testing.assert_allclose(total, parts[-1].y, rtol=1e-6)
+        report = Report(result.folder, None)
+        report.gather()
+        self.assertRegex(report.first.sentence, r"^in 2\.00 m/s → out 1\.7\d m/s, spin 0 → \d+ rpm, "
+                                                r"e 0\.8\d+, contact 6\.\d\d ms$")
 
     def test_phases_of_the_friction_are_shaded(self):
         result = self.simulate("wood_20_three_phase.toml", "wood")

@@ -137,7 +137,8 @@ class Figures(unittest.TestCase):
         numbers = ("windows used", )  # have none
         for made in self.made.values():
             for panel in made.panels:
-                for label in {panel.x_label, panel.y_label}.difference(numbers):
+                x_label = set() if panel.x_names else {panel.x_label}
+                for label in (x_label | {panel.y_label}).difference(numbers):
                     self.assertRegex(label, r", \S+$")
 
     def test_force_in_newtons_where_the_mass_is_known(self):
@@ -167,6 +168,7 @@ class Figures(unittest.TestCase):
         np.testing.assert_allclose(x, [1, 4, 3, 4, 3, np.nan])
         np.testing.assert_allclose(y, [2, 2, 1.5, 2, 2.5, np.nan])
         self.assertEqual([figure.round_below(v) for v in (0.3, 1, 7, 49)], [0.2, 1, 5, 20])
+        self.assertEqual([figure.one_digit_below(v) for v in (1, 3.96, 49)], [1, 3, 40])
 
     def test_first_screen_says_what_happened(self):
         summary = impactdic.load(self.folder).summary
@@ -279,7 +281,15 @@ parameters = ["stiffness_n_per_m", "damping_n_s_per_m"]
         self.assertEqual([f["moment"] for f in frames], ["before", "during", "after"])
         made = {f.name: f for f in shot.figures(impactdic.load(self.folder / "shot"))}["frames"]
         self.assertEqual(len(made.panels), 6)
-        self.assertEqual(made.panels[3].reference.text, "2 m/s")  # of 4 m/s at most
+        self.assertEqual(made.panels[3].reference.text, "3 m/s")  # below 4 m/s
+        squeezed = made.panels[4]  # its white surface reaches as far as its outline
+        y, x = np.nonzero(squeezed.picture.grey == 255)
+        outline = squeezed.series[0]
+        self.assertEqual(outline.name, "ellipse")
+        for angle in np.radians([0, 45, 90, 135, 180, 225, 270, 315]):
+            white, drawn = (np.max(np.cos(angle) * px + np.sin(angle) * py) for px, py in (
+                (x + squeezed.picture.x_px, y + squeezed.picture.y_px), (outline.x, outline.y)))
+            self.assertAlmostEqual(white, drawn, delta=1.2)  # px; pixels are whole
         arrows = next(s for s in made.panels[3].series if s.kind == "arrows")
         down = np.nanmedian(arrows.y[1::3] - arrows.y[0::3])
         self.assertGreater(down, 3)  # towards the racket, y down, drawn longer than it is

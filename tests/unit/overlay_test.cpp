@@ -102,6 +102,24 @@ TEST(Overlay, ArrowsAreAsLongAsTheyAreScaled) {
   EXPECT_LT(at(made, 145, 100).brightness(), 40);
 }
 
+TEST(Overlay, TheFirstMotionSetsTheScaleOfArrows) {
+  TrackRow row = ball(100, 100, 60);
+  OverlayPainter painter(0, 0, 0);
+  painter.paint(frame_of(200, 0), row, {}, {}, 15);  // no motion yet
+  row.motion_ok = true;
+  row.dx_px = 1.7;
+  row.dy_px = 0;
+  const ColourPicture made = painter.paint(frame_of(200, 0), row, {}, {}, 15);
+  EXPECT_EQ(painter.arrow_scale(), 10);  // 0.3 · 60 px over 1.7 px, rounded to 1, 2 or 5
+  EXPECT_GT(at(made, 115, 100).brightness(), 60);
+  EXPECT_LT(at(made, 121, 100).brightness(), 40);
+  row.dx_px = 0.1;
+  painter.paint(frame_of(200, 0), row, {}, {}, 15);
+  EXPECT_EQ(painter.arrow_scale(), 10);  // once and for all
+  const std::vector<TrackRow> earlier = {row};
+  EXPECT_EQ(OverlayPainter(0, 0, 0, earlier).arrow_scale(), 20);  // a ball at rest: no more
+}
+
 TEST(Overlay, ManyWindowsAreThinned) {
   std::vector<Window> windows;
   std::vector<WindowMotion> field;

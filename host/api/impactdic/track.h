@@ -252,7 +252,7 @@ void track(const TrackRequest& request, Session& session, const RunControl& cont
 struct OverlayOptions {
   bool wanted = false;
   double slow_motion = 0;  // how many times slower than life the video plays; 0: 25 frames/s
-  double arrow_scale = 5;  // of displacements
+  double arrow_scale = 0;  // of displacements; 0: by the ball's first motion
 };
 
 // What `track_to_folder` writes, and how.

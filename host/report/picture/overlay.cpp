@@ -19,6 +19,10 @@ const cv::Scalar kCircleColour(0, 94, 255), kPathColour(233, 180, 86), kArrowCol
 constexpr double kMostArrows = 150;
 constexpr int kMargin = 4;
 constexpr double kPathStep = 0.5;  // px between points of the path
+// Of arrows whose scale the first motion sets: of a ball that hardly moves, or moves by more than
+// its radius; and before there is any.
+constexpr double kLargestScale = 20, kSmallestScale = 1, kUsualScale = 5;
+constexpr double kFirstArrow = 0.3;  // of the radius
 
 cv::Mat to_colour(const Frame& frame) {
   cv::Mat grey(frame.height(), frame.width(), CV_8U);
@@ -92,11 +96,18 @@ std::string with_unit(double value, const char* unit) {
 OverlayPainter::OverlayPainter(double arrow_scale, int origin_x, int origin_y,
                                std::span<const TrackRow> earlier)
     : arrow_scale_(arrow_scale), origin_x_(origin_x), origin_y_(origin_y) {
-  for (const TrackRow& row : earlier) add_to_path(row);
+  for (const TrackRow& row : earlier) note(row);
 }
 
-void OverlayPainter::add_to_path(const TrackRow& row) {
+double OverlayPainter::arrow_scale() const { return arrow_scale_ > 0 ? arrow_scale_ : kUsualScale; }
+
+void OverlayPainter::note(const TrackRow& row) {
   if (!row.circle_ok) return;
+  if (!(arrow_scale_ > 0) && row.motion_ok) {
+    const double least = kFirstArrow * row.r_px / kLargestScale;
+    const double moved = std::max(std::hypot(row.dx_px, row.dy_px), least);
+    arrow_scale_ = std::max(kSmallestScale, round_below(kFirstArrow * row.r_px / moved));
+  }
   const Point at{row.cx_px - origin_x_, row.cy_px - origin_y_};
   // A ball that rests would make the path as long as the clip.
   if (!trajectory_.empty() &&
@@ -109,14 +120,15 @@ void OverlayPainter::add_to_path(const TrackRow& row) {
 ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
                                     std::span<const Window> windows,
                                     std::span<const WindowMotion> field, int window_px) {
+  note(row);
   cv::Mat picture = to_colour(frame);
   Brush brush(picture);
+  const double scale = arrow_scale();
   const double half = (window_px - 1) / 2.0;
   for (const std::size_t i : drawn_windows(windows, field)) {
     const PicturePoint at{windows[i].x0 + half - origin_x_, windows[i].y0 + half - origin_y_};
-    brush.arrow(at, arrow_scale_ * field[i].u, arrow_scale_ * field[i].v, kArrowColour);
+    brush.arrow(at, scale * field[i].u, scale * field[i].v, kArrowColour);
   }
-  add_to_path(row);
   std::vector<PicturePoint> path;
   for (const Point& point : trajectory_) path.push_back({point.x, point.y});
   const PicturePoint centre{row.cx_px - origin_x_, row.cy_px - origin_y_};
@@ -131,7 +143,7 @@ ColourPicture OverlayPainter::paint(const Frame& frame, const TrackRow& row,
   brush.path(path, kPathColour);
   if (row.circle_ok) brush.dot(centre, kCircleColour);
   if (row.motion_ok) {
-    brush.arrow(centre, arrow_scale_ * row.dx_px, arrow_scale_ * row.dy_px, kMotionColour, 2);
+    brush.arrow(centre, scale * row.dx_px, scale * row.dy_px, kMotionColour, 2);
   }
   const char* by_hand = row.by_hand == ByHand::kNo ? "" : ", by hand";
   brush.text("frame " + std::to_string(row.frame) + "  " + to_string(row.status) + by_hand,

@@ -23,8 +23,9 @@ struct ColourPicture {
 
 class OverlayPainter {
  public:
-  // Arrows are `arrow_scale` times the displacement to the next frame. `earlier`: rows of frames
-  // that were painted by another run, for the trajectory.
+  // Arrows are `arrow_scale` times the displacement to the next frame; 0: so many times that the
+  // ball's first motion gets an arrow of up to three tenths of its radius. `earlier`: rows of
+  // frames that were painted by another run, for the trajectory and the scale.
   explicit OverlayPainter(double arrow_scale, int origin_x, int origin_y,
                           std::span<const TrackRow> earlier = {});
 
@@ -34,14 +35,15 @@ class OverlayPainter {
   // second, third, … one along both axes, so that arrows can be told apart.
   ColourPicture paint(const Frame& frame, const TrackRow& row, std::span<const Window> windows,
                       std::span<const WindowMotion> field, int window_px);
+  double arrow_scale() const;
 
  private:
   struct Point {
     double x, y;
   };
-  void add_to_path(const TrackRow& row);
+  void note(const TrackRow& row);
 
-  double arrow_scale_;
+  double arrow_scale_;  // 0: not known yet
   int origin_x_, origin_y_;
   std::vector<Point> trajectory_;
 };

@@ -119,7 +119,7 @@ void OverlayFiles::add(const pipeline::TrackedFrame& frame, int window_px) {
 void OverlayFiles::finish(const TrackResult& result) const {
   const std::vector<TrackRow>& rows = result.rows;
   const Playback play = playback(options_, result.scale.fps);
-  PictureScale scale{1e3 * result.scale.metre_per_px, 0, options_.arrow_scale};
+  PictureScale scale{1e3 * result.scale.metre_per_px, 0, painter_.arrow_scale()};
   scale.m_s_per_px = result.scale.metre_per_px * result.scale.fps;
   Video video(folder_ / "overlay.mp4", play.rate);
   for (std::size_t i = 0; i < rows.size(); ++i) {

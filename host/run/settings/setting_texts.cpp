@@ -43,7 +43,9 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"overlay", "Annotated frames as PNGs and as MP4: circle, path, arrows, phase, spin"},
     {"slow-motion",
      "How many times slower than life the overlay's video plays; 0: every frame, 25 a second"},
-    {"arrow-scale", "Length of the overlay's arrows over the displacement to the next frame"},
+    {"arrow-scale",
+     "Length of the overlay's arrows over the displacement to the next frame; 0: by the ball's "
+     "first motion"},
     {"window", "Side of an interrogation window, px"},
     {"spacing", "Distance of the windows' centres, px; 0 is half a window"},
     {"search", "Largest displacement searched about the expected one, px each way"},

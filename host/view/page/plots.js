@@ -69,8 +69,8 @@ function phases(track, summary) {
   const part = (from, to, fillcolor, name) => ({type: "rect", xref: "x", yref: "paper", y0: 0, y1: 1, x0: place(from),
     x1: place(to), fillcolor, line: {width: 0}, layer: "below", name});
   const middle = impact.t_max_compression?.frame ?? impact.t_end.frame;
-  return [part(impact.t0.frame, middle, "rgba(230,159,0,.22)", "compression"),
-          part(middle, impact.t_end.frame, "rgba(0,114,178,.14)", "restitution")];
+  return [part(impact.t0.frame, middle, "rgba(0,114,178,.14)", "compression"),
+          part(middle, impact.t_end.frame, "rgba(230,159,0,.22)", "restitution")];
 }
 
 export const axis = title => ({title: {text: title, font: {size: 12}}, zeroline: false, gridcolor: "#e8e8e8", automargin: true});

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import MissingPackage, ResultError
 from ..results import load, read_table, shots_of
-from .first import First, sentence_of_shots
+from .first import First, sentence_of_shots, sentence_of_simulated
 
 
 # Modules, and Debian's packages of them.
@@ -143,6 +143,8 @@ class Report:
         result = load(folder)
         self.tables += tables.model_tables(result)
         self.warnings += tables.fit_warnings(result.summary)
+        if not self.first.sentence:
+            self.first.sentence = sentence_of_simulated(result.summary)
         if not self.subtitle:
             self.subtitle = f"Results of impactdic {models.kind_of(folder)}."
 

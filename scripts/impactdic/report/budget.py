@@ -19,21 +19,24 @@ SOURCES = {
 
 
 def headline(impact):
-    """(name, figure) of each figure that states what its deviation is made of."""
+    """(name, figure, factor, unit) of each figure that states what its deviation is made of: times
+    the factor it is in the unit."""
     before, after = impact.get("before") or {}, impact.get("after") or {}
     friction = impact.get("friction") or {}
+    si = impact.get("units") == "si"
+    speed, turn = ("m_s", "rad_s") if si else ("px_per_frame", "rad_per_frame")
     named = [
-        (f"{name} {side}", flight.get(f"{key}_m_s") or flight.get(f"{key}_px_per_frame"))
+        (f"{name} {side}", flight.get(f"{name}_{speed}"), 1, "m/s" if si else "px/frame")
         for side, flight in (("before", before), ("after", after))
-        for name, key in (("vt", "vt"), ("vn", "vn"))
+        for name in ("vt", "vn")
     ] + [
-        ("spin after", after.get("omega_rad_s") or after.get("omega_rad_per_frame")),
-        ("restitution", impact.get("restitution")),
-        ("friction", friction.get("gravity_corrected")),
-        ("contact time", impact.get("contact_s")),
-        ("deflection", impact.get("max_deflection_m")),
+        ("spin after", after.get(f"omega_{turn}"), 1, "rad/s" if si else "rad/frame"),
+        ("restitution", impact.get("restitution"), 1, ""),
+        ("friction", friction.get("gravity_corrected"), 1, ""),
+        ("contact time", impact.get("contact_s"), 1e3, "ms"),
+        ("deflection", impact.get("max_deflection_m"), 1e3, "mm"),
     ]
-    return [(name, figure) for name, figure in named if figure and figure.get("sd_parts")]
+    return [one for one in named if one[1] and one[1].get("sd_parts")]
 
 
 def shares(figure):
@@ -46,9 +49,9 @@ def shares(figure):
 def rows(impact):
     """A row a figure: its name, its deviation and the share of each source."""
     return [
-        [name, f"{figure['sd']:.2g}"]
+        [name, f"{factor * figure['sd']:#.2g} {unit}".strip()]
         + [f"{shares(figure).get(source, 0):.0f} %" for source in SOURCES]
-        for name, figure in headline(impact)
+        for name, figure, factor, unit in headline(impact)
     ]
 
 
@@ -57,20 +60,20 @@ def figure(impact):
     named = headline(impact or {})
     if not named:
         return None
-    places = np.arange(1.0, len(named) + 1)
+    names = [one[0] for one in named]
+    places = np.arange(float(len(named)))
     series = []
     for k, (source, name) in enumerate(SOURCES.items()):
-        share = np.array([shares(one).get(source, 0.0) for _, one in named])
+        share = np.array([shares(one).get(source, 0.0) for _, one, _, _ in named])
         if share.any():
-            labels = [f"{what}: {part:.1f} % {name}" for (what, _), part in zip(named, share)]
+            labels = [f"{what}: {part:.1f} % {name}" for what, part in zip(names, share)]
             series.append(Series(name, places, share, colour=COLOURS[k], kind="markers",
                                  marker=MARKERS[k], labels=labels))
-    names = "; ".join(f"{i} {name}" for i, (name, _) in enumerate(named, 1))
     return Figure(
         "budget",
         "What the deviations are made of",
-        f"Shares of the variance. {names}. Type A is evaluated from scatter, the others are not "
+        "Shares of the variance. Type A is evaluated from scatter, the others are not "
         "(JCGM 100:2008).",
-        [Panel("", "figure, number", "share of the variance, %", series, from_zero=True)],
+        [Panel("", "", "share of the variance, %", series, from_zero=True, x_names=names)],
         "Quality",
     )

@@ -15,7 +15,7 @@ from .figure import (
     Series,
     Surface,
     arrow_pairs,
-    round_below,
+    one_digit_below,
     thinned,
 )
 from .first import ENOUGH, First, Light, texture_light
@@ -175,8 +175,8 @@ def displacement(field):
     panels = [_map(field, "u, to the right", u, "u, px"), _map(field, "v, downwards", v, "v, px"),
               _map(field, "length and direction", length, "displacement, px", [arrows])]
     if panels[2] is not None and np.max(length) > 0:
-        known = round_below(np.max(length))
-        panels[2].reference = Reference(np.min(x), np.max(y) + 0.06 * width, factor * known,
+        known = one_digit_below(np.max(length))
+        panels[2].reference = Reference(np.min(x), np.max(y) + 0.14 * width, factor * known,
                                         f"{known:g} px")
     since = "the frame before" if field.step_wise else "the reference"
     return _figure("displacement_field", f"Displacement in frame {field.shown}",

@@ -113,7 +113,8 @@ def _draw_panel(axis, panel):
     if panel.log_y:
         axis.set_yscale("log")
     if panel.x_names is not None:
-        axis.set_xticks(range(len(panel.x_names)), panel.x_names)
+        many = {"rotation": 30, "ha": "right"} if len(panel.x_names) > 6 else {}
+        axis.set_xticks(range(len(panel.x_names)), panel.x_names, **many)
     if panel.from_zero:
         axis.set_ylim(bottom=0)
 

@@ -122,6 +122,12 @@ def thinned(x, y, most):
     return np.isin(x, np.unique(x)[::every]) & np.isin(y, np.unique(y)[::every])
 
 
+def one_digit_below(value):
+    """The number of one digit at or below `value`."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return power * np.floor(value / power * 1.0001)
+
+
 def round_below(value):
     """The 1, 2 or 5 times a power of ten at or below `value`."""
     power = 10.0 ** np.floor(np.log10(value))

@@ -69,7 +69,7 @@ def sentence(summary):
     speeds = [_speed(impact.get(side), si) for side in ("before", "after")]
     if None not in speeds:
         unit = "m/s" if si else "px/frame"
-        parts.append(f"in {_short(speeds[0])} {unit} → out {_short(speeds[1])} {unit}")
+        parts.append(f"in {short(speeds[0])} {unit} → out {short(speeds[1])} {unit}")
     turns = [_value((impact.get(side) or {}).get("omega_rad_s" if si else "omega_rad_per_frame"))
              for side in ("before", "after")]
     if None not in turns:
@@ -79,8 +79,27 @@ def sentence(summary):
         parts.append(f"e {with_sd(impact['restitution'])}")
     contact = _value(impact.get("contact_s"))
     if contact is not None:
-        parts.append(f"contact {_short(1e3 * contact)} ms")
+        parts.append(f"contact {short(1e3 * contact)} ms")
     return ", ".join(parts) or str(impact.get("explanation") or impact.get("status"))
+
+
+def sentence_of_simulated(summary):
+    """The same of an impact that `simulate` integrated; "" where it has none (a formula, an older
+    file)."""
+    start, final = summary.get("start") or {}, summary.get("final") or {}
+    names = ("vt_m_s", "vn_m_s", "omega_rad_s")
+    if any(side.get(name) is None for side in (start, final) for name in names):
+        return ""
+    speeds = [math.hypot(side["vt_m_s"], side["vn_m_s"], side.get("vb_m_s") or 0.0)
+              for side in (start, final)]
+    turns = [_turn(RPM * side["omega_rad_s"], True) for side in (start, final)]
+    parts = [f"in {short(speeds[0])} m/s → out {short(speeds[1])} m/s",
+             "spin " + " → ".join(turns) + " rpm"]
+    if summary.get("restitution") is not None:
+        parts.append(f"e {summary['restitution']:.4g}")
+    if summary.get("contact_s") is not None:
+        parts.append(f"contact {short(1e3 * summary['contact_s'])} ms")
+    return ", ".join(parts)
 
 
 def lights(summary):
@@ -157,7 +176,7 @@ def _speed(side, si):
     return None if None in parts else math.hypot(*parts)
 
 
-def _short(value):
+def short(value):
     """Three digits, zeros among them."""
     return f"{value:#.3g}".rstrip(".") if abs(value) < 999.5 else f"{value:.0f}"
 

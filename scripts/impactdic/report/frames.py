@@ -15,6 +15,7 @@ from .figure import (
     Reference,
     Series,
     arrow_pairs,
+    one_digit_below,
     round_below,
     thinned,
 )
@@ -75,6 +76,8 @@ def _key_picture(shot, frame, grey):
     motion = [float(shot.track[key][row]) for key in ("dx_px", "dy_px")]
     factor = _motion_factor(shot)
     moving = np.isfinite(motion).all() and np.hypot(*motion) > 0
+    if moving:  # what the arrow stands for
+        title += f", {first.short(np.hypot(*motion) * _speed_per_px(shot))} {shot.speed}"
     bar = None
     if shot.si:
         length = round_below(0.3 * width * shot.mm_per_px)
@@ -189,19 +192,26 @@ def _velocity_field(shot, frame, grey, factor):
 
 
 def _white_ball(shot, frame, grey, row):
-    cx, cy, r = (shot.track[key][row] for key in ("cx_px", "cy_px", "r_px"))
+    shape = shape_of(shot, row)
     y, x = np.indices(grey.shape)
-    inside = np.hypot(x + frame["x_px"] - cx, y + frame["y_px"] - cy) <= r
+    x, y = x + frame["x_px"] - shape.x, y + frame["y_px"] - shape.y
+    c, s = np.cos(shape.angle), np.sin(shape.angle)
+    inside = np.hypot((c * x + s * y) / shape.long, (c * y - s * x) / shape.short) <= 1
     return np.where(inside, np.uint8(255), grey)
 
 
 def _reference(shot, frame, grey, factor):
-    """In the picture's lower left corner: the round speed below the fastest of the clip."""
+    """In the picture's lower left corner: the speed of one digit below the fastest of the clip."""
     height, width = grey.shape
-    per_px = 1e-3 * shot.mm_per_px * shot.per_second if shot.si else 1.0
-    speed = round_below(_fastest(shot) * per_px)
+    per_px = _speed_per_px(shot)
+    speed = one_digit_below(_fastest(shot) * per_px)
     return Reference(frame["x_px"] + 0.04 * width, frame["y_px"] + 0.95 * height,
                      factor * speed / per_px, f"{speed:g} {shot.speed}")
+
+
+def _speed_per_px(shot):
+    """Of a motion from frame to frame, in the shot's unit."""
+    return 1e-3 * shot.mm_per_px * shot.per_second if shot.si else 1.0
 
 
 def _arrow_factor(shot):
