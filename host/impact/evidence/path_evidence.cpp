@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/base/parallel.h"
 #include "host/base/statistics.h"
 
 namespace impactdic::impact {
@@ -185,10 +186,11 @@ double legendre(int degree, double x) {
 double cubic_b_spline(double x) {
   x = std::abs(x);
   if (x >= 2) return 0;
-  return x >= 1 ? std::pow(2 - x, 3) / 6 : 2.0 / 3 - x * x + x * x * x / 2;
+  return x >= 1 ? (2 - x) * (2 - x) * (2 - x) / 6 : 2.0 / 3 - x * x + x * x * x / 2;
 }
 
-double positive_power(double x, int power) { return x > 0 ? std::pow(x, power) : 0; }
+double positive_square(double x) { return x > 0 ? x * x : 0; }
+double positive_cube(double x) { return x > 0 ? x * x * x : 0; }
 
 class Paths {
  public:
@@ -228,7 +230,7 @@ class Paths {
 
   Basis released(double at) const {
     Basis basis = polynomial(2);
-    basis.emplace_back([at](double t) { return positive_power(t - at, 2); });
+    basis.emplace_back([at](double t) { return positive_square(t - at); });
     return basis;
   }
 
@@ -242,8 +244,8 @@ class Paths {
       const double from = first + n * width;
       basis.emplace_back([=](double t) {
         const double x = (t - from) / width;
-        if (constant) return positive_power(x, 2) - positive_power(x - 1, 2);
-        return positive_power(x, 3) - 2 * positive_power(x - 1, 3) + positive_power(x - 2, 3);
+        if (constant) return positive_square(x) - positive_square(x - 1);
+        return positive_cube(x) - 2 * positive_cube(x - 1) + positive_cube(x - 2);
       });
     }
     return basis;
@@ -272,28 +274,31 @@ class Paths {
   double middle_, half_;
 };
 
+// Of paths with an acceleration in the contact, the one that describes the samples best.
 PathFit best_broken(const Paths& paths, const PathFits& fits, const PathSpan& span) {
-  PathFit best;
+  std::vector<std::pair<Basis, int>> tried;  // with its unknowns beside the factors
   const double length = static_cast<double>(span.last - span.first);
   for (const double more : {std::max(0.5, length / 20), std::max(1.5, length / 5)}) {
     for (int pieces = 1; pieces <= 32 && (pieces == 1 || pieces <= length + 2 * more);
          pieces *= 2) {
       for (const bool constant : {true, false}) {
         if (!constant && pieces == 1) continue;
-        PathFit fit = fits.fit(paths.broken(pieces, more, constant));
-        if (fit.score < best.score) best = std::move(fit);
+        tried.emplace_back(paths.broken(pieces, more, constant), 0);
       }
     }
   }
   for (const double first : {-0.1, 0.0, 0.1, 0.2}) {
     for (const double last : {-0.2, -0.1, 0.0, 0.1}) {
-      PathFit fit = fits.fit(paths.pulse(static_cast<double>(span.first) + first * length,
-                                         static_cast<double>(span.last) + last * length + 1e-3),
-                             2);
-      if (fit.score < best.score) best = std::move(fit);
+      tried.emplace_back(paths.pulse(static_cast<double>(span.first) + first * length,
+                                     static_cast<double>(span.last) + last * length + 1e-3),
+                         2);
     }
   }
-  return best;
+  std::vector<PathFit> found(tried.size());
+  parallel_for(tried.size(), 0,
+               [&](std::size_t i) { found[i] = fits.fit(tried[i].first, tried[i].second); });
+  return *std::min_element(found.begin(), found.end(),
+                           [](const PathFit& a, const PathFit& b) { return a.score < b.score; });
 }
 
 // The least value of `score` near its least on a grid, by golden section (Kiefer 1953).
@@ -301,12 +306,10 @@ template <typename Score>
 double least(const std::vector<double>& grid, const Score& score) {
   constexpr double kGolden = 0.6180339887498949;
   constexpr int kRounds = 24;
-  std::size_t at = 0;
-  double best = kInfinite;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    const double found = score(grid[i]);
-    if (found < best) best = found, at = i;
-  }
+  std::vector<double> found(grid.size());
+  parallel_for(grid.size(), 0, [&](std::size_t i) { found[i] = score(grid[i]); });
+  const auto at =
+      static_cast<std::size_t>(std::min_element(found.begin(), found.end()) - found.begin());
   double low = grid[at - std::min<std::size_t>(at, 1)];
   double high = grid[std::min(at + 1, grid.size() - 1)];
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
@@ -318,7 +321,7 @@ double least(const std::vector<double>& grid, const Score& score) {
       low = a, a = b, at_a = at_b, b = low + kGolden * (high - low), at_b = score(b);
     }
   }
-  return std::min({best, at_a, at_b});
+  return std::min({found[at], at_a, at_b});
 }
 
 // From a sixth of a turn in the span to four turns.
@@ -342,19 +345,23 @@ double best_release(const Paths& paths, const PathFits& fits, const PathSpan& sp
   return least(grid, [&](double at) { return fits.fit(paths.released(at), 1).score; });
 }
 
+// The least score of all paths without a contact.
 double best_smooth(const Paths& paths, const PathFits& fits, const PathSpan& span) {
   constexpr int kHighestDegree = 9, kMostPieces = 16, kMostHarmonics = 4;
-  double best = best_release(paths, fits, span);
-  for (int degree = 2; degree <= kHighestDegree; ++degree) {
-    best = std::min(best, fits.fit(paths.polynomial(degree)).score);
+  std::vector<std::function<double()>> families;
+  for (int harmonics = kMostHarmonics; harmonics >= 1; --harmonics) {  // those that last first
+    families.emplace_back([&, harmonics] { return best_circle(paths, fits, harmonics); });
   }
+  families.emplace_back([&] { return best_release(paths, fits, span); });
   for (int pieces = 4; pieces <= kMostPieces && 4 * pieces <= paths.frames(); pieces *= 2) {
-    best = std::min(best, fits.fit(paths.spline(pieces)).score);
+    families.emplace_back([&, pieces] { return fits.fit(paths.spline(pieces)).score; });
   }
-  for (int harmonics = 1; harmonics <= kMostHarmonics; ++harmonics) {
-    best = std::min(best, best_circle(paths, fits, harmonics));
+  for (int degree = 2; degree <= kHighestDegree; ++degree) {
+    families.emplace_back([&, degree] { return fits.fit(paths.polynomial(degree)).score; });
   }
-  return best;
+  std::vector<double> scores(families.size());
+  parallel_for(families.size(), 0, [&](std::size_t i) { scores[i] = families[i](); });
+  return *std::min_element(scores.begin(), scores.end());
 }
 
 }  // namespace
