@@ -65,11 +65,13 @@
 #endif
 
 // rigid.cl, of a sphere: 1 where its radius is a parameter more.
-#ifndef SHAPED
-#define SHAPED 0
-#endif
 #ifndef FREE_RADIUS
 #define FREE_RADIUS 0
+#endif
+
+// rigid.cl, of a sphere: 1 where it is seen in perspective or out of round.
+#ifndef SHAPED
+#define SHAPED 0
 #endif
 
 // rigid.cl: taps on each side of its middle of the Gaussian that both pictures went through.
