@@ -80,19 +80,24 @@ void add_depth(const ImpactFigures& figures, std::int64_t frame, SiRow& si) {
 }  // namespace
 
 SiRow to_si(const TrackResult& result, std::size_t row) {
-  const TrackRow& seen = result.camera ? result.camera->rows[row] : result.rows[row];
+  return to_si(result, result.rows[row], row);
+}
+
+SiRow to_si(const TrackResult& result, const TrackRow& row, std::size_t i) {
+  const TrackRow& seen = result.camera ? result.camera->rows[i] : row;
   SiRow si = to_si(seen, result.scale);
   add_depth(result.impact_si, seen.frame, si);
   if (!result.camera) return si;
-  const CameraRowSd& part = result.camera->row_sd[row];
+  const CameraRowSd& part = result.camera->row_sd[i];
   si.vx_sd_m_s = std::hypot(si.vx_sd_m_s, part.vx_m_s);
   si.vy_sd_m_s = std::hypot(si.vy_sd_m_s, part.vy_m_s);
   si.omega_sd_rad_s = std::hypot(si.omega_sd_rad_s, part.omega_rad_s);
   return si;
 }
 
-std::optional<double> median_radius_px(const std::vector<TrackRow>& rows) {
+std::optional<double> median_radius_px(const TrackRows& rows) {
   std::vector<double> radii;
+  radii.reserve(rows.size());
   for (const TrackRow& row : rows) {
     if (row.circle_ok) radii.push_back(row.r_px);
   }

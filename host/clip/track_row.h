@@ -3,12 +3,18 @@
 
 #include <impactdic/track.h>
 
+#include <cstddef>
 #include <optional>
-#include <vector>
+
+#include "host/clip/track_rows.h"
 
 namespace impactdic {
 
+// The row `i` of a track, `row` as it was measured: with its camera's correction and the depth of
+// its flight. to_si(result, i) where `result` does not hold its rows.
+SiRow to_si(const TrackResult& result, const TrackRow& row, std::size_t i);
+
 // Median radius of the rows with a circle; nullopt where there is none.
-std::optional<double> median_radius_px(const std::vector<TrackRow>& rows);
+std::optional<double> median_radius_px(const TrackRows& rows);
 
 }  // namespace impactdic

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/base/statistics.h"
@@ -23,18 +25,31 @@ struct Observation {
   double value, sd;
 };
 
+// Of the whole track.
+double usual_deviation(const ImpactSeries& s) {
+  std::vector<double> sds;
+  sds.reserve(s.size());
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    sds.push_back(s.from_circle ? s.position_sd(i) : s.step_sd(i));
+  }
+  return upper_median(finite(std::move(sds)));
+}
+
 // Centres where nothing else was measured; steps otherwise: the circle of a ball that is pressed
 // against a surface is no measure of its centre of mass.
 std::vector<Observation> observations(const ImpactSeries& s, double from, double to,
                                       double position_scale, double step_scale) {
   std::vector<Observation> result;
-  const double usual = upper_median(finite(s.from_circle ? s.position_sd : s.step_sd));
+  std::optional<double> usual;  // where it is needed
   for (std::size_t i = 0; i < s.size(); ++i) {
     const double at = static_cast<double>(i), next = s.from_circle ? at : at + 1;
     if (at < from || next > to) continue;
     const double value = s.from_circle ? s.position_n[i] : s.step_n[i];
-    double sd = s.from_circle ? s.position_sd[i] : s.step_sd[i];
-    if (!(sd > 0)) sd = usual > 0 ? usual : 1e-2;
+    double sd = s.from_circle ? s.position_sd(i) : s.step_sd(i);
+    if (!(sd > 0)) {
+      if (!usual) usual = usual_deviation(s);
+      sd = *usual > 0 ? *usual : 1e-2;
+    }
     sd *= s.from_circle ? position_scale : step_scale;
     if (std::isfinite(value)) result.push_back({at, next, value, sd});
   }

@@ -11,9 +11,9 @@ namespace impactdic::impact {
 FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range) {
   std::vector<double> turns, sds;
   for (std::size_t i = range.first; i < range.last; ++i) {
-    if (std::isfinite(series.turn[i])) {
-      turns.push_back(series.turn[i]);
-      sds.push_back(series.turn_sd[i]);
+    if (std::isfinite(series.turn(i))) {
+      turns.push_back(series.turn(i));
+      sds.push_back(series.turn_sd(i));
     }
   }
   if (turns.size() < 3) return {};

@@ -1,6 +1,7 @@
 #include "host/impact/free_radius.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/base/statistics.h"
@@ -16,23 +17,44 @@ constexpr double kDrift_px = 0.03;
 
 struct Radius {
   double px, sd;
-  bool second;  // flight
 };
 
-void add(const std::vector<TrackRow>& rows, const FlightRange& range, bool second,
-         std::vector<Radius>& radii) {
-  for (std::size_t i = range.first; i <= range.last && i < rows.size(); ++i) {
-    if (rows[i].circle_ok) radii.push_back({rows[i].r_px, rows[i].r_sd_px, second});
-  }
-}
+// Of two flights.
+struct Radii {
+  std::array<std::vector<Radius>, 2> flights;
 
-void drop_outliers(std::vector<Radius>& radii) {
-  std::vector<double> values, off;
-  for (const Radius& r : radii) values.push_back(r.px);
-  const double centre = upper_median(std::move(values));
-  for (const Radius& r : radii) off.push_back(std::abs(r.px - centre));
-  const double limit = kRadiusOutlier * kSdOfMad * upper_median(std::move(off)) + kRounding;
-  std::erase_if(radii, [&](const Radius& r) { return std::abs(r.px - centre) > limit; });
+  void add(const TrackRows& rows, const FlightRange& range, std::size_t flight) {
+    const std::size_t end = std::min(range.last + 1, rows.size());
+    if (end > range.first) flights[flight].reserve(end - range.first);
+    for (std::size_t i = range.first; i < end; ++i) {
+      const TrackRow row = rows[i];
+      if (row.circle_ok) flights[flight].push_back({row.r_px, row.r_sd_px});
+    }
+  }
+  std::size_t size() const { return flights[0].size() + flights[1].size(); }
+
+  // In order.
+  template <typename Use>
+  void each(const Use& use) const {
+    for (const std::vector<Radius>& flight : flights) {
+      for (const Radius& r : flight) use(r);
+    }
+  }
+};
+
+void drop_outliers(Radii& radii) {
+  const auto median_of = [&](const auto& value) {
+    std::vector<double> values;
+    values.reserve(radii.size());
+    radii.each([&](const Radius& r) { values.push_back(value(r)); });
+    return upper_median(std::move(values));
+  };
+  const double centre = median_of([](const Radius& r) { return r.px; });
+  const auto off = [&](const Radius& r) { return std::abs(r.px - centre); };
+  const double limit = kRadiusOutlier * kSdOfMad * median_of(off) + kRounding;
+  for (std::vector<Radius>& flight : radii.flights) {
+    std::erase_if(flight, [&](const Radius& r) { return off(r) > limit; });
+  }
 }
 
 struct Mean {
@@ -41,27 +63,33 @@ struct Mean {
   double value() const { return sum / weight; }
 };
 
-FreeRadius mean_of(std::vector<Radius> radii) {
-  FreeRadius result;
-  if (radii.empty()) return result;
-  drop_outliers(radii);
+// Of the deviations that were stated.
+double usual_sd(const Radii& radii) {
   std::vector<double> stated;
-  for (const Radius& r : radii) stated.push_back(r.sd);
+  stated.reserve(radii.size());
+  radii.each([&](const Radius& r) { stated.push_back(r.sd); });
+  return upper_median(finite(std::move(stated)));
+}
+
+FreeRadius mean_of(Radii radii) {
+  FreeRadius result;
+  if (radii.size() == 0) return result;
+  drop_outliers(radii);
   // Frames without a deviation count as usual ones; none counts more than four usual ones.
-  const double usual = upper_median(finite(std::move(stated)));
+  const double usual = usual_sd(radii);
   const auto weight = [&](const Radius& r) {
     if (!(usual > 0)) return 1.0;
     const double sd = r.sd > 0 ? std::max(r.sd, usual / 2) : usual;
     return 1 / (sd * sd);
   };
   Mean all, flight[2], square;
-  for (const Radius& r : radii) {
-    all.add(r.px, weight(r));
-    flight[r.second].add(r.px, weight(r));
-  }
-  for (const Radius& r : radii) {
-    const double off = r.px - flight[r.second].value();
-    square.add(off * off, weight(r));
+  radii.each([&](const Radius& r) { all.add(r.px, weight(r)); });
+  for (std::size_t k : {0u, 1u}) {
+    for (const Radius& r : radii.flights[k]) flight[k].add(r.px, weight(r));
+    for (const Radius& r : radii.flights[k]) {
+      const double off = r.px - flight[k].value();
+      square.add(off * off, weight(r));
+    }
   }
   const auto count = static_cast<double>(radii.size());
   const double scatter = count > 2 ? square.value() * count / (count - 2) : 0.0;
@@ -137,11 +165,12 @@ class Line {
 
 }  // namespace
 
-Measured radius_growth(const std::vector<TrackRow>& rows, const FlightRange& range) {
+Measured radius_growth(const TrackRows& rows, const FlightRange& range) {
   constexpr std::size_t kFewest = 12;
   Line line;
   for (std::size_t i = range.first; i <= range.last && i < rows.size(); ++i) {
-    if (rows[i].circle_ok) line.add(static_cast<double>(i), rows[i].r_px);
+    const TrackRow row = rows[i];
+    if (row.circle_ok) line.add(static_cast<double>(i), row.r_px);
   }
   do {
     if (line.size() < kFewest) return {};
@@ -152,20 +181,19 @@ Measured radius_growth(const std::vector<TrackRow>& rows, const FlightRange& ran
   return {slope.value / line.mean(), std::hypot(slope.sd, drift) / line.mean()};
 }
 
-FreeRadius free_radius(const std::vector<TrackRow>& rows, const FlightRange& before,
-                       const FlightRange& after) {
-  std::vector<Radius> radii;
-  add(rows, before, false, radii);
-  add(rows, after, true, radii);
+FreeRadius free_radius(const TrackRows& rows, const FlightRange& before, const FlightRange& after) {
+  Radii radii;
+  radii.add(rows, before, 0);
+  radii.add(rows, after, 1);
   return mean_of(std::move(radii));
 }
 
-FreeRadius free_radius(const std::vector<TrackRow>& rows) {
+FreeRadius free_radius(const TrackRows& rows) {
   if (rows.empty()) return {};
   const std::size_t half = rows.size() / 2;
-  std::vector<Radius> radii;
-  if (half > 0) add(rows, {0, half - 1, 0}, false, radii);
-  add(rows, {half, rows.size() - 1, 0}, true, radii);
+  Radii radii;
+  if (half > 0) radii.add(rows, {0, half - 1, 0}, 0);
+  radii.add(rows, {half, rows.size() - 1, 0}, 1);
   return mean_of(std::move(radii));
 }
 

@@ -33,10 +33,10 @@ constexpr double kEvident = 7, kEvidentFlights = 0;
 
 class Analysis {
  public:
-  Analysis(const std::vector<TrackRow>& rows, const ImpactOptions& options)
+  Analysis(const TrackRows& rows, const ImpactOptions& options)
       : rows_(rows),
         options_(options),
-        series_(impact_series(rows, options.surface_angle_rad, sphere_radius_sd_px(options))) {
+        series_(rows, options.surface_angle_rad, sphere_radius_sd_px(options)) {
     const double angle = options.gravity_angle_rad - options.surface_angle_rad;
     direction_ = {std::cos(angle), std::sin(angle)};
   }
@@ -63,7 +63,7 @@ class Analysis {
 
   // Of film so slow that few centres show each flight and none the contact.
   ImpactAnalysis run_sparse() {
-    use_centres(series_);
+    series_.use_centres();
     for (const SparseBounce& bounce : sparse_bounces(series_, direction_.n)) {
       before_ = bounce.before, after_ = bounce.after;
       guess_.first = before_.last, guess_.last = after_.first;
@@ -100,7 +100,7 @@ class Analysis {
   void place(const ImpactSources& sources, bool timed);
   void finish();
 
-  const std::vector<TrackRow>& rows_;
+  TrackRows rows_;
   ImpactOptions options_;
   ImpactSeries series_;
   GravityDirection direction_;
@@ -269,12 +269,12 @@ Propagated Analysis::above_lowest(const ImpactSources& sources, const Instant& i
   double path_n = 0, path_t = 0, variance = 0;
   for (std::size_t i = from; i < to; ++i) {
     path_n += series_.step_n[i];
-    path_t += series_.step_t[i];
-    variance += std::pow(series_.step_sd[i] * flights_.step_scale, 2);
+    path_t += series_.step_t(i);
+    variance += std::pow(series_.step_sd(i) * flights_.step_scale, 2);
   }
   const double rest = turn_.instant - static_cast<double>(to);
   path_n -= (guess_.peak_acceleration + flights_.gravity * direction_.n) * rest * rest / 2;
-  if (std::isfinite(series_.step_t[to])) path_t += rest * series_.step_t[to];
+  if (std::isfinite(series_.step_t(to))) path_t += rest * series_.step_t(to);
   Propagated depth = propagate(sources, [&](const Vector& x) {
     const double since = static_cast<double>(from) - before_.at, touch = instant(x) - before_.at;
     const double square = (touch * touch - since * since) / 2;
@@ -372,8 +372,7 @@ void Analysis::finish() {
 
 }  // namespace
 
-ImpactAnalysis impact_on_this_side(const std::vector<TrackRow>& rows,
-                                   const ImpactOptions& options) {
+ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
   if (!is_found(result)) {
     const ImpactAnalysis sparse = Analysis(rows, options).run_sparse();
@@ -383,7 +382,7 @@ ImpactAnalysis impact_on_this_side(const std::vector<TrackRow>& rows,
   return result;
 }
 
-ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
+ImpactAnalysis analyse_impact(const TrackRows& rows, const ImpactOptions& options) {
   ImpactAnalysis result = impact_on_this_side(rows, options);
   if (result.status != ImpactStatus::kNone) return result;
   ImpactOptions turned = options;

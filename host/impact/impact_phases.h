@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/clip/track_row.h"
+#include "host/clip/track_rows.h"
 
 namespace impactdic::impact {
 
@@ -32,13 +32,12 @@ struct ImpactOptions {
 
 // Analyses the sharpest turn away from the surface among `rows`. Never throws for what a clip
 // shows: the status says it.
-ImpactAnalysis analyse_impact(const std::vector<TrackRow>& rows, const ImpactOptions& options);
+ImpactAnalysis analyse_impact(const TrackRows& rows, const ImpactOptions& options);
 
 // The impacts before and after `known`, one that was found in `rows`, in order of time: a ball that
 // bounces again and again has many. Each is analysed between its neighbours, and a flight between
 // two of them belongs to both.
-std::vector<ImpactAnalysis> other_impacts(const std::vector<TrackRow>& rows,
-                                          const ImpactOptions& options,
+std::vector<ImpactAnalysis> other_impacts(const TrackRows& rows, const ImpactOptions& options,
                                           const ImpactAnalysis& known);
 
 }  // namespace impactdic::impact

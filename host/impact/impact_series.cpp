@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/clip/track_row.h"
 #include "host/sphere/source_response.h"
 
 namespace impactdic::impact {
@@ -41,7 +42,7 @@ bool has_motion(const TrackRow& row) {
 
 }  // namespace
 
-SphereSteps::SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
+SphereSteps::SphereSteps(const TrackRows& rows, double surface_angle_rad,
                          std::optional<double> radius_sd_px)
     : rows_(rows),
       c_(std::cos(surface_angle_rad)),
@@ -87,41 +88,56 @@ double common_share(double scatter, std::size_t count) {
   return std::max(0.0, 1 - scatter * scatter - chance);
 }
 
-ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad,
-                           std::optional<double> radius_sd_px) {
-  const double c = std::cos(surface_angle_rad), s = std::sin(surface_angle_rad);
-  ImpactSeries series;
-  bool any_motion = false;
-  if (std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) {
-        return has_motion(row) && std::isfinite(row.rot_x_deg);
-      })) {
-    series.sphere.emplace(rows, surface_angle_rad, radius_sd_px);
-  }
+ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
+                           std::optional<double> radius_sd_px)
+    : rows_(rows), c_(std::cos(surface_angle_rad)), s_(std::sin(surface_angle_rad)) {
+  position_n.reserve(rows.size());
+  step_n.reserve(rows.size());
+  bool any_motion = false, any_turn = false;
   for (const TrackRow& row : rows) {
-    const bool circle = row.circle_ok;
     const bool motion = has_motion(row);
     any_motion |= motion;
+    any_turn |= motion && std::isfinite(row.rot_x_deg);
     // Image axes have y down.
-    series.position_t.push_back(circle ? c * row.cx_px - s * row.cy_px : kNotMeasured);
-    series.position_n.push_back(circle ? -s * row.cx_px - c * row.cy_px : kNotMeasured);
-    series.position_sd.push_back(std::hypot(row.cx_sd_px, row.cy_sd_px) / std::sqrt(2.0));
-    series.step_t.push_back(motion ? c * row.dx_px - s * row.dy_px : kNotMeasured);
-    series.step_n.push_back(motion ? -s * row.dx_px - c * row.dy_px : kNotMeasured);
-    series.step_sd.push_back(std::hypot(row.dx_sd_px, row.dy_sd_px) / std::sqrt(2.0));
-    series.turn.push_back(motion ? row.rot_deg * kRadPerDeg : kNotMeasured);
-    series.turn_sd.push_back(row.rot_sd_deg * kRadPerDeg);
+    position_n.push_back(row.circle_ok ? -s_ * row.cx_px - c_ * row.cy_px : kNotMeasured);
+    step_n.push_back(motion ? -s_ * row.dx_px - c_ * row.dy_px : kNotMeasured);
   }
-  if (!any_motion) use_centres(series);
-  return series;
+  if (any_turn) sphere.emplace(rows, surface_angle_rad, radius_sd_px);
+  if (!any_motion) use_centres();
 }
 
-void use_centres(ImpactSeries& series) {
-  series.from_circle = true;
-  for (std::size_t i = 0; i + 1 < series.size(); ++i) {
-    series.step_t[i] = series.position_t[i + 1] - series.position_t[i];
-    series.step_n[i] = series.position_n[i + 1] - series.position_n[i];
-    series.step_sd[i] = std::hypot(series.position_sd[i], series.position_sd[i + 1]);
-  }
+void ImpactSeries::use_centres() {
+  from_circle = true;
+  for (std::size_t i = 0; i + 1 < size(); ++i) step_n[i] = position_n[i + 1] - position_n[i];
 }
+
+double ImpactSeries::position_t(std::size_t i) const {
+  const TrackRow row = rows_[i];
+  return row.circle_ok ? c_ * row.cx_px - s_ * row.cy_px : kNotMeasured;
+}
+
+double ImpactSeries::position_sd(std::size_t i) const {
+  const TrackRow row = rows_[i];
+  return std::hypot(row.cx_sd_px, row.cy_sd_px) / std::sqrt(2.0);
+}
+
+double ImpactSeries::step_t(std::size_t i) const {
+  if (from_circle && i + 1 < size()) return position_t(i + 1) - position_t(i);
+  const TrackRow row = rows_[i];
+  return has_motion(row) ? c_ * row.dx_px - s_ * row.dy_px : kNotMeasured;
+}
+
+double ImpactSeries::step_sd(std::size_t i) const {
+  if (from_circle && i + 1 < size()) return std::hypot(position_sd(i), position_sd(i + 1));
+  const TrackRow row = rows_[i];
+  return std::hypot(row.dx_sd_px, row.dy_sd_px) / std::sqrt(2.0);
+}
+
+double ImpactSeries::turn(std::size_t i) const {
+  const TrackRow row = rows_[i];
+  return has_motion(row) ? row.rot_deg * kRadPerDeg : kNotMeasured;
+}
+
+double ImpactSeries::turn_sd(std::size_t i) const { return rows_[i].rot_sd_deg * kRadPerDeg; }
 
 }  // namespace impactdic::impact

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/clip/track_row.h"
+#include "host/clip/track_rows.h"
 
 namespace impactdic::impact {
 
@@ -27,11 +27,10 @@ class SphereSteps {
  public:
   // `rows` must outlive the object. `radius_sd_px`: as the rows' deviations have it; nullopt: not
   // known, no more than as a rim shows it, and left in the rows' deviations.
-  SphereSteps(const std::vector<TrackRow>& rows, double surface_angle_rad,
-              std::optional<double> radius_sd_px);
+  SphereSteps(const TrackRows& rows, double surface_angle_rad, std::optional<double> radius_sd_px);
   double radius_sd_px() const { return radius_sd_px_.value_or(kOfRim_px); }
   double radius_px() const { return radius_px_; }
-  const std::vector<TrackRow>& rows() const { return rows_; }
+  const TrackRows& rows() const { return rows_; }
   // Of the surface's angle.
   double cosine() const { return c_; }
   double sine() const { return s_; }
@@ -39,7 +38,7 @@ class SphereSteps {
   SphereStep operator[](std::size_t i) const;
 
  private:
-  const std::vector<TrackRow>& rows_;
+  TrackRows rows_;
   static constexpr double kOfRim_px = 0.5;
   double c_, s_;  // cosine and sine of the surface's angle
   double radius_px_;
@@ -47,24 +46,31 @@ class SphereSteps {
 };
 
 // Row i of the track is the instant i. Local axes: t along the surface, n out of it, both px.
-// What was not measured is NaN.
-struct ImpactSeries {
-  std::vector<double> position_t, position_n, position_sd;  // of the circle's centre
-  std::vector<double> step_t, step_n, step_sd;              // motion from i to i + 1
-  std::vector<double> turn, turn_sd;                        // rad, from i to i + 1
-  std::optional<SphereSteps> sphere;                        // nullopt: a flat ball
-  bool from_circle = false;  // no motion is used: steps are differences of positions
+// What was not measured is NaN. In memory is only what is looked at from end to end.
+class ImpactSeries {
+ public:
+  // `surface_angle_rad` counter-clockwise from image-right; `rows` must outlive the series.
+  // `radius_sd_px`: of a sphere's radius (SphereSteps).
+  ImpactSeries(const TrackRows& rows, double surface_angle_rad, std::optional<double> radius_sd_px);
+  // Takes differences of the centres for steps, as where no motion was measured.
+  void use_centres();
 
+  std::vector<double> position_n, step_n;  // of the circle's centre; its motion from i to i + 1
+  std::optional<SphereSteps> sphere;       // nullopt: a flat ball
+  bool from_circle = false;                // no motion is used: steps are differences of positions
+
+  double position_t(std::size_t i) const;
+  double position_sd(std::size_t i) const;
+  double step_t(std::size_t i) const;
+  double step_sd(std::size_t i) const;
+  double turn(std::size_t i) const;  // rad, from i to i + 1
+  double turn_sd(std::size_t i) const;
   std::size_t size() const { return position_n.size(); }
+
+ private:
+  TrackRows rows_;
+  double c_, s_;  // cosine and sine of the surface's angle
 };
-
-// `surface_angle_rad` counter-clockwise from image-right; `rows` must outlive the series of a
-// sphere. `radius_sd_px`: of its radius (SphereSteps).
-ImpactSeries impact_series(const std::vector<TrackRow>& rows, double surface_angle_rad,
-                           std::optional<double> radius_sd_px);
-
-// Takes differences of the centres for steps, as where no motion was measured.
-void use_centres(ImpactSeries& series);
 
 // `count` values that scatter by `scatter` of the deviation which each of them states: the share of
 // its square that they must have in common, beyond chance (three deviations). A steady ball meets

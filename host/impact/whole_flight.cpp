@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/clip/track_row.h"
 #include "host/impact/flight_spin.h"
 #include "host/impact/free_radius.h"
 
@@ -44,7 +45,7 @@ double tilted_spin_sd(const FlightFit& fit, SphereSpin first) {
   return kTiltedModel * fit.spin.segment<2>(first).norm();
 }
 
-Measured towards_camera(const std::vector<TrackRow>& rows, const FlightRange& range,
+Measured towards_camera(const TrackRows& rows, const FlightRange& range,
                         const ImpactOptions& options, double radius_px) {
   if (!options.distance_px) return {};
   const Measured growth = radius_growth(rows, range);
@@ -54,8 +55,8 @@ Measured towards_camera(const std::vector<TrackRow>& rows, const FlightRange& ra
           std::hypot(growth.sd * distance.value, growth.value * distance.sd) * slant};
 }
 
-void put_out_of_plane(const FlightFit& fit, const std::vector<TrackRow>& rows,
-                      const ImpactOptions& options, ImpactAnalysis& result) {
+void put_out_of_plane(const FlightFit& fit, const TrackRows& rows, const ImpactOptions& options,
+                      ImpactAnalysis& result) {
   put_spins(fit, kSpinT0, result.before);
   put_spins(fit, kSpinT1, result.after);
   for (FlightMotion* flight : {&result.before, &result.after}) {
@@ -64,11 +65,11 @@ void put_out_of_plane(const FlightFit& fit, const std::vector<TrackRow>& rows,
   }
 }
 
-FlightMotion whole_flight(const std::vector<TrackRow>& rows, const ImpactOptions& options) {
+FlightMotion whole_flight(const TrackRows& rows, const ImpactOptions& options) {
   FlightMotion motion;
   if (rows.size() < kFewestRows || rows.size() > kMostRows) return motion;
   const double angle = options.surface_angle_rad;
-  const ImpactSeries series = impact_series(rows, angle, sphere_radius_sd_px(options));
+  const ImpactSeries series(rows, angle, sphere_radius_sd_px(options));
   const FlightRange range = {0, rows.size() - 1, static_cast<double>(rows.size() - 1) / 2};
   const GravityDirection direction = {std::cos(options.gravity_angle_rad - angle),
                                       std::sin(options.gravity_angle_rad - angle)};

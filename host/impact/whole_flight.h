@@ -16,12 +16,12 @@ double tilted_spin_sd(const FlightFit& fit, SphereSpin first);
 
 // What both flights of `result` do out of the picture's plane: a sphere's spins about t and n, and
 // the velocity along b.
-void put_out_of_plane(const FlightFit& fit, const std::vector<TrackRow>& rows,
-                      const ImpactOptions& options, ImpactAnalysis& result);
+void put_out_of_plane(const FlightFit& fit, const TrackRows& rows, const ImpactOptions& options,
+                      ImpactAnalysis& result);
 
 // The velocity towards the camera, px/frame: of an outline that grows. A ball of radius R at the
 // distance D shows the radius f R / sqrt(D^2 - R^2). NaN where the distance is not known.
-Measured towards_camera(const std::vector<TrackRow>& rows, const FlightRange& range,
+Measured towards_camera(const TrackRows& rows, const FlightRange& range,
                         const ImpactOptions& options, double radius_px);
 
 // Of a sphere's radius, as the rows' deviations have it; nullopt where it is not known.
@@ -29,6 +29,6 @@ std::optional<double> sphere_radius_sd_px(const ImpactOptions& options);
 
 // The motion of a ball that flies freely in all of `rows`, in their middle; `last` 0 where it does
 // not, or where rows are too few to tell.
-FlightMotion whole_flight(const std::vector<TrackRow>& rows, const ImpactOptions& options);
+FlightMotion whole_flight(const TrackRows& rows, const ImpactOptions& options);
 
 }  // namespace impactdic::impact

@@ -17,7 +17,7 @@ namespace {
 nb::dict outcome_of(const TrackResult& result) {
   nb::dict outcome;
   outcome["cancelled"] = result.cancelled;
-  outcome["frames"] = result.rows.size();
+  outcome["frames"] = result.frames_measured;
   outcome["frames_ok"] = result.frames_ok;
   outcome["seconds"] = result.seconds;
   outcome["frames_per_s"] = result.frames_per_s;
@@ -65,6 +65,7 @@ nb::dict track_clip(const PythonClip& clip, nb::dict options, nb::dict output, S
                     nb::object progress, nb::object message, nb::object on_frame) {
   TrackRequest request;
   TrackFolder folder;
+  folder.keep_rows = false;
   put_into(request.clip, clip);
   OptionReader reader(std::move(options));
   run::visit_reading(reader, request.clip);

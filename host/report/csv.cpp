@@ -178,14 +178,15 @@ void TrackCsv::flush() {
   check(file_, path_);
 }
 
-void TrackCsv::finish(const TrackResult& result) {
+void TrackCsv::finish(const TrackRows& rows, const TrackResult& result) {
   flush();
   const std::filesystem::path temporary = path_.string() + ".part";
   {
     std::ofstream file = open_for_writing(temporary, std::ios::trunc);
     file << kTrackCsvHeader << "\n";
-    for (std::size_t i = 0; i < result.rows.size(); ++i) {
-      file << line_of(result.rows[i], to_si(result, i)) << "\n";
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const TrackRow row = rows[i];
+      file << line_of(row, to_si(result, row, i)) << "\n";
     }
     file.flush();
     check(file, temporary);

@@ -27,7 +27,8 @@ class TrackCsv {
   TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep);
   void add(const TrackRow& row);
   void flush();
-  void finish(const TrackResult& result);
+  // `rows`: all of the run's.
+  void finish(const TrackRows& rows, const TrackResult& result);
 
  private:
   std::filesystem::path path_;

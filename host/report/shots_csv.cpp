@@ -79,7 +79,7 @@ double as_given_deg(double angle_rad) { return std::round(angle_rad * kDegPerRad
 
 void fill_shot(ShotResult& shot, const TrackResult& measured) {
   shot.surface_angle_deg = as_given_deg(measured.scale.surface_angle_rad);
-  shot.frames = static_cast<std::int64_t>(measured.rows.size());
+  shot.frames = measured.frames_measured;
   shot.frames_ok = measured.frames_ok;
   shot.metre_per_px = measured.scale.metre_per_px > 0 ? measured.scale.metre_per_px : kNotMeasured;
   shot.metre_per_px_sd =

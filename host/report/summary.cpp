@@ -46,17 +46,17 @@ json describe_input(const ClipInfo& info, const video::ClipDigest& digest) {
   return input;
 }
 
-json summarise_track(const TrackResult& result) {
-  const std::vector<TrackRow>& rows = result.rows;
+json summarise_track(const TrackRows& rows, const TrackResult& result) {
   const SiScale& scale = result.scale;
   std::map<std::string, int> statuses;
   Mean speed, circle_speed, rotation, windows;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const TrackRow& row = rows[i];
+  TrackRow last;  // without a circle
+  for (const TrackRow& row : rows) {
     ++statuses[to_string(row.status)];
-    if (row.circle_ok && i + 1 < rows.size() && rows[i + 1].circle_ok) {
-      circle_speed.add(std::hypot(rows[i + 1].cx_px - row.cx_px, rows[i + 1].cy_px - row.cy_px));
+    if (row.circle_ok && last.circle_ok) {
+      circle_speed.add(std::hypot(row.cx_px - last.cx_px, row.cy_px - last.cy_px));
     }
+    last = row;
     if (row.motion_ok) {
       speed.add(std::hypot(row.dx_px, row.dy_px));
       rotation.add(row.rot_deg);
@@ -89,7 +89,8 @@ void write_json(const std::filesystem::path& path, const json& summary) {
   const std::filesystem::path temporary = path.string() + ".part";
   {
     std::ofstream file(temporary);
-    file << summary.dump(2) << "\n" << std::flush;
+    // A name of a file that is no UTF-8 is shown as far as it goes.
+    file << summary.dump(2, ' ', false, json::error_handler_t::replace) << "\n" << std::flush;
     if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
   }
   std::error_code error;

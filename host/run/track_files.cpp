@@ -2,6 +2,8 @@
 
 #include <impactdic/error.h>
 
+#include <utility>
+
 #include "host/base/stopwatch.h"
 #include "host/report/csv.h"
 #include "host/report/picture/overlay_files.h"
@@ -26,7 +28,8 @@ struct TrackFiles::Impl {
   std::unique_ptr<report::PoseCsv> poses;
   std::unique_ptr<report::FieldsFile> fields;
   std::unique_ptr<report::OverlayFiles> overlay;
-  std::vector<TrackRow> before_grid;  // rows without a ball, before the field's size is known
+  // Frames without a ball, before the field's size is known: their numbers and times.
+  std::vector<std::pair<std::int64_t, double>> before_grid;
   std::vector<TrackRow> not_in_csv;
   Stopwatch since_flush;
 
@@ -50,14 +53,14 @@ struct TrackFiles::Impl {
       fields = std::make_unique<report::FieldsFile>(
           report::FieldsFile::resume(fields_path(), options.window_px, earlier.size()));
     } else if (options.with_field) {
-      before_grid = earlier;
+      for (const TrackRow& row : earlier) before_grid.emplace_back(row.frame, row.time_s);
     }
   }
 
   void write_field(const TrackRow& row, const motion::PairMotion* pair) {
     if (!options.with_field) return;
     if (!fields) {
-      before_grid.push_back(row);
+      before_grid.emplace_back(row.frame, row.time_s);
       return;
     }
     if (pair != nullptr) {
@@ -72,8 +75,8 @@ struct TrackFiles::Impl {
     options.attributes["grid_radius_px"] = radius_px;
     fields = std::make_unique<report::FieldsFile>(report::FieldsFile::create(
         fields_path(), window_count, options.window_px, options.attributes, options.compression));
-    for (const TrackRow& row : before_grid) write_field(row, nullptr);
-    before_grid.clear();
+    for (const auto& [frame, time_s] : before_grid) fields->add(frame, time_s, {}, {}, nullptr);
+    before_grid = {};
   }
 
   // The point last: all that it promises is on the disk then.
@@ -124,7 +127,7 @@ bool TrackFiles::can_go_on(const std::filesystem::path& folder, std::int64_t row
 bool TrackFiles::is_complete() const { return impl_->complete; }
 
 const std::optional<pipeline::ResumePoint>& TrackFiles::resume_point() const { return impl_->from; }
-const std::vector<TrackRow>& TrackFiles::earlier_rows() const { return impl_->earlier; }
+std::vector<TrackRow> TrackFiles::take_earlier_rows() { return std::move(impl_->earlier); }
 
 void TrackFiles::set_grid(std::span<const Window> grid, double radius_px) {
   impl_->open_fields(grid.size(), radius_px);
@@ -148,7 +151,7 @@ void TrackFiles::set_source_digest(const video::ClipDigest& digest) {
   if (impl_->fields) impl_->fields->set_source_digest(digest);
 }
 
-void TrackFiles::finish(const TrackResult& result) {
+void TrackFiles::finish(const TrackRows& rows, const TrackResult& result) {
   // A clip without any ball still gets its (empty) field file.
   if (impl_->options.with_field) impl_->open_fields(0, 0);
   impl_->flush();
@@ -156,7 +159,7 @@ void TrackFiles::finish(const TrackResult& result) {
     impl_->fields->set_scale(result.scale.metre_per_px, result.scale.fps,
                              result.scale.surface_angle_rad * kDegPerRad, impl_->options.camera);
   }
-  impl_->csv->finish(result);
+  impl_->csv->finish(rows, result);
   if (impl_->overlay) impl_->overlay->finish(result);
 }
 

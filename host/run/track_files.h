@@ -40,15 +40,17 @@ class TrackFiles {
 
   // True where the earlier run has measured every frame.
   bool is_complete() const;
-  // Where the earlier run ended, and its rows; nullopt and none where there was none.
+  // Where the earlier run ended; nullopt where there was none.
   const std::optional<pipeline::ResumePoint>& resume_point() const;
-  const std::vector<TrackRow>& earlier_rows() const;
+  // Its rows; none where there was none. They are given away.
+  std::vector<TrackRow> take_earlier_rows();
   void set_grid(std::span<const Window> grid, double radius_px);
   void add(const pipeline::TrackedFrame& frame);
   // A run that is killed from here on goes on from `point`. Writes to the disk now and then.
   void reach(const pipeline::ResumePoint& point);
   // Writes the tables anew with the scale, and what the impact says into the overlay.
-  void finish(const TrackResult& result);
+  // `rows`: all of the run's.
+  void finish(const TrackRows& rows, const TrackResult& result);
   // After `finish`: the clip's digest, known only when all of it has been read.
   void set_source_digest(const video::ClipDigest& digest);
 

@@ -9,7 +9,6 @@
 
 #include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
-#include "host/base/parse.h"
 #include "host/base/stopwatch.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/ball_by_hand.h"
@@ -27,73 +26,6 @@
 #include "host/run/session.h"
 
 namespace impactdic {
-namespace {
-
-void check(bool good, const std::string& must, double value, const char* setting) {
-  if (!good || !std::isfinite(value)) {
-    throw InvalidArgument("must be " + must + ", not " + shortest(value), setting);
-  }
-}
-
-std::int64_t frames_ok(const std::vector<TrackRow>& rows) {
-  return std::count_if(rows.begin(), rows.end(), [](const TrackRow& row) {
-    return row.status == TrackStatus::kOk || row.status == TrackStatus::kLastFrame;
-  });
-}
-
-}  // namespace
-
-void TrackRequest::validate() const {
-  clip.validate();
-  field.validate();
-  if (static_cast<unsigned>(estimator) > static_cast<unsigned>(Estimator::kBall)) {
-    throw InvalidArgument("this is no estimator", "--estimator", "there are field, ring and ball");
-  }
-  if (static_cast<unsigned>(body) > static_cast<unsigned>(Body::kDisc)) {
-    throw InvalidArgument("this is no body", "--body", "there are auto, sphere and disc");
-  }
-  if (body == Body::kSphere && estimator != Estimator::kBall) {
-    throw InvalidArgument("measures turns in the picture alone", "--estimator",
-                          "a sphere needs ball");
-  }
-  run::check_spacing(spacing_px);
-  if (radius_px && !(radius_px->low_px > 0 && radius_px->high_px > radius_px->low_px &&
-                     std::isfinite(radius_px->high_px))) {
-    throw InvalidArgument("'" + shortest(radius_px->low_px) + ":" + shortest(radius_px->high_px) +
-                              "' is not LO:HI with 0 < LO < HI",
-                          "--radius-px");
-  }
-  check_balls_by_hand(ball_at);
-  run::check_frames(frames);
-  if (roi) run::check_rectangle(*roi);
-  run::check_polygon(polygon);
-  check(ball >= 0, "1 or more", ball, "--ball");
-  check(ball_diameter_mm >= 0, "positive", ball_diameter_mm, "--ball-diameter-mm");
-  check(ball_diameter_sd_mm >= 0 &&
-            (ball_diameter_sd_mm == 0 || ball_diameter_sd_mm < ball_diameter_mm),
-        "positive and less than --ball-diameter-mm", ball_diameter_sd_mm, "--ball-diameter-sd-mm");
-  check(mm_per_px >= 0, "positive", mm_per_px, "--mm-per-px");
-  check(mm_per_px_sd >= 0 && (mm_per_px_sd == 0 || mm_per_px_sd < mm_per_px),
-        "positive and less than --mm-per-px", mm_per_px_sd, "--mm-per-px-sd");
-  check(true, "a finite number", surface_angle_deg, "--surface-angle-deg");
-  check(surface_angle_sd_deg >= 0 && surface_angle_sd_deg < 90, "between 0 and 90",
-        surface_angle_sd_deg, "--surface-angle-sd-deg");
-  check(drop_height_mm >= 0, "positive", drop_height_mm, "--drop-height-mm");
-  check(distance_mm >= 0, "positive", distance_mm, "--distance-mm");
-  check(distance_sd_mm >= 0 && (distance_sd_mm == 0 || distance_sd_mm < distance_mm),
-        "positive and less than --distance-mm", distance_sd_mm, "--distance-sd-mm");
-  check(true, "a finite number", gravity_angle_deg, "--gravity-angle-deg");
-  check(inertia_factor == 0 || (inertia_factor >= 0.01 && inertia_factor <= 1),
-        "between 0.01 and 1", inertia_factor, "--inertia-factor");
-  if (ball_diameter_mm > 0 && mm_per_px > 0) {
-    throw InvalidArgument("give one of --ball-diameter-mm and --mm-per-px", "scale");
-  }
-  if (!camera.empty() && mm_per_px > 0) {
-    throw InvalidArgument("give one of --camera and --mm-per-px", "scale",
-                          "a camera knows its scale");
-  }
-}
-
 namespace run {
 
 TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller,
@@ -270,6 +202,23 @@ void TrackRun::see_from_near(double radius_px) {
   options_.estimator.perspective = in_region(perspective_, options_.roi);
 }
 
+void TrackRun::keep(const TrackRow& row) {
+  if (store_ != nullptr) {
+    store_->push_back(row);
+  } else {
+    result_.rows.push_back(row);
+  }
+}
+
+void TrackRun::take_up(std::vector<TrackRow> rows) {
+  const std::vector<std::int64_t>& periods = options_.periods;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    // The table does not hold it.
+    if (i + 1 < periods.size()) rows[i].periods = static_cast<int>(periods[i + 1] - periods[i]);
+    keep(rows[i]);
+  }
+}
+
 void TrackRun::measure(const Outputs& outputs) {
   std::vector<opencl::Engine*> engines;
   if (options_.with_field) engines = session_.impl().open_engines();
@@ -280,13 +229,13 @@ void TrackRun::measure(const Outputs& outputs) {
   if (outputs.from && outputs.from->grid_radius_px) {
     result_.grid_radius_px = *outputs.from->grid_radius_px;
   }
-  const std::size_t before = result_.rows.size();
+  const std::size_t before = rows().size();
   const Stopwatch watch;
   const auto note_speed = [&] {
     result_.seconds = watch.seconds();
-    result_.frames_per_s = static_cast<double>(result_.rows.size() - before) / result_.seconds;
-    result_.cancelled = caller_.cancelled() &&
-                        static_cast<std::int64_t>(result_.rows.size()) < options_.frames.count();
+    result_.frames_per_s = static_cast<double>(rows().size() - before) / result_.seconds;
+    result_.cancelled =
+        caller_.cancelled() && static_cast<std::int64_t>(rows().size()) < options_.frames.count();
   };
   try {
     pipeline::track_clip(
@@ -297,7 +246,7 @@ void TrackRun::measure(const Outputs& outputs) {
           if (outputs.grid) outputs.grid(grid, radius_px);
         },
         [&](const pipeline::TrackedFrame& frame) {
-          result_.rows.push_back(frame.row);
+          keep(frame.row);
           if (outputs.frame) outputs.frame(frame);
         },
         [&](std::int64_t done, std::int64_t total) { caller_.progress("track", done, total); });
@@ -306,18 +255,23 @@ void TrackRun::measure(const Outputs& outputs) {
     throw;
   }
   note_speed();
-  const auto measured = static_cast<std::int64_t>(result_.rows.size() - before);
+  const auto measured = static_cast<std::int64_t>(rows().size() - before);
   if (options_.times != nullptr && !times.rows().empty()) {
     caller_.say(MessageKind::kTiming, times.table(result_.seconds, measured));
   }
 }
 
-void TrackRun::conclude() {
-  for (std::size_t i = 0; i + 1 < result_.rows.size() && !options_.periods.empty(); ++i) {
-    // Rows of an earlier run do not hold it.
-    result_.rows[i].periods = static_cast<int>(options_.periods[i + 1] - options_.periods[i]);
+void TrackRun::count_rows() {
+  result_.frames_measured = result_.frames_with_ball = result_.frames_ok = 0;
+  for (const TrackRow& row : rows()) {
+    ++result_.frames_measured;
+    result_.frames_with_ball += row.circle_ok;
+    result_.frames_ok += row.status == TrackStatus::kOk || row.status == TrackStatus::kLastFrame;
   }
-  result_.frames_ok = frames_ok(result_.rows);
+}
+
+void TrackRun::conclude() {
+  count_rows();
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
@@ -325,10 +279,10 @@ void TrackRun::conclude() {
   if (camera_) {
     conclude_through_camera(*camera_, request_, sphere, result_);
   } else {
-    conclude_metres(request_, sphere, result_, perspective_);
+    conclude_metres(request_, sphere, rows(), result_, perspective_);
   }
   look_for_surface();
-  const std::vector<TrackRow>& seen = camera_ ? result_.camera->rows : result_.rows;
+  const EvenRows seen(camera_ ? TrackRows(result_.camera->rows) : rows());
   std::optional<FallInPicture> gravity;
   const SiScale& scale = result_.scale;
   if (scale.metre_per_px > 0 && scale.fps > 0) {
@@ -336,9 +290,9 @@ void TrackRun::conclude() {
     const double angle = request_.gravity_angle_deg * kRadPerDeg;
     gravity = {strength * std::cos(angle), -strength * std::sin(angle)};
   }
-  const std::string bend = lens_warning(
-      bend_of_flights(evenly_spaced(seen), result_.impact, info().width, info().height, gravity),
-      camera_.has_value());
+  const std::string bend =
+      lens_warning(bend_of_flights(seen, result_.impact, info().width, info().height, gravity),
+                   camera_.has_value());
   if (!bend.empty()) {
     result_.warnings.push_back(bend);
     caller_.say(MessageKind::kWarning, bend);
@@ -351,8 +305,7 @@ void TrackRun::conclude() {
 
 void TrackRun::look_for_surface() {
   if (!result_.impact_si.found() || camera_) return;
-  surface_in_picture_ =
-      run::surface_in_picture(*source_, evenly_spaced(result_.rows), result_.impact);
+  surface_in_picture_ = run::surface_in_picture(*source_, EvenRows(rows()), result_.impact);
   if (!surface_in_picture_) return;
   char text[120];
   std::snprintf(text, sizeof text, "surface: an edge at %.2f +- %.2f degrees in the picture",

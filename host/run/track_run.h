@@ -6,10 +6,12 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "host/advice/clip_advice.h"
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
+#include "host/clip/row_store.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
 
@@ -40,8 +42,16 @@ class TrackRun {
     pipeline::GridSink grid;                                       // may be empty
     pipeline::TrackSink frame;                                     // may be empty
     std::function<void(const pipeline::ResumePoint&)> checkpoint;  // may be empty
-    std::optional<pipeline::ResumePoint> from;  // with its rows already in the result
+    std::optional<pipeline::ResumePoint> from;                     // with its rows already taken up
   };
+  // From here on the rows go there, and not into the result. Before `take_up`.
+  void keep_rows_in(RowStore& store) { store_ = &store; }
+  // The rows of an earlier run, which this one goes on with.
+  void take_up(std::vector<TrackRow> rows);
+  // All rows so far.
+  TrackRows rows() const {
+    return store_ != nullptr ? TrackRows(*store_) : TrackRows(result_.rows);
+  }
   // Measures. What was measured before an error is in the result.
   void measure(const Outputs& outputs);
   // Scale and impact of the rows measured.
@@ -61,6 +71,9 @@ class TrackRun {
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
 
+  void keep(const TrackRow& row);
+  void count_rows();
+
   // Tells the estimators from where a sphere of this radius is seen, if that is known.
   void see_from_near(double radius_px);
 
@@ -68,6 +81,7 @@ class TrackRun {
   Session& session_;
   Caller& caller_;
   TrackResult& result_;
+  RowStore* store_ = nullptr;
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;

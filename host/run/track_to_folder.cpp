@@ -106,9 +106,9 @@ nlohmann::json describe(const std::optional<Measured>& figure) {
   return {{"value", figure->value}, {"sd", figure->sd}};
 }
 
-nlohmann::json summarise(const TrackRequest& request, const TrackResult& result,
-                         const Session& session) {
-  nlohmann::json summary = report::summarise_track(result);
+nlohmann::json summarise(const TrackRequest& request, const TrackRows& rows,
+                         const TrackResult& result, const Session& session) {
+  nlohmann::json summary = report::summarise_track(rows, result);
   summary["analysed_fps_sd"] =
       result.scale.fps > 0 ? nlohmann::json(result.scale.fps_sd) : nlohmann::json(nullptr);
   summary["frame_times"] = describe_times(result.times);
@@ -175,6 +175,11 @@ bool go_back(const fs::path& folder, const run::TrackRun& run,
   return from.has_value();
 }
 
+// Whether the rows must be in the result.
+bool needs_rows(const TrackRequest& request, const TrackFolder& folder) {
+  return folder.keep_rows || folder.overlay.wanted || !request.camera.empty();
+}
+
 // Rows, fields and points into the files; rows to the sink as well, where there is one.
 run::TrackRun::Outputs into(run::TrackFiles& files, int window_px, const TrackSink& sink) {
   run::TrackRun::Outputs outputs;
@@ -236,12 +241,14 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
 
   auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);
-  result.rows = files->earlier_rows();
+  RowStore store(path);
+  if (!needs_rows(request, folder)) run.keep_rows_in(store);
+  run.take_up(files->take_earlier_rows());
   const run::TrackRun::Outputs outputs = into(*files, request.field.window_px, sink);
   const auto finish = [&] {
     run.conclude();
-    files->finish(result);
-    nlohmann::json summary = summarise(request, result, session);
+    files->finish(run.rows(), result);
+    nlohmann::json summary = summarise(request, run.rows(), result, session);
     summary["surface_in_picture_deg"] = describe(run.surface_in_picture());
     const Stopwatch waiting;
     const video::ClipDigest found = digest.get();
@@ -249,7 +256,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
     summary["checksum_wait_s"] = waiting.seconds();
     summary["input"] = report::describe_input(run.info(), found);
     summary["key_frames"] =
-        report::write_key_frames(run.source(), result.rows, result.impact_si, path);
+        report::write_key_frames(run.source(), run.rows(), result.impact_si, path);
     report::write_json(path / "summary.json", summary);
     files.reset();
     if (folder.checksum) run::write_digests(path);

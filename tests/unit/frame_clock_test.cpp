@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <random>
 
+#include "host/clip/row_store.h"
 #include "tests/support/filmed_shot.h"
+#include "tests/support/scratch.h"
 
 namespace impactdic::testing {
 namespace {
@@ -27,6 +30,8 @@ class TimedClip : public FrameSource {
   std::vector<double> times_;
   ClipInfo info_;
 };
+
+std::uint64_t bits_of(double value) { return std::bit_cast<std::uint64_t>(value); }
 
 // `interval_s` apart, rounded to `tick_s`, without the frames in `lost`.
 TimedClip clip_of(int count, double interval_s, double tick_s, const std::vector<int>& lost = {}) {
@@ -85,6 +90,40 @@ TEST(FrameClock, EveryStepsFrameCounts) {
   const run::FrameClock clock = run::read_clock(clip, {10, 300, 3}, false, 10000);
   EXPECT_NEAR(clock.fps, 10000 / 3.0, 1e-6);
   EXPECT_TRUE(clock.periods.empty());
+}
+
+// A ball that rests before it falls: most of the rows are in the file.
+TEST(FrameClock, RowsInAFileLeadToTheSameFigures) {
+  std::mt19937_64 random(5);
+  FilmedShot shot = filmed_shot(random, ScaleBy::kDiameter);
+  std::vector<TrackRow>& rows = shot.result.rows;
+  TrackRow still = rows.front();
+  still.motion_ok = still.circle_ok = false;
+  still.status = TrackStatus::kNoBall;
+  rows.insert(rows.begin(), 1500, still);
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].frame = static_cast<std::int64_t>(i);
+  const ScratchFolder folder;
+  RowStore store(folder.string(), 0);
+  for (const TrackRow& row : rows) store.push_back(row);
+  shot.conclude();
+  TrackResult other;
+  other.scale = shot.result.scale;
+  other.scale.metre_per_px = 0;
+  run::conclude_metres(shot.request, std::nullopt, store, other);
+  ASSERT_EQ(shot.result.impact_si.status, ImpactStatus::kFound);
+  std::vector<double> found;
+  each_figure(shot, [&](const char*, const Measured& m, double) {
+    found.push_back(m.value);
+    found.push_back(m.sd);
+  });
+  FilmedShot by_file = shot;
+  by_file.result = other;
+  std::size_t at = 0;
+  each_figure(by_file, [&](const char* name, const Measured& m, double) {
+    EXPECT_EQ(bits_of(m.value), bits_of(found[at++])) << name;
+    EXPECT_EQ(bits_of(m.sd), bits_of(found[at++])) << name;
+  });
+  EXPECT_EQ(bits_of(other.scale.metre_per_px), bits_of(shot.result.scale.metre_per_px));
 }
 
 // Frames that are missing in flight and in contact change no figure beyond its deviation.

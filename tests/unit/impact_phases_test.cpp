@@ -247,7 +247,7 @@ TEST(ImpactPhases, NoImpactIsSaid) {
     options.gravity.reset();
     EXPECT_EQ(impact::analyse_impact(rows, options).status, ImpactStatus::kNone) << vn;
   }
-  EXPECT_EQ(impact::analyse_impact({}, {}).status, ImpactStatus::kNone);
+  EXPECT_EQ(impact::analyse_impact(std::vector<TrackRow>{}, {}).status, ImpactStatus::kNone);
 }
 
 TEST(ImpactPhases, SurfaceSeenFromTheOtherSide) {

@@ -72,7 +72,7 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   TrackResult result;
   result.rows = {example_row(0), lost, oval};
   result.scale = {2e-4, 1e4, 0, 512};
-  csv.finish(result);
+  csv.finish(result.rows, result);
   const auto rows = report::read_track_csv(folder / "track.csv");
   ASSERT_EQ(rows.size(), 3u);
   EXPECT_EQ(rows[2].e1_px, 1.25);

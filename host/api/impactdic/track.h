@@ -203,7 +203,7 @@ struct TrackResult {
   ClipInfo clip;
   FrameRange frames;           // analysed
   Roi roi;                     // looked at
-  std::vector<TrackRow> rows;  // one a frame measured, in order
+  std::vector<TrackRow> rows;  // one a frame measured, in order; see TrackFolder::keep_rows
   FrameTimes times;
   SiScale scale;            // for to_si
   Body body = Body::kDisc;  // as which it was measured
@@ -220,7 +220,9 @@ struct TrackResult {
   std::vector<ImpactFigures> more_impacts_si;
   ClipAdvice advice;
   std::vector<std::string> warnings;  // one line each
-  std::int64_t frames_ok = 0;         // rows with a circle and, but for the last, its motion
+  std::int64_t frames_measured = 0;   // rows, those of an earlier run that was gone on with too
+  std::int64_t frames_with_ball = 0;  // rows with a circle
+  std::int64_t frames_ok = 0;         // those that have their motion, too; the last one has none
   double seconds = 0;                 // that the measuring took
   double frames_per_s = 0;
   bool cancelled = false;  // `rows` end where the run was stopped
@@ -262,6 +264,9 @@ struct TrackFolder {
   bool resume = false;   // go on where an earlier run into the folder ended
   bool checksum = true;  // the clip's SHA-256, which reads all of it once more
   int compression = 0;   // deflate fields.h5 at this level, 1 … 9; 0: not at all
+  // False: TrackResult::rows stays empty, and memory does not grow with the clip; but with an
+  // overlay or a camera, which need them. The rows are in track.csv.
+  bool keep_rows = true;
   OverlayOptions overlay;
   void validate() const;  // throws InvalidArgument
 };

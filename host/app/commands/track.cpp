@@ -2,7 +2,6 @@
 #include <impactdic/live/track_live.h>
 #include <impactdic/track.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -22,9 +21,7 @@ struct Options : ClipCommand<TrackRequest, TrackFolder> {
 
 // What was written says so row by row; the exit status says it to scripts.
 void require_a_ball(const TrackResult& result) {
-  const bool seen = std::any_of(result.rows.begin(), result.rows.end(),
-                                [](const TrackRow& row) { return row.circle_ok; });
-  if (seen || result.cancelled || result.rows.empty()) return;
+  if (result.frames_with_ball > 0 || result.cancelled || result.frames_measured == 0) return;
   throw Error("no ball was found in any frame", result.clip.path,
               "impactdic info shows the clip; --radius-px says how large the ball is");
 }
@@ -51,6 +48,7 @@ void run_live(Options& options) {
 void run_track(Options& options) {
   if (options.live) return run_live(options);
   if (options.folder.folder.empty()) throw CLI::RequiredError("--output");
+  options.folder.keep_rows = false;
   if (options.request.clip.paths == std::vector<std::string>{"-"}) {
     throw InvalidArgument("a stream is measured as it comes", "-", "add --live");
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "host/base/statistics.h"
@@ -35,10 +36,11 @@ std::vector<double> smoothed(const std::vector<double>& steps, std::ptrdiff_t re
 
 double noise_of(const std::vector<double>& steps) {
   std::vector<double> bends;
+  bends.reserve(steps.size());
   for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
     bends.push_back(std::abs(steps[i] - 2 * steps[i + 1] + steps[i + 2]));
   }
-  return kSdOfMad * upper_median(finite(bends)) / std::sqrt(6.0);
+  return kSdOfMad * upper_median(finite(std::move(bends))) / std::sqrt(6.0);
 }
 
 // Acceleration about the instant between steps i - 1 and i, over `reach` steps on each side.

@@ -24,15 +24,12 @@ void shift(ImpactAnalysis& impact, std::size_t begin) {
 
 class Bounces {
  public:
-  Bounces(const std::vector<TrackRow>& rows, const ImpactOptions& options)
-      : rows_(rows), options_(options) {}
+  Bounces(const TrackRows& rows, const ImpactOptions& options) : rows_(rows), options_(options) {}
 
   // In rows begin … end - 1.
   void look(std::size_t begin, std::size_t end) {
     if (end < begin + kFewestRows || found_.size() >= kMostImpacts) return;
-    const std::vector<TrackRow> part(rows_.begin() + static_cast<std::ptrdiff_t>(begin),
-                                     rows_.begin() + static_cast<std::ptrdiff_t>(end));
-    ImpactAnalysis impact = impact_on_this_side(part, options_);
+    ImpactAnalysis impact = impact_on_this_side(rows_.part(begin, end), options_);
     if (!is_found(impact)) return;
     shift(impact, begin);
     const std::size_t last_before = impact.before.last, first_after = impact.after.first;
@@ -44,15 +41,14 @@ class Bounces {
   std::vector<ImpactAnalysis> take() { return std::move(found_); }
 
  private:
-  const std::vector<TrackRow>& rows_;
+  TrackRows rows_;
   const ImpactOptions& options_;
   std::vector<ImpactAnalysis> found_;
 };
 
 }  // namespace
 
-std::vector<ImpactAnalysis> other_impacts(const std::vector<TrackRow>& rows,
-                                          const ImpactOptions& options,
+std::vector<ImpactAnalysis> other_impacts(const TrackRows& rows, const ImpactOptions& options,
                                           const ImpactAnalysis& known) {
   if (!is_found(known)) return {};
   Bounces bounces(rows, options);

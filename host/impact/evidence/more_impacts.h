@@ -10,6 +10,6 @@ inline bool is_found(const ImpactAnalysis& analysis) {
 }
 
 // The sharpest impact on the side of the surface that n points to, or why there is none.
-ImpactAnalysis impact_on_this_side(const std::vector<TrackRow>& rows, const ImpactOptions& options);
+ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& options);
 
 }  // namespace impactdic::impact

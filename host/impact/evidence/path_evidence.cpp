@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "host/base/parallel.h"
@@ -38,10 +39,11 @@ PathSpan near_contact(PathSpan span) {
 // From second differences, which no smooth path makes; from frame to frame.
 double noise_of(const std::vector<double>& values) {
   std::vector<double> bends;
+  bends.reserve(values.size());
   for (std::size_t i = 0; i + 2 < values.size(); ++i) {
     bends.push_back(std::abs(values[i] - 2 * values[i + 1] + values[i + 2]));
   }
-  return kSdOfMad * upper_median(finite(bends)) / std::sqrt(6.0);
+  return kSdOfMad * upper_median(finite(std::move(bends))) / std::sqrt(6.0);
 }
 
 // What was measured, less single frames that lie far from those about them.

@@ -31,7 +31,7 @@ class FlightData {
       if (moves) add_step(sphere, i, from, normal);
     }
     if (sphere.ok) add_turns(sphere, i, from);
-    if (!last && std::isfinite(series_.turn[i])) turned_ += series_.turn[i];
+    if (!last && std::isfinite(series_.turn(i))) turned_ += series_.turn(i);
   }
 
   std::vector<Datum> data;
@@ -59,8 +59,8 @@ class FlightData {
     seen.slope[column(normal) + 1] = from;
     seen.gravity_slope = pull(normal) * from * from / 2;
     seen.across_slope = across(normal) * from * from / 2;
-    seen.value = normal ? series_.position_n[i] : series_.position_t[i];
-    seen.sd = series_.position_sd[i];
+    seen.value = normal ? series_.position_n[i] : series_.position_t(i);
+    seen.sd = series_.position_sd(i);
     if (series_.sphere) seen.offset_slope = turned_offset(turned_, normal);
     keep(seen);
   }
@@ -70,12 +70,12 @@ class FlightData {
     moved.slope[column(normal) + 1] = 1;
     moved.gravity_slope = pull(normal) * (from + 0.5);
     moved.across_slope = across(normal) * (from + 0.5);
-    moved.value = normal ? series_.step_n[i] : series_.step_t[i];
-    moved.sd = series_.step_sd[i];
+    moved.value = normal ? series_.step_n[i] : series_.step_t(i);
+    moved.sd = series_.step_sd(i);
     if (sphere.ok) {
       moved.sd = sphere.step_sd[normal ? 1 : 0];
       moved.radius_slope = sphere.step_to_radius[normal ? 1 : 0];
-      moved.offset_slope = moved_offset(turned_, turned_ + series_.turn[i], normal);
+      moved.offset_slope = moved_offset(turned_, turned_ + series_.turn(i), normal);
     }
     return moved;
   }

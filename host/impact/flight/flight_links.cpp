@@ -137,14 +137,6 @@ class FlightLinks {
     return link;
   }
 
-  std::optional<std::size_t> row_of(std::int64_t frame) const {
-    const auto found =
-        std::lower_bound(rows_.begin(), rows_.end(), frame,
-                         [](const TrackRow& row, std::int64_t at) { return row.frame < at; });
-    if (found == rows_.end() || found->frame != frame) return std::nullopt;
-    return static_cast<std::size_t>(found - rows_.begin());
-  }
-
   const Key& key_of(std::size_t i, const Link& link) {
     const std::int64_t frame = rows_[i].pose.keyframe;
     const auto known = keys_.find(frame);
@@ -152,7 +144,7 @@ class FlightLinks {
     Key key;
     key.group = next_group_;
     next_group_ += 3;
-    const auto row = row_of(frame);
+    const auto row = rows_.find_frame(frame);
     key.in_flight = row && *row >= range_.first && *row < i && rows_[*row].circle_ok &&
                     rows_[*row].pose.origin == rows_[i].pose.origin;
     key.row = key.in_flight ? *row : i;
@@ -175,7 +167,7 @@ class FlightLinks {
   // What `slope` times how far the keyframe's circle lies off the ball's path does to `row`.
   void add_off_path(const Eigen::RowVector2d& slope, const Key& key, Datum& row) const {
     const double at = static_cast<double>(key.row) - range_.at;
-    const Vector2d circle(series_.position_t[key.row], series_.position_n[key.row]);
+    const Vector2d circle(series_.position_t(key.row), series_.position_n[key.row]);
     const std::array<std::size_t, 2> place = {kT0, kN0};
     for (int axis = 0; axis < 2; ++axis) {
       const std::size_t column = place[static_cast<std::size_t>(axis)];
@@ -230,7 +222,7 @@ class FlightLinks {
       for (std::size_t k = 0; k < 2; ++k) take_off(tilt, step.by_step[axis][k], shifts[k]);
       keep(tilt, step.turn_sd[axis]);
     }
-    keep(turn(i, *link, key, 2), series_.turn_sd[i - 1]);
+    keep(turn(i, *link, key, 2), series_.turn_sd(i - 1));
     return true;
   }
 
@@ -239,7 +231,7 @@ class FlightLinks {
     if (std::isfinite(row.value) && row.sd > 0) data_.push_back(row);
   }
 
-  const std::vector<TrackRow>& rows_;
+  TrackRows rows_;
   const ImpactSeries& series_;
   Vector2d pull_, across_;
   FlightRange range_;

@@ -116,7 +116,7 @@ void write_rod_summary(const std::filesystem::path& file, const std::string& inp
             {"warnings", m.warnings}};
   for (const RodPrediction& p : predictions) root["predictions"].push_back(prediction(p));
   std::ofstream out(file);
-  out << root.dump(2) << '\n';
+  out << root.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   close(out, file);
 }
 

@@ -33,7 +33,8 @@ void TableFile::close() {
 
 void write_ordered_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
   std::ofstream out(file);
-  out << json.dump(2) << '\n' << std::flush;
+  out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n'
+      << std::flush;
   if (!out) throw FileError("cannot write the file", file.string());
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "host/clip/roi.h"
@@ -20,42 +21,51 @@ constexpr double kBoxMargin = 1.4;  // half side of the box over the radius
 
 struct KeyFrame {
   const char* moment;
-  const TrackRow* row;
+  TrackRow row;
   Frame frame;
 };
 
-// The row with a ball whose frame is nearest to `frame`.
-const TrackRow* nearest(const std::vector<const TrackRow*>& rows, double frame) {
-  return *std::min_element(rows.begin(), rows.end(), [&](const TrackRow* a, const TrackRow* b) {
-    return std::abs(static_cast<double>(a->frame) - frame) <
-           std::abs(static_cast<double>(b->frame) - frame);
-  });
+// The row with a ball whose frame is nearest to `frame`; there is one.
+TrackRow nearest(const TrackRows& rows, double frame) {
+  TrackRow best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const TrackRow& row : rows) {
+    const double off = std::abs(static_cast<double>(row.frame) - frame);
+    if (row.circle_ok && off < least) best = row, least = off;
+  }
+  return best;
 }
 
-std::vector<KeyFrame> choose(const std::vector<TrackRow>& rows, const ImpactFigures& impact) {
-  std::vector<const TrackRow*> with_ball;
+// The row with a ball that so many such rows lie before; there is one.
+TrackRow with_ball(const TrackRows& rows, std::int64_t before) {
   for (const TrackRow& row : rows) {
-    if (row.circle_ok) with_ball.push_back(&row);
+    if (row.circle_ok && before-- == 0) return row;
   }
-  if (with_ball.empty()) return {};
+  return {};
+}
+
+std::vector<KeyFrame> choose(const TrackRows& rows, const ImpactFigures& impact) {
+  const std::int64_t balls =
+      std::count_if(rows.begin(), rows.end(), [](const TrackRow& row) { return row.circle_ok; });
+  if (balls == 0) return {};
   if (impact.t0.known() && impact.t_max_compression.known() && impact.t_end.known()) {
-    return {{"before", nearest(with_ball, std::floor(impact.t0.frame)), {}},
-            {"during", nearest(with_ball, impact.t_max_compression.frame), {}},
-            {"after", nearest(with_ball, std::ceil(impact.t_end.frame)), {}}};
+    return {{"before", nearest(rows, std::floor(impact.t0.frame)), {}},
+            {"during", nearest(rows, impact.t_max_compression.frame), {}},
+            {"after", nearest(rows, std::ceil(impact.t_end.frame)), {}}};
   }
-  return {{"first", with_ball.front(), {}},
-          {"middle", with_ball[with_ball.size() / 2], {}},
-          {"last", with_ball.back(), {}}};
+  return {{"first", with_ball(rows, 0), {}},
+          {"middle", with_ball(rows, balls / 2), {}},
+          {"last", with_ball(rows, balls - 1), {}}};
 }
 
 Roi box_around(const std::vector<KeyFrame>& frames, int width, int height) {
   double left = width, right = 0, top = height, bottom = 0;
   for (const KeyFrame& key : frames) {
-    const double half = kBoxMargin * key.row->r_px;
-    left = std::min(left, key.row->cx_px - half);
-    right = std::max(right, key.row->cx_px + half);
-    top = std::min(top, key.row->cy_px - half);
-    bottom = std::max(bottom, key.row->cy_px + half);
+    const double half = kBoxMargin * key.row.r_px;
+    left = std::min(left, key.row.cx_px - half);
+    right = std::max(right, key.row.cx_px + half);
+    top = std::min(top, key.row.cy_px - half);
+    bottom = std::max(bottom, key.row.cy_px + half);
   }
   Roi box;
   box.x = static_cast<int>(std::clamp(left, 0.0, width - 1.0));
@@ -71,13 +81,13 @@ float brightest(const Image<float>& picture) {
 
 }  // namespace
 
-json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows,
-                      const ImpactFigures& impact, const std::filesystem::path& folder) {
+json write_key_frames(FrameSource& source, const TrackRows& rows, const ImpactFigures& impact,
+                      const std::filesystem::path& folder) {
   json list = json::array();
   std::vector<KeyFrame> frames = choose(rows, impact);
   std::erase_if(frames, [&](KeyFrame& key) {
     try {
-      source.read(key.row->frame, key.frame);
+      source.read(key.row.frame, key.frame);
       return false;
     } catch (const FileError&) {
       return true;
@@ -100,10 +110,10 @@ json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows,
                    [&](float v) { return static_cast<std::uint8_t>(255 * v / white); });
     char name[48];
     std::snprintf(name, sizeof name, "key_frames/frame_%06lld.png",
-                  static_cast<long long>(frames[i].row->frame));
+                  static_cast<long long>(frames[i].row.frame));
     write_png_grey(folder / name, box.width, box.height, grey);
     list.push_back({{"moment", frames[i].moment},
-                    {"frame", frames[i].row->frame},
+                    {"frame", frames[i].row.frame},
                     {"picture", name},
                     {"x_px", box.x},
                     {"y_px", box.y}});

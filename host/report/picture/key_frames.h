@@ -7,7 +7,8 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <vector>
+
+#include "host/clip/track_rows.h"
 
 namespace impactdic::report {
 
@@ -17,7 +18,7 @@ namespace impactdic::report {
 // box around the ball, and stretched to 8 bits by one factor. Returns their list for summary.json:
 // moment, frame, picture (path in `folder`), x_px, y_px (of the picture's first pixel). A frame
 // that cannot be read is left out. Throws FileError where a picture cannot be written.
-nlohmann::json write_key_frames(FrameSource& source, const std::vector<TrackRow>& rows,
+nlohmann::json write_key_frames(FrameSource& source, const TrackRows& rows,
                                 const ImpactFigures& impact, const std::filesystem::path& folder);
 
 }  // namespace impactdic::report

@@ -66,6 +66,7 @@ TrackFolder ShotRunner::folder_of(const fs::path& into) const {
   TrackFolder folder = request_.output;
   folder.folder = into.string();
   folder.force = true;
+  folder.keep_rows = false;
   return folder;
 }
 

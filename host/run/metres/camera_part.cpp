@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -35,8 +36,8 @@ std::vector<Measured*> measured_figures(ImpactFigures& f) {
 
 // What follows from the rows as one camera corrects them.
 struct Conclusion {
-  TrackResult result;  // its rows are the corrected ones
-  std::vector<SiRow> si;
+  TrackResult result;                        // its rows are the corrected ones, where they are kept
+  std::vector<std::array<double, 3>> rates;  // of each row: along x and y, m/s; spin, rad/s
 };
 
 class ThroughCamera {
@@ -49,7 +50,7 @@ class ThroughCamera {
         metre_per_px_(metre_per_px),
         seen_radius_px_(median_radius_px(measured.rows)) {}
 
-  Conclusion operator()(const Camera& camera) const {
+  Conclusion operator()(const Camera& camera, bool keep_rows) const {
     Conclusion found;
     const bool sphere = measured_.body == Body::kSphere;
     TrackResult& result = found.result;
@@ -69,7 +70,11 @@ class ThroughCamera {
       request.distance_mm = PlaneView(camera).eye().z() * 1e3;
     }
     conclude_metres(request, radius, result);
-    for (const TrackRow& row : result.rows) found.si.push_back(to_si(row, result.scale));
+    for (const TrackRow& row : result.rows) {
+      const SiRow si = to_si(row, result.scale);
+      found.rates.push_back({si.vx_m_s, si.vy_m_s, si.omega_rad_s});
+    }
+    if (!keep_rows) result.rows = {};
     return found;
   }
 
@@ -112,10 +117,10 @@ void add_camera_parts(const std::vector<Conclusion>& plus, const std::vector<Con
       add((high[i]->value - low[i]->value) / width, parts[i]);
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const SiRow &a = plus[s].si[i], &b = minus[s].si[i];
-      add((a.vx_m_s - b.vx_m_s) / width, rows[i].vx_m_s);
-      add((a.vy_m_s - b.vy_m_s) / width, rows[i].vy_m_s);
-      add((a.omega_rad_s - b.omega_rad_s) / width, rows[i].omega_rad_s);
+      const auto &a = plus[s].rates[i], &b = minus[s].rates[i];
+      add((a[0] - b[0]) / width, rows[i].vx_m_s);
+      add((a[1] - b[1]) / width, rows[i].vy_m_s);
+      add((a[2] - b[2]) / width, rows[i].omega_rad_s);
     }
   }
   for (std::size_t i = 0; i < stated.size(); ++i) {
@@ -143,15 +148,15 @@ void conclude_through_camera(const Camera& camera, const TrackRequest& request,
   const PlaneView view(camera);
   const Measured scale = camera::scale_at_middle(camera);
   const ThroughCamera through(request, sphere_radius_px, result, scale.value);
-  Conclusion found = through(camera);
+  Conclusion found = through(camera, true);
   const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
   std::vector<Conclusion> plus(steps.size()), minus(steps.size());
   parallel_for(2 * steps.size(), 0, [&](std::size_t i) {
     const camera::CameraStep& step = steps[i / 2];
     if (i % 2 == 0)
-      plus[i / 2] = through(step.plus);
+      plus[i / 2] = through(step.plus, false);
     else
-      minus[i / 2] = through(step.minus);
+      minus[i / 2] = through(step.minus, false);
   });
   result.scale = found.result.scale;
   result.impact = std::move(found.result.impact);

@@ -115,19 +115,4 @@ FrameClock read_clock(FrameSource& source, const FrameRange& frames, bool rate_w
   return clock;
 }
 
-std::vector<TrackRow> evenly_spaced(const std::vector<TrackRow>& rows) {
-  std::vector<TrackRow> even;
-  for (const TrackRow& row : rows) {
-    even.push_back(row);
-    if (row.periods == 1 || &row == &rows.back()) continue;
-    TrackRow& last = even.back();
-    last.motion_ok = false;
-    last.dx_px = last.dy_px = last.rot_deg = kNotMeasured;
-    TrackRow missing;
-    missing.frame = row.frame;
-    even.insert(even.end(), static_cast<std::size_t>(row.periods - 1), missing);
-  }
-  return even;
-}
-
 }  // namespace impactdic::run

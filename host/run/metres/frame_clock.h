@@ -25,8 +25,4 @@ struct FrameClock {
 FrameClock read_clock(FrameSource& source, const FrameRange& frames, bool rate_was_given,
                       double stored_fps);
 
-// The rows with an empty one for every frame that is missing between them, and without motions
-// across a gap: what an analysis that counts frames needs.
-std::vector<TrackRow> evenly_spaced(const std::vector<TrackRow>& rows);
-
 }  // namespace impactdic::run

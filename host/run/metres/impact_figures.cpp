@@ -24,7 +24,7 @@ double norm(const ErrorParts& parts) {
 // From analysed frames to the clocks of the clip, from px to metres.
 class Converter {
  public:
-  Converter(const std::vector<TrackRow>& rows, const SiScale& scale, const ImpactAnalysis& analysis,
+  Converter(const TrackRows& rows, const SiScale& scale, const ImpactAnalysis& analysis,
             ImpactFigures& figures)
       : scale_(scale), analysis_(analysis), figures_(figures) {
     number_frames(rows);
@@ -97,13 +97,13 @@ class Converter {
   }
 
   // Rows of missing frames have the number of the one before: they lie evenly up to the next.
-  void number_frames(const std::vector<TrackRow>& rows) {
+  void number_frames(const TrackRows& rows) {
+    stored_.reserve(rows.size());
     for (const TrackRow& row : rows) stored_.push_back(static_cast<double>(row.frame));
-    for (std::size_t i = 0, next = 1; i < rows.size(); i = next++) {
-      while (next < rows.size() && rows[next].frame == rows[i].frame) ++next;
-      if (next == rows.size()) break;
-      const double step =
-          static_cast<double>(rows[next].frame - rows[i].frame) / static_cast<double>(next - i);
+    for (std::size_t i = 0, next = 1; i < stored_.size(); i = next++) {
+      while (next < stored_.size() && stored_[next] == stored_[i]) ++next;
+      if (next == stored_.size()) break;
+      const double step = (stored_[next] - stored_[i]) / static_cast<double>(next - i);
       for (std::size_t k = i + 1; k < next; ++k) stored_[k] += step * static_cast<double>(k - i);
     }
   }
@@ -187,13 +187,13 @@ impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& sca
 
 }  // namespace
 
-ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
                               const SiScale& scale, const std::optional<Measured>& radius_px) {
   return impact::analyse_impact(rows, options_of(request, scale, radius_px));
 }
 
-std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
-                                          const std::vector<TrackRow>& rows, const SiScale& scale,
+std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,
+                                          const SiScale& scale,
                                           const std::optional<Measured>& radius_px,
                                           const ImpactAnalysis& found) {
   return impact::other_impacts(rows, options_of(request, scale, radius_px), found);
@@ -208,7 +208,7 @@ std::array<Measured*, kImpactFigures> figures_with_budget(ImpactFigures& f) {
           &f.contact_s,  &f.max_deflection_m};
 }
 
-ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+ImpactFigures convert_impact(const TrackRequest& request, const TrackRows& rows,
                              const SiScale& scale, const ImpactAnalysis& analysis) {
   ImpactFigures figures;
   figures.status = analysis.status;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "host/clip/track_rows.h"
+
 namespace impactdic::run {
 
 inline constexpr double kGravity_m_s2 = 9.81;
@@ -14,13 +16,13 @@ inline constexpr double kGravity_m_s2 = 9.81;
 // The analysis of the impact in `rows`, which are evenly spaced in time (frame_clock.h). Gravity's
 // strength is known where scale and rate are. `radius_px` of the free ball, where its rim is not
 // what tells it.
-ImpactAnalysis analyse_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
                               const SiScale& scale, const std::optional<Measured>& radius_px);
 
 // The other impacts in `rows`, beside the one that was `found` with the same arguments, in order of
 // time.
-std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request,
-                                          const std::vector<TrackRow>& rows, const SiScale& scale,
+std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,
+                                          const SiScale& scale,
                                           const std::optional<Measured>& radius_px,
                                           const ImpactAnalysis& found);
 
@@ -29,7 +31,7 @@ std::array<Measured*, kImpactFigures> figures_with_budget(ImpactFigures& figures
 
 // What was found, in frames of the stored file, seconds and metres as far as `scale` knows them;
 // its deviations are part of theirs.
-ImpactFigures convert_impact(const TrackRequest& request, const std::vector<TrackRow>& rows,
+ImpactFigures convert_impact(const TrackRequest& request, const TrackRows& rows,
                              const SiScale& scale, const ImpactAnalysis& analysis);
 
 }  // namespace impactdic::run

@@ -31,7 +31,7 @@ struct Flight {
   std::size_t first, last;
 };
 
-std::vector<Flight> flights_of(const std::vector<TrackRow>& rows, const ImpactAnalysis& analysis) {
+std::vector<Flight> flights_of(const TrackRows& rows, const ImpactAnalysis& analysis) {
   std::vector<Flight> flights;
   for (const FlightMotion* one : {&analysis.before, &analysis.after, &analysis.flight}) {
     if (one->last < one->first + kFewestFrames || one->last >= rows.size()) continue;
@@ -57,70 +57,96 @@ struct Bending {
   }
 };
 
-struct Equations {
-  std::vector<Eigen::VectorXd> slopes;
-  std::vector<double> values;  // both over the deviation
-  void add(const Eigen::VectorXd& slope, double value, double sd) {
-    slopes.push_back(slope / sd);
-    values.push_back(value / sd);
-  }
-};
+// Two for each row that was measured: of the centre and, in its place where there are motions, of
+// them. Over a ball's extent a lens enlarges circles and motions differently, so that they do not
+// share a speed. They are made anew whenever they are asked for: a clip may be long.
+class Equations {
+ public:
+  Equations(const TrackRows& rows, const std::vector<Flight>& flights, bool motions,
+            const Bending& bending)
+      : rows_(rows), flights_(flights), motions_(motions), bending_(bending) {}
 
-// Of the centre and, in its place where there are motions, of them: over a ball's extent a lens
-// enlarges circles and motions differently, so that they do not share a speed.
-void add_row(const TrackRow& row, double t, bool motions, Eigen::Index at, Eigen::Index size,
-             const Bending& bending, Equations& equations) {
-  if (!row.circle_ok || (motions && !row.motion_ok)) return;
-  const Vector2d centre(row.cx_px, row.cy_px), motion(row.dx_px, row.dy_px);
-  const Vector2d value = motions ? motion : centre;
-  const Vector2d bend = motions ? bending.step(centre + motion / 2, motion) : bending.place(centre);
-  const Vector2d sd =
-      motions ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(row.cx_sd_px, row.cy_sd_px);
-  const Eigen::Vector3d path =
-      motions ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
-  for (int axis = 0; axis < 2; ++axis) {
-    Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
-    slope.segment<3>(at + 3 * axis) = path;
-    slope[size - 1] = bend[axis];
-    equations.add(slope, value[axis],
-                  std::max(sd[axis], motions ? kLeastStepSd_px : kLeastCentreSd_px));
+  Eigen::Index unknowns() const {
+    return static_cast<Eigen::Index>(kPerFlight * flights_.size() + 1);
   }
-}
+
+  // use(slope, value), both over the deviation, in order.
+  template <typename Use>
+  void each(const Use& use) const {
+    for (std::size_t f = 0; f < flights_.size(); ++f) {
+      for (std::size_t i = flights_[f].first; i <= flights_[f].last; ++i) {
+        each_of_row(rows_[i], static_cast<double>(i - flights_[f].first),
+                    static_cast<Eigen::Index>(kPerFlight * f), use);
+      }
+    }
+  }
+
+ private:
+  template <typename Use>
+  void each_of_row(const TrackRow& row, double t, Eigen::Index at, const Use& use) const {
+    if (!row.circle_ok || (motions_ && !row.motion_ok)) return;
+    const Vector2d centre(row.cx_px, row.cy_px), motion(row.dx_px, row.dy_px);
+    const Vector2d value = motions_ ? motion : centre;
+    const Vector2d bend =
+        motions_ ? bending_.step(centre + motion / 2, motion) : bending_.place(centre);
+    const Vector2d sd =
+        motions_ ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(row.cx_sd_px, row.cy_sd_px);
+    const Eigen::Vector3d path =
+        motions_ ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
+    for (int axis = 0; axis < 2; ++axis) {
+      Eigen::VectorXd slope = Eigen::VectorXd::Zero(unknowns());
+      slope.segment<3>(at + 3 * axis) = path;
+      slope[unknowns() - 1] = bend[axis];
+      const double by = std::max(sd[axis], motions_ ? kLeastStepSd_px : kLeastCentreSd_px);
+      slope /= by;
+      use(slope, value[axis] / by);
+    }
+  }
+
+  TrackRows rows_;
+  const std::vector<Flight>& flights_;
+  bool motions_;
+  Bending bending_;
+};
 
 // Least squares, once more without what does not fit; the last unknown with its deviation, which
 // the residuals' own scatter enlarges.
-std::optional<Measured> last_unknown(const Equations& equations, Eigen::Index size, double& scatter,
+std::optional<Measured> last_unknown(const Equations& equations, double& scatter,
                                      Eigen::VectorXd& all) {
-  std::vector<char> used(equations.values.size(), 1);
+  const Eigen::Index size = equations.unknowns();
+  std::vector<bool> used;
+  equations.each([&](const Eigen::VectorXd&, double) { used.push_back(true); });
   Measured found;
   for (int round = 0; round < 3; ++round) {
     // Motions do not tell places: those stay where they are, at 0.
     Eigen::MatrixXd normal = 1e-12 * Eigen::MatrixXd::Identity(size, size);
     Eigen::VectorXd side = Eigen::VectorXd::Zero(size);
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      if (!used[i]) continue;
-      normal += equations.slopes[i] * equations.slopes[i].transpose();
-      side += equations.slopes[i] * equations.values[i];
+    std::size_t count = 0, at = 0;
+    equations.each([&](const Eigen::VectorXd& slope, double value) {
+      if (!used[at++]) return;
+      normal += slope * slope.transpose();
+      side += slope * value;
       ++count;
-    }
+    });
     if (count < 2 * static_cast<std::size_t>(size)) return std::nullopt;
     const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::LDLT<Eigen::MatrixXd> solver(scale.asDiagonal() * normal * scale.asDiagonal());
     all = scale.asDiagonal() * solver.solve(scale.asDiagonal() * side);
-    std::vector<double> off;
+    const auto each_off = [&](const auto& use) {
+      at = 0;
+      equations.each([&](const Eigen::VectorXd& slope, double value) {
+        use(at, std::abs(value - slope.dot(all)));
+        ++at;
+      });
+    };
     double squares = 0;
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      off.push_back(std::abs(equations.values[i] - equations.slopes[i].dot(all)));
-      if (used[i]) squares += off.back() * off.back();
-    }
+    each_off([&](std::size_t i, double off) { squares += used[i] ? off * off : 0.0; });
     scatter = std::sqrt(squares / static_cast<double>(count - size));
     const Eigen::VectorXd last = Eigen::VectorXd::Unit(size, size - 1);
     const double variance = solver.solve(last)[size - 1] * scale[size - 1] * scale[size - 1];
     found = {all[size - 1], std::sqrt(std::max(variance, 0.0)) * std::max(1.0, scatter)};
-    for (std::size_t i = 0; i < used.size(); ++i) {
-      used[i] = off[i] <= kOutlier * std::max(1.0, scatter);
-    }
+    each_off(
+        [&](std::size_t i, double off) { used[i] = off <= kOutlier * std::max(1.0, scatter); });
   }
   if (!std::isfinite(found.value) || !(found.sd > 0)) return std::nullopt;
   return found;
@@ -144,8 +170,8 @@ bool may_turn_by_itself(const Eigen::VectorXd& path, double frames, double share
 
 }  // namespace
 
-std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
-                                        const ImpactAnalysis& analysis, int width, int height,
+std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnalysis& analysis,
+                                        int width, int height,
                                         const std::optional<FallInPicture>& gravity) {
   std::vector<Flight> flights = flights_of(rows, analysis);
   // A bent flight passes for none: all rows, if they turn out to be a steady one through a lens.
@@ -157,20 +183,13 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
     flights.push_back({0, rows.size() - 2});
   }
   const Bending bending{{(width - 1) / 2.0, (height - 1) / 2.0}, std::hypot(width, height) / 2};
-  const auto size = static_cast<Eigen::Index>(kPerFlight * flights.size() + 1);
-  const bool motions = std::any_of(rows.begin() + static_cast<std::ptrdiff_t>(flights[0].first),
-                                   rows.begin() + static_cast<std::ptrdiff_t>(flights[0].last),
-                                   [](const TrackRow& row) { return row.motion_ok; });
-  Equations equations;
-  for (std::size_t f = 0; f < flights.size(); ++f) {
-    for (std::size_t i = flights[f].first; i <= flights[f].last; ++i) {
-      add_row(rows[i], static_cast<double>(i - flights[f].first), motions,
-              static_cast<Eigen::Index>(kPerFlight * f), size, bending, equations);
-    }
-  }
+  const TrackRows first = rows.part(flights[0].first, flights[0].last);
+  const bool motions =
+      std::any_of(first.begin(), first.end(), [](const TrackRow& row) { return row.motion_ok; });
   double scatter = 0;
   Eigen::VectorXd paths;
-  const std::optional<Measured> corner = last_unknown(equations, size, scatter, paths);
+  const std::optional<Measured> corner =
+      last_unknown(Equations(rows, flights, motions, bending), scatter, paths);
   if (!corner || (guessed && scatter > kSteady)) return std::nullopt;
   if (std::abs(corner->value) > kMostCorner) return std::nullopt;
   LensBend bend{*corner, 0, 0};
@@ -178,7 +197,7 @@ std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
     const Flight& flight = flights[f];
     double least = 1e300, most = -1e300;
     for (std::size_t i = flight.first; i <= flight.last; ++i) {
-      const TrackRow& row = rows[i];
+      const TrackRow row = rows[i];
       if (!row.circle_ok) continue;
       const Vector2d centre(row.cx_px, row.cy_px);
       bend.largest_px =

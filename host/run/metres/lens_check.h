@@ -5,6 +5,8 @@
 
 #include <optional>
 
+#include "host/clip/track_rows.h"
+
 namespace impactdic::run {
 
 struct LensBend {
@@ -23,8 +25,8 @@ struct FallInPicture {
 // distortion grows with the square of the distance from the picture's middle (the first term of
 // Brown 1971). nullopt where the flights do not tell: where no lens bends like that, or where the
 // path may turn by itself, as a ball on a string does. A path that falls as `gravity` says is free.
-std::optional<LensBend> bend_of_flights(const std::vector<TrackRow>& rows,
-                                        const ImpactAnalysis& analysis, int width, int height,
+std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnalysis& analysis,
+                                        int width, int height,
                                         const std::optional<FallInPicture>& gravity = {});
 
 // A warning where a bend is there beyond chance and matters; "" elsewhere. `corrected`: the rows

@@ -5,7 +5,6 @@
 
 #include "host/clip/track_row.h"
 #include "host/run/metres/contradictions.h"
-#include "host/run/metres/frame_clock.h"
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/sphere_sight.h"
 
@@ -41,7 +40,7 @@ SiScale no_scale(const TrackResult& result) {
 }
 
 // A surface far from the one that was given shows no impact, or one that turns the wrong way.
-void look_for_another_surface(const TrackRequest& request, const std::vector<TrackRow>& rows,
+void look_for_another_surface(const TrackRequest& request, const TrackRows& rows,
                               const std::optional<Measured>& radius_px, TrackResult& result) {
   for (const double off_deg : {45.0, -45.0, 90.0, -90.0, 135.0, -135.0}) {
     SiScale scale = result.scale;
@@ -56,10 +55,12 @@ void look_for_another_surface(const TrackRequest& request, const std::vector<Tra
 }  // namespace
 
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
-                     TrackResult& result, const motion::Perspective& perspective) {
-  const std::vector<TrackRow> rows = about_centres(evenly_spaced(result.rows), perspective);
+                     const TrackRows& measured, TrackResult& result,
+                     const motion::Perspective& perspective) {
+  const EvenRows even(measured, about_centres(perspective));
+  const TrackRows rows(even);
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
-  const auto about = median_radius_px(result.rows);
+  const auto about = median_radius_px(measured);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
   result.impact = analyse_impact(request, rows, result.scale, sphere_radius_px);
   std::optional<Measured> radius = sphere_radius_px;
@@ -89,6 +90,11 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
   }
   set_scale(request, radius.value_or(free.radius_px), result.scale);
   conclude(std::move(free), without);
+}
+
+void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
+                     TrackResult& result) {
+  conclude_metres(request, sphere_radius_px, result.rows, result);
 }
 
 }  // namespace impactdic::run

@@ -5,15 +5,22 @@
 
 #include <optional>
 
+#include "host/clip/track_rows.h"
 #include "host/motion/perspective.h"
 
 namespace impactdic::run {
 
-// Sets scale and impact of `result` from its rows. With the ball's diameter the scale is that over
-// twice the free ball's radius: from the flights' frames alone, since a ball in contact is
-// compressed. `sphere_radius_px`: of a sphere, where its turns tell it. `perspective`: of a sphere
-// that was registered in it; none where the rows are those of a camera that looks squarely.
+// Sets scale and impact of `result` from `rows`, those measured. With the ball's diameter the scale
+// is that over twice the free ball's radius: from the flights' frames alone, since a ball in
+// contact is compressed. `sphere_radius_px`: of a sphere, where its turns tell it. `perspective`:
+// of a sphere that was registered in it; none where the rows are those of a camera that looks
+// squarely.
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
-                     TrackResult& result, const motion::Perspective& perspective = {});
+                     const TrackRows& rows, TrackResult& result,
+                     const motion::Perspective& perspective = {});
+
+// The same from the rows that the result holds.
+void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
+                     TrackResult& result);
 
 }  // namespace impactdic::run

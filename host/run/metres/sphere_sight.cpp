@@ -38,16 +38,14 @@ std::string sphere_in_words(const Measured& radius_px, const motion::Perspective
   return text;
 }
 
-std::vector<TrackRow> about_centres(std::vector<TrackRow> rows,
-                                    const motion::Perspective& perspective) {
-  if (!perspective) return rows;
-  for (TrackRow& row : rows) {
-    if (!row.circle_ok) continue;
+std::function<void(TrackRow&)> about_centres(const motion::Perspective& perspective) {
+  if (!perspective) return {};
+  return [perspective](TrackRow& row) {
+    if (!row.circle_ok) return;
     const Circle ball = motion::about_centre({row.cx_px, row.cy_px, row.r_px}, perspective);
     row.cx_px = ball.cx_px;
     row.cy_px = ball.cy_px;
-  }
-  return rows;
+  };
 }
 
 }  // namespace impactdic::run

@@ -4,9 +4,9 @@
 #include <impactdic/camera/model.h>
 #include <impactdic/track.h>
 
+#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "host/motion/perspective.h"
 
@@ -28,9 +28,8 @@ inline constexpr char kParallelRays[] =
     "deviations";
 std::string sphere_in_words(const Measured& radius_px, const motion::Perspective& perspective);
 
-// Rows whose circles are about the ball's centre, as motions of a sphere that was registered in
-// perspective are of it.
-std::vector<TrackRow> about_centres(std::vector<TrackRow> rows,
-                                    const motion::Perspective& perspective);
+// Puts a row's circle about the ball's centre, as motions of a sphere that was registered in
+// perspective are of it. Empty of parallel rays: there it is already.
+std::function<void(TrackRow&)> about_centres(const motion::Perspective& perspective);
 
 }  // namespace impactdic::run

@@ -161,8 +161,7 @@ bool covers(const TrackRow& row, int x, int y) {
 
 }  // namespace
 
-StillPicture still_picture(FrameSource& source, const std::vector<TrackRow>& rows,
-                           const Touch& touch) {
+StillPicture still_picture(FrameSource& source, const TrackRows& rows, const Touch& touch) {
   const ClipInfo& info = source.info();
   StillPicture still;
   still.grey = Image<float>(info.width, info.height, 0.0F);
@@ -173,13 +172,15 @@ StillPicture still_picture(FrameSource& source, const std::vector<TrackRow>& row
   Frame frame;
   for (int k = 0; k < kFrames; ++k) {
     const std::size_t at = rows.size() * static_cast<std::size_t>(k) / kFrames;
-    if (at >= rows.size() || !rows[at].circle_ok) continue;
-    source.read(rows[at].frame, frame);
+    if (at >= rows.size()) continue;
+    const TrackRow row = rows[at];
+    if (!row.circle_ok) continue;
+    source.read(row.frame, frame);
     const Image<float> picture = frame.to_float();
     const auto unit = static_cast<float>(255 / frame.full_scale());
     for (int y = from(touch.y_px); y < to(touch.y_px, info.height); ++y) {
       for (int x = from(touch.x_px); x < to(touch.x_px, info.width); ++x) {
-        if (covers(rows[at], x, y)) continue;
+        if (covers(row, x, y)) continue;
         still.grey(x, y) += unit * picture(x, y);
         ++still.seen(x, y);
       }
@@ -209,7 +210,7 @@ std::optional<Measured> edge_angle_deg(const StillPicture& still, const Touch& t
   return Measured{turned_into(towards_deg + 90), std::max(turn->sd * kDegPerRad, kLeastSd_deg)};
 }
 
-std::optional<Measured> surface_in_picture(FrameSource& source, const std::vector<TrackRow>& rows,
+std::optional<Measured> surface_in_picture(FrameSource& source, const TrackRows& rows,
                                            const ImpactAnalysis& analysis) {
   const FlightMotion &before = analysis.before, &after = analysis.after;
   if (before.last == 0 || after.last == 0 || !std::isfinite(analysis.turn.value)) {

@@ -4,7 +4,8 @@
 #include <impactdic/track.h>
 
 #include <optional>
-#include <vector>
+
+#include "host/clip/track_rows.h"
 
 namespace impactdic::run {
 
@@ -22,8 +23,7 @@ struct StillPicture {
   Image<std::uint8_t> seen;
 };
 // Throws what reading throws.
-StillPicture still_picture(FrameSource& source, const std::vector<TrackRow>& rows,
-                           const Touch& touch);
+StillPicture still_picture(FrameSource& source, const TrackRows& rows, const Touch& touch);
 
 // Of the straight edges that touch the circle, within 50 degrees of the direction, the one of most
 // contrast: its inclination as --surface-angle-deg counts it. nullopt where none stands out over a
@@ -31,7 +31,7 @@ StillPicture still_picture(FrameSource& source, const std::vector<TrackRow>& row
 std::optional<Measured> edge_angle_deg(const StillPicture& still, const Touch& touch);
 
 // The same of an impact. nullopt also where the frames cannot be read again.
-std::optional<Measured> surface_in_picture(FrameSource& source, const std::vector<TrackRow>& rows,
+std::optional<Measured> surface_in_picture(FrameSource& source, const TrackRows& rows,
                                            const ImpactAnalysis& analysis);
 
 // Adds the contradiction between the edge and the angle that was given, unless path and spin show
