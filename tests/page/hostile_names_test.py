@@ -3,14 +3,21 @@
 of results. IMPACTDIC_PROGRAM names the program."""
 
 import csv
+import html
 import html.parser
+import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support/page"))
+from page_browser import PageBrowser, find_chromium  # noqa: E402
+from view_page import Page  # noqa: E402
 
 PROGRAM = os.environ["IMPACTDIC_PROGRAM"]
 CHECK_PAGE = Path(__file__).resolve().parents[1] / "support" / "check_page.py"
@@ -19,8 +26,11 @@ NAMES = [
     "<img src=x onerror=alert(1)>", "\"><svg onload=alert(2)>", "<!--<script>alert(3)",
     "x' onmouseover='alert(4)", "javascript:alert(5)", "$\\badmath{$", "%s%n%x", "a;b&c|d`e`$(touch pwned)",
     "  spaces  ", "ünïcødé ✓ 球", "b" * 240, "a\\..\\b", "{{7*7}}", "%2e%2e%2fetc",
+    "<iframe srcdoc='<script>alert(8)'>", "<style>@import'http:evil'", "&lt;script&gt;alert(9)",
+    "data:text;html", "\x1b[31mred", "\u202etxt.exe", "--help", "tab\there", "<title><base href=http:evil>",
 ]
-NOTES = ["=1+1", "-1", "<b>bold</b>", "@x", "<script>alert(6)</script>", "+1"]
+NOTES = ["=1+1", "-1", "<b>bold</b>", "@x", "<script>alert(6)</script>", "+1", "</td></table><form>", "\t=1"]
+CAMERA = "<img src=http:evil onerror=alert(10)>"
 MAY_HAVE_SOURCE = ("data:", "blob:")
 
 
@@ -31,7 +41,7 @@ def run(*arguments, status=0):
     return done
 
 
-class Page(html.parser.HTMLParser):
+class ParsedPage(html.parser.HTMLParser):
     """What a browser would make of the page."""
 
     def __init__(self, text):
@@ -66,6 +76,12 @@ class HostileNames(unittest.TestCase):
             "-q", "-o", cls.root / "made")
         for name in NAMES:
             shutil.copy(cls.root / "made/video.tif", cls.clips / f"{name}.tif")
+        run("synth", "--pattern", "e1", "--size", "96x96", "--radius-px", "28", "--frames", "4",
+            "--format", "mraw", "-q", "-o", cls.root / "made_mraw")
+        shutil.copy(cls.root / "made_mraw/video.mraw", cls.clips / "header.mraw")
+        header = (cls.root / "made_mraw/video.cihx").read_bytes()
+        named = re.sub(b"<deviceName>[^<]*<", b"<deviceName>%s<" % html.escape(CAMERA).encode(), header)
+        (cls.clips / "header.cihx").write_bytes(named)
         (cls.clips / "<u>no clip.tif").write_text("this is none")
         table = ["file,notes"]
         # The table is plain: names with commas or quotes cannot stand in it.
@@ -81,7 +97,7 @@ class HostileNames(unittest.TestCase):
     def test_no_cell_is_a_formula(self):
         with open(self.out / "shots.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
-        self.assertEqual(len(rows), len(NAMES) + 2)
+        self.assertEqual(len(rows), len(NAMES) + 3)
         self.assertEqual({len(row) for row in rows}, {len(rows[0])})
         for row in rows[1:]:
             for cell in row:
@@ -90,14 +106,14 @@ class HostileNames(unittest.TestCase):
 
     def test_nothing_left_its_folder(self):
         self.assertEqual(sorted(p.name for p in self.root.iterdir()),
-                         sorted(["clips", "made", "table.csv", self.out.name]))
-        self.assertEqual(len(list((self.out / "shots").iterdir())), len(NAMES))
+                         sorted(["clips", "made", "made_mraw", "table.csv", self.out.name]))
+        self.assertEqual(len(list((self.out / "shots").iterdir())), len(NAMES) + 1)
         self.assertFalse(Path("pwned").exists())
 
     def test_the_page_shows_them_as_text(self):
         run("report", self.out, "-q")
         text = (self.out / "report.html").read_text(encoding="utf-8")
-        page = Page(text)
+        page = ParsedPage(text)
         self.assertEqual(page.wrong, [])
         self.assertEqual(page.scripts, 2)
         for name in ("<img src=x onerror=alert(1)>", "=1+1", "球"):
@@ -108,6 +124,34 @@ class HostileNames(unittest.TestCase):
                               capture_output=True, text=True)
         if done.returncode != 77:  # no browser here
             self.assertEqual(done.returncode, 0, done.stdout)
+
+    @unittest.skipIf(find_chromium() is None, "no Chromium on this machine")
+    def test_view_shows_them_as_text(self):
+        summary = json.loads((self.out / "shots/header/summary.json").read_text())
+        self.assertEqual(summary["input"]["camera"], CAMERA)
+        browser = PageBrowser()
+        self.addCleanup(browser.close)
+        names = [name.replace('"', "'") for name in NAMES]  # as shots.csv has them
+        for folder, shown in ((self.out, names + NOTES[:2]), (self.out / "shots/header", [])):
+            try:
+                page = Page(folder)
+            except AssertionError as error:
+                self.assertIn("without its page", str(error))
+                self.skipTest("this program was built without its page")
+            self.addCleanup(page.stop)
+            browser.open(page.address, 1280, 900)
+            browser.wait("document.documentElement?.dataset?.ready === 'yes'")
+            if shown:
+                browser.wait(f"document.querySelectorAll('#shots-table tbody tr').length >= {len(NAMES)}")
+            text = browser.value("document.body.textContent")
+            for name in shown:
+                self.assertIn(name, text)
+            for alien in ("img", "iframe", "object", "embed", "base", "form", "[onclick]", "[onerror]",
+                          "[onload]", "[onmouseover]"):
+                found = browser.value(f"document.querySelectorAll(\"{alien}\").length")
+                self.assertEqual(found, 0, alien)
+            self.assertEqual(browser.value("document.querySelectorAll('script').length"), 2)
+            self.assertEqual(browser.problems(), [])
 
     def test_a_table_that_leads_elsewhere_is_refused(self):
         other = self.root / "forged"
