@@ -4,15 +4,19 @@
 What must hold: both stay flat. From a quarter of the run on, what is resident grows by less than a
 tenth and 20 MB, and no more descriptors are open at the end than there were at a quarter.
 
-Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S] [-- OPTIONS OF track]
+Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S] [--kill-every S]
+               [-- OPTIONS OF track]
 FOLDER holds the clip: 4 KB a frame. The ball goes around in 400 frames, which are made once and
 copied. --end S: a run that takes longer is stopped by Ctrl-C; the table then says of how much.
+--kill-every S: the run is killed at random, every S seconds in the mean, and gone on with; what a
+second run without kills writes must be the same bytes.
 """
 
 import argparse
 import math
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
@@ -63,12 +67,18 @@ def make_clips(program, folder, clips):
             os.link(different[i % len(different)].with_suffix(end), folder / f"shot_{i:04}{end}")
 
 
-def watched(command, end_s, progress):
+def watched(command, end_s, progress, kill_every_s=0):
     """Runs it; returns its status, its seconds and samples of (s, progress, MB, descriptors)."""
-    run = subprocess.Popen([str(part) for part in command])
-    began, samples = time.monotonic(), []
+    command = [str(part) for part in command]
+    run = subprocess.Popen(command)
+    began, samples, kills = time.monotonic(), [], 0
     while run.poll() is None:
         now = time.monotonic() - began
+        if kill_every_s > 0 and random.random() < 0.25 / kill_every_s:
+            run.kill()
+            run.wait()
+            kills += 1
+            run = subprocess.Popen([*command, "--resume"])
         try:
             memory = resident_mb(run.pid)
             files = len(os.listdir(f"/proc/{run.pid}/fd"))
@@ -80,6 +90,8 @@ def watched(command, end_s, progress):
             run.send_signal(signal.SIGINT)
             run.wait()
         time.sleep(0.25)
+    if kill_every_s > 0:
+        print(f"killed {kills} times", flush=True)
     return run.returncode, time.monotonic() - began, samples
 
 
@@ -115,6 +127,7 @@ def main():
     parser.add_argument("--frames", type=int, default=1000000)
     parser.add_argument("--clips", type=int, default=1000)
     parser.add_argument("--end", type=float, default=0)
+    parser.add_argument("--kill-every", type=float, default=0)
     parser.add_argument("options", nargs="*")
     given = parser.parse_args()
     program, folder = str(pathlib.Path(given.program).resolve()), given.folder
@@ -123,16 +136,23 @@ def main():
     if given.frames > 0:
         clip = make_clip(program, folder / "long", given.frames)
         out = folder / "out"
-        ended = watched([program, "track", clip, *SMALL, *given.options, "-o", out], given.end,
-                        lambda: size_of(out / "track.csv"))
+        command = [program, "track", clip, *SMALL, *given.options, "-o"]
+        ended = watched([*command, out], given.end, lambda: size_of(out / "track.csv"),
+                        given.kill_every)
         wrong += told(f"track of {given.frames} frames", *ended, 0 < given.end < ended[1])
         with open(out / "track.csv", "rb") as table:
             print(f"rows: {sum(1 for _ in table) - 1}", flush=True)
+        if given.kill_every > 0:
+            whole = folder / "whole"
+            subprocess.run([*map(str, command), str(whole)], check=True)
+            wrong += [f"{name} differs" for name in ("track.csv", "pose.csv")
+                      if (out / name).read_bytes() != (whole / name).read_bytes()]
     if given.clips > 0:
         make_clips(program, folder / "shots", given.clips)
         out = folder / "out_batch"
         ended = watched([program, "batch", folder / "shots", *SMALL, *given.options, "-o", out],
-                        given.end, lambda: str(len(list(out.glob("shots/*/summary.json")))))
+                        given.end, lambda: str(len(list(out.glob("shots/*/summary.json")))),
+                        given.kill_every)
         wrong += told(f"batch of {given.clips} clips", *ended, 0 < given.end < ended[1])
         print(f"clips done: {len(list(out.glob('shots/*/summary.json')))}", flush=True)
     print("; ".join(wrong) or "flat")
