@@ -185,6 +185,14 @@ class OfShots(unittest.TestCase):
         np.testing.assert_allclose(blue.y, [0.5, np.nan])
         np.testing.assert_allclose(red.y, [0.82, 0.7])
         np.testing.assert_allclose(red.sd, [0.02, np.nan])  # the scatter over the root of two
+        table["restitution_sd"][:3] = 0.03, 0.04, 0.01  # their own say more than so few shots' scatter
+        made = {f.name: f for f in shots.figures(table, [], {"d": "hit the frame"})}
+        blue, red = made["restitution"].panels[1].series
+        self.assertAlmostEqual(red.sd[0], 0.025)  # the root of 0.03² + 0.04², over two
+        self.assertAlmostEqual(blue.sd[0], 0.01)
+        self.assertIn("e 0.500 ± 0.010 blue at 0° (1 shot), e 0.820 ± 0.025 red at 0° (2 shots)",
+                      first.sentence_of_shots(table, {"d": "hit the frame"}))
+        table["restitution_sd"][:] = 0
         drop = made["drop"].panels[0].series
         self.assertEqual([s.labels for s in drop[:2]], [["c"], ["a"]])
         np.testing.assert_allclose(drop[0].x, np.sqrt(2 * 9.81 * 0.204))

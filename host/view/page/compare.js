@@ -35,10 +35,12 @@ async function exclude(shot, reason) {
   } catch (error) { set({compareError: error.message}); }
 }
 
-// Mean of the shots that count, and its deviation out of their scatter; of one shot, that shot's own.
+// Mean of the shots that count, and its deviation: out of their scatter, or of their own deviations where
+// those say more (scripts/impactdic/report/groups.py).
 function mean(values, own) {
   const n = values.length, m = values.reduce((a, b) => a + b, 0) / n;
-  const sd = n > 1 ? Math.sqrt(values.reduce((a, b) => a + (b - m) ** 2, 0) / (n - 1) / n) : own[0];
+  const scatter = n > 1 ? Math.sqrt(values.reduce((a, b) => a + (b - m) ** 2, 0) / (n - 1) / n) : NaN;
+  const said = [scatter, Math.hypot(...own) / n].filter(Number.isFinite), sd = said.length ? Math.max(...said) : NaN;
   return `${withDeviation(String(m), Number.isFinite(sd) ? String(sd) : "")} (${n === 1 ? "one shot, its own deviation" : n})`;
 }
 
@@ -82,9 +84,13 @@ function line(table, k, excluded) {
       return make("td", {}, make("button", {className: "link", textContent: cell, onclick: () => show(cell)}));
     }
     const number = sd || (cell !== "" && Number.isFinite(Number(cell)));
-    return make("td", {title: cell, textContent: number ? withDeviation(inUnit(cell, unit), sd ? inUnit(table.cell(k, sd), unit) : "") : cell});
+    return make("td", {title: cell, className: sd ? "figure" : "", textContent: number ? withDeviation(inUnit(cell, unit), sd ? inUnit(table.cell(k, sd), unit) : "") : cell});
   });
-  return make("tr", {className: out ? "out" : ""}, ...cells, make("td", {}, reason));
+  // On a narrow screen a row is a list of names and cells.
+  COLUMNS.filter(([, column]) => table.has(column)).forEach(([title], i) => { cells[i].dataset.name = title; });
+  const last = make("td", {}, reason);
+  last.dataset.name = "left out because";
+  return make("tr", {className: out ? "out" : ""}, ...cells, last);
 }
 
 // The rows in their order; in groups each under its name.
@@ -118,5 +124,5 @@ export function build() {
   };
   on(["state", "excluded", "compareError"], redraw);
   return [make("p", {className: "soft", textContent: "A click on a name shows the shot, one on a column sorts. A shot with a reason is left out of the means; the reasons are kept in excluded.csv."}),
-          make("label", {}, "In groups by ", choice), place, make("h2", {textContent: "Means, with the deviation of the mean between shots"}), list, wrong];
+          make("label", {}, "In groups by ", choice), place, make("h2", {textContent: "Means, with the deviation of the mean"}), list, wrong];
 }

@@ -149,9 +149,14 @@ def _draw_series(axis, s):
     if s.kind == "arrows":
         axis.plot(*with_heads(s.x, s.y), color=s.colour, lw=0.7, label=s.name)
     elif s.kind == "markers":
-        bars = None if s.sd is None else 1.96 * np.asarray(s.sd)
-        look = {"fmt": MARKERS[s.marker], "ms": _marker_size(s), "color": s.colour, "lw": 0.8, "capsize": 2}
-        axis.errorbar(s.x, s.y, yerr=bars, label=s.name, **look)
+        x, y = np.asarray(s.x), np.asarray(s.y)
+        bars = np.full(len(x), np.nan) if s.sd is None else 1.96 * np.asarray(s.sd)
+        look = {"ms": _marker_size(s), "color": s.colour, "lw": 0.8}
+        without = ~np.isfinite(bars)  # errorbar would warn of them
+        axis.plot(x[without], y[without], MARKERS[s.marker], label=s.name if without.all() else None, **look)
+        if not without.all():
+            axis.errorbar(x[~without], y[~without], yerr=bars[~without], label=s.name,
+                          fmt=MARKERS[s.marker], capsize=2, **look)
     else:
         axis.plot(s.x, s.y, "--" if s.dash else "-", color=s.colour, lw=1.2, label=s.name)
         if s.sd is not None:

@@ -125,8 +125,7 @@ def lights(summary):
 
 
 def sentence_of_shots(table, excluded=()):
-    """Of shots.csv: mean restitution and its deviation between shots, for each ball at each angle of
-    the surface. Shots that a person has left out (`excluded`) or whose figures are in doubt do not
+    """Of shots.csv: mean restitution and its deviation, for each ball at each angle of the surface. Shots that a person has left out (`excluded`) or whose figures are in doubt do not
     count."""
     found, doubtful = {}, 0
     counts = groups.counted(table, excluded)
@@ -136,7 +135,7 @@ def sentence_of_shots(table, excluded=()):
             continue
         if counts[row]:
             key = (groups.ball_of(table, row), groups.number(table, "surface_angle_deg", row))
-            found.setdefault(key, []).append(e)
+            found.setdefault(key, []).append((e, groups.number(table, "restitution_sd", row)))
         elif groups.text(table, "shot", row) not in excluded:
             doubtful += 1
     parts = [_mean_e(ball, angle, values) for (ball, angle), values in sorted(found.items())]
@@ -150,8 +149,8 @@ def sentence_of_shots(table, excluded=()):
 def _mean_e(ball, angle, values):
     count = len(values)
     where = ([ball] if ball else []) + ([f"at {angle:g}°"] if math.isfinite(angle) else [])
-    mean, deviation = groups.mean(values)
-    return (f"e {rounded(mean, deviation if count > 1 else None)}"
+    mean, deviation = groups.mean(*zip(*values))
+    return (f"e {rounded(mean, deviation)}"
             + "".join(f" {word}" for word in where) + f" ({count} shot{'s' if count > 1 else ''})")
 
 

@@ -51,11 +51,16 @@ def counted(table, excluded):
                      for row in range(len(table["status"]))], dtype=bool)
 
 
-def mean(values):
-    """Mean and its deviation by the scatter of the values: NaN of one value."""
+def mean(values, deviations=None):
+    """Mean of shots and its deviation: by the scatter of the values, or by their own deviations where
+    those say more, as few shots may agree by chance. NaN where neither is known."""
     values = np.asarray(values, dtype=float)
-    values = values[np.isfinite(values)]
-    if len(values) == 0:
+    own = np.full(len(values), np.nan) if deviations is None else np.asarray(deviations, float)
+    known = np.isfinite(values)
+    values, own, count = values[known], own[known], int(known.sum())
+    if count == 0:
         return math.nan, math.nan
-    deviation = np.std(values, ddof=1) / math.sqrt(len(values)) if len(values) > 1 else math.nan
-    return float(np.mean(values)), float(deviation)
+    said = [np.std(values, ddof=1) / math.sqrt(count)] if count > 1 else []
+    if np.isfinite(own).all() and own.any():
+        said.append(np.sqrt(np.sum(own**2)) / count)
+    return float(np.mean(values)), float(max(said, default=math.nan))

@@ -52,14 +52,15 @@ class Shots:
 
     def means(self, quantities):
         """Means against the angle of the surface, a series for each ball and each (name, column), with
-        their deviations by the scatter of the shots (none where there is one shot). Shots whose
-        figures are in doubt do not count."""
+        their deviations (groups.mean). Shots whose figures are in doubt do not count."""
         made = []
         for ball in self.balls:
             for marker, (name, column) in zip(MARKERS, quantities):
                 rows = [(self.ball == ball) & (self["surface_angle_deg"] == angle) & self.counted
                         for angle in self.angles]
-                found = np.array([groups.mean(self[column][row]) for row in rows]).reshape(-1, 2)
+                own = self.table.get(f"{column}_sd")
+                found = np.array([groups.mean(self[column][row], None if own is None else own[row])
+                                  for row in rows]).reshape(-1, 2)
                 made.append(Series(self._named(ball, name), self.angles, found[:, 0], found[:, 1],
                                    COLOURS[len(made) % len(COLOURS)], "markers", marker))
         return made
