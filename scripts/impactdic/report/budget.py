@@ -74,6 +74,7 @@ def figure(impact):
         "What the deviations are made of",
         "Shares of the variance. Type A is evaluated from scatter, the others are not "
         "(JCGM 100:2008).",
-        [Panel("", "", "share of the variance, %", series, from_zero=True, x_names=names)],
+        [Panel("", "figure", "share of the variance, %", series, from_zero=True,
+               x_names=names)],
         "Quality",
     )
