@@ -67,7 +67,8 @@ ImpactJob impact_job(nb::dict job) {
   choose(root, "normal", impact.normal, parse_normal_model);
   choose(root, "friction", impact.friction, parse_friction_model);
   choose(root, "preset", impact.preset, parse_preset);
-  for (const char* name : {"body", "contact", "surface", "initial", "environment", "solver"}) {
+  for (const char* name :
+       {"body", "contact", "shell", "surface", "initial", "environment", "solver"}) {
     root.pass_over(name);
   }
   root.finish("impact");
@@ -75,6 +76,14 @@ ImpactJob impact_job(nb::dict job) {
   impact.contact = read_contact(table(job, "contact"), impact.normal);
   OptionReader surface = table(job, "surface"), initial = table(job, "initial"),
                environment = table(job, "environment"), solver = table(job, "solver");
+  if (job.contains("shell")) {
+    OptionReader reader = table(job, "shell");
+    BallShell& shell = impact.shell.emplace();
+    reader("stiffness_n_per_m", shell.stiffness_n_per_m);
+    reader("damping_n_s_per_m", shell.damping_n_s_per_m);
+    reader("flat_fraction", shell.flat_fraction);
+    reader.finish("shell");
+  }
   surface("angle_deg", impact.surface_angle_deg);
   surface.finish("surface");
   initial("vt_m_s", impact.initial.vt_m_s);

@@ -57,6 +57,8 @@ nb::dict trajectory_of(const std::vector<TrajectoryPoint>& points) {
   column("normal_force_n", [](const auto& p) { return p.normal_force_n; });
   column("tangential_force_n", [](const auto& p) { return p.tangential_force_n; });
   column("deflection_m", [](const auto& p) { return p.deflection_m; });
+  column("flattening_m", [](const auto& p) { return p.state.flattening_m; });
+  column("outline_lag_m", [](const auto& p) { return p.state.outline_lag_m; });
   return columns;
 }
 
@@ -83,6 +85,7 @@ nb::dict outcome_of(const ImpactResult& impact) {
       {"contact_s", impact.contact_s},
       {"t_max_compression_s", impact.t_max_compression_s},
       {"max_deflection_m", impact.max_deflection_m},
+      {"max_flattening_m", impact.max_flattening_m},
       {"max_force_n", impact.max_force_n},
       {"peak_force_n", impact.peak_force_n},
       {"restitution", impact.restitution},
@@ -119,7 +122,7 @@ nb::dict simulate_impact(nb::dict job, double rate_hz, std::vector<double> times
 }
 
 FitParameter parameter_of(const std::string& key, NormalModel normal) {
-  for (int k = 0; k <= static_cast<int>(FitParameter::kLift); ++k) {
+  for (int k = 0; k <= static_cast<int>(kLastFitParameter); ++k) {
     if (key_of(static_cast<FitParameter>(k), normal) == key) return static_cast<FitParameter>(k);
   }
   throw InvalidArgument("'" + key + "' is not known", "parameters");
@@ -188,6 +191,7 @@ nb::list rivals_of(const ShotFit& shot) {
     facts["normal"] = std::string(name_of(rival.normal));
     facts["friction"] = std::string(name_of(rival.friction));
     facts["restitution_damping"] = std::string(name_of(rival.restitution_damping));
+    facts["shell"] = rival.shell;
     facts["chi_square"] = rival.chi_square;
     facts["p_value"] = rival.p_value;
     facts["aicc"] = rival.aicc;

@@ -33,6 +33,7 @@ ModelPrediction kelvin_voigt(ImpactJob job) {
       published ? contact::kelvin_voigt_parameters(job.body.mass_kg, law.restitution, law.contact_s)
                 : contact::force_free_parameters(job.body.mass_kg, law.restitution, law.contact_s);
   job.normal = NormalModel::kLinearSpringDamper;
+  job.shell.reset();
   job.contact.stiffness = pair.stiffness;
   job.contact.damping_n_s_per_m = pair.damping_n_s_per_m;
   job.contact.restitution_damping =

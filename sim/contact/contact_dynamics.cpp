@@ -13,6 +13,7 @@ ContactDynamicsOf<Real>::ContactDynamicsOf(const JobNumbers<Real>& numbers,
                                            const FrictionLawOf<Real>& friction)
     : normal_(normal),
       friction_(friction),
+      shell_(numbers),
       mass_(numbers.body.mass_kg),
       inverse_mass_(1.0 / numbers.body.mass_kg),
       inverse_inertia_(1.0 / numbers.body.inertia()),
@@ -77,7 +78,9 @@ template <typename Real>
 auto ContactDynamicsOf<Real>::line(const State& x) const -> SlipLine {
   if (!turning_) {
     if (!across_) return line_;
-    return {line_.t, tip_b(x) / tip_t(x)};
+    const Real t = tip_t(x);
+    if (t == 0) return {line_.t, Real(0)};  // it has just stopped
+    return {line_.t, tip_b(x) / t};
   }
   const Real t = tip_t(x), b = tip_b(x);
   if (!(t * line_.t + b * line_.b > 0)) return line_;
@@ -93,6 +96,10 @@ auto ContactDynamicsOf<Real>::contact_point(const State& x) const -> ContactPoin
   at.deflection_m = 0.0 - x[kQn];  // not -0 at the touch
   if (rod_) at.deflection_m -= r.n + cap_ + reach_ * sin(start_angle_);
   at.rate_m_s = -(x[kVn] + x[kOmega] * r.t);
+  if (shell_.given()) {  // the part that lies on the surface
+    at.deflection_m -= shell_.reach(x[kFlat]);
+    at.rate_m_s -= shell_.reach(x[kFlatRate]);
+  }
   at.centre_vt_m_s = x[kVt] * along.t + x[kVb] * along.b;
   at.tip_vt_m_s = (x[kVt] - x[kOmega] * r.n) * along.t + (x[kVb] + x[kOmegaT] * r.n) * along.b;
   at.tip_m = x[kTip];
@@ -105,6 +112,9 @@ auto ContactDynamicsOf<Real>::contact_point(const State& x) const -> ContactPoin
   at.spring_n = at_least(spring, 0);
   at.normal_n = at_least(normal, 0);
   at.acceleration_m_s2 = -(normal * inverse_mass_ + gravity_n_);  // of a ball
+  if (shell_.given()) {
+    at.acceleration_m_s2 = shell_.contact_acceleration(x, normal) - gravity_n_;
+  }
   // d(tip velocity)/dt = 0, with r' = omega x r for a rod's axis; its cap only rolls.
   at.mobility_per_kg = inverse_mass_ + r.n * r.n * inverse_inertia_;
   at.drift_m_s2 = -gravity_t_ * along.t + r.n * r.t * at.normal_n * inverse_inertia_ +
@@ -150,6 +160,11 @@ void ContactDynamicsOf<Real>::operator()(const State& x, State& rate, double) co
   rate[kVb] = force_b * inverse_mass_;
   rate[kOmegaT] = r.n * force_b * inverse_inertia_;
   rate[kOmegaN] = Real(0);
+  rate[kFlat] = rate[kFlatRate] = Real(0);
+  if (!shell_.given()) return;
+  rate[kFlat] = x[kFlatRate];
+  rate[kFlatRate] = shell_.acceleration(x, normal);
+  rate[kDamping] += shell_.dissipation_w(x);
 }
 
 template class ContactDynamicsOf<double>;

@@ -5,36 +5,13 @@
 // while nothing else pushes across it; the weight on a slope may, and then it turns with the slip.
 #pragma once
 
-#include <array>
-#include <cstddef>
-
 #include "sim/contact/impact.h"
 #include "sim/contact/law/friction_law.h"
 #include "sim/contact/law/normal_law.h"
+#include "sim/contact/numbers/state.h"
+#include "sim/contact/shell/shell.h"
 
 namespace impactdic::sim::contact {
-
-// The integrated state: BodyState, then the work integrals and the friction law's own.
-enum StateIndex : std::size_t {
-  kQt,
-  kQn,
-  kAngle,
-  kVt,
-  kVn,
-  kOmega,
-  kDamping,  // work taken by the damper, J
-  kSlip,     // work taken by slip, J
-  kTip,      // way of the contact point along the line of slip, m
-  kSprings,  // ContactPoint::springs_m2
-  kQb,       // across the plane of t and n
-  kVb,
-  kOmegaT,
-  kOmegaN,
-  kStateSize
-};
-template <typename Real>
-using ImpactStateOf = std::array<Real, kStateSize>;
-using ImpactState = ImpactStateOf<double>;
 
 // A unit vector in the surface, along t and b.
 template <typename Real>
@@ -96,6 +73,7 @@ class ContactDynamicsOf {
 
   const NormalLawOf<Real>& normal_;
   const FrictionLawOf<Real>& friction_;
+  Shell<Real> shell_;
   Real mass_, inverse_mass_, inverse_inertia_;
   Real gravity_t_, gravity_n_;
   bool rod_;

@@ -30,6 +30,7 @@ class ContactSystem {
         dynamics_(dynamics),
         request_(request),
         ball_(job.body.shape != BodyShape::kRod),
+        shell_(job.shell.has_value()),
         mass_kg_(job.body.mass_kg),
         keeps_direction_(job.friction == FrictionModel::kFullSliding),
         touch_((dynamics.memory = NormalMemoryOf<Real>{}, dynamics.contact_point(start))),
@@ -37,7 +38,7 @@ class ContactSystem {
         record_(start_s, touch_.law_n) {}
 
   // The guards are the normal law's, then the friction law's.
-  enum NormalGuard { kTurn, kSeparation, kReload, kKink, kPeak, kNormalGuards };
+  enum NormalGuard { kTurn, kSeparation, kReload, kKink, kPeak, kFlattest, kNormalGuards };
   static constexpr int kMostGuards = kNormalGuards + FrictionLaw::kMaxGuards;
   using Guards = std::array<Real, kMostGuards>;
 
@@ -45,6 +46,7 @@ class ContactSystem {
     friction_.begin(touch_, time_s);
     come_to_rest(x);
     force_rises_ = force_rate(touch_) > 0;
+    flattens_ = !(x[kFlatRate] < 0);
     record_.enter(ContactPhaseKind::kNormal, "compression", {time_s, &x});
     record_.enter(ContactPhaseKind::kTangential, friction_.mode(), {time_s, &x});
   }
@@ -54,7 +56,12 @@ class ContactSystem {
                           friction_);
   }
 
-  void rates(const State& x, State& rate) const { dynamics_(x, rate, 0); }
+  void rates(const State& x, State& rate) const {
+    dynamics_(x, rate, 0);
+    if constexpr (kHasDerivatives<Real>) {
+      if (held_) hold_deflection(x, rate);
+    }
+  }
   int guards(const State& x, Guards& values) const;
   void switch_mode(int guard, const Real& time_s, State& x);
   bool finished() const { return separated_ || resting_; }
@@ -64,6 +71,7 @@ class ContactSystem {
   }
   // On the way out, once it is fast enough for the deflection, or the force, to tell the time.
   int fixed_guard(const State& x) const {
+    if (shell_) return -1;  // its part in contact may turn back again
     const ContactPoint at = dynamics_.contact_point(x);
     const auto& memory = dynamics_.memory;
     const bool by_force = damping_ == RestitutionDamping::kToZeroForce;
@@ -71,6 +79,16 @@ class ContactSystem {
     const bool out = !memory.compressing && at.rate_m_s < -1e-9 * touch_.rate_m_s &&
                      separation_guard(at) < 0.5 * most;
     return out ? kSeparation : -1;
+  }
+  // From here on the deflection, and not the time, is held within a step as well.
+  void hold(int guard) {
+    held_ = guard == kSeparation && damping_ != RestitutionDamping::kToZeroForce;
+  }
+  // What that has moved the instant by.
+  void keep_time(Real& time_s, State& x) const requires kHasDerivatives<Real> {
+    if (!held_) return;
+    time_s.v += x[kClock].v;
+    x[kClock] = Real(0);
   }
   double next_point_s() const { return request_.next_s(); }
   void take_point(const Real& time_s, const State& x) { request_.take(time_s, x); }
@@ -89,6 +107,14 @@ class ContactSystem {
   }
 
  private:
+  // The instants move with the inputs so that the deflection does not: an infinite slope of the
+  // force, as where a jkr contact parts, is then not asked for.
+  void hold_deflection(const State& x, State& rate) const requires kHasDerivatives<Real> {
+    const Real down = dynamics_.contact_point(x).rate_m_s;
+    const auto moves = (-down.v / down.a).eval();
+    for (Real& part : rate) part.v += part.a * moves;
+    rate[kClock] = Real(0.0, moves);
+  }
   // A little less or more deep: the two sides of a kink, which is located to about 1e-14.
   static constexpr double kBeside = 1e-12;
   ContactPoint shifted(State x, double part) const {
@@ -127,11 +153,14 @@ class ContactSystem {
   ContactDynamicsOf<Real>& dynamics_;
   TrajectoryRequest<Real>& request_;
   bool ball_;
+  bool shell_;
   double mass_kg_;
   bool keeps_direction_;  // friction goes on as it was when the contact point has stopped
   ContactPoint touch_;
   Real next_kink_m_;
   bool force_rises_ = true;  // in compression
+  bool flattens_ = true;     // a shell
+  bool held_ = false;        // the deflection, on the way out
   bool separated_ = false;
   bool resting_ = false;  // the body will not leave
   int switches_ = 0;
@@ -182,7 +211,9 @@ int ContactSystem<Real>::guards(const State& x, Guards& values) const {
   const ContactPoint at = dynamics_.contact_point(x);
   const auto& memory = dynamics_.memory;
   values[kTurn] = memory.compressing ? at.rate_m_s : Real(-at.rate_m_s);
-  values[kSeparation] = values[kReload] = values[kKink] = values[kPeak] = Real(1);
+  values[kSeparation] = values[kReload] = values[kKink] = values[kPeak] = values[kFlattest] =
+      Real(1);
+  if (shell_) values[kFlattest] = flattens_ ? x[kFlatRate] : Real(-x[kFlatRate]);
   if (memory.compressing && at.damping_n_s_per_m > 0 && ball_) {
     values[kPeak] = force_rises_ ? force_rate(at) : Real(-force_rate(at));
   }
@@ -195,6 +226,10 @@ int ContactSystem<Real>::guards(const State& x, Guards& values) const {
   }
   typename FrictionLaw::Guards friction;
   const int count = friction_.guards(at, friction);
+  // A line that turns turns ever faster as the slip stops: its derivatives are those of a moment
+  // before.
+  if (kHasDerivatives<Real> && dynamics_.turning())
+    friction[0] -= 1e-9 * value_of(touch_.tip_vt_m_s);
   std::copy_n(friction.begin(), count, values.begin() + kNormalGuards);
   return kNormalGuards + count;
 }
@@ -215,6 +250,10 @@ void ContactSystem<Real>::switch_mode(int guard, const Real& time_s, State& x) {
       break;
     case kPeak:  // its force is told of as every step's end
       force_rises_ = !force_rises_;
+      break;
+    case kFlattest:
+      if (flattens_) record_.flatten(x[kFlat]);
+      flattens_ = !flattens_;
       break;
     case kKink:
       next_kink_m_ = normal_.next_kink_m(at.deflection_m);
@@ -250,7 +289,7 @@ void ContactSystem<Real>::turn(const Real& time_s, const State& x, const Contact
   if (!memory.compressing) {
     // The weight has turned the rebound of a ball before it could leave. No law gives back more
     // than that again, so it never will.
-    if (ball_) {
+    if (ball_ && !shell_) {
       resting_ = true;
       return;
     }

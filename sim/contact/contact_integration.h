@@ -16,6 +16,7 @@ struct ContactOutcomeOf {
   ContactPointOf<Real> end_point;
   Real t_max_compression_s{};  // from the touch; the first maximum
   Real max_deflection_m{}, max_force_n{}, peak_force_n{}, separation_force_n{};
+  Real max_flattening_m{};  // of a shell
   // Of energies no derivatives are followed.
   double plastic_j = 0;  // kept by the surface
   // Stored when the body left, dissipated by the surface on its own.

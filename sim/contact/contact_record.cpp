@@ -70,6 +70,23 @@ auto ContactRecord<Real>::finish(bool separated, const ContactInstant& now, cons
   return std::move(outcome_);
 }
 
+template <typename Real>
+void continue_blow(ContactOutcomeOf<Real>& blow, const ContactOutcomeOf<Real>& next) {
+  if (next.max_deflection_m > blow.max_deflection_m) {
+    blow.max_deflection_m = next.max_deflection_m;
+    blow.max_force_n = next.max_force_n;
+  }
+  blow.peak_force_n = std::max(blow.peak_force_n, next.peak_force_n);
+  blow.max_flattening_m = std::max(blow.max_flattening_m, next.max_flattening_m);
+  blow.separation_force_n = next.separation_force_n;
+  blow.separated = next.separated;
+  blow.end_s = next.end_s;
+  blow.end = next.end;
+  blow.end_point = next.end_point;
+}
+
+template void continue_blow(ContactOutcomeOf<double>&, const ContactOutcomeOf<double>&);
+template void continue_blow(ContactOutcomeOf<Sensitive>&, const ContactOutcomeOf<Sensitive>&);
 template class ContactRecord<double>;
 template class ContactRecord<Sensitive>;
 

@@ -1,6 +1,8 @@
 // What one contact leaves behind: its phases, its extremes, what the surface keeps.
 #pragma once
 
+#include <algorithm>
+
 #include "sim/contact/contact_integration.h"
 
 namespace impactdic::sim::contact {
@@ -30,6 +32,11 @@ class ContactRecord {
   // The deflection turns from growing to falling.
   void turn(const Real& time_s, const ContactPoint& at, const Real& force_n);
 
+  // A shell has flattened so far, and turns back.
+  void flatten(const Real& flattening_m) {
+    outcome_.max_flattening_m = std::max(outcome_.max_flattening_m, flattening_m);
+  }
+
   ContactOutcome finish(bool separated, const ContactInstant& now, const ContactPoint& at,
                         const ContactDynamicsOf<Real>& dynamics, const NormalLawOf<Real>& normal,
                         const FrictionLawOf<Real>& friction);
@@ -41,5 +48,9 @@ class ContactRecord {
   int open_normal_ = -1, open_tangential_ = -1;
   ContactOutcome outcome_;
 };
+
+// A blow of a shell goes on after it had left the surface for a moment: `next` is added to it.
+template <typename Real>
+void continue_blow(ContactOutcomeOf<Real>& blow, const ContactOutcomeOf<Real>& next);
 
 }  // namespace impactdic::sim::contact

@@ -20,6 +20,7 @@
 #include <optional>
 
 #include "sim/contact/numbers/real.h"
+#include "sim/contact/numbers/step_adjuster.h"
 
 namespace impactdic::sim::contact {
 
@@ -38,39 +39,6 @@ struct EventLimits {
   const char* hint = "";  // of the errors
 };
 
-// The next step from the errors of the last two, in the form that odeint asks for: where steps have
-// to shrink again and again, as before the separation of a Hertz contact, the last error alone
-// would have every second step repeated (Gustafsson 1991).
-class StepAdjuster {
- public:
-  explicit StepAdjuster(double longest_s = 0) : longest_s_(longest_s) {}
-
-  double decrease_step(double step_s, double error, int) const {
-    return limited(step_s * std::max(kSafety * std::pow(error, -kExponent), 1 / kMostChange));
-  }
-  double increase_step(double step_s, double error, int) {
-    const double root = std::pow(std::max(error, 1e-8), kExponent);
-    double factor = kSafety / root;
-    if (last_step_s_ > 0) factor *= std::min(step_s / last_step_s_ * last_root_ / root, 1.0);
-    last_step_s_ = step_s, last_root_ = root;
-    return limited(step_s * std::clamp(factor, 1 / kMostChange, kMostChange));
-  }
-  bool check_step_size_limit(double step_s) const {
-    return longest_s_ == 0 || step_s <= longest_s_;
-  }
-  double get_max_dt() const { return longest_s_; }
-
- private:
-  static constexpr double kExponent = 0.2;  // the error estimate is of the fifth order in the step
-  static constexpr double kSafety = 0.85, kMostChange = 5;
-  double limited(double step_s) const {
-    return longest_s_ == 0 ? step_s : std::min(step_s, longest_s_);
-  }
-
-  double longest_s_;  // 0: any
-  double last_step_s_ = 0, last_root_ = 0;
-};
-
 // A system with modes and guards. It has the types and members that are used below:
 //   State; kMostGuards
 //   rates(x, rate)          the right-hand side in the present mode
@@ -84,6 +52,8 @@ class StepAdjuster {
 //   restart_step_s(step_s)  first step of the next mode, where the last mode's would be step_s
 // Where its numbers have derivatives, also
 //   fixed_guard(x)   the guard whose value is to keep none from step to step; below zero: no such
+//   hold(guard)      told which, so that it may keep none within steps either
+//   keep_time(time_s, x)   adds to the time what holding it has moved the instant by
 //   just_before(guard, x)   the state a little before it crosses
 // The derivatives are those at instants that move with the inputs as the last event does.
 // ErrorChecker: as odeint's controlled_runge_kutta takes it.
@@ -212,9 +182,13 @@ class EventIntegrator {
     }
     Instant at_event{later(now_.time_s, begin_s + event.after_s), *part, {}};
     hand_over(at_event, true);
-    if constexpr (kHasDerivatives<Real>) move_onto(event.guard, at_event);
+    if constexpr (kHasDerivatives<Real>) {
+      system_.keep_time(at_event.time_s, at_event.x);
+      move_onto(event.guard, at_event);
+    }
     accept(at_event);
     switch_mode(event.guard);
+    if (!system_.finished()) keep_fixed(now_, now_guards_);
     step_s = std::min(step_s, taken);
     return true;
   }
@@ -236,7 +210,9 @@ class EventIntegrator {
   // derivatives of that way.
   void keep_fixed(Instant& next, GuardValues& end) {
     if constexpr (kHasDerivatives<Real>) {
+      system_.keep_time(next.time_s, next.x);
       const int guard = system_.fixed_guard(next.x);
+      system_.hold(guard);
       if (guard < 0) return;
       move_onto(guard, next);
       end = guards(next.x);

@@ -11,6 +11,7 @@
 #include "host/base/parse.h"
 #include "host/impact/impulse_figures.h"
 #include "sim/contact/contact_integration.h"
+#include "sim/contact/contact_record.h"
 #include "sim/contact/flight/flight.h"
 #include "sim/contact/never.h"
 #include "sim/contact/orientation_path.h"
@@ -20,7 +21,8 @@ namespace impactdic::sim::contact {
 
 namespace {
 
-BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q) {
+BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q,
+                     const Shell<double>& shell) {
   return {x[kQt],
           x[kQn],
           x[kAngle],
@@ -31,7 +33,11 @@ BodyState body_state(const ImpactState& x, const Eigen::Quaterniond& q) {
           x[kVb],
           x[kOmegaT],
           x[kOmegaN],
-          {q.w(), q.x(), q.y(), q.z()}};
+          {q.w(), q.x(), q.y(), q.z()},
+          x[kFlat],
+          x[kFlatRate],
+          shell.lag(x[kFlat]),
+          shell.lag(x[kFlatRate])};
 }
 
 // A ledger is closed to this part of the kinetic energy at the start.
@@ -54,6 +60,7 @@ class ImpactRun final : public TrajectoryRequest<double> {
         recording_(recording),
         numbers_(job),
         flight_(numbers_),
+        shell_(numbers_),
         normal_(make_normal_law(job, numbers_)),
         orientation_(job.body),
         turns_(job.body.shape != BodyShape::kRod) {}
@@ -71,8 +78,13 @@ class ImpactRun final : public TrajectoryRequest<double> {
     result_.start = state(0, now_);
     for (int contact = 0; contact < job_.solver.contacts; ++contact) {
       if (!reach_surface(contact)) break;
-      follow_contact(contact);
+      follow_contact();
+      while (result_.separated && flight_.touches_again(now_) && reach_surface(contact + 1)) {
+        follow_contact();
+      }
+      if (contact == 0) describe_blow();
       if (!result_.separated) break;
+      blow_.reset();
     }
     finish();
     return std::move(result_);
@@ -94,7 +106,8 @@ class ImpactRun final : public TrajectoryRequest<double> {
 
  private:
   BodyState state(double time_s, const ImpactState& x) const {
-    return body_state(x, turns_ ? orientation_.at(time_s, x) : Eigen::Quaterniond::Identity());
+    return body_state(x, turns_ ? orientation_.at(time_s, x) : Eigen::Quaterniond::Identity(),
+                      shell_);
   }
 
   double gravity_t() const { return flight_.gravity_t(); }
@@ -112,10 +125,13 @@ class ImpactRun final : public TrajectoryRequest<double> {
       const double touch_s = time_s_ + flight;
       record_flight(std::nextafter(touch_s, 0.0));
       result_.phases.push_back({ContactPhaseKind::kFlight, "flight", time_s_, touch_s, 0});
+      if (blow_) {
+        blow_->max_flattening_m = std::max(blow_->max_flattening_m, flight_.flattest(now_, flight));
+      }
       const Flight<double>::Flown flown = flight_.after(now_, flight);
       now_ = flown.state;
       air_j_ += flown.air_j;
-      now_[kQn] = 0;
+      flight_.put_down(now_);
       time_s_ = touch_s;
       reach(time_s_, now_);
     } else {
@@ -135,7 +151,7 @@ class ImpactRun final : public TrajectoryRequest<double> {
     air_j_ = before_j;
   }
 
-  void follow_contact(int contact) {
+  void follow_contact() {
     now_[kTip] = now_[kSprings] = 0;
     friction_ = make_friction_law(job_, numbers_, now_[kVt], now_[kVn]);
     dynamics_.emplace(numbers_, *normal_, *friction_);
@@ -150,8 +166,7 @@ class ImpactRun final : public TrajectoryRequest<double> {
       throw InvalidArgument("the body does not approach the surface", "initial.vn_m_s",
                             "the normal points out of the surface: vn_m_s must be negative");
     }
-    const double touch_s = time_s_;
-    const ImpactState before = now_;
+    if (!blow_) first_touch_ = {time_s_, touch.rate_m_s, now_};
     const ContactOutcome outcome =
         integrate_contact<double>(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
     result_.evaluations += dynamics_->evaluations;
@@ -164,7 +179,13 @@ class ImpactRun final : public TrajectoryRequest<double> {
     result_.separated = outcome.separated;
     result_.phases.insert(result_.phases.end(), outcome.phases.begin(), outcome.phases.end());
     warn(outcome);
-    if (contact == 0) describe_first(touch_s, touch.rate_m_s, before, outcome);
+    tip_end_ = {dynamics_->tip_t(now_), dynamics_->tip_b(now_)};
+    if (blow_) {
+      continue_blow(*blow_, outcome);
+    } else {
+      blow_ = outcome;
+      tip_start_ = {dynamics_->tip_t(first_touch_.x), dynamics_->tip_b(first_touch_.x)};
+    }
     if (outcome.separated) {
       dynamics_.reset();  // from here on the body flies
       plastic_j_ += outcome.plastic_j;
@@ -173,23 +194,26 @@ class ImpactRun final : public TrajectoryRequest<double> {
     }
   }
 
-  void describe_first(double touch_s, double touch_rate_m_s, const ImpactState& before,
-                      const ContactOutcome& outcome) {
+  void describe_blow() {
     const double nan = kNotMeasured;
-    const ImpactState& after = outcome.end;
-    const double duration = outcome.end_s - touch_s, mass = job_.body.mass_kg;
-    result_.contact_start_s = touch_s;
+    const ContactOutcome& outcome = *blow_;
+    const ImpactState &before = first_touch_.x, &after = outcome.end;
+    const double duration = outcome.end_s - first_touch_.time_s, mass = job_.body.mass_kg;
+    // Of the contact point; the part of a shell that lies on the surface swings.
+    const double out = shell_.given() ? after[kVn] : -outcome.end_point.rate_m_s;
+    result_.contact_start_s = first_touch_.time_s;
     result_.contact_s = outcome.separated ? duration : nan;
     result_.t_max_compression_s = outcome.t_max_compression_s;
     result_.max_deflection_m = outcome.max_deflection_m;
     result_.max_force_n = outcome.max_force_n;
     result_.peak_force_n = outcome.peak_force_n;
     result_.separation_force_n = outcome.separation_force_n;
-    result_.restitution = outcome.separated ? -outcome.end_point.rate_m_s / touch_rate_m_s : nan;
-    result_.tip_vt_start_m_s = dynamics_->tip_t(before);
-    result_.tip_vt_final_m_s = dynamics_->tip_t(after);
-    result_.tip_vb_start_m_s = dynamics_->tip_b(before);
-    result_.tip_vb_final_m_s = dynamics_->tip_b(after);
+    result_.max_flattening_m = outcome.max_flattening_m;
+    result_.restitution = outcome.separated ? out / first_touch_.rate_m_s : nan;
+    result_.tip_vt_start_m_s = tip_start_.t;
+    result_.tip_vt_final_m_s = tip_end_.t;
+    result_.tip_vb_start_m_s = tip_start_.b;
+    result_.tip_vb_final_m_s = tip_end_.b;
     result_.impulse_t_n_s = mass * (after[kVt] - before[kVt] - gravity_t() * duration);
     result_.impulse_b_n_s = mass * (after[kVb] - before[kVb]);
     result_.impulse_n_n_s = mass * (after[kVn] - before[kVn] - gravity_n() * duration);
@@ -243,6 +267,7 @@ class ImpactRun final : public TrajectoryRequest<double> {
     energy.slip_j = x[kSlip];
     energy.plastic_j = plastic_j_;
     energy.air_j = air_j_;
+    energy.vibration_j = shell_.energy_j(x);
     if (dynamics_) {
       const ContactPoint at = dynamics_->contact_point(x);
       energy.normal_elastic_j = normal_->stored_j(at.deflection_m, dynamics_->memory);
@@ -252,7 +277,7 @@ class ImpactRun final : public TrajectoryRequest<double> {
     }
     energy.residual_j = energy.kinetic_start_j + energy.gravity_j - energy.kinetic_j -
                         energy.normal_elastic_j - energy.damping_j - energy.tangential_elastic_j -
-                        energy.slip_j - energy.plastic_j - energy.air_j;
+                        energy.slip_j - energy.plastic_j - energy.air_j - energy.vibration_j;
     return energy;
   }
 
@@ -282,12 +307,24 @@ class ImpactRun final : public TrajectoryRequest<double> {
   const Recording recording_;
   const JobNumbers<double> numbers_;
   const Flight<double> flight_;
+  const Shell<double> shell_;
   std::unique_ptr<NormalLaw> normal_;
   std::unique_ptr<FrictionLaw> friction_;
   std::optional<ContactDynamics> dynamics_;  // while in contact
   OrientationPath orientation_;
   bool turns_;  // an orientation is told of balls
   ImpactState now_{}, start_{};
+  // Of the blow that is followed: one contact, of a shell those of its own swing.
+  struct Touch {
+    double time_s = 0, rate_m_s = 0;
+    ImpactState x{};
+  };
+  struct Tip {
+    double t = 0, b = 0;
+  };
+  Touch first_touch_;
+  Tip tip_start_, tip_end_;
+  std::optional<ContactOutcome> blow_;
   double time_s_ = 0;
   double plastic_j_ = 0;  // of the contacts before
   double air_j_ = 0;      // of the flights

@@ -29,6 +29,7 @@ double restitution_of(ImpactJob job, double damping, double speed_m_s) {
   job.body.shape = BodyShape::kSolidSphere;
   job.body.inertia_kg_m2 = 0;
   job.other.reset();
+  job.shell.reset();
   job.initial = {};
   job.initial.vn_m_s = -speed_m_s;
   job.gravity_m_s2 = 0;

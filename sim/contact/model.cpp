@@ -192,6 +192,30 @@ void validate_air(const ImpactJob& job) {
           "the air's forces are known of one ball alone", "air");
 }
 
+// Its part in contact leaves the surface and comes back, so that no law may remember slip or depth.
+void validate_shell(const ImpactJob& job) {
+  const BallShell& shell = *job.shell;
+  require_positive(shell.stiffness_n_per_m, "shell.stiffness_n_per_m");
+  require_not_negative(shell.damping_n_s_per_m, "shell.damping_n_s_per_m");
+  const double flat = shell.flat_fraction;
+  require(flat > 0 && flat < 1, "must be above 0 and below 1", "shell.flat_fraction");
+  const double reduced_kg = flat * (1 - flat) * job.body.mass_kg;
+  require(shell.damping_n_s_per_m < 2 * std::sqrt(shell.stiffness_n_per_m * reduced_kg),
+          "must be below that of a ball that does not swing", "shell.damping_n_s_per_m",
+          "2 sqrt(k f (1 - f) m)");
+  require(job.body.shape != BodyShape::kRod && !job.other, "is known of one ball alone", "shell");
+  const bool forgets =
+      job.normal == NormalModel::kLinearSpringDamper || has_hertz_spring(job.normal);
+  require(forgets && job.contact.restitution_damping != RestitutionDamping::kToZeroForce,
+          "lies in series with a surface that comes back with the ball", "normal",
+          "linear_spring_damper or hertz_damper with restitution_damping none or "
+          "to_zero_deflection, or hunt_crossley");
+  require(!remembers_slip(job.friction), "knows no friction that remembers slip", "friction",
+          "coulomb");
+  require(job.preset == ModelPreset::kSound, "is known of sound models only", "preset");
+  require(!job.air.act(), "swings without the air's forces", "air");
+}
+
 void validate_other(const ImpactJob& job) {
   const OtherBody& other = *job.other;
   const auto in_other = [](const Error& error) {
@@ -307,6 +331,7 @@ void ImpactJob::validate() const {
   require_finite(initial, "initial");
   validate_space(*this);
   if (other) validate_other(*this);
+  if (shell) validate_shell(*this);
   require(std::isfinite(surface_radius_m) && !(surface_radius_m < 0 && contact_radius_m() <= 0),
           "a hollow must be wider than the ball", "surface.radius_m");
   require_not_negative(initial.gap_m, "initial.gap_m");

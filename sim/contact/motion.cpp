@@ -37,7 +37,9 @@ std::vector<FramePose> simulate_motion(const ImpactJob& job, double fps, int fra
   std::vector<FramePose> poses(frames);
   for (int frame = 0; frame < frames; ++frame) {
     const TrajectoryPoint& point = path[frame];
-    const double t = point.state.qt_m - touch[0].state.qt_m, n = point.state.qn_m;
+    const double t = point.state.qt_m - touch[0].state.qt_m;
+    const double n = point.state.qn_m - point.state.outline_lag_m;
+    const double flattened = job.shell ? point.state.flattening_m : point.deflection_m;
     const Eigen::Quaterniond q =
         tilt * of(point.state.orientation) * first.conjugate() * tilt.conjugate();
     poses[frame] = {point.time_s - touch_s,
@@ -46,7 +48,7 @@ std::vector<FramePose> simulate_motion(const ImpactJob& job, double fps, int fra
                     point.state.qb_m - touch[0].state.qb_m,
                     point.state.angle_rad - path[0].state.angle_rad,
                     {q.w(), q.x(), q.y(), q.z()},
-                    std::max(point.deflection_m, 0.0) / job.body.diameter_m};
+                    std::max(flattened, 0.0) / job.body.diameter_m};
   }
   return poses;
 }

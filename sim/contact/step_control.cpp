@@ -1,6 +1,9 @@
 #include "sim/contact/step_control.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace impactdic::sim::contact {
 
@@ -14,7 +17,11 @@ ContactScales contact_scales(const ImpactJob& job, const NormalLawOf<Real>& norm
       std::max({std::abs(start[kOmega]), std::abs(start[kOmegaT]), std::abs(start[kOmegaN])});
   const double speed =
       std::max({speed_n, std::abs(start[kVt]), std::abs(start[kVb]), spin * reach});
-  const double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
+  double duration = normal.duration_estimate_s(job.body.mass_kg, speed_n);
+  if (job.shell) {
+    const double soft = job.shell->stiffness_n_per_m / job.body.mass_kg;
+    duration = std::max(duration, kPi / std::sqrt(soft));
+  }
   const double deflection = normal.deflection_estimate_m(job.body.mass_kg, speed_n);
   const double energy = 0.5 * job.body.mass_kg * speed * speed;
   ContactScales scales{duration, {}};
@@ -23,6 +30,8 @@ ContactScales contact_scales(const ImpactJob& job, const NormalLawOf<Real>& norm
   scales.state[kAngle] = speed / reach * duration;
   scales.state[kVt] = scales.state[kVb] = speed;
   scales.state[kVn] = speed_n;
+  scales.state[kFlat] = job.shell ? deflection : duration;  // or kClock
+  scales.state[kFlatRate] = speed_n;
   scales.state[kOmega] = scales.state[kOmegaT] = scales.state[kOmegaN] = speed / reach;
   scales.state[kDamping] = scales.state[kSlip] = energy;
   // It starts like t^1.5, of which the error estimate sees too little.

@@ -97,6 +97,12 @@ double law_parameter(const ImpactJob& job, FitParameter parameter) {
       return job.air.drag_coefficient;
     case FitParameter::kLift:
       return job.air.lift_coefficient;
+    case FitParameter::kShellStiffness:
+      return job.shell ? job.shell->stiffness_n_per_m : kNotMeasured;
+    case FitParameter::kShellDamping:
+      return job.shell ? job.shell->damping_n_s_per_m : kNotMeasured;
+    case FitParameter::kFlatFraction:
+      return job.shell ? job.shell->flat_fraction : kNotMeasured;
     default:
       return kNotMeasured;
   }
@@ -128,9 +134,28 @@ void set_law_parameter(ImpactJob& job, FitParameter parameter, double value) {
     case FitParameter::kLift:
       job.air.lift_coefficient = value;
       break;
+    case FitParameter::kShellStiffness:
+      job.shell->stiffness_n_per_m = value;
+      break;
+    case FitParameter::kShellDamping:
+      job.shell->damping_n_s_per_m = value;
+      break;
+    case FitParameter::kFlatFraction:
+      job.shell->flat_fraction = value;
+      break;
     default:
       break;
   }
+}
+
+bool is_of_shell(FitParameter p) {
+  return p == FitParameter::kShellStiffness || p == FitParameter::kShellDamping ||
+         p == FitParameter::kFlatFraction;
+}
+
+ImpactJob one_spring(ImpactJob laws) {
+  laws.shell.reset();
+  return laws;
 }
 
 ImpactJob job_of_shot(const ImpactJob& laws, const MeasuredShot& shot) {
@@ -151,9 +176,9 @@ ImpactJob job_of_shot(const ImpactJob& laws, const MeasuredShot& shot) {
 void time_contact(MeasuredShot& shot, const ImpactJob& laws) {
   if (damping_key(laws.normal).empty()) return;
   const Measured crossing = shot.crossing_above_lowest_m;
-  const ContactTiming timing =
-      timing_from_crossing(job_of_shot(laws, shot), std::clamp(shot.restitution.value, 0.05, 0.999),
-                           crossing.value, shot.contact_s.value);
+  const ContactTiming timing = timing_from_crossing(job_of_shot(one_spring(laws), shot),
+                                                    std::clamp(shot.restitution.value, 0.05, 0.999),
+                                                    crossing.value, shot.contact_s.value);
   const double sd = std::abs(timing.duration_s * crossing.sd / crossing.value);
   shot::move_contact(shot, {shot.crossing_s - timing.crossing_s, sd}, {timing.duration_s, sd},
                      laws.body, laws.gravity_m_s2);

@@ -31,6 +31,10 @@ void validate_settings(const FitRequest& request);
 // The parameter of the laws in a job: read, write.
 double law_parameter(const ImpactJob& job, FitParameter parameter);
 void set_law_parameter(ImpactJob& job, FitParameter parameter, double value);
+// Whether it is a number of BallShell.
+bool is_of_shell(FitParameter parameter);
+// The laws of a rigid ball in place of a shell.
+ImpactJob one_spring(ImpactJob laws);
 // The job of a measured shot: its surface and the motion before it.
 ImpactJob job_of_shot(const ImpactJob& laws, const MeasuredShot& shot);
 

@@ -12,14 +12,23 @@
 namespace impactdic::sim::fit {
 namespace {
 
-constexpr std::size_t kFigures = 4;
+constexpr std::size_t kFigures = 5;
 constexpr std::array<const char*, kFigures> kKeys{"restitution", "contact_s", "t_max_compression_s",
-                                                  "max_deflection_m"};
+                                                  "max_deflection_m", "series_stiffness_n_per_m"};
+
+// Of a shell and a surface that are linear springs.
+bool has_series_stiffness(const ImpactJob& job) {
+  return job.shell && job.normal == NormalModel::kLinearSpringDamper;
+}
 
 std::array<double, kFigures> figures(const ShotModel& model, const std::vector<double>& values) {
-  const ImpactResult impact = contact::simulate_impact(model.impact_of(values.data()));
-  return {impact.restitution, impact.contact_s, impact.t_max_compression_s,
-          impact.max_deflection_m};
+  const ImpactJob job = model.impact_of(values.data());
+  const ImpactResult impact = contact::simulate_impact(job);
+  const double series = has_series_stiffness(job)
+                            ? 1 / (1 / job.contact.stiffness + 1 / job.shell->stiffness_n_per_m)
+                            : 0;
+  return {impact.restitution, impact.contact_s, impact.t_max_compression_s, impact.max_deflection_m,
+          series};
 }
 
 }  // namespace
@@ -46,7 +55,8 @@ std::vector<DerivedFigure> derived_figures(const ShotModel& model,
   }
   const auto best = figures(model, values);
   std::vector<DerivedFigure> derived;
-  for (std::size_t f = 0; f < kFigures; ++f) {
+  const bool in_series = has_series_stiffness(model.impact_of(values.data()));
+  for (std::size_t f = 0; f < (in_series ? kFigures : kFigures - 1); ++f) {
     const Eigen::RowVectorXd row = slope.row(static_cast<Eigen::Index>(f));
     double variance = 0;
     for (Eigen::Index i = 0; i < size; ++i) {

@@ -50,6 +50,12 @@ std::string key_of(FitParameter parameter, NormalModel normal) {
       return "drag_coefficient";
     case FitParameter::kLift:
       return "lift_coefficient";
+    case FitParameter::kShellStiffness:
+      return "shell_stiffness_n_per_m";
+    case FitParameter::kShellDamping:
+      return "shell_damping_n_s_per_m";
+    case FitParameter::kFlatFraction:
+      return "flat_fraction";
   }
   return "";
 }
@@ -121,8 +127,11 @@ void validate_settings(const FitRequest& request) {
   ImpactJob probe = request.impact;
   probe.initial.vn_m_s = -1;
   for (FitParameter p : request.parameters) {
+    require(probe.shell || !is_of_shell(p), "is of a ball that is a shell", "fit.parameters",
+            "give a table [shell]");
     if (law_parameter(probe, p) == 0) {
-      set_law_parameter(probe, p, p == FitParameter::kPoisson ? 0.3 : 1);
+      const bool part = p == FitParameter::kPoisson || p == FitParameter::kFlatFraction;
+      set_law_parameter(probe, p, part ? 0.3 : is_of_shell(p) ? 1e-3 : 1);
     }
   }
   if (request.method != FitMethod::kTrajectory) {

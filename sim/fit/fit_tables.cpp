@@ -16,9 +16,10 @@ constexpr std::array<std::pair<FitMethod, const char*>, 3> kMethods{
      {FitMethod::kPublishedGrid, "published_grid"},
      {FitMethod::kRestitutionDuration, "restitution_duration"}}};
 constexpr std::array kLawParameters{
-    FitParameter::kStiffness,      FitParameter::kDamping, FitParameter::kFrictionKinetic,
-    FitParameter::kFrictionStatic, FitParameter::kPoisson, FitParameter::kYieldStrength,
-    FitParameter::kDrag,           FitParameter::kLift};
+    FitParameter::kStiffness,      FitParameter::kDamping,     FitParameter::kFrictionKinetic,
+    FitParameter::kFrictionStatic, FitParameter::kPoisson,     FitParameter::kYieldStrength,
+    FitParameter::kDrag,           FitParameter::kLift,        FitParameter::kShellStiffness,
+    FitParameter::kShellDamping,   FitParameter::kFlatFraction};
 constexpr std::array kShotUnknowns{FitParameter::kContactTime, FitParameter::kSurfaceAngle,
                                    FitParameter::kScale, FitParameter::kRate};
 
@@ -120,6 +121,7 @@ void write_fit_tables(job::TomlText& text, const FitRequest& job, double angle_d
   }
   text.table("environment");
   text.number("gravity_m_s2", job.impact.gravity_m_s2);
+  job::write_shell(text, job.impact);
   job::write_air(text, job.impact.air);
   text.table("solver");
   text.number("relative_tolerance", job.impact.solver.relative_tolerance);

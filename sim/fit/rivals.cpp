@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sim/fit/calibration.h"
 #include "sim/fit/trajectory_fit.h"
 
 namespace impactdic::sim::fit {
@@ -21,7 +22,8 @@ double aicc_of(const ShotFit& fit) {
 }
 
 RivalFit rival_of(const ShotFit& fit, const ImpactJob& laws, std::size_t parameters) {
-  RivalFit rival{laws.normal, laws.friction, laws.contact.restitution_damping};
+  RivalFit rival{laws.normal, laws.friction, laws.contact.restitution_damping,
+                 laws.shell.has_value()};
   rival.chi_square = fit.chi_square;
   rival.p_value = fit.p_value;
   rival.aicc = aicc_of(fit);
@@ -32,12 +34,14 @@ RivalFit rival_of(const ShotFit& fit, const ImpactJob& laws, std::size_t paramet
 
 std::string words(const RivalFit& rival) {
   return std::string(name_of(rival.normal)) + ", " + std::string(name_of(rival.friction)) +
-         ", restitution_damping " + std::string(name_of(rival.restitution_damping));
+         ", restitution_damping " + std::string(name_of(rival.restitution_damping)) +
+         (rival.shell ? ", of a shell" : "");
 }
 
 bool is_own(const RivalFit& rival, const ImpactJob& laws) {
   return rival.normal == laws.normal && rival.friction == laws.friction &&
-         rival.restitution_damping == laws.contact.restitution_damping;
+         rival.restitution_damping == laws.contact.restitution_damping &&
+         rival.shell == laws.shell.has_value();
 }
 
 bool fits(const FitRequest& request, FitParameter p) {
@@ -61,8 +65,9 @@ std::vector<RestitutionDamping> dampings_of(NormalModel normal, RestitutionDampi
 }
 
 // The laws compared: every spring with a damper, every damping, the friction of the request and,
-// where it has one, none.
+// where it has one, none. Of a shell one spring.
 std::vector<ImpactJob> rival_laws(const FitRequest& request) {
+  if (request.impact.shell) return {one_spring(request.impact)};
   std::vector<NormalModel> normals{request.impact.normal};
   // Another spring has another unit: only its own fit gives it.
   if (fits(request, FitParameter::kStiffness) && fits(request, FitParameter::kDamping) &&
@@ -94,7 +99,8 @@ std::vector<ImpactJob> rival_laws(const FitRequest& request) {
 void warn_of_air(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& shot,
                  const FitRequest& request) {
   if (request.impact.air.act() || fits(request, FitParameter::kDrag) ||
-      fits(request, FitParameter::kLift) || request.impact.body.shape == BodyShape::kRod) {
+      fits(request, FitParameter::kLift) || request.impact.body.shape == BodyShape::kRod ||
+      request.impact.shell) {
     return;
   }
   FitRequest in_air = request;
@@ -111,6 +117,18 @@ void warn_of_air(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& s
                 "drag_coefficient and lift_coefficient, or give them in [air]",
                 drag, better);
   fit.warnings.emplace_back(text);
+}
+
+// A shell whose path one spring describes as well.
+void warn_of_one_spring(ShotFit& fit) {
+  const auto of = [&](bool shell) {
+    return std::find_if(fit.rivals.begin(), fit.rivals.end(),
+                        [&](const RivalFit& rival) { return rival.shell == shell; });
+  };
+  if (of(true) == fit.rivals.end() || of(false) == fit.rivals.end()) return;
+  if (of(false)->aicc > of(true)->aicc + kEqual) return;
+  fit.warnings.emplace_back(
+      "one spring describes the path as well: it does not tell the shell from the surface");
 }
 
 void warn(ShotFit& fit, const ImpactJob& own) {
@@ -149,7 +167,9 @@ void rank_rivals(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& s
     if (laws.friction != request.impact.friction) {
       other.parameters.push_back(FitParameter::kFrictionKinetic);
     }
-    RivalFit own{laws.normal, laws.friction, laws.contact.restitution_damping};
+    if (!laws.shell) std::erase_if(other.parameters, is_of_shell);
+    RivalFit own{laws.normal, laws.friction, laws.contact.restitution_damping,
+                 laws.shell.has_value()};
     if (is_own(own, request.impact)) continue;
     try {
       fit.rivals.push_back(rival_of(fit_values(track, shot, other), laws, other.parameters.size()));
@@ -161,6 +181,7 @@ void rank_rivals(ShotFit& fit, const MeasuredTrack& track, const MeasuredShot& s
             [](const RivalFit& a, const RivalFit& b) { return a.aicc < b.aicc; });
   for (RivalFit& rival : fit.rivals) rival.above_best = rival.aicc - fit.rivals.front().aicc;
   warn(fit, request.impact);
+  warn_of_one_spring(fit);
   warn_of_air(fit, track, shot, request);
 }
 

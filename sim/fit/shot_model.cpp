@@ -16,6 +16,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Below these a stated deviation is rounding, not noise.
 constexpr double kLeastPosition_sd_m = 1e-10, kLeastTurn_sd_rad = 1e-9;
 
+// Of two springs in series one that is so many times stiffer than at the start, where they share
+// the way, is rigid.
+constexpr double kRigid = 20;
+
 // A residual of so many deviations is not noise.
 constexpr double kFarOff = 4;
 
@@ -30,6 +34,8 @@ double upper_bound(FitParameter p) {
   switch (p) {
     case FitParameter::kPoisson:
       return 0.5;
+    case FitParameter::kFlatFraction:
+      return 0.999;
     case FitParameter::kFrictionKinetic:
     case FitParameter::kFrictionStatic:
     case FitParameter::kDrag:
@@ -91,11 +97,16 @@ void ShotModel::add_unknowns(const MeasuredShot& shot, const std::vector<FitPara
   const double speed = std::abs(shot.before.vn_m_s.value);
   for (FitParameter p : parameters) {
     const double start = law_parameter(laws_, p);
-    const double least = p == FitParameter::kDamping ? 0.1 : is_air(p) ? 10 : 1e-2;
+    const bool damps = p == FitParameter::kDamping || p == FitParameter::kShellDamping;
+    const double least = damps ? 0.1 : is_air(p) ? 10 : 1e-2;
     const double step = 1e-4 * std::max(std::abs(start), least);
-    const bool stiff = p == FitParameter::kStiffness || p == FitParameter::kYieldStrength;
+    const bool stiff = p == FitParameter::kStiffness || p == FitParameter::kYieldStrength ||
+                       p == FitParameter::kShellStiffness || p == FitParameter::kFlatFraction;
     const double lower = p == FitParameter::kLift ? -upper_bound(p) : stiff ? 1e-6 * start : 0.0;
-    unknowns_.push_back({Unknown::Kind::kParameter, p, start, step, lower, upper_bound(p)});
+    const bool in_series =
+        laws_.shell && (p == FitParameter::kStiffness || p == FitParameter::kShellStiffness);
+    const double upper = in_series ? kRigid * start : upper_bound(p);
+    unknowns_.push_back({Unknown::Kind::kParameter, p, start, step, lower, upper});
   }
   for (FitParameter p : unknowns) {
     const double span = time_s_.back() - time_s_.front();
@@ -195,10 +206,13 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
   for (auto* v : {&p.x, &p.y, &p.angle, &p.vx, &p.vy, &p.spin}) v->resize(times.size());
   for (std::size_t i = 0; i < times.size(); ++i) {
     const BodyState& state = impact.trajectory[i].state;
-    p.x[i] = x + c * state.qt_m - s * state.qn_m;
-    p.y[i] = y + s * state.qt_m + c * state.qn_m;
-    p.vx[i] = c * state.vt_m_s - s * state.vn_m_s;
-    p.vy[i] = s * state.vt_m_s + c * state.vn_m_s;
+    // The camera sees the outline.
+    const double qn = state.qn_m - state.outline_lag_m;
+    const double vn = state.vn_m_s - state.outline_lag_rate_m_s;
+    p.x[i] = x + c * state.qt_m - s * qn;
+    p.y[i] = y + s * state.qt_m + c * qn;
+    p.vx[i] = c * state.vt_m_s - s * vn;
+    p.vy[i] = s * state.vt_m_s + c * vn;
     p.angle[i] = state.angle_rad;
     p.spin[i] = state.omega_rad_s;
   }

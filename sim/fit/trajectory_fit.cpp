@@ -26,6 +26,8 @@ namespace {
 constexpr double kChiSquare95 = 3.841458820694124;  // one degree of freedom
 // An interval wider than this part of its value is not parabolic any more: profile it.
 constexpr double kWeak = 0.2;
+// Of two springs in series an interval of this part of its value tells them apart.
+constexpr double kSplit = 0.5;
 constexpr int kWeighings = 2;
 // A fit whose chi square is exceeded by chance less often is inadequate.
 constexpr double kLeastPValue = 0.01;
@@ -105,17 +107,37 @@ std::vector<double> start_values(const ShotModel& model) {
   return values;
 }
 
+// The shell's spring lies in series with the surface's: half of the way each, or what is left of
+// it. (Of a Hertz contact the numbers only have the right size.)
+void share_stiffness(ImpactJob& laws, double both, const FitRequest& job) {
+  const auto fits = [&](FitParameter p) {
+    return std::find(job.parameters.begin(), job.parameters.end(), p) != job.parameters.end();
+  };
+  const auto rest = [both](double other) {
+    return other > both ? 1 / (1 / both - 1 / other) : 4 * both;
+  };
+  if (fits(FitParameter::kStiffness) && fits(FitParameter::kShellStiffness)) {
+    laws.contact.stiffness = laws.shell->stiffness_n_per_m = 2 * both;
+  } else if (fits(FitParameter::kStiffness) && laws.normal == NormalModel::kLinearSpringDamper) {
+    laws.contact.stiffness = rest(laws.shell->stiffness_n_per_m);
+  } else if (fits(FitParameter::kShellStiffness)) {
+    laws.shell->stiffness_n_per_m = rest(laws.contact.stiffness);
+  }
+}
+
 // The laws at the start: stiffness and damping from (e, T), friction from the impulses.
 ImpactJob laws_at_start(const MeasuredShot& shot, const FitRequest& job) {
   ImpactJob laws = job.impact;
   const auto fits = [&](FitParameter p) {
     return std::find(job.parameters.begin(), job.parameters.end(), p) != job.parameters.end();
   };
-  if (fits(FitParameter::kStiffness) || fits(FitParameter::kDamping)) {
+  if (fits(FitParameter::kStiffness) || fits(FitParameter::kDamping) ||
+      fits(FitParameter::kShellStiffness)) {
     const double e = std::clamp(shot.restitution.value, 0.05, 0.999);
     const contact::SpringDamperParameters pair =
-        spring_and_damper(job_of_shot(laws, shot), e, shot.contact_s.value);
+        spring_and_damper(job_of_shot(one_spring(laws), shot), e, shot.contact_s.value);
     if (fits(FitParameter::kStiffness)) laws.contact.stiffness = pair.stiffness;
+    if (laws.shell) share_stiffness(laws, pair.stiffness, job);
     if (fits(FitParameter::kDamping)) laws.contact.set_damping(laws.normal, pair.damping_n_s_per_m);
   }
   if (fits(FitParameter::kFrictionKinetic) && laws.contact.friction_kinetic == 0) {
@@ -172,7 +194,12 @@ ParameterEstimate estimate(const ShotModel& model, const Solution& best, std::si
   const bool positive = unknown.lower >= 0;  // a quantity whose size is its meaning
   const bool weak =
       std::isnan(p.sd) || flat_above || (positive && kNormal95 * p.sd > kWeak * std::abs(p.value));
-  if (weak) {
+  const bool in_series = job.impact.shell && (p.parameter == FitParameter::kStiffness ||
+                                              p.parameter == FitParameter::kShellStiffness);
+  if (weak && in_series) {
+    // The other spring takes over whatever this one loses: beyond this neither is told.
+    if (!(kNormal95 * p.sd < kSplit * p.value)) p.ci95_low = p.ci95_high = kNotMeasured;
+  } else if (weak) {
     p.profiled = true;
     const double step = std::isnan(p.sd) ? std::max(std::abs(p.value), unknown.step) / 8
                                          : std::max(p.sd, unknown.step);

@@ -9,6 +9,11 @@
 namespace impactdic::sim::fit {
 namespace {
 
+constexpr const char* kSeries =
+    "the shell's spring and the surface's lie in series, and the path shows little more than both "
+    "together (series_stiffness_n_per_m); the force at the surface, the surface's own deflection, "
+    "or a test of the ball or of the surface alone would determine it";
+
 bool slides_throughout(const ImpactResult& impact) {
   return std::none_of(impact.phases.begin(), impact.phases.end(), [](const ContactPhase& phase) {
     const std::string name = phase.name;
@@ -34,8 +39,15 @@ std::string friction_words(const ImpactJob& job, const ImpactResult& impact) {
 std::string words(FitParameter parameter, const ImpactJob& job, const ImpactResult& impact) {
   switch (parameter) {
     case FitParameter::kStiffness:
+      if (job.shell) return kSeries;
       return "the motion during contact does not show it; more frames within the contact (a higher "
              "frame rate) or less noise would determine it";
+    case FitParameter::kShellStiffness:
+    case FitParameter::kFlatFraction:
+      return kSeries;
+    case FitParameter::kShellDamping:
+      return "the ball's own swing has died down or is within the noise; more frames within the "
+             "contact would determine it";
     case FitParameter::kDamping:
       return "the loss of normal velocity is within the noise; more frames of flight on both sides "
              "or a faster impact would determine it";

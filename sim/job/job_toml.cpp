@@ -105,6 +105,14 @@ ImpactJob read_impact_tables(StrictTable& root, bool partial) {
   if (job.body.shape == BodyShape::kRod)
     job.initial.angle_deg = needed(initial, "angle_deg", partial);
   job.gravity_m_s2 = root.table("environment").number("gravity_m_s2", 9.81);
+  if (root.has("shell")) {
+    StrictTable& shell = root.table("shell");
+    BallShell given;
+    given.stiffness_n_per_m = needed(shell, "stiffness_n_per_m", partial);
+    given.damping_n_s_per_m = shell.number("damping_n_s_per_m", 0);
+    given.flat_fraction = shell.number("flat_fraction", given.flat_fraction);
+    job.shell = given;
+  }
   if (root.has("air")) {
     StrictTable& air = root.table("air");
     job.air.density_kg_m3 = air.number("density_kg_m3", job.air.density_kg_m3);
@@ -181,6 +189,7 @@ std::string to_toml(const SimulateRequest& job) {
   if (impact.body.shape == BodyShape::kRod) text.number("angle_deg", impact.initial.angle_deg);
   text.table("environment");
   text.number("gravity_m_s2", impact.gravity_m_s2);
+  write_shell(text, impact);
   write_air(text, impact.air);
   text.table("solver");
   text.number("relative_tolerance", impact.solver.relative_tolerance);
@@ -189,6 +198,14 @@ std::string to_toml(const SimulateRequest& job) {
   text.number("rate_hz", job.rate_hz);
   if (job.derivatives) text.boolean("derivatives", true);
   return text.str();
+}
+
+void write_shell(TomlText& text, const ImpactJob& job) {
+  if (!job.shell) return;
+  text.table("shell");
+  text.number("stiffness_n_per_m", job.shell->stiffness_n_per_m);
+  text.number("damping_n_s_per_m", job.shell->damping_n_s_per_m);
+  text.number("flat_fraction", job.shell->flat_fraction);
 }
 
 void write_air(TomlText& text, const AirForces& air) {

@@ -31,6 +31,8 @@ std::string to_toml(const SimulateRequest& job);
 ImpactJob read_impact_tables(StrictTable& root, bool partial);
 ImpactBody read_body(StrictTable& table, bool partial);
 ModelPreset read_preset(StrictTable& root, ModelPreset fallback);
+// The table [shell], where the ball is one.
+void write_shell(TomlText& text, const ImpactJob& job);
 // The table [air], where the air acts.
 void write_air(TomlText& text, const AirForces& air);
 // The table [contact].

@@ -32,6 +32,9 @@ Json state_json(const BodyState& state) {
 constexpr const char* kSpaceColumns =
     ",qb_m,vb_m_s,omega_t_rad_s,omega_n_rad_s,tangential_force_b_n,tip_vb_m_s,"
     "orientation_w,orientation_t,orientation_n,orientation_b";
+// Of a shell; the outline is what a camera sees.
+constexpr const char* kShellColumns =
+    ",vibration_j,flattening_m,flattening_rate_m_s,outline_qn_m,outline_vn_m_s";
 constexpr const char* kOtherColumns =
     ",other_qt_m,other_qn_m,other_qb_m,other_vt_m_s,other_vn_m_s,other_vb_m_s,other_omega_rad_s,"
     "other_omega_t_rad_s,other_omega_n_rad_s";
@@ -94,6 +97,7 @@ void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& jo
       "deflection_m,tip_vt_m_s,gravity_j,kinetic_j,normal_elastic_j,damping_j,"
       "tangential_elastic_j,slip_j,plastic_j,residual_j";
   if (job.air.act()) text += ",air_j";
+  if (job.shell) text += kShellColumns;
   if (space) text += kSpaceColumns;
   if (job.other) text += kOtherColumns;
   text += '\n';
@@ -126,6 +130,10 @@ void write_trajectory_csv(const std::filesystem::path& file, const ImpactJob& jo
       separator = ',';
     }
     if (job.air.act()) append(text, {energy.air_j});
+    if (job.shell) {
+      append(text, {energy.vibration_j, state.flattening_m, state.flattening_rate_m_s,
+                    state.qn_m - state.outline_lag_m, state.vn_m_s - state.outline_lag_rate_m_s});
+    }
     if (space) {
       const Quaternion& q = state.orientation;
       append(text, {state.qb_m, state.vb_m_s, state.omega_t_rad_s, state.omega_n_rad_s,
@@ -198,6 +206,11 @@ std::string summary_json(const ImpactJob& job, const ImpactResult& result) {
     summary["other_final"] = state_json(result.other_final);
   }
   if (job.air.act()) summary["energy"]["air_j"] = result.energy.air_j;
+  if (job.shell) {
+    summary["max_flattening_m"] = result.max_flattening_m;
+    summary["own_frequency_hz"] = job.shell->own_frequency_hz(job.body.mass_kg);
+    summary["energy"]["vibration_j"] = result.energy.vibration_j;
+  }
   if (job.materials) summary["materials"] = materials_json(job);
   return summary.dump(2) + "\n";
 }

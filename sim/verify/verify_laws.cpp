@@ -160,6 +160,66 @@ void add_stronge(std::vector<VerifyCase>& cases) {
   }
 }
 
+// Two masses and two springs, undamped: the sum of two modes, y = b1/w1 sin w1 t + b2/w2 sin w2 t
+// of the part in contact and r_i of that of the rest, until y comes back to zero.
+struct TwoModes {
+  double separation_s = 0, restitution = 0;
+
+  TwoModes(const ImpactJob& job) {
+    const double shell = job.shell->stiffness_n_per_m, bed = job.contact.stiffness;
+    const double flat = job.shell->flat_fraction * job.body.mass_kg;
+    const double rest = job.body.mass_kg - flat, speed = -job.initial.vn_m_s;
+    const double half = (shell + bed) / (2 * flat) + shell / (2 * rest);
+    const double root = std::sqrt(half * half - shell * bed / (flat * rest));
+    const double square[] = {half - root, half + root};
+    const double r[] = {shell / (shell - rest * square[0]), shell / (shell - rest * square[1])};
+    const double b[] = {speed * (1 - r[1]) / (r[0] - r[1]), speed * (r[0] - 1) / (r[0] - r[1])};
+    const double w[] = {std::sqrt(square[0]), std::sqrt(square[1])};
+    const auto depth = [&](double t) {
+      return b[0] / w[0] * std::sin(w[0] * t) + b[1] / w[1] * std::sin(w[1] * t);
+    };
+    double t = 1e-3 / w[1];
+    while (depth(t) > 0) t += 1e-2 / w[1];
+    std::uintmax_t most = 200;
+    const auto [low, high] = boost::math::tools::toms748_solve(
+        depth, t - 1e-2 / w[1], t, boost::math::tools::eps_tolerance<double>(50), most);
+    separation_s = (low + high) / 2;
+    for (int i = 0; i < 2; ++i) {
+      restitution -=
+          b[i] * std::cos(w[i] * separation_s) * (rest * r[i] + flat) / (job.body.mass_kg * speed);
+    }
+  }
+};
+
+// A tennis ball on a string bed.
+void add_shell(std::vector<VerifyCase>& cases) {
+  const char* source = "formula: two normal modes";
+  for (const double flat : {0.02, 0.2}) {
+    ImpactJob job = straight(NormalModel::kLinearSpringDamper);
+    job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
+    job.contact = {};
+    job.contact.stiffness = 35000;
+    job.shell = BallShell{25000, 0, flat};
+    job.initial.vn_m_s = -10;
+    const TwoModes modes(job);
+    const std::string what = ", flat fraction " + std::to_string(flat).substr(0, 4);
+    add(cases, "shell on a string bed: restitution" + what, source, modes.restitution, job,
+        restitution);
+    add(cases, "shell on a string bed: duration, s" + what, source, modes.separation_s, job,
+        [](const ImpactResult& r) { return r.contact_s; });
+  }
+  // A shell whose flat part weighs next to nothing is one spring, of both in series.
+  ImpactJob job = straight(NormalModel::kLinearSpringDamper);
+  job.contact = {};
+  job.contact.stiffness = 35000;
+  job.shell = BallShell{25000, 0, 1e-6};
+  const double both = 1 / (1 / 35000.0 + 1 / 25000.0);
+  add(
+      cases, "shell with a light flat part: duration of the springs in series, s", "limit",
+      kPi * std::sqrt(job.body.mass_kg / both), job,
+      [](const ImpactResult& r) { return r.contact_s; }, 1e-5);
+}
+
 }  // namespace
 
 std::vector<VerifyCase> law_cases() {
@@ -170,6 +230,7 @@ std::vector<VerifyCase> law_cases() {
   add_walton_braun(cases);
   add_jkr(cases);
   add_stronge(cases);
+  add_shell(cases);
   return cases;
 }
 

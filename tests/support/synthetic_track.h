@@ -48,7 +48,8 @@ inline void write_track(const SyntheticTrack& s, const std::filesystem::path& fi
   out << track_header();
   const auto position = [&](int i, bool vertical) {
     const BodyState& p = impact.trajectory[static_cast<std::size_t>(i)].state;
-    return vertical ? n * p.qt_m + c * p.qn_m : c * p.qt_m - n * p.qn_m;
+    const double qn = p.qn_m - p.outline_lag_m;  // what a camera sees
+    return vertical ? n * p.qt_m + c * qn : c * p.qt_m - n * qn;
   };
   for (int i = 0; i < count; ++i) {
     const double x = 0.06 + position(i, false) + s.position_noise_m * noise(random);

@@ -81,8 +81,12 @@ enum class FitParameter {
   kScale,         // true length over measured length
   kRate,          // true interval between frames over the measured one
   kDrag,          // of the air, shared by all shots: AirForces
-  kLift
+  kLift,
+  kShellStiffness,  // of the laws, too: BallShell
+  kShellDamping,
+  kFlatFraction
 };
+inline constexpr FitParameter kLastFitParameter = FitParameter::kFlatFraction;
 
 // The key as it stands in a job, with its unit; the stiffness's depends on the law.
 std::string key_of(FitParameter parameter, NormalModel normal);
@@ -161,6 +165,7 @@ struct RivalFit {
   NormalModel normal{};
   FrictionModel friction{};
   RestitutionDamping restitution_damping{};
+  bool shell = false;  // the ball is one
   double chi_square = 0, p_value = 0;
   double aicc = 0;                            // Hurvich and Tsai 1989
   double above_best = 0;                      // aicc over that of the best of all

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <impactdic/export.h>
+#include <impactdic/models/shell.h>
 
 #include <optional>
 #include <string>
@@ -211,6 +212,8 @@ struct ImpactJob {
   double surface_radius_m = 0;
   // What the ball meets instead of a surface that rests.
   std::optional<OtherBody> other;
+  // A ball that flattens as a shell, in series with the normal law; else it is rigid.
+  std::optional<BallShell> shell;
   // What the contact's stiffness and damping were computed from, for the record only.
   std::optional<ContactMaterials> materials;
 
@@ -244,6 +247,10 @@ struct BodyState {
   double omega_t_rad_s = 0, omega_n_rad_s = 0;
   // Of a ball since t = 0, its x, y, z along t, n, b; not followed where two balls move.
   Quaternion orientation;
+  // Of a shell: its flattening, and how far its outline is nearer to the surface than its mass
+  // centre, with their rates.
+  double flattening_m = 0, flattening_rate_m_s = 0;
+  double outline_lag_m = 0, outline_lag_rate_m_s = 0;
 };
 
 // Energy in joules, since the start: kinetic_start_j + gravity_j = the sum of all others.
@@ -258,6 +265,7 @@ struct EnergyLedger {
   double plastic_j = 0;             // kept by permanent deformation
   double residual_j = 0;            // what the integration lost
   double air_j = 0;                 // taken by the air in free flight
+  double vibration_j = 0;           // of a shell: its spring, and its parts against each other
 };
 
 struct TrajectoryPoint {
@@ -319,6 +327,7 @@ struct ImpactResult {
   long evaluations = 0;                     // of the right-hand side
   long steps = 0;                           // accepted, of all contacts
   double tip_vb_start_m_s = 0, tip_vb_final_m_s = 0, impulse_b_n_s = 0;
+  double max_flattening_m = 0;                   // of a shell
   BodyState other_start, other_final;            // of the second ball, where there is one
   std::optional<ImpactDerivatives> derivatives;  // where they were asked for
 };

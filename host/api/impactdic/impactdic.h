@@ -20,6 +20,7 @@
 #include <impactdic/impact_model.h>
 #include <impactdic/live/track_live.h>
 #include <impactdic/measured.h>
+#include <impactdic/models/shell.h>
 #include <impactdic/models/sweep.h>
 #include <impactdic/rod.h>
 #include <impactdic/rod_model.h>

@@ -49,6 +49,7 @@ Json rivals_json(const std::vector<RivalFit>& rivals) {
     Json json{{"normal", name_of(rival.normal)},
               {"friction", name_of(rival.friction)},
               {"restitution_damping", name_of(rival.restitution_damping)},
+              {"shell", rival.shell},
               {"chi_square", json_number(rival.chi_square)},
               {"p_value", json_number(rival.p_value)},
               {"aicc", json_number(rival.aicc)},

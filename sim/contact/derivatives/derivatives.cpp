@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim/contact/contact_integration.h"
+#include "sim/contact/contact_record.h"
 #include "sim/contact/flight/flight.h"
 #include "sim/contact/never.h"
 #include "sim/contact/two_bodies.h"
@@ -23,6 +24,7 @@ using Input = NumberOfJob<Sensitive>;
 
 // Where the same motion is followed with and without derivatives, velocities agree to this part.
 constexpr double kSame = 1e-6;
+constexpr double kTolerance = 1e-11;
 
 // As ImpactRun, of one body, without energies and orientation.
 class SensitiveRun final : public TrajectoryRequest<Sensitive> {
@@ -38,7 +40,10 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
     now_[kQn] = m.gap_m;
     for (int contact = 0; contact < job_.solver.contacts; ++contact) {
       if (!reach_surface(contact)) break;
-      follow_contact(contact);
+      follow_contact(contact == 0);
+      while (separated_ && flight_.touches_again(now_) && reach_surface(contact + 1)) {
+        follow_contact(contact == 0);
+      }
       if (!first_.separated || !separated_) break;
     }
   }
@@ -72,12 +77,13 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
       flight.v = -now_[kQn].v / now_[kVn].a;
     }
     now_ = flight_.after(now_, flight).state;
-    now_[kQn] = Sensitive(0);
+    flight_.put_down(now_);
     time_s_ += flight;
     return true;
   }
 
-  void follow_contact(int contact) {
+  // `told`: of the first blow.
+  void follow_contact(bool told) {
     now_[kTip] = now_[kSprings] = Sensitive(0);
     friction_ = make_friction_law(job_, numbers_, now_[kVt], now_[kVn]);
     dynamics_.emplace(numbers_, *normal_, *friction_);
@@ -89,10 +95,11 @@ class SensitiveRun final : public TrajectoryRequest<Sensitive> {
     time_s_ = outcome.end_s;
     now_ = outcome.end;
     separated_ = outcome.separated;
-    if (contact > 0) return;
+    if (!told) return;
+    tips_.t_end = dynamics_->tip_t(now_), tips_.b_end = dynamics_->tip_b(now_);
+    if (first_.steps > 0) return continue_blow(first_, outcome);
     touch_ = before, touch_s_ = touch_s, touch_rate_ = rate;
-    tips_ = {dynamics_->tip_t(before), dynamics_->tip_t(now_), dynamics_->tip_b(before),
-             dynamics_->tip_b(now_)};
+    tips_.t_start = dynamics_->tip_t(before), tips_.b_start = dynamics_->tip_b(before);
     first_ = std::move(outcome);
   }
 
@@ -113,6 +120,7 @@ void add_state(std::vector<std::pair<std::string, Sensitive>>& list, const std::
                const State& x) {
   constexpr std::pair<const char*, StateIndex> kParts[] = {{"qt_m", kQt},
                                                            {"qn_m", kQn},
+                                                           {"angle_rad", kAngle},
                                                            {"vt_m_s", kVt},
                                                            {"vn_m_s", kVn},
                                                            {"omega_rad_s", kOmega},
@@ -132,7 +140,8 @@ std::vector<std::pair<std::string, Sensitive>> outcomes(const Numbers& numbers,
   const Sensitive contact_s = first.end_s - run.touch_s();
   const Sensitive mass = relative.body.mass_kg;
   std::vector<std::pair<std::string, Sensitive>> list;
-  list.emplace_back("restitution", -first.end_point.rate_m_s / run.touch_rate_m_s());
+  const Sensitive out = numbers.has_shell ? after[kVn] : Sensitive(-first.end_point.rate_m_s);
+  list.emplace_back("restitution", out / run.touch_rate_m_s());
   list.emplace_back("contact_start_s", run.touch_s());
   list.emplace_back("contact_s", contact_s);
   list.emplace_back("t_max_compression_s", first.t_max_compression_s);
@@ -170,15 +179,6 @@ bool moves_across(const std::string& key) {
   return key.ends_with(".vb_m_s") || key.ends_with(".omega_t_rad_s");
 }
 
-// Places along the surface are not told where the law ends a slip at once: differences contradict
-// them in some motions that stick (docs/models.md).
-bool is_doubtful(const std::string& outcome, FrictionModel friction) {
-  const bool ends_slip = friction == FrictionModel::kCoulomb ||
-                         friction == FrictionModel::kThreePhase ||
-                         friction == FrictionModel::kBrody;
-  return ends_slip && (outcome.ends_with(".qt_m") || outcome.ends_with(".qb_m"));
-}
-
 // Whether it is the same motion: not another branch at a fork.
 bool agrees(const SensitiveRun& run, const Numbers& numbers, const ImpactResult& plain) {
   const State end =
@@ -194,7 +194,9 @@ bool agrees(const SensitiveRun& run, const Numbers& numbers, const ImpactResult&
 
 ImpactDerivatives derivatives_of(const ImpactJob& job, const ImpactResult& plain) {
   ImpactDerivatives result;
-  const ImpactJob one = job.other ? relative_job(job) : job;
+  ImpactJob one = job.other ? relative_job(job) : job;
+  // Errors of a switch's instant are magnified where it follows the touch at once.
+  one.solver.relative_tolerance = std::min(one.solver.relative_tolerance, kTolerance);
   std::size_t inputs_in_all = 1;
   for (std::size_t first = 0; first < inputs_in_all; first += kInputsAtOnce) {
     Numbers numbers(job);
@@ -220,7 +222,6 @@ ImpactDerivatives derivatives_of(const ImpactJob& job, const ImpactResult& plain
     const bool turns = run.tips().t_start == 0 || relative.gravity_t() != 0;
     const bool slips_across = !turns || !remembers_slip(job.friction) || !job.initial.plane();
     for (std::size_t r = 0; r < list.size(); ++r) {
-      if (is_doubtful(list[r].first, job.friction)) continue;
       for (std::size_t i = 0; i < count; ++i) {
         const double slope =
             list[r].second.v[static_cast<Eigen::Index>(i)] / inputs[first + i].scale;

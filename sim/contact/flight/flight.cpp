@@ -69,7 +69,8 @@ Real time_to_fall(const ImpactStateOf<Real>& x, const Real& gravity_n) {
 
 template <typename Real>
 Flight<Real>::Flight(const JobNumbers<Real>& numbers)
-    : gravity_t_(numbers.gravity_t()),
+    : shell_(numbers),
+      gravity_t_(numbers.gravity_t()),
       gravity_n_(numbers.gravity_n()),
       mass_kg_(numbers.body.mass_kg) {
   const Real radius = numbers.body.radius_m();
@@ -132,33 +133,60 @@ int Flight<Real>::steps(const State& from, double elapsed) const {
 
 template <typename Real>
 auto Flight<Real>::after(const State& from, const Real& elapsed) const -> Flown {
-  if (drag_per_m_ == 0 && lift_ == 0) return {fall<Real>(from, gravity_t_, gravity_n_, elapsed)};
+  if (drag_per_m_ == 0 && lift_ == 0) {
+    Flown flown{fall<Real>(from, gravity_t_, gravity_n_, elapsed)};
+    if (swings(from)) shell_.swing(flown.state, elapsed);
+    return flown;
+  }
   Flown flown{from};
   const int count = elapsed == 0 ? (kHasDerivatives<Real> ? 1 : 0) : steps(from, value_of(elapsed));
   for (int i = 0; i < count; ++i) flown = step(flown, elapsed / static_cast<double>(count));
   return flown;
 }
 
+// A step begins above the surface, or has just left it. Magnus' force may turn the way so that it
+// ends above the surface again, or comes down to it while the ball already rises.
+template <typename Real>
+double Flight<Real>::touch_within(const Flown& from, const Flown& to, double h) const {
+  const auto height = [&](double part) { return value_of(step(from, Real(part)).state[kQn]); };
+  const auto rise = [&](double part) { return value_of(step(from, Real(part)).state[kVn]); };
+  const auto root = [](const auto& value, double low, double high) {
+    std::uintmax_t most = 100;
+    const auto [a, b] = boost::math::tools::toms748_solve(
+        value, low, high, boost::math::tools::eps_tolerance<double>(52), most);
+    return (a + b) / 2;
+  };
+  double low = 0, high = h;
+  if (to.state[kQn] > 0) {
+    if (!(from.state[kVn] < 0 && to.state[kVn] > 0)) return kNever;
+    high = root(rise, 0, h);  // the lowest point
+    if (height(high) > 0) return kNever;
+  }
+  if (!(from.state[kQn] > 0)) {
+    // The surface is where it began: it must have risen first.
+    for (low = high / 2; !(height(low) > 0); low /= 2) {
+      if (low < 1e-9 * h) return kNever;
+    }
+  }
+  return root(height, low, high);
+}
+
 template <typename Real>
 Real Flight<Real>::time_to_touch(const State& from) const {
+  if (swings(from)) return shell_.next_touch(from, gravity_n_).after_s;
   if (drag_per_m_ == 0 && lift_ == 0) return time_to_fall<Real>(from, gravity_n_);
   if (from[kQn] == 0 && from[kVn] <= 0) return Real(kNever);
   Flown flown{from};
   for (double elapsed = 0; elapsed < kLongestFlight_s;) {
     const double h = kLongestStep_s / std::max(1, steps(flown.state, kLongestStep_s));
     const Flown next = step(flown, Real(h));
-    if (next.state[kQn] <= 0 && next.state[kVn] < 0) {
-      const auto height = [&](double part) { return value_of(step(flown, Real(part)).state[kQn]); };
-      std::uintmax_t most = 100;
-      const double first = height(0) > 0 ? 0 : h / 2;  // just left: the surface is where it began
-      const auto [low, high] = boost::math::tools::toms748_solve(
-          height, first, h, boost::math::tools::eps_tolerance<double>(52), most);
-      const double touch_s = elapsed + (low + high) / 2;
+    const double part = touch_within(flown, next, h);
+    if (part < kNever) {
       if constexpr (kHasDerivatives<Real>) {
-        const Flown at = step(flown, Real((low + high) / 2));
-        return {touch_s, -at.state[kQn].v / at.state[kVn].a};
+        const Flown at = step(flown, Real(part));
+        return {elapsed + part, -at.state[kQn].v / at.state[kVn].a};
       } else {
-        return touch_s;
+        return elapsed + part;
       }
     }
     flown = next;

@@ -25,7 +25,14 @@ class TangentialSpring final : public FrictionLawOf<Real> {
   TangentialSpring(const Real& stiffness, const Real& kinetic, const Real& least_static)
       : stiffness_(stiffness), kinetic_(kinetic), static_(std::max(least_static, kinetic)) {}
 
-  void begin(const ContactPoint& at, In<Real>) override { hold(at, Real(0)); }
+  // A load that grows from nothing more slowly than the spring would be stretched lets it slip at
+  // once; a step from a state that sticks could pass over that.
+  void begin(const ContactPoint& at, In<Real>) override {
+    hold(at, Real(0));
+    pulled_ = at.law_n < 0;
+    const Real outgrows = stiffness_ * abs(at.tip_vt_m_s) - static_ * at.normal_rate_n_s;
+    if (at.tip_vt_m_s != 0 && !(at.law_n > 0) && outgrows > 0) side_ = at.tip_vt_m_s > 0 ? 1 : -1;
+  }
 
   bool asks_force_rate() const override { return true; }
 
@@ -42,7 +49,7 @@ class TangentialSpring final : public FrictionLawOf<Real> {
 
   int guards(const ContactPoint& at, Guards& values) const override {
     if (side_ != 0) {
-      values[0] = slip_speed(at);
+      values[0] = pulled_ ? Real(-at.law_n) : slip_speed(at);
       return 1;
     }
     const Real force = stiffness_ * stretch(at), most = static_ * at.normal_n;
@@ -53,9 +60,13 @@ class TangentialSpring final : public FrictionLawOf<Real> {
 
   void cross(int guard, const ContactPoint& at) override {
     if (side_ != 0) {
-      hold(at, stretch(at));
+      // What was pulled is pressed from here on: the spring takes up the slip if it can.
+      const bool slips = pulled_ && slip_speed(at) > 0;
+      pulled_ = false;
+      if (!slips) hold(at, stretch(at));
       return;
     }
+    pulled_ = at.law_n < 0;
     const Real held = stored(stretch(at));
     side_ = guard == 0 ? 1 : -1;
     // What the spring gives up as it comes loose is lost in that instant.
@@ -82,7 +93,8 @@ class TangentialSpring final : public FrictionLawOf<Real> {
 
   // Of the slip in its own direction.
   Real slip_speed(const ContactPoint& at) const {
-    const Real stretching = at.normal_n > 0 ? kinetic_ * at.normal_rate_n_s / stiffness_ : Real(0);
+    const bool pressed = at.law_n >= 0;
+    const Real stretching = pressed ? kinetic_ * at.normal_rate_n_s / stiffness_ : Real(0);
     return side_ * at.tip_vt_m_s - stretching;
   }
 
@@ -93,7 +105,8 @@ class TangentialSpring final : public FrictionLawOf<Real> {
   }
 
   Real stiffness_, kinetic_, static_;
-  double side_ = 0;  // 0: it sticks; +-1: it slips that way
+  double side_ = 0;      // 0: it sticks; +-1: it slips that way
+  bool pulled_ = false;  // it slips without load, until the surface presses
   Real anchor_m_{};
   Real lost_j_{};  // of the last time it came loose
 };

@@ -70,6 +70,11 @@ JobNumbers<Real>::JobNumbers(const ImpactJob& job)
              Real(c.unloading_stiffness_n_per_m),
              Real(c.unloading_hardening_per_m),
              Real(c.tangential_stiffness_n_per_m)};
+  if (job.shell) {
+    has_shell = true;
+    shell = {Real(job.shell->stiffness_n_per_m), Real(job.shell->damping_n_s_per_m),
+             Real(job.shell->flat_fraction)};
+  }
   if (!two_balls) return;
   other = numbers<Real>(job.other->body);
   other_initial = numbers<Real>(job.other->initial);
@@ -190,6 +195,15 @@ void add_normal(List<Real>& list, const ImpactJob& job, ContactNumbers<Real>& c)
 }
 
 template <typename Real>
+void add_shell(List<Real>& list, const ImpactJob& job, ShellNumbers<Real>& shell) {
+  if (!job.shell) return;
+  list.add("shell.stiffness_n_per_m", shell.stiffness_n_per_m);
+  list.add("shell.damping_n_s_per_m", shell.damping_n_s_per_m,
+           1e-3 * std::sqrt(job.shell->stiffness_n_per_m * job.body.mass_kg));
+  list.add("shell.flat_fraction", shell.flat_fraction);
+}
+
+template <typename Real>
 void add_friction(List<Real>& list, const ImpactJob& job, ContactNumbers<Real>& c) {
   const FrictionModel law = job.friction;
   if (law != FrictionModel::kNone) list.add("contact.friction_kinetic", c.friction_kinetic, 0.1);
@@ -224,6 +238,7 @@ std::vector<NumberOfJob<Real>> numbers_of(const ImpactJob& job, JobNumbers<Real>
   if (n.two_balls) add_motion(list, "other", n.other, n.other_initial, speed);
   add_normal(list, job, n.contact);
   add_friction(list, job, n.contact);
+  add_shell(list, job, n.shell);
   list.add("surface.angle_deg", n.surface_angle_deg, 57);
   if (job.surface_radius_m != 0) list.add("surface.radius_m", n.surface_radius_m);
   list.add("environment.gravity_m_s2", n.gravity_m_s2, 10);

@@ -37,6 +37,12 @@ struct ContactNumbers {
   Real tangential_stiffness_n_per_m{};
 };
 
+// As in BallShell.
+template <typename Real>
+struct ShellNumbers {
+  Real stiffness_n_per_m{}, damping_n_s_per_m{}, flat_fraction{};
+};
+
 template <typename Real>
 struct JobNumbers {
   JobNumbers() = default;
@@ -53,6 +59,8 @@ struct JobNumbers {
   MotionNumbers<Real> initial, other_initial;
   ContactNumbers<Real> contact;
   bool two_balls = false;
+  bool has_shell = false;
+  ShellNumbers<Real> shell;
   Real surface_angle_deg{}, surface_radius_m{}, gravity_m_s2{};
   Real air_density_kg_m3{}, drag_coefficient{}, lift_coefficient{};
 };

@@ -47,6 +47,10 @@ inline double& number_of(ImpactJob& job, const std::string& key) {
   }
   if (table == "surface") return part == "radius_m" ? job.surface_radius_m : job.surface_angle_deg;
   if (table == "environment") return job.gravity_m_s2;
+  if (table == "shell") {
+    if (part == "stiffness_n_per_m") return job.shell->stiffness_n_per_m;
+    return part == "flat_fraction" ? job.shell->flat_fraction : job.shell->damping_n_s_per_m;
+  }
   if (part == "drag_coefficient") return job.air.drag_coefficient;
   if (part == "lift_coefficient") return job.air.lift_coefficient;
   if (part == "density_kg_m3") return job.air.density_kg_m3;
@@ -92,6 +96,8 @@ inline std::map<std::string, double> outcomes_of(const ImpactResult& r, const Ou
     list[of + ".omega_t_rad_s"] = x.omega_t_rad_s / s.spin;
     list[of + ".qt_m"] = x.qt_m / (s.speed * s.time);
     list[of + ".qn_m"] = x.qn_m / (s.speed * s.time);
+    list[of + ".qb_m"] = x.qb_m / (s.speed * s.time);
+    list[of + ".angle_rad"] = x.angle_rad / (s.spin * s.time);
   };
   add("final", r.final);
   return list;
@@ -109,6 +115,7 @@ struct DerivativeError {
 inline double scale_of(const std::string& outcome, const OutcomeScales& s) {
   const auto has = [&](const char* part) { return outcome.find(part) != std::string::npos; };
   if (has("omega")) return s.spin;
+  if (has("angle")) return s.spin * s.time;
   if (has("force")) return s.force;
   if (outcome == "max_deflection_m") return s.depth;
   if (has(".q")) return s.speed * s.time;

@@ -109,6 +109,33 @@ TEST(Derivatives, InSpaceMeetDifferences) {
   }
 }
 
+// Motions that are hard to follow: a slip whose velocity is exactly zero where the law looks for
+// its end, a damper that is infinitely steep where the ball leaves, adhesion that gives way to
+// pressure, a slip that turns as it stops, a switch that follows the touch at once.
+TEST(Derivatives, OfHardMotionsMeetDifferences) {
+  struct Hard {
+    support::LawPair laws;
+    bool space;
+    int shot;  // of the first series
+  };
+  for (const Hard& hard :
+       {Hard{{NormalModel::kLinearSpringDamper, FrictionModel::kCoulomb}, false, 5},
+        Hard{{NormalModel::kTsuji, FrictionModel::kNone}, false, 11},
+        Hard{{NormalModel::kJkr, FrictionModel::kTangentialSpring}, false, 4},
+        Hard{{NormalModel::kLinearSpringDamper, FrictionModel::kBrody}, true, 2},
+        Hard{{NormalModel::kKogutEtsion, FrictionModel::kTangentialSpring}, true, 5}}) {
+    support::RandomShots random(1);
+    ImpactJob job;
+    for (int i = 0; i <= hard.shot; ++i) {
+      job = hard.space ? random.next_in_space(hard.laws) : random.next(hard.laws);
+    }
+    const support::DerivativeError error = support::derivative_error(job, 1e-9);
+    EXPECT_LT(error.worst, 1e-8) << name_of(hard.laws.first) << ": " << error.where;
+    EXPECT_GT(error.compared, 100);
+    EXPECT_EQ(error.missing, 0);
+  }
+}
+
 TEST(Derivatives, OfTwoBallsAndOfFlightMeetDifferences) {
   ImpactJob job = ball();
   job.friction = FrictionModel::kMawBarberFawcett;

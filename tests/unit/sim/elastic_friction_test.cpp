@@ -254,5 +254,26 @@ TEST(ElasticFriction, AluminaOnGlassReboundsAsMeasured) {
   EXPECT_LT(std::sqrt(sum / std::size(measured)), 0.03);
 }
 
+// A Hertz load grows from nothing more slowly than the spring is stretched: it slips first, for a
+// time that is shorter than the first step.
+TEST(TangentialSpring, SlipsAtTheTouchUnderALoadThatGrowsFromNothing) {
+  ImpactJob job;
+  job.normal = NormalModel::kHertzDamper;
+  job.friction = FrictionModel::kGripSlip;
+  job.body = {BodyShape::kHollowSphere, 0.41, 0.218};
+  job.contact.stiffness = 615;
+  job.contact.friction_kinetic = 1.47, job.contact.friction_static = 1.87;
+  job.contact.tangential_stiffness_n_per_m = 44.8;
+  job.initial = {-0.0146, -0.188, -0.0963};
+  job.gravity_m_s2 = 0;
+  ImpactJob strict = job;
+  strict.solver.relative_tolerance = 1e-13;
+  const ImpactResult usual = sim::contact::simulate_impact(job);
+  const ImpactResult exact = sim::contact::simulate_impact(strict);
+  EXPECT_NEAR(usual.tip_vt_final_m_s, exact.tip_vt_final_m_s, 1e-9 * 0.188);
+  EXPECT_EQ(std::string(usual.phases[1].name), "sliding");
+  EXPECT_GT(usual.phases[1].end_s, 0);
+}
+
 }  // namespace
 }  // namespace impactdic

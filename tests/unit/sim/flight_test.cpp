@@ -50,6 +50,30 @@ TEST(Flight, DragAloneIsTheClosedForm) {
   }
 }
 
+// Without weight and drag Magnus' force leads a ball round on a circle of radius v/W, W = lift
+// omega.
+TEST(Flight, TouchesWhereACircleMeetsTheSurface) {
+  ImpactJob job = ball_in_air(0, 1);
+  job.body.mass_kg = 1e-4;  // light, so that it turns within a few steps
+  job.gravity_m_s2 = 0;
+  const double turning = pressed(job) * job.body.radius_m() * 500;
+  const Flight<double> flight{JobNumbers<double>(job)};
+  ImpactState start{};
+  start[sim::contact::kOmega] = -500;  // bends down where it flies along t
+  start[sim::contact::kVt] = 3;
+  const double radius = 3 / turning;
+  for (const double part : {0.3, 1.2, 1.99, 1.9999999}) {  // of the radius, down to the touch
+    start[sim::contact::kQn] = part * radius;
+    EXPECT_NEAR(flight.time_to_touch(start) * turning, std::acos(1 - part), 1e-8) << part;
+  }
+  // Just left, and back within a part of a step.
+  start[sim::contact::kQn] = 0;
+  for (const double rise : {1e-5, 1e-3, 0.5}) {
+    start[sim::contact::kVt] = std::cos(rise), start[sim::contact::kVn] = std::sin(rise);
+    EXPECT_NEAR(flight.time_to_touch(start) * turning, 2 * rise, 1e-8 * rise) << rise;
+  }
+}
+
 TEST(Flight, AFallReachesItsTerminalSpeedAsTheClosedForm) {
   const ImpactJob job = ball_in_air(0.5, 0);
   const double terminal = std::sqrt(9.81 / (0.5 * pressed(job)));
