@@ -144,7 +144,8 @@ class Simulation(dict):
 
 def simulate(job, *, rate_hz=0.0, times_s=(), derivatives=None):
     """Integrates an impact model. job: a dictionary with the keys of a job of `impactdic simulate`
-    (normal, friction, preset, body, contact, surface, initial, environment, solver), or its file.
+    (normal, friction, preset, body, contact, shell, surface, initial, environment, solver), or its
+    file.
     rate_hz: points of the path a second, 0: 200 over the first contact; or times_s, ascending.
     derivatives: also those of the outcome by every number of the job; None: as the job has it.
     Returns a Simulation. Raises InvalidArgument naming the key."""

