@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "host/base/json_number.h"
 #include "host/report/words.h"
 
 namespace impactdic::report {
@@ -14,11 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
 json figure(const Measured& m) {
   if (!std::isfinite(m.value)) return nullptr;
-  return {{"value", m.value}, {"sd", number(m.sd)}};
+  return {{"value", m.value}, {"sd", json_number(m.sd)}};
 }
 
 // With the parts of the deviation that are not 0, and whether something contradicts it.
@@ -38,8 +37,8 @@ json instant(const ImpactInstant& at) {
   if (!at.known()) return nullptr;
   return {{"frame", at.frame},
           {"sd_frames", at.sd_frames},
-          {"time_s", number(at.time_s)},
-          {"sd_s", number(at.sd_s)}};
+          {"time_s", json_number(at.time_s)},
+          {"sd_s", json_number(at.sd_s)}};
 }
 
 json edge(const ImpactInstant& at, const Measured& exponent, bool law_holds) {
@@ -232,10 +231,11 @@ json describe_impact(const ImpactFigures& impact) {
       {"agrees_with_9_81", impact.gravity_agrees ? json(*impact.gravity_agrees) : json(nullptr)}};
   result["gravity"]["direction_deg"] = figure(impact.gravity_angle_deg);
   result["surface_angle_found_deg"] = figure(impact.surface_angle_deg);
-  result["centre_against_motion_px_per_frame"] = number(impact.centre_against_motion_px_per_frame);
+  result["centre_against_motion_px_per_frame"] =
+      json_number(impact.centre_against_motion_px_per_frame);
   result["space"] = space(impact);
-  result["scatter_over_stated"] = {{"centre", number(impact.centre_scatter)},
-                                   {"motion", number(impact.motion_scatter)}};
+  result["scatter_over_stated"] = {{"centre", json_number(impact.centre_scatter)},
+                                   {"motion", json_number(impact.motion_scatter)}};
   return result;
 }
 

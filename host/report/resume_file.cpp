@@ -22,12 +22,12 @@ namespace {
 using nlohmann::json;
 
 // JSON has no infinity and no NaN.
-json number(double value) {
+json exact_number(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
 }
 
-double number(const json& value) {
+double number_of(const json& value) {
   return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
 }
 
@@ -40,7 +40,7 @@ struct Writer {
   template <typename T>
   void operator()(const std::string& name, const T& value) {
     if constexpr (std::is_same_v<T, double>) {
-      object[name] = number(value);
+      object[name] = exact_number(value);
     } else if constexpr (std::is_enum_v<T>) {
       object[name] = static_cast<int>(value);
     } else {
@@ -54,7 +54,7 @@ struct Reader {
   template <typename T>
   void operator()(const std::string& name, T& value) {
     if constexpr (std::is_same_v<T, double>) {
-      value = number(object.at(name));
+      value = number_of(object.at(name));
     } else if constexpr (std::is_enum_v<T> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
       value = static_cast<T>(whole_number(object.at(name)));
     } else {
@@ -182,7 +182,7 @@ json describe(const circle::BallTracker::Memory& tracker) {
     if (seen.fit.rim_model) item["look"] = seen.fit.rim_model->numbers();
   }
   each_of_radii(tracker, [&](const char* name, const std::deque<double>& radii) {
-    for (const double radius : radii) described[name].push_back(number(radius));
+    for (const double radius : radii) described[name].push_back(exact_number(radius));
   });
   return described;
 }
@@ -206,7 +206,7 @@ circle::BallTracker::Memory tracker_of(const json& described) {
   tracker.next_learning = whole_number(described.at("next_learning"));
   each_of_radii(tracker, [&](const char* name, std::deque<double>& radii) {
     if (!described.contains(name)) return;  // of an older version
-    for (const json& radius : described.at(name)) radii.push_back(number(radius));
+    for (const json& radius : described.at(name)) radii.push_back(number_of(radius));
   });
   return tracker;
 }
@@ -214,7 +214,7 @@ circle::BallTracker::Memory tracker_of(const json& described) {
 json describe(const motion::Keyframes::Memory& memory) {
   json described = {
       {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
-  if (std::isfinite(memory.reach_rad)) described["reach_rad"] = number(memory.reach_rad);
+  if (std::isfinite(memory.reach_rad)) described["reach_rad"] = exact_number(memory.reach_rad);
   for (const motion::Keyframes::Keyframe& key : memory.keyframes) {
     json& item = described["keyframes"].emplace_back(json::object());
     each_of_keyframe(Writer{item}, key);
@@ -235,7 +235,7 @@ motion::Keyframes::Memory keyframes_of(const json& described) {
   each_of_linked(Reader{described.at("last")}, memory.last);
   memory.last_index = whole_number(described.at("last_index"));
   if (described.contains("radius")) each_of_radius(Reader{described.at("radius")}, memory.radius);
-  if (described.contains("reach_rad")) memory.reach_rad = number(described.at("reach_rad"));
+  if (described.contains("reach_rad")) memory.reach_rad = number_of(described.at("reach_rad"));
   return memory;
 }
 
@@ -245,7 +245,7 @@ pipeline::ResumePoint point_of(const json& described) {
   each_of_fit(Reader{described.at("circle")}, point.circle);
   point.tracker = tracker_of(described.at("tracker"));
   if (described.contains("grid_radius_px")) {
-    point.grid_radius_px = number(described.at("grid_radius_px"));
+    point.grid_radius_px = number_of(described.at("grid_radius_px"));
   }
   if (described.contains("keyframes")) point.keyframes = keyframes_of(described.at("keyframes"));
   return point;
@@ -348,7 +348,7 @@ void write_resume_point(const std::filesystem::path& path, const pipeline::Resum
   json described = {{"next_row", point.next_row}, {"circle", json::object()}};
   each_of_fit(Writer{described["circle"]}, point.circle);
   described["tracker"] = describe(point.tracker);
-  if (point.grid_radius_px) described["grid_radius_px"] = number(*point.grid_radius_px);
+  if (point.grid_radius_px) described["grid_radius_px"] = exact_number(*point.grid_radius_px);
   if (point.keyframes) described["keyframes"] = describe(*point.keyframes);
   write_point(path, std::move(described));
 }

@@ -12,6 +12,7 @@
 #include "host/base/json_number.h"
 #include "host/base/parse.h"
 #include "host/report/impact_json.h"
+#include "host/report/job/table_file.h"
 
 namespace impactdic::report {
 namespace {
@@ -39,12 +40,10 @@ std::string plain(std::string text) {
   return text;
 }
 
-std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
-
 void add(std::vector<std::string>& cells, const Measured& m) {
   const bool known = std::isfinite(m.value);
-  cells.push_back(cell(m.value));
-  cells.push_back(known ? cell(m.sd) : "");
+  cells.push_back(number_cell(m.value));
+  cells.push_back(known ? number_cell(m.sd) : "");
 }
 
 // What contradicts what, and the figures concerned: lists, divided by semicolons.
@@ -125,12 +124,12 @@ std::string shots_csv_line(const ShotResult& shot) {
                                     : shot.missing ? "missing"
                                                    : "failed",
                                     plain(shot.reason),
-                                    shot.done ? cell(shot.surface_angle_deg) : "",
+                                    shot.done ? number_cell(shot.surface_angle_deg) : "",
                                     plain(shot.drop_height_mm),
                                     plain(shot.notes),
                                     shot.done ? std::to_string(shot.frames) : "",
                                     shot.done ? std::to_string(shot.frames_ok) : "",
-                                    shot.done ? cell(shot.metre_per_px) : "",
+                                    shot.done ? number_cell(shot.metre_per_px) : "",
                                     shot.done ? to_string(impact.status) : ""};
   for (const ImpactInstant& instant : {impact.t0, impact.t_max_compression, impact.t_end}) {
     add(cells, {instant.time_s, instant.sd_s});
@@ -145,11 +144,11 @@ std::string shots_csv_line(const ShotResult& shot) {
     add(cells, figure);
   }
   cells.push_back(shot.done && impact.found() ? to_string(impact.closure.verdict) : "");
-  cells.push_back(shot.done ? cell(shot.metre_per_px_sd) : "");
+  cells.push_back(shot.done ? number_cell(shot.metre_per_px_sd) : "");
   cells.push_back(plain(shot.ball));
   cells.push_back(plain(shot.mass_g));
-  cells.push_back(shot.done ? cell(shot.ball_diameter_mm) : "");
-  cells.push_back(shot.done ? cell(shot.inertia_factor) : "");
+  cells.push_back(shot.done ? number_cell(shot.ball_diameter_mm) : "");
+  cells.push_back(shot.done ? number_cell(shot.inertia_factor) : "");
   add(cells, impact.surface_angle_deg);
   add_contradictions(cells, impact);
   std::string line = cells[0];

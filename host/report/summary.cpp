@@ -7,14 +7,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "host/base/json_number.h"
 #include "host/report/shots_csv.h"
 
 namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
-
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
 
 struct Mean {
   double sum = 0;
@@ -70,17 +69,17 @@ json summarise_track(const TrackRows& rows, const TrackResult& result) {
       {"frames_analysed", rows.size()},
       {"frames_by_status", statuses},
       {"ball",
-       {{"radius_px", number(radius.value)},
-        {"radius_sd_px", number(radius.sd)},
-        {"radius_m", number(metres ? radius.value * scale.metre_per_px : kNotMeasured)}}},
+       {{"radius_px", json_number(radius.value)},
+        {"radius_sd_px", json_number(radius.sd)},
+        {"radius_m", json_number(metres ? radius.value * scale.metre_per_px : kNotMeasured)}}},
       {"mean_motion",
-       {{"speed_px_per_frame", number(speed.value())},
-        {"speed_m_s", number(speed.value() * to_m_s)},
-        {"circle_speed_px_per_frame", number(circle_speed.value())},
-        {"rotation_deg_per_frame", number(rotation.value())},
-        {"windows", number(windows.value())}}},
-      {"scale_m_per_px", number(metres ? scale.metre_per_px : kNotMeasured)},
-      {"analysed_fps", number(scale.fps > 0 ? scale.fps : kNotMeasured)},
+       {{"speed_px_per_frame", json_number(speed.value())},
+        {"speed_m_s", json_number(speed.value() * to_m_s)},
+        {"circle_speed_px_per_frame", json_number(circle_speed.value())},
+        {"rotation_deg_per_frame", json_number(rotation.value())},
+        {"windows", json_number(windows.value())}}},
+      {"scale_m_per_px", json_number(metres ? scale.metre_per_px : kNotMeasured)},
+      {"analysed_fps", json_number(scale.fps > 0 ? scale.fps : kNotMeasured)},
       {"surface_angle_deg", as_given_deg(scale.surface_angle_rad)},
   };
 }

@@ -3,10 +3,10 @@
 #include <impactdic/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "host/base/json_number.h"
 #include "host/base/parse.h"
 #include "host/base/stopwatch.h"
 #include "host/report/advice_json.h"
@@ -20,8 +20,6 @@ namespace impactdic::view {
 namespace {
 
 using Json = nlohmann::json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 // In the order of FieldFrames::kColumns.
 void add_window(const WindowResult& window, std::array<Json, FieldFrames::kColumns.size()>& to) {
@@ -41,7 +39,7 @@ void add_window(const WindowResult& window, std::array<Json, FieldFrames::kColum
       static_cast<double>(window.status),
   };
   static_assert(std::tuple_size_v<decltype(values)> == FieldFrames::kColumns.size());
-  for (std::size_t i = 0; i < values.size(); ++i) to[i].push_back(number(values[i]));
+  for (std::size_t i = 0; i < values.size(); ++i) to[i].push_back(json_number(values[i]));
 }
 
 Json describe_field(const FieldView& field) {

@@ -12,13 +12,13 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct BatchArguments {
   Common common;
   BatchRequest request;
   std::string shard;  // "K/N"
 };
 
-void run_batch(Options& options) {
+void run_batch(BatchArguments& options) {
   run::share_as_launched(options.shard, options.request, options.common.session);
   Session session = open_session(options.common);
   options.request.output.force = options.common.force;
@@ -36,7 +36,7 @@ void run_batch(Options& options) {
 void add_batch_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("batch", "track for every clip of a folder, and one table");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BatchArguments>();
   BatchRequest& request = options->request;
   command->add_option("folder", request.folder, "Folder of clips, or of folders of pictures")
       ->required();

@@ -12,14 +12,14 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct CalibrateArguments {
   Common common;
   CalibrateRequest request;
   std::string output, target = "checkerboard", cells;
   std::vector<double> marks;
 };
 
-void run_calibrate(Options& options) {
+void run_calibrate(CalibrateArguments& options) {
   CalibrateRequest& request = options.request;
   request.target = parse_calibration_target(options.target);
   if (!options.cells.empty()) {
@@ -42,7 +42,7 @@ void run_calibrate(Options& options) {
 void add_calibrate_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("calibrate", "A camera from pictures of a target or a ruler");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateArguments>();
   CalibrateRequest& request = options->request;
   command->add_option("PICTURES", request.pictures, "Files, folders, quoted globs or clips")
       ->required();

@@ -11,9 +11,9 @@
 namespace impactdic::app {
 namespace {
 
-using Options = ClipCommand<CorrelateRequest, CorrelateFolder>;
+using CorrelateArguments = ClipCommand<CorrelateRequest, CorrelateFolder>;
 
-void run_correlate(Options& options) {
+void run_correlate(CorrelateArguments& options) {
   run_clip_command(options, correlate_to_folder, [&](const CorrelateResult& result) {
     std::printf("%lld of %lld frames measured with %zu windows, %.1f frames/s; results in %s\n",
                 static_cast<long long>(result.frames_measured),
@@ -29,7 +29,7 @@ void run_correlate(Options& options) {
 void add_correlate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "correlate", "Full-field displacement of any speckled surface, from frame to frame");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CorrelateArguments>();
   OptionAdder add(*command);
   run::visit_correlate(add, options->request, options->folder);
   add_sandbox_option(*command);

@@ -11,14 +11,14 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct InfoArguments {
   InspectRequest request;
   double error_px = 0.01;
   std::string output;
   bool force = false;
 };
 
-void run_info(Options& options) {
+void run_info(InfoArguments& options) {
   options.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
   const Inspection found = inspect(options.request);
   std::fputs(report::in_words(found, options.error_px).c_str(), stdout);
@@ -31,7 +31,7 @@ void run_info(Options& options) {
 void add_info_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "info", "What a clip says of itself, and what its texture lets be measured");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoArguments>();
   OptionAdder add(*command);
   run::visit_clip(add, options->request.clip);
   add_sandbox_option(*command);

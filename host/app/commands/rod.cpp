@@ -14,13 +14,13 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct RodArguments {
   Common common;
   std::string markers, output, vertical = "y", deformations;
   RodRequest rod;
 };
 
-void run_rod(const CLI::App& command, const Options& options) {
+void run_rod(const CLI::App& command, const RodArguments& options) {
   RodRequest request = options.rod;
   request.measure.vertical_down = options.vertical.size() == 2;
   request.measure.vertical_axis = static_cast<std::size_t>(options.vertical.back() - 'x');
@@ -37,7 +37,7 @@ void run_rod(const CLI::App& command, const Options& options) {
   print_warnings(result.measurement.warnings);
 }
 
-void add_options(CLI::App& command, Options& r) {
+void add_rod_options(CLI::App& command, RodArguments& r) {
   RodMeasureOptions& measure = r.rod.measure;
   RodBody& body = measure.body;
   const auto number = [&](const char* name, double& value, const char* text) {
@@ -69,8 +69,8 @@ void add_options(CLI::App& command, Options& r) {
 
 void add_rod_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("rod", "Impact of a rod from three markers");
-  auto options = std::make_shared<Options>();
-  add_options(*command, *options);
+  auto options = std::make_shared<RodArguments>();
+  add_rod_options(*command, *options);
   command->footer(
       "Marker 1 sits near the struck end, 2 at the centre of mass, 3 near the upper end; a marker\n"
       "out of sight is left empty. The defaults are the steel rod of the dissertation, chapter 5.\n"

@@ -14,7 +14,7 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct StudyArguments {
   Common common;
   std::string what, output, patterns, estimators;
   PatternStudyRequest pattern_study;
@@ -51,7 +51,7 @@ class StudyOutput {
   TerminalProgress progress_;
 };
 
-void run_pattern_study(const CLI::App& command, const Options& options) {
+void run_pattern_study(const CLI::App& command, const StudyArguments& options) {
   PatternStudyRequest request = options.pattern_study;
   request.patterns = list_of(options.patterns);
   if (!options.estimators.empty()) request.estimators = list_of(options.estimators);
@@ -67,7 +67,7 @@ void run_pattern_study(const CLI::App& command, const Options& options) {
   print_figures(folder, "patterns.csv", result.rows.size(), "2.4 to 2.7");
 }
 
-void run_density_study(const CLI::App& command, const Options& options) {
+void run_density_study(const CLI::App& command, const StudyArguments& options) {
   DensityStudyRequest request = options.density_study;
   const std::vector<std::string> patterns = list_of(options.patterns);
   if (patterns.size() > 1) {
@@ -89,7 +89,7 @@ void run_density_study(const CLI::App& command, const Options& options) {
   print_figures(folder, "density.csv", result.rows.size(), "2.1 and 2.2");
 }
 
-void run_study(const CLI::App& command, const Options& options) {
+void run_study(const CLI::App& command, const StudyArguments& options) {
   if (options.what == "patterns") return run_pattern_study(command, options);
   if (options.what == "density") return run_density_study(command, options);
   throw InvalidArgument("there is no study '" + options.what + "'", "study", "patterns, density");
@@ -100,7 +100,7 @@ void run_study(const CLI::App& command, const Options& options) {
 void add_study_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "study", "The speckle study: which pattern to paint, which method to take");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyArguments>();
   PatternStudyRequest& request = options->pattern_study;
   command->add_option("what", options->what, "patterns or density")->required();
   command->add_option("-o,--output", options->output, "Folder for the results")->required();

@@ -14,7 +14,7 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct SynthArguments {
   Common common;
   SynthRequest synth;
   run::SynthTexts texts;
@@ -29,7 +29,7 @@ SynthResult render(const SynthRequest& request, video::FrameSink& sink, bool qui
       request, [&](const Frame& frame) { sink.write(frame); }, control);
 }
 
-void run_synth(const CLI::App& command, const Options& options) {
+void run_synth(const CLI::App& command, const SynthArguments& options) {
   const video::SinkFormat format = video::parse_sink_format(options.format);
   SynthRequest request = options.synth;
   run::apply(options.texts, request);
@@ -59,7 +59,7 @@ std::string absolute_path(const std::string& path) {
   return std::filesystem::absolute(path).string();
 }
 
-void add_motion_options(CLI::App& command, Options& options) {
+void add_motion_options(CLI::App& command, SynthArguments& options) {
   command
       .add_option("--frames", options.synth.frames,
                   "How many frames; 0: 20, as many as the motion file has, 110 of an impact")
@@ -144,7 +144,7 @@ void add_camera_options(CLI::App& command, SynthRequest& request) {
       ->capture_default_str();
 }
 
-void add_options(CLI::App& command, Options& options) {
+void add_synth_options(CLI::App& command, SynthArguments& options) {
   SynthRequest& request = options.synth;
   command.add_option("-o,--output", options.output, "Folder for the clip and its truth")
       ->required();
@@ -188,8 +188,8 @@ void add_options(CLI::App& command, Options& options) {
 void add_synth_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("synth", "Video of a speckled ball with exactly known motion");
-  auto options = std::make_shared<Options>();
-  add_options(*command, *options);
+  auto options = std::make_shared<SynthArguments>();
+  add_synth_options(*command, *options);
   command->footer(
       "Writes video.*, truth.csv, job.toml and, where the ball is compressed, compression.csv.\n"
       "Row k of truth.csv is the motion from frame k to k + 1; dx, dy at the ball's centre.\n"

@@ -14,7 +14,7 @@
 namespace impactdic::app {
 namespace {
 
-struct Options : ClipCommand<TrackRequest, TrackFolder> {
+struct TrackArguments : ClipCommand<TrackRequest, TrackFolder> {
   bool live = false;
   LiveRequest as_live;
 };
@@ -27,7 +27,7 @@ void require_a_ball(const TrackResult& result) {
 }
 
 // Rows on stdout as they come; all else on stderr.
-void run_live(Options& options) {
+void run_live(TrackArguments& options) {
   LiveRequest& live = options.as_live;
   if (!options.folder.folder.empty()) {
     throw InvalidArgument("a live run writes rows to the standard output, no folder", "--output");
@@ -45,7 +45,7 @@ void run_live(Options& options) {
   std::fprintf(stderr, "impactdic: %s\n", report::in_words(result).c_str());
 }
 
-void run_track(Options& options) {
+void run_track(TrackArguments& options) {
   if (options.live) return run_live(options);
   if (options.folder.folder.empty()) throw CLI::RequiredError("--output");
   options.folder.keep_rows = false;
@@ -68,7 +68,7 @@ void run_track(Options& options) {
 void add_track_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "track", "The main job: ball centre, velocity, rotation and field of every frame");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TrackArguments>();
   OptionAdder add(*command);
   run::visit_clip(add, options->request.clip);
   add_sandbox_option(*command);

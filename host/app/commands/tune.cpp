@@ -10,13 +10,13 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct TuneArguments {
   Common common;
   benchmark::TuneOptions tune;
   int window_px = 0, search_px = 8;  // 0: the usual sizes
 };
 
-void run_tune(const Options& options) {
+void run_tune(const TuneArguments& options) {
   RunContext context(options.common);
   opencl::Engine& engine = context.engine();
   std::printf("%s, driver %s\n", engine.device().name.c_str(), engine.device().driver.c_str());
@@ -37,7 +37,7 @@ void run_tune(const Options& options) {
 }  // namespace
 
 void add_tune_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TuneArguments>();
   CLI::App* command = app.add_subcommand(
       "tune", "Find the quickest right variant of each kernel on this device, and keep it");
   add_common_options(*command, options->common);

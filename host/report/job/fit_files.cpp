@@ -74,7 +74,9 @@ Json fit_json(const ShotFit& fit) {
   const std::size_t size = fit.parameters.size();
   for (std::size_t i = 0; i < size && fit.covariance.size() == size * size; ++i) {
     Json row = Json::array();
-    for (std::size_t j = 0; j < size; ++j) row.push_back(json_number(fit.covariance[i * size + j]));
+    for (std::size_t j = 0; j < size; ++j) {
+      row.push_back(Json(json_number(fit.covariance[i * size + j])));
+    }
     covariance.push_back(row);
   }
   json["covariance"] = {{"order", order}, {"rows", covariance}};

@@ -3,20 +3,20 @@
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/base/parse.h"
+#include "host/report/job/table_file.h"
 
 namespace impactdic::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json measured(const Measured& m) { return Json{{"value", number(m.value)}, {"sd", number(m.sd)}}; }
+Json measured(const Measured& m) {
+  return Json{{"value", json_number(m.value)}, {"sd", json_number(m.sd)}};
+}
 
 Json side(const RodSide& s) {
   return Json{{"frames", {s.first, s.last}},
@@ -24,25 +24,25 @@ Json side(const RodSide& s) {
               {"vn_m_s", measured(s.vn_m_s)},
               {"omega_rad_s", measured(s.omega_rad_s)},
               {"angle_deg",
-               {{"value", number(s.angle_rad.value * kDegPerRad)},
-                {"sd", number(s.angle_rad.sd * kDegPerRad)}}},
+               {{"value", json_number(s.angle_rad.value * kDegPerRad)},
+                {"sd", json_number(s.angle_rad.sd * kDegPerRad)}}},
               {"by_differentiation",
-               {{"vt_m_s", number(s.difference_vt_m_s)},
-                {"vn_m_s", number(s.difference_vn_m_s)},
-                {"omega_rad_s", number(s.difference_omega_rad_s)}}},
+               {{"vt_m_s", json_number(s.difference_vt_m_s)},
+                {"vn_m_s", json_number(s.difference_vn_m_s)},
+                {"omega_rad_s", json_number(s.difference_omega_rad_s)}}},
               {"free_fall",
                {{"gravity_m_s2", measured(s.gravity_m_s2)},
-                {"gravity_by_velocity_slope_m_s2", number(s.gravity_slope_m_s2)},
-                {"tilt_deg", number(s.gravity_tilt_deg)}}}};
+                {"gravity_by_velocity_slope_m_s2", json_number(s.gravity_slope_m_s2)},
+                {"tilt_deg", json_number(s.gravity_tilt_deg)}}}};
 }
 
 Json closure(const RodClosure& c) {
-  return Json{{"normal_impulse_n_s", number(c.normal_impulse_n_s)},
-              {"tangential_impulse_n_s", number(c.tangential_impulse_n_s)},
+  return Json{{"normal_impulse_n_s", json_number(c.normal_impulse_n_s)},
+              {"tangential_impulse_n_s", json_number(c.tangential_impulse_n_s)},
               {"omega_after_rad_s", measured(c.omega_as_measured_rad_s)},
               {"omega_after_with_axis_flipped_rad_s", measured(c.omega_axis_flipped_rad_s)},
               {"tangential_sign", c.tangential_sign},
-              {"misfit_sd", number(c.misfit_sd)},
+              {"misfit_sd", json_number(c.misfit_sd)},
               {"impulse_ratio", measured(c.impulse_ratio)},
               {"inside_friction_cone", c.inside_friction_cone}};
 }
@@ -50,31 +50,26 @@ Json closure(const RodClosure& c) {
 Json prediction(const RodPrediction& p) {
   const RodImpact& i = p.impact;
   return Json{{"model", p.model},
-              {"restitution", number(i.restitution)},
-              {"vt_m_s", number(i.vt_m_s)},
-              {"vn_m_s", number(i.vn_m_s)},
-              {"omega_rad_s", number(i.omega_rad_s)},
-              {"contact_s", number(i.contact_s)},
-              {"start_to_end_s", number(i.start_to_end_s)},
+              {"restitution", json_number(i.restitution)},
+              {"vt_m_s", json_number(i.vt_m_s)},
+              {"vn_m_s", json_number(i.vn_m_s)},
+              {"omega_rad_s", json_number(i.omega_rad_s)},
+              {"contact_s", json_number(i.contact_s)},
+              {"start_to_end_s", json_number(i.start_to_end_s)},
               {"micro_impacts", i.micro_impacts},
-              {"max_compression_m", number(i.max_compression_m)},
-              {"residual_m", number(i.residual_m)},
-              {"max_force_n", number(i.max_force_n)},
+              {"max_compression_m", json_number(i.max_compression_m)},
+              {"residual_m", json_number(i.residual_m)},
+              {"max_force_n", json_number(i.max_force_n)},
               {"energy",
-               {{"kinetic_before_j", number(i.energy.kinetic_before_j)},
-                {"kinetic_after_j", number(i.energy.kinetic_after_j)},
-                {"vibration_after_j", number(i.energy.vibration_after_j)},
-                {"plastic_j", number(i.energy.plastic_j)},
-                {"friction_j", number(i.energy.friction_j)},
-                {"damping_j", number(i.energy.damping_j)},
-                {"gravity_j", number(i.energy.gravity_j)},
-                {"residual_j", number(i.energy.residual_j)}}},
+               {{"kinetic_before_j", json_number(i.energy.kinetic_before_j)},
+                {"kinetic_after_j", json_number(i.energy.kinetic_after_j)},
+                {"vibration_after_j", json_number(i.energy.vibration_after_j)},
+                {"plastic_j", json_number(i.energy.plastic_j)},
+                {"friction_j", json_number(i.energy.friction_j)},
+                {"damping_j", json_number(i.energy.damping_j)},
+                {"gravity_j", json_number(i.energy.gravity_j)},
+                {"residual_j", json_number(i.energy.residual_j)}}},
               {"warnings", i.warnings}};
-}
-
-void close(std::ofstream& stream, const std::filesystem::path& file) {
-  stream.flush();
-  if (!stream) throw FileError("cannot write the file", file.string());
 }
 
 void write_rod_motion(const std::filesystem::path& file, const RodMeasurement& measurement) {
@@ -88,7 +83,7 @@ void write_rod_motion(const std::filesystem::path& file, const RodMeasurement& m
     out << ',' << shortest(f.angle_rad * kDegPerRad) << ',' << shortest(f.vt_m_s) << ','
         << shortest(f.vn_m_s) << ',' << shortest(f.omega_rad_s) << '\n';
   }
-  close(out, file);
+  close_file(out, file);
 }
 
 void write_rod_summary(const std::filesystem::path& file, const std::string& input,
@@ -102,9 +97,9 @@ void write_rod_summary(const std::filesystem::path& file, const std::string& inp
               {"friction_kinetic", options.friction_kinetic}}},
             {"frames", m.frames.size()},
             {"impact_s", measured(m.impact_s)},
-            {"position_noise_m", number(m.position_noise_m)},
-            {"angle_noise_deg", number(m.angle_noise_rad * kDegPerRad)},
-            {"pair_angle_spread_deg", number(m.pair_spread_rad * kDegPerRad)},
+            {"position_noise_m", json_number(m.position_noise_m)},
+            {"angle_noise_deg", json_number(m.angle_noise_rad * kDegPerRad)},
+            {"pair_angle_spread_deg", json_number(m.pair_spread_rad * kDegPerRad)},
             {"before", side(m.before)},
             {"after", side(m.after)},
             {"contact_point",
@@ -117,7 +112,7 @@ void write_rod_summary(const std::filesystem::path& file, const std::string& inp
   for (const RodPrediction& p : predictions) root["predictions"].push_back(prediction(p));
   std::ofstream out(file);
   out << root.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-  close(out, file);
+  close_file(out, file);
 }
 
 void write_deformations(const std::filesystem::path& file,
@@ -129,7 +124,7 @@ void write_deformations(const std::filesystem::path& file,
         << shortest(row.measured.depth_m) << ',' << shortest(row.measured.depth_sd_m) << ','
         << shortest(row.rigid_m) << ',' << shortest(row.flexible_m) << '\n';
   }
-  close(out, file);
+  close_file(out, file);
 }
 
 }  // namespace

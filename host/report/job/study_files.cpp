@@ -3,12 +3,12 @@
 #include <impactdic/error.h>
 #include <impactdic/units.h>
 
-#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "host/base/parse.h"
+#include "host/report/job/table_file.h"
 #include "host/report/summary.h"
 
 namespace impactdic::report {
@@ -24,10 +24,6 @@ constexpr const char* kHeader =
     "windows,no_texture_share,failed_share,wrong_share,window_rms_px,window_bound_px,"
     "ms_per_pair";
 
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-std::string cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
-
 void write_row(std::ofstream& file, const PatternStudyRow& row) {
   const MotionErrors& e = row.errors;
   const double windows = e.windows;
@@ -39,14 +35,14 @@ void write_row(std::ofstream& file, const PatternStudyRow& row) {
   for (const auto part :
        {&ErrorSums::mean, &ErrorSums::mean_abs, &ErrorSums::rms, &ErrorSums::sd}) {
     for (const ErrorSums* sums : {&e.dx_px, &e.dy_px, &e.rot_deg}) {
-      file << ',' << cell((sums->*part)());
+      file << ',' << number_cell((sums->*part)());
     }
   }
   for (const double value :
        {e.shift_px.rms(), row.centre_px.rms(), row.bound_dx_px, row.bound_dy_px, row.bound_rot_deg,
         windows / e.pairs, e.no_texture / windows, e.failed / windows, e.wrong / windows,
         e.window_px.rms(), e.window_bound_px.rms(), e.seconds * 1e3 / e.pairs}) {
-    file << ',' << cell(value);
+    file << ',' << number_cell(value);
   }
   file << '\n';
 }
@@ -54,16 +50,16 @@ void write_row(std::ofstream& file, const PatternStudyRow& row) {
 json describe(const PooledErrors& p) {
   return {{"pairs", p.pairs},
           {"pairs_failed", p.failed_pairs},
-          {"motion_rms_px", number(p.motion_rms_px)},
-          {"rot_rms_deg", number(p.rot_rms_deg)},
-          {"shift_rms_px", number(p.shift_rms_px)},
-          {"surface_rms_px", number(p.surface_rms_px)},
-          {"bound_px", number(p.bound_px)},
-          {"bound_deg", number(p.bound_deg)},
-          {"window_rms_px", number(p.window_rms_px)},
-          {"window_bound_px", number(p.window_bound_px)},
-          {"no_texture_share", number(p.no_texture_share)},
-          {"wrong_share", number(p.wrong_share)}};
+          {"motion_rms_px", json_number(p.motion_rms_px)},
+          {"rot_rms_deg", json_number(p.rot_rms_deg)},
+          {"shift_rms_px", json_number(p.shift_rms_px)},
+          {"surface_rms_px", json_number(p.surface_rms_px)},
+          {"bound_px", json_number(p.bound_px)},
+          {"bound_deg", json_number(p.bound_deg)},
+          {"window_rms_px", json_number(p.window_rms_px)},
+          {"window_bound_px", json_number(p.window_bound_px)},
+          {"no_texture_share", json_number(p.no_texture_share)},
+          {"wrong_share", json_number(p.wrong_share)}};
 }
 
 void write_pattern_csv(const std::filesystem::path& path,
@@ -71,8 +67,7 @@ void write_pattern_csv(const std::filesystem::path& path,
   std::ofstream file(path);
   file << kHeader << '\n';
   for (const PatternStudyRow& row : rows) write_row(file, row);
-  file.flush();
-  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
+  close_file(file, path);
 }
 
 std::ofstream open(const std::filesystem::path& path) {
@@ -81,20 +76,15 @@ std::ofstream open(const std::filesystem::path& path) {
   return file;
 }
 
-void close(std::ofstream& file, const std::filesystem::path& path) {
-  file.flush();
-  if (!file) throw FileError("cannot write the file", path.string(), "is the disk full?");
-}
-
 void write_density_csv(const std::filesystem::path& path, const std::vector<DensityRow>& rows) {
   std::ofstream file = open(path);
   file << "points,method,us_per_window,rms_px,bias_x_px,bias_y_px,same_lag_share\n";
   for (const DensityRow& row : rows) {
-    file << row.points << ',' << row.method << ',' << cell(row.us_per_window) << ','
-         << cell(row.rms_px) << ',' << cell(row.bias_x_px) << ',' << cell(row.bias_y_px) << ','
-         << cell(row.same_lag_share) << '\n';
+    file << row.points << ',' << row.method << ',' << number_cell(row.us_per_window) << ','
+         << number_cell(row.rms_px) << ',' << number_cell(row.bias_x_px) << ','
+         << number_cell(row.bias_y_px) << ',' << number_cell(row.same_lag_share) << '\n';
   }
-  close(file, path);
+  close_file(file, path);
 }
 
 void write_window_csv(const std::filesystem::path& path, const Image<double>& picture,
@@ -107,7 +97,7 @@ void write_window_csv(const std::filesystem::path& path, const Image<double>& pi
            << shortest(picture(x, y)) << '\n';
     }
   }
-  close(file, path);
+  close_file(file, path);
 }
 
 json describe(const StudyDevice& device) {

@@ -26,20 +26,19 @@ void TableFile::end_row() {
   first_ = true;
 }
 
-void TableFile::close() {
-  out_.flush();
-  if (!out_) throw FileError("cannot write the file", file_.string());
-}
+void TableFile::close() { close_file(out_, file_); }
 
 void write_ordered_json(const std::filesystem::path& file, const nlohmann::ordered_json& json) {
   std::ofstream out(file);
-  out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n'
-      << std::flush;
-  if (!out) throw FileError("cannot write the file", file.string());
+  out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  close_file(out, file);
 }
 
-nlohmann::ordered_json json_number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+void close_file(std::ofstream& stream, const std::filesystem::path& file) {
+  stream.flush();
+  if (!stream) throw FileError("cannot write the file", file.string(), "is the disk full?");
 }
+
+std::string number_cell(double value) { return std::isfinite(value) ? shortest(value) : ""; }
 
 }  // namespace impactdic::report

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "host/base/json_number.h"
+
 namespace impactdic::report {
 
 class TableFile {
@@ -26,7 +28,9 @@ class TableFile {
 
 // Throws FileError.
 void write_ordered_json(const std::filesystem::path& file, const nlohmann::ordered_json& json);
-// null where the value is not finite.
-nlohmann::ordered_json json_number(double value);
+// Writes what is left. Throws FileError.
+void close_file(std::ofstream& stream, const std::filesystem::path& file);
+// A number in its shortest exact form; "" where it is not finite.
+std::string number_cell(double value);
 
 }  // namespace impactdic::report
