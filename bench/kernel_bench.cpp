@@ -54,7 +54,8 @@ int main(int argc, char** argv) {
     std::vector<impactdic::opencl::Engine*> engines;
     for (const auto& engine : own) engines.push_back(engine.get());
     if (options.only == "tune") return tune(*engines.front());
-    impactdic::benchmark::print_bench_table(engines, options, argument(2));
+    impactdic::benchmark::write_bench_table(
+        engines, options, argument(2), [](const std::string& line) { std::puts(line.c_str()); });
     if (settings.profile) std::printf("%s", engines.front()->profiler().table().c_str());
   } catch (const impactdic::Error& error) {
     std::fprintf(stderr, "kernel_bench: %s\n", error.line().c_str());

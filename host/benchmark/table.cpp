@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -29,31 +30,38 @@ nlohmann::json to_json(const BenchRow& row, const Roofline& roofline) {
           {"lost", row.lost}};
 }
 
-void print_row(const BenchRow& row, const Roofline& roofline) {
+template <typename... Values>
+std::string text_of(const char* format, Values... values) {
+  std::array<char, 400> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string text_of_row(const BenchRow& row, const Roofline& roofline) {
   const double rate = row.per_second();
-  std::printf("%-22s %-34s %10.3f %9.3f %12.4g %-8s %8.0f %9.0f %6.1f %6.1f %9.5f %9.5f %7.4f\n",
-              row.work.c_str(), row.variant.c_str(), 1e3 * row.median_s, 1e3 * row.cpu_s, rate,
-              row.unit.c_str(), row.bytes, row.flops,
-              100 * rate * row.bytes / roofline.copy_bytes_per_s,
-              100 * rate * row.flops / roofline.flops_per_s, row.bias_px, row.rms_px, row.lost);
-  std::fflush(stdout);
+  return text_of("%-22s %-34s %10.3f %9.3f %12.4g %-8s %8.0f %9.0f %6.1f %6.1f %9.5f %9.5f %7.4f",
+                 row.work.c_str(), row.variant.c_str(), 1e3 * row.median_s, 1e3 * row.cpu_s, rate,
+                 row.unit.c_str(), row.bytes, row.flops,
+                 100 * rate * row.bytes / roofline.copy_bytes_per_s,
+                 100 * rate * row.flops / roofline.flops_per_s, row.bias_px, row.rms_px, row.lost);
 }
 
 }  // namespace
 
-void print_bench_table(std::span<opencl::Engine* const> engines, const BenchOptions& options,
-                       const std::string& json) {
+void write_bench_table(std::span<opencl::Engine* const> engines, const BenchOptions& options,
+                       const std::string& json,
+                       const std::function<void(const std::string&)>& line) {
   opencl::Engine& engine = *engines.front();
   const Roofline roofline = measure_roofline(engine);
-  std::printf("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s\n",
-              engine.device().name.c_str(), engine.device().driver.c_str(),
-              1e-9 * roofline.copy_bytes_per_s, 1e-9 * roofline.flops_per_s);
-  std::printf("%-22s %-34s %10s %9s %12s %-8s %8s %9s %6s %6s %9s %9s %7s\n", "work", "variant",
-              "median ms", "cpu ms", "per second", "unit", "bytes", "FLOP", "%copy", "%FMA",
-              "bias px", "rms px", "lost");
+  line(text_of("%s, driver %s: copies %.1f GB/s, multiply-adds %.1f GFLOP/s",
+               engine.device().name.c_str(), engine.device().driver.c_str(),
+               1e-9 * roofline.copy_bytes_per_s, 1e-9 * roofline.flops_per_s));
+  line(text_of("%-22s %-34s %10s %9s %12s %-8s %8s %9s %6s %6s %9s %9s %7s", "work", "variant",
+               "median ms", "cpu ms", "per second", "unit", "bytes", "FLOP", "%copy", "%FMA",
+               "bias px", "rms px", "lost"));
   nlohmann::json rows = nlohmann::json::array();
   const RowSink sink = [&](const BenchRow& row) {
-    print_row(row, roofline);
+    line(text_of_row(row, roofline));
     rows.push_back(to_json(row, roofline));
   };
   bench_equal_windows(engine, options, sink);

@@ -1,4 +1,5 @@
 // impactdic bench: speed of the kernels with their error beside it.
+#include <cstdio>
 #include <memory>
 
 #include "host/app/command.h"
@@ -8,21 +9,25 @@
 namespace impactdic::app {
 namespace {
 
-struct Options {
+struct BenchArguments {
   Common common;
   benchmark::BenchOptions bench;
   std::string json;
 };
 
-void run_bench(const Options& options) {
+void run_bench(const BenchArguments& options) {
   RunContext context(options.common);
-  benchmark::print_bench_table(context.engines(), options.bench, options.json);
+  benchmark::write_bench_table(context.engines(), options.bench, options.json,
+                               [](const std::string& line) {
+                                 std::printf("%s\n", line.c_str());
+                                 std::fflush(stdout);
+                               });
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchArguments>();
   CLI::App* command = app.add_subcommand(
       "bench", "Speed of the correlation on this device, with its error on a known shift");
   add_common_options(*command, options->common);
