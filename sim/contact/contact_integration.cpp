@@ -91,7 +91,10 @@ class ContactSystem {
     x[kClock] = Real(0);
   }
   double next_point_s() const { return request_.next_s(); }
-  void take_point(const Real& time_s, const State& x) { request_.take(time_s, x); }
+  void take_point(Real time_s, State x) {
+    if constexpr (kHasDerivatives<Real>) keep_time(time_s, x);
+    request_.take(time_s, x);
+  }
   // The tolerance decides: a new mode begins as the last one ended.
   double restart_step_s(double step_s) const { return step_s; }
 

@@ -183,12 +183,17 @@ ImpactJob ShotModel::impact_of(const double* values) const {
   return job;
 }
 
+std::vector<double> ShotModel::instants(const double* values) const {
+  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
+  const double rate = value_or(FitParameter::kRate, values, 1);
+  std::vector<double> times(time_s_);
+  for (double& time : times) time = (time - start) * rate;
+  return times;
+}
+
 bool ShotModel::predict(const double* values, Prediction& p) const {
   const ImpactJob job = impact_of(values);
-  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
-  std::vector<double> times(time_s_);
-  const double rate = value_or(FitParameter::kRate, values, 1);
-  for (double& time : times) time = (time - start) * rate;
+  const std::vector<double> times = instants(values);
   ImpactResult impact;
   try {
     impact = contact::simulate_impact(job, {0, times});
@@ -216,6 +221,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
     p.angle[i] = state.angle_rad;
     p.spin[i] = state.omega_rad_s;
   }
+  p.path = std::move(impact.trajectory);
   return true;
 }
 
@@ -268,74 +274,20 @@ bool ShotModel::is_length(const Row& row) {
   return row.kind != Row::Kind::kTurn && row.kind != Row::Kind::kPrior;
 }
 
-// Of the path by the contact's start or by the rate, which only move the instants: the velocities
-// are its derivatives, through the events as well.
-ShotModel::Prediction ShotModel::slope_in_time(FitParameter parameter, const double* values,
-                                               const Prediction& here) const {
-  const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
-  const double rate = value_or(FitParameter::kRate, values, 1);
-  Prediction slope{here.vx, here.vy, here.spin, {}, {}, {}};
-  for (std::size_t i = 0; i < time_s_.size(); ++i) {
-    const double moves = parameter == FitParameter::kRate ? time_s_[i] - start : -rate;
-    slope.x[i] *= moves, slope.y[i] *= moves, slope.angle[i] *= moves;
-  }
-  return slope;
-}
-
 // The model's lengths are divided by the scale, not the measured ones multiplied: their deviations
 // are those of the table, and a smaller scale must not shrink what the model leaves.
+double ShotModel::as_measured(const Row& row, double model, const double* values) const {
+  return is_length(row) ? model / value_or(FitParameter::kScale, values, 1) : model;
+}
+
 bool ShotModel::evaluate(const double* values, double* residual, double* jacobian) const {
   Prediction here;
   if (!predict(values, here)) return false;
-  const double scale = value_or(FitParameter::kScale, values, 1);
-  const auto as_measured = [&](const Row& row, double model) {
-    return is_length(row) ? model / scale : model;
-  };
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     const Row& row = rows_[r];
-    residual[r] = (as_measured(row, predicted(row, here, values)) - row.measured) / row.sd;
+    residual[r] = (as_measured(row, predicted(row, here, values), values) - row.measured) / row.sd;
   }
-  if (jacobian == nullptr) return true;
-  std::vector<double> moved(values, values + size());
-  Prediction high, low;
-  for (std::size_t u = 0; u < size(); ++u) {
-    const Unknown& unknown = unknowns_[u];
-    const auto column = [&](const auto& derivative) {
-      for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const Row& row = rows_[r];
-        const bool prior = row.kind == Row::Kind::kPrior;
-        const double slope = prior ? (row.frame == u ? 1 : 0) : as_measured(row, derivative(row));
-        jacobian[r * size() + u] = slope / row.sd;
-      }
-    };
-    if (unknown.kind == Unknown::Kind::kTouchX || unknown.kind == Unknown::Kind::kTouchY) {
-      const auto kind = unknown.kind == Unknown::Kind::kTouchX ? Row::Kind::kX : Row::Kind::kY;
-      column([&](const Row& row) { return row.kind == kind ? 1.0 : 0.0; });
-    } else if (unknown.kind == Unknown::Kind::kParameter &&
-               unknown.parameter == FitParameter::kScale) {
-      column([&](const Row& row) {
-        return is_length(row) ? -predicted(row, here, values) / scale : 0.0;
-      });
-    } else if (unknown.kind == Unknown::Kind::kParameter &&
-               (unknown.parameter == FitParameter::kContactTime ||
-                unknown.parameter == FitParameter::kRate)) {
-      const Prediction slope = slope_in_time(unknown.parameter, values, here);
-      column([&](const Row& row) { return predicted(row, slope, values); });
-    } else {
-      // Central differences, one-sided at a bound.
-      const double up = std::min(values[u] + unknown.step, unknown.upper);
-      const double down = std::max(values[u] - unknown.step, unknown.lower);
-      moved[u] = up;
-      if (!predict(moved.data(), high)) return false;
-      moved[u] = down;
-      if (!predict(moved.data(), low)) return false;
-      moved[u] = values[u];
-      column([&](const Row& row) {
-        return (predicted(row, high, values) - predicted(row, low, values)) / (up - down);
-      });
-    }
-  }
-  return true;
+  return jacobian == nullptr || fill_jacobian(values, here, jacobian);
 }
 
 double ShotModel::path_rms_m(const double* values) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,10 +70,23 @@ class ShotModel {
   static bool is_length(const Row& row);
   struct Prediction {
     std::vector<double> x, y, angle, vx, vy, spin;
+    std::vector<TrajectoryPoint> path;
   };
+  // Of the contact's clock, at each frame.
+  std::vector<double> instants(const double* values) const;
   bool predict(const double* values, Prediction& prediction) const;
+  double as_measured(const Row& row, double model, const double* values) const;
+
+  // shot_jacobian.cpp
+  bool fill_jacobian(const double* values, const Prediction& here, double* jacobian) const;
+  std::optional<Prediction> slope_in_closed_form(const Unknown& unknown, const double* values,
+                                                 const Prediction& here) const;
   Prediction slope_in_time(FitParameter parameter, const double* values,
                            const Prediction& here) const;
+  // Of each of these unknowns; empty where the motion has none.
+  std::vector<Prediction> slopes_of_motion(std::span<const std::size_t> places,
+                                           const double* values, const Prediction& here) const;
+  bool slope_by_differences(std::size_t place, const double* values, Prediction& slope) const;
   double value_or(FitParameter parameter, const double* values, double otherwise) const;
   void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
   void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,

@@ -5,14 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <optional>
 #include <utility>
 
-#include "sim/contact/contact_integration.h"
-#include "sim/contact/contact_record.h"
-#include "sim/contact/flight/flight.h"
-#include "sim/contact/never.h"
+#include "sim/contact/derivatives/sensitive_run.h"
 #include "sim/contact/two_bodies.h"
 
 namespace impactdic::sim::contact {
@@ -25,96 +20,6 @@ using Input = NumberOfJob<Sensitive>;
 // Where the same motion is followed with and without derivatives, velocities agree to this part.
 constexpr double kSame = 1e-6;
 constexpr double kTolerance = 1e-11;
-
-// As ImpactRun, of one body, without energies and orientation.
-class SensitiveRun final : public TrajectoryRequest<Sensitive> {
- public:
-  SensitiveRun(const ImpactJob& job, const Numbers& numbers)
-      : job_(job), numbers_(numbers), flight_(numbers), normal_(make_normal_law(job, numbers)) {}
-
-  void run() {
-    const MotionNumbers<Sensitive>& m = numbers_.initial;
-    now_[kVt] = m.vt_m_s, now_[kVn] = m.vn_m_s, now_[kVb] = m.vb_m_s;
-    now_[kOmega] = m.omega_rad_s, now_[kOmegaT] = m.omega_t_rad_s;
-    now_[kOmegaN] = m.omega_n_rad_s;
-    now_[kQn] = m.gap_m;
-    for (int contact = 0; contact < job_.solver.contacts; ++contact) {
-      if (!reach_surface(contact)) break;
-      follow_contact(contact == 0);
-      while (separated_ && flight_.touches_again(now_) && reach_surface(contact + 1)) {
-        follow_contact(contact == 0);
-      }
-      if (!first_.separated || !separated_) break;
-    }
-  }
-
-  double next_s() const override { return kNever; }
-  void take(const Sensitive&, const State&) override {}
-  void reach(const Sensitive&, const State&) override {}
-
-  bool separated() const { return separated_; }
-  const ContactOutcomeOf<Sensitive>& first() const { return first_; }
-  const State& touch() const { return touch_; }
-  const Sensitive& touch_s() const { return touch_s_; }
-  const Sensitive& touch_rate_m_s() const { return touch_rate_; }
-  const State& end() const { return now_; }
-  const Sensitive& end_s() const { return time_s_; }
-  // Velocity of the contact point, along t and b, at the first touch and at its end.
-  struct Tips {
-    Sensitive t_start, t_end, b_start, b_end;
-  };
-  const Tips& tips() const { return tips_; }
-
- private:
-  // Flies to the next touch and says whether there is one. A gap of zero that is to change moves
-  // the touch, too.
-  bool reach_surface(int contact) {
-    Sensitive flight(0);
-    if (contact > 0 || now_[kQn] > 0) {
-      flight = flight_.time_to_touch(now_);
-      if (!std::isfinite(flight.a)) return false;
-    } else {
-      flight.v = -now_[kQn].v / now_[kVn].a;
-    }
-    now_ = flight_.after(now_, flight).state;
-    flight_.put_down(now_);
-    time_s_ += flight;
-    return true;
-  }
-
-  // `told`: of the first blow.
-  void follow_contact(bool told) {
-    now_[kTip] = now_[kSprings] = Sensitive(0);
-    friction_ = make_friction_law(job_, numbers_, now_[kVt], now_[kVn]);
-    dynamics_.emplace(numbers_, *normal_, *friction_);
-    dynamics_->aim(now_, remembers_slip(job_.friction));
-    const State before = now_;
-    const Sensitive touch_s = time_s_, rate = dynamics_->contact_point(now_).rate_m_s;
-    ContactOutcomeOf<Sensitive> outcome =
-        integrate_contact<Sensitive>(job_, *normal_, *friction_, *dynamics_, time_s_, now_, *this);
-    time_s_ = outcome.end_s;
-    now_ = outcome.end;
-    separated_ = outcome.separated;
-    if (!told) return;
-    tips_.t_end = dynamics_->tip_t(now_), tips_.b_end = dynamics_->tip_b(now_);
-    if (first_.steps > 0) return continue_blow(first_, outcome);
-    touch_ = before, touch_s_ = touch_s, touch_rate_ = rate;
-    tips_.t_start = dynamics_->tip_t(before), tips_.b_start = dynamics_->tip_b(before);
-    first_ = std::move(outcome);
-  }
-
-  const ImpactJob& job_;
-  const Numbers& numbers_;
-  const Flight<Sensitive> flight_;
-  NormalLawPtr<Sensitive> normal_;
-  FrictionLawPtr<Sensitive> friction_;
-  std::optional<ContactDynamicsOf<Sensitive>> dynamics_;
-  Tips tips_;
-  State now_{}, touch_{};
-  Sensitive time_s_{}, touch_s_{}, touch_rate_{};
-  bool separated_ = false;
-  ContactOutcomeOf<Sensitive> first_;
-};
 
 void add_state(std::vector<std::pair<std::string, Sensitive>>& list, const std::string& of,
                const State& x) {

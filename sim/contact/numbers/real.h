@@ -13,7 +13,7 @@
 namespace impactdic::sim::contact {
 
 // Derivatives by so many inputs at once, and by time along the motion.
-inline constexpr int kInputsAtOnce = 15;
+inline constexpr int kInputsAtOnce = 7;
 inline constexpr int kByTime = kInputsAtOnce;
 using Sensitive = ceres::Jet<double, kInputsAtOnce + 1>;
 

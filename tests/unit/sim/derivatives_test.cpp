@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "sim/contact/derivatives/path_slopes.h"
 #include "tests/support/impacts/derivative_check.h"
 #include "tests/support/random_shots.h"
 
@@ -165,6 +166,82 @@ TEST(Derivatives, OfARodMeetDifferences) {
   const support::DerivativeError error = support::derivative_error(job, 1e-9);
   EXPECT_LT(error.worst, 1e-8) << error.where;
   EXPECT_GT(error.compared, 50);
+}
+
+// What a fit asks for: places at fixed instants, in flight, through every switch, and after.
+struct PathError {
+  double worst = 0;  // in parts of the way, or of the turn, over a contact
+  int compared = 0;
+};
+
+// Of the place after `at` instants by one number: the extrapolation of its differences.
+std::pair<double, double> path_differences(const ImpactJob& job, const std::string& key,
+                                           double scale, const std::vector<double>& times,
+                                           std::size_t at, double BodyState::*part) {
+  support::Differences table;
+  double step = 2e-3 * scale;
+  for (auto& row : table) {
+    ImpactJob high = job, low = job;
+    support::number_of(high, key) += step;
+    support::number_of(low, key) -= step;
+    row["place"] = (simulate_impact(high, {0, times}).trajectory[at].state.*part -
+                    simulate_impact(low, {0, times}).trajectory[at].state.*part) /
+                   (2 * step);
+    step /= 2;
+  }
+  return support::extrapolated(table, "place");
+}
+
+PathError path_error(ImpactJob job, const std::vector<std::string>& keys) {
+  job.solver.relative_tolerance = 1e-13;
+  const double speed = std::hypot(job.initial.vt_m_s, job.initial.vn_m_s);
+  const ImpactResult plain = simulate_impact(job);
+  if (!plain.separated) return {};
+  std::vector<double> times;
+  for (const double part : {-0.5, 0.3, 0.8, 1.6}) {
+    times.push_back(plain.contact_start_s + part * plain.contact_s);
+  }
+  const ImpactResult path = simulate_impact(job, {0, times});
+  ImpactJob asked = job;
+  asked.solver.relative_tolerance = 1e-10;
+  const auto slopes = sim::contact::path_slopes(asked, times, keys, path.trajectory);
+  EXPECT_TRUE(slopes) << name_of(job.normal) << " " << name_of(job.friction);
+  if (!slopes) return {};
+  sim::contact::JobNumbers<double> numbers(job);
+  const auto inputs = sim::contact::numbers_of(job, numbers);
+  PathError error;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    const auto input = std::find_if(inputs.begin(), inputs.end(),
+                                    [&](const auto& each) { return each.key == keys[k]; });
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const double way = speed * plain.contact_s;
+      const auto compare = [&](double told, double BodyState::*part, double over) {
+        const auto [best, moved] = path_differences(job, keys[k], input->scale, times, i, part);
+        if (!(moved * input->scale < 1e-8 * over)) return;
+        const double off = std::abs(told - best) * input->scale;
+        error.worst = std::max(error.worst, off / std::max(over, std::abs(best * input->scale)));
+        ++error.compared;
+      };
+      compare(slopes->t[i * keys.size() + k], &BodyState::qt_m, way);
+      compare(slopes->n[i * keys.size() + k], &BodyState::qn_m, way);
+      compare(slopes->angle[i * keys.size() + k], &BodyState::angle_rad, way / job.body.radius_m());
+    }
+  }
+  return error;
+}
+
+TEST(Derivatives, OfThePathOfEveryLawMeetDifferences) {
+  int compared = 0;
+  for (const support::LawPair& laws : support::kSoundLaws) {
+    support::RandomShots random(7);
+    const ImpactJob job = random.next(laws);
+    std::vector<std::string> keys{"initial.vt_m_s", "initial.vn_m_s"};
+    if (laws.second != FrictionModel::kNone) keys.push_back("contact.friction_kinetic");
+    const PathError error = path_error(job, keys);
+    EXPECT_LT(error.worst, 1e-6) << name_of(laws.first) << " " << name_of(laws.second);
+    compared += error.compared;
+  }
+  EXPECT_GT(compared, 900);
 }
 
 // A ball that its weight holds has no rebound, hence no derivatives.
