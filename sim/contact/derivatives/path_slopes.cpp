@@ -41,8 +41,7 @@ bool same_motion(std::span<const SensitiveRun::State> followed,
   }
   for (std::size_t i = 0; i < path.size(); ++i) {
     const BodyState& plain = path[i].state;
-    const double off =
-        std::hypot(followed[i][kQt].a - plain.qt_m, followed[i][kQn].a - plain.qn_m);
+    const double off = std::hypot(followed[i][kQt].a - plain.qt_m, followed[i][kQn].a - plain.qn_m);
     if (!(off <= kSameMotion * way)) return false;
   }
   return true;
@@ -88,7 +87,8 @@ std::optional<PathSlopes> path_slopes(const ImpactJob& job, std::span<const doub
   slopes.t.resize(times_s.size() * keys.size());
   slopes.n = slopes.angle = slopes.t;
   for (std::size_t first = 0; first < keys.size(); first += kInputsAtOnce) {
-    const auto some = keys.subspan(first, std::min<std::size_t>(kInputsAtOnce, keys.size() - first));
+    const auto some =
+        keys.subspan(first, std::min<std::size_t>(kInputsAtOnce, keys.size() - first));
     if (!fill_columns(followed, times_s, some, first, path, slopes)) return std::nullopt;
   }
   return slopes;

@@ -16,8 +16,8 @@ struct PathSlopes {
   std::vector<double> t, n, angle;
 };
 
-// By the numbers of these keys of a job file, along the `path` that simulate_impact has found at the
-// same `times_s`, ascending. Nothing for two bodies, where a number is none that the job's laws
+// By the numbers of these keys of a job file, along the `path` that simulate_impact has found at
+// the same `times_s`, ascending. Nothing for two bodies, where a number is none that the job's laws
 // read, and where the motion has no derivative or cannot be followed with it.
 std::optional<PathSlopes> path_slopes(const ImpactJob& job, std::span<const double> times_s,
                                       std::span<const std::string> keys,
