@@ -10,7 +10,7 @@
 #include "host/base/parallel.h"
 #include "sim/compare/compared_model.h"
 #include "sim/fit/calibration.h"
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 #include "sim/shot/shot_table.h"
 
 namespace impactdic::sim::compare {

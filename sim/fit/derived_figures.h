@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/fit/calibration.h"
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 
 namespace impactdic::sim::fit {
 

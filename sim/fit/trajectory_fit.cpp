@@ -15,9 +15,9 @@
 #include "host/base/statistics.h"
 #include "sim/fit/covariance/fit_covariance.h"
 #include "sim/fit/derived_figures.h"
-#include "sim/fit/residual_weights.h"
+#include "sim/fit/residuals/residual_weights.h"
+#include "sim/fit/residuals/shot_model.h"
 #include "sim/fit/restitution_duration.h"
-#include "sim/fit/shot_model.h"
 #include "sim/fit/verdict.h"
 
 namespace impactdic::sim::fit {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 
 namespace impactdic::sim::fit {
 

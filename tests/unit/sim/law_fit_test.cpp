@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 #include "sim/shot/shot.h"
 #include "sim/shot/track_table.h"
 #include "tests/support/fitted_shots.h"

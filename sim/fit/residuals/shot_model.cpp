@@ -1,4 +1,4 @@
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>

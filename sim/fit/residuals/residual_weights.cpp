@@ -1,4 +1,4 @@
-#include "sim/fit/residual_weights.h"
+#include "sim/fit/residuals/residual_weights.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 
 namespace impactdic::sim::fit {
 

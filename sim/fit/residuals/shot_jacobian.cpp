@@ -7,7 +7,7 @@
 
 #include "sim/contact/derivatives/path_slopes.h"
 #include "sim/contact/impact.h"
-#include "sim/fit/shot_model.h"
+#include "sim/fit/residuals/shot_model.h"
 
 namespace impactdic::sim::fit {
 namespace {
