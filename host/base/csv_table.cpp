@@ -10,6 +10,39 @@
 #include "host/base/parse.h"
 
 namespace impactdic {
+namespace {
+
+// The cells of a line. One in quotation marks, as spreadsheets write it, may hold commas, and a
+// mark that is written twice. Throws FormatError where the marks are not closed: a cell is one
+// line.
+std::vector<std::string> cells_of(const std::string& line, const std::string& where) {
+  if (line.find('"') == std::string::npos) {
+    std::vector<std::string> plain = split(line, ',');
+    for (std::string& cell : plain) cell = trim(cell);
+    return plain;
+  }
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const bool mark = line[i] == '"';
+    if (quoted && mark && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[++i];
+    } else if (mark && (quoted || trim(cells.back()).empty())) {
+      quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += line[i];
+    }
+  }
+  if (quoted) {
+    throw FormatError(where, -1, "a quotation mark is not closed", "a cell is one line");
+  }
+  for (std::string& cell : cells) cell = trim(cell);
+  return cells;
+}
+
+}  // namespace
 
 CsvTable CsvTable::read(const std::filesystem::path& file) {
   std::ifstream stream(file);
@@ -25,8 +58,8 @@ CsvTable CsvTable::read(const std::filesystem::path& file) {
     // A byte order mark, as spreadsheets write it.
     if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     if (trim(line).empty()) continue;
-    std::vector<std::string> fields = split(line, ',');
-    for (std::string& field : fields) field = trim(field);
+    std::vector<std::string> fields =
+        cells_of(line, table.file_ + ", line " + std::to_string(number));
     if (table.columns_.empty()) {
       for (std::size_t i = 0; i < fields.size(); ++i) {
         if (std::find(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(i), fields[i]) !=

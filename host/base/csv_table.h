@@ -1,4 +1,5 @@
-// Reading tables of numbers: comma-separated, one header line, one row a line.
+// Reading tables of numbers: comma-separated, one header line, one row a line. A cell in quotation
+// marks may hold commas.
 #pragma once
 
 #include <cstdint>

@@ -147,9 +147,9 @@ void read_shot_table(const fs::path& path, std::vector<BatchShot>& shots) {
     if (!shot->camera.empty()) {  // beside the table, unless the path is a whole one
       shot->camera = (fs::absolute(path).parent_path() / shot->camera).string();
     }
-    shot->ball = cell("ball", row);
+    shot->ball = as_cell(cell("ball", row));
     shot->drop_height_mm = cell("drop_height_mm", row);
-    shot->notes = cell("notes", row);
+    shot->notes = as_cell(cell("notes", row));
   }
 }
 

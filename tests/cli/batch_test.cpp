@@ -75,7 +75,7 @@ void expect_complete(const fs::path& out) {
 
 TEST(Batch, MeasuresTheGoodAndPutsTheBrokenAside) {
   std::ofstream(clips().path("table.csv")) << "file,surface_angle_deg,drop_height_mm,notes\n"
-                                              "shot_2.tif,30,250,new ball\n"
+                                              "shot_2.tif,30,250,\"new ball, \"\"Fort\"\"\"\n"
                                               "shot_3,,,\n";
   const Outcome outcome =
       clips().batch("all", "--surface-angle-deg 10 --table " + quoted(clips().path("table.csv")));
@@ -87,7 +87,7 @@ TEST(Batch, MeasuresTheGoodAndPutsTheBrokenAside) {
   EXPECT_EQ(table.text("surface_angle_deg")[1], "30");
   EXPECT_EQ(table.text("surface_angle_deg")[2], "10");
   EXPECT_EQ(table.text("drop_height_mm")[1], "250");
-  EXPECT_EQ(table.text("notes")[1], "new ball");
+  EXPECT_EQ(table.text("notes")[1], "new ball; 'Fort'");
 }
 
 TEST(Batch, ShotsAreWhatTrackMakesOfThem) {

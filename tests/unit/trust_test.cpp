@@ -39,6 +39,25 @@ std::string content(JournaledFile& file) {
   return {bytes.begin(), bytes.end()};
 }
 
+TEST(CsvTable, CellsInQuotationMarksMayHoldCommas) {
+  const ScratchFolder folder;
+  const fs::path file = folder / "table.csv";
+  std::ofstream(file) << "name,note, \"size, mm\"\r\n"
+                         "a, \"one, \"\"two\"\"\" ,3\r\n"
+                         "b,6\" wide,\"\"\r\n";
+  const CsvTable table = CsvTable::read(file);
+  EXPECT_EQ(table.columns()[2], "size, mm");
+  EXPECT_EQ(table.text("note"), (std::vector<std::string>{"one, \"two\"", "6\" wide"}));
+  EXPECT_EQ(table.text("size, mm"), (std::vector<std::string>{"3", ""}));
+  std::ofstream(file) << "name,note\na,\"one\nb,two\n";
+  try {
+    CsvTable::read(file);
+    FAIL() << "a mark that is not closed was read";
+  } catch (const FormatError& error) {
+    EXPECT_NE(error.line().find("line 2"), std::string::npos) << error.line();
+  }
+}
+
 TEST(JournaledFile, ReadsWhatWasWrittenWhereverItLies) {
   const ScratchFolder folder;
   JournaledFile file = JournaledFile::create(folder / "a");
