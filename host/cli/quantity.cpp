@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <CLI/CLI.hpp>
 #include <cctype>
 #include <cmath>
 #include <map>

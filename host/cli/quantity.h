@@ -1,9 +1,12 @@
 // Numbers with their unit: 6.7cm, 30kfps.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace impactdic::cli {
 

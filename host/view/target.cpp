@@ -27,7 +27,9 @@ std::shared_ptr<Shot> shot_of_results(const fs::path& folder, const fs::path& re
 // Text for a cell: neither divides it, nor is it taken for a formula.
 std::string as_cell(std::string text) {
   for (char& c : text) {
-    if (c == ',' || c == '"' || static_cast<unsigned char>(c) < 32) c = ' ';
+    if (c == ',') c = ';';
+    if (c == '"') c = '\'';
+    if (static_cast<unsigned char>(c) < 32) c = ' ';
   }
   const bool formula = !text.empty() && std::string("=+-@").find(text[0]) != std::string::npos;
   return formula ? "'" + text : text;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "host/cli/quantity.h"
 #include "host/run/settings/job_file.h"
 #include "host/run/settings/setting_texts.h"
 #include "host/run/settings/settings.h"
@@ -33,7 +34,10 @@ run::SettingValue value_of_json(const Json& value, const std::string& key) {
   if (value.is_boolean()) return value.get<bool>();
   if (value.is_number_integer()) return value.get<std::int64_t>();
   if (value.is_number()) return value.get<double>();
-  if (value.is_string()) return value.get<std::string>();
+  if (value.is_string()) {  // with a unit, as on the command line
+    const std::string text = value.get<std::string>();
+    return cli::in_unit(text, cli::unit_of(key)).value_or(text);
+  }
   throw InvalidArgument("the value must be a text, a number, true or false", "--" + key);
 }
 

@@ -137,6 +137,9 @@ class Look(view_screens.Screens):
                          {"5": "1", "60": "3"})
         self.assertAlmostEqual(float(track[5]["cx_px"]), float(self.truth()[5]["cx_px"]), delta=0.05)
         self.assertEqual((track[60]["status"], track[60]["cx_px"]), ("no_ball", ""))
+        b.value("document.getElementById('tab-run').click()")
+        self.check_that_no_column_is_cut("#panel-run .scroll")
+        b.value("document.getElementById('tab-look').click()")
         self.look_at_what_is_lost()
         self.go_on_with_frame_60_found(work / "video_results")
         run("track", "--job", work / "video_results" / "job.toml", "-q", "-o", work / "again")
@@ -165,6 +168,14 @@ class Look(view_screens.Screens):
         self.assertEqual({row["frame"]: row["by_hand"] for row in track if row["by_hand"] != "0"}, {"5": "1"})
         self.assertEqual((track[60]["status"], len(track)), ("ok", 64))
         self.assertRegex((folder / "job.toml").read_text(), r"ball-at = '5:[^/]*'")
+
+    def check_that_no_column_is_cut(self, table):
+        for width, height in view_screens.SIZES:
+            self.browser.resize(width, height)
+            self.browser.settle()
+            self.assertEqual(self.browser.value(f"""(() => {{ const t = document.querySelector('{table}');
+                return t.scrollWidth - t.clientWidth; }})()"""), 0, f"{table} at {width} px")
+        self.browser.resize(1280, 900)
 
     def correct_by_hand(self):
         """Frame 5: the ball, two pixels off; frame 60: said to show none; frame 61 taken back."""
@@ -233,6 +244,7 @@ class Look(view_screens.Screens):
         b.wait("document.querySelectorAll('#shots-table tr.out').length === 1")
         b.wait("/e 0.8\\d+ ± 0.0\\d+ \\(one shot/.test(document.getElementById('means').textContent)")
         self.assertRegex(b.value("document.querySelector('#shots-table tbody tr:last-child').textContent"), r"6\.\d+ ± 0\.0")  # ms of contact
+        self.check_that_no_column_is_cut("#shots-table")
         b.value("document.querySelectorAll('#shots-table button.link')[1].click()")
         b.wait("document.getElementById('title').textContent === 'one' && !document.getElementById('panel-look').hidden")
         b.wait("document.querySelector('#world .outline')")
@@ -343,6 +355,19 @@ class Look(view_screens.Screens):
                     !e.closest('.scroll, svg, .plot') && e.getBoundingClientRect().right > innerWidth + 1)
                     .map(e => e.tagName + '#' + e.id)""")
                 self.assertEqual(wide, [], f"{tab} at {width} px")
+
+    def test_doubt_stands_above_the_figures(self):
+        """A surface whose angle was forgotten: restitution is in doubt, and the page says so at once."""
+        folder = self.root / "doubted"
+        run("track", self.clip, "--ball-diameter-mm", 67, "--inertia-factor", 0.667, "-q", "-o", folder)
+        self.open(self.page(folder))
+        b = self.browser
+        self.assertIn("(doubtful)", b.value("document.getElementById('sentence').textContent"))
+        self.assertIn("--surface-angle-deg forgotten", b.value("document.getElementById('warnings').textContent"))
+        self.assertIn("closure: spin", b.value("document.getElementById('lights').textContent"))
+        top = [b.value(f"document.getElementById('{name}').getBoundingClientRect().top") for name in ("warnings", "values")]
+        self.assertLess(top[0], top[1])
+        self.assertLess(top[0], 400)
 
     def test_names_are_text(self):
         folder = self.root / HOSTILE.replace("/", "")

@@ -235,7 +235,7 @@ class Batch(Case):
     def test_a_shot_is_left_out_for_a_reason(self):
         page = self.page(self.batch)
         kept = page.post("exclude", {"shot": "one", "reason": "=1+1, \"hit\nthe frame"})["excluded"]
-        self.assertEqual(kept, {"one": "'=1+1   hit the frame"})
+        self.assertEqual(kept, {"one": "'=1+1; 'hit the frame"})
         self.assertEqual(json.loads(self.page(self.batch).ask("state"))["excluded"], kept)
         self.assertEqual(page.post("exclude", {"shot": "one", "reason": ""})["excluded"], {})
         for shot in ("", "none", "../one", "one/.."):
@@ -338,6 +338,14 @@ class Measuring(Case):
         state = json.loads(page.ask("state"))
         self.assertEqual(state["given"]["ball-diameter-mm"], "67")
         self.assertIn("track.csv", state["files"])
+
+    def test_settings_take_units(self):
+        page = self.page(self.clip)
+        toml = page.post("job", {"settings": {"ball-diameter-mm": "6.7 cm", "fps": "5kfps", "radius-px": "40:58"}})["toml"]
+        for line in ("ball-diameter-mm = 67.0", "fps = 5000.0", "radius-px = '40:58'"):
+            self.assertIn(line, toml.splitlines())
+        wrong = page.post("job", {"settings": {"ball-diameter-mm": "67kg"}}, status=400)
+        self.assertIn("key ball-diameter-mm", json.dumps(wrong))
 
     def test_a_folder_that_holds_files_is_left_alone(self):
         page = self.page(self.clip)

@@ -83,6 +83,9 @@ function line(table, k, excluded) {
     if (column === "shot" && get("state").shots.includes(cell)) {
       return make("td", {}, make("button", {className: "link", textContent: cell, onclick: () => show(cell)}));
     }
+    if (column === "doubtful" && cell.split(";").length > 2) {
+      return make("td", {title: cell, textContent: `${cell.split(";").length} figures`});
+    }
     const number = sd || (cell !== "" && Number.isFinite(Number(cell)));
     return make("td", {title: cell, className: sd ? "figure" : "", textContent: number ? withDeviation(inUnit(cell, unit), sd ? inUnit(table.cell(k, sd), unit) : "") : cell});
   });

@@ -32,7 +32,8 @@ export function build() {
   on(["summary"], ({summary}) => {
     list.hidden = !summary;
     list.replaceChildren(...(summary ? judged(summary) : []).map(([name, state, why]) =>
-      make("li", {className: state, title: why}, make("b", {textContent: MARKS[state]}), name)));
+      make("li", {className: state, title: why}, make("b", {textContent: MARKS[state]}), name,
+        ...(state === "bad" && why ? [make("span", {className: "soft", textContent: `: ${why}`})] : []))));
   });
   return list;
 }

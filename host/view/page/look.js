@@ -59,6 +59,6 @@ export function build() {
     warnings.hidden = !lines.length;
     warnings.replaceChildren(...lines.map(line => make("li", {textContent: line})));
   });
-  return [words, lights.build(), layerRow(), mapRow(), contrastRow(), exporting.build(), make("h2", {textContent: "This frame"}), buildLost("look"), values.build(),
-          make("h2", {textContent: "Curves"}), ...plots.build(), ...models.build(), warnings];
+  return [words, lights.build(), warnings, layerRow(), mapRow(), contrastRow(), exporting.build(), make("h2", {textContent: "This frame"}), buildLost("look"), values.build(),
+          make("h2", {textContent: "Curves"}), ...plots.build(), ...models.build()];
 }

@@ -1,7 +1,7 @@
 // What a fit made of the shot: its parameters, the model over the measurement, and what it leaves.
 import {id, make} from "./dom.js";
 import {BLACK, BLUE, ORANGE} from "./colours.js";
-import {axis, CONFIG, cursorOver, plotly} from "./plots.js";
+import {axis, CONFIG, LEGEND, cursorOver, plotly} from "./plots.js";
 import {get, on} from "./store.js";
 import {withDeviation} from "./table.js";
 
@@ -36,9 +36,9 @@ async function draw({residuals, track, plots}) {
   const Plotly = await plotly(), first = !plot._fullLayout;
   await Plotly.react(plot, [...paths(track, residuals),
     left(residuals, "x_m", "x", BLUE, UM, "y2"), left(residuals, "y_m", "y", ORANGE, UM, "y2"), left(residuals, "turn_rad", "turn", BLACK, MRAD, "y3")],
-    {margin: {l: 58, r: 8, t: 8, b: 40}, grid: {rows: 3, columns: 1, subplots: [["xy"], ["xy2"], ["xy3"]], ygap: 0.12},
+    {margin: {l: 58, r: 8, t: 28, b: 40}, grid: {rows: 3, columns: 1, subplots: [["xy"], ["xy2"], ["xy3"]], ygap: 0.12},
      xaxis: {...axis("time, ms"), anchor: "y3"}, yaxis: axis("place, mm"), yaxis2: axis("left of place, µm"), yaxis3: axis("left of turn, mrad"),
-     legend: {orientation: "h", y: 1.0, yanchor: "bottom", x: 0, font: {size: 11}}, font: {size: 11}, hovermode: "closest"}, CONFIG);
+     legend: LEGEND, font: {size: 11}, hovermode: "closest"}, CONFIG);
   if (first) cursorOver(plot, () => 1e3 * (get("track")?.number(get("track").row(get("shown")), "time_s") ?? NaN));
 }
 

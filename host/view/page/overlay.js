@@ -78,7 +78,7 @@ function drawArrows(windows, scale, track, row) {
   const every = Math.max(1, Math.ceil(Math.sqrt(list.length / 400)));
   const keep = every === 1 ? list : list.filter((_, k) => k % (every * every) === 0);
   const d = keep.map(f => arrow(f.x_px, f.y_px, scale * f.u_px, scale * f.v_px)).join("");
-  if (d) world.append(draw("path", {...LIT, d, stroke: "#fff", "stroke-width": 1.2, class: "arrows"}));
+  if (d) line("path", {d, class: "arrows"}, "#fff", 1.2);
   if (motion) line("path", {d: arrow(motion.cx, motion.cy, scale * motion.dx, scale * motion.dy), class: "motion"}, RED, 3);
 }
 

@@ -73,6 +73,8 @@ function phases(track, summary) {
           part(middle, impact.t_end.frame, "rgba(230,159,0,.22)", "restitution")];
 }
 
+// Below the curves: above them stand the buttons.
+export const LEGEND = {orientation: "h", y: -0.14, yanchor: "top", x: 0, font: {size: 11}};
 export const axis = title => ({title: {text: title, font: {size: 12}}, zeroline: false, gridcolor: "#e8e8e8", automargin: true});
 
 // Curves that were drawn while their panel was hidden, or another one was shown, take the width of
@@ -107,10 +109,10 @@ async function drawTrack({track, summary, plots}) {
   const Plotly = await plotly();
   const {names, list} = traces(track);
   const layout = {
-    margin: {l: 58, r: 8, t: 8, b: 40}, grid: {rows: 3, columns: 1, subplots: [["xy"], ["xy2"], ["xy3"]], ygap: 0.12},
+    margin: {l: 58, r: 8, t: 28, b: 40}, grid: {rows: 3, columns: 1, subplots: [["xy"], ["xy2"], ["xy3"]], ygap: 0.12},
     xaxis: {...axis(abscissa(track).name), anchor: "y3"}, yaxis: axis(names[0]), yaxis2: axis(names[1]), yaxis3: axis(names[2]),
     shapes: phases(track, summary), hovermode: "closest", showlegend: true, uirevision: "same",
-    legend: {orientation: "h", y: 1.0, yanchor: "bottom", x: 0, font: {size: 11}}, font: {size: 11}, dragmode: "zoom",
+    legend: LEGEND, font: {size: 11}, dragmode: "zoom",
   };
   const first = !plot._fullLayout;
   await Plotly.react(plot, list, layout, CONFIG);
@@ -135,9 +137,9 @@ async function drawHistory({history, plots}) {
     line: {color, width: 1.5}});
   await Plotly.react(plot, [curve(f => f.u_px, "u", BLUE, "y"), curve(f => f.v_px, "v", ORANGE, "y"),
                             curve(f => f.correlation, "ZNCC", BLACK, "y2")],
-    {margin: {l: 58, r: 50, t: 8, b: 40}, xaxis: axis("frame"), yaxis: axis("displacement, px"),
+    {margin: {l: 58, r: 50, t: 28, b: 40}, xaxis: axis("frame"), yaxis: axis("displacement, px"),
      yaxis2: {...axis("ZNCC"), overlaying: "y", side: "right", showgrid: false, range: [0, 1.02]},
-     legend: {orientation: "h", y: 1.0, yanchor: "bottom"}, font: {size: 11}}, CONFIG);
+     legend: {...LEGEND, y: -0.28}, font: {size: 11}}, CONFIG);
 }
 
 const failed = error => { id("plots-failed").textContent = error.message; };

@@ -85,14 +85,18 @@ export function build() {
           command, make("div", {className: "row"}, go, stop, resume), words, bar, wrong, latest, messages];
 }
 
-// The latest rows, in px.
+// Column of track.csv, its name here, digits behind the point.
+const LATEST = [["frame", "frame", 0], ["status", "status"], ["cx_px", "x", 2], ["cy_px", "y", 2], ["r_px", "r", 2], ["dx_px", "dx", 3],
+                ["dy_px", "dy", 3], ["rot_deg", "turn", 3]];
+
+// The latest rows, in px and degrees, as wide as a phone.
 function table() {
-  const names = header.split(","), keep = ["frame", "status", "cx_px", "cy_px", "r_px", "dx_px", "dy_px", "rot_deg"].filter(n => names.includes(n));
+  const names = header.split(","), keep = LATEST.filter(([column]) => names.includes(column));
   const line = (cells, tag) => make("tr", {}, ...cells.map(cell => make(tag, {textContent: cell})));
-  const short = cell => (cell !== "" && Number.isFinite(Number(cell)) ? String(Number(Number(cell).toPrecision(7))) : cell);
+  const short = (cell, digits) => (digits === undefined ? cell.replaceAll("_", " ") : cell === "" ? "" : Number(cell).toFixed(digits));
   const body = rows.slice(-LATEST_ROWS).reverse().map(row => {
     const cells = row.split(",");
-    return line(keep.map(name => short(cells[names.indexOf(name)])), "td");
+    return line(keep.map(([column, , digits]) => short(cells[names.indexOf(column)], digits)), "td");
   });
-  return make("table", {id: "latest"}, make("thead", {}, line(keep, "th")), make("tbody", {}, ...body));
+  return make("table", {id: "latest", title: "px and degrees"}, make("thead", {}, line(keep.map(([, name]) => name), "th")), make("tbody", {}, ...body));
 }

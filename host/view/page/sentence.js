@@ -4,7 +4,8 @@ import {withDeviation} from "./table.js";
 const RPM = 60 / (2 * Math.PI);
 
 const figure = f => (f && f.value !== null && f.value !== undefined
-  ? withDeviation(String(f.value), f.sd === null || f.sd === undefined ? "" : String(f.sd)) : "");
+  ? withDeviation(String(f.value), f.sd === null || f.sd === undefined ? "" : String(f.sd))
+    + (f.status === "doubtful" ? " (doubtful)" : "") : "");
 const speed = side => {
   const vt = side?.vt_m_s?.value, vn = side?.vn_m_s?.value;
   return Number.isFinite(vt) && Number.isFinite(vn) ? Math.hypot(vt, vn).toFixed(2) : null;

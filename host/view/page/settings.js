@@ -28,7 +28,7 @@ export function change(key, value) {
 
 // The field whose value was refused, so that a person finds it.
 export function mark(line) {
-  for (const [key, input] of inputs) input.setAttribute("aria-invalid", Boolean(line?.includes(`--${key}`) || line?.includes(`key ${key}`)));
+  for (const [key, input] of inputs) input.setAttribute("aria-invalid", new RegExp(`(--|key )${key}(?![\\w-])`).test(line ?? ""));
 }
 
 function field({key, kind, choices, default: usual, help}) {
