@@ -101,12 +101,29 @@ class Simulated(unittest.TestCase):
                 for name, factor in (("x_m", 2e-5), ("y_m", 1e-5), ("turn_rad", 1e-3))
                 for i in range(50)]
         (folder / "residuals_0.csv").write_text("\n".join(["series,time_s,residual,sd", *rows]))
+        track = folder / "shot" / "track.csv"
+        track.parent.mkdir()
+        track.write_text("\n".join(["time_s,x_m,y_m", "0,0.5,0.5"]
+                                   + [f"{i * 1e-4!r},{1 + i * 1e-3!r},{2 - i * 1e-3!r}" for i in range(1, 60)]))
         (folder / "parameters.csv").write_text("track\na/track.csv\n")
         known = {"value": 2e-3, "sd": 1e-6}
-        (folder / "summary.json").write_text(json.dumps({"shots": [{
-            "shot": {"track": "a/track.csv", "contact_start_s": known, "contact_s": known},
-            "reduced_chi_square": 1.0, "adequacy": "adequate"}]}))
-        figure, = models.figures(folder, None, [])
+        (folder / "summary.json").write_text(json.dumps({"version": "9.8.7", "parameters": {
+            "stiffness_n_per_m": {"value": 12530.02, "sd": 5.43, "ci95": [1, 2], "determined": True},
+            "friction_kinetic": {"value": 0.1, "sd": None, "ci95": [1, 2], "determined": False}},
+            "shots": [{
+                "shot": {"track": str(track), "contact_start_s": known, "contact_s": known},
+                "reduced_chi_square": 1.0, "adequacy": "adequate"}]}))
+        made = Report(folder, None)
+        made.gather()
+        self.assertEqual(made.first.sentence, "stiffness_n_per_m 12530.0 ± 5.4; not determined: "
+                                              "friction_kinetic; the law is adequate")
+        self.assertIn("impactdic 9.8.7", made.texts[-1][1])
+        over, figure = models.figures(folder, None, [])
+        seen, law = over.panels[0].series[2:]  # y
+        np.testing.assert_allclose(seen.y[1:], 1500 - np.arange(1, 50))  # mm from the first frame on
+        np.testing.assert_allclose(law.y - seen.y, 0.01 * (-1.0) ** np.arange(50), atol=1e-9)
+        track.write_text("time_s,x_m,y_m\n0.5,1,1\n")  # another clip by now
+        self.assertEqual(len(models.figures(folder, None, [])), 1)
         centre, turn, spread = figure.panels
         self.assertEqual([series.name for series in centre.series], ["x", "y"])
         np.testing.assert_allclose(np.abs(centre.series[0].y), 20)

@@ -117,6 +117,7 @@ void write_comparison(const std::filesystem::path& folder, const CompareRequest&
   const ContactParameters& contact = result.laws.contact;
   Json summary{{"normal", name_of(job.calibration.impact.normal)},
                {"preset", name_of(job.calibration.impact.preset)},
+               {"version", IMPACTDIC_VERSION},
                {"contact",
                 {{key_of(FitParameter::kStiffness, job.calibration.impact.normal),
                   json_number(contact.stiffness)},
@@ -141,7 +142,7 @@ void write_comparison(const std::filesystem::path& folder, const CompareRequest&
 
 void write_rod_comparison(const std::filesystem::path& folder, const RodCompareRequest& job,
                           const RodCompareResult& result) {
-  Json summary{{"models", job.models}, {"blows", Json::array()}};
+  Json summary{{"models", job.models}, {"version", IMPACTDIC_VERSION}, {"blows", Json::array()}};
   TableFile table(folder / "comparison.csv",
                   "blow,rod_angle_deg,model,vt_before_m_s,vn_before_m_s,omega_before_rad_s,"
                   "restitution_measured,vt_measured_m_s,vn_measured_m_s,omega_measured_rad_s,"

@@ -232,6 +232,7 @@ void write_fit(const std::filesystem::path& folder, const FitRequest& job,
                const FitResult& result) {
   Json summary{{"normal", name_of(job.impact.normal)},
                {"friction", name_of(job.impact.friction)},
+               {"version", IMPACTDIC_VERSION},
                {"parameters", Json::object()}};
   // One shot: its own figures. Several: the pooled ones.
   if (result.shots.size() == 1) {

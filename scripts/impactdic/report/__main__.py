@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import MissingPackage, ResultError
 from ..results import load, read_table, shots_of
-from .first import First, sentence_of_shots, sentence_of_simulated
+from .first import First, sentence_of_fit, sentence_of_shots, sentence_of_simulated
 
 
 # Modules, and Debian's packages of them.
@@ -63,7 +63,7 @@ class Report:
         job = load(self.folder).job_text
         if job:
             self.texts.append(("Job", job))
-        self.texts.append(("Versions", f"impactdic {_version(load(self.folder).job)}\n"
+        self.texts.append(("Versions", f"impactdic {_version(load(self.folder))}\n"
                                        f"{versions()}"))
 
     def add_shot(self):
@@ -144,7 +144,8 @@ class Report:
         self.tables += tables.model_tables(result)
         self.warnings += tables.fit_warnings(result.summary)
         if not self.first.sentence:
-            self.first.sentence = sentence_of_simulated(result.summary)
+            self.first.sentence = (sentence_of_simulated(result.summary)
+                                   or sentence_of_fit(result.summary))
         if not self.subtitle:
             self.subtitle = f"Results of impactdic {models.kind_of(folder)}."
 
@@ -164,8 +165,12 @@ class Report:
                 done.result()
 
 
-def _version(job):
-    return job.get("version", "of an unknown version")
+def _version(result):
+    """Jobs of models, which people write, name none; what came of them does."""
+    found = result.job.get("version")
+    if not found and (result.folder / "summary.json").exists():
+        found = result.summary.get("version")
+    return found or "of an unknown version"
 
 
 def _save(figure, into):

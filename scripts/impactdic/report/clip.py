@@ -81,7 +81,9 @@ def table_rows(summary):
     """The lines of `info`: label and value."""
     found = []
     for line in summary.get("words") or []:
-        label, value = line[:17].strip(), line[17:].strip()
+        # A label of the camera's that is longer than its column ends at the next blank.
+        label, _, value = line[16:].partition(" ")
+        label, value = (line[:16] + label).strip(), value.strip()
         if value and label != "warning":
             found.append([label, value])
     return found

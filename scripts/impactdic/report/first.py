@@ -102,6 +102,24 @@ def sentence_of_simulated(summary):
     return ", ".join(parts)
 
 
+def sentence_of_fit(summary):
+    """What a fit found: its parameters, and whether its law explains the shots; "" of a comparison."""
+    parameters = {key: p for key, p in (summary.get("parameters") or {}).items()
+                  if key != "contact_time_s"}  # of one shot alone, where its law sees the touch
+    if not parameters:
+        return ""
+    said = [f"{key} {with_sd(p)}" for key, p in parameters.items() if p.get("determined")]
+    lost = [key for key, p in parameters.items() if not p.get("determined")]
+    verdicts = [shot["adequacy"] for shot in summary.get("shots", []) if shot.get("adequacy")]
+    words = ", ".join(said) + ("; " if said and lost else "")
+    words += f"not determined: {', '.join(lost)}" if lost else ""
+    if len(verdicts) == 1:
+        words += f"; the law is {verdicts[0]}"
+    elif verdicts:
+        words += f"; the law is adequate in {verdicts.count('adequate')} of {len(verdicts)} shots"
+    return words
+
+
 def lights(summary):
     """Impulse closure, gravity, texture, scale."""
     impact, found = summary.get("impact") or {}, []

@@ -51,7 +51,9 @@ def figures(folder, program, warnings):
     for number, shot in enumerate(result.summary.get("shots", [])):
         path = folder / f"residuals_{number}.csv"
         if path.exists():
-            made.append(residuals(result, shot, read_table(path), number))
+            table = read_table(path)
+            made += over_measurement(result, shot, table, number)
+            made.append(residuals(result, shot, table, number))
     for path in sorted(folder.glob("errors_[0-9]*.csv")):
         made.append(error_surfaces(result, path))
     return made
@@ -189,6 +191,38 @@ def _to_toml(sections):
     return "\n".join(lines) + "\n"
 
 
+def over_measurement(result, shot, table, number):
+    """The fitted model's path over the measured one, where the track is still there."""
+    track = Path(shot["shot"]["track"])
+    if not track.is_file():
+        return []
+    measured, curves = read_table(track), []
+    for i, (column, name) in enumerate((("x_m", "x, right"), ("y_m", "y, up"))):
+        of = table["series"] == column
+        if column not in measured or not np.any(of):
+            continue
+        at = table["time_s"][of]
+        row = np.searchsorted(measured["time_s"], at - 1e-9).clip(0, len(measured["time_s"]) - 1)
+        if not np.allclose(measured["time_s"][row], at, rtol=0, atol=1e-9):
+            return []  # the track was measured again since
+        place = 1e3 * (measured[column][row] - measured[column][row[0]])
+        curves += [Series(f"{name}, measured", 1e3 * at, place, colour=COLOURS[i], kind="markers",
+                          size=5),
+                   Series(f"{name}, model", 1e3 * at, place + 1e3 * table["residual"][of],
+                          colour=COLOURS[i])]
+    panel = Panel("", "time, ms", "displacement, mm", curves, [_contact(shot["shot"])])
+    suffix = "" if len(result.summary["shots"]) == 1 else f"_{number + 1}"
+    return [Figure(f"fit_{result.name}{suffix}",
+                   f"The fit over the measurement: {name_of(shot['shot']['track'])}",
+                   "Dots: measured, from the first frame on. Lines: the model.", [panel],
+                   "Models")] if curves else []
+
+
+def _contact(measured):
+    start = 1e3 * measured["contact_start_s"]["value"]
+    return Span(start, start + 1e3 * measured["contact_s"]["value"], "contact", "#FCEFD9")
+
+
 RESIDUALS = [("centre", "residual, µm", 1e6, ("x_m", "y_m")),
              ("motion from frame to frame", "residual, µm", 1e6, ("dx_m", "dy_m")),
              ("rotation from frame to frame", "residual, mrad", 1e3, ("turn_rad",))]
@@ -197,9 +231,7 @@ RESIDUALS = [("centre", "residual, µm", 1e6, ("x_m", "y_m")),
 def residuals(result, shot, table, number):
     """What the fitted model leaves of each measurement. Structure in it is what the law lacks."""
     measured = shot["shot"]
-    start = 1e3 * measured["contact_start_s"]["value"]
-    contact = Span(start, start + 1e3 * measured["contact_s"]["value"], "contact", "#FCEFD9")
-    panels = []
+    contact, panels = _contact(measured), []
     for title, label, factor, names in RESIDUALS:
         curves = []
         for i, name in enumerate(names):
@@ -215,7 +247,7 @@ def residuals(result, shot, table, number):
     counts, _ = np.histogram(np.clip(over, -5, 5), edges)
     middle = (edges[1:] + edges[:-1]) / 2
     normal = len(over) * (edges[1] - edges[0]) * np.exp(-middle**2 / 2) / np.sqrt(2 * np.pi)
-    panels.append(Panel("over the stated deviations", "residual / deviation, 1", "number, 1", [
+    panels.append(Panel("over the stated deviations", "residual over its deviation", "number", [
         Series("found", middle, counts.astype(float), colour=COLOURS[0]),
         Series("noise as stated", middle, normal, colour=BLACK, dash=True)]))
     suffix = "" if len(result.summary["shots"]) == 1 else f"_{number + 1}"

@@ -41,11 +41,12 @@ th { white-space: nowrap; overflow-wrap: normal; }
 td { min-width: 6.5em; }
 .warnings { background: #FFF6E5; border-left: 4px solid #E69F00; padding: 8px 16px; }
 .warnings ul { margin: 0; padding-left: 20px; }
-pre { background: #f5f5f5; padding: 12px; overflow-x: auto; font-size: .85rem; }
+pre { background: #f5f5f5; padding: 12px; white-space: pre-wrap; font-size: .85rem; }
 @media (max-width: 600px) {
   body { padding: 0 10px 32px; } .panel { height: 300px; }
   .scroll table { width: 100%; }
   th { white-space: normal; }
+  th:first-child:nth-last-child(2) { min-width: 9.5em; }
   td { min-width: 0; }
   th, td { padding-right: 8px; overflow-wrap: anywhere; }
   /* A wide table becomes a list of its rows: no column hides beyond the screen's edge. */
@@ -258,7 +259,7 @@ def _layout(panel):
         "font": {"size": 12},
         "xaxis": {**axis, "title": {"text": panel.x_label}},
         # The margin below holds one line; on a phone two axes that both ask for room take turns.
-        "yaxis": {**axis, "title": {"text": panel.y_label}, "automargin": True},
+        "yaxis": {**axis, "title": {"text": panel.y_label, "standoff": 8}, "automargin": True},
         "hovermode": "x unified" if _by_time(panel) else "closest",
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",

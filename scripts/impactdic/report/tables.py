@@ -201,18 +201,21 @@ def model_tables(result):
     parameters = summary.get("parameters") or (summary.get("calibration") or {}).get("parameters")
     if parameters:
         rows = []
+        between = any("between" in p for p in parameters.values())  # of several shots
         for key, p in parameters.items():
             low, high = p["ci95"]
-            rows.append([
+            row = [
                 key,
                 with_sd(p),
                 " to ".join("open" if end is None else f"{end:.6g}" for end in (low, high)),
                 "yes" if p["determined"] else "no: " + p.get("verdict", ""),
-                with_sd({"value": p["between"]["sd"]}) if "between" in p else "",
-            ])
+            ]
+            if between:
+                row.append(with_sd({"value": p["between"]["sd"]}) if "between" in p else "")
+            rows.append(row)
         tables.append(Table(f"Calibrated parameters ({result.name})",
-                            ["parameter", "value ± standard deviation", "95 %", "determined",
-                             "deviation between the shots"],
+                            ["parameter", "value ± standard deviation", "95 %", "determined"]
+                            + ["deviation between the shots"] * between,
                             rows, "Models"))
     if kind_of(result.folder) == "compare":
         table = read_table(result.folder / "comparison.csv")
