@@ -13,6 +13,7 @@ from report_test import JOB, check_html, run
 import impactdic
 from impactdic.report import draw, models, page, tables
 from impactdic.report.__main__ import Report
+from impactdic.report.figure import Figure, Panel, Series
 
 
 class Simulated(unittest.TestCase):
@@ -134,6 +135,11 @@ class Simulated(unittest.TestCase):
         self.assertEqual(np.sum(found.y), 150)
         self.assertTrue(np.all(np.abs(np.abs(found.x[found.y > 0]) - 1) < 0.25))
         self.assertIn("adequate", figure.caption)
+
+    def test_names_of_many_curves_have_room_below_their_axis(self):
+        curves = [Series(f"law {k}", np.arange(2), np.arange(2)) for k in range(6)]
+        shapes = [page._figure(Figure("f", "", "", [Panel("", "x", "y", curves[:count])]), {}) for count in (4, 5)]
+        self.assertEqual(['"panel tall"' in shape for shape in shapes], [False, True])
 
     def test_a_formula_has_a_table_but_no_path(self):
         path = self.folder / "walton.toml"

@@ -33,6 +33,7 @@ figcaption { color: #555; font-size: .9rem; }
 .panel { height: 340px; min-width: 0; }
 .wide .panel { height: 400px; }
 .square .panel { height: 420px; }
+.panel.tall { height: 440px; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: 4px 18px 4px 0;
@@ -152,7 +153,8 @@ def _figure(figure, panels):
     for i, panel in enumerate(figure.panels):
         name = f"{_id(figure.name)}-{i + 1}"
         panels[name] = {"data": _data(panel), "layout": _layout(panel)}
-        divs += f'<div class="panel" id="{name}"></div>'
+        tall = " tall" if len(panel.series) > 4 else ""  # the names of its curves take lines
+        divs += f'<div class="panel{tall}" id="{name}"></div>'
     shape = "wide" if len(figure.panels) == 1 else ""
     if figure.panels[0].picture is not None:
         shape = "square"
@@ -252,7 +254,8 @@ def _by_time(panel):
 
 
 def _layout(panel):
-    axis = {"gridcolor": GRID, "zeroline": False, "showline": True, "linecolor": "#888"}
+    axis = {"gridcolor": GRID, "zeroline": False, "showline": True, "linecolor": "#888",
+            "exponentformat": "power"}
     layout = {
         "margin": MARGIN,
         "title": {"text": panel.title, "font": {"size": 14}, "x": 0.5, "y": 0.97},
