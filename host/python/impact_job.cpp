@@ -48,6 +48,8 @@ ContactParameters read_contact(OptionReader reader, NormalModel normal) {
   reader("adhesion_j_m2", contact.adhesion_j_per_m2);
   reader("tangential_stiffness_n_per_m", contact.tangential_stiffness_n_per_m);
   reader("friction_speed_m_s", contact.friction_speed_m_s);
+  reader("rolling_friction", contact.rolling_friction);
+  reader("spinning_friction", contact.spinning_friction);
   choose(reader, "restitution_damping", contact.restitution_damping, parse_restitution_damping);
   reader("friction_kinetic", contact.friction_kinetic);
   reader("friction_static", contact.friction_static);

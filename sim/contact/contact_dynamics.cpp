@@ -14,6 +14,7 @@ ContactDynamicsOf<Real>::ContactDynamicsOf(const JobNumbers<Real>& numbers,
     : normal_(normal),
       friction_(friction),
       shell_(numbers),
+      resistance_(numbers),
       mass_(numbers.body.mass_kg),
       inverse_mass_(1.0 / numbers.body.mass_kg),
       inverse_inertia_(1.0 / numbers.body.inertia()),
@@ -41,17 +42,27 @@ void ContactDynamicsOf<Real>::aim(const State& touch, bool remembers) {
     // A little slip across turns the line by its part of the slip along.
     if (kHasDerivatives<Real> && t != 0) line_.b = b / t;
     across_ = kHasDerivatives<Real> && t != 0 && gravity_t_ != 0 && !remembers;
+    // What rolls across is braked across.
+    turning_ = resistance_.of_rolling() && t != 0 && touch[kOmegaT] != 0;
+    if (turning_) line_ = {Real(t > 0 ? 1.0 : -1.0), Real(0)};
     return;
   }
   const Real speed = hypot(t, b);
   line_ = {t / speed, b / speed};
-  turning_ = gravity_t_ != 0;
+  turning_ = pushed();
 }
 
 template <typename Real>
-void ContactDynamicsOf<Real>::stop_turning(bool keep_line) {
+void ContactDynamicsOf<Real>::stop_turning(const State& x, bool keep_line) {
   turning_ = false;
-  if (!keep_line) line_ = {Real(gravity_t_ > 0 ? 1.0 : -1.0), Real(0)};
+  if (keep_line) return;
+  const Real b = x[kOmega], t = x[kOmegaT];
+  if (resistance_.of_rolling() && t != 0) {
+    const Real spin = hypot(b, t);
+    line_ = {-b / spin, t / spin};
+  } else {
+    line_ = {Real(gravity_t_ > 0 ? 1.0 : -1.0), Real(0)};
+  }
 }
 
 template <typename Real>
@@ -120,6 +131,10 @@ auto ContactDynamicsOf<Real>::contact_point(const State& x) const -> ContactPoin
   at.drift_m_s2 = -gravity_t_ * along.t + r.n * r.t * at.normal_n * inverse_inertia_ +
                   x[kOmega] * x[kOmega] * r.t;
   at.holding_n = -mass_ * gravity_t_ * along.t;
+  if (resistance_.of_rolling()) {
+    const auto couple = resistance_.couple(x, at.normal_n, at.deflection_m);
+    at.drift_m_s2 += r.n * inverse_inertia_ * (couple.b * along.t - couple.t * along.b);
+  }
   if (rates_) add_force_rates(at);
   return at;
 }
@@ -161,6 +176,13 @@ void ContactDynamicsOf<Real>::operator()(const State& x, State& rate, double) co
   rate[kOmegaT] = r.n * force_b * inverse_inertia_;
   rate[kOmegaN] = Real(0);
   rate[kFlat] = rate[kFlatRate] = Real(0);
+  if (resistance_.acts()) {
+    const auto couple = resistance_.couple(x, at.normal_n, at.deflection_m);
+    rate[kOmega] += couple.b * inverse_inertia_;
+    rate[kOmegaT] += couple.t * inverse_inertia_;
+    rate[kOmegaN] += couple.n * inverse_inertia_;
+    rate[kSlip] += resistance_.dissipation_w(x, couple);
+  }
   if (!shell_.given()) return;
   rate[kFlat] = x[kFlatRate];
   rate[kFlatRate] = shell_.acceleration(x, normal);

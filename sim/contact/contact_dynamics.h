@@ -8,6 +8,7 @@
 #include "sim/contact/impact.h"
 #include "sim/contact/law/friction_law.h"
 #include "sim/contact/law/normal_law.h"
+#include "sim/contact/law/turning_resistance.h"
 #include "sim/contact/numbers/state.h"
 #include "sim/contact/shell/shell.h"
 
@@ -43,9 +44,9 @@ class ContactDynamicsOf {
   bool turning() const { return turning_; }
   // The slip as it is now becomes the line, which goes on turning.
   void follow(const State& x) { line_ = line(x); }
-  // The contact point has stopped. What may move it from here on is the weight, down the slope; a
-  // force that keeps its direction is the exception.
-  void stop_turning(bool keep_line);
+  // The contact point has stopped. What may move it from here on is the weight, down the slope, or
+  // the resistance to rolling; a force that keeps its direction is the exception.
+  void stop_turning(const State& x, bool keep_line);
   // Slip across plane motion has ended for good.
   void stop_across() { line_.b = Real(0), across_ = false; }
   // It has not: it turns round faster than a step shows, since friction is less than the weight.
@@ -66,6 +67,8 @@ class ContactDynamicsOf {
 
  private:
   void add_force_rates(ContactPoint& at) const;
+  // Something beside friction pushes the contact point along the surface.
+  bool pushed() const { return gravity_t_ != 0 || resistance_.of_rolling(); }
   struct Arm {
     Real t, n;
   };
@@ -74,6 +77,7 @@ class ContactDynamicsOf {
   const NormalLawOf<Real>& normal_;
   const FrictionLawOf<Real>& friction_;
   Shell<Real> shell_;
+  TurningResistance<Real> resistance_;
   Real mass_, inverse_mass_, inverse_inertia_;
   Real gravity_t_, gravity_n_;
   bool rod_;

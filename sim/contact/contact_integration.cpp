@@ -277,7 +277,7 @@ void ContactSystem<Real>::cross_friction(int guard, State& x, const ContactPoint
     friction_.cross(guard, at);
     return come_to_rest(x);
   }
-  dynamics_.stop_turning(keeps_direction_);
+  dynamics_.stop_turning(x, keeps_direction_);
   friction_.cross(guard, dynamics_.contact_point(x));
   if (std::string_view(friction_.mode()) == "sliding") {
     dynamics_.turn_on(x);

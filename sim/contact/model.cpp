@@ -161,6 +161,27 @@ void validate_friction(const ImpactJob& job) {
   if (remembers_slip(job.friction)) validate_elastic_friction(job);
 }
 
+void validate_turning_resistance(const ImpactJob& job) {
+  const ContactParameters& contact = job.contact;
+  require_not_negative(contact.rolling_friction, "contact.rolling_friction");
+  require_not_negative(contact.spinning_friction, "contact.spinning_friction");
+  require(contact.rolling_friction <= 10, "must be at most 10", "contact.rolling_friction");
+  require(contact.spinning_friction <= 100, "must be at most 100", "contact.spinning_friction");
+  if (contact.rolling_friction == 0 && contact.spinning_friction == 0) return;
+  require(job.body.shape != BodyShape::kRod && !job.other,
+          "friction of rolling and spinning is known of one ball alone",
+          contact.rolling_friction > 0 ? "contact.rolling_friction" : "contact.spinning_friction");
+  if (contact.rolling_friction == 0 || job.initial.plane()) return;
+  require(
+      !remembers_slip(job.friction),
+      "out of the plane of t and n rolling friction turns the slip, which this friction law does "
+      "not know",
+      "contact.rolling_friction", "coulomb, or rolling_friction 0");
+  require(job.gravity_m_s2 == 0 || job.surface_angle_deg == 0,
+          "out of the plane of t and n rolling friction needs a level surface or no gravity",
+          "contact.rolling_friction");
+}
+
 void require_finite(const InitialMotion& m, const std::string& table) {
   for (const auto& [value, key] :
        {std::pair{m.vt_m_s, "vt_m_s"}, std::pair{m.vn_m_s, "vn_m_s"}, std::pair{m.vb_m_s, "vb_m_s"},
@@ -324,6 +345,7 @@ void ImpactJob::validate() const {
   body.validate();
   validate_normal(*this);
   validate_friction(*this);
+  validate_turning_resistance(*this);
   require_not_negative(gravity_m_s2, "environment.gravity_m_s2");
   require(std::isfinite(surface_angle_deg) && std::abs(surface_angle_deg) <= 180,
           "must be from -180 to 180", "surface.angle_deg");

@@ -84,6 +84,8 @@ void read_friction(StrictTable& table, const ImpactJob& job, bool partial,
   if (job.friction != FrictionModel::kNone) {
     contact.friction_kinetic = needed(table, "friction_kinetic", partial);
   }
+  contact.rolling_friction = table.number("rolling_friction", 0);
+  contact.spinning_friction = table.number("spinning_friction", 0);
   switch (job.friction) {
     case FrictionModel::kThreePhase:
       contact.friction_static = needed(table, "friction_static", partial);
@@ -180,6 +182,8 @@ void write_friction(TomlText& text, const ImpactJob& job) {
   if (contact.friction_speed_m_s != 0) {
     text.number("friction_speed_m_s", contact.friction_speed_m_s);
   }
+  if (contact.rolling_friction != 0) text.number("rolling_friction", contact.rolling_friction);
+  if (contact.spinning_friction != 0) text.number("spinning_friction", contact.spinning_friction);
 }
 
 }  // namespace

@@ -114,6 +114,9 @@ struct ContactParameters {
   double tangential_stiffness_n_per_m = 0;  // tangential_spring, grip_slip
   // speed_dependent: mu = mu_k + (mu_s - mu_k) exp(-slip speed / this).
   double friction_speed_m_s = 0;
+  // Of every law, balls only: couples against the spin along the surface, this x R P, and about the
+  // normal, 3 pi/16 x this x sqrt(R delta) P.
+  double rolling_friction = 0, spinning_friction = 0;
 
   // The constant of that law's damper; NaN where it has none.
   double damping(NormalModel law) const;

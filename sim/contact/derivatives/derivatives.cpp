@@ -124,8 +124,10 @@ ImpactDerivatives derivatives_of(const ImpactJob& job, const ImpactResult& plain
     }
     if (!plain.separated || !agrees(run, numbers, plain)) continue;
     // Springs that remember the slip know none that turns; without slip its line is not known.
+    // What rolls across plane motion is braked across.
     const bool turns = run.tips().t_start == 0 || relative.gravity_t() != 0;
-    const bool slips_across = !turns || !remembers_slip(job.friction) || !job.initial.plane();
+    const bool slips_across = !job.initial.plane() || ((!turns || !remembers_slip(job.friction)) &&
+                                                       job.contact.rolling_friction == 0);
     for (std::size_t r = 0; r < list.size(); ++r) {
       for (std::size_t i = 0; i < count; ++i) {
         const double slope =

@@ -69,7 +69,9 @@ JobNumbers<Real>::JobNumbers(const ImpactJob& job)
              Real(c.adhesion_j_per_m2),
              Real(c.unloading_stiffness_n_per_m),
              Real(c.unloading_hardening_per_m),
-             Real(c.tangential_stiffness_n_per_m)};
+             Real(c.tangential_stiffness_n_per_m),
+             Real(c.rolling_friction),
+             Real(c.spinning_friction)};
   if (job.shell) {
     has_shell = true;
     shell = {Real(job.shell->stiffness_n_per_m), Real(job.shell->damping_n_s_per_m),
@@ -220,6 +222,9 @@ void add_friction(List<Real>& list, const ImpactJob& job, ContactNumbers<Real>& 
                        job.normal == NormalModel::kKogutEtsion ||
                        job.normal == NormalModel::kThornton;
   if (slips_partially(law) || plastic) list.add("contact.poisson", c.poisson, 0.1);
+  if (job.body.shape == BodyShape::kRod || job.other) return;
+  list.add("contact.rolling_friction", c.rolling_friction, 0.01);
+  list.add("contact.spinning_friction", c.spinning_friction, 0.1);
 }
 
 }  // namespace

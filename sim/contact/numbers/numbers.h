@@ -35,6 +35,7 @@ struct ContactNumbers {
   Real poisson{}, reduced_modulus_pa{}, yield_strength_pa{}, adhesion_j_per_m2{};
   Real unloading_stiffness_n_per_m{}, unloading_hardening_per_m{};
   Real tangential_stiffness_n_per_m{};
+  Real rolling_friction{}, spinning_friction{};
 };
 
 // As in BallShell.

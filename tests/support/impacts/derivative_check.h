@@ -64,6 +64,8 @@ inline double& number_of(ImpactJob& job, const std::string& key) {
       {"friction_kinetic", &c.friction_kinetic},
       {"friction_static", &c.friction_static},
       {"friction_speed_m_s", &c.friction_speed_m_s},
+      {"rolling_friction", &c.rolling_friction},
+      {"spinning_friction", &c.spinning_friction},
       {"poisson", &c.poisson},
       {"reduced_modulus_pa", &c.reduced_modulus_pa},
       {"yield_strength_pa", &c.yield_strength_pa},
