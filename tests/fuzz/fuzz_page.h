@@ -1,5 +1,4 @@
-// What the page of `view` is asked for, the results that it shows, and a calibration's pictures,
-// out of any bytes.
+// What the page of `view` is asked for, and the results that it shows, out of any bytes.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +13,5 @@ void ask_page(const std::string& text, const std::filesystem::path& scratch);
 // A fields.h5 and a job.toml, as the page reads them.
 void show_fields(const std::filesystem::path& path);
 void show_job(const std::filesystem::path& path);
-
-// A picture of 48 x 36 pixels behind a byte that says which target is looked for.
-void find_target(const std::string& text);
 
 }  // namespace impactdic::fuzz

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "host/base/parse.h"
+#include "host/base/process_name.h"
 #include "host/cluster/launcher.h"
 #include "host/cluster/work_queue.h"
-#include "host/run/batch/share_folder.h"
 #include "tests/unit/cluster/memory_files.h"
 
 namespace impactdic::fuzz {
@@ -57,7 +57,8 @@ void read_share(const std::string& text) {
   options.member = "me";
   double now_s = 0;
   cluster::WorkQueue queue(
-      files, options, [&] { return now_s; }, run::text_is_gone);
+      files, options, [&] { return now_s; },
+      [](const std::string& beat) { return is_gone(parse_process(beat)); });
   if (!queue.open("same", [] { return std::vector<std::string>{"a"}; })) std::abort();
   for (int step = 0;; ++step, now_s += 30) {
     if (step == kMostSteps) std::abort();
