@@ -70,8 +70,12 @@ WorkQueue::WorkQueue(Files& files, QueueOptions options, Clock clock,
   steps_ = std::hash<std::string>()(options_.member);
 }
 
+std::string WorkQueue::taken_name(const Ticket& ticket, const std::string& member) const {
+  return ticket_name(ticket) + "." + ticket.tray + "." + member;
+}
+
 std::string WorkQueue::taken_path(const Ticket& ticket, const std::string& member) const {
-  return path("taken/" + ticket_name(ticket) + "." + ticket.tray + "." + member);
+  return path("taken/" + taken_name(ticket, member));
 }
 
 std::string WorkQueue::tray_of(std::size_t index) const {
@@ -192,6 +196,12 @@ std::vector<std::string> WorkQueue::open_trays() {
 }
 
 std::optional<Ticket> WorkQueue::take() {
+  auto ticket = take_any();
+  if (ticket) held_.insert(taken_name(*ticket, options_.member));
+  return ticket;
+}
+
+std::optional<Ticket> WorkQueue::take_any() {
   if (!hopeless_.empty()) {
     Ticket ticket = hopeless_.back();
     hopeless_.pop_back();
@@ -214,10 +224,12 @@ bool WorkQueue::holds(const Ticket& ticket) {
 }
 
 bool WorkQueue::finish(const Ticket& ticket) {
+  held_.erase(taken_name(ticket, options_.member));
   return files_.remove(taken_path(ticket, options_.member));
 }
 
 void WorkQueue::put_back(const Ticket& ticket) {
+  held_.erase(taken_name(ticket, options_.member));
   put_back(taken_path(ticket, options_.member), ticket);
 }
 
@@ -250,7 +262,7 @@ void WorkQueue::return_lost(const std::string& name, Ticket ticket) {
   if (++ticket.attempt >= kMostAttempts) {
     ticket.hopeless = true;
     const std::string mine = taken_path(ticket, options_.member);
-    if (!files_.move(from, mine)) return;
+    if (!files_.move(from, mine) && !files_.exists(mine)) return;  // see take_from()
     ticket.text = files_.read(mine).value_or("");
     hopeless_.push_back(ticket);
     return;
@@ -262,13 +274,19 @@ Outlook WorkQueue::look() {
   if (!hopeless_.empty() || !open_trays().empty()) return Outlook::kWork;
   const std::vector<std::string> taken = files_.names_in(path("taken"));
   std::set<std::string> owners;
-  bool others = false;
+  bool others = false, back = false;
   for (const std::string& name : taken) {
     const auto found = parse_name(name);
     if (!found) continue;
     const bool ours = !options_.shard || found->ticket.tray == std::to_string(*options_.shard);
     others = others || !ours;
     if (ours) owners.insert(found->member);
+    // Under this member's name, and nobody works at it: it could not be put back, or a rename had
+    // been done that was said to have failed.
+    if (ours && found->member == options_.member && held_.count(name) == 0) {
+      return_lost(name, found->ticket);
+      back = true;
+    }
   }
   if (owners.empty()) {
     if (!open_trays().empty()) return Outlook::kWork;
@@ -279,7 +297,6 @@ Outlook WorkQueue::look() {
   }
   owners.erase(options_.member);
   const std::vector<std::string> order(owners.begin(), owners.end());
-  bool back = false;
   for (std::size_t i = 0; i < std::min(kVisits, order.size()); ++i) {
     const std::string& member = order[visited_++ % order.size()];
     if (!watch(member)) continue;

@@ -73,13 +73,13 @@ class WorkQueue {
   // It has nothing more to do here.
   void leave();
 
-  std::optional<Ticket> take();
+  std::optional<Ticket> take();       // ended by finish() or put_back()
   bool holds(const Ticket& ticket);   // false where this member was given up meanwhile
   bool finish(const Ticket& ticket);  // the same, and ends the ticket
   void put_back(const Ticket& ticket);
 
-  // Gives up members that are lost: their tickets come back. Cheap: a few files a call, however
-  // many members there are.
+  // Gives up members that are lost: their tickets come back, as does what lies under this member's
+  // name and take() has not given. Cheap: a few files a call, however many members there are.
   Outlook look();
   // Only where look() has said kOver.
   Closing take_closing();
@@ -92,11 +92,13 @@ class WorkQueue {
 
  private:
   std::string path(const std::string& inside) const { return options_.name + "/" + inside; }
+  std::string taken_name(const Ticket& ticket, const std::string& member) const;
   std::string taken_path(const Ticket& ticket, const std::string& member) const;
   std::string tray_of(std::size_t index) const;
   void maker_lives(const std::string& folder);
   void build(const std::string& folder, const std::string& settings,
              const std::vector<std::string>& pieces);
+  std::optional<Ticket> take_any();
   std::optional<Ticket> take_from(const std::string& tray);
   std::vector<std::string> open_trays();
   bool holds_tickets(const std::string& tray);
@@ -112,6 +114,7 @@ class WorkQueue {
   std::atomic<std::size_t> beats_ = 0;
   std::size_t steps_ = 0, visited_ = 0;
   std::vector<Ticket> hopeless_;
+  std::set<std::string> held_;    // tickets that take() has given, as they lie in taken/
   std::set<std::string> barren_;  // trays in which something lay that is no ticket
   std::vector<std::string> newly_lost_;
 };

@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdlib>
@@ -42,20 +43,38 @@ PictureSize size_of_jpeg(const ByteFile& file) {
   refuse(file, file.size());
 }
 
+// The header of OS/2 has sides of 16 bits and no compression. Others: 0 none, 1 and 2 run lengths,
+// 3 masks of bits.
 PictureSize size_of_bmp(const ByteFile& file) {
-  const auto head = file.head(26);
-  if (head.size() < 26) refuse(file, 0);
-  if (load_u32(&head[14]) == 12) return {load_u16(&head[18]), load_u16(&head[20])};
+  constexpr std::size_t kOld = 26, kNew = 54;
+  const auto head = file.head(kNew);
+  if (head.size() < kOld) refuse(file, 0);
+  const bool is_old = load_u32(&head[14]) == 12;
+  if (!is_old && head.size() < kNew) refuse(file, file.size());
   const auto side = [&](std::size_t at) {
     return std::abs(std::int64_t{static_cast<std::int32_t>(load_u32(&head[at]))});
   };
-  return {side(18), side(22)};
+  PictureSize size = is_old ? PictureSize{load_u16(&head[18]), load_u16(&head[20])}
+                            : PictureSize{side(18), side(22)};
+  const std::size_t depth_at = is_old ? 24 : 28;
+  const int bits = load_u16(&head[depth_at]);
+  const std::uint32_t compression = is_old ? 0 : load_u32(&head[30]);
+  constexpr std::array kDepths = {1, 4, 8, 16, 24, 32};
+  if (std::find(kDepths.begin(), kDepths.end(), bits) == kDepths.end() || compression > 3) {
+    refuse(file, static_cast<std::int64_t>(depth_at));
+  }
+  if (!is_old && bits <= 8 && load_u32(&head[46]) > 256) refuse(file, 46);  // colours
+  check_frame_size(file.path(), size.width, size.height, 4);  // their product fits below
+  const std::int64_t pixels_at = load_u32(&head[10]), line = (size.width * bits + 31) / 32 * 4;
+  size.least_bytes = pixels_at + (compression == 1 || compression == 2 ? 0 : line * size.height);
+  return size;
 }
 
-// "P5", then width and height as text, with comments between.
+// "P5", then width, height and the brightest level as text, with comments between; one blank, the
+// pixels.
 PictureSize size_of_pgm(const ByteFile& file) {
   const auto head = file.head(4096);
-  std::array<std::int64_t, 2> numbers = {0, 0};
+  std::array<std::int64_t, 3> numbers = {0, 0, 0};
   std::size_t at = 2;
   for (std::int64_t& number : numbers) {
     while (at < head.size() && (std::isspace(head[at]) != 0 || head[at] == '#')) {
@@ -71,7 +90,11 @@ PictureSize size_of_pgm(const ByteFile& file) {
     }
     if (at == begin) refuse(file, static_cast<std::int64_t>(at));
   }
-  return {numbers[0], numbers[1]};
+  const auto [width, height, brightest] = numbers;
+  if (brightest < 1 || brightest > 65535) refuse(file, static_cast<std::int64_t>(at));
+  check_frame_size(file.path(), width, height, 2);
+  const std::int64_t pixels = width * height * (brightest > 255 ? 2 : 1);
+  return {width, height, static_cast<std::int64_t>(at) + 1 + pixels};
 }
 
 }  // namespace

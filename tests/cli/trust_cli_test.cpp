@@ -265,6 +265,24 @@ TEST(Limits, SmallFilesThatAskForMuchAreRefused) {
   EXPECT_EQ(raised.err.find("--max-megapixels"), std::string::npos) << raised.err;
 }
 
+TEST(Limits, ACutPictureIsRefusedInOneLine) {
+  const ScratchFolder folder;
+  const std::string pixels(144, 'x'), grey(48, 'x');
+  const std::string bmp = "BM" + std::string(8, '\0') + std::string("\x36\0\0\0\x28\0\0\0", 8) +
+                          std::string("\x08\0\0\0\x06\0\0\0\x01\0\x18\0", 12) +
+                          std::string(24, '\0') + pixels;
+  const std::string pgm = "P5 8 6 255\n" + grey;
+  for (const auto& [name, whole] : {std::pair("a.bmp", bmp), std::pair("a.pgm", pgm)}) {
+    for (std::size_t left = 2; left < whole.size(); left += 7) {
+      std::ofstream(folder / name, std::ios::binary) << whole.substr(0, left);
+      expect_one_line("info " + quoted(folder / name), 1, "copied whole");
+    }
+    std::ofstream(folder / name, std::ios::binary) << whole;
+    const Outcome outcome = run_program("info " + quoted(folder / name));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  }
+}
+
 TEST(Limits, FilesThatDidHarmAreRefused) {
   IMPACTDIC_NEED_DATA("faults");
   const auto file = [](const char* name) { return quoted(data_path("faults") / name); };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/camera/calibrate/calibrate_points.h"
 #include "host/camera/calibrate/find_target.h"
 
 namespace impactdic::fuzz {
@@ -13,17 +14,24 @@ void find_target(const std::string& text) {
   if (text.empty()) return;
   CalibrateRequest request;
   const auto kind = static_cast<unsigned char>(text[0]);
-  request.target = kind % 3 == 0   ? CalibrationTarget::kCheckerboard
-                   : kind % 3 == 1 ? CalibrationTarget::kCharuco
-                                   : CalibrationTarget::kDots;
-  request.columns = 3 + kind / 3 % 4;
+  constexpr CalibrationTarget kTargets[] = {CalibrationTarget::kCheckerboard,
+                                            CalibrationTarget::kCharuco, CalibrationTarget::kDots,
+                                            CalibrationTarget::kRuler};
+  request.pictures = {"a"};
+  request.target = kTargets[kind % 4];
+  request.columns = 3 + kind / 4 % 4;
   request.rows = 4;
   request.pitch_mm = 10;
+  request.validate();
   Frame frame;
   frame.reset(kWidth, kHeight, 8);
   std::memcpy(frame.u8.data(), text.data() + 1,
               std::min(text.size() - 1, static_cast<std::size_t>(kWidth * kHeight)));
-  camera::find_target(camera::to_grey(frame), request);
+  if (request.target == CalibrationTarget::kRuler) {
+    camera::calibrate_ticks(request, "a", camera::to_grey(frame));
+  } else {
+    camera::find_target(camera::to_grey(frame), request);
+  }
 }
 
 }  // namespace impactdic::fuzz

@@ -60,6 +60,27 @@ std::vector<Sighting> find_dots(const cv::Mat& picture, const CalibrateRequest& 
   return {};
 }
 
+std::vector<Sighting> sight(const cv::Mat& picture, const CalibrateRequest& request) {
+  std::vector<Sighting> seen;
+  switch (request.target) {
+    case CalibrationTarget::kCheckerboard:
+      seen = find_checkerboard(picture, request);
+      refine_corners(picture, request.columns - 1, kClearOfSquares, seen);
+      break;
+    case CalibrationTarget::kCharuco:
+      seen = find_charuco(picture, request);
+      refine_corners(picture, request.columns - 1, (1 - marker_share(request)) / 2, seen);
+      break;
+    case CalibrationTarget::kDots:
+      seen = find_dots(picture, request);
+      refine_dots(picture, request.columns, seen);
+      break;
+    case CalibrationTarget::kRuler:
+      break;
+  }
+  return seen;
+}
+
 }  // namespace
 
 BoardPoints board_points(const CalibrateRequest& request) {
@@ -93,24 +114,11 @@ cv::Mat to_grey(const Frame& frame) {
 }
 
 std::vector<Sighting> find_target(const cv::Mat& picture, const CalibrateRequest& request) {
-  std::vector<Sighting> seen;
-  switch (request.target) {
-    case CalibrationTarget::kCheckerboard:
-      seen = find_checkerboard(picture, request);
-      refine_corners(picture, request.columns - 1, kClearOfSquares, seen);
-      break;
-    case CalibrationTarget::kCharuco:
-      seen = find_charuco(picture, request);
-      refine_corners(picture, request.columns - 1, (1 - marker_share(request)) / 2, seen);
-      break;
-    case CalibrationTarget::kDots:
-      seen = find_dots(picture, request);
-      refine_dots(picture, request.columns, seen);
-      break;
-    case CalibrationTarget::kRuler:
-      break;
+  try {
+    return sight(picture, request);
+  } catch (const cv::Exception&) {
+    return {};  // a picture that its finders do not take shows none
   }
-  return seen;
 }
 
 }  // namespace impactdic::camera

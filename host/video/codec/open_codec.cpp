@@ -56,6 +56,10 @@ cv::Mat load_picture(const std::string& path, double max_megapixels) {
   const ByteFile file(path);
   const PictureSize size = picture_size(file);
   check_megapixels(path, size.width, size.height, max_megapixels);
+  // OpenCV reports what is missing to stderr, and this library prints nothing.
+  if (size.least_bytes > file.size()) {
+    throw FormatError(path, file.size(), "the picture ends too early", "was it copied whole?");
+  }
   check_png_chunks(file);
   check_jpeg_end(file);
   cv::Mat picture;

@@ -186,6 +186,31 @@ TEST(WorkQueue, WhatIsNoTicketIsLeftAloneAndKeepsNobody) {
   EXPECT_EQ(a->take_closing(), Closing::kMine);
 }
 
+// It could not be put back, or a rename was done that was said to have failed.
+TEST(WorkQueue, WhatLiesUnderAMembersOwnNameIsDone) {
+  MemoryFiles files;
+  Share share(files, 2);
+  const auto a = share.member("a");
+  const auto held = a->take(), forgotten = a->take();
+  ASSERT_TRUE(held && forgotten);
+  const auto again = share.member("a");  // knows of neither
+  EXPECT_EQ(a->look(), Outlook::kWait);  // what it works at stays its own
+  EXPECT_TRUE(a->finish(*held));
+  EXPECT_EQ(look(*again), Outlook::kWork);
+  const auto ticket = again->take();
+  ASSERT_TRUE(ticket);
+  EXPECT_EQ(ticket->index, forgotten->index);
+  EXPECT_TRUE(again->finish(*ticket));
+  EXPECT_EQ(look(*again), Outlook::kOver);
+  // Nobody can do it: it is given up after some attempts.
+  files.write("share/taken/000001.2.0.a", "piece 1");
+  EXPECT_EQ(again->look(), Outlook::kWork);
+  const auto last = again->take();
+  ASSERT_TRUE(last && last->hopeless);
+  EXPECT_TRUE(again->finish(*last));
+  EXPECT_EQ(look(*again), Outlook::kOver);
+}
+
 TEST(WorkQueue, WhoeverEndsInTheLastStepIsFollowedByAnother) {
   MemoryFiles files;
   Share share(files, 1);
