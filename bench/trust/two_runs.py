@@ -5,7 +5,10 @@ What must hold: of two runs into one folder one ends 0 and the other 1 with a li
 holds it (or 0, where it began when the first was done); what is there then has the bytes of a run
 alone. Two runs with one cache both end 0 with the bytes of a run alone, and so does the next.
 
-Usage: two_runs.py PROGRAM [--tries 100] [--workers 1] [--seed 1]
+Usage: two_runs.py PROGRAM [--tries 100] [--kinds one_folder,one_cache] [--workers 1] [--seed 1]
+                   [--keep-pocl]
+--keep-pocl: PoCL's own cache is kept from pair to pair; the program's is empty for each. What is in
+PoCL's saves the compiling, so that many pairs can be tried.
 """
 
 import argparse
@@ -22,6 +25,7 @@ import time
 
 from kill_chains import differences, results, synth
 
+KEEP_POCL = "--keep-pocl" in sys.argv
 ONE_LINE = "impactdic: error: "
 
 
@@ -57,9 +61,10 @@ def one_folder(program, clip, folder, whole, pause_s):
 
 
 def one_cache(program, clip, folder, whole, pause_s):
-    cache = {"IMPACTDIC_CACHE_DIR": str(folder / "cache"),
-             "POCL_CACHE_DIR": str(folder / "pocl")}
-    (folder / "pocl").mkdir()
+    cache = {"IMPACTDIC_CACHE_DIR": str(folder / "cache")}
+    if not KEEP_POCL:
+        cache["POCL_CACHE_DIR"] = str(folder / "pocl")
+        (folder / "pocl").mkdir()
     outs = [folder / name for name in ("first", "second", "third")]
     ends = both([command(program, clip, out) for out in outs[:2]], pause_s, cache)
     ends += both([command(program, clip, outs[2])], 0, cache)
@@ -75,6 +80,8 @@ def main():
     parser.add_argument("--tries", type=int, default=100)
     parser.add_argument("--workers", type=int, default=1)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep-pocl", action="store_true")
+    parser.add_argument("--kinds", default="one_folder,one_cache")
     given = parser.parse_args()
     made = pathlib.Path(tempfile.mkdtemp(prefix="two_runs_"))
     program = str(pathlib.Path(given.program).resolve())
@@ -97,7 +104,7 @@ def main():
         return end, wrong
 
     with concurrent.futures.ThreadPoolExecutor(given.workers) as pool:
-        for kind in (one_folder, one_cache):
+        for kind in [one for one in (one_folder, one_cache) if one.__name__ in given.kinds]:
             counts = ends[kind.__name__] = {}
             for end, wrong in pool.map(lambda n, kind=kind: tried(kind, n), range(given.tries)):
                 counts[end] = counts.get(end, 0) + 1

@@ -194,7 +194,7 @@ TEST(WorkQueue, WhatLiesUnderAMembersOwnNameIsDone) {
   const auto held = a->take(), forgotten = a->take();
   ASSERT_TRUE(held && forgotten);
   const auto again = share.member("a");  // knows of neither
-  EXPECT_EQ(a->look(), Outlook::kWait);  // what it works at stays its own
+  EXPECT_EQ(look(*a), Outlook::kWait);   // what it works at stays its own
   EXPECT_TRUE(a->finish(*held));
   EXPECT_EQ(look(*again), Outlook::kWork);
   const auto ticket = again->take();
