@@ -155,8 +155,10 @@ class Decoder {
     std::memcpy(frames_ + static_cast<std::size_t>(slot) * bytes_, frame_.bytes(), bytes_);
     return slot;
   }
-  // Frames to come are of more use than those behind, the next one of most.
+  // Frames to come are of more use than those behind, the next one of most; an empty slot (-1) of
+  // none.
   std::int64_t use_of(std::int64_t index) const {
+    if (index < 0) return -1;
     return index >= ahead_ ? INT64_MAX - index : index;
   }
 

@@ -171,7 +171,7 @@ TEST(Sandbox, AProcessThatEndsIsAnErrorOfItsFile) {
   const auto clip = video::open_video({write_avi(folder)});
   Frame frame;
   clip->read(0, frame);
-  for (const pid_t child : decoders()) ::kill(child, SIGSEGV);
+  for (const pid_t child : decoders()) ::kill(child, SIGABRT);  // which no sanitizer catches
   const auto began = std::chrono::steady_clock::now();
   try {
     // What was decoded ahead may still come.
@@ -179,7 +179,7 @@ TEST(Sandbox, AProcessThatEndsIsAnErrorOfItsFile) {
     ADD_FAILURE() << "nothing was thrown";
   } catch (const FormatError& error) {
     EXPECT_NE(error.line().find("a.avi"), std::string::npos) << error.line();
-    EXPECT_NE(error.line().find("signal 11"), std::string::npos) << error.line();
+    EXPECT_NE(error.line().find("signal 6"), std::string::npos) << error.line();
   }
   EXPECT_THROW(clip->read(5, frame), FormatError);
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(30));
