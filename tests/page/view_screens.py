@@ -143,7 +143,7 @@ class Screens(Case):
         source = (Path(__file__).resolve().parents[2] / "host" / "view" / "page" / "colours.js").read_text()
         named = {name: [int(code[k:k + 2], 16) / 255 for k in (0, 2, 4)]
                  for name, code in re.findall(r'([A-Z]+) = "#([0-9A-F]{6})"', source)}
-        self.assertEqual(sorted(named), ["BLUE", "ORANGE", "RED", "SKY"])
+        self.assertEqual(sorted(named), ["BLUE", "ORANGE", "RED", "SKY", "YELLOW"])
         for seen in CONES.values():
             points = {name: lab(np.array(seen) @ linear(np.array(colour))) for name, colour in named.items()}
             for one, other in itertools.combinations(points, 2):

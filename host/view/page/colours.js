@@ -23,4 +23,4 @@ export function paintBar(canvas, map) {
   }
 }
 
-export const BLUE = "#0072B2", ORANGE = "#E69F00", RED = "#D55E00", SKY = "#56B4E9", BLACK = "#222";
+export const BLUE = "#0072B2", ORANGE = "#E69F00", RED = "#D55E00", SKY = "#56B4E9", YELLOW = "#F0E442", BLACK = "#222";

@@ -3,7 +3,7 @@ import {draw, id} from "./dom.js";
 import {rigidMotion} from "./field.js";
 import * as picture from "./picture.js";
 import {get, on} from "./store.js";
-import {BLUE, ORANGE, RED, SKY} from "./colours.js";
+import {BLUE, ORANGE, RED, SKY, YELLOW} from "./colours.js";
 
 const svg = id("overlay");
 const world = draw("g", {id: "world"}), screen = draw("g", {id: "screen"});
@@ -17,6 +17,7 @@ function line(tag, properties, colour, width = 2) {
                draw(tag, {...LIT, ...properties, stroke: colour, "stroke-width": width}));
 }
 
+const MOST_ARROWS = 130;
 const NICE = [1, 2, 5];
 // The number 1, 2 or 5 times a power of ten next below.
 export function nice(value) {
@@ -75,10 +76,13 @@ function drawPath(track) {
 function drawArrows(windows, scale, track, row) {
   const motion = rigidMotion(track, row);
   const list = windows ? windows.filter(f => f.status === 0) : [];
-  const every = Math.max(1, Math.ceil(Math.sqrt(list.length / 400)));
-  const keep = every === 1 ? list : list.filter((_, k) => k % (every * every) === 0);
+  // Of the windows' grid every so many columns and rows, so that arrows can be told apart.
+  const every = Math.max(1, Math.ceil(Math.sqrt(list.length / MOST_ARROWS)));
+  const order = name => new Map([...new Set(list.map(f => f[name]))].sort((a, b) => a - b).map((v, k) => [v, k]));
+  const columns = order("x_px"), rows = order("y_px");
+  const keep = list.filter(f => columns.get(f.x_px) % every === 0 && rows.get(f.y_px) % every === 0);
   const d = keep.map(f => arrow(f.x_px, f.y_px, scale * f.u_px, scale * f.v_px)).join("");
-  if (d) line("path", {d, class: "arrows"}, "#fff", 1.2);
+  if (d) line("path", {d, class: "arrows"}, YELLOW, 1.5);
   if (motion) line("path", {d: arrow(motion.cx, motion.cy, scale * motion.dx, scale * motion.dy), class: "motion"}, RED, 3);
 }
 
