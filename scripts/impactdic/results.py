@@ -54,6 +54,10 @@ class Result:
         if not self.folder.is_dir():
             raise ResultError("there is no such folder", folder)
 
+    def __repr__(self):
+        files = sorted(path.name for path in self.folder.glob("*.*") if path.is_file())
+        return f"Result {self.name!r}: {', '.join(files) or 'no files'}"
+
     @property
     def name(self):
         return self.folder.resolve().name

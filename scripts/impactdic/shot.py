@@ -115,6 +115,15 @@ class Batch(Result):
         """shots.csv: a pandas.DataFrame, one row a clip."""
         return self.table("shots")
 
+    def __repr__(self):
+        from .report.first import sentence_of_shots
+        from .report.groups import left_out
+
+        table = self.columns("shots")
+        measured = sum(status == "ok" for status in table["status"])
+        return (f"Batch {self.name!r}: {measured} of {len(table['status'])} clips measured\n"
+                f"  {sentence_of_shots(table, left_out(self.folder))}")
+
     def __len__(self):
         return len(self.shots)
 

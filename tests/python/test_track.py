@@ -347,4 +347,6 @@ def test_a_batch(film, tmp_path):
     assert len(done) == 2 and [shot.name for shot in done] == ["a", "b"]
     again = idic.load(tmp_path / "out")
     assert isinstance(again, idic.Batch) and again.overview["status"].tolist() == ["ok", "ok"]
+    assert repr(again).startswith("Batch 'out': 2 of 2 clips measured\n  ")
+    assert "job.toml" in repr(idic.load(tmp_path / "a"))
     assert again[0].track.equals(idic.track(tmp_path / "clips" / "a.tif", BALL, fps=FPS).track)
