@@ -175,7 +175,8 @@ std::optional<CircleFit> follow_from(const Rim& found, const Frame& frame, Circl
 // Crossings of the half level about the rim that the search found, and the fit through them.
 struct Crossings {
   RimFit fit;
-  int rays = 0;  // of the last trace
+  int rays = 0;         // of the last trace
+  double moved_px = 0;  // from the rim that this was cast about
 };
 
 Crossings trace_crossings(const Frame& frame, const RimSearch& search, const CirclePrior& prior,
@@ -192,23 +193,30 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     trace_rim(frame, rim, {search.polarity, search.blur_px, kernel, m.rays}, trace);
     m.fit = fit_rim(trace, rim, prior, shapes_of(options));
     if (!m.fit.ok) break;
+    m.moved_px = distance(m.fit.rim, rim);
     if (std::exchange(preview, false)) continue;
     const bool sharpen = !sharp && m.fit.inked > kJudge.dense;
-    if (!sharpen && distance(m.fit.rim, rim) < kJudge.retrace_px) break;
+    if (!sharpen && m.moved_px < kJudge.retrace_px) break;
     sharp |= sharpen;
   }
   return m;
 }
 
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in
-// the frame before. Ink in most edges and no model of it may be a sphere's, too.
-void doubt_crossings(const CirclePrior& prior, CircleFit& fit) {
+// the frame before. Ink in most edges and no model of it may be a sphere's, too. A fit that still
+// moves as often as it is traced again is known no better than it moves.
+void doubt_crossings(const CirclePrior& prior, double moved_px, CircleFit& fit) {
+  const auto widen = [&](double centre_px, double radius_px, double by_px) {
+    fit.cx_sd_px = std::hypot(fit.cx_sd_px, centre_px, by_px);
+    fit.cy_sd_px = std::hypot(fit.cy_sd_px, centre_px, by_px);
+    fit.r_sd_px = std::hypot(fit.r_sd_px, radius_px, by_px);
+  };
   const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
-  if (!sphere && !fit.inked) return;
-  const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
-  fit.cx_sd_px = std::hypot(fit.cx_sd_px, kSphere.crossings_centre_px, off);
-  fit.cy_sd_px = std::hypot(fit.cy_sd_px, kSphere.crossings_centre_px, off);
-  fit.r_sd_px = std::hypot(fit.r_sd_px, kSphere.crossings_radius_px, off);
+  if (sphere || fit.inked) {
+    const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
+    widen(kSphere.crossings_centre_px, kSphere.crossings_radius_px, off);
+  }
+  if (moved_px >= kJudge.retrace_px) widen(0, 0, moved_px);
 }
 
 double free_distance(const RimTrace& trace, const Rim& rim) {
@@ -350,7 +358,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // Crossings end more sharply at what hides the rim.
   result.circle.free_px = free_distance(trace, fit.rim);
   result.inked = fit.inked > kJudge.dense;
-  if (!result.rim_model) doubt_crossings(prior, result);
+  if (!result.rim_model) doubt_crossings(prior, crossings.moved_px, result);
   return accepted(result, frame, options);
 }
 

@@ -217,7 +217,7 @@ double log_likelihood(const RimTrace& trace, const Vector5& delta, const Mixture
 
 // The better of two explanations of a wide scatter: rough edges, or ink in most of them with the
 // camera's noise.
-Estimate explain(const Task& task, const Vector5& start, Mixture& mixture) {
+Estimate explain_from(const Vector5& start, const Task& task, Mixture& mixture) {
   const Estimate rough = estimate(task, start, mixture);
   const double most = kCrossingFit.noise_trust * task.trace.noise_px;
   if (rough.ok && mixture.sigma <= most) return rough;
@@ -230,6 +230,22 @@ Estimate explain(const Task& task, const Vector5& start, Mixture& mixture) {
   }
   mixture = inked;
   return other;
+}
+
+// Each start leads to the maximum of the likelihood next to it. Where that takes many points for
+// strays, the one next to the rim that the rays were cast about may be likelier.
+Estimate explain(const Task& task, const Vector5& start, Mixture& mixture) {
+  const Estimate found = explain_from(start, task, mixture);
+  const double points = static_cast<double>(task.trace.points.size());
+  if (found.ok && found.points >= kCrossingFit.explained * points) return found;
+  Mixture other;
+  const Estimate near = explain_from(Vector5::Zero(), task, other);
+  if (!near.ok || (found.ok && log_likelihood(task.trace, found.delta, mixture) >=
+                                   log_likelihood(task.trace, near.delta, other))) {
+    return found;
+  }
+  mixture = other;
+  return near;
 }
 
 // A first radius: nine tenths of the crossings lie inside it.

@@ -38,6 +38,8 @@ struct CrossingFitSettings {
   double clean = 0.7, inked = 0.29, sigma_px = 0.15, tau_px = 0.5;  // [hand]
   double other_clean = 0.2, other_inked = 0.79;  // of the second start: ink in most edges [hand]
   double most_sigma_px = 1;                      // [hand]
+  double explained = 0.7;  // share of the points that a fit takes for the rim's, or another start
+                           // is tried [hand]
   double strays_per_px = 0.25;  // density of a stray [definition]: crossings range over 4 px
   double noise_trust = 1.5;     // scatter over the camera's that is taken for noise [hand]
   double common_px = 0.008;     // errors common to an arc [measured]: leaves 0.0015 px of a
