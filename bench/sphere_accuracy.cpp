@@ -1,14 +1,38 @@
 // How exactly pairs of pictures of a sphere are registered, with its radius known, and how many
-// large turns are found without a guess.
-//   sphere_accuracy [COUNT [SEED]]
+// large turns are found without a guess; or, with `distance`, how exactly such pairs tell from
+// where they are seen.
+//   sphere_accuracy [COUNT [SEED [distance]]]
 #include <cstdlib>
 
-#include "tests/support/sphere_pairs.h"
+#include "tests/support/sphere/sphere_distances.h"
+
+namespace {
+
+void measure_all_distances(int pairs, unsigned seed) {
+  using impactdic::testing::DistanceView, impactdic::testing::measure_distances;
+  for (const char* pattern : {"e1", "a1", "c2", "f2"}) {
+    for (const double radii : {0.0, 12.0, 25.0, 50.0, 100.0}) {
+      measure_distances(pairs, {radii, 25, 2, pattern}, seed);
+    }
+  }
+  for (const double turn_deg : {0.3, 1.0, 3.0, 8.0, 15.0}) {
+    measure_distances(pairs, {25, turn_deg}, seed);
+  }
+  measure_distances(pairs, {25, 25, 5}, seed);
+  measure_distances(pairs, {25, 25, 2, "e1", 0.5}, seed);
+  measure_distances(pairs, {25, 25, 2, "e1", 0, 0.5}, seed);
+}
+
+}  // namespace
 
 int main(int count, char** arguments) {
   using namespace impactdic;
   const int pairs = count > 1 ? std::atoi(arguments[1]) : 100;
   const auto seed = static_cast<unsigned>(count > 2 ? std::atoi(arguments[2]) : 7);
+  if (count > 3) {
+    measure_all_distances(pairs, seed);
+    return 0;
+  }
   for (const double noise : {0.01, 2.0}) {
     for (const double most_deg : {0.5, 8.0}) testing::measure_pairs(pairs, most_deg, noise, seed);
   }

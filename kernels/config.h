@@ -68,6 +68,10 @@
 #ifndef FREE_RADIUS
 #define FREE_RADIUS 0
 #endif
+// And with it, SHAPED 1, one over the camera's distance.
+#ifndef FREE_DISTANCE
+#define FREE_DISTANCE 0
+#endif
 
 // rigid.cl, of a sphere: 1 where it is seen in perspective or out of round.
 #ifndef SHAPED

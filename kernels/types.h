@@ -100,7 +100,7 @@ typedef struct BallTask {
 // Of a sphere (rot_x_rad, rot_y_rad, rot_rad) is the rotation vector, at most pi long, in the
 // camera's axes (X right, Y up, Z towards the camera), and `covariance` the lower triangle, row by
 // row, of dx, dy and the small turns about X, Y and Z of the first picture; 0 of a flat ball. Its
-// radius, px, as given (deviation 0) or found.
+// radius, px, and one over the camera's distance, 1/px, as given (deviation 0) or found.
 typedef struct BallMotion {
   float dx, dy, rot_rad;
   float exx, exy, eyy;
@@ -111,6 +111,7 @@ typedef struct BallMotion {
   float rot_x_rad, rot_y_rad;
   float covariance[15];
   float ball_radius, ball_radius_sd;
+  float by_distance, by_distance_sd;
 } BallMotion;
 
 // What does not change from ball to ball.

@@ -7,7 +7,12 @@
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "host/advice/slow_tilt.h"
+#include "host/base/statistics.h"
+#include "host/base/weighted_mean.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/sphere/rotation.h"
 #include "host/dic/sphere/sphere_fit.h"
@@ -28,8 +33,13 @@ constexpr double kAgreeing = 0.5;  // share of the windows that must say so
 // What a ball's rim says of a sphere's radius may be off by this, the same in every frame: the
 // texture is foreshortened there and its light another.
 constexpr double kRimRadiusSd_px = 0.5;
-// Of all that turns show of the radius: one texture's errors are alike in every pair.
-constexpr double kTurnRadiusSd_px = 0.05;
+// Of all that turns show of the radius, and of it over the distance: one texture's errors are alike
+// in every pair.
+constexpr double kTurnRadiusSd_px = 0.05, kNearnessSd = 4e-4;
+
+// A ball's outline does not change by as much from frame to frame, but in contact and where it is
+// not a sphere's: a fruit that turns.
+constexpr double kOutOfRound = 0.02;
 
 class InverseVarianceMean {
  public:
@@ -64,7 +74,8 @@ class PairLook {
   // nullopt where the pair shows no motion of a sphere.
   std::optional<Tilt> tilt() {
     const motion::PairMotion flat = measured(false);
-    if (const Tilt of_windows = windows_tilt(flat); of_windows.beyond_chance < kFlat) {
+    if (Tilt of_windows = windows_tilt(flat); of_windows.beyond_chance < kFlat) {
+      of_windows.motion = flat.motion;
       return of_windows;
     }
     const motion::PairMotion turned = measured(true);
@@ -76,7 +87,7 @@ class PairLook {
     const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
     tilt.radius_px = sphere->ball_radius;
     tilt.radius_sd_px = sphere->ball_radius_sd;
-    tilt.motion = motion::sphere_motion(*sphere, 0);
+    tilt.motion = motion::sphere_motion(*sphere);
     tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
                            !(disc && sphere->residual >= disc->residual);
     return tilt;
@@ -148,44 +159,116 @@ class PairLook {
   dic::DeviceFrames frames_;
 };
 
+// Why no pair was measured as a sphere's.
+std::string unmeasured(std::span<const BallPair> pairs) {
+  std::vector<double> changes;
+  for (const BallPair& pair : pairs) {
+    changes.push_back(std::abs(pair.second_ball.r_px / pair.first_ball.r_px - 1));
+  }
+  const double usual = changes.empty() ? 0 : upper_median(std::move(changes));
+  if (!(usual > kOutOfRound)) return "no pair of frames could be measured as a sphere";
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "no sphere: the radius of its outline changes by %.0f %% from frame to frame",
+                100 * usual);
+  return text;
+}
+
+// What all pairs tell.
+class Verdict {
+ public:
+  Verdict(opencl::Engine& engine, const FieldOptions& field, const motion::Perspective& perspective,
+          const FarFrames& far)
+      : engine_(engine), field_(field), perspective_(perspective), far_(far) {}
+
+  void look_at(const BallPair& pair) {
+    const std::optional<Tilt> tilt = PairLook(engine_, pair, field_, perspective_).tilt();
+    if (!tilt) return;
+    ++measured_;
+    radius_.add(pair.first_ball.r_px, kRimRadiusSd_px);
+    if (tilt->radius_sd_px > 0 && !learn_from(pair, tilt->motion)) {
+      radius_.add(tilt->radius_px, tilt->radius_sd_px);
+    }
+    out_of_plane_ |= tilt->is_out_of_plane;
+    if (!tilt->is_out_of_plane && tilt->motion.ok) flat_.emplace_back(&pair, tilt->motion);
+    if (tilt->turn_deg < most_deg_) return;
+    most_deg_ = tilt->turn_deg;
+    significant_ = std::sqrt(tilt->beyond_chance);
+  }
+
+  bool is_measured() const { return measured_ > 0; }
+
+  BodyAdvice advice() {
+    const std::string reason = decide();
+    BodyAdvice advice;
+    advice.body = out_of_plane_ ? Body::kSphere : Body::kDisc;
+    advice.reason = reason;
+    advice.radius_px = radius_.mean();
+    advice.radius_sd_px = std::max(radius_.sd(), kTurnRadiusSd_px);
+    if (nearness_.count() > 0) {
+      advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
+    }
+    return advice;
+  }
+
+ private:
+  bool learn_from(const BallPair& pair, const dic::RigidMotion& step) {
+    const auto told = sphere_from_turn(engine_, pair, step, field_, perspective_, far_);
+    if (!told) return false;
+    radius_.add(told->radius_px.value, told->radius_px.sd);
+    if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
+    return true;
+  }
+
+  // Whether the ball turns out of the plane, in words.
+  std::string decide() {
+    char text[160];
+    if (out_of_plane_) {
+      std::snprintf(
+          text, sizeof text,
+          "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
+          most_deg_, significant_);
+      return text;
+    }
+    for (const auto& [pair, step] : flat_) {
+      const auto tilted = slow_tilt(engine_, *pair, step, field_, far_);
+      if (!tilted) continue;
+      out_of_plane_ = true;
+      learn_from(*pair, *tilted);
+      std::snprintf(
+          text, sizeof text,
+          "over many frames the ball turns out of the picture's plane, by %.3f deg a frame",
+          std::hypot(tilted->rot_x_rad, tilted->rot_y_rad) * kDegPerRad);
+      return text;
+    }
+    std::snprintf(text, sizeof text,
+                  "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, "
+                  "within chance)",
+                  measured_, most_deg_);
+    return text;
+  }
+
+  opencl::Engine& engine_;
+  FieldOptions field_;
+  motion::Perspective perspective_;
+  const FarFrames& far_;
+  double most_deg_ = 0, significant_ = 0;
+  int measured_ = 0;
+  bool out_of_plane_ = false;
+  InverseVarianceMean radius_;
+  WeightedMean nearness_;
+  std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
+};
+
 }  // namespace
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FieldOptions& field, const motion::Perspective& perspective,
                       const FarFrames& far) {
-  double most_deg = 0, significant = 0;
-  int measured = 0;
-  bool out_of_plane = false;
-  InverseVarianceMean radius;
-  for (const BallPair& pair : pairs) {
-    const std::optional<Tilt> tilt = PairLook(engine, pair, field, perspective).tilt();
-    if (!tilt) continue;
-    ++measured;
-    radius.add(pair.first_ball.r_px, kRimRadiusSd_px);
-    if (tilt->radius_sd_px > 0) {
-      const auto from_far = radius_from_turn(engine, pair, tilt->motion, field, perspective, far);
-      radius.add(from_far ? from_far->value : tilt->radius_px,
-                 from_far ? from_far->sd : tilt->radius_sd_px);
-    }
-    out_of_plane |= tilt->is_out_of_plane;
-    if (tilt->turn_deg < most_deg) continue;
-    most_deg = tilt->turn_deg;
-    significant = std::sqrt(tilt->beyond_chance);
-  }
-  if (measured == 0) return {Body::kDisc, "no pair of frames could be measured as a sphere"};
-  char text[160];
-  if (out_of_plane) {
-    std::snprintf(text, sizeof text,
-                  "the ball turns out of the picture's plane by %.2f deg a frame, %.0f deviations",
-                  most_deg, significant);
-    return {Body::kSphere, text, radius.mean(), std::max(radius.sd(), kTurnRadiusSd_px)};
-  }
-  std::snprintf(
-      text, sizeof text,
-      "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, within "
-      "chance)",
-      measured, most_deg);
-  return {Body::kDisc, text, radius.mean(), std::max(radius.sd(), kTurnRadiusSd_px)};
+  Verdict verdict(engine, field, perspective, far);
+  for (const BallPair& pair : pairs) verdict.look_at(pair);
+  if (!verdict.is_measured()) return {Body::kDisc, unmeasured(pairs)};
+  return verdict.advice();
 }
 
 }  // namespace impactdic::advice

@@ -16,12 +16,15 @@ struct BodyAdvice {
   // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it
   // what a turn does to the picture.
   double radius_px = 0, radius_sd_px = 0;
+  // This over the camera's distance; NaN where that was known, or the pictures do not tell.
+  Measured nearness;
 };
 
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
-// and the registration of a sphere fits the pictures better than that of a disc. Else a disc: what
-// it measures is then the same, and more exact in each pair. `far`: frames from which the radius
-// can be had (radius_from_turn). `perspective`: of the pairs' frames.
+// and the registration of a sphere fits the pictures better than that of a disc, or where such a
+// turn adds up over many frames (slow_tilt). Else a disc: what
+// it measures is then the same, and more exact in each pair. `far`: frames from which radius
+// and distance can be had (sphere_from_turn). `perspective`: of the pairs' frames.
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FieldOptions& field, const motion::Perspective& perspective,
                       const FarFrames& far);

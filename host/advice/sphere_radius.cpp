@@ -20,6 +20,10 @@ constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself show
 // does not move it along (four patterns, R 115 px: 0.09 px at most), and a circle as the texture
 // turns under its rim.
 constexpr double kFreeSd_px = 0.08, kCircleSd_px = 0.03;
+// The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
+constexpr double kFreeNearnessSd = 6e-4, kFirstNearness = 0.02;
+// No camera stands nearer; and what of a turn must lie across that which a flight would make.
+constexpr double kNearest = 0.12, kLeastAcross = 0.3;
 
 double tilt_deg(const Eigen::Vector3d& turn) {
   const double towards = dic::quaternion_of(turn).toRotationMatrix()(2, 2);
@@ -40,42 +44,93 @@ class FarRegistration {
  public:
   FarRegistration(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
                   const motion::Perspective& perspective)
-      : perspective_(perspective),
-        first_ball_(motion::about_centre(pair.first_ball, perspective)),
+      : outline_(pair.first_ball),
+        perspective_(perspective),
         frames_(engine, 2),
-        free_(engine, motion::ball_options(field, dic::BallModel::kSphereAndRadius)),
+        free_(engine, motion::ball_options(field, free_model(perspective))),
         given_(engine, motion::ball_options(field, dic::BallModel::kSphere)) {
     frames_.set(0, pair.first);
   }
 
   // `turn`: rotation vector that is expected, rad.
-  std::optional<Measured> radius(const BallPicture& far, const Eigen::Vector3d& turn) {
+  std::optional<SphereTold> tell(const BallPicture& far, const Eigen::Vector3d& turn) {
     frames_.set(1, far.picture);
-    dic::RigidMotion start;
-    const Circle far_ball = motion::about_centre(far.ball, perspective_);
-    start.dx_px = far_ball.cx_px - first_ball_.cx_px;
-    start.dy_px = far_ball.cy_px - first_ball_.cy_px;
-    start.rot_x_rad = turn.x();
-    start.rot_y_rad = turn.y();
-    start.rot_rad = turn.z();
-    const auto found = registered(free_, first_ball_.r_px, start);
+    motion::Perspective seen = perspective_;
+    if (seen.is_unknown()) seen.by_distance_per_px = kFirstNearness / outline_.r_px;
+    Circle first = motion::about_centre(outline_, seen);
+    auto found = registered(free_, first, outline_.r_px, expected(far.ball, turn, seen), seen);
     if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+    SphereTold told;
+    if (perspective_.is_unknown()) {
+      // The nearer the ball, the farther is its centre from the outline's.
+      motion::Perspective better = seen;
+      better.by_distance_per_px = found->by_distance;
+      first = motion::about_centre(outline_, better);
+      found = registered(free_, first, found->ball_radius, expected(far.ball, turn, better), seen);
+      if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+      if (!is_ambiguous(*found)) told.nearness = nearness_of(*found);
+      seen.by_distance_per_px = found->by_distance;
+    }
     const double radius_px = found->ball_radius;
-    const auto given = registered(given_, radius_px, motion::sphere_motion(*found, 0));
+    const auto given = registered(given_, first, radius_px, motion::sphere_motion(*found), seen);
     if (!given) return std::nullopt;
+    const dic::RigidMotion start = expected(far.ball, turn, seen);
     WeightedMean sum;
     sum.add(radius_px, std::hypot(found->ball_radius_sd, kFreeSd_px));
-    add_circles(motion::sphere_motion(*given, 0), start, radius_px, sum);
-    return Measured{sum.value(), sum.sd()};
+    add_circles(motion::sphere_motion(*given), start, radius_px, sum);
+    told.radius_px = {sum.value(), sum.sd()};
+    return told;
   }
 
  private:
-  std::optional<BallMotion> registered(dic::BallRegistration& registration, double radius_px,
-                                       const dic::RigidMotion& start) {
-    BallTask task = motion::sphere_task(first_ball_, radius_px, start);
+  static dic::BallModel free_model(const motion::Perspective& perspective) {
+    return perspective.is_unknown() ? dic::BallModel::kSphereRadiusAndDistance
+                                    : dic::BallModel::kSphereAndRadius;
+  }
+
+  static Measured nearness_of(const BallMotion& found) {
+    return {found.by_distance * found.ball_radius,
+            std::hypot(found.by_distance_sd * found.ball_radius, kFreeNearnessSd)};
+  }
+
+  // A ball that flies past turns as it is seen, by its flight over the distance. With the nearness
+  // k what it turns and flies is, to second order, as with c / d - k, c being the turn that is seen
+  // and d the flight in radii, unless c has a part across what a flight would make of it: two
+  // answers, and no picture tells which.
+  static bool is_ambiguous(const BallMotion& found) {
+    const double radius_px = found.ball_radius, nearness = found.by_distance * radius_px;
+    const Eigen::Vector2d flown(found.dx / radius_px, -found.dy / radius_px);
+    if (!(flown.norm() > 0)) return false;
+    const Eigen::Vector2d seen_by_flight(-flown.y(), flown.x());
+    const Eigen::Vector2d along = seen_by_flight.normalized();
+    const Eigen::Vector2d turn(found.rot_x_rad, found.rot_y_rad);
+    const Eigen::Vector2d seen = turn + nearness * seen_by_flight;
+    const double across = (seen - seen.dot(along) * along).norm();
+    const double other = seen.dot(along) / flown.norm() - nearness;
+    return across < kLeastAcross * std::abs(seen.dot(along)) && other > -kNearest / 4 &&
+           other < kNearest;
+  }
+
+  dic::RigidMotion expected(const Circle& far, const Eigen::Vector3d& turn,
+                            const motion::Perspective& seen) const {
+    const Circle first = motion::about_centre(outline_, seen);
+    const Circle second = motion::about_centre(far, seen);
+    dic::RigidMotion motion;
+    motion.dx_px = second.cx_px - first.cx_px;
+    motion.dy_px = second.cy_px - first.cy_px;
+    motion.rot_x_rad = turn.x();
+    motion.rot_y_rad = turn.y();
+    motion.rot_rad = turn.z();
+    return motion;
+  }
+
+  // From the ball in `first`, about its centre.
+  std::optional<BallMotion> registered(dic::BallRegistration& registration, const Circle& first,
+                                       double radius_px, const dic::RigidMotion& start,
+                                       const motion::Perspective& seen) {
+    BallTask task = motion::sphere_task(first, radius_px, start);
     task.second = 1;
-    task.sight = motion::sight_of(perspective_, first_ball_.r_px, {first_ball_, {}}, {},
-                                  first_ball_.cx_px, first_ball_.cy_px);
+    task.sight = motion::sight_of(seen, outline_.r_px, {first, {}}, {}, first.cx_px, first.cy_px);
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
     return motion;
@@ -84,8 +139,8 @@ class FarRegistration {
   // The radii with which the displacements would be those of the circles.
   static void add_circles(const dic::RigidMotion& motion, const dic::RigidMotion& of_circles,
                           double radius_px, WeightedMean& sum) {
-    const auto response =
-        sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px);
+    const auto response = sphere::source_response(
+        {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px, {}, {}});
     const auto add = [&](double circles, double measured, double measured_sd, double slope) {
       const double sd_px = std::hypot(measured_sd, kCircleSd_px);
       if (slope != 0) sum.add(radius_px + (circles - measured) / slope, sd_px / std::abs(slope));
@@ -94,31 +149,39 @@ class FarRegistration {
     add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response.dy[sphere::kToRadius]);
   }
 
+  Circle outline_;
   motion::Perspective perspective_;
-  Circle first_ball_;
   dic::DeviceFrames frames_;
   dic::BallRegistration free_, given_;
 };
 
 }  // namespace
 
-std::optional<Measured> radius_from_turn(opencl::Engine& engine, const BallPair& pair,
-                                         const dic::RigidMotion& step, const FieldOptions& field,
-                                         const motion::Perspective& perspective,
-                                         const FarFrames& frames) {
+FarFrames far_frames(FrameSource& source, const AdviceRequest& request) {
+  return {last_looked_at(source, request.frames) + 1,
+          [&source, &request](std::int64_t index, const Circle& near) {
+            return look_for_ball(source, request, index, near);
+          }};
+}
+
+std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
+                                           const dic::RigidMotion& step, const FieldOptions& field,
+                                           const motion::Perspective& perspective,
+                                           const FarFrames& frames) {
   const Eigen::Vector3d turn(step.rot_x_rad, step.rot_y_rad, step.rot_rad);
   const std::int64_t ahead = frames.count - 1 - pair.index;
   std::int64_t n = frames_to_tilt(turn, std::max(ahead, pair.index));
   const int side = n <= ahead || ahead >= pair.index ? 1 : -1;
   FarRegistration registration(engine, pair, field, perspective);
-  for (; n >= kFewest; n /= 2) {
+  const std::int64_t fewest = perspective.is_unknown() ? 1 : kFewest;
+  for (; n >= fewest; n /= 2) {
     const double steps = side * static_cast<double>(n);
     Circle near = pair.first_ball;
     near.cx_px += steps * step.dx_px;
     near.cy_px += steps * step.dy_px;
     const auto far = frames.find(pair.index + side * n, near);
     if (!far) continue;
-    if (const auto radius = registration.radius(*far, steps * turn)) return radius;
+    if (const auto told = registration.tell(*far, steps * turn)) return told;
   }
   return std::nullopt;
 }

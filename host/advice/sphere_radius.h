@@ -1,4 +1,5 @@
-// The radius of a sphere from two pictures between which it has turned far.
+// The radius of a sphere, and from where it is seen, from two pictures between which it has turned
+// far.
 #pragma once
 
 #include <functional>
@@ -20,16 +21,26 @@ struct FarFrames {
   // The ball in frame `index`, looked for near a circle; nullopt where it is not found.
   std::function<std::optional<BallPicture>(std::int64_t index, const Circle& near)> find;
 };
+// Both must outlive what is returned.
+FarFrames far_frames(FrameSource& source, const AdviceRequest& request);
 
-// An error of the radius shows in proportion to the turn. The first picture of `pair` is therefore
-// registered, with the radius free, against one in which the ball, if it goes on moving by `step`
-// a frame, has turned out of the picture's plane by some 25 degrees, or nearer ones where that
-// fails: at an impact it does not go on. The displacement that the radius makes of such a turn must
-// also be that of the circles. Camera pixels; nullopt where no picture a few frames away could be
-// registered.
-std::optional<Measured> radius_from_turn(opencl::Engine& engine, const BallPair& pair,
-                                         const dic::RigidMotion& step, const FieldOptions& field,
-                                         const motion::Perspective& perspective,
-                                         const FarFrames& frames);
+// What a sphere's pictures tell of it: its radius, camera pixels, and this over the distance of the
+// camera, where that was not known.
+struct SphereTold {
+  Measured radius_px;
+  std::optional<Measured> nearness;
+};
+
+// An error of the radius shows in proportion to the turn, and one of the distance. The first
+// picture of `pair` is therefore registered, with the radius free, against one in which the ball,
+// if it goes on moving by `step` a frame, has turned out of the picture's plane by some 25 degrees,
+// or nearer ones where that fails: at an impact it does not go on. The displacement that the radius
+// makes of such a turn must also be that of the circles. So is the distance free where it is not
+// known: what is nearer moves by more in the picture than the turn makes it, and less than a larger
+// radius would. nullopt where no picture a few frames away could be registered.
+std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
+                                           const dic::RigidMotion& step, const FieldOptions& field,
+                                           const motion::Perspective& perspective,
+                                           const FarFrames& frames);
 
 }  // namespace impactdic::advice

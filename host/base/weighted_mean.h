@@ -21,6 +21,7 @@ class WeightedMean {
     weights_ += weight;
     ++count_;
   }
+  int count() const { return count_; }
   // Of at least one value.
   double value() const { return first_ + sum_ / weights_; }
   double sd() const {

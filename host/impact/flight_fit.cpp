@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kOutlier = 5;   // deviations
 constexpr int kFewestData = 12;  // of two flights, both axes
-constexpr double kLeastSd_px = 1e-7;
+constexpr double kLeastSd_px = 1e-7, kLeastNearnessSd = 1e-7;
 // Of a sphere's turn out of the plane, in proportion: blur acts in the picture and foreshortening
 // does not move it along (four patterns of R 115 px, 0.3 to 8 degrees a frame).
 constexpr double kTurnModel = 2.5e-4;
@@ -106,11 +106,12 @@ class FlightSolver {
     data_.insert(data_.end(), links.begin(), links.end());
   }
 
-  // The unknowns: states, gravity where it is not given, and of a sphere its radius, the circles'
-  // offsets and its spins.
+  // The unknowns: states, gravity where it is not given, and of a sphere its radius, this over the
+  // camera's distance, the circles' offsets and its spins.
   int states() const { return flights_ * kStatesOfOne; }
   int radius_column() const { return states() + (gravity_ && !across_ ? 0 : 1); }
-  int offset_column(int flight) const { return radius_column() + 1 + 2 * flight; }
+  int nearness_column() const { return radius_column() + 1; }
+  int offset_column(int flight) const { return nearness_column() + 1 + 2 * flight; }
   int spins() const { return linked_ ? 3 : 2; }  // of a flight
   int spin_column(int flight) const { return offset_column(flights_) + spins() * flight; }
   int unknowns() const { return series_.sphere ? spin_column(flights_) : radius_column(); }
@@ -152,6 +153,7 @@ class FlightSolver {
     }
     if (!series_.sphere) return row;
     row[radius_column()] = d.radius_slope;
+    row[nearness_column()] = d.nearness_slope;
     row.segment<2>(offset_column(d.flight)) << d.offset_slope[0], d.offset_slope[1];
     for (int k = 0; k < spins(); ++k) {
       row[spin_column(d.flight) + k] = d.spin_slope[static_cast<std::size_t>(k)];
@@ -180,6 +182,8 @@ class FlightSolver {
     if (used < kFewestData) return false;
     if (series_.sphere) {
       normal(radius_column(), radius_column()) += 1 / std::pow(series_.sphere->radius_sd_px(), 2);
+      normal(nearness_column(), nearness_column()) +=
+          1 / std::pow(std::max(series_.sphere->nearness_sd(), kLeastNearnessSd), 2);
       normal.diagonal().segment(offset_column(0), 2 * flights_).array() +=
           1 / (kOffsetSd_px * kOffsetSd_px);
     }
@@ -296,7 +300,7 @@ class FlightSolver {
   // Weighted mean of the steps and slope of the weighted line through the centres. What a sphere's
   // radius may do to the steps counts as chance.
   std::optional<TwoVelocities> two_velocities(int column) const {
-    double step = 0, step_weight = 0, to_radius = 0;
+    double step = 0, step_weight = 0, to_radius = 0, to_nearness = 0;
     double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
     for (const Datum& d : data_) {
       const int place = kStatesOfOne * d.flight + (d.normal ? kN0 : kT0);
@@ -305,7 +309,8 @@ class FlightSolver {
       const double x = d.slope[static_cast<std::size_t>(d.normal ? kVn0 : kVt0)];
       const double y = d.value - d.gravity_slope * gravity();
       if (d.kind == DatumKind::kStep) {
-        step += weight * y, step_weight += weight, to_radius += weight * d.radius_slope;
+        step += weight * y, step_weight += weight;
+        to_radius += weight * d.radius_slope, to_nearness += weight * d.nearness_slope;
       } else {
         w += weight, wx += weight * x, wxx += weight * x * x;
         wy += weight * y, wxy += weight * x * y;
@@ -318,7 +323,8 @@ class FlightSolver {
     if (linked_) return TwoVelocities{solution_[column], of_centres, w / spread};
     double chance = 1 / step_weight + w / spread;
     if (series_.sphere) {
-      chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2);
+      chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2) +
+                std::pow(to_nearness / step_weight * series_.sphere->nearness_sd(), 2);
     }
     return TwoVelocities{step / step_weight, of_centres, chance};
   }

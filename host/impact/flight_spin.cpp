@@ -8,6 +8,23 @@
 
 namespace impactdic::impact {
 
+namespace {
+
+// What one deviation of the camera's distance makes of a flight's turns in the picture's plane, on
+// the mean.
+double roll_to_nearness(const SphereSteps& steps, const FlightRange& range) {
+  if (!(steps.nearness_sd() > 0)) return 0;
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = range.first; i < range.last; ++i) {
+    const SphereStep step = steps[i];
+    if (step.ok) sum += step.roll_to_nearness, ++count;
+  }
+  return count > 0 ? sum / count * steps.nearness_sd() : 0.0;
+}
+
+}  // namespace
+
 FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range) {
   std::vector<double> turns, sds;
   for (std::size_t i = range.first; i < range.last; ++i) {
@@ -38,11 +55,13 @@ FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range) {
   const double scatter_sq = squares / static_cast<double>(count - 1);
   const double share = common_share(std::sqrt(scatter_sq), count);
   const double common = usual > 0 ? share * usual * usual : 0.0;
+  const double by_nearness = series.sphere ? roll_to_nearness(*series.sphere, range) : 0.0;
   // Student's distribution of a mean whose scatter is known from few turns is wider (JCGM 101:2008,
   // section 6.4.9).
   const double freedom = std::max(static_cast<double>(count - 1), 3.0);
   const double wider = std::sqrt(freedom / (freedom - 2));
-  return {mean, wider * std::sqrt(scatter_sq / weights), std::sqrt(common)};
+  return {mean, wider * std::sqrt(scatter_sq / weights),
+          std::hypot(std::sqrt(common), by_nearness)};
 }
 
 }  // namespace impactdic::impact

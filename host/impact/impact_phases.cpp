@@ -36,7 +36,7 @@ class Analysis {
   Analysis(const TrackRows& rows, const ImpactOptions& options)
       : rows_(rows),
         options_(options),
-        series_(rows, options.surface_angle_rad, sphere_radius_sd_px(options)) {
+        series_(rows, options.surface_angle_rad, known_of_sphere(options)) {
     const double angle = options.gravity_angle_rad - options.surface_angle_rad;
     direction_ = {std::cos(angle), std::sin(angle)};
   }

@@ -8,6 +8,7 @@
 
 #include <impactdic/impact.h>
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct ImpactOptions {
   std::optional<double> inertia_factor;
   // The free ball's, where the rim is not what tells it; nullopt: from the rows.
   std::optional<Measured> radius_px;
+  // Of a sphere's radius over the camera's distance the deviation, which the rows' turns out of the
+  // picture's plane hold, and where the optical axis is in the rows.
+  double nearness_sd = 0;
+  std::array<double, 2> axis_px{};
   // Of the camera from the ball, px; nullopt: not known, and so no velocity towards it.
   std::optional<Measured> distance_px;
   int flight_frames = 100;  // longest flight used on each side (dissertation, section 3.2.2)

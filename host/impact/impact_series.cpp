@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "host/clip/track_row.h"
-#include "host/sphere/source_response.h"
 
 namespace impactdic::impact {
 namespace {
@@ -21,14 +20,15 @@ Matrix4 stated_covariance(const TrackRow& row) {
   return covariance;
 }
 
-// Less what an error of the radius is a part of. It moves all four together; a row keeps no more
-// than stated_covariance does. Rows that have no such part are left as they are.
-Matrix4 without_radius(const Matrix4& stated, const Vector4& to_radius, double radius_sd_px) {
-  constexpr double kLeft = 1e-3;  // of each variance
-  Matrix4 shared = to_radius * to_radius.transpose();
+// Less what an error of the radius, or of the distance, is a part of: `effect` by one deviation. It
+// moves all four together; a row keeps no more than stated_covariance does. Rows that have no such
+// part are left as they are.
+Matrix4 without(const Matrix4& stated, const Vector4& effect) {
+  constexpr double kLeft = 1e-4;  // of each variance
+  Matrix4 shared = effect * effect.transpose();
   shared(0, 1) = shared(1, 0) = shared(0, 2) = shared(2, 0) = 0;
   shared(1, 3) = shared(3, 1) = shared(2, 3) = shared(3, 2) = 0;
-  const Matrix4 own = stated - radius_sd_px * radius_sd_px * shared;
+  const Matrix4 own = stated - shared;
   const Vector4 scale = stated.diagonal().cwiseSqrt().cwiseInverse();
   const Matrix4 unit = scale.asDiagonal() * own * scale.asDiagonal();
   const bool is_covariance = unit.diagonal().minCoeff() > kLeft &&
@@ -42,13 +42,20 @@ bool has_motion(const TrackRow& row) {
 
 }  // namespace
 
-SphereSteps::SphereSteps(const TrackRows& rows, double surface_angle_rad,
-                         std::optional<double> radius_sd_px)
+SphereSteps::SphereSteps(const TrackRows& rows, double surface_angle_rad, const SphereKnown& known)
     : rows_(rows),
       c_(std::cos(surface_angle_rad)),
       s_(std::sin(surface_angle_rad)),
       radius_px_(median_radius_px(rows).value_or(kNotMeasured)),
-      radius_sd_px_(radius_sd_px) {}
+      known_(known) {}
+
+sphere::SourceResponse SphereSteps::response(const TrackRow& row, const Eigen::Vector3d& turn,
+                                             double dx_px, double dy_px) const {
+  const std::array<double, 2> aside = {row.cx_px - known_.axis_px[0],
+                                       row.cy_px - known_.axis_px[1]};
+  return sphere::source_response(
+      {{turn.x(), turn.y(), turn.z()}, radius_px_, aside, {aside[0] + dx_px, aside[1] + dy_px}});
+}
 
 SphereStep SphereSteps::operator[](std::size_t i) const {
   const TrackRow& row = rows_[i];
@@ -56,15 +63,20 @@ SphereStep SphereSteps::operator[](std::size_t i) const {
   if (!has_motion(row) || !std::isfinite(row.rot_x_deg)) return step;
   const Eigen::Vector3d turn =
       Eigen::Vector3d(row.rot_x_deg, row.rot_y_deg, row.rot_deg) * kRadPerDeg;
-  const auto response = sphere::source_response({turn[0], turn[1], turn[2]}, radius_px_);
-  constexpr std::size_t r = sphere::kToRadius;
-  const Vector4 to_radius(response.dx[r], response.dy[r], response.rot_x[r], response.rot_y[r]);
-  const Matrix4 own = without_radius(stated_covariance(row), to_radius, radius_sd_px_.value_or(0));
+  const auto response = this->response(row, turn, row.dx_px, row.dy_px);
+  const auto by = [&](std::size_t source) {
+    return Vector4(response.dx[source], response.dy[source], response.rot_x[source],
+                   response.rot_y[source]);
+  };
+  const Vector4 to_radius = by(sphere::kToRadius), to_nearness = by(sphere::kToNearness);
+  const Matrix4 own =
+      without(without(stated_covariance(row), known_.radius_sd_px.value_or(0) * to_radius),
+              known_.nearness_sd * to_nearness);
   Matrix4 local = Matrix4::Zero();  // to step t, n and turn t, n; steps have y down
   local.topLeftCorner<2, 2>() << c_, -s_, -s_, -c_;
   local.bottomRightCorner<2, 2>() << c_, s_, -s_, c_;
   const Matrix4 covariance = local * own * local.transpose();
-  const Vector4 radius = local * to_radius;
+  const Vector4 radius = local * to_radius, nearness = local * to_nearness;
   const Eigen::Matrix2d steps = covariance.topLeftCorner<2, 2>();
   const Eigen::Matrix2d by_step = covariance.bottomLeftCorner<2, 2>() * steps.inverse();
   const Eigen::Matrix2d rest =
@@ -79,7 +91,10 @@ SphereStep SphereSteps::operator[](std::size_t i) const {
     step.by_step[at] = {by_step(k, 0), by_step(k, 1)};
     step.step_to_radius[at] = radius[k];
     step.turn_to_radius[at] = radius[2 + k];
+    step.step_to_nearness[at] = nearness[k];
+    step.turn_to_nearness[at] = nearness[2 + k];
   }
+  step.roll_to_nearness = response.rot_z[sphere::kToNearness];
   return step;
 }
 
@@ -89,7 +104,7 @@ double common_share(double scatter, std::size_t count) {
 }
 
 ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
-                           std::optional<double> radius_sd_px)
+                           const SphereKnown& known)
     : rows_(rows), c_(std::cos(surface_angle_rad)), s_(std::sin(surface_angle_rad)) {
   position_n.reserve(rows.size());
   step_n.reserve(rows.size());
@@ -102,7 +117,7 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
     position_n.push_back(row.circle_ok ? -s_ * row.cx_px - c_ * row.cy_px : kNotMeasured);
     step_n.push_back(motion ? -s_ * row.dx_px - c_ * row.dy_px : kNotMeasured);
   }
-  if (any_turn) sphere.emplace(rows, surface_angle_rad, radius_sd_px);
+  if (any_turn) sphere.emplace(rows, surface_angle_rad, known);
   if (!any_motion) use_centres();
 }
 

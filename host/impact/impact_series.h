@@ -1,12 +1,15 @@
 // A track turned into the surface's axes, in pixels and frames. Internal to the impact analysis.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "host/clip/track_row.h"
 #include "host/clip/track_rows.h"
+#include "host/sphere/source_response.h"
 
 namespace impactdic::impact {
 
@@ -21,14 +24,29 @@ struct SphereStep {
   std::array<std::array<double, 2>, 2> by_step{};  // rad a px: what a wrong step makes of each turn
   // For each px by which the radius is told too large.
   std::array<double, 2> step_to_radius{}, turn_to_radius{};
+  // The same of the radius over the camera's distance; roll: about b.
+  std::array<double, 2> step_to_nearness{}, turn_to_nearness{};
+  double roll_to_nearness = 0;
+};
+
+// What the rows of a sphere were measured with.
+struct SphereKnown {
+  // Deviation of the radius; nullopt: not known, no more than as a rim shows it, and left in the
+  // rows' deviations.
+  std::optional<double> radius_sd_px;
+  double nearness_sd = 0;           // of the radius over the camera's distance
+  std::array<double, 2> axis_px{};  // the optical axis in the rows
 };
 
 class SphereSteps {
  public:
-  // `rows` must outlive the object. `radius_sd_px`: as the rows' deviations have it; nullopt: not
-  // known, no more than as a rim shows it, and left in the rows' deviations.
-  SphereSteps(const TrackRows& rows, double surface_angle_rad, std::optional<double> radius_sd_px);
-  double radius_sd_px() const { return radius_sd_px_.value_or(kOfRim_px); }
+  // `rows` must outlive the object.
+  SphereSteps(const TrackRows& rows, double surface_angle_rad, const SphereKnown& known);
+  double radius_sd_px() const { return known_.radius_sd_px.value_or(kOfRim_px); }
+  double nearness_sd() const { return known_.nearness_sd; }
+  // What errors make of a motion that `row`'s ball begins, axes and units as there.
+  sphere::SourceResponse response(const TrackRow& row, const Eigen::Vector3d& turn, double dx_px,
+                                  double dy_px) const;
   double radius_px() const { return radius_px_; }
   const TrackRows& rows() const { return rows_; }
   // Of the surface's angle.
@@ -42,7 +60,7 @@ class SphereSteps {
   static constexpr double kOfRim_px = 0.5;
   double c_, s_;  // cosine and sine of the surface's angle
   double radius_px_;
-  std::optional<double> radius_sd_px_;
+  SphereKnown known_;
 };
 
 // Row i of the track is the instant i. Local axes: t along the surface, n out of it, both px.
@@ -50,8 +68,7 @@ class SphereSteps {
 class ImpactSeries {
  public:
   // `surface_angle_rad` counter-clockwise from image-right; `rows` must outlive the series.
-  // `radius_sd_px`: of a sphere's radius (SphereSteps).
-  ImpactSeries(const TrackRows& rows, double surface_angle_rad, std::optional<double> radius_sd_px);
+  ImpactSeries(const TrackRows& rows, double surface_angle_rad, const SphereKnown& known);
   // Takes differences of the centres for steps, as where no motion was measured.
   void use_centres();
 

@@ -35,9 +35,12 @@ void put_spins(const FlightFit& fit, SphereSpin first, FlightMotion& motion) {
 
 }  // namespace
 
-std::optional<double> sphere_radius_sd_px(const ImpactOptions& options) {
-  if (!options.radius_px) return std::nullopt;
-  return options.radius_px->sd;
+SphereKnown known_of_sphere(const ImpactOptions& options) {
+  SphereKnown known;
+  if (options.radius_px) known.radius_sd_px = options.radius_px->sd;
+  known.nearness_sd = options.nearness_sd;
+  known.axis_px = options.axis_px;
+  return known;
 }
 
 double tilted_spin_sd(const FlightFit& fit, SphereSpin first) {
@@ -69,7 +72,7 @@ FlightMotion whole_flight(const TrackRows& rows, const ImpactOptions& options) {
   FlightMotion motion;
   if (rows.size() < kFewestRows || rows.size() > kMostRows) return motion;
   const double angle = options.surface_angle_rad;
-  const ImpactSeries series(rows, angle, sphere_radius_sd_px(options));
+  const ImpactSeries series(rows, angle, known_of_sphere(options));
   const FlightRange range = {0, rows.size() - 1, static_cast<double>(rows.size() - 1) / 2};
   const GravityDirection direction = {std::cos(options.gravity_angle_rad - angle),
                                       std::sin(options.gravity_angle_rad - angle)};

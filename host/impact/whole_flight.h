@@ -25,7 +25,7 @@ Measured towards_camera(const TrackRows& rows, const FlightRange& range,
                         const ImpactOptions& options, double radius_px);
 
 // Of a sphere's radius, as the rows' deviations have it; nullopt where it is not known.
-std::optional<double> sphere_radius_sd_px(const ImpactOptions& options);
+SphereKnown known_of_sphere(const ImpactOptions& options);
 
 // The motion of a ball that flies freely in all of `rows`, in their middle; `last` 0 where it does
 // not, or where rows are too few to tell.

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "host/dic/device/ball.h"
+#include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/motion_estimator.h"
 #include "kernels/types.h"
 
@@ -32,8 +33,9 @@ SphereSearchTask search_task(const PairMotion& pair, double radius_px);
 BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
 // How a pair's sphere is seen, whose round outline has the radius `rim_px`.
 BallSight pair_sight(const PairMotion& pair, const Perspective& perspective, double rim_px);
-// `radius_sd_px`: of the sphere's radius, whose error is part of what the deviations say.
-dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px);
+// `source`: of what the registration was told, whose errors are part of what the deviations say;
+// its radius is the ball's.
+dic::RigidMotion sphere_motion(const BallMotion& ball, dic::SphereSource source = {});
 
 // How the whole ball is registered where windows are measured with `field`.
 dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model);

@@ -3,7 +3,6 @@
 
 #include "host/dic/device/sphere_search.h"
 #include "host/dic/sphere/rotation.h"
-#include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/estimators.h"
 
 namespace impactdic::motion {
@@ -124,7 +123,14 @@ class SphereEstimator : public MotionEstimator {
 
   void take_over(const BallMotion& ball, PairMotion& pair) const {
     const int used = pair.motion.used;
-    pair.motion = sphere_motion(ball, radius_sd_px_);
+    dic::SphereSource source;
+    source.radius_sd_px = radius_sd_px_;
+    source.nearness_sd = perspective_.nearness_sd;
+    const double x_px = pair.first.cx_px, y_px = pair.first.cy_px;
+    source.aside_px = perspective_.aside_px(x_px + pair.first_left_px, y_px + pair.first_top_px);
+    source.later_aside_px = perspective_.aside_px(x_px + ball.dx + pair.second_left_px,
+                                                  y_px + ball.dy + pair.second_top_px);
+    pair.motion = sphere_motion(ball, source);
     pair.motion.used = used;
     pair.status = TrackStatus::kOk;
   }
@@ -171,7 +177,7 @@ BallSight pair_sight(const PairMotion& pair, const Perspective& perspective, dou
                   pair.first.cx_px + pair.second_left_px, pair.first.cy_px + pair.second_top_px);
 }
 
-dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {
+dic::RigidMotion sphere_motion(const BallMotion& ball, dic::SphereSource source) {
   // The lower triangle of dx, dy and the turns about X, Y and Z.
   const float* covariance = ball.covariance;
   dic::RigidMotion motion;
@@ -188,7 +194,8 @@ dic::RigidMotion sphere_motion(const BallMotion& ball, double radius_sd_px) {
   motion.rot_y_sd_rad = std::sqrt(covariance[9]);
   motion.dy_rot_x_corr = covariance[4] / (motion.dy_sd_px * motion.rot_x_sd_rad);
   motion.dx_rot_y_corr = covariance[6] / (motion.dx_sd_px * motion.rot_y_sd_rad);
-  if (radius_sd_px > 0) dic::add_source_errors(motion, {ball.ball_radius, radius_sd_px, 0, 0});
+  source.radius_px = ball.ball_radius;
+  if (source.radius_sd_px > 0 || source.nearness_sd > 0) dic::add_source_errors(motion, source);
   return motion;
 }
 

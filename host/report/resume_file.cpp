@@ -125,6 +125,11 @@ void each_of_linked(Field field, T& pose) {
   field("radius_turn_x_rad", pose.radius_turn_rad[0]);
   field("radius_turn_y_rad", pose.radius_turn_rad[1]);
   field("radius_turn_z_rad", pose.radius_turn_rad[2]);
+  field("nearness_x", pose.nearness_x);
+  field("nearness_y", pose.nearness_y);
+  field("nearness_turn_x_rad", pose.nearness_turn_rad[0]);
+  field("nearness_turn_y_rad", pose.nearness_turn_rad[1]);
+  field("nearness_turn_z_rad", pose.nearness_turn_rad[2]);
   for (std::size_t k = 0; k < pose.turn_noise_rad2.size(); ++k) {
     field("turn_noise_" + std::to_string(k), pose.turn_noise_rad2[k]);
   }

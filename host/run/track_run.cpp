@@ -105,7 +105,7 @@ void TrackRun::look() {
         "no scale is given: results are in pixels only; --ball-diameter-mm or --mm-per-px gives "
         "metres");
   }
-  if (options_.estimator.sphere && !perspective_) result_.warnings.emplace_back(kParallelRays);
+  if (perspective_.is_unknown()) result_.warnings.emplace_back(kDistanceUnknown);
   if (result_.advice.texture) {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
@@ -166,15 +166,12 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     result_.body = Body::kDisc;
     result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
   }
+  Measured shown;        // the radius over the camera's distance
   if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
-    const advice::FarFrames far = {advice::last_looked_at(*source_, looked.frames) + 1,
-                                   [&](std::int64_t index, const Circle& near) {
-                                     return advice::look_for_ball(*source_, looked, index, near);
-                                   }};
     see_from_near(pairs.front().first_ball.r_px);
     const advice::BodyAdvice judged =
         advice::judge_body(*session_.impl().open_engines().front(), pairs, options_.estimator.field,
-                           options_.estimator.perspective, far);
+                           options_.estimator.perspective, advice::far_frames(*source_, looked));
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
@@ -183,6 +180,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
       options_.estimator.sphere_radius_px = judged.radius_px;
       options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
     }
+    shown = judged.nearness;
   }
   options_.estimator.sphere = result_.body == Body::kSphere;
   if (options_.with_field) {
@@ -190,15 +188,18 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
   }
   const double radius_px = options_.estimator.sphere_radius_px;
-  if (!options_.estimator.sphere) perspective_ = options_.estimator.perspective = {};
-  if (!options_.estimator.sphere || !(radius_px > 0)) return;
-  see_from_near(radius_px);
+  perspective_ = options_.estimator.perspective = {};
+  if (!options_.estimator.sphere) return;
+  see_from_near(radius_px > 0 ? radius_px : options_.ball.scouted_radius_px.value_or(0), shown);
+  if (!(radius_px > 0)) return;
   result_.sphere_radius_px = {radius_px, options_.estimator.sphere_radius_sd_px};
+  state_nearness(camera_, perspective_, shown, result_);
   caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
 }
 
-void TrackRun::see_from_near(double radius_px) {
+void TrackRun::see_from_near(double radius_px, const Measured& shown) {
   perspective_ = perspective_of(request_, camera_, info(), radius_px);
+  if (perspective_.is_unknown()) perspective_ = as_pictures_show(perspective_, shown, radius_px);
   options_.estimator.perspective = in_region(perspective_, options_.roi);
 }
 
@@ -277,7 +278,7 @@ void TrackRun::conclude() {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
   }
   if (camera_) {
-    conclude_through_camera(*camera_, request_, sphere, result_);
+    conclude_through_camera(*camera_, request_, sphere, result_, perspective_);
   } else {
     conclude_metres(request_, sphere, rows(), result_, perspective_);
   }

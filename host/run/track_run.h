@@ -74,8 +74,9 @@ class TrackRun {
   void keep(const TrackRow& row);
   void count_rows();
 
-  // Tells the estimators from where a sphere of this radius is seen, if that is known.
-  void see_from_near(double radius_px);
+  // Tells the estimators from where a sphere of this radius is seen, as far as that is known:
+  // `shown` by its pictures, the radius over the distance.
+  void see_from_near(double radius_px, const Measured& shown = {});
 
   const TrackRequest& request_;
   Session& session_;

@@ -125,6 +125,9 @@ nlohmann::json summarise(const TrackRequest& request, const TrackRows& rows,
   if (std::isfinite(result.sphere_radius_px.value)) {
     summary["body"]["radius_px"] = {{"value", result.sphere_radius_px.value},
                                     {"sd", result.sphere_radius_px.sd}};
+    summary["body"]["radius_over_distance"] = {{"value", result.sphere_nearness.value},
+                                               {"sd", result.sphere_nearness.sd},
+                                               {"from", result.nearness_from}};
   }
   summary["device"] = request.with_field ? run::describe_device(session) : nlohmann::json(nullptr);
   summary["advice"] = report::describe_advice(result.advice);

@@ -9,7 +9,8 @@
 namespace impactdic::sphere {
 namespace {
 
-using Response = Eigen::Matrix<double, 5, 3>;          // X, Y, turns about X, Y, Z; to X, Y, radius
+// X, Y, turns about X, Y, Z; to X, Y, radius, nearness. Lengths in radii.
+using Response = Eigen::Matrix<double, 5, 4>;
 constexpr int kAcross = 13;                            // points over the disc
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;  // of the radius, as the kernel weighs pixels
 
@@ -31,7 +32,11 @@ const std::vector<Eigen::Vector3d>& points() {
 // With B the motions' Jacobian of where a pixel of the first picture goes, pulled back into it by
 // L⁻¹ (L: how the second picture's pixels follow the first one's), B = L⁻¹ (1, q × at): the sums of
 // BᵀB and BᵀE, where E are the errors' own shifts.
-Response response_of(const Eigen::Matrix3d& q) {
+// A nearer camera sees the point `at` of the first picture's pixel along a line that leans by that
+// pixel's distance from the optical axis, and shows the turned point as much farther off it.
+// `aside`: the centre's in the first picture, `later` in the second one.
+Response response_of(const Eigen::Matrix3d& q, const Eigen::Vector2d& aside,
+                     const Eigen::Vector2d& later) {
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
   Response right = Response::Zero();
   const Eigen::Matrix<double, 2, 3> top = q.topRows<2>();
@@ -49,9 +54,13 @@ Response response_of(const Eigen::Matrix3d& q) {
     turns.col(1) = at.z() * top.col(0) - at.x() * top.col(2);
     turns.col(2) = at.x() * top.col(1) - at.y() * top.col(0);
     const Eigen::Matrix2d square = weight * back.transpose() * back;
-    Eigen::Matrix<double, 2, 3> by_error;
+    Eigen::Matrix<double, 2, 4> by_error;
     by_error.leftCols<2>() = square - weight * back.transpose();
     by_error.col(2) = square * top.col(2) / at.z();
+    Eigen::Vector3d slide;
+    slide << -at.z() * (at.head<2>() + aside), at.head<2>().dot(at.head<2>() + aside);
+    const Eigen::Vector3d turned = q * at;
+    by_error.col(3) = square * (top * slide + turned.z() * (turned.head<2>() + later));
     const Eigen::Matrix<double, 2, 3> square_turns = square * turns;
     normal.topLeftCorner<2, 2>() += square;
     normal.topRightCorner<2, 3>() += square_turns;
@@ -65,21 +74,25 @@ Response response_of(const Eigen::Matrix3d& q) {
 
 }  // namespace
 
-SourceResponse source_response(const std::array<double, 3>& turn, double radius_px) {
-  const Eigen::Vector3d vector(turn[0], turn[1], turn[2]);
+SourceResponse source_response(const SphereMove& move) {
+  const Eigen::Vector3d vector(move.turn[0], move.turn[1], move.turn[2]);
   const double angle = vector.norm();
   Eigen::Matrix3d q = Eigen::Matrix3d::Identity();
   if (angle > 0) q = Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-  const Response up = response_of(q);  // y up
+  const auto in_radii = [&](const std::array<double, 2>& aside_px) -> Eigen::Vector2d {
+    return Eigen::Vector2d(aside_px[0], -aside_px[1]) / move.radius_px;
+  };
+  const Response up = response_of(q, in_radii(move.aside_px), in_radii(move.later_aside_px));
   SourceResponse response;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 4; ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    const double y_down = k == 1 ? -1 : 1;
-    response.dx[k] = y_down * up(0, column);
-    response.dy[k] = -y_down * up(1, column);
-    response.rot_x[k] = y_down * up(2, column) / radius_px;
-    response.rot_y[k] = y_down * up(3, column) / radius_px;
-    response.rot_z[k] = y_down * up(4, column) / radius_px;
+    const double shifts = (k == 1 ? -1 : 1) * (k == kToNearness ? move.radius_px : 1);
+    const double turns = shifts / move.radius_px;
+    response.dx[k] = shifts * up(0, column);
+    response.dy[k] = -shifts * up(1, column);
+    response.rot_x[k] = turns * up(2, column);
+    response.rot_y[k] = turns * up(3, column);
+    response.rot_z[k] = turns * up(4, column);
   }
   return response;
 }

@@ -1,22 +1,33 @@
-// What a sphere's registration makes of a centre and a radius that are not quite right: least
-// squares over the visible part of the sphere, of texture alike everywhere, linear in the errors
-// and exact in the turn. Plain numbers: libraries that are built for other processors share it.
+// What a sphere's registration makes of a centre, a radius and a distance that are not quite right:
+// least squares over the visible part of the sphere, of texture alike everywhere, linear in the
+// errors, exact in the turn, about parallel rays. Plain numbers: libraries that are built for other
+// processors share it.
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 namespace impactdic::sphere {
 
 // By how much more a motion is measured for each px by which the first picture's centre is told too
-// far to the right, too far down, and the radius too large. Displacements in image axes, px a px;
-// turns about X right, Y up and Z towards the camera, rad a px.
+// far to the right, too far down, and the radius too large; and for the nearness, the radius over
+// the camera's distance, were it told too large by one. Displacements in image axes, px a px and
+// px; turns about X right, Y up and Z towards the camera, rad a px and rad.
 struct SourceResponse {
-  using ToSources = std::array<double, 3>;
+  using ToSources = std::array<double, 4>;
   ToSources dx{}, dy{}, rot_x{}, rot_y{}, rot_z{};
 };
-inline constexpr std::size_t kToRadius = 2;
+inline constexpr std::size_t kToRadius = 2, kToNearness = 3;
 
-// `turn`: rotation vector in those axes, rad. NaN where too little is seen in both pictures.
-SourceResponse source_response(const std::array<double, 3>& turn, double radius_px);
+// A sphere's motion: a rotation vector in those axes, rad, and its centre in both pictures from the
+// optical axis, image axes, px.
+struct SphereMove {
+  std::array<double, 3> turn{};
+  double radius_px = 0;
+  std::array<double, 2> aside_px{}, later_aside_px{};
+};
+
+// NaN where too little is seen in both pictures.
+SourceResponse source_response(const SphereMove& move);
 
 }  // namespace impactdic::sphere

@@ -155,6 +155,28 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   column[9] = ((out_x + lean_x * out_z) * across_x + (out_y + lean_y * out_z) * across_y) *
               (shared->radius / fmax(on.slant, one));
 #endif
+#if FREE_DISTANCE
+  // A nearer camera sees along lines that lean more, in the first picture by V^-1 (p + a), a from
+  // the optical axis to the centre, and by as much in the second. What is told is k times the
+  // disc's radius squared, px.
+  const float near_first_x = shared->away[0][0], near_first_y = shared->away[0][1];
+  const REAL open_x = shared->seen[0].inverse_xx * (x + near_first_x) +
+                      shared->seen[0].inverse_xy * (y + near_first_y);
+  const REAL open_y = shared->seen[0].inverse_xy * (x + near_first_x) +
+                      shared->seen[0].inverse_yy * (y + near_first_y);
+  const REAL rise = z * (on.x * open_x + on.y * open_y) / fmax(on.slant, one);
+  const REAL slide_x = -open_x * z - on.ray_x * rise, slide_y = -open_y * z - on.ray_y * rise;
+  const REAL to_z = turn[6] * slide_x + turn[7] * slide_y + turn[8] * rise;
+  const REAL sight_x = shared->away[1][0] + shared->warp[4] + lands_x;
+  const REAL sight_y = shared->away[1][1] + shared->warp[5] + lands_y;
+  const REAL open_then_x = then->inverse_xx * sight_x + then->inverse_xy * sight_y;
+  const REAL open_then_y = then->inverse_xy * sight_x + then->inverse_yy * sight_y;
+  const REAL by_x = turn[0] * slide_x + turn[1] * slide_y + turn[2] * rise + lean_x * to_z +
+                    open_then_x * turned_z;
+  const REAL by_y = turn[3] * slide_x + turn[4] * slide_y + turn[5] * rise + lean_y * to_z +
+                    open_then_y * turned_z;
+  column[10] = (by_x * across_x + by_y * across_y) * (by_radius * by_radius);
+#endif
 #elif PARAMETERS == SPHERE
   // Where a shift of the second picture leads on the first one's sphere: along the sphere at the
   // turned point (x right or y down, and in depth to stay on it), turned back.

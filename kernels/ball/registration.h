@@ -16,7 +16,7 @@
 
 #define SPHERE 5 /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4  /* 1, f, f X/R, f Y/R */
-#define MOVES (PARAMETERS + FREE_RADIUS)
+#define MOVES (PARAMETERS + FREE_RADIUS + FREE_DISTANCE)
 #define REGRESSORS (LIGHT + MOVES) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)   /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
@@ -68,6 +68,13 @@
 #define BLOCK_X 16
 #define BLOCK_Y 8
 
+// A sphere whose radius is found is at most so many radii of its disc.
+#define LARGEST_SPHERE 1.5f
+// A ball is not taken to be seen from nearer than twice its disc's radius, nor its rays to open by
+// more than from four times that.
+#define NEAREST 0.5f
+#define WIDEST (-0.25f)
+
 #define STATUS_RUNNING (-1) /* of a ball that is still at work */
 
 // What the work-items of a group share about their ball.
@@ -80,6 +87,9 @@ typedef struct Shared {
   float radius;                           // of the sphere
 #if SHAPED
   Seen seen[2];  // in the first and the second picture
+#if FREE_DISTANCE
+  float away[2][2];  // from the optical axis to the centre, px: over the distance, seen's aside
+#endif
 #endif
 #endif
   float origin;                 // grey level taken off both pictures

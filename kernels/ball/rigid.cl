@@ -48,6 +48,13 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
         seen_with(task.sight.by_distance, task.sight.first_x, task.sight.first_y, task.sight.first);
     shared.seen[1] = seen_with(task.sight.by_distance, task.sight.second_x, task.sight.second_y,
                                task.sight.second);
+#if FREE_DISTANCE
+    const float by_told = 1.0f / task.sight.by_distance;
+    shared.away[0][0] = by_told * task.sight.first_x;
+    shared.away[0][1] = by_told * task.sight.first_y;
+    shared.away[1][0] = by_told * task.sight.second_x;
+    shared.away[1][1] = by_told * task.sight.second_y;
+#endif
 #endif
     turn_start(shared.turn, task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
 #endif

@@ -85,11 +85,23 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   }
   out->ball_radius = shared->radius;
   out->ball_radius_sd = 0.0f;
+  out->by_distance = out->by_distance_sd = 0.0f;
 #if FREE_RADIUS
   __local const float* of_radius = shared->inverse + PARAMETERS * REGRESSORS;
   out->ball_radius_sd = by_gain * sqrt(shared->stretch * shared->stretch *
                                            sandwich(shared->scores, of_radius, of_radius) +
                                        rounding * of_radius[LIGHT + PARAMETERS]);
+#endif
+#if SHAPED
+  out->by_distance = shared->seen[0].by_distance;
+#endif
+#if FREE_DISTANCE
+  __local const float* of_distance = shared->inverse + (PARAMETERS + 1) * REGRESSORS;
+  out->by_distance_sd =
+      by_gain / (radius * radius) *
+      sqrt(shared->stretch * shared->stretch *
+               sandwich(shared->scores, of_distance, of_distance) +
+           rounding * of_distance[LIGHT + PARAMETERS + 1]);
 #endif
   float turn[3];
   rotation_vector(shared->turn, turn);

@@ -26,6 +26,17 @@ static inline float correlation(__local const Shared* shared) {
   return fg / sqrt(covariance(s, 1, 1) * gg);
 }
 
+#if FREE_DISTANCE
+// Both pictures are seen from `by_distance`.
+BARRIER_INLINE void see_from(__local Shared* shared, const float by_distance) {
+  for (int k = 0; k < 2; ++k) {
+    shared->seen[k].by_distance = by_distance;
+    shared->seen[k].aside_x = by_distance * shared->away[k][0];
+    shared->seen[k].aside_y = by_distance * shared->away[k][1];
+  }
+}
+#endif
+
 // Applies the solution to the warp. Returns the largest displacement of a pixel by it, px.
 BARRIER_INLINE float move(__local Shared* shared, const float radius) {
   __local const float* s = shared->solution + LIGHT;
@@ -37,8 +48,14 @@ BARRIER_INLINE float move(__local Shared* shared, const float radius) {
   shared->warp[5] -= dv;
   turn_by(shared->turn, -turn_x, -turn_y, -turn_z);
 #if FREE_RADIUS
-  // Never so small that the disc that is compared reaches beyond it.
-  shared->radius = fmax(shared->radius - s[5] * by_gain, radius + 0.5f);
+  // Never so small that the disc that is compared reaches beyond it, nor so large that it could
+  // reach the camera.
+  shared->radius =
+      clamp(shared->radius - s[5] * by_gain, radius + 0.5f, LARGEST_SPHERE * radius + 0.5f);
+#endif
+#if FREE_DISTANCE
+  see_from(shared, clamp(shared->seen[0].by_distance - s[6] * by_both / radius, WIDEST / radius,
+                         NEAREST / radius));
 #endif
   return fmax(fabs(du), fabs(dv)) + (fabs(turn_x) + fabs(turn_y) + fabs(turn_z)) * radius;
 #elif PARAMETERS == 3

@@ -49,7 +49,7 @@ static inline void store_deviations(__global BallMotion* out, __local Shared* sh
   __global float* deviation[] = {&out->dx_sd,  &out->dy_sd,  &out->rot_sd_rad,
                                  &out->exx_sd, &out->exy_sd, &out->eyy_sd};
   for (int k = 0; k < 15; ++k) out->covariance[k] = 0.0f;
-  out->ball_radius = out->ball_radius_sd = 0.0f;
+  out->ball_radius = out->ball_radius_sd = out->by_distance = out->by_distance_sd = 0.0f;
 #if PARAMETERS == 3
   const int parameter[] = {0, 1, 2}, other[] = {0, 1, 2};
   const float weight[] = {1.0f, 1.0f, 1.0f / radius}, other_weight[] = {0.0f, 0.0f, 0.0f};
@@ -95,7 +95,7 @@ static inline void store_failure(__global BallMotion* out) {
   out->exx_sd = out->exy_sd = out->eyy_sd = NAN;
   out->rot_x_rad = out->rot_y_rad = NAN;
   for (int k = 0; k < 15; ++k) out->covariance[k] = NAN;
-  out->ball_radius = out->ball_radius_sd = NAN;
+  out->ball_radius = out->ball_radius_sd = out->by_distance = out->by_distance_sd = NAN;
 }
 
 #endif  // IMPACTDIC_KERNELS_BALL_STORE_H_

@@ -2,7 +2,7 @@
 // are found.
 #include <gtest/gtest.h>
 
-#include "tests/support/sphere_pairs.h"
+#include "tests/support/sphere/sphere_distances.h"
 
 namespace impactdic::testing {
 namespace {
@@ -23,6 +23,16 @@ TEST(SphereAccuracy, PairsFromNearBy) { expect_exact(measure_pairs(12, 2, 2, 6, 
 
 TEST(SphereAccuracy, PairsOfACompressedBall) {
   expect_exact(measure_pairs(12, 2, 2, 7, {0, 0.05}), 0.0020);
+}
+
+// Radius over distance, of pairs turned by 25 degrees; not told.
+TEST(SphereAccuracy, PairsTellFromWhereTheyAreSeen) {
+  for (const double radii : {0.0, 25.0}) {
+    const DistancesFound found = measure_distances(6, {radii, 25}, 8);
+    EXPECT_EQ(found.lost, 0);
+    EXPECT_LE(found.nearness.rms(), 0.001);
+    EXPECT_LE(found.radius_px.rms(), 0.1);
+  }
 }
 
 TEST(SphereSearch, FindsAnyTurn) {

@@ -23,6 +23,7 @@ for size in 16 32 64; do
 done
 lint -DMASKED=1 kernels/ball/rigid.cl
 lint -DPARAMETERS=5 -DSHAPED=1 -DFREE_RADIUS=1 kernels/ball/rigid.cl
+lint -DPARAMETERS=5 -DSHAPED=1 -DFREE_RADIUS=1 -DFREE_DISTANCE=1 kernels/ball/rigid.cl
 # What only NVIDIA's compiler sees otherwise; clang knows `asm` by another name.
 for size in 15,8 31,16; do
   lint -target nvptx64 -Dasm=__asm__ -DMATRIX_UNITS -DWARP_BARRIER -DLANES=32 \

@@ -62,7 +62,7 @@ TEST(LinkedPose, NoiseTurnsAlongWithTheBall) {
     squares += apart(truth, pose).cwiseAbs2();
   }
   const Eigen::Vector3d rms = (squares / kChains).cwiseSqrt();
-  const BodyPose stated = truth.stated(0);
+  const BodyPose stated = truth.stated({});
   // 2000 chains know a deviation to 1.6 %.
   EXPECT_NEAR(rms.x() / stated.tilt_x_sd_rad, 1, 0.06);
   EXPECT_NEAR(rms.y() / stated.tilt_y_sd_rad, 1, 0.06);
@@ -85,11 +85,31 @@ TEST(LinkedPose, TheRadiusErrsAlikeInEveryLink) {
               1.5e-3);
 }
 
+// So it is with the distance, which moves what is told of a ball that flies, too.
+TEST(LinkedPose, TheDistanceErrsAlikeInEveryLink) {
+  SphereRadius seen{kRadiusPx};
+  seen.perspective.nearness_sd = 0.01;
+  const auto sd_after = [&](int links, const dic::RigidMotion& step) {
+    LinkedPose pose = beginning();
+    for (int k = 0; k < links; ++k) pose = linked(pose, {}, step, seen);
+    return pose.stated(seen).tilt_y_sd_rad;
+  };
+  const dic::RigidMotion turned = turn({0, 0.05, 0}, 0);
+  EXPECT_NEAR(sd_after(40, turned) / sd_after(20, turned), 2, 0.05);
+  // 0.69 of the turn (least squares over the sphere's visible half).
+  EXPECT_NEAR(sd_after(1, turned), 0.69 * 0.01 * 0.05, 0.03 * 0.01 * 0.05);
+  dic::RigidMotion flown = turn({0, 0, 0}, 0);
+  flown.dx_px = 11.5;
+  // The line of sight turns by the flight over the distance.
+  EXPECT_NEAR(sd_after(1, flown), 0.01 * 11.5 / kRadiusPx, 1e-6);
+}
+
 // Turns that a registration finds with a radius that is too large by `error_px`.
 dic::RigidMotion mistaken(const Eigen::Vector3d& vector, double error_px, double sd_rad,
                           std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  const auto response = sphere::source_response({vector.x(), vector.y(), vector.z()}, kRadiusPx);
+  const auto response =
+      sphere::source_response({{vector.x(), vector.y(), vector.z()}, kRadiusPx, {}, {}});
   const Eigen::Vector3d per_px(response.rot_x[sphere::kToRadius], response.rot_y[sphere::kToRadius],
                                response.rot_z[sphere::kToRadius]);
   const Eigen::Vector3d error =
@@ -110,7 +130,7 @@ TEST_P(Closure, TellsTheRadius) {
   const auto link = [&](const LinkedPose& pose) {
     dic::RigidMotion motion = mistaken(step, kErrorPx, kSd, random);
     // A step's deviations hold the radius's.
-    dic::add_source_errors(motion, {kRadiusPx, radius.told_sd_px, 0, 0});
+    dic::add_source_errors(motion, {kRadiusPx, radius.told_sd_px});
     return linked(pose, {}, motion, radius);
   };
   LinkedPose truth = beginning(), along = beginning(), half = along;
@@ -128,7 +148,7 @@ TEST_P(Closure, TellsTheRadius) {
   const double before = apart(truth, half).norm();
   const LinkedPose mended = with_radius_error(half, better->error_px);
   EXPECT_LT(apart(truth, mended).norm(), 0.25 * before);
-  EXPECT_LT(mended.stated(better->sd_px).tilt_x_sd_rad, half.stated(radius.sd_px).tilt_x_sd_rad);
+  EXPECT_LT(mended.stated(*better).tilt_x_sd_rad, half.stated(radius).tilt_x_sd_rad);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Closure, ::testing::Values(1U, 2U, 3U, 4U, 5U, 6U));

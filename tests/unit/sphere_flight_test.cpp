@@ -3,6 +3,7 @@
 #include <impactdic/units.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "host/impact/impact_phases.h"
@@ -17,56 +18,71 @@ struct Flight {
   double vx = 0.73, vy = 0.41;                              // px/frame, y up
   double rot_x_deg = 1.1, rot_y_deg = -0.8, rot_deg = 0.6;  // a frame
   double radius_error_px = 0;
+  double nearness_error = 0, nearness_sd = 0;  // of the radius over the camera's distance
   double circle_px = 0.01, step_px = 0.002, turn_deg = 0.0012;  // noise
   int frames = 60;
 };
 
-// What `track` would say of it, its steps and turns bent by the wrong radius. Step and turn err
-// together as they do in pictures.
+// The motion of a row, step and turn across it bent by what is told wrong, and erring together as
+// they do in pictures.
+void put_motion(const Flight& f, const sphere::SourceResponse& bent, double radius_sd_px,
+                const std::function<double()>& deviate, TrackRow& row) {
+  constexpr double kCorrelation = 0.94;
+  constexpr std::size_t r = sphere::kToRadius, k = sphere::kToNearness;
+  using ToSources = sphere::SourceResponse::ToSources;
+  const double rest = std::sqrt(1 - kCorrelation * kCorrelation);
+  const auto wrong = [&](const ToSources& by) {
+    return by[r] * f.radius_error_px + by[k] * f.nearness_error;
+  };
+  const double across = deviate(), down = deviate();
+  row.dx_px = f.vx + f.step_px * across + wrong(bent.dx);
+  row.dy_px = -f.vy + f.step_px * down + wrong(bent.dy);
+  row.rot_y_deg = f.rot_y_deg + wrong(bent.rot_y) * kDegPerRad -
+                  f.turn_deg * (kCorrelation * across + rest * deviate());
+  row.rot_x_deg = f.rot_x_deg + wrong(bent.rot_x) * kDegPerRad -
+                  f.turn_deg * (kCorrelation * down + rest * deviate());
+  row.rot_deg = f.rot_deg + bent.rot_z[k] * f.nearness_error * kDegPerRad + 0.0004 * deviate();
+  row.rot_sd_deg = std::hypot(0.0004, bent.rot_z[k] * f.nearness_sd * kDegPerRad);
+  const double own = -kCorrelation * f.step_px * f.turn_deg * kRadPerDeg;
+  const auto state = [&](const ToSources& step, const ToSources& turn, double& step_sd,
+                         double& turn_sd_deg, double& correlation) {
+    const double near = f.nearness_sd;
+    step_sd = std::hypot(f.step_px, step[r] * radius_sd_px, step[k] * near);
+    const double turn_sd =
+        std::hypot(f.turn_deg * kRadPerDeg, turn[r] * radius_sd_px, turn[k] * near);
+    turn_sd_deg = turn_sd * kDegPerRad;
+    correlation =
+        (own + step[r] * turn[r] * radius_sd_px * radius_sd_px + step[k] * turn[k] * near * near) /
+        (step_sd * turn_sd);
+  };
+  state(bent.dx, bent.rot_y, row.dx_sd_px, row.rot_y_sd_deg, row.dx_rot_y_corr);
+  state(bent.dy, bent.rot_x, row.dy_sd_px, row.rot_x_sd_deg, row.dy_rot_x_corr);
+}
+
+// What `track` would say of it; the optical axis is where the ball begins.
 std::vector<TrackRow> rows_of(const Flight& f, unsigned seed, double radius_sd_px) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> deviate(0, 1);
-  const auto bent = sphere::source_response(
-      {f.rot_x_deg * kRadPerDeg, f.rot_y_deg * kRadPerDeg, f.rot_deg * kRadPerDeg}, kRadius_px);
-  constexpr std::size_t r = sphere::kToRadius;
-  constexpr double kCorrelation = 0.94;
-  const double rest = std::sqrt(1 - kCorrelation * kCorrelation);
+  std::normal_distribution<double> normal(0, 1);
+  const auto deviate = [&] { return normal(random); };
   std::vector<TrackRow> rows;
   for (int i = 0; i < f.frames; ++i) {
     TrackRow row;
     row.frame = i;
     row.status = TrackStatus::kOk;
     row.circle_ok = true;
-    row.cx_px = 200 + f.vx * i + f.circle_px * deviate(random);
-    row.cy_px = 250 - f.vy * i + f.circle_px * deviate(random);
+    row.cx_px = 200 + f.vx * i + f.circle_px * deviate();
+    row.cy_px = 250 - f.vy * i + f.circle_px * deviate();
     row.r_px = kRadius_px;
     row.cx_sd_px = row.cy_sd_px = f.circle_px;
     row.r_sd_px = 0.02;
     row.motion_ok = i + 1 < f.frames;
     if (row.motion_ok) {
-      const double across = deviate(random), down = deviate(random);
-      row.dx_px = f.vx + f.step_px * across + bent.dx[r] * f.radius_error_px;
-      row.dy_px = -f.vy + f.step_px * down + bent.dy[r] * f.radius_error_px;
-      row.rot_y_deg = f.rot_y_deg + bent.rot_y[r] * f.radius_error_px * kDegPerRad -
-                      f.turn_deg * (kCorrelation * across + rest * deviate(random));
-      row.rot_x_deg = f.rot_x_deg + bent.rot_x[r] * f.radius_error_px * kDegPerRad -
-                      f.turn_deg * (kCorrelation * down + rest * deviate(random));
-      row.rot_deg = f.rot_deg + 0.0004 * deviate(random);
-      row.rot_sd_deg = 0.0004;
-      const auto stated = [&](double own, double to_radius) {
-        return std::hypot(own, to_radius * radius_sd_px);
-      };
-      row.dx_sd_px = stated(f.step_px, bent.dx[r]);
-      row.dy_sd_px = stated(f.step_px, bent.dy[r]);
-      row.rot_x_sd_deg = stated(f.turn_deg, bent.rot_x[r] * kDegPerRad);
-      row.rot_y_sd_deg = stated(f.turn_deg, bent.rot_y[r] * kDegPerRad);
-      const auto together = [&](double step, double turn, double step_sd, double turn_sd) {
-        return (-kCorrelation * f.step_px * f.turn_deg +
-                step * turn * kDegPerRad * radius_sd_px * radius_sd_px) /
-               (step_sd * turn_sd);
-      };
-      row.dx_rot_y_corr = together(bent.dx[r], bent.rot_y[r], row.dx_sd_px, row.rot_y_sd_deg);
-      row.dy_rot_x_corr = together(bent.dy[r], bent.rot_x[r], row.dy_sd_px, row.rot_x_sd_deg);
+      const auto bent = sphere::source_response(
+          {{f.rot_x_deg * kRadPerDeg, f.rot_y_deg * kRadPerDeg, f.rot_deg * kRadPerDeg},
+           kRadius_px,
+           {f.vx * i, -f.vy * i},
+           {f.vx * (i + 1), -f.vy * (i + 1)}});
+      put_motion(f, bent, radius_sd_px, deviate, row);
     }
     rows.push_back(row);
   }
@@ -106,6 +122,37 @@ TEST(SphereFlight, CentresShowWhatTheRadiusDoesToStepsAndTurns) {
   EXPECT_GT(std::sqrt(squares / figures), 0.4);  // the model's own part is here no error
 }
 
+// What is not known of the distance is the same in all rows: no number of them makes it smaller.
+TEST(SphereFlight, TheDistanceErrsAlikeInAllRows) {
+  Flight flown;
+  flown.nearness_sd = 0.005;
+  std::mt19937 random(5);
+  std::normal_distribution<double> deviate(0, flown.nearness_sd);
+  double squares = 0, stated_deg = 0;
+  constexpr int kFlights = 60;
+  for (unsigned seed = 1; seed <= kFlights; ++seed) {
+    flown.nearness_error = deviate(random);
+    const auto rows = rows_of(flown, seed, 0.02);
+    impact::ImpactOptions options = options_of(0.02);
+    options.nearness_sd = flown.nearness_sd;
+    options.axis_px = {200, 250};
+    const FlightMotion flight = impact::analyse_impact(rows, options).flight;
+    ASSERT_EQ(flight.last, rows.size() - 1);
+    const auto score = [&](const Measured& found, double wanted_deg) {
+      squares += std::pow((found.value * kDegPerRad - wanted_deg) / (found.sd * kDegPerRad), 2);
+    };
+    score(flight.spin_t, flown.rot_x_deg);
+    score(flight.spin_n, flown.rot_y_deg);
+    stated_deg += flight.spin_t.sd * kDegPerRad / kFlights;
+  }
+  EXPECT_NEAR(std::sqrt(squares / (2 * kFlights)), 1, 0.25);
+  // The centres tell a part of it, as they do of the radius.
+  flown.nearness_error = flown.nearness_sd = 0;
+  const FlightMotion known =
+      impact::analyse_impact(rows_of(flown, 1, 0.02), options_of(0.02)).flight;
+  EXPECT_GT(stated_deg, 1.5 * known.spin_t.sd * kDegPerRad);
+}
+
 // Registers every frame against a keyframe, another one every eighth frame, as pictures do: both
 // frames' noise, the keyframe's the same for all that lean on it, and what its circle and the
 // radius are off by.
@@ -136,9 +183,11 @@ void add_keyframes(const Flight& f, unsigned seed, std::vector<TrackRow>& rows) 
     const double off_x = rows[key].cx_px - 200 - f.vx * at;
     const double off_y = rows[key].cy_px - 250 + f.vy * at;
     const auto bent = sphere::source_response(
-        {frames * f.rot_x_deg * kRadPerDeg, frames * f.rot_y_deg * kRadPerDeg,
-         frames * f.rot_deg * kRadPerDeg},
-        kRadius_px);
+        {{frames * f.rot_x_deg * kRadPerDeg, frames * f.rot_y_deg * kRadPerDeg,
+          frames * f.rot_deg * kRadPerDeg},
+         kRadius_px,
+         {},
+         {}});
     const auto by = [&](const sphere::SourceResponse::ToSources& to) {
       return to[0] * off_x + to[1] * off_y + to[2] * f.radius_error_px;
     };

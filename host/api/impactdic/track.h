@@ -210,6 +210,10 @@ struct TrackResult {
   std::string body_reason;  // why, in words
   // Of a sphere, from its turns and its rim; NaN where only its rim told.
   Measured sphere_radius_px;
+  // The same over the camera's distance, as it was registered; 0: by parallel rays. What told it:
+  // "camera", "distance" (--distance-mm), "pictures", or "nothing".
+  Measured sphere_nearness;
+  std::string nearness_from;
   double grid_radius_px = 0;  // of the ball that the windows' grid was made for; 0: no grid
   std::size_t windows = 0;    // of that grid
   std::optional<CameraFigures> camera;  // where one was given

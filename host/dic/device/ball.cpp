@@ -10,10 +10,6 @@
 namespace impactdic::dic {
 namespace {
 
-bool is_sphere(BallModel model) {
-  return model == BallModel::kSphere || model == BallModel::kSphereAndRadius;
-}
-
 bool is_shaped(const BallSight& sight) {
   const float numbers[] = {sight.by_distance, sight.first[0],  sight.first[1], sight.first[2],
                            sight.second[0],   sight.second[1], sight.second[2]};
@@ -28,10 +24,15 @@ int parameters(BallModel model) {
       return 6;
     case BallModel::kSphere:
     case BallModel::kSphereAndRadius:
+    case BallModel::kSphereRadiusAndDistance:
       return 5;
   }
   return 3;
 }
+
+bool is_sphere(BallModel model) { return parameters(model) == 5; }
+
+const char* flag(bool set) { return set ? "1" : "0"; }
 
 }  // namespace
 
@@ -60,16 +61,18 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
 cl::Kernel& BallRegistration::kernel(bool shaped) {
   cl::Kernel& kernel = kernels_[shaped ? 1 : 0];
   if (kernel() != nullptr) return kernel;
-  kernel =
-      engine_.kernel("ball/rigid.cl", "register_balls",
-                     {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
-                      {"VECTOR", std::to_string(tiling_.vector)},
-                      {"GROUP", std::to_string(tiling_.group)},
-                      {"PARAMETERS", std::to_string(parameters(options_.model))},
-                      {"FREE_RADIUS", options_.model == BallModel::kSphereAndRadius ? "1" : "0"},
-                      {"SHAPED", shaped ? "1" : "0"},
-                      {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
-                      {"MASKED", options_.mask.size() > 0 ? "1" : "0"}});
+  using enum BallModel;
+  const bool distance = options_.model == kSphereRadiusAndDistance;
+  kernel = engine_.kernel("ball/rigid.cl", "register_balls",
+                          {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
+                           {"VECTOR", std::to_string(tiling_.vector)},
+                           {"GROUP", std::to_string(tiling_.group)},
+                           {"PARAMETERS", std::to_string(parameters(options_.model))},
+                           {"FREE_RADIUS", flag(distance || options_.model == kSphereAndRadius)},
+                           {"FREE_DISTANCE", flag(distance)},
+                           {"SHAPED", flag(shaped)},
+                           {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
+                           {"MASKED", flag(options_.mask.size() > 0)}});
   return kernel;
 }
 
@@ -102,6 +105,10 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
     const bool shaped = is_shaped(tasks[i].sight);
     if (shaped && !is_sphere(options_.model)) {
       throw InvalidArgument("only a sphere is seen in perspective");
+    }
+    if (!(tasks[i].sight.by_distance > 0) &&
+        options_.model == BallModel::kSphereRadiusAndDistance) {
+      throw InvalidArgument("a distance that is to be found needs one to begin with");
     }
     place[shaped].push_back(i);
     of_kind[shaped].push_back(tasks[i]);

@@ -17,8 +17,8 @@ namespace impactdic::dic {
 
 // What a ball's picture may do between two frames: move and turn in its plane, also deform (a ball
 // under compression), or be that of a sphere, which turns about any axis, its radius known or found
-// along with its motion.
-enum class BallModel { kRigid, kAffine, kSphere, kSphereAndRadius };
+// along with its motion, or this and the camera's distance found: its tasks name one to begin with.
+enum class BallModel { kRigid, kAffine, kSphere, kSphereAndRadius, kSphereRadiusAndDistance };
 
 struct BallOptions {
   BallModel model = BallModel::kRigid;
@@ -41,8 +41,9 @@ class BallRegistration {
 
   // Measures every ball; the result stands at the task's index. The guess must be within about
   // 3 px and 3° of the motion (of a sphere, at its surface, within a speckle's size). Throws
-  // InvalidArgument for a slot that is not there, for a sphere without its radius, and where a ball
-  // that is no sphere is to be seen in perspective.
+  // InvalidArgument for a slot that is not there, for a sphere without its radius, where a ball
+  // that is no sphere is to be seen in perspective, and where a distance that is to be found has
+  // nothing to begin with.
   std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
 
  private:

@@ -170,8 +170,9 @@ class BallLoop {
 BallMotion ball_reference(const Frame& first, const Frame& second, const BallTask& task,
                           const BallOptions& options) {
   options.validate();
-  if (options.model == BallModel::kSphereAndRadius) {
-    throw InvalidArgument("the reference knows its sphere's radius");
+  if (options.model == BallModel::kSphereAndRadius ||
+      options.model == BallModel::kSphereRadiusAndDistance) {
+    throw InvalidArgument("the reference knows its sphere's radius and distance");
   }
   if (options.model == BallModel::kSphere) return sphere_reference(first, second, task, options);
   const bool affine = options.model == BallModel::kAffine;

@@ -8,10 +8,14 @@
 namespace impactdic::dic {
 
 void add_source_errors(RigidMotion& motion, const SphereSource& source) {
-  const auto response = sphere::source_response(
-      {motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, source.radius_px);
+  const auto response =
+      sphere::source_response({{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
+                               source.radius_px,
+                               source.aside_px,
+                               source.later_aside_px});
   if (!std::isfinite(response.rot_z[sphere::kToRadius])) return;
-  const std::array<double, 3> sd = {source.cx_sd_px, source.cy_sd_px, source.radius_sd_px};
+  const std::array<double, 4> sd = {source.cx_sd_px, source.cy_sd_px, source.radius_sd_px,
+                                    source.nearness_sd};
   const auto shared_by = [&](const auto& a, const auto& b) {
     double covariance = 0;
     for (std::size_t k = 0; k < sd.size(); ++k) covariance += a[k] * b[k] * sd[k] * sd[k];

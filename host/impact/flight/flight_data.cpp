@@ -75,6 +75,7 @@ class FlightData {
     if (sphere.ok) {
       moved.sd = sphere.step_sd[normal ? 1 : 0];
       moved.radius_slope = sphere.step_to_radius[normal ? 1 : 0];
+      moved.nearness_slope = sphere.step_to_nearness[normal ? 1 : 0];
       moved.offset_slope = moved_offset(turned_, turned_ + series_.turn(i), normal);
     }
     return moved;
@@ -92,6 +93,7 @@ class FlightData {
       turn.value = sphere.turn[axis];
       turn.sd = sphere.turn_sd[axis];
       turn.radius_slope = sphere.turn_to_radius[axis];
+      turn.nearness_slope = sphere.turn_to_nearness[axis];
       for (const bool normal : {false, true}) {
         take_off(turn, sphere.by_step[axis][normal ? 1 : 0], step(sphere, i, from, normal));
       }
@@ -113,6 +115,7 @@ void take_off(Datum& row, double factor, const Datum& other) {
   row.gravity_slope -= factor * other.gravity_slope;
   row.across_slope -= factor * other.across_slope;
   row.radius_slope -= factor * other.radius_slope;
+  row.nearness_slope -= factor * other.nearness_slope;
   row.value -= factor * other.value;
 }
 

@@ -26,7 +26,7 @@ struct Datum {
   bool normal = false;                 // along n, else t
   std::array<double, 3> spin_slope{};  // about t, n and b
   // Of a sphere, and how the place on it that is taken for its centre turns along.
-  double radius_slope = 0;
+  double radius_slope = 0, nearness_slope = 0;
   std::array<double, 2> offset_slope{};
   int flight = 0;
   // Rows of one group err alike, too: by `loose` times their deviation, and in proportion to

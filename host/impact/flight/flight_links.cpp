@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "host/base/statistics.h"
-#include "host/sphere/source_response.h"
 
 namespace impactdic::impact {
 namespace {
@@ -55,8 +54,8 @@ struct Link {
   double tilt_rad = 0;
   Eigen::Matrix2d shift_to_centre;  // px a px by which the keyframe's circle lies off the ball
   Eigen::Matrix<double, 3, 2> turn_to_centre;
-  Vector2d shift_to_radius;
-  Vector3d turn_to_radius;
+  Vector2d shift_to_radius, shift_to_nearness;
+  Vector3d turn_to_radius, turn_to_nearness;
 };
 
 class FlightLinks {
@@ -116,8 +115,10 @@ class FlightLinks {
     if (!pose.ok || !row.circle_ok || !std::isfinite(pose.key_rot_x_deg)) return std::nullopt;
     const Vector3d turn =
         Vector3d(pose.key_rot_x_deg, pose.key_rot_y_deg, pose.key_rot_deg) * kRadPerDeg;
-    const auto r =
-        sphere::source_response({turn.x(), turn.y(), turn.z()}, series_.sphere->radius_px());
+    TrackRow key = row;  // where the keyframe's ball was
+    key.cx_px -= pose.key_dx_px;
+    key.cy_px -= pose.key_dy_px;
+    const auto r = series_.sphere->response(key, turn, pose.key_dx_px, pose.key_dy_px);
     if (!std::isfinite(r.rot_z[sphere::kToRadius])) return std::nullopt;
     // In the picture y points down.
     const Eigen::Matrix2d flat = to_local_.topLeftCorner<2, 2>() * Vector2d(1, -1).asDiagonal();
@@ -131,9 +132,16 @@ class FlightLinks {
     Eigen::Matrix<double, 3, 2> turns;
     turns << r.rot_x[0], r.rot_x[1], r.rot_y[0], r.rot_y[1], r.rot_z[0], r.rot_z[1];
     link.turn_to_centre = to_local_ * turns * flat.transpose();
-    constexpr std::size_t k = sphere::kToRadius;
-    link.shift_to_radius = flat * Vector2d(r.dx[k], r.dy[k]);
-    link.turn_to_radius = to_local_ * Vector3d(r.rot_x[k], r.rot_y[k], r.rot_z[k]);
+    const auto shift_by = [&](std::size_t k) -> Vector2d {
+      return flat * Vector2d(r.dx[k], r.dy[k]);
+    };
+    const auto turn_by = [&](std::size_t k) -> Vector3d {
+      return to_local_ * Vector3d(r.rot_x[k], r.rot_y[k], r.rot_z[k]);
+    };
+    link.shift_to_radius = shift_by(sphere::kToRadius);
+    link.turn_to_radius = turn_by(sphere::kToRadius);
+    link.shift_to_nearness = shift_by(sphere::kToNearness);
+    link.turn_to_nearness = turn_by(sphere::kToNearness);
     return link;
   }
 
@@ -189,6 +197,7 @@ class FlightLinks {
     row.across_slope = across_[axis] * (at * at - from * from) / 2;
     row.value = link.shift[axis] - key.shift[axis];
     row.radius_slope = link.shift_to_radius[axis];
+    row.nearness_slope = link.shift_to_nearness[axis];
     if (key.in_flight) add_off_path(link.shift_to_centre.row(axis), key, row);
     return row;
   }
@@ -203,6 +212,7 @@ class FlightLinks {
     row.value = off[axis] + slope * spin_;
     for (int k = 0; k < 3; ++k) row.spin_slope[static_cast<std::size_t>(k)] = slope[k];
     row.radius_slope = link.turn_to_radius[axis];
+    row.nearness_slope = link.turn_to_nearness[axis];
     if (key.in_flight) add_off_path(link.turn_to_centre.row(axis), key, row);
     return row;
   }

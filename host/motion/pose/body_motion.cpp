@@ -14,28 +14,39 @@ Eigen::Quaterniond turn_of(const dic::RigidMotion& motion) {
   return dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
 }
 
-// What a px of the radius does to a sphere's motion.
-struct RadiusEffect {
+// What a px of the radius, or a unit of the radius over the distance, does to a sphere's motion.
+struct Effect {
   double x = 0, y = 0;
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
 };
+struct Effects {
+  Effect radius, nearness;
+};
 
-RadiusEffect effect_on(const dic::RigidMotion& motion, double radius_px) {
-  const auto response =
-      sphere::source_response({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px);
-  const auto of = [&](const sphere::SourceResponse::ToSources& to) {
-    const double effect = to[sphere::kToRadius];
-    return std::isfinite(effect) ? effect : 0.0;
+// Of a motion from the ball in `circle`.
+Effects effects_on(const dic::RigidMotion& motion, const Circle& circle,
+                   const SphereRadius& radius) {
+  const Perspective& seen = radius.perspective;
+  const auto response = sphere::source_response(
+      {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
+       radius.px,
+       seen.aside_px(circle.cx_px, circle.cy_px),
+       seen.aside_px(circle.cx_px + motion.dx_px, circle.cy_px + motion.dy_px)});
+  const auto of = [&](std::size_t source) {
+    const auto by = [&](const sphere::SourceResponse::ToSources& to) {
+      return std::isfinite(to[source]) ? to[source] : 0.0;
+    };
+    return Effect{by(response.dx),
+                  by(response.dy),
+                  {by(response.rot_x), by(response.rot_y), by(response.rot_z)}};
   };
-  return {of(response.dx),
-          of(response.dy),
-          {of(response.rot_x), of(response.rot_y), of(response.rot_z)}};
+  return {of(sphere::kToRadius), of(sphere::kToNearness)};
 }
 
-// Deviations without the radius's part.
-dic::RigidMotion without(const RadiusEffect& effect, double radius_sd_px, dic::RigidMotion motion) {
-  const auto strip = [&](double& sd, double by_radius) {
-    const double part = by_radius * radius_sd_px;
+// Deviations without the part of one source, known to `source_sd`.
+dic::RigidMotion without(const Effect& effect, double source_sd, dic::RigidMotion motion) {
+  const auto strip = [&](double& sd, double by_source) {
+    const double part = by_source * source_sd;
     sd = std::sqrt(std::max(0.0, sd * sd - part * part));
   };
   strip(motion.dx_sd_px, effect.x);
@@ -47,7 +58,7 @@ dic::RigidMotion without(const RadiusEffect& effect, double radius_sd_px, dic::R
 }
 
 // What the motion is with the radius as it is thought to be.
-dic::RigidMotion corrected(dic::RigidMotion motion, const RadiusEffect& effect, double error_px) {
+dic::RigidMotion corrected(dic::RigidMotion motion, const Effect& effect, double error_px) {
   if (error_px == 0) return motion;
   const Eigen::Vector3d less = -error_px * effect.turn_rad;
   const Eigen::Vector3d turn = dic::rotation_vector(dic::quaternion_of(less) * turn_of(motion));
@@ -61,15 +72,21 @@ dic::RigidMotion corrected(dic::RigidMotion motion, const RadiusEffect& effect, 
 
 // Of a sphere, a link whose deviations are its noise's.
 LinkedPose with_link(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
-                     const RadiusEffect& effect) {
+                     const Effects& effects) {
   LinkedPose next = pose;
   static_cast<BodyPose&>(next) = moved(pose, circle, motion);
-  next.radius_x += effect.x;
-  next.radius_y += effect.y;
+  next.radius_x += effects.radius.x;
+  next.radius_y += effects.radius.y;
+  next.nearness_x += effects.nearness.x;
+  next.nearness_y += effects.nearness.y;
   // An error made before turns along with the ball.
   const Eigen::Matrix3d q = turn_of(motion).toRotationMatrix();
-  Eigen::Map<Eigen::Vector3d> by_radius(next.radius_turn_rad.data());
-  by_radius = (q * by_radius + effect.turn_rad).eval();
+  const auto carry = [&](std::array<double, 3>& turn_rad, const Effect& effect) {
+    Eigen::Map<Eigen::Vector3d> by(turn_rad.data());
+    by = (q * by + effect.turn_rad).eval();
+  };
+  carry(next.radius_turn_rad, effects.radius);
+  carry(next.nearness_turn_rad, effects.nearness);
   Eigen::Map<Eigen::Matrix3d> noise(next.turn_noise_rad2.data());
   const Eigen::Vector3d own(motion.rot_x_sd_rad, motion.rot_y_sd_rad, motion.rot_sd_rad);
   noise = (q * noise * q.transpose()).eval();
@@ -115,17 +132,21 @@ Point turned(double x, double y, double angle_rad) {
   return {c * x + s * y, -s * x + c * y};
 }
 
-BodyPose LinkedPose::stated(double radius_sd_px) const {
+BodyPose LinkedPose::stated(const SphereRadius& radius) const {
   BodyPose pose = *this;
   if (!is_sphere(*this)) return pose;
+  const double nearness_sd = radius.perspective.nearness_sd;
   const auto about = [&](std::size_t axis) {
-    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), radius_turn_rad[axis] * radius_sd_px);
+    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), radius_turn_rad[axis] * radius.sd_px,
+                      nearness_turn_rad[axis] * nearness_sd);
   };
-  pose.x_sd_px = std::hypot(x_sd_px, radius_x * radius_sd_px);
-  pose.y_sd_px = std::hypot(y_sd_px, radius_y * radius_sd_px);
+  pose.x_sd_px = std::hypot(x_sd_px, radius_x * radius.sd_px, nearness_x * nearness_sd);
+  pose.y_sd_px = std::hypot(y_sd_px, radius_y * radius.sd_px, nearness_y * nearness_sd);
   pose.tilt_x_sd_rad = about(0);
   pose.tilt_y_sd_rad = about(1);
-  pose.angle_sd_rad = about(2);
+  // What is the same in all links may add up to a tilt whose square counts.
+  const double tilt_rad = nearness_sd * std::hypot(nearness_turn_rad[0], nearness_turn_rad[1]);
+  pose.angle_sd_rad = std::hypot(about(2), tilt_rad * tilt_rad / 2);
   return pose;
 }
 
@@ -149,9 +170,10 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
                   const SphereRadius& radius) {
   if (is_sphere(pose)) {
-    const RadiusEffect effect = effect_on(motion, radius.px);
-    const dic::RigidMotion noisy = without(effect, radius.told_sd_px, motion);
-    return with_link(pose, circle, corrected(noisy, effect, radius.error_px), effect);
+    const Effects effects = effects_on(motion, circle, radius);
+    const dic::RigidMotion noisy = without(effects.nearness, radius.perspective.nearness_sd,
+                                           without(effects.radius, radius.told_sd_px, motion));
+    return with_link(pose, circle, corrected(noisy, effects.radius, radius.error_px), effects);
   }
   LinkedPose next = pose;
   static_cast<BodyPose&>(next) = moved(pose, circle, motion);
@@ -166,13 +188,13 @@ LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::Rigid
 LinkedPose registered(const Anchor& key, const BallMotion& motion, const CropOrigin& from_key,
                       double expected_rad, const SphereRadius& radius) {
   const bool sphere = is_sphere(key.pose);
-  dic::RigidMotion rigid = sphere ? sphere_motion(motion, 0) : dic::RigidMotion{};
+  dic::RigidMotion rigid = sphere ? sphere_motion(motion) : dic::RigidMotion{};
   rigid.dx_px = motion.dx + from_key.x;
   rigid.dy_px = motion.dy + from_key.y;
   if (sphere) {
-    const RadiusEffect effect = effect_on(rigid, radius.px);
+    const Effects effects = effects_on(rigid, key.circle, radius);
     LinkedPose pose =
-        with_link(key.pose, key.circle, corrected(rigid, effect, radius.error_px), effect);
+        with_link(key.pose, key.circle, corrected(rigid, effects.radius, radius.error_px), effects);
     pose.key_dx_px = rigid.dx_px;
     pose.key_dy_px = rigid.dy_px;
     pose.key_rot_x_deg = rigid.rot_x_rad * kDegPerRad;

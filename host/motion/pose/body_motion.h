@@ -33,7 +33,7 @@ Point turned(double x, double y, double angle_rad);
 // Where the motion to the next frame takes a pose, deviations left as they are; `circle`: of the
 // ball before it.
 BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotion& motion);
-// The same with its errors; those of a sphere's `motion` hold the radius's.
+// The same with its errors; those of a sphere's `motion` hold the radius's and the distance's.
 LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
                   const SphereRadius& radius);
 

@@ -63,6 +63,7 @@ class KeyframeAim {
 
   double radius_px() const { return radius_px_; }
   bool sphere() const { return sphere_; }
+  const Perspective& perspective() const { return perspective_; }
   const BallCrop& crop() const { return crop_; }
 
   // The part of a keyframe's picture that goes to devices.

@@ -36,6 +36,7 @@ bool is_linked(const ChainedFrame& frame) { return frame.next != nullptr && fram
 
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
   if (memory.radius.px == 0) memory.radius = memory_.radius;  // of an older version
+  memory.radius.perspective = memory_.radius.perspective;
   memory_ = std::move(memory);
   for (Keyframe& key : memory_.keyframes) {
     key.picture = aim_.picture_of(key.circle, read(key.pose.keyframe));
@@ -306,7 +307,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
   std::size_t i = 0, at_once = frames.size();
   const bool goes_on = !frames.empty() && memory_.last.ok && frames[0].index == memory_.last_index;
   if (goes_on) poses[i++] = memory_.last;
-  const BodyPose kept = memory_.last.stated(memory_.radius.sd_px);
+  const BodyPose kept = memory_.last.stated(memory_.radius);
   std::set<std::size_t> failed;  // targets of `ahead`
   while (i < frames.size()) {
     if (i == 0 || !is_linked(frames[i - 1]) || !poses[i - 1].ok) {
@@ -346,7 +347,7 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
     memory_.last_index = frames.back().index;
   }
   std::vector<BodyPose> stated;
-  for (const LinkedPose& pose : poses) stated.push_back(pose.stated(memory_.radius.sd_px));
+  for (const LinkedPose& pose : poses) stated.push_back(pose.stated(memory_.radius));
   if (goes_on) stated[0] = kept;
   return stated;
 }

@@ -32,7 +32,7 @@ class Keyframes {
   using Keyframe = motion::Keyframe;
   // `radius_sd_px`: of a sphere's radius, its deviation.
   Keyframes(const KeyframeAim& aim, double radius_sd_px) : aim_(aim) {
-    memory_.radius = {aim.radius_px(), radius_sd_px, 0, radius_sd_px};
+    memory_.radius = {aim.radius_px(), radius_sd_px, 0, radius_sd_px, aim.perspective()};
   }
 
   // All that is known of the frames before.

@@ -43,9 +43,10 @@ struct Conclusion {
 class ThroughCamera {
  public:
   ThroughCamera(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
-                const TrackResult& measured, double metre_per_px)
+                const motion::Perspective& seen, const TrackResult& measured, double metre_per_px)
       : request_(request),
         sphere_radius_px_(sphere_radius_px),
+        seen_(seen),
         measured_(measured),
         metre_per_px_(metre_per_px),
         seen_radius_px_(median_radius_px(measured.rows)) {}
@@ -69,7 +70,10 @@ class ThroughCamera {
     if (request.distance_mm == 0 && camera.focal_length_known) {
       request.distance_mm = PlaneView(camera).eye().z() * 1e3;
     }
-    conclude_metres(request, radius, result);
+    // The corrected rows of a camera that knows its focal length are about the ball's centre.
+    motion::Perspective seen = seen_;
+    if (camera.focal_length_known) seen.by_distance_per_px = 0;
+    conclude_metres(request, radius, result.rows, result, seen);
     for (const TrackRow& row : result.rows) {
       const SiRow si = to_si(row, result.scale);
       found.rates.push_back({si.vx_m_s, si.vy_m_s, si.omega_rad_s});
@@ -81,6 +85,7 @@ class ThroughCamera {
  private:
   const TrackRequest& request_;
   const std::optional<Measured>& sphere_radius_px_;
+  const motion::Perspective& seen_;
   const TrackResult& measured_;
   double metre_per_px_;
   std::optional<double> seen_radius_px_;
@@ -144,10 +149,11 @@ void check_camera_fits(const Camera& camera, const ClipInfo& clip, const std::st
 }
 
 void conclude_through_camera(const Camera& camera, const TrackRequest& request,
-                             const std::optional<Measured>& sphere_radius_px, TrackResult& result) {
+                             const std::optional<Measured>& sphere_radius_px, TrackResult& result,
+                             const motion::Perspective& perspective) {
   const PlaneView view(camera);
   const Measured scale = camera::scale_at_middle(camera);
-  const ThroughCamera through(request, sphere_radius_px, result, scale.value);
+  const ThroughCamera through(request, sphere_radius_px, perspective, result, scale.value);
   Conclusion found = through(camera, true);
   const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
   std::vector<Conclusion> plus(steps.size()), minus(steps.size());

@@ -7,13 +7,16 @@
 
 #include <optional>
 
+#include "host/motion/perspective.h"
+
 namespace impactdic::run {
 
 // Sets camera, corrected rows, scale and impact of `result` from its rows. The camera's part of
 // every deviation is found by differences of the whole way from rows to figures, along the
-// principal axes of its covariance.
+// principal axes of its covariance. `perspective`: in which a sphere was registered.
 void conclude_through_camera(const Camera& camera, const TrackRequest& request,
-                             const std::optional<Measured>& sphere_radius_px, TrackResult& result);
+                             const std::optional<Measured>& sphere_radius_px, TrackResult& result,
+                             const motion::Perspective& perspective = {});
 
 // Throws InvalidArgument where the camera was calibrated with pictures of another size.
 void check_camera_fits(const Camera& camera, const ClipInfo& clip, const std::string& file);

@@ -168,12 +168,14 @@ class Converter {
 };
 
 impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& scale,
-                                 const std::optional<Measured>& radius_px) {
+                                 const SphereSeen& sphere) {
   impact::ImpactOptions options;
   options.surface_angle_rad = scale.surface_angle_rad;
   options.surface_angle_sd_rad = request.surface_angle_sd_deg * kRadPerDeg;
   options.gravity_angle_rad = request.gravity_angle_deg * kRadPerDeg;
-  options.radius_px = radius_px;
+  options.radius_px = sphere.radius_px;
+  options.nearness_sd = sphere.perspective.nearness_sd;
+  options.axis_px = {sphere.perspective.axis_x_px, sphere.perspective.axis_y_px};
   if (request.inertia_factor > 0) options.inertia_factor = request.inertia_factor;
   if (scale.metre_per_px > 0 && scale.fps > 0) {
     options.gravity = kGravity_m_s2 / scale.metre_per_px / (scale.fps * scale.fps);
@@ -188,15 +190,14 @@ impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& sca
 }  // namespace
 
 ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
-                              const SiScale& scale, const std::optional<Measured>& radius_px) {
-  return impact::analyse_impact(rows, options_of(request, scale, radius_px));
+                              const SiScale& scale, const SphereSeen& sphere) {
+  return impact::analyse_impact(rows, options_of(request, scale, sphere));
 }
 
 std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,
-                                          const SiScale& scale,
-                                          const std::optional<Measured>& radius_px,
+                                          const SiScale& scale, const SphereSeen& sphere,
                                           const ImpactAnalysis& found) {
-  return impact::other_impacts(rows, options_of(request, scale, radius_px), found);
+  return impact::other_impacts(rows, options_of(request, scale, sphere), found);
 }
 
 std::array<Measured*, kImpactFigures> figures_with_budget(ImpactFigures& f) {

@@ -8,22 +8,27 @@
 #include <vector>
 
 #include "host/clip/track_rows.h"
+#include "host/motion/perspective.h"
 
 namespace impactdic::run {
 
 inline constexpr double kGravity_m_s2 = 9.81;
 
+// The free ball's radius, where its rim is not what tells it, and how a sphere was seen.
+struct SphereSeen {
+  std::optional<Measured> radius_px;
+  motion::Perspective perspective;
+};
+
 // The analysis of the impact in `rows`, which are evenly spaced in time (frame_clock.h). Gravity's
-// strength is known where scale and rate are. `radius_px` of the free ball, where its rim is not
-// what tells it.
+// strength is known where scale and rate are.
 ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
-                              const SiScale& scale, const std::optional<Measured>& radius_px);
+                              const SiScale& scale, const SphereSeen& sphere);
 
 // The other impacts in `rows`, beside the one that was `found` with the same arguments, in order of
 // time.
 std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,
-                                          const SiScale& scale,
-                                          const std::optional<Measured>& radius_px,
+                                          const SiScale& scale, const SphereSeen& sphere,
                                           const ImpactAnalysis& found);
 
 // The figures that have a budget, indexed by ImpactFigure.

@@ -41,11 +41,11 @@ SiScale no_scale(const TrackResult& result) {
 
 // A surface far from the one that was given shows no impact, or one that turns the wrong way.
 void look_for_another_surface(const TrackRequest& request, const TrackRows& rows,
-                              const std::optional<Measured>& radius_px, TrackResult& result) {
+                              const SphereSeen& sphere, TrackResult& result) {
   for (const double off_deg : {45.0, -45.0, 90.0, -90.0, 135.0, -135.0}) {
     SiScale scale = result.scale;
     scale.surface_angle_rad += off_deg * kRadPerDeg;
-    const ImpactAnalysis other = analyse_impact(request, rows, scale, radius_px);
+    const ImpactAnalysis other = analyse_impact(request, rows, scale, sphere);
     if (other.status != ImpactStatus::kFound) continue;
     note_other_surface(request, other, request.surface_angle_deg + off_deg, result.impact_si);
     return;
@@ -62,12 +62,13 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
   const auto about = median_radius_px(measured);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
-  result.impact = analyse_impact(request, rows, result.scale, sphere_radius_px);
+  result.impact = analyse_impact(request, rows, result.scale, {sphere_radius_px, perspective});
   std::optional<Measured> radius = sphere_radius_px;
   if (result.body == Body::kSphere && !radius) {
     radius = result.impact.radius_px;
     radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
   }
+  const SphereSeen sphere = {radius, perspective};
   set_scale(request, radius.value_or(result.impact.radius_px), result.scale);
   // `with`: the scale that gave the analysis its gravity.
   const auto conclude = [&](ImpactAnalysis impact, const SiScale& with) {
@@ -75,17 +76,17 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
     result.impact_si = convert_impact(request, rows, result.scale, result.impact);
     find_contradictions(request, result.impact, result.impact_si);
     result.more_impacts_si.clear();
-    for (const ImpactAnalysis& other : other_impacts(request, rows, with, radius, result.impact)) {
+    for (const ImpactAnalysis& other : other_impacts(request, rows, with, sphere, result.impact)) {
       result.more_impacts_si.push_back(convert_impact(request, rows, result.scale, other));
     }
   };
-  conclude(analyse_impact(request, rows, result.scale, radius), result.scale);
+  conclude(analyse_impact(request, rows, result.scale, sphere), result.scale);
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
   const SiScale without = no_scale(result);
-  ImpactAnalysis free = analyse_impact(request, rows, without, radius);
+  ImpactAnalysis free = analyse_impact(request, rows, without, sphere);
   if (!is_found(free)) {
-    look_for_another_surface(request, rows, radius, result);
+    look_for_another_surface(request, rows, sphere, result);
     return;
   }
   set_scale(request, radius.value_or(free.radius_px), result.scale);

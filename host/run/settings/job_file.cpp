@@ -175,7 +175,8 @@ void require_same_sight(const fs::path& path, const SettingWriter& now) {
   };
   if (!from_near(earlier) && !from_near(now.values())) return;
   require_same(path, earlier, now.values(),
-               {"ball-diameter-mm", "camera", "distance-mm", "mm-per-px"});
+               {"ball-diameter-mm", "ball-diameter-sd-mm", "camera", "distance-mm",
+                "distance-sd-mm", "mm-per-px", "mm-per-px-sd"});
 }
 
 std::vector<BallByHand> corrections_of(const fs::path& path) {

@@ -13,7 +13,7 @@
 #include "sim/speckle/orientation.h"
 #include "sim/speckle/sphere/sphere_render.h"
 #include "tests/support/engine.h"
-#include "tests/support/sphere_pictures.h"
+#include "tests/support/sphere/sphere_pictures.h"
 
 namespace impactdic::testing {
 
