@@ -233,15 +233,17 @@ Estimate explain_from(const Vector5& start, const Task& task, Mixture& mixture) 
 }
 
 // Each start leads to the maximum of the likelihood next to it. Where that takes many points for
-// strays, the one next to the rim that the rays were cast about may be likelier.
+// strays, the one next to the rim that the rays were cast about may be likelier, and explain them:
+// where neither does, as in texture, there may be no rim.
 Estimate explain(const Task& task, const Vector5& start, Mixture& mixture) {
   const Estimate found = explain_from(start, task, mixture);
-  const double points = static_cast<double>(task.trace.points.size());
-  if (found.ok && found.points >= kCrossingFit.explained * points) return found;
+  const double enough = kCrossingFit.explained * static_cast<double>(task.trace.points.size());
+  if (!found.ok || found.points >= enough) return found;
   Mixture other;
   const Estimate near = explain_from(Vector5::Zero(), task, other);
-  if (!near.ok || (found.ok && log_likelihood(task.trace, found.delta, mixture) >=
-                                   log_likelihood(task.trace, near.delta, other))) {
+  if (!near.ok || near.points < enough ||
+      log_likelihood(task.trace, found.delta, mixture) >=
+          log_likelihood(task.trace, near.delta, other)) {
     return found;
   }
   mixture = other;
