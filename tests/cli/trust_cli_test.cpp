@@ -40,13 +40,23 @@ class LongClip {
   // Starts the run, waits until it has written where it could be gone on with, and does `then` to
   // its process `$pid`; what the shell says of it goes to the file `said`.
   int interrupt(const std::string& what, const std::string& out, const std::string& then) const {
-    fs::remove_all(path(out));
+    constexpr int kEnded = 99;
     const std::string point = quoted(path(out) / "resume.json");
+    // On a busy machine the run may have ended before this shell looks again.
+    const std::string at_work =
+        "kill -STOP $pid; while kill -0 $pid && ! grep -q '^State:.[TZ]' /proc/$pid/status; do "
+        "sleep 0.01; done; grep -q '^State:.T' /proc/$pid/status || exit " +
+        std::to_string(kEnded) + "; kill -CONT $pid; ";
     const std::string script = std::string(IMPACTDIC_PROGRAM) + " " + command(what, out) + " 2> " +
                                quoted(path("said")) + " & pid=$!; while kill -0 $pid && [ ! -e " +
-                               point + " ]; do sleep 0.01; done; " + then;
-    const int raw = std::system(("exec 2> /dev/null; " + script).c_str());
-    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
+                               point + " ]; do sleep 0.01; done; " + at_work + then;
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      fs::remove_all(path(out));
+      const int raw = std::system(("exec 2> /dev/null; " + script).c_str());
+      const int status = WIFEXITED(raw) ? WEXITSTATUS(raw) : -1;
+      if (status != kEnded) return status;
+    }
+    return kEnded;
   }
 
  private:
