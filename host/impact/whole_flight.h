@@ -24,7 +24,7 @@ void put_out_of_plane(const FlightFit& fit, const TrackRows& rows, const ImpactO
 Measured towards_camera(const TrackRows& rows, const FlightRange& range,
                         const ImpactOptions& options, double radius_px);
 
-// Of a sphere's radius, as the rows' deviations have it; nullopt where it is not known.
+// What the rows of a sphere were measured with.
 SphereKnown known_of_sphere(const ImpactOptions& options);
 
 // The motion of a ball that flies freely in all of `rows`, in their middle; `last` 0 where it does

@@ -43,8 +43,9 @@ void ContactDynamicsOf<Real>::aim(const State& touch, bool remembers) {
     if (kHasDerivatives<Real> && t != 0) line_.b = b / t;
     across_ = kHasDerivatives<Real> && t != 0 && gravity_t_ != 0 && !remembers;
     // What rolls across is braked across.
-    turning_ = resistance_.of_rolling() && t != 0 && touch[kOmegaT] != 0;
-    if (turning_) line_ = {Real(t > 0 ? 1.0 : -1.0), Real(0)};
+    if (!resistance_.of_rolling() || touch[kOmegaT] == 0) return;
+    turning_ = t != 0;
+    line_ = turning_ ? SlipLine{Real(t > 0 ? 1.0 : -1.0), Real(0)} : line_at_rest(touch);
     return;
   }
   const Real speed = hypot(t, b);
@@ -55,14 +56,16 @@ void ContactDynamicsOf<Real>::aim(const State& touch, bool remembers) {
 template <typename Real>
 void ContactDynamicsOf<Real>::stop_turning(const State& x, bool keep_line) {
   turning_ = false;
-  if (keep_line) return;
+  if (!keep_line) line_ = line_at_rest(x);
+}
+
+// Along which what rests is pushed: the way it rolls where that is braked, else down the slope.
+template <typename Real>
+auto ContactDynamicsOf<Real>::line_at_rest(const State& x) const -> SlipLine {
   const Real b = x[kOmega], t = x[kOmegaT];
-  if (resistance_.of_rolling() && t != 0) {
-    const Real spin = hypot(b, t);
-    line_ = {-b / spin, t / spin};
-  } else {
-    line_ = {Real(gravity_t_ > 0 ? 1.0 : -1.0), Real(0)};
-  }
+  if (!resistance_.of_rolling() || t == 0) return {Real(gravity_t_ > 0 ? 1.0 : -1.0), Real(0)};
+  const Real spin = hypot(b, t);
+  return {-b / spin, t / spin};
 }
 
 template <typename Real>

@@ -67,6 +67,7 @@ class ContactDynamicsOf {
 
  private:
   void add_force_rates(ContactPoint& at) const;
+  SlipLine line_at_rest(const State& x) const;
   // Something beside friction pushes the contact point along the surface.
   bool pushed() const { return gravity_t_ != 0 || resistance_.of_rolling(); }
   struct Arm {

@@ -45,11 +45,11 @@ std::string number_of(const Unknown& unknown, NormalModel law) {
 
 // By the contact's start or by the rate, which only move the instants: the velocities are its
 // derivatives, through the events as well.
-ShotModel::Prediction ShotModel::slope_in_time(FitParameter parameter, const double* values,
-                                               const Prediction& here) const {
+ShotModel::Path ShotModel::slope_in_time(FitParameter parameter, const double* values,
+                                         const Prediction& here) const {
   const double start = value_or(FitParameter::kContactTime, values, shot_.contact_start_s.value);
   const double rate = value_or(FitParameter::kRate, values, 1);
-  Prediction slope{here.vx, here.vy, here.spin, {}, {}, {}, {}};
+  Path slope{here.vx, here.vy, here.spin};
   for (std::size_t i = 0; i < time_s_.size(); ++i) {
     const double moves = parameter == FitParameter::kRate ? time_s_[i] - start : -rate;
     slope.x[i] *= moves, slope.y[i] *= moves, slope.angle[i] *= moves;
@@ -58,17 +58,17 @@ ShotModel::Prediction ShotModel::slope_in_time(FitParameter parameter, const dou
 }
 
 // Of the unknowns that do not change the motion about the touch; nothing of the others.
-std::optional<ShotModel::Prediction> ShotModel::slope_in_closed_form(const Unknown& unknown,
-                                                                     const double* values,
-                                                                     const Prediction& here) const {
+std::optional<ShotModel::Path> ShotModel::slope_in_closed_form(const Unknown& unknown,
+                                                               const double* values,
+                                                               const Prediction& here) const {
   const std::size_t frames = time_s_.size();
   const std::vector<double> zero(frames, 0.0), one(frames, 1.0);
-  if (unknown.kind == Unknown::Kind::kTouchX) return Prediction{one, zero, zero, {}, {}, {}, {}};
-  if (unknown.kind == Unknown::Kind::kTouchY) return Prediction{zero, one, zero, {}, {}, {}, {}};
+  if (unknown.kind == Unknown::Kind::kTouchX) return Path{one, zero, zero};
+  if (unknown.kind == Unknown::Kind::kTouchY) return Path{zero, one, zero};
   if (unknown.kind != Unknown::Kind::kParameter) return std::nullopt;
   if (unknown.parameter == FitParameter::kScale) {
     const double scale = value_or(FitParameter::kScale, values, 1);
-    Prediction slope{here.x, here.y, zero, {}, {}, {}, {}};
+    Path slope{here.x, here.y, zero};
     for (double& x : slope.x) x /= -scale;
     for (double& y : slope.y) y /= -scale;
     return slope;
@@ -78,19 +78,19 @@ std::optional<ShotModel::Prediction> ShotModel::slope_in_closed_form(const Unkno
   return in_time ? std::optional(slope_in_time(unknown.parameter, values, here)) : std::nullopt;
 }
 
-std::vector<ShotModel::Prediction> ShotModel::slopes_of_motion(std::span<const std::size_t> places,
-                                                               const double* values,
-                                                               const Prediction& here) const {
+std::vector<ShotModel::Path> ShotModel::slopes_of_motion(std::span<const std::size_t> places,
+                                                         const double* values,
+                                                         const Prediction& here) const {
   const ImpactJob job = impact_of(values);
   std::vector<std::string> keys;
   for (const std::size_t place : places) {
     keys.push_back(number_of(unknowns_[place], laws_.normal));
   }
-  const auto found = contact::path_slopes(job, instants(values), keys, here.path);
+  const auto found = contact::path_slopes(job, instants(values), keys, here.trajectory);
   if (!found) return {};
   const double angle = job.surface_angle_deg * kRadPerDeg;
   const double c = std::cos(angle), s = std::sin(angle);
-  std::vector<Prediction> slopes(places.size());
+  std::vector<Path> slopes(places.size());
   for (std::size_t k = 0; k < places.size(); ++k) {
     const Unknown& unknown = unknowns_[places[k]];
     // The surface's angle also turns the whole path about the touch.
@@ -100,7 +100,7 @@ std::vector<ShotModel::Prediction> ShotModel::slopes_of_motion(std::span<const s
       const std::size_t at = i * places.size() + k;
       double t = found->t[at], n = found->n[at];
       if (turns) {
-        const BodyState& state = here.path[i].state;
+        const BodyState& state = here.trajectory[i].state;
         t -= kRadPerDeg * (state.qn_m - state.outline_lag_m);
         n += kRadPerDeg * state.qt_m;
       }
@@ -113,28 +113,27 @@ std::vector<ShotModel::Prediction> ShotModel::slopes_of_motion(std::span<const s
 }
 
 // Central differences, one-sided at a bound. False where the model has no impact there.
-bool ShotModel::slope_by_differences(std::size_t place, const double* values,
-                                     Prediction& slope) const {
+bool ShotModel::slope_by_differences(std::size_t place, const double* values, Path& slope) const {
   const Unknown& unknown = unknowns_[place];
   std::vector<double> moved(values, values + size());
   const double up = std::min(values[place] + unknown.step, unknown.upper);
   const double down = std::max(values[place] - unknown.step, unknown.lower);
-  Prediction low;
+  Prediction high, low;
   moved[place] = up;
-  if (!predict(moved.data(), slope)) return false;
+  if (!predict(moved.data(), high)) return false;
   moved[place] = down;
   if (!predict(moved.data(), low)) return false;
   for (std::size_t i = 0; i < time_s_.size(); ++i) {
-    slope.x[i] = (slope.x[i] - low.x[i]) / (up - down);
-    slope.y[i] = (slope.y[i] - low.y[i]) / (up - down);
-    slope.angle[i] = (slope.angle[i] - low.angle[i]) / (up - down);
+    slope.x.push_back((high.x[i] - low.x[i]) / (up - down));
+    slope.y.push_back((high.y[i] - low.y[i]) / (up - down));
+    slope.angle.push_back((high.angle[i] - low.angle[i]) / (up - down));
   }
   return true;
 }
 
 bool ShotModel::fill_jacobian(const double* values, const Prediction& here,
                               double* jacobian) const {
-  std::vector<Prediction> slopes(size());
+  std::vector<Path> slopes(size());
   std::vector<std::size_t> open;
   for (std::size_t u = 0; u < size(); ++u) {
     if (auto slope = slope_in_closed_form(unknowns_[u], values, here)) {
@@ -143,7 +142,7 @@ bool ShotModel::fill_jacobian(const double* values, const Prediction& here,
       open.push_back(u);
     }
   }
-  std::vector<Prediction> found = slopes_of_motion(open, values, here);
+  std::vector<Path> found = slopes_of_motion(open, values, here);
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (!found.empty()) {
       slopes[open[k]] = std::move(found[k]);

@@ -221,7 +221,7 @@ bool ShotModel::predict(const double* values, Prediction& p) const {
     p.angle[i] = state.angle_rad;
     p.spin[i] = state.omega_rad_s;
   }
-  p.path = std::move(impact.trajectory);
+  p.trajectory = std::move(impact.trajectory);
   return true;
 }
 
@@ -251,7 +251,7 @@ void ShotModel::weigh(const DeviationFactors& factors, std::span<const double> s
   }
 }
 
-double ShotModel::predicted(const Row& row, const Prediction& p, const double* values) const {
+double ShotModel::predicted(const Row& row, const Path& p, const double* values) const {
   const std::size_t i = row.frame;
   switch (row.kind) {
     case Row::Kind::kX:

@@ -68,9 +68,13 @@ class ShotModel {
     double sd = stated_sd;  // that it is weighed by
   };
   static bool is_length(const Row& row);
-  struct Prediction {
-    std::vector<double> x, y, angle, vx, vy, spin;
-    std::vector<TrajectoryPoint> path;
+  // At each frame, in the picture's axes; or its derivatives by one unknown.
+  struct Path {
+    std::vector<double> x, y, angle;
+  };
+  struct Prediction : Path {
+    std::vector<double> vx, vy, spin;
+    std::vector<TrajectoryPoint> trajectory;
   };
   // Of the contact's clock, at each frame.
   std::vector<double> instants(const double* values) const;
@@ -79,20 +83,19 @@ class ShotModel {
 
   // shot_jacobian.cpp
   bool fill_jacobian(const double* values, const Prediction& here, double* jacobian) const;
-  std::optional<Prediction> slope_in_closed_form(const Unknown& unknown, const double* values,
-                                                 const Prediction& here) const;
-  Prediction slope_in_time(FitParameter parameter, const double* values,
-                           const Prediction& here) const;
+  std::optional<Path> slope_in_closed_form(const Unknown& unknown, const double* values,
+                                           const Prediction& here) const;
+  Path slope_in_time(FitParameter parameter, const double* values, const Prediction& here) const;
   // Of each of these unknowns; empty where the motion has none.
-  std::vector<Prediction> slopes_of_motion(std::span<const std::size_t> places,
-                                           const double* values, const Prediction& here) const;
-  bool slope_by_differences(std::size_t place, const double* values, Prediction& slope) const;
+  std::vector<Path> slopes_of_motion(std::span<const std::size_t> places, const double* values,
+                                     const Prediction& here) const;
+  bool slope_by_differences(std::size_t place, const double* values, Path& slope) const;
   double value_or(FitParameter parameter, const double* values, double otherwise) const;
   void build_rows(const MeasuredTrack& track, const MeasuredShot& shot);
   void add_unknowns(const MeasuredShot& shot, const std::vector<FitParameter>& parameters,
                     const std::vector<FitParameter>& unknowns);
   void add_known(FitParameter parameter, double sd);
-  double predicted(const Row& row, const Prediction& p, const double* values) const;
+  double predicted(const Row& row, const Path& p, const double* values) const;
 
   ImpactJob laws_;
   MeasuredShot shot_;

@@ -81,6 +81,20 @@ TEST(TurningResistance, IsAlikeInAllDirections) {
   }
 }
 
+// The contact point rests from the start, and no slip says along which line friction must hold it.
+TEST(TurningResistance, HoldsWhatRollsFromTheStartInAnyDirection) {
+  ImpactJob along = ball(FrictionModel::kCoulomb);
+  along.contact.rolling_friction = 0.05;
+  along.initial.vt_m_s = 2, along.initial.omega_rad_s = -80;
+  ImpactJob across = along;
+  across.initial.vt_m_s = across.initial.omega_rad_s = 0;
+  across.initial.vb_m_s = 2, across.initial.omega_t_rad_s = 80;
+  const BodyState a = simulate_impact(along).final, b = simulate_impact(across).final;
+  EXPECT_LT(a.vt_m_s, 1.99);
+  EXPECT_NEAR(b.vb_m_s, a.vt_m_s, 1e-8);
+  EXPECT_NEAR(b.omega_t_rad_s, -a.omega_rad_s, 1e-6);
+}
+
 // What stops stays: a couple that could turn the ball back does not.
 TEST(TurningResistance, StopsAndDoesNotTurnBack) {
   ImpactJob job = ball(FrictionModel::kNone);
