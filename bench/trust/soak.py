@@ -4,12 +4,14 @@
 What must hold: both stay flat. From a quarter of the run on, what is resident grows by less than a
 tenth and 20 MB, and no more descriptors are open at the end than there were at a quarter.
 
-Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S] [--kill-every S]
-               [-- OPTIONS OF track]
+Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S]
+               [--kill-every S] [--for S] [-- OPTIONS OF track]
 FOLDER holds the clip: 4 KB a frame. The ball goes around in 400 frames, which are made once and
 copied. --end S: a run that takes longer is stopped by Ctrl-C; the table then says of how much.
 --kill-every S: the run is killed S/2 to 3/2 S seconds after it was begun or gone on with; what a
 run without kills writes must be the same, tables byte for byte and fields.h5 value for value.
+--for S: runs that are killed are repeated, `track` and `batch` in turn, each into a folder of its
+own, until they have taken S seconds.
 """
 
 import argparse
@@ -126,12 +128,51 @@ def told(name, status, wall_s, samples, stopped, killed):
 
 def unlike_whole(command, out, whole):
     """What differs from a run that nobody kills."""
-    subprocess.run([*map(str, command), str(whole)], check=True)
+    if not whole.exists():
+        subprocess.run([*map(str, command), str(whole)], check=True)
     return differences(out, results(whole))
 
 
 def size_of(path):
     return f"{path.stat().st_size / 1e6:.1f}MB" if path.exists() else "0"
+
+
+def done_clips(out):
+    return len(list(out.glob("shots/*/summary.json")))
+
+
+def jobs(program, given):
+    """(name, command up to its folder, how far the run into a folder is) of each job."""
+    small = [*SMALL, *given.options, "-o"]
+    found = []
+    if given.frames > 0:
+        clip = make_clip(program, given.folder / "long", given.frames)
+        found.append((f"track of {given.frames} frames", [program, "track", clip, *small],
+                      lambda out: size_of(out / "track.csv")))
+    if given.clips > 0:
+        make_clips(program, given.folder / "shots", given.clips)
+        found.append((f"batch of {given.clips} clips",
+                      [program, "batch", given.folder / "shots", *small], done_clips))
+    return found
+
+
+def one_run(number, job, given):
+    """Runs the job into a folder of its own; returns its seconds and what is wrong."""
+    name, command, progress = job
+    killed, out = given.kill_every > 0, given.folder / "out"
+    began = time.strftime("%H:%M:%S")
+    ended = watched([*command, out], given.end, lambda: progress(out), given.kill_every)
+    print(f"run {number}, begun {began}")
+    wrong = told(name, *ended, 0 < given.end < ended[1], killed)
+    if (out / "track.csv").exists():
+        with open(out / "track.csv", "rb") as table:
+            print(f"rows: {sum(1 for _ in table) - 1}", flush=True)
+    if killed:
+        unlike = unlike_whole(command, out, given.folder / f"whole {name}")
+        print("; ".join(unlike) or "as a run that nobody killed", flush=True)
+        wrong += unlike
+    shutil.rmtree(out)
+    return ended[1], wrong
 
 
 def main():
@@ -142,37 +183,19 @@ def main():
     parser.add_argument("--clips", type=int, default=1000)
     parser.add_argument("--end", type=float, default=0)
     parser.add_argument("--kill-every", type=float, default=0)
+    parser.add_argument("--for", type=float, default=0, dest="for_s")
     parser.add_argument("options", nargs="*")
     given = parser.parse_args()
-    program, folder = str(pathlib.Path(given.program).resolve()), given.folder
-    shutil.rmtree(folder, ignore_errors=True)
-    wrong = []
-    if given.frames > 0:
-        clip = make_clip(program, folder / "long", given.frames)
-        out = folder / "out"
-        command = [program, "track", clip, *SMALL, *given.options, "-o"]
-        ended = watched([*command, out], given.end, lambda: size_of(out / "track.csv"),
-                        given.kill_every)
-        wrong += told(f"track of {given.frames} frames", *ended, 0 < given.end < ended[1],
-                      given.kill_every > 0)
-        with open(out / "track.csv", "rb") as table:
-            print(f"rows: {sum(1 for _ in table) - 1}", flush=True)
-        if given.kill_every > 0:
-            wrong += unlike_whole(command, out, folder / "whole")
-    if given.clips > 0:
-        make_clips(program, folder / "shots", given.clips)
-        out = folder / "out_batch"
-        command = [program, "batch", folder / "shots", *SMALL, *given.options, "-o"]
-        ended = watched([*command, out], given.end,
-                        lambda: str(len(list(out.glob("shots/*/summary.json")))),
-                        given.kill_every)
-        wrong += told(f"batch of {given.clips} clips", *ended, 0 < given.end < ended[1],
-                      given.kill_every > 0)
-        print(f"clips done: {len(list(out.glob('shots/*/summary.json')))}", flush=True)
-        if given.kill_every > 0:
-            wrong += unlike_whole(command, out, folder / "whole_batch")
-    print("; ".join(wrong) or "flat")
-    shutil.rmtree(folder)
+    program = str(pathlib.Path(given.program).resolve())
+    shutil.rmtree(given.folder, ignore_errors=True)
+    wrong, taken_s, number = [], 0, 0
+    made = jobs(program, given)
+    while number < len(made) or taken_s < given.for_s:
+        number += 1
+        seconds, unlike = one_run(number, made[(number - 1) % len(made)], given)
+        taken_s, wrong = taken_s + seconds, wrong + unlike
+    print(f"{number} runs, {taken_s:.0f} s: " + ("; ".join(wrong) or "all as it must be"))
+    shutil.rmtree(given.folder)
     return 1 if wrong else 0
 
 

@@ -29,9 +29,14 @@ void add_common_options(CLI::App& command, Common& common) {
 }
 
 void add_sandbox_option(CLI::App& command) {
-  command.add_flag_callback(
+  CLI::Option* off = command.add_flag_callback(
       "--no-sandbox", [] { set_sandbox(false); },
       "Decode AVI, MP4, MOV and MKV in this program, not in a process of their own");
+  command
+      .add_flag_callback(
+          "--sandbox", [] { set_picture_sandbox(true); },
+          "Decode pictures (PNG, JPEG, BMP, PGM, sequences) in a process of their own, too")
+      ->excludes(off);
 }
 
 std::filesystem::path prepare_output_directory(const std::string& dir, bool force) {

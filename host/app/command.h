@@ -24,7 +24,7 @@ struct Common {
 // stand in the job file too, under its long name without the dashes (see job.h).
 void add_common_options(CLI::App& command, Common& common);
 
-// Of a command that reads clips: --no-sandbox.
+// Of a command that reads clips: --sandbox, --no-sandbox.
 void add_sandbox_option(CLI::App& command);
 
 // Checks of an option's value.

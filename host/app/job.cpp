@@ -11,8 +11,9 @@ namespace impactdic::app {
 namespace {
 
 // Options that belong to one run, not to the job.
-const std::set<std::string> kNotInJobs = {"output", "job",     "help",  "help-all", "quiet",
-                                          "v",      "verbose", "force", "resume",   "no-sandbox"};
+const std::set<std::string> kNotInJobs = {"output", "job",     "help",      "help-all",
+                                          "quiet",  "v",       "verbose",   "force",
+                                          "resume", "sandbox", "no-sandbox"};
 
 std::string key_of(const CLI::Option& option) {
   const auto& longs = option.get_lnames();

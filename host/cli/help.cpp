@@ -37,6 +37,7 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"fps", {"Clip", true}},
     {"raw", {"Clip", false}},
     {"max-megapixels", {"Clip", false}},
+    {"sandbox", {"Clip", false}},
     {"no-sandbox", {"Clip", false}},
     {"ball-diameter-mm", {"Scale and axes", true}},
     {"mm-per-px", {"Scale and axes", true}},

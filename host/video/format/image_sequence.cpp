@@ -1,5 +1,6 @@
 // Several picture files as one clip: TIFF through libtiff, other kinds through the codecs.
 #include <impactdic/error.h>
+#include <impactdic/safety/sandbox.h>
 
 #include <filesystem>
 
@@ -7,6 +8,7 @@
 #include "host/video/codec_module.h"
 #include "host/video/file_kind.h"
 #include "host/video/format/readers.h"
+#include "host/video/sandbox/codec_process.h"
 
 namespace impactdic::video {
 namespace {
@@ -25,9 +27,6 @@ class ImageSequence : public FrameSource {
  public:
   ImageSequence(const std::vector<std::string>& paths, const OpenOptions& options)
       : paths_(paths), options_(options) {
-    for (const std::string& path : paths_) {
-      if (!std::filesystem::exists(path)) throw FileError("there is no such file", path);
-    }
     info_ = open_picture(paths_.front(), options_)->info();
     info_.format += " sequence";
     info_.files = paths_;
@@ -63,6 +62,10 @@ class ImageSequence : public FrameSource {
 
 std::unique_ptr<FrameSource> open_image_sequence(const std::vector<std::string>& paths,
                                                  const OpenOptions& options) {
+  for (const std::string& path : paths) {
+    if (!std::filesystem::exists(path)) throw FileError("there is no such file", path);
+  }
+  if (has_codecs() && has_picture_sandbox()) return sandbox::open_pictures(paths, options);
   return std::make_unique<ImageSequence>(paths, options);
 }
 

@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -25,18 +26,20 @@
 
 namespace impactdic {
 namespace {
-std::atomic<bool> sandbox_is_on = true;
+std::atomic<bool> sandbox_is_on = true, picture_sandbox_is_on = false;
 }  // namespace
 
 void set_sandbox(bool on) { sandbox_is_on = on; }
 bool has_sandbox() { return sandbox_is_on; }
+void set_picture_sandbox(bool on) { picture_sandbox_is_on = on; }
+bool has_picture_sandbox() { return picture_sandbox_is_on; }
 }  // namespace impactdic
 
 namespace impactdic::video::sandbox {
 namespace {
 
 constexpr const char* kProgram = "impactdic-codecs";
-constexpr const char* kInstead = "--no-sandbox decodes it inside of this program";
+constexpr const char* kInstead = "without a sandbox it is decoded inside of this program";
 // Matroska clips are counted when they are opened, and a frame may need all that are before it.
 constexpr int kLongest_ms = 600 * 1000;
 constexpr std::int64_t kMostFrames = 1000000000, kMostWarnings = 100;
@@ -91,14 +94,16 @@ class Descriptor {
 // A decoding process, its memory that both see, and what ends with them.
 class CodecProcess {
  public:
-  CodecProcess(const std::string& path, double max_megapixels) : path_(path) {
+  CodecProcess(const Request& request, double max_megapixels) : path_(request.paths.front()) {
     int pair[2];
     if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0) fail();
     socket_.set(pair[0]);
-    const Descriptor theirs(pair[1]);
+    Descriptor theirs(pair[1]);
     memory_.set(::memfd_create("impactdic frames", MFD_CLOEXEC | MFD_ALLOW_SEALING));
     if (memory_.number() < 0) fail();
     start(theirs.number(), max_megapixels);
+    theirs.close();                  // whoever waits for a process that has ended learns of it
+    request.send(socket_.number());  // silence: see answer()
   }
   ~CodecProcess() {
     end();
@@ -153,8 +158,8 @@ class CodecProcess {
       throw FileError(std::string("there is no ") + kProgram + " beside the codecs", path_,
                       kInstead);
     }
-    std::string path = path_, most = shortest(max_megapixels);
-    char* const arguments[] = {program.data(), path.data(), most.data(), nullptr};
+    std::string most = shortest(max_megapixels);
+    char* const arguments[] = {program.data(), most.data(), nullptr};
     // Above both, so that no copy falls upon the other.
     const Descriptor socket(::fcntl(theirs, F_DUPFD_CLOEXEC, kMemory + 1));
     const Descriptor memory(::fcntl(memory_.number(), F_DUPFD_CLOEXEC, kMemory + 1));
@@ -206,27 +211,36 @@ class CodecProcess {
 
 class SandboxedClip : public FrameSource {
  public:
-  SandboxedClip(const std::string& path, const OpenOptions& options)
-      : process_(path, options.max_megapixels) {
+  SandboxedClip(const Request& request, const OpenOptions& options)
+      : process_(request, options.max_megapixels) {
     Message told = process_.answer();
-    info_.path = path;
+    const std::string& path = info_.path = request.paths.front();
     info_.format = told.text();
     info_.storage = told.text();
     const std::int64_t width = told.number(), height = told.number(), bits = told.number();
     info_.frame_count = told.number();
-    if (bits != 8 || info_.frame_count < 1 || info_.frame_count > kMostFrames) {
+    const auto pictures = static_cast<std::int64_t>(request.paths.size());
+    if (request.pictures ? bits < 1 || bits > 16 || info_.frame_count != pictures
+                         : bits != 8 || info_.frame_count < 1 || info_.frame_count > kMostFrames) {
       throw FormatError(path, -1, "the codecs say what cannot be");
     }
     check_frame_size(path, width, height, 3);
+    info_.bits = static_cast<int>(bits);
     info_.width = static_cast<int>(width);
     info_.height = static_cast<int>(height);
-    const double fps = told.real();
+    const double fps = told.real(), exposure_s = told.real();
     if (std::isfinite(fps) && fps > 0) info_.fps = fps;
+    if (std::isfinite(exposure_s) && exposure_s > 0) info_.exposure_s = exposure_s;
+    info_.camera = told.text();
     const std::int64_t warnings = told.number();
     for (std::int64_t i = 0; i < std::min(warnings, kMostWarnings); ++i) {
       info_.warnings.push_back(told.text());
     }
-    frame_bytes_ = static_cast<std::size_t>(width * height);
+    if (request.pictures) {
+      info_.files = request.paths;
+      info_.extra.emplace_back("last_file", request.paths.back());
+    }
+    frame_bytes_ = static_cast<std::size_t>(width * height) * (bits > 8 ? 2 : 1);
     process_.share(kSlots * frame_bytes_);
   }
 
@@ -240,12 +254,25 @@ class SandboxedClip : public FrameSource {
     if (slot < 0 || slot >= kSlots) {
       throw FormatError(info_.path, -1, "the codecs say what cannot be");
     }
-    frame.reset(info_.width, info_.height, 8);
-    std::memcpy(frame.u8.data(), process_.frames() + static_cast<std::size_t>(slot) * frame_bytes_,
+    frame.reset(info_.width, info_.height, info_.bits);
+    const auto* pixels = process_.frames() + static_cast<std::size_t>(slot) * frame_bytes_;
+    std::memcpy(info_.bits > 8 ? static_cast<void*>(frame.u16.data()) : frame.u8.data(), pixels,
                 frame_bytes_);
+    check_levels(frame);
   }
 
  private:
+  // Whoever reads the frame may count grey levels.
+  void check_levels(const Frame& frame) const {
+    const auto is_too_bright = [&](unsigned level) { return level > frame.full_scale(); };
+    if (info_.bits == 8 || info_.bits == 16) return;
+    if (frame.type == PixelType::kU8
+            ? std::any_of(frame.u8.data(), frame.u8.data() + frame.u8.size(), is_too_bright)
+            : std::any_of(frame.u16.data(), frame.u16.data() + frame.u16.size(), is_too_bright)) {
+      throw FormatError(info_.path, -1, "the codecs say what cannot be");
+    }
+  }
+
   CodecProcess process_;
   ClipInfo info_;
   std::size_t frame_bytes_ = 0;
@@ -255,7 +282,12 @@ class SandboxedClip : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(path, options);
+  return std::make_unique<SandboxedClip>(Request{false, {path}}, options);
+}
+
+std::unique_ptr<FrameSource> open_pictures(const std::vector<std::string>& paths,
+                                           const OpenOptions& options) {
+  return std::make_unique<SandboxedClip>(Request{true, paths}, options);
 }
 
 }  // namespace impactdic::video::sandbox

@@ -52,20 +52,27 @@ Ruleset everything(long version, std::size_t& bytes) {
   return all;
 }
 
-bool confine_files(const std::string& path) {
+// Adds the file to what may be read; false where it is not there.
+bool allow_file(int rules, const std::string& path) {
+  const int file = ::open(path.c_str(), O_PATH | O_CLOEXEC);
+  if (file < 0) return false;
+  const PathRule own = {kReadFile, file};
+  const bool allowed = ::syscall(SYS_landlock_add_rule, rules, kPathRule, &own, 0) == 0;
+  ::close(file);
+  return allowed;
+}
+
+bool confine_files(const std::vector<std::string>& paths) {
   const long version = ::syscall(SYS_landlock_create_ruleset, nullptr, 0, kAskVersion);
   if (version < 1) return false;
-  const int clip = ::open(path.c_str(), O_PATH | O_CLOEXEC);
-  if (clip < 0) return false;
   std::size_t bytes = 0;
   const Ruleset all = everything(version, bytes);
   const auto rules = static_cast<int>(::syscall(SYS_landlock_create_ruleset, &all, bytes, 0));
-  const PathRule own = {kReadFile, clip};
-  const bool taken = rules >= 0 &&
-                     ::syscall(SYS_landlock_add_rule, rules, kPathRule, &own, 0) == 0 &&
-                     ::syscall(SYS_landlock_restrict_self, rules, 0) == 0;
-  ::close(clip);
-  if (rules >= 0) ::close(rules);
+  if (rules < 0) return false;
+  bool any = false;
+  for (const std::string& path : paths) any = allow_file(rules, path) || any;
+  const bool taken = any && ::syscall(SYS_landlock_restrict_self, rules, 0) == 0;
+  ::close(rules);
   return taken;
 }
 
@@ -174,10 +181,10 @@ bool confine_calls() {
 
 }  // namespace
 
-Confined confine(const std::string& path) {
+Confined confine(const std::vector<std::string>& paths) {
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);  // without which neither is to be had
   Confined taken;
-  taken.files = confine_files(path);
+  taken.files = confine_files(paths);
   taken.network = confine_calls();
   return taken;
 }

@@ -1,5 +1,5 @@
-// impactdic-codecs PATH MAX_MEGAPIXELS: decodes one clip for whoever has started it, and can do
-// little else. It ends when the other end of its socket is closed.
+// impactdic-codecs MAX_MEGAPIXELS: decodes one clip for whoever has started it and tells it which,
+// and can do little else. It ends when the other end of its socket is closed.
 #include <impactdic/error.h>
 #include <poll.h>
 #include <sys/mman.h>
@@ -16,6 +16,7 @@
 
 #include "host/base/parse.h"
 #include "host/video/codec_module.h"
+#include "host/video/format/readers.h"
 #include "host/video/sandbox/confine.h"
 #include "host/video/sandbox/message.h"
 
@@ -83,12 +84,14 @@ bool did(const Work& work) {
 
 class Decoder {
  public:
-  explicit Decoder(const std::string& path, double max_megapixels) {
+  Decoder(const Request& request, double max_megapixels) {
     OpenOptions options;
     options.max_megapixels = max_megapixels;
-    const CodecModule& codecs = codec_module(path, "");
-    confine(path);  // the libraries are loaded, of the clip nothing is read yet
-    clip_ = codecs.open(path, options);
+    const std::string& first = request.paths.at(0);
+    const CodecModule& codecs = codec_module(first, "");
+    confine(request.paths);  // the libraries are loaded, of the clip nothing is read yet
+    clip_ = request.pictures ? open_image_sequence(request.paths, options)
+                             : codecs.open(first, options);
   }
 
   void describe() const {
@@ -96,7 +99,8 @@ class Decoder {
     Message told;
     told.add(static_cast<std::int64_t>(Answer::kDone)).add(info.format).add(info.storage);
     told.add(std::int64_t{info.width}).add(std::int64_t{info.height}).add(std::int64_t{info.bits});
-    told.add(info.frame_count).add(info.fps.value_or(0));
+    told.add(info.frame_count).add(info.fps.value_or(0)).add(info.exposure_s.value_or(0));
+    told.add(info.camera.substr(0, 500));
     told.add(static_cast<std::int64_t>(info.warnings.size()));
     for (const std::string& warning : info.warnings) told.add(warning.substr(0, 500));
     told.send(kSocket);
@@ -178,11 +182,13 @@ class Decoder {
   std::int64_t ahead_ = -1;  // the frame that is likely to be asked for next
 };
 
-int run(const std::string& path, double max_megapixels) {
+int run(double max_megapixels) {
   give_up_rights(max_megapixels);
+  const auto request = Request::receive(kSocket);
+  if (!request) ::_exit(EXIT_FAILURE);
   std::unique_ptr<Decoder> decoder;
   if (!did([&] {
-        decoder = std::make_unique<Decoder>(path, max_megapixels);
+        decoder = std::make_unique<Decoder>(*request, max_megapixels);
         decoder->describe();
       })) {
     ::_exit(EXIT_FAILURE);
@@ -196,6 +202,6 @@ int run(const std::string& path, double max_megapixels) {
 }  // namespace impactdic::video::sandbox
 
 int main(int argc, char** argv) {
-  if (argc != 3) return EXIT_FAILURE;
-  return impactdic::video::sandbox::run(argv[1], impactdic::parse_double(argv[2], "megapixels"));
+  if (argc != 2) return EXIT_FAILURE;
+  return impactdic::video::sandbox::run(impactdic::parse_double(argv[1], "megapixels"));
 }

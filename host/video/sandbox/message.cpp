@@ -40,13 +40,18 @@ double Message::real() {
   return value;
 }
 
-std::string Message::text() {
+std::string Message::bytes() {
   const std::int64_t size = number();
   if (size < 0 || static_cast<std::uint64_t>(size) > bytes_.size() - at_) {
     throw Error("the codecs' process sent too little");
   }
-  std::string text = bytes_.substr(at_, static_cast<std::size_t>(size));
-  at_ += text.size();
+  std::string found = bytes_.substr(at_, static_cast<std::size_t>(size));
+  at_ += found.size();
+  return found;
+}
+
+std::string Message::text() {
+  std::string text = bytes();
   for (char& c : text) {
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
   }
@@ -80,6 +85,36 @@ std::optional<Message> Message::receive(int socket, int longest_ms, bool& late) 
   if (got <= 0) return std::nullopt;
   bytes.resize(static_cast<std::size_t>(got));
   return Message(std::move(bytes));
+}
+
+bool Request::send(int socket) const {
+  Message message;
+  message.add(std::int64_t{pictures}).add(static_cast<std::int64_t>(paths.size()));
+  std::size_t bytes = 0;
+  for (const std::string& path : paths) {
+    if (bytes + path.size() > kLongestMessage / 2) {
+      if (!message.send(socket)) return false;
+      message = Message();
+      bytes = 0;
+    }
+    message.add(path);
+    bytes += path.size() + sizeof(std::int64_t);
+  }
+  return message.send(socket);
+}
+
+std::optional<Request> Request::receive(int socket) {
+  bool late = false;
+  auto message = Message::receive(socket, -1, late);
+  if (!message) return std::nullopt;
+  Request request;
+  request.pictures = message->number() != 0;
+  for (std::int64_t left = message->number(); left > 0; --left) {
+    if (message->at_end()) message = Message::receive(socket, -1, late);
+    if (!message) return std::nullopt;
+    request.paths.push_back(message->bytes());
+  }
+  return request;
 }
 
 }  // namespace impactdic::video::sandbox

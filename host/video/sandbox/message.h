@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace impactdic::video::sandbox {
 
@@ -27,7 +28,9 @@ class Message {
   // In the order in which they were added. Throw Error where the message is shorter.
   std::int64_t number();
   double real();
-  std::string text();  // characters that a terminal obeys come as spaces
+  std::string text();   // characters that a terminal obeys come as spaces
+  std::string bytes();  // as they were added
+  bool at_end() const { return at_ == bytes_.size(); }
 
   // False where the other side is gone.
   bool send(int socket) const;
@@ -38,6 +41,16 @@ class Message {
  private:
   std::string bytes_;
   std::size_t at_ = 0;
+};
+
+// What the process is to decode, the first that it is told: as many messages as the names need.
+struct Request {
+  bool pictures = false;  // files that form a sequence; else one container
+  std::vector<std::string> paths;
+
+  // False where the other side is gone.
+  bool send(int socket) const;
+  static std::optional<Request> receive(int socket);
 };
 
 }  // namespace impactdic::video::sandbox

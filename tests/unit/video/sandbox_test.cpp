@@ -1,4 +1,5 @@
-// Containers in a process of their own: the same frames, few rights, and no harm where it ends.
+// Containers and pictures in a process of their own: the same frames, few rights, and no harm where
+// it ends.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
@@ -8,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -120,7 +122,7 @@ std::string what_is_left(const std::string& clip, const std::string& other) {
   if (::pipe(pipe) != 0) return "no pipe";
   const pid_t child = ::fork();
   if (child == 0) {
-    const video::sandbox::Confined taken = video::sandbox::confine(clip);
+    const video::sandbox::Confined taken = video::sandbox::confine({clip, clip + ".not there"});
     std::string can;
     const auto try_it = [&](char letter, bool works) {
       if (works) can += letter;
@@ -206,6 +208,93 @@ TEST(Sandbox, ErrorsAreThoseOfTheCodecs) {
   EXPECT_NE(inside, "");
   EXPECT_EQ(line([&] { video::open_video({path}); }), inside);
   EXPECT_TRUE(decoders().empty());
+}
+
+// Seven pictures in a folder, the last a TIFF.
+std::vector<std::string> write_pictures(const ScratchFolder& folder, int bits = 16) {
+  ClipInfo info;
+  info.width = kWidth;
+  info.height = kHeight;
+  info.bits = bits;
+  const std::string pngs = folder.file("pngs"), tif = folder.file("pngs/last.tif");
+  const auto sink = video::codec_module(pngs, "").open_sink(pngs, video::SinkFormat::kPng, info);
+  for (int i = 0; i < 6; ++i) sink->write(random_frame(kWidth, kHeight, bits, 200u + i));
+  sink->finish();
+  const auto last = video::open_sink(tif, video::SinkFormat::kTiff, info);
+  last->write(random_frame(kWidth, kHeight, bits, 206u));
+  last->finish();
+  std::vector<std::string> paths;
+  for (const auto& entry : fs::directory_iterator(pngs)) paths.push_back(entry.path());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+class PictureSandbox : public ::testing::Test {
+ protected:
+  void SetUp() override { set_picture_sandbox(true); }
+  void TearDown() override { set_picture_sandbox(false); }
+};
+
+TEST_F(PictureSandbox, GivesWhatTheCodecsGive) {
+  const ScratchFolder folder, grey;
+  const auto paths = write_pictures(folder);
+  const std::vector<std::vector<std::string>> sequences = {
+      paths, {paths[2]}, {paths[0], paths[3], paths[6]}, write_pictures(grey, 8)};
+  for (const auto& some : sequences) {
+    set_picture_sandbox(false);
+    const auto inside = video::open_video(some);
+    EXPECT_TRUE(decoders().empty()) << "pictures are decoded here unless it is asked for";
+    set_picture_sandbox(true);
+    const auto clip = video::open_video(some);
+    ASSERT_EQ(decoders().size(), 1u);
+    const ClipInfo &is = clip->info(), &asked = inside->info();
+    EXPECT_EQ(is.path, asked.path);
+    EXPECT_EQ(is.files, asked.files);
+    EXPECT_EQ(is.format, asked.format);
+    EXPECT_EQ(is.storage, asked.storage);
+    EXPECT_EQ(is.bits, asked.bits);
+    EXPECT_EQ(is.frame_count, asked.frame_count);
+    EXPECT_EQ(is.warnings, asked.warnings);
+    EXPECT_EQ(is.extra, asked.extra);
+    Frame frame, same;
+    for (auto k = is.frame_count - 1; k >= 0; --k) {
+      clip->read(k, frame);
+      inside->read(k, same);
+      EXPECT_TRUE(same_pixels(frame, same)) << k;
+    }
+  }
+}
+
+TEST_F(PictureSandbox, ADamagedPictureIsNamedAndNoOther) {
+  const ScratchFolder folder;
+  const auto paths = write_pictures(folder);
+  auto bytes = testing::file_bytes(paths[4]);
+  bytes.resize(bytes.size() / 2);
+  testing::write_bytes(paths[4], bytes);
+  const auto clip = video::open_video(paths);
+  Frame frame;
+  for (const int k : {3, 4, 5}) {
+    try {
+      clip->read(k, frame);
+      EXPECT_NE(k, 4);
+      EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 16, 200u + k))) << k;
+    } catch (const FormatError& error) {
+      EXPECT_EQ(k, 4);
+      EXPECT_NE(error.line().find(fs::path(paths[4]).filename()), std::string::npos);
+    }
+  }
+}
+
+TEST_F(PictureSandbox, ManyPicturesAreToldInSeveralMessages) {
+  const ScratchFolder folder;
+  std::vector<std::string> paths(3000, write_pictures(folder)[1]);
+  paths.back() = folder.file("pngs/last.tif");
+  const auto clip = video::open_video(paths);
+  Frame frame;
+  clip->read(2998, frame);
+  EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 16, 201u)));
+  clip->read(2999, frame);
+  EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 16, 206u)));
 }
 
 TEST(Sandbox, CanBeLeftOut) {

@@ -1,4 +1,4 @@
-// How much the libraries that decode containers are trusted.
+// How much the libraries that decode clips are trusted.
 #pragma once
 
 #include <impactdic/export.h>
@@ -11,5 +11,11 @@ namespace IMPACTDIC_PUBLIC impactdic {
 // of this process.
 void set_sandbox(bool on);
 bool has_sandbox();
+
+// The same for pictures (.png .jpg .bmp .pgm), alone or as a sequence, in which .tif may be, too.
+// False until it is set: one process decodes them one after the other, which takes longer than
+// several threads here. A clip of one .tif file is read here in any case.
+void set_picture_sandbox(bool on);
+bool has_picture_sandbox();
 
 }  // namespace impactdic
