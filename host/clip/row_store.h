@@ -15,7 +15,7 @@ namespace impactdic {
 // file of `folder` that has no name, and so is gone with the process, however that ends.
 class RowStore final : public RowSource {
  public:
-  static constexpr std::size_t kInMemory = 16384;  // 7 MB
+  static constexpr std::size_t kInMemory = 65536;  // 28 MB
   explicit RowStore(std::filesystem::path folder, std::size_t in_memory = kInMemory);
   ~RowStore() override;
   RowStore(const RowStore&) = delete;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <vector>
 
 #include "host/clip/track_row.h"
@@ -25,7 +26,7 @@ class TrackCsv {
   // Goes on behind the first `keep` rows of an earlier run, or starts the file anew. Throws
   // FileError here and below where the file cannot be written.
   TrackCsv(std::filesystem::path path, const SiScale& scale, std::int64_t keep);
-  void add(const TrackRow& row);
+  void add(std::span<const TrackRow> rows);
   void flush();
   // `rows`: all of the run's.
   void finish(const TrackRows& rows, const TrackResult& result);

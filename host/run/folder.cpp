@@ -37,10 +37,16 @@ OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder
   };
   // A run that is at work here is named, rather than that its files are in the way.
   if (!fs::exists(path_ / FolderLock::kName, error)) refuse_files();
-  fs::create_directories(path_, error);
+  is_new_ = fs::create_directories(path_, error);
   if (error) throw FileError("cannot make the folder: " + error.message(), folder);
   lock_ = std::make_unique<FolderLock>(path_);
   refuse_files();
+}
+
+OutputFolder::~OutputFolder() {
+  lock_.reset();
+  std::error_code is_in_use;
+  if (is_new_) fs::remove(path_, is_in_use);
 }
 
 void begin_results(const fs::path& folder, const std::string& command,

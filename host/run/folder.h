@@ -20,16 +20,21 @@ namespace impactdic::run {
 // Of a folder of results: where processes that share a run leave what they tell each other.
 inline constexpr const char* kShareFolder = ".share";
 
-// A folder that one run writes into. As long as this lives no other run does.
+// A folder that one run writes into. As long as this lives no other run does. One that it made and
+// nothing was written into goes away with it.
 class OutputFolder {
  public:
   // Creates it; refuses one that holds files unless `force`. Throws InvalidArgument, FileError;
   // Error where another run writes into it.
   OutputFolder(const std::string& folder, bool force);
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
+  bool is_new_ = false;
   std::unique_ptr<FolderLock> lock_;
 };
 

@@ -42,6 +42,18 @@ std::vector<opencl::Engine*> Session::Impl::open_engines() {
   return opened;
 }
 
+void Session::Impl::open_beside() {
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (!engines.empty() || opening.valid()) return;
+  opening = std::async(std::launch::async, [this] {
+    try {
+      open_engines();
+    } catch (const std::exception&) {
+      // Who needs a device is told.
+    }
+  });
+}
+
 Session::Session(SessionOptions options) : impl_(std::make_unique<Impl>()) {
   options.validate();
   if (options.threads > 0) {

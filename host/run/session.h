@@ -4,6 +4,7 @@
 #include <impactdic/device.h>
 #include <tbb/global_control.h>
 
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,10 +19,14 @@ struct Session::Impl {
   std::optional<tbb::global_control> thread_limit;
   mutable std::mutex mutex;  // of what follows
   std::vector<std::unique_ptr<opencl::Engine>> engines;
+  std::future<void> opening;  // destroyed first: waits until nobody opens any more
 
   // Opens them where that is still to be done. A run that enqueues work itself does so on an engine
-  // beside one of these.
+  // beside one of these. Throws InvalidArgument and OpenClError as choose_device does.
   std::vector<opencl::Engine*> open_engines();
+  // Begins that beside the caller, for whom drivers take some tenths of a second; what goes wrong
+  // is for `open_engines` to find again.
+  void open_beside();
 };
 
 }  // namespace impactdic

@@ -83,7 +83,7 @@ struct TrackFiles::Impl {
   void flush() {
     if (poses) poses->flush();
     if (fields) fields->flush();
-    for (const TrackRow& row : not_in_csv) csv->add(row);
+    csv->add(not_in_csv);
     not_in_csv.clear();
     csv->flush();
     if (reached) {

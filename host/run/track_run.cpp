@@ -32,7 +32,7 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
                    TrackResult& result, const std::string& needs_rate)
     : request_(request), session_(session), caller_(caller), result_(result) {
   request.validate();
-  if (request.with_field) session.open();
+  if (request.with_field) session.impl().open_beside();
   source_ = open_requested(request.clip);
   result_ = {};
   result_.clip = info();
@@ -96,6 +96,7 @@ void TrackRun::look() {
     pairs.clear();
   }
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
+  if (options_.with_field) session_.open();
   choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());

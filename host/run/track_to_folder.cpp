@@ -225,7 +225,6 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run::visit_track(settings, request, folder);
   run::TrackFilesOptions options = files_options(request, folder, result);
   options.folder = path;
-  options.attributes = run::attributes_of(session, run.info());
   settings.describe(options.attributes);
   describe_calibration(request, options.attributes);
   run::visit_session(settings, session.options());
@@ -233,14 +232,15 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   options.resume = folder.resume && run::TrackFiles::can_go_on(path, options.rows);
   const auto corrected = options.resume ? earlier_corrections(path, settings, request) : kSame;
   const bool goes_on = options.resume;
-  if (!goes_on) run::begin_results(path, "track", settings, false);
   run.look();
+  options.attributes.merge(run::attributes_of(session, run.info()));
   if (goes_on && result.body == Body::kSphere) run::require_same_sight(path / "job.toml", settings);
   if (corrected) {
     options.resume = go_back(path, run, first_row_changed(run, request, *corrected),
                              folder.overlay.wanted, caller);
   }
-  if (goes_on) run::begin_results(path, "track", settings, options.resume);
+  // Nothing earlier is given up before all that this run needs is there, a device as well.
+  run::begin_results(path, "track", settings, options.resume);
 
   auto files = std::make_unique<run::TrackFiles>(std::move(options));
   run::DigestBeside digest(request.clip, run.info(), folder.checksum);

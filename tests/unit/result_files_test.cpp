@@ -67,8 +67,7 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   oval.e1_px = 1.25, oval.e2_px = -0.5, oval.e1_sd_px = 0.01, oval.e2_sd_px = 0.02;
   oval.by_hand = ByHand::kGuided;
   report::TrackCsv csv(folder / "track.csv", {}, 0);
-  csv.add(example_row(0));
-  csv.add(lost);
+  csv.add(std::vector{example_row(0), lost});
   TrackResult result;
   result.rows = {example_row(0), lost, oval};
   result.scale = {2e-4, 1e4, 0, 512};
