@@ -175,12 +175,26 @@ class Search {
     return scene_ != nullptr && scene_->is_still(moved_, circle);
   }
 
+  // Whether the candidate would only lead to a ball that is proved already.
+  bool is_known(const Circle& candidate) const {
+    return std::any_of(found_.begin(), found_.end(), [&](const FoundBall& ball) {
+      const double near = kBallSearch.known_of_r * ball.circle.r_px;
+      return ball.rim_fraction >= kBallSearch.proved &&
+             std::abs(ball.circle.r_px - candidate.r_px) < near &&
+             std::hypot(ball.circle.cx_px - candidate.cx_px, ball.circle.cy_px - candidate.cy_px) <
+                 near;
+    });
+  }
+
   void try_circles(const cv::Mat& picture, int shrink) {
     Candidates candidates;
     const auto may_be = [&](const Circle& circle) { return !is_still(circle); };
     propose(picture, shrink, low_, high_, may_be, candidates);
     for (const Circle& candidate : candidates) {
-      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate)) continue;
+      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate) ||
+          is_known(candidate)) {
+        continue;
+      }
       tried_.push_back(candidate);
       const FoundBall ball = prove(frame_, candidate, options_);
       if (ball.score <= 0 || is_still(ball.circle)) continue;

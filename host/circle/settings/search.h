@@ -32,6 +32,9 @@ struct BallSearchSettings {
   double candidate_sd_of_r = 0.025;  // scatter of a Hough centre, share of the radius [hand]
   double least_candidate_sd_px = 2;  // and at least [hand]
   double proved = 0.5;               // share of the rim that leaves no doubt [hand]
+  // A candidate so near a ball that is proved, in place and radius, is that ball: share of its
+  // radius.
+  double known_of_r = 0.15;  // [hand]
   // By what moves.
   int moved_disc_px[2] = {1, 3};  // radii of the discs that close and open what moved [hand]
   double explained_of_r = 1.3;    // so far about a ball what moved belongs to it [hand]
