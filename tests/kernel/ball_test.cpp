@@ -180,79 +180,77 @@ INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
                                            Case{7, kSphere, true, false, 76.3, {}, 0, 0.08},
                                            Case{7, kSphere, true, false, 76.3, {}, 12, 0.08}));
 
+// A pair of pictures of a turned ball whose radius is guessed half a pixel too small; what is told
+// of the motion is right.
+struct GuessedRadius {
+  GuessedRadius(std::uint32_t seed, double turn_deg, double nearness = 0)
+      : turn(turn_about(1, 2, 0.5, turn_deg)) {
+    const testing::SpherePictures sphere(seed, kRadiusPx);
+    testing::SpherePose first{76.3, 74.4, dic::quaternion_of({1, 0.4, -2})};
+    testing::SpherePose second{77.1, 74.0, dic::quaternion_of(turn) * first.turn};
+    for (testing::SpherePose* pose : {&first, &second}) {
+      pose->by_distance = nearness / kRadiusPx;
+      pose->aside_x = pose->by_distance * (pose->cx_px - kAxisX);
+      pose->aside_y = pose->by_distance * (pose->cy_px - kAxisY);
+    }
+    frames.set(0, sphere.render(first, kWidth, kHeight, 2, 1));
+    frames.set(1, sphere.render(second, kWidth, kHeight, 2, 2));
+    task.second = 1;
+    task.cx = static_cast<float>(first.cx_px);
+    task.cy = static_cast<float>(first.cy_px);
+    task.radius = static_cast<float>(kRadiusPx - 5);
+    task.ball_radius = static_cast<float>(kRadiusPx - 0.5);
+    task.guess_dx = 0.8F;
+    task.guess_dy = -0.4F;
+    task.guess_rot_x_rad = static_cast<float>(turn.x());
+    task.guess_rot_y_rad = static_cast<float>(turn.y());
+    task.guess_rot_rad = static_cast<float>(turn.z());
+  }
+  // Where the search for the distance begins.
+  void guess_nearness(double nearness) {
+    const float start = task.sight.by_distance = static_cast<float>(nearness / kRadiusPx);
+    task.sight.first_x = task.sight.second_x = start * (task.cx - static_cast<float>(kAxisX));
+    task.sight.first_y = task.sight.second_y = start * (task.cy - static_cast<float>(kAxisY));
+  }
+  BallMotion measure(dic::BallModel model) {
+    dic::BallOptions options;
+    options.model = model;
+    return dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
+  }
+
+  const Eigen::Vector3d turn;
+  dic::DeviceFrames frames{shared_engine(), 2};
+  BallTask task{};
+
+  static constexpr double kAxisX = 20, kAxisY = 100;  // px, of the optical axis
+};
+
 // The depth of what turns tells the radius.
 TEST(SphereKernel, FindsTheRadiusAlongWithTheTurn) {
-  const testing::SpherePictures sphere(8, kRadiusPx);
-  const Eigen::Vector3d turn = turn_about(1, 2, 0.5, 8);
-  const testing::SpherePose first{76.3, 74.4, dic::quaternion_of({1, 0.4, -2})};
-  const testing::SpherePose second{77.1, 74.0, dic::quaternion_of(turn) * first.turn};
-  dic::DeviceFrames frames(shared_engine(), 2);
-  frames.set(0, sphere.render(first, kWidth, kHeight, 2, 1));
-  frames.set(1, sphere.render(second, kWidth, kHeight, 2, 2));
-  dic::BallOptions options;
-  options.model = dic::BallModel::kSphereAndRadius;
-  BallTask task{};
-  task.second = 1;
-  task.cx = 76.3F;
-  task.cy = 74.4F;
-  task.radius = static_cast<float>(kRadiusPx - 5);
-  task.ball_radius = static_cast<float>(kRadiusPx - 0.5);
-  task.guess_dx = 0.8F;
-  task.guess_dy = -0.4F;
-  task.guess_rot_x_rad = static_cast<float>(turn.x());
-  task.guess_rot_y_rad = static_cast<float>(turn.y());
-  task.guess_rot_rad = static_cast<float>(turn.z());
-  const BallMotion got =
-      dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
+  GuessedRadius pair(8, 8);
+  const BallMotion got = pair.measure(dic::BallModel::kSphereAndRadius);
   ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
   EXPECT_LT(got.ball_radius_sd, 0.1);
   EXPECT_NEAR(got.ball_radius, kRadiusPx, 4 * got.ball_radius_sd);
-  EXPECT_NEAR(got.rot_y_rad, turn.y(), 4 * std::sqrt(got.covariance[9]));
+  EXPECT_NEAR(got.rot_y_rad, pair.turn.y(), 4 * std::sqrt(got.covariance[9]));
 }
 
 // The depth of what turns tells the radius, and what is nearer the distance.
 TEST(SphereKernel, FindsRadiusAndDistanceAlongWithTheTurn) {
   constexpr double kNearness = 0.05;
-  const testing::SpherePictures sphere(9, kRadiusPx);
-  const Eigen::Vector3d turn = turn_about(1, 2, 0.5, 20);
-  testing::SpherePose first{76.3, 74.4, dic::quaternion_of({1, 0.4, -2})};
-  testing::SpherePose second{77.1, 74.0, dic::quaternion_of(turn) * first.turn};
-  for (testing::SpherePose* pose : {&first, &second}) {
-    pose->by_distance = kNearness / kRadiusPx;
-    pose->aside_x = pose->by_distance * (pose->cx_px - 20);
-    pose->aside_y = pose->by_distance * (pose->cy_px - 100);
-  }
-  dic::DeviceFrames frames(shared_engine(), 2);
-  frames.set(0, sphere.render(first, kWidth, kHeight, 2, 1));
-  frames.set(1, sphere.render(second, kWidth, kHeight, 2, 2));
-  dic::BallOptions options;
-  options.model = dic::BallModel::kSphereRadiusAndDistance;
-  BallTask task{};
-  task.second = 1;
-  task.cx = static_cast<float>(first.cx_px);
-  task.cy = static_cast<float>(first.cy_px);
-  task.radius = static_cast<float>(kRadiusPx - 5);
-  task.ball_radius = static_cast<float>(kRadiusPx - 0.5);
-  task.guess_dx = 0.8F;
-  task.guess_dy = -0.4F;
-  task.guess_rot_x_rad = static_cast<float>(turn.x());
-  task.guess_rot_y_rad = static_cast<float>(turn.y());
-  task.guess_rot_rad = static_cast<float>(turn.z());
-  dic::BallRegistration registration(shared_engine(), options);
+  constexpr auto kModel = dic::BallModel::kSphereRadiusAndDistance;
+  GuessedRadius pair(9, 20, kNearness);
   // It must begin somewhere.
-  EXPECT_THROW(registration.measure(frames, {&task, 1}), InvalidArgument);
-  const float start = static_cast<float>(0.02 / kRadiusPx);
-  task.sight.by_distance = start;
-  task.sight.first_x = task.sight.second_x = start * static_cast<float>(first.cx_px - 20);
-  task.sight.first_y = task.sight.second_y = start * static_cast<float>(first.cy_px - 100);
-  const BallMotion got = registration.measure(frames, {&task, 1})[0];
+  EXPECT_THROW(pair.measure(kModel), InvalidArgument);
+  pair.guess_nearness(0.02);
+  const BallMotion got = pair.measure(kModel);
   ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
   const double nearness = got.by_distance * kRadiusPx, sd = got.by_distance_sd * kRadiusPx;
   EXPECT_LT(sd, 0.001);
   EXPECT_NEAR(nearness, kNearness, 5 * sd);
   EXPECT_NEAR(got.ball_radius, kRadiusPx, 5 * got.ball_radius_sd);
   EXPECT_NEAR(got.dx, 0.8, 5 * got.dx_sd);
-  EXPECT_NEAR(got.rot_y_rad, turn.y(), 5 * std::sqrt(got.covariance[9]));
+  EXPECT_NEAR(got.rot_y_rad, pair.turn.y(), 5 * std::sqrt(got.covariance[9]));
 }
 
 // Two halves of a picture that move apart: each mask sees its own.
