@@ -2,7 +2,9 @@
 """Memory and open files of one long `track` and of one `batch` of many clips.
 
 What must hold: both stay flat. From a quarter of the run on, what is resident grows by less than a
-tenth and 20 MB, and no more descriptors are open at the end than there were at a quarter.
+tenth and 20 MB, and no more descriptors are open at the end than there were at a quarter. Resident
+are also pages of the clip and of libraries, which the system takes back when it needs them; what is
+the program's own (RssAnon) is printed beside it.
 
 Usage: soak.py PROGRAM FOLDER [--frames 1000000] [--clips 1000] [--end S]
                [--kill-every S] [--for S] [-- OPTIONS OF track]
@@ -34,10 +36,11 @@ BALL = ["--pattern", "e1", "--size", "64x64", "--radius-px", "20", "--noise", "1
 SMALL = ["-q", "--spacing", "9", "--no-checksum", "--ball-diameter-mm", "67"]
 
 
-def resident_mb(pid):
+def memory_mb(pid):
+    """What is resident, and what of it is the program's own; None of a process that has ended."""
     status = pathlib.Path(f"/proc/{pid}/status").read_text()
-    found = re.search(r"VmRSS:\s+(\d+)", status)
-    return int(found[1]) / 1024 if found else None
+    found = [re.search(rf"{name}:\s+(\d+)", status) for name in ("VmRSS", "RssAnon")]
+    return [int(number[1]) / 1024 for number in found] if all(found) else None
 
 
 def make_clip(program, folder, frames):
@@ -72,7 +75,7 @@ def make_clips(program, folder, clips):
 
 
 def watched(command, end_s, progress, kill_every_s=0):
-    """Runs it; returns its status, its seconds and samples of (s, progress, MB, descriptors)."""
+    """Runs it; returns its status, its seconds and samples of (s, progress, MB, own MB, descriptors)."""
     command = [str(part) for part in command]
     run = subprocess.Popen(command)
     began, samples, kills = time.monotonic(), [], 0
@@ -90,10 +93,10 @@ def watched(command, end_s, progress, kill_every_s=0):
             run = subprocess.Popen([*command, "--resume"])
             kill_at = next_kill(now)
         try:
-            memory = resident_mb(run.pid)
+            memory = memory_mb(run.pid)
             files = len(os.listdir(f"/proc/{run.pid}/fd"))
             if memory is not None:
-                samples.append((now, progress(), memory, files))
+                samples.append((now, progress(), *memory, files))
         except (FileNotFoundError, ProcessLookupError):
             pass  # it has ended
         if now > end_s and end_s > 0:
@@ -107,22 +110,24 @@ def watched(command, end_s, progress, kill_every_s=0):
 
 def told(name, status, wall_s, samples, stopped, killed):
     """Prints the table; returns what is wrong. Memory of a run that was killed is not judged."""
-    print(f"{name}: status {status}, {wall_s:.1f} s\ntime_s written resident_mb descriptors")
+    print(f"{name}: status {status}, {wall_s:.1f} s\ntime_s written resident_mb own_mb descriptors")
     for share in range(11):
         at = min(len(samples) - 1, share * len(samples) // 10)
-        print("%.1f %s %.1f %d" % samples[at], flush=True)
+        print("%.1f %s %.1f %.1f %d" % samples[at], flush=True)
     steady = samples[len(samples) // 4:max(len(samples) * 39 // 40, len(samples) // 4 + 1)]
     early = steady[:len(steady) // 6 + 1]
     memory = max(s[2] for s in early)
-    files = max(s[3] for s in early)
-    most, most_files = max(s[2] for s in steady), max(s[3] for s in steady[-len(early):])
+    files = max(s[4] for s in early)
+    most, most_files = max(s[2] for s in steady), max(s[4] for s in steady[-len(early):])
+    own = [max(s[3] for s in part) for part in (early, steady)]
     wrong = [] if status == (130 if stopped else 0) else [f"{name} ended {status}"]
     if not killed and most > 1.1 * memory and most > memory + 20:
         wrong.append(f"{name}: {memory:.0f} MB resident became {most:.0f} MB")
     if not killed and most_files > files:
         wrong.append(f"{name}: {files} open files became {most_files}")
     print(f"{name}: {memory:.0f} MB and {files} descriptors after a quarter, then at most "
-          f"{most:.0f} MB, and {most_files} at the end", flush=True)
+          f"{most:.0f} MB, and {most_files} at the end; own memory {own[0]:.1f} and {own[1]:.1f} MB",
+          flush=True)
     return wrong
 
 

@@ -130,9 +130,9 @@ std::shared_ptr<PythonClip> from_function(nb::callable read, std::int64_t count,
   return std::make_shared<PythonClip>(PythonClip{std::move(source), {}, {}});
 }
 
-std::shared_ptr<PythonClip> from_files(std::vector<std::string> paths, nb::dict options) {
+std::shared_ptr<PythonClip> from_files(std::vector<std::string> paths, const nb::dict& options) {
   ClipRequest request;
-  OptionReader reader(std::move(options));
+  OptionReader reader(options);
   run::visit_reading(reader, request);
   reader.finish("open");
   auto clip = std::make_shared<PythonClip>();

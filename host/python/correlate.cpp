@@ -64,15 +64,16 @@ nb::dict columns_of(const std::vector<MotionRow>& rows) {
 }
 
 // The field of every frame but the reference, whose motion is zero by definition.
-nb::dict correlate_clip(const PythonClip& clip, nb::dict options, nb::dict output, nb::object mask,
-                        Session& session, nb::object progress, nb::object message) {
+nb::dict correlate_clip(const PythonClip& clip, const nb::dict& options, const nb::dict& output,
+                        nb::object mask, Session& session, nb::object progress,
+                        nb::object message) {
   CorrelateRequest request;
   CorrelateFolder folder;
   put_mask(request, mask);
-  OptionReader reader(std::move(options));
+  OptionReader reader(options);
   run::visit_correlate(reader, request, folder);
   reader.finish("correlate");
-  OptionReader place(std::move(output));
+  OptionReader place(output);
   place("folder", folder.folder);
   place("force", folder.force);
   place("resume", folder.resume);

@@ -15,7 +15,7 @@ void choose(OptionReader& reader, const char* key, T& to, Parser parse) {
   if (!word.empty()) to = parse(word);
 }
 
-OptionReader table(nb::dict job, const char* name) {
+OptionReader table(const nb::dict& job, const char* name) {
   if (!job.contains(name)) return OptionReader(nb::dict());
   const nb::object found = job[name];
   if (!nb::isinstance<nb::dict>(found)) throw InvalidArgument("must be a dictionary", name);
@@ -63,7 +63,7 @@ ContactParameters read_contact(OptionReader reader, NormalModel normal) {
 
 }  // namespace
 
-ImpactJob impact_job(nb::dict job) {
+ImpactJob impact_job(const nb::dict& job) {
   ImpactJob impact;
   OptionReader root(job);
   choose(root, "normal", impact.normal, parse_normal_model);

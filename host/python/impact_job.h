@@ -8,6 +8,6 @@ namespace impactdic::python {
 
 // normal, friction, preset, body, contact, surface, initial, environment, solver, as in the job
 // files of `simulate`; tables are dictionaries. Throws InvalidArgument naming the key.
-ImpactJob impact_job(nanobind::dict job);
+ImpactJob impact_job(const nanobind::dict& job);
 
 }  // namespace impactdic::python

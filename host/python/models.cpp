@@ -108,10 +108,10 @@ nb::dict outcome_of(const ImpactResult& impact) {
   return outcome;
 }
 
-nb::dict simulate_impact(nb::dict job, double rate_hz, std::vector<double> times_s,
+nb::dict simulate_impact(const nb::dict& job, double rate_hz, std::vector<double> times_s,
                          bool derivatives) {
   SimulateRequest request;
-  request.impact = impact_job(std::move(job));
+  request.impact = impact_job(job);
   request.rate_hz = rate_hz;
   request.times_s = std::move(times_s);
   request.derivatives = derivatives;
@@ -128,10 +128,10 @@ FitParameter parameter_of(const std::string& key, NormalModel normal) {
   throw InvalidArgument("'" + key + "' is not known", "parameters");
 }
 
-FitRequest read_request(const nb::list& tracks, nb::dict job, nb::dict options) {
+FitRequest read_request(const nb::list& tracks, const nb::dict& job, const nb::dict& options) {
   FitRequest request;
-  request.impact = impact_job(std::move(job));
-  OptionReader reader(std::move(options));
+  request.impact = impact_job(job);
+  OptionReader reader(options);
   std::vector<std::string> parameters, unknowns;
   std::string method;
   reader("parameters", parameters);
@@ -221,8 +221,9 @@ nb::dict shot_of(const ShotFit& shot) {
   return facts;
 }
 
-nb::dict fit_tracks(nb::list tracks, nb::dict impact, nb::dict options, nb::object progress) {
-  const FitRequest request = read_request(tracks, std::move(impact), std::move(options));
+nb::dict fit_tracks(const nb::list& tracks, const nb::dict& impact, const nb::dict& options,
+                    nb::object progress) {
+  const FitRequest request = read_request(tracks, impact, options);
   Job job({std::move(progress), nb::none()});
   FitResult result;
   job.run([&](const RunControl& control) { result = fit(request, control); });

@@ -15,9 +15,9 @@ namespace nb = nanobind;
 namespace impactdic::python {
 namespace {
 
-std::unique_ptr<Session> open_session(nb::dict options) {
+std::unique_ptr<Session> open_session(const nb::dict& options) {
   SessionOptions wanted;
-  OptionReader reader(std::move(options));
+  OptionReader reader(options);
   run::visit_session(reader, wanted);
   reader.finish("session");
   return std::make_unique<Session>(wanted);
@@ -49,9 +49,10 @@ nb::list devices() {
 }  // namespace
 
 void bind_session(nb::module_& module) {
-  nb::class_<Session>(module, "Session").def("__init__", [](Session* self, nb::dict options) {
-    new (self) Session(std::move(*open_session(std::move(options))));
-  });
+  nb::class_<Session>(module, "Session")
+      .def("__init__", [](Session* self, const nb::dict& options) {
+        new (self) Session(std::move(*open_session(options)));
+      });
   module.def("list_devices", &devices);
 }
 

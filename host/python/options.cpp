@@ -164,7 +164,7 @@ void assign(nb::handle value, std::vector<BallByHand>& to, const std::string& wh
             [](const BallByHand& a, const BallByHand& b) { return a.frame < b.frame; });
 }
 
-OptionReader::OptionReader(nb::dict values) {
+OptionReader::OptionReader(const nb::dict& values) {
   for (const auto& [key, value] : values) {
     values_[nb::cast<nb::str>(key).c_str()] = nb::borrow(value);
   }

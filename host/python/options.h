@@ -55,7 +55,7 @@ std::vector<double> numbers(nanobind::handle value, std::size_t count, const std
 // in a dictionary.
 class OptionReader {
  public:
-  explicit OptionReader(nanobind::dict values);
+  explicit OptionReader(const nanobind::dict& values);
   template <typename T>
   void operator()(const run::Setting& setting, T& member) {
     (*this)(setting.key, member);

@@ -65,9 +65,9 @@ nb::dict columns_of(const std::vector<SweepShot>& shots) {
 }
 
 // `axes`: (key, values) of each, the first varies slowest.
-nb::dict sweep_models(nb::dict job, nb::list axes, int threads, nb::object progress) {
+nb::dict sweep_models(const nb::dict& job, const nb::list& axes, int threads, nb::object progress) {
   SweepRequest request;
-  ImpactJob impact = impact_job(std::move(job));
+  ImpactJob impact = impact_job(job);
   request.threads = threads;
   for (const nb::handle pair : axes) {
     const auto key = nb::cast<std::string>(pair[0]);

@@ -126,7 +126,7 @@ nb::object poses_of(const SynthTruth& truth) {
   return to_numpy(std::move(rows), {truth.poses.size(), 12});
 }
 
-nb::dict synth(nb::dict options, nb::object progress) {
+nb::dict synth(const nb::dict& options, nb::object progress) {
   const SynthRequest request = read_request(options);
   Job job({std::move(progress), nb::none()});
   SynthResult result;

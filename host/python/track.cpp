@@ -61,17 +61,18 @@ TrackSink sink_of(const nb::object& on_frame) {
   };
 }
 
-nb::dict track_clip(const PythonClip& clip, nb::dict options, nb::dict output, Session& session,
-                    nb::object progress, nb::object message, nb::object on_frame) {
+nb::dict track_clip(const PythonClip& clip, const nb::dict& options, const nb::dict& output,
+                    Session& session, nb::object progress, nb::object message,
+                    const nb::object& on_frame) {
   TrackRequest request;
   TrackFolder folder;
   folder.keep_rows = false;
   put_into(request.clip, clip);
-  OptionReader reader(std::move(options));
+  OptionReader reader(options);
   run::visit_reading(reader, request.clip);
   run::visit_track_settings(reader, request, folder);
   reader.finish("track");
-  OptionReader place(std::move(output));
+  OptionReader place(output);
   place("folder", folder.folder);
   place("force", folder.force);
   place("resume", folder.resume);
@@ -86,13 +87,13 @@ nb::dict track_clip(const PythonClip& clip, nb::dict options, nb::dict output, S
   return outcome_of(result);
 }
 
-nb::dict batch_folder(std::string folder, nb::dict options, nb::dict output, Session& session,
-                      nb::object progress, nb::object message) {
+nb::dict batch_folder(std::string folder, const nb::dict& options, const nb::dict& output,
+                      Session& session, nb::object progress, nb::object message) {
   BatchRequest request;
-  OptionReader reader(std::move(options));
+  OptionReader reader(options);
   run::visit_batch(reader, request);
   reader.finish("batch");
-  OptionReader place(std::move(output));
+  OptionReader place(output);
   place("folder", request.output.folder);
   place("force", request.output.force);
   place("resume", request.output.resume);

@@ -62,7 +62,7 @@ void ContactDynamicsOf<Real>::stop_turning(const State& x, bool keep_line) {
 // Along which what rests is pushed: the way it rolls where that is braked, else down the slope.
 template <typename Real>
 auto ContactDynamicsOf<Real>::line_at_rest(const State& x) const -> SlipLine {
-  const Real b = x[kOmega], t = x[kOmegaT];
+  const Real &b = x[kOmega], &t = x[kOmegaT];
   if (!resistance_.of_rolling() || t == 0) return {Real(gravity_t_ > 0 ? 1.0 : -1.0), Real(0)};
   const Real spin = hypot(b, t);
   return {-b / spin, t / spin};

@@ -30,9 +30,9 @@ void sample(ImageView<const T> picture, const Rim& rim, float sign, double step_
   std::vector<float> rises;
   const int layers = static_cast<int>(samples.x.size());
   for (int i = 0; i < layers * kDirections; ++i) {
-    const int layer = i % layers;
+    const int layer = i % layers, side = i / layers;
     const std::array<float, kRings>& ring_x = samples.x[layer];
-    const double angle = (i / layers + 0.5) * 2 * kPi / kDirections - kPi / 4;
+    const double angle = (side + 0.5) * 2 * kPi / kDirections - kPi / 4;
     SphereSamples::Direction d{
         static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), layer, {}};
     const auto reach = static_cast<float>(

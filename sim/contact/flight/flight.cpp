@@ -49,7 +49,7 @@ ImpactStateOf<Real> fall(const ImpactStateOf<Real>& from, const Real& gravity_t,
 
 template <typename Real>
 Real time_to_fall(const ImpactStateOf<Real>& x, const Real& gravity_n) {
-  const Real height = x[kQn], speed = x[kVn];
+  const Real &height = x[kQn], &speed = x[kVn];
   if (gravity_n >= 0) {
     if (gravity_n == 0) return speed < 0 && height > 0 ? Real(-height / speed) : Real(kNever);
     const Real root = speed * speed - 2.0 * gravity_n * height;
