@@ -12,10 +12,11 @@ namespace {
 // Lets the system take back the pages that lie wholly within; they are read again where they are
 // wanted again. Only for shared or read-only maps of a file, whose pages are the file's own.
 void release_pages(const void* data, std::size_t bytes) {
-  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto begin = (reinterpret_cast<std::uintptr_t>(data) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / page * page;
-  if (end > begin) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(data) % page) % page;
+  if (bytes < before + page) return;
+  auto* const begin = const_cast<char*>(static_cast<const char*>(data)) + before;
+  ::madvise(begin, (bytes - before) / page * page, MADV_DONTNEED);
 }
 
 class ArraySource : public FrameSource {

@@ -65,7 +65,7 @@ nb::dict columns_of(const std::vector<MotionRow>& rows) {
 
 // The field of every frame but the reference, whose motion is zero by definition.
 nb::dict correlate_clip(const PythonClip& clip, const nb::dict& options, const nb::dict& output,
-                        nb::object mask, Session& session, nb::object progress,
+                        const nb::object& mask, Session& session, nb::object progress,
                         nb::object message) {
   CorrelateRequest request;
   CorrelateFolder folder;

@@ -37,7 +37,7 @@ ImpactBody read_body(OptionReader reader) {
 ContactParameters read_contact(OptionReader reader, NormalModel normal) {
   ContactParameters contact;
   if (!stiffness_key(normal).empty()) {
-    reader(std::string(stiffness_key(normal)).c_str(), contact.stiffness);
+    reader(std::string(stiffness_key(normal)), contact.stiffness);
   }
   reader("damping_n_s_per_m", contact.damping_n_s_per_m);
   reader("damping_factor", contact.damping_factor);
