@@ -22,7 +22,7 @@
 // A function of vectors, compiled for AVX-512 too and chosen when the program starts; sanitizers
 // are not ready by then. What it calls must be inlined into it to be compiled so as well.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define IMPACTDIC_WIDE __attribute__((target_clones("arch=x86-64-v4", "default")))
 #else
 #define IMPACTDIC_WIDE
