@@ -63,17 +63,18 @@ Engine::Engine(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
     if (!shared_->idle_queues.empty()) {
       queue_ = std::move(shared_->idle_queues.back());
       shared_->idle_queues.pop_back();
-      return;
     }
   }
   try {
-    queue_ = make_queue();
+    if (queue_() == nullptr) queue_ = make_queue();
   } catch (const cl::Error& error) {
     throw OpenClError(error.what(), error.err());
   }
+  ++shared_->engines;
 }
 
 Engine::~Engine() {
+  --shared_->engines;
   const std::lock_guard<std::mutex> lock(shared_->mutex);
   shared_->idle_queues.push_back(queue_);
 }

@@ -58,6 +58,8 @@ class Engine {
   // The same device, programs and profiler behind a queue of its own: what one engine enqueues
   // runs beside what the other does.
   std::unique_ptr<Engine> beside() const;
+  // How many engines there are on this one's context, itself among them.
+  int count() const { return shared_->engines; }
 
   const Device& device() const { return shared_->device; }
   const cl::Context& context() const { return shared_->context; }
@@ -114,6 +116,7 @@ class Engine {
     std::mutex mutex;
     std::map<std::string, Program> programs;
     std::vector<cl::CommandQueue> idle_queues;  // of engines that are gone
+    std::atomic<int> engines = 0;
     std::shared_ptr<CompileWatch> compiling;
     bool keeps_binaries = true;
     std::atomic<bool> compiler_is_stuck = false;

@@ -14,6 +14,9 @@ namespace {
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
 constexpr int kWorkersOfGpu = 12, kWorkersOfCpu = 1;
+// Of all clips that are measured at once on a GPU: more of them only lock more of the host's
+// memory, which its driver does for one at a time.
+constexpr int kWorkersOfAllClips = 16, kFewestOfGpu = 2;
 // Batches whose frames are registered together before the poses of the first of them are known: a
 // launch takes as long for one frame as for a batch, and one batch after another would wait for it.
 constexpr int kAheadOnGpu = 4;
@@ -26,6 +29,37 @@ constexpr double kMemoryShare = 0.5;
 
 int workers_of(const opencl::Engine& engine) {
   return engine.device().is_gpu ? kWorkersOfGpu : kWorkersOfCpu;
+}
+
+// The same, less those that other clips have on the device.
+int free_workers_of(const opencl::Engine& engine) {
+  if (!engine.device().is_gpu) return kWorkersOfCpu;
+  const int others = engine.count() - 1;
+  return std::clamp(kWorkersOfAllClips - others, kFewestOfGpu, kWorkersOfGpu);
+}
+
+// A device, and an engine of a worker's own on it.
+struct OwnEngine {
+  const opencl::Engine* device;
+  std::unique_ptr<opencl::Engine> engine;
+};
+
+// Of every device as many as are of use and free. Neighbours are on different devices, so that a
+// short clip reaches all of them.
+std::vector<OwnEngine> take_engines(std::span<opencl::Engine* const> devices, std::int64_t useful) {
+  static std::mutex taking;  // what is free is counted and taken in one step
+  const std::lock_guard<std::mutex> lock(taking);
+  std::vector<std::int64_t> free;
+  for (const opencl::Engine* device : devices) {
+    free.push_back(std::min<std::int64_t>(useful, free_workers_of(*device)));
+  }
+  std::vector<OwnEngine> own;
+  for (std::int64_t k = 0; k < *std::max_element(free.begin(), free.end()); ++k) {
+    for (std::size_t d = 0; d < devices.size(); ++d) {
+      if (k < free[d]) own.push_back({devices[d], devices[d]->beside()});
+    }
+  }
+  return own;
 }
 
 int slots_of(const opencl::Device& device, int workers, int width, int height, int batch) {
@@ -147,23 +181,15 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
   } else {
     ahead_ = 1;
   }
-  int most = 0;
-  for (const opencl::Engine* engine : engines) most = std::max(most, workers_of(*engine));
   const auto shares = static_cast<std::int64_t>(engines.size());
-  most = static_cast<int>(
-      std::clamp<std::int64_t>((clip.batches + shares - 1) / shares, std::int64_t{1}, most));
-  // Neighbouring workers are on different devices, so that a short clip reaches all of them.
+  const std::int64_t useful = std::max<std::int64_t>(1, (clip.batches + shares - 1) / shares);
   std::vector<std::future<std::unique_ptr<Worker>>> opening;
-  for (int k = 0; k < most; ++k) {
-    for (const opencl::Engine* engine : engines) {
-      const int workers = workers_of(*engine);
-      if (k >= workers) continue;
-      opening.push_back(std::async(std::launch::async, [&, engine, workers] {
-        return std::make_unique<Worker>(
-            engine->beside(), options, radius_px_,
-            slots_of(engine->device(), workers, crop_.width(), crop_.height(), batch_));
-      }));
-    }
+  for (OwnEngine& own : take_engines(engines, useful)) {
+    opening.push_back(std::async(std::launch::async, [&, own = std::move(own)]() mutable {
+      const int slots = slots_of(own.device->device(), workers_of(*own.device), crop_.width(),
+                                 crop_.height(), batch_);
+      return std::make_unique<Worker>(std::move(own.engine), options, radius_px_, slots);
+    }));
   }
   for (auto& worker : opening) {
     free_.push_back(workers_.emplace_back(worker.get()).get());
