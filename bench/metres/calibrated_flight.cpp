@@ -11,27 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "host/camera/calibrate/calibrate_points.h"
-#include "host/camera/calibrate/find_target.h"
 #include "host/camera/correct_rows.h"
 #include "host/dic/rim_margin.h"
-#include "tests/support/camera/target_pictures.h"
+#include "tests/support/camera/rendered_calibration.h"
 #include "tests/support/camera/through_lens.h"
 
 namespace {
 
 using namespace impactdic;
-
-CalibrateRequest request_of(const std::string& target) {
-  CalibrateRequest request;
-  request.pictures = {"rendered"};
-  request.target = parse_calibration_target(target);
-  request.columns = 9;
-  request.rows = 7;
-  request.pitch_mm = 10;
-  request.dot_mm = 4.5;
-  return request;
-}
 
 // Views of 400 x 300 px through a lens that moves the corners by 1 %.
 std::vector<Camera> views_of(const CalibrateRequest& request, int pictures, unsigned seed) {
@@ -43,24 +30,6 @@ std::vector<Camera> views_of(const CalibrateRequest& request, int pictures, unsi
     view[P::kK2] = view[P::kP1] = view[P::kP2] = 0;
   }
   return views;
-}
-
-Camera calibrated(const CalibrateRequest& request, const std::vector<Camera>& views,
-                  unsigned seed) {
-  const testing::TargetPattern pattern(request);
-  std::vector<camera::View> seen;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    camera::View view;
-    view.picture = std::to_string(i);
-    const unsigned noise = seed * 100 + static_cast<unsigned>(i);
-    view.seen = camera::find_target(
-        camera::to_grey(testing::render_target(views[i], pattern, {}, noise)), request);
-    if (request.target != CalibrationTarget::kCharuco) {
-      testing::turn_back(views[i], camera::board_points(request), view.seen);
-    }
-    seen.push_back(std::move(view));
-  }
-  return camera::calibrate_points(request, seen, views[0].width, views[0].height).camera;
 }
 
 // A ball of 90 px that crosses the picture in 40 frames.
@@ -117,7 +86,8 @@ Errors errors_of(const Camera& truth, const Camera& found) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const CalibrateRequest request = request_of(argc > 1 ? argv[1] : "charuco");
+  const CalibrateRequest request = 
+      testing::rendered_target(parse_calibration_target(argc > 1 ? argv[1] : "charuco"));
   const int pictures = argc > 2 ? std::atoi(argv[2]) : 15;
   const int calibrations = argc > 3 ? std::atoi(argv[3]) : 5;
   const unsigned first = argc > 4 ? static_cast<unsigned>(std::atoi(argv[4])) : 1;
@@ -125,7 +95,8 @@ int main(int argc, char** argv) {
   for (unsigned seed = first; seed < first + static_cast<unsigned>(calibrations); ++seed) {
     try {
       const std::vector<Camera> views = views_of(request, pictures, seed);
-      const Errors errors = errors_of(views[0], calibrated(request, views, seed));
+      const auto pictures = testing::rendered_pictures(request, views, seed * 100);
+      const Errors errors = errors_of(views[0], testing::calibrate_rendered(request, pictures).camera);
       std::printf("%u: speed constant to %.5f px a frame, path straight to %.4f px, scale %+.1e\n",
                   seed, errors.speed_spread_px, errors.centre_px, errors.scale);
       spreads.push_back(errors.speed_spread_px), centres.push_back(errors.centre_px);

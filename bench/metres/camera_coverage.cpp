@@ -10,24 +10,11 @@
 #include <cstdlib>
 #include <string>
 
-#include "host/camera/calibrate/calibrate_points.h"
-#include "host/camera/calibrate/find_target.h"
-#include "tests/support/camera/target_pictures.h"
+#include "tests/support/camera/rendered_calibration.h"
 
 namespace {
 
 using namespace impactdic;
-
-CalibrateRequest request_of(const std::string& target) {
-  CalibrateRequest request;
-  request.pictures = {"rendered"};
-  request.target = parse_calibration_target(target);
-  request.columns = 9;
-  request.rows = 7;
-  request.pitch_mm = 10;
-  request.dot_mm = 4.5;
-  return request;
-}
 
 camera::View noisy_points(const Camera& view, const CalibrateRequest& request, unsigned seed) {
   std::mt19937 random(seed);
@@ -39,14 +26,23 @@ camera::View noisy_points(const Camera& view, const CalibrateRequest& request, u
   return seen;
 }
 
-// Of the points that were found, along one axis.
-double rms_error(const camera::View& seen, const Camera& view, const CalibrateRequest& request) {
-  const auto exact = testing::project_target(view, camera::board_points(request));
-  double sum = 0;
-  for (const camera::Sighting& sighting : seen.seen) {
-    sum += (sighting.at_px - exact[sighting.point]).squaredNorm();
+// Of the points that the calibration used, along one axis: from the nearest of the target's points
+// as the true camera shows them.
+double rms_error(const CalibrateResult& found, const std::vector<Camera>& views,
+                 const CalibrateRequest& request) {
+  double sum = 0, count = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto exact = testing::project_target(views[v], camera::board_points(request));
+    for (const CalibrationPoint& point : found.points) {
+      if (point.picture != v || !point.used) continue;
+      double nearest = 1e9;
+      for (const Eigen::Vector2d& at : exact) {
+        nearest = std::min(nearest, (at - Eigen::Vector2d(point.x_px, point.y_px)).squaredNorm());
+      }
+      sum += nearest, count += 2;
+    }
   }
-  return std::sqrt(sum / 2 / static_cast<double>(seen.seen.size()));
+  return std::sqrt(sum / count);
 }
 
 // How often the truth lies within two stated deviations, by parameter.
@@ -88,39 +84,34 @@ class Tally {
   std::array<double, kCameraParameters> squares_{};
 };
 
-// What the finder sees of a rendered picture of the target.
-camera::View seen_in_picture(const Camera& truth, const testing::TargetPattern& pattern,
-                             const CalibrateRequest& request, unsigned noise, double& worst_px) {
-  camera::View view;
-  const Frame frame = testing::render_target(truth, pattern, {}, noise);
-  view.seen = camera::find_target(camera::to_grey(frame), request);
-  if (request.target != CalibrationTarget::kCharuco) {
-    testing::turn_back(truth, camera::board_points(request), view.seen);
+std::vector<camera::View> without_pictures(const CalibrateRequest& request,
+                                          const std::vector<Camera>& views, unsigned noise) {
+  std::vector<camera::View> seen;
+  for (const Camera& view : views) {
+    seen.push_back(noisy_points(view, request, noise + static_cast<unsigned>(seen.size()) + 1));
+    seen.back().picture = std::to_string(seen.size() - 1);
   }
-  if (!view.seen.empty()) worst_px = std::max(worst_px, rms_error(view, truth, request));
-  return view;
+  return seen;
 }
 
-void calibrate_one(const CalibrateRequest& request, const testing::TargetPattern& pattern,
-                   unsigned seed, bool points, Tally& tally) {
+void calibrate_one(const CalibrateRequest& request, unsigned seed, bool points, Tally& tally) {
   const int pictures = 5 + static_cast<int>(seed * 7 % 26);
-  const testing::RandomCalibration made = testing::random_calibration(request, pictures, seed);
-  std::vector<camera::View> views;
-  double worst_px = 0;
-  for (std::size_t i = 0; i < made.views.size(); ++i) {
-    const unsigned noise = seed * 100 + static_cast<unsigned>(i);
-    views.push_back(points ? noisy_points(made.views[i], request, noise + 1)
-                           : seen_in_picture(made.views[i], pattern, request, noise, worst_px));
-    views.back().picture = std::to_string(i);
-  }
+  const std::vector<Camera> views = testing::random_calibration(request, pictures, seed).views;
   try {
-    const CalibrateResult found =
-        camera::calibrate_points(request, views, made.views[0].width, made.views[0].height);
+    CalibrateResult found;
+    if (points) {
+      found = camera::calibrate_points(request, without_pictures(request, views, seed * 100),
+                                       views[0].width, views[0].height);
+    } else {
+      found = testing::calibrate_rendered(
+          request, testing::rendered_pictures(request, views, seed * 100));
+    }
     std::size_t used = 0;
     for (const CalibrationPicture& picture : found.pictures) used += picture.used;
-    const std::string outside = tally.add(found.camera, made.views[0]);
-    std::printf("%u: %zu of %d pictures, scatter %.4f px, worst %.3f, terms %s; outside:%s\n", seed,
-                used, pictures, found.point_sd_px, worst_px, found.terms.c_str(), outside.c_str());
+    const std::string outside = tally.add(found.camera, views[0]);
+    std::printf("%u: %zu of %d pictures, scatter %.4f px, off the truth by %.4f, terms %s; outside:%s\n",
+                seed, used, pictures, found.point_sd_px, rms_error(found, views, request),
+                found.terms.c_str(), outside.c_str());
   } catch (const Error& error) {
     std::printf("%u: %s\n", seed, error.line().c_str());
   }
@@ -129,14 +120,14 @@ void calibrate_one(const CalibrateRequest& request, const testing::TargetPattern
 }  // namespace
 
 int main(int argc, char** argv) {
-  const CalibrateRequest request = request_of(argc > 1 ? argv[1] : "checkerboard");
+  const CalibrateRequest request = 
+      testing::rendered_target(parse_calibration_target(argc > 1 ? argv[1] : "checkerboard"));
   const int calibrations = argc > 2 ? std::atoi(argv[2]) : 20;
   const unsigned first = argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1;
   const bool points = argc > 4 && std::string(argv[4]) == "points";
-  const testing::TargetPattern pattern(request);
   Tally tally;
   for (unsigned seed = first; seed < first + static_cast<unsigned>(calibrations); ++seed) {
-    calibrate_one(request, pattern, seed, points, tally);
+    calibrate_one(request, seed, points, tally);
   }
   tally.print();
 }

@@ -10,6 +10,8 @@ namespace impactdic::camera {
 struct Sighting {
   std::size_t point = 0;        // of the target
   Eigen::Vector2d at_px{0, 0};  // in the picture
+  // Of its place by the noise of the picture, px²; 0: not known.
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
 struct View {

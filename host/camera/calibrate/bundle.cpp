@@ -56,6 +56,12 @@ MatrixXd inverse_scaled(const MatrixXd& matrix) {
 
 }  // namespace
 
+Eigen::Matrix2d whitening(const Sighting& sighting, double sd_px) {
+  const Eigen::Matrix2d covariance =
+      sighting.covariance + sd_px * sd_px * Eigen::Matrix2d::Identity();
+  return Eigen::Matrix2d(covariance.inverse()).llt().matrixU();
+}
+
 // The block of the lens, those of the poses, and between them.
 struct Bundle::Normal {
   MatrixXd lens;                // (free, free)
@@ -152,7 +158,8 @@ double Bundle::chi_square(const Adjusted& state, const Weights& weights) const {
     if (!(state.poses[v][5] > 0)) return std::numeric_limits<double>::infinity();
     const std::vector<Vector2d> off = residuals(state, v);
     for (std::size_t i = 0; i < off.size(); ++i) {
-      if (weights.used[v][i]) sum += off[i].squaredNorm() / (weights.sd_px[v] * weights.sd_px[v]);
+      if (!weights.used[v][i]) continue;
+      sum += (whitening(views_[v].seen[i], weights.sd_px[v]) * off[i]).squaredNorm();
     }
   }
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
@@ -172,6 +179,7 @@ Bundle::Normal Bundle::normal_equations(const Adjusted& state, const Weights& we
     VectorXd off = VectorXd::Zero(2 * count);
     for (std::size_t i = 0; i < view.seen.size(); ++i) {
       if (!weights.used[v][i]) continue;
+      const auto at = static_cast<Eigen::Index>(2 * i);
       for (int axis = 0; axis < 2; ++axis) {
         const int row = static_cast<int>(2 * i) + axis;
         const double* slopes = projected.slopes.ptr<double>(row);
@@ -180,15 +188,18 @@ Bundle::Normal Bundle::normal_equations(const Adjusted& state, const Weights& we
         for (int k = 0; k < kPoseValues; ++k) by_pose(row, k) = slopes[k];
         for (int k = 0; k < kLensValues; ++k) by_lens(row, k) = slopes[kPoseValues + k];
       }
+      const Eigen::Matrix2d white = whitening(view.seen[i], weights.sd_px[v]);
+      off.segment<2>(at) = white * off.segment<2>(at).eval();
+      by_pose.middleRows<2>(at) = white * by_pose.middleRows<2>(at).eval();
+      by_lens.middleRows<2>(at) = white * by_lens.middleRows<2>(at).eval();
     }
-    const double weight = 1 / (weights.sd_px[v] * weights.sd_px[v]);
     const MatrixXd by_free = by_lens * part;
-    normal.lens += weight * by_free.transpose() * by_free;
-    normal.lens_side += weight * by_free.transpose() * off;
-    normal.poses.push_back(weight * by_pose.transpose() * by_pose);
-    normal.pose_sides.push_back(weight * by_pose.transpose() * off);
-    normal.mixed.push_back(weight * by_free.transpose() * by_pose);
-    normal.chi_square += weight * off.squaredNorm();
+    normal.lens += by_free.transpose() * by_free;
+    normal.lens_side += by_free.transpose() * off;
+    normal.poses.push_back(by_pose.transpose() * by_pose);
+    normal.pose_sides.push_back(by_pose.transpose() * off);
+    normal.mixed.push_back(by_free.transpose() * by_pose);
+    normal.chi_square += off.squaredNorm();
   }
   normal.chi_square += add_prior(state, &normal);
   return normal;

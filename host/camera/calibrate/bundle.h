@@ -31,12 +31,17 @@ struct Adjusted {
   double chi_square = 0;
 };
 
-// How well each view's points are known, px, and which points take part: [view][sighting].
+// Which points take part, [view][sighting], and each view's scatter beyond what the points' own
+// covariances say (a target that is not quite flat, a printer that is not quite even), px.
 struct Weights {
   std::vector<double> sd_px;
   std::vector<std::vector<char>> used;
   std::size_t points() const;
 };
+
+// The root of the inverse of a point's covariance when it scatters by `sd_px` beyond it: takes a
+// residual to one whose parts are independent and have a deviation of 1.
+Eigen::Matrix2d whitening(const Sighting& sighting, double sd_px);
 
 class Bundle {
  public:
@@ -47,7 +52,7 @@ class Bundle {
   void move_sighting(std::size_t view, std::size_t sighting, const Eigen::Vector2d& at_px) {
     views_[view].seen[sighting].at_px = at_px;
   }
-  // All points at one deviation.
+  // All points alike, to a pixel.
   Weights equal_weights() const;
 
   // A start: the focal length at which the views' poses fit best, no distortion. Throws

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <impactdic/camera/calibrate.h>
+#include <impactdic/image.h>
 
+#include <functional>
 #include <opencv2/core.hpp>
 
 #include "host/camera/calibrate/board.h"
@@ -13,6 +15,16 @@ namespace impactdic::camera {
 // where no camera can be found, or the plane's picture shows no target.
 CalibrateResult calibrate_points(const CalibrateRequest& request, const std::vector<View>& pictures,
                                  int width, int height);
+
+// Grey levels of one of the pictures, by its number; called by several threads at a time.
+using PictureOf = std::function<Image<float>(std::size_t picture)>;
+
+// The same, and then every point is found anew by least squares of the picture around it
+// (point_fit.h), as the camera that was found shows it, and the camera with these. Throws also what
+// `picture` throws, and Error where `control` stops it.
+CalibrateResult calibrate_pictures(const CalibrateRequest& request,
+                                   const std::vector<View>& pictures, int width, int height,
+                                   const PictureOf& picture, const RunControl& control = {});
 
 // A scale from two marks of a ruler, request.pitch_mm apart.
 CalibrateResult calibrate_marks(const CalibrateRequest& request, const std::string& picture,

@@ -95,6 +95,10 @@ BoardPoints board_points(const CalibrateRequest& request) {
   return points;
 }
 
+double dot_diameter_mm(const CalibrateRequest& request) {
+  return request.dot_mm > 0 ? request.dot_mm : request.pitch_mm / 3;
+}
+
 cv::Mat to_grey(const Frame& frame) {
   const Image<float> levels = frame.to_float();
   std::vector<float> sorted(levels.data(), levels.data() + levels.size());

@@ -13,6 +13,9 @@ namespace impactdic::camera {
 // by row, x along the rows.
 BoardPoints board_points(const CalibrateRequest& request);
 
+// Diameter of a dot, as told or as dots usually are.
+double dot_diameter_mm(const CalibrateRequest& request);
+
 // The picture in 8 bits, from its darkest to its brightest grey level but for a few pixels.
 cv::Mat to_grey(const Frame& frame);
 

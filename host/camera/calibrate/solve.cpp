@@ -54,37 +54,68 @@ bool reject(const Bundle& bundle, const Adjusted& state, Weights& weights) {
   return changed;
 }
 
+// Residuals of points that take part, each with the point's own covariance.
+struct Residuals {
+  std::vector<std::pair<Sighting, Vector2d>> points;
+  double freedom = 0;  // numbers less those that the fit took
+
+  double chi_square(double sd_px) const {
+    double sum = 0;
+    for (const auto& [sighting, off] : points) sum += (whitening(sighting, sd_px) * off).squaredNorm();
+    return sum;
+  }
+  // What the points scatter by beyond their own covariances, so that the residuals are as large as
+  // chance makes them.
+  double scatter_px() const {
+    double squares = 0;
+    for (const auto& [sighting, off] : points) squares += off.squaredNorm();
+    double low = kLeastSd_px, high = std::max(std::sqrt(squares / freedom), kLeastSd_px);
+    if (chi_square(low) <= freedom) return low;
+    while (high > low * (1 + 1e-9)) {
+      const double middle = std::sqrt(low * high);
+      (chi_square(middle) > freedom ? low : high) = middle;
+    }
+    return high;
+  }
+};
+
 // The points' own deviation: from the residuals, less the freedom that the fit took. A view that
-// is plainly better or worse than the others has one of its own.
+// is plainly better or worse than the others has one of its own. Returns the root of the mean
+// square residual.
 double set_deviations(const Bundle& bundle, const Adjusted& state, Weights& weights) {
   const double views = static_cast<double>(bundle.views().size());
   const double lens_share = state.terms.count() / views;
-  std::vector<double> squares, freedom;
-  double all_squares = 0, all_freedom = 0;
+  std::vector<Residuals> of_view;
+  Residuals all;
+  double squares = 0;
   for (std::size_t v = 0; v < bundle.views().size(); ++v) {
     const std::vector<Vector2d> off = bundle.residuals(state, v);
-    double sum = 0, count = 0;
+    Residuals one;
     for (std::size_t i = 0; i < off.size(); ++i) {
-      if (weights.used[v][i]) sum += off[i].squaredNorm(), count += 2;
+      if (!weights.used[v][i]) continue;
+      one.points.emplace_back(bundle.views()[v].seen[i], off[i]);
+      squares += off[i].squaredNorm();
     }
-    squares.push_back(sum);
-    freedom.push_back(count - kPoseValues - lens_share);
-    all_squares += sum, all_freedom += freedom.back();
+    one.freedom = 2.0 * static_cast<double>(one.points.size()) - kPoseValues - lens_share;
+    all.points.insert(all.points.end(), one.points.begin(), one.points.end());
+    all.freedom += one.freedom;
+    of_view.push_back(std::move(one));
   }
-  if (!(all_freedom >= 1)) {
+  if (!(all.freedom >= 1)) {
     throw InvalidArgument("too few points for a camera", bundle.views().front().picture,
                           "more pictures of the target, tilted to all sides");
   }
-  const double common = std::max(all_squares / all_freedom, kLeastSd_px * kLeastSd_px);
-  for (std::size_t v = 0; v < squares.size(); ++v) {
-    weights.sd_px[v] = std::sqrt(common);
-    if (!(freedom[v] > 4)) continue;
-    const double ratio = squares[v] / freedom[v] / common;
-    if (std::abs(std::log(std::max(ratio, 1e-12))) > kDiffers * std::sqrt(2 / freedom[v])) {
-      weights.sd_px[v] = std::sqrt(std::max(ratio * common, kLeastSd_px * kLeastSd_px));
+  const double common = all.scatter_px();
+  for (std::size_t v = 0; v < of_view.size(); ++v) {
+    const Residuals& one = of_view[v];
+    weights.sd_px[v] = common;
+    if (!(one.freedom > 4)) continue;
+    const double ratio = one.chi_square(common) / one.freedom;
+    if (std::abs(std::log(std::max(ratio, 1e-12))) > kDiffers * std::sqrt(2 / one.freedom)) {
+      weights.sd_px[v] = one.scatter_px();
     }
   }
-  return std::sqrt(common);
+  return std::max(std::sqrt(squares / all.freedom), kLeastSd_px);
 }
 
 double akaike(const Adjusted& state, const Weights& weights) {

@@ -85,7 +85,12 @@ CalibrateResult find_camera(const CalibrateRequest& request, const RunControl& c
   for (const char one : done) {
     if (!one) throw Error("the calibration was stopped");
   }
-  return camera::calibrate_points(request, views, info.width, info.height);
+  const auto levels_of = [&](std::size_t i) {
+    Frame frame;
+    sources[i].clip->read(sources[i].frame, frame);
+    return frame.to_float();
+  };
+  return camera::calibrate_pictures(request, views, info.width, info.height, levels_of, control);
 }
 
 void write_drawing(const fs::path& path, const CalibrateResult& result) {

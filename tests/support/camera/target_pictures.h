@@ -64,7 +64,13 @@ class TargetPattern {
 
 struct TargetScene {
   double black = 40, white = 200, noise = 2, blur_px = 0.6;
-  int samples = 4;  // along a side of a pixel
+  // What the light falls by from the picture's left to its right, and from its top to its bottom,
+  // as a share of that at the top left.
+  double falls_along_x = 0, falls_along_y = 0;
+
+  double light(double x_share, double y_share) const {
+    return 1 - falls_along_x * x_share - falls_along_y * y_share;
+  }
 };
 
 // The plane of motion: its axes are the turn's columns.
@@ -84,6 +90,28 @@ inline PlanePose plane_of(const Camera& camera) {
   return pose;
 }
 
+// The mean of `level` over a pixel, by offsets from its middle. Offsets of a Hammersley set: along
+// either axis all are different, so that an edge along the pixels is no worse than another one.
+template <typename Level>
+double mean_over_pixel(const Level& level) {
+  const double middle = level(Eigen::Vector2d(0, 0));
+  bool uniform = true;
+  for (const double y : {-0.5, 0.0, 0.5}) {
+    for (const double x : {-0.5, 0.0, 0.5}) {
+      uniform = uniform && level(Eigen::Vector2d(x, y)) == middle;
+    }
+  }
+  if (uniform) return middle;
+  constexpr unsigned kPoints = 128, kBits = 7;
+  double sum = 0;
+  for (unsigned i = 0; i < kPoints; ++i) {
+    unsigned turned = 0;
+    for (unsigned bit = 0; bit < kBits; ++bit) turned |= (i >> bit & 1U) << (kBits - 1 - bit);
+    sum += level(Eigen::Vector2d((i + 0.5) / kPoints - 0.5, (turned + 0.5) / kPoints - 0.5));
+  }
+  return sum / kPoints;
+}
+
 // `camera`: its plane is where the target lies.
 inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
                            const TargetScene& scene, unsigned seed) {
@@ -98,19 +126,14 @@ inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
     for (int x = 0; x < camera.width; ++x) {
       Eigen::Matrix2d slope;
       const Eigen::Vector2d middle = lens.direction(Eigen::Vector2d(x, y), &slope);
-      double sum = 0;
-      for (int j = 0; j < scene.samples; ++j) {
-        for (int i = 0; i < scene.samples; ++i) {
-          const Eigen::Vector2d off((i + 0.5) / scene.samples - 0.5,
-                                    (j + 0.5) / scene.samples - 0.5);
-          const Eigen::Vector2d direction = middle + slope * off;
-          const Eigen::Vector3d at = to_target * Eigen::Vector3d(direction.x(), direction.y(), 1);
-          sum += pattern.at(at.x() / at.z(), at.y() / at.z());
-        }
-      }
-      const double share = sum / (scene.samples * scene.samples);
+      const double share = mean_over_pixel([&](const Eigen::Vector2d& off) {
+        const Eigen::Vector2d direction = middle + slope * off;
+        const Eigen::Vector3d at = to_target * Eigen::Vector3d(direction.x(), direction.y(), 1);
+        return pattern.at(at.x() / at.z(), at.y() / at.z());
+      });
+      const double light = scene.light(double(x) / camera.width, double(y) / camera.height);
       picture.at<float>(y, x) =
-          static_cast<float>(scene.black + (scene.white - scene.black) * share);
+          static_cast<float>(light * (scene.black + (scene.white - scene.black) * share));
     }
   }
   if (scene.blur_px > 0) cv::GaussianBlur(picture, picture, {0, 0}, scene.blur_px);
