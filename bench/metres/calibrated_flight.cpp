@@ -96,9 +96,13 @@ int main(int argc, char** argv) {
     try {
       const std::vector<Camera> views = views_of(request, pictures, seed);
       const auto pictures = testing::rendered_pictures(request, views, seed * 100);
-      const Errors errors = errors_of(views[0], testing::calibrate_rendered(request, pictures).camera);
-      std::printf("%u: speed constant to %.5f px a frame, path straight to %.4f px, scale %+.1e\n",
-                  seed, errors.speed_spread_px, errors.centre_px, errors.scale);
+      const CalibrateResult found = testing::calibrate_rendered(request, pictures);
+      const Errors errors = errors_of(views[0], found.camera);
+      std::printf(
+          "%u: speed constant to %.5f px a frame, path straight to %.4f px, scale %+.1e; points "
+          "scatter by %.4f px, terms %s\n",
+          seed, errors.speed_spread_px, errors.centre_px, errors.scale, found.point_sd_px,
+          found.terms.c_str());
       spreads.push_back(errors.speed_spread_px), centres.push_back(errors.centre_px);
     } catch (const Error& error) {
       std::printf("%u: %s\n", seed, error.line().c_str());

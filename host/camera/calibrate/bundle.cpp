@@ -22,6 +22,8 @@ namespace {
 // from running away.
 constexpr double kUsualFocal = 4, kLogFocalSd = 1.5, kPrincipalSd = 0.15;  // of the picture's side
 constexpr int kMostSteps = 60;
+constexpr double kStray = 0.3;  // of a pitch
+constexpr std::size_t kFewestForMap = 8;
 
 cv::Matx33d camera_matrix(const LensValues& lens) {
   return {lens[0], 0, lens[2], 0, lens[1], lens[3], 0, 0, 1};
@@ -83,11 +85,25 @@ std::size_t Weights::points() const {
 Bundle::Bundle(BoardPoints board, std::vector<View> views, int width, int height)
     : board_(std::move(board)), views_(std::move(views)), width_(width), height_(height) {}
 
-Weights Bundle::equal_weights() const {
+Weights Bundle::first_weights() const {
+  const double most = kStray * (board_.at(1) - board_.at(0)).norm();
   Weights weights;
   for (const View& view : views_) {
     weights.sd_px.push_back(1);
-    weights.used.emplace_back(view.seen.size(), 1);
+    std::vector<char>& used = weights.used.emplace_back(view.seen.size(), 1);
+    std::vector<cv::Point2d> seen, board;
+    for (const Sighting& sighting : view.seen) {
+      seen.emplace_back(sighting.at_px.x(), sighting.at_px.y());
+      board.emplace_back(board_[sighting.point].x(), board_[sighting.point].y());
+    }
+    if (seen.size() < kFewestForMap) continue;
+    const cv::Mat map = cv::findHomography(seen, board, cv::LMEDS);
+    if (map.empty()) continue;
+    std::vector<cv::Point2d> mapped;
+    cv::perspectiveTransform(seen, mapped, map);
+    for (std::size_t i = 0; i < seen.size(); ++i) used[i] = cv::norm(mapped[i] - board[i]) < most;
+    const auto left = static_cast<std::size_t>(std::count(used.begin(), used.end(), 1));
+    if (left < std::max(kFewestForMap, seen.size() / 2)) used.assign(seen.size(), 1);
   }
   return weights;
 }

@@ -52,8 +52,9 @@ class Bundle {
   void move_sighting(std::size_t view, std::size_t sighting, const Eigen::Vector2d& at_px) {
     views_[view].seen[sighting].at_px = at_px;
   }
-  // All points alike, to a pixel.
-  Weights equal_weights() const;
+  // All points alike, to a pixel, but for those that lie by three tenths of a pitch or more beside
+  // the plane map (homography) that most of their view's points follow: squares taken for others.
+  Weights first_weights() const;
 
   // A start: the focal length at which the views' poses fit best, no distortion. Throws
   // InvalidArgument where a view has fewer than four points.

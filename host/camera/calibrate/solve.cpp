@@ -21,13 +21,24 @@ constexpr double kLeastSd_px = 1e-6;      // exact points, as tests have them
 constexpr double kMadToSd = 1.4826;       // of a normal distribution
 constexpr double kFocalKnown = 0.1;       // relative deviation
 constexpr std::size_t kFewestOfView = 6;  // of a view that tells more than its own pose
+constexpr double kLeastWeight = 1e-4;     // of a model beside the best
 constexpr double kDiffers = 4;            // deviations between a view's scatter and the others'
 
-// Scatter of residuals along one axis, whatever a few wrong points do.
+// A view's residuals over the points' deviations.
+std::vector<Vector2d> whitened(const Bundle& bundle, const Adjusted& state, const Weights& weights,
+                               std::size_t view) {
+  std::vector<Vector2d> off = bundle.residuals(state, view);
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    off[i] = whitening(bundle.views()[view].seen[i], weights.sd_px[view]) * off[i];
+  }
+  return off;
+}
+
+// Scatter of residuals along one axis, over the points' deviations, whatever a few wrong points do.
 double robust_sd(const Bundle& bundle, const Adjusted& state, const Weights& weights) {
   std::vector<double> sizes;
   for (std::size_t v = 0; v < bundle.views().size(); ++v) {
-    const std::vector<Vector2d> off = bundle.residuals(state, v);
+    const std::vector<Vector2d> off = whitened(bundle, state, weights, v);
     for (std::size_t i = 0; i < off.size(); ++i) {
       if (!weights.used[v][i]) continue;
       sizes.push_back(std::abs(off[i].x()));
@@ -43,10 +54,10 @@ bool reject(const Bundle& bundle, const Adjusted& state, Weights& weights) {
   const double most = kOutlier * robust_sd(bundle, state, weights);
   bool changed = false;
   for (std::size_t v = 0; v < bundle.views().size(); ++v) {
-    const std::vector<Vector2d> off = bundle.residuals(state, v);
     std::vector<char> used;
-    used.reserve(off.size());
-    for (const Vector2d& one : off) used.push_back(one.norm() <= most);
+    for (const Vector2d& one : whitened(bundle, state, weights, v)) {
+      used.push_back(one.norm() <= most);
+    }
     if (static_cast<std::size_t>(std::count(used.begin(), used.end(), 1)) < kFewestOfView) continue;
     changed = changed || used != weights.used[v];
     weights.used[v] = std::move(used);
@@ -122,6 +133,7 @@ double akaike(const Adjusted& state, const Weights& weights) {
   const double n = 2.0 * static_cast<double>(weights.points());
   const double k = state.terms.count() + kPoseValues * static_cast<double>(state.poses.size()) + 1;
   if (!(n > k + 1)) return std::numeric_limits<double>::infinity();
+  if (getenv("BIC")) return n * std::log(state.chi_square / n) + k * std::log(n);
   return n * std::log(state.chi_square / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1);
 }
 
@@ -160,14 +172,41 @@ Adjusted settle(const Bundle& bundle, Weights& weights) {
   return state;
 }
 
+// A model's weight, its lens and the plane's pose, and their covariance.
+struct Candidate {
+  double weight;
+  VectorXd values;
+  MatrixXd covariance;
+};
+
+// The mean of the models by their weights, and its covariance with what they differ by (Burnham and
+// Anderson 2002, Eqs. 4.1 and 6.12).
+std::pair<VectorXd, MatrixXd> averaged(const std::vector<Candidate>& candidates) {
+  const Eigen::Index size = candidates.front().values.size();
+  VectorXd mean = VectorXd::Zero(size);
+  MatrixXd covariance = MatrixXd::Zero(size, size);
+  double sum = 0;
+  for (const Candidate& one : candidates) sum += one.weight;
+  for (const Candidate& one : candidates) mean += one.weight / sum * one.values;
+  for (const Candidate& one : candidates) {
+    const VectorXd off = one.values - mean;
+    covariance += one.weight / sum * (one.covariance + off * off.transpose());
+  }
+  return {mean, covariance};
+}
+
 }  // namespace
 
 Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, double pitch_sd,
              const char* from) {
   Solved solved;
-  solved.weights = bundle.equal_weights();
-  const Adjusted start = settle(bundle, solved.weights);
-  set_deviations(bundle, start, solved.weights);
+  solved.weights = bundle.first_weights();
+  Adjusted start = settle(bundle, solved.weights);
+  for (int round = 0; round < 4; ++round) {
+    set_deviations(bundle, start, solved.weights);
+    start = bundle.adjust(start.terms, start, solved.weights);
+    if (!reject(bundle, start, solved.weights)) break;
+  }
   std::vector<Adjusted> models;
   std::vector<double> evidence;
   std::size_t best = 0;
@@ -182,19 +221,16 @@ Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, dou
   }
   solved.sd_px = set_deviations(bundle, models[best], solved.weights);
   solved.state = bundle.adjust(models[best].terms, models[best], solved.weights);
-  const VectorXd found = joined(solved.state, plane);
-  MatrixXd covariance = MatrixXd::Zero(found.size(), found.size());
-  double weight_sum = 0;
+  std::vector<Candidate> candidates;
   for (std::size_t m = 0; m < models.size(); ++m) {
     const double weight = std::exp(-0.5 * (evidence[m] - evidence[best]));
-    if (!(weight > 1e-4)) continue;
-    const Adjusted& model = m == best ? solved.state : models[m];
-    const VectorXd off = joined(model, plane) - found;
-    covariance +=
-        weight * (bundle.covariance(model, solved.weights, plane) + off * off.transpose());
-    weight_sum += weight;
+    if (!(weight > kLeastWeight)) continue;
+    const Adjusted model =
+        m == best ? solved.state : bundle.adjust(models[m].terms, models[m], solved.weights);
+    candidates.push_back({weight, joined(model, plane),
+                          bundle.covariance(model, solved.weights, plane)});
   }
-  covariance /= weight_sum;
+  auto [found, covariance] = averaged(candidates);
   covariance.bottomRightCorner<3, 3>() +=
       pitch_sd * pitch_sd * found.tail<3>() * found.tail<3>().transpose();
   solved.camera.width = width;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -90,53 +91,74 @@ inline PlanePose plane_of(const Camera& camera) {
   return pose;
 }
 
-// The mean of `level` over a pixel, by offsets from its middle. Offsets of a Hammersley set: along
-// either axis all are different, so that an edge along the pixels is no worse than another one.
+// Cells along a side of a pixel: the lens blurs what is then integrated over pixels.
+inline constexpr int kCells = 3;
+
+// The mean of `level` over each of a pixel's cells, by offsets from the pixel's middle. Offsets of
+// Hammersley sets: along either axis all are different, so that an edge along the pixels is no worse
+// than another one.
 template <typename Level>
-double mean_over_pixel(const Level& level) {
-  const double middle = level(Eigen::Vector2d(0, 0));
+std::array<double, kCells * kCells> means_over_cells(const Level& level) {
+  std::array<double, kCells * kCells> means;
+  means.fill(level(Eigen::Vector2d(0, 0)));
   bool uniform = true;
   for (const double y : {-0.5, 0.0, 0.5}) {
     for (const double x : {-0.5, 0.0, 0.5}) {
-      uniform = uniform && level(Eigen::Vector2d(x, y)) == middle;
+      uniform = uniform && level(Eigen::Vector2d(x, y)) == means[0];
     }
   }
-  if (uniform) return middle;
-  constexpr unsigned kPoints = 128, kBits = 7;
-  double sum = 0;
-  for (unsigned i = 0; i < kPoints; ++i) {
-    unsigned turned = 0;
-    for (unsigned bit = 0; bit < kBits; ++bit) turned |= (i >> bit & 1U) << (kBits - 1 - bit);
-    sum += level(Eigen::Vector2d((i + 0.5) / kPoints - 0.5, (turned + 0.5) / kPoints - 0.5));
+  if (uniform) return means;
+  constexpr unsigned kPoints = 16, kBits = 4;
+  for (int cell = 0; cell < kCells * kCells; ++cell) {
+    const Eigen::Vector2d corner(cell % kCells, cell / kCells);
+    double sum = 0;
+    for (unsigned i = 0; i < kPoints; ++i) {
+      unsigned turned = 0;
+      for (unsigned bit = 0; bit < kBits; ++bit) turned |= (i >> bit & 1U) << (kBits - 1 - bit);
+      const Eigen::Vector2d within((i + 0.5) / kPoints, (turned + 0.5) / kPoints);
+      sum += level((corner + within) / kCells - Eigen::Vector2d(0.5, 0.5));
+    }
+    means[static_cast<std::size_t>(cell)] = sum / kPoints;
   }
-  return sum / kPoints;
+  return means;
 }
 
 // `camera`: its plane is where the target lies.
-inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
-                           const TargetScene& scene, unsigned seed) {
+inline cv::Mat render_levels(const Camera& camera, const TargetPattern& pattern,
+                             const TargetScene& scene) {
   const camera::Lens lens(camera);
   const auto [turn, position] = plane_of(camera);
   // A line of sight (a, b, 1) meets the plane at (u, v): a homography.
   Eigen::Matrix3d to_sight;
   to_sight << turn.col(0), turn.col(1), position;
   const Eigen::Matrix3d to_target = to_sight.inverse();
-  cv::Mat picture(camera.height, camera.width, CV_32F);
+  cv::Mat fine(camera.height * kCells, camera.width * kCells, CV_32F);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
       Eigen::Matrix2d slope;
       const Eigen::Vector2d middle = lens.direction(Eigen::Vector2d(x, y), &slope);
-      const double share = mean_over_pixel([&](const Eigen::Vector2d& off) {
+      const auto shares = means_over_cells([&](const Eigen::Vector2d& off) {
         const Eigen::Vector2d direction = middle + slope * off;
         const Eigen::Vector3d at = to_target * Eigen::Vector3d(direction.x(), direction.y(), 1);
         return pattern.at(at.x() / at.z(), at.y() / at.z());
       });
       const double light = scene.light(double(x) / camera.width, double(y) / camera.height);
-      picture.at<float>(y, x) =
-          static_cast<float>(light * (scene.black + (scene.white - scene.black) * share));
+      for (int cell = 0; cell < kCells * kCells; ++cell) {
+        const double share = shares[static_cast<std::size_t>(cell)];
+        fine.at<float>(y * kCells + cell / kCells, x * kCells + cell % kCells) =
+            static_cast<float>(light * (scene.black + (scene.white - scene.black) * share));
+      }
     }
   }
-  if (scene.blur_px > 0) cv::GaussianBlur(picture, picture, {0, 0}, scene.blur_px);
+  if (scene.blur_px > 0) cv::GaussianBlur(fine, fine, {0, 0}, scene.blur_px * kCells);
+  cv::Mat picture;
+  cv::resize(fine, picture, {camera.width, camera.height}, 0, 0, cv::INTER_AREA);
+  return picture;
+}
+
+inline Frame render_target(const Camera& camera, const TargetPattern& pattern,
+                           const TargetScene& scene, unsigned seed) {
+  const cv::Mat picture = render_levels(camera, pattern, scene);
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, scene.noise);
   Frame frame;
