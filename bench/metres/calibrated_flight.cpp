@@ -86,7 +86,7 @@ Errors errors_of(const Camera& truth, const Camera& found) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const CalibrateRequest request = 
+  const CalibrateRequest request =
       testing::rendered_target(parse_calibration_target(argc > 1 ? argv[1] : "charuco"));
   const int pictures = argc > 2 ? std::atoi(argv[2]) : 15;
   const int calibrations = argc > 3 ? std::atoi(argv[3]) : 5;

@@ -85,7 +85,7 @@ class Tally {
 };
 
 std::vector<camera::View> without_pictures(const CalibrateRequest& request,
-                                          const std::vector<Camera>& views, unsigned noise) {
+                                           const std::vector<Camera>& views, unsigned noise) {
   std::vector<camera::View> seen;
   for (const Camera& view : views) {
     seen.push_back(noisy_points(view, request, noise + static_cast<unsigned>(seen.size()) + 1));
@@ -103,15 +103,16 @@ void calibrate_one(const CalibrateRequest& request, unsigned seed, bool points, 
       found = camera::calibrate_points(request, without_pictures(request, views, seed * 100),
                                        views[0].width, views[0].height);
     } else {
-      found = testing::calibrate_rendered(
-          request, testing::rendered_pictures(request, views, seed * 100));
+      found = testing::calibrate_rendered(request,
+                                          testing::rendered_pictures(request, views, seed * 100));
     }
     std::size_t used = 0;
     for (const CalibrationPicture& picture : found.pictures) used += picture.used;
     const std::string outside = tally.add(found.camera, views[0]);
-    std::printf("%u: %zu of %d pictures, scatter %.4f px, off the truth by %.4f, terms %s; outside:%s\n",
-                seed, used, pictures, found.point_sd_px, rms_error(found, views, request),
-                found.terms.c_str(), outside.c_str());
+    std::printf(
+        "%u: %zu of %d pictures, scatter %.4f px, off the truth by %.4f, terms %s; outside:%s\n",
+        seed, used, pictures, found.point_sd_px, rms_error(found, views, request),
+        found.terms.c_str(), outside.c_str());
   } catch (const Error& error) {
     std::printf("%u: %s\n", seed, error.line().c_str());
   }
@@ -120,7 +121,7 @@ void calibrate_one(const CalibrateRequest& request, unsigned seed, bool points, 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const CalibrateRequest request = 
+  const CalibrateRequest request =
       testing::rendered_target(parse_calibration_target(argc > 1 ? argv[1] : "checkerboard"));
   const int calibrations = argc > 2 ? std::atoi(argv[2]) : 20;
   const unsigned first = argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1;

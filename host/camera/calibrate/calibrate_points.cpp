@@ -29,7 +29,8 @@ Vector2d off_centre(const BoardSight& sight, const Vector2d& centre, double radi
   for (int i = 0; i < kCorners; ++i) {
     const auto corner = [&](int k) -> Vector2d {
       const double angle = 2 * kPi * k / kCorners;
-      return sight.to_picture(centre + radius * Vector2d(std::cos(angle), std::sin(angle))) - middle;
+      return sight.to_picture(centre + radius * Vector2d(std::cos(angle), std::sin(angle))) -
+             middle;
     };
     const Vector2d a = corner(i), b = corner(i + 1);
     const double cross = a.x() * b.y() - a.y() * b.x();

@@ -8,6 +8,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "host/camera/calibrate/dot_lattice.h"
 #include "host/camera/calibrate/markers.h"
 #include "host/camera/calibrate/refine.h"
 
@@ -47,6 +48,7 @@ std::vector<Sighting> find_dots(const cv::Mat& picture, const CalibrateRequest& 
   params.filterByConvexity = false;  // small dots have steps for an outline
   params.minInertiaRatio = 0.2F;     // leaning dots are ellipses
   std::vector<cv::Point2f> centres;
+  std::vector<Sighting> most;  // where not all of the target is seen
   for (const bool bright : {false, true}) {
     params.blobColor = bright ? 255 : 0;
     const auto detector = cv::SimpleBlobDetector::create(params);
@@ -56,8 +58,16 @@ std::vector<Sighting> find_dots(const cv::Mat& picture, const CalibrateRequest& 
         return in_order(centres);
       }
     }
+    std::vector<cv::KeyPoint> blobs;
+    detector->detect(picture, blobs);
+    std::vector<Eigen::Vector2d> places;
+    for (const cv::KeyPoint& blob : blobs) places.emplace_back(blob.pt.x, blob.pt.y);
+    std::vector<Sighting> part = number_dots(places, request.columns, request.rows);
+    if (part.size() > most.size()) most = std::move(part);
   }
-  return {};
+  // Fewer are no evidence of a grid.
+  constexpr std::size_t kFewestDots = 12;
+  return most.size() < kFewestDots ? std::vector<Sighting>{} : most;
 }
 
 std::vector<Sighting> sight(const cv::Mat& picture, const CalibrateRequest& request) {

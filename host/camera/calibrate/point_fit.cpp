@@ -36,7 +36,7 @@ struct Pixel {
   double level = 0;
   std::array<Edge, 2> edges;        // of a corner: the two lines; of a dot: its outline
   std::array<double, 2> margins{};  // from these lines to the marker, px
-  double by_radius = 0;           // of a dot's distance, px/m
+  double by_radius = 0;             // of a dot's distance, px/m
 };
 
 // How much of a spot is white (of a dot: ink), and its slopes.
@@ -67,8 +67,8 @@ Share both(const Share& a, const Share& b) {
 }
 
 Share less(const Share& a, double share, const Share& b) {
-  return {a.value - share * b.value, a.by_place - share * b.by_place,
-          a.by_blur - share * b.by_blur, 0};
+  return {a.value - share * b.value, a.by_place - share * b.by_place, a.by_blur - share * b.by_blur,
+          0};
 }
 
 // The quadrants of a corner that are white, less the markers that stand in them.
@@ -162,10 +162,10 @@ class Patch {
     }
     const double nearest = from.cwiseAbs().minCoeff();
     const bool in_white = from.x() * from.y() * white_sign_ > 0;
-    const bool beyond = pattern_.marked() && in_white &&
-                        nearest > pattern_.margin_m() + pattern_.known_border_m();
-    const bool near = std::min(std::abs(pixel.edges[0].distance),
-                               std::abs(pixel.edges[1].distance)) < band;
+    const bool beyond =
+        pattern_.marked() && in_white && nearest > pattern_.margin_m() + pattern_.known_border_m();
+    const bool near =
+        std::min(std::abs(pixel.edges[0].distance), std::abs(pixel.edges[1].distance)) < band;
     return near && !beyond;
   }
 
@@ -189,8 +189,7 @@ class Patch {
         const Vector2d place = Vector2d(x, y) - at.head<2>();
         if (pattern_.dot()) {
           const Edge& edge = pixel.edges[0];
-          const double distance =
-              edge.distance + edge.normal.dot(place) + pixel.by_radius * at[3];
+          const double distance = edge.distance + edge.normal.dot(place) + pixel.by_radius * at[3];
           sum += side(distance, edge.normal, at[2]);
         } else {
           sum += corner_share(pixel, place, at[2], white_sign_, pattern_.marked());
@@ -223,7 +222,8 @@ void set_levels(const Patch& patch, Unknowns& at) {
   Unknowns side;
   at.tail<kLevels>().setZero();
   patch.chi_square(at, &normal, &side);
-  const Eigen::Matrix<double, kLevels, kLevels> levels = normal.bottomRightCorner<kLevels, kLevels>();
+  const Eigen::Matrix<double, kLevels, kLevels> levels =
+      normal.bottomRightCorner<kLevels, kLevels>();
   at.tail<kLevels>() = levels.ldlt().solve(side.tail<kLevels>());
 }
 
@@ -297,8 +297,8 @@ std::optional<FittedPoint> fit_point(const Image<float>& picture, const BoardSig
   const Square inverse = normal.ldlt().solve(Square::Identity());
   const Matrix2d covariance = variance * inverse.topLeftCorner<2, 2>();
   if (!(covariance.trace() > 0) || !(covariance.trace() < 2 * kWorstSd_px * kWorstSd_px)) return {};
-  return FittedPoint{patch.expected() + found.at.head<2>(), (covariance + covariance.transpose()) / 2,
-                     found.at[2]};
+  return FittedPoint{patch.expected() + found.at.head<2>(),
+                     (covariance + covariance.transpose()) / 2, found.at[2]};
 }
 
 }  // namespace impactdic::camera

@@ -72,7 +72,8 @@ struct Residuals {
 
   double chi_square(double sd_px) const {
     double sum = 0;
-    for (const auto& [sighting, off] : points) sum += (whitening(sighting, sd_px) * off).squaredNorm();
+    for (const auto& [sighting, off] : points)
+      sum += (whitening(sighting, sd_px) * off).squaredNorm();
     return sum;
   }
   // What the points scatter by beyond their own covariances, so that the residuals are as large as
@@ -129,12 +130,12 @@ double set_deviations(const Bundle& bundle, const Adjusted& state, Weights& weig
   return std::max(std::sqrt(squares / all.freedom), kLeastSd_px);
 }
 
-double akaike(const Adjusted& state, const Weights& weights) {
+// Schwarz 1978: -2 times the logarithm of how probable the points make a model, but for a constant.
+double schwarz(const Adjusted& state, const Weights& weights) {
   const double n = 2.0 * static_cast<double>(weights.points());
   const double k = state.terms.count() + kPoseValues * static_cast<double>(state.poses.size()) + 1;
   if (!(n > k + 1)) return std::numeric_limits<double>::infinity();
-  if (getenv("BIC")) return n * std::log(state.chi_square / n) + k * std::log(n);
-  return n * std::log(state.chi_square / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1);
+  return n * std::log(state.chi_square / n) + k * std::log(n);
 }
 
 std::vector<LensTerms> ladder() {
@@ -179,8 +180,8 @@ struct Candidate {
   MatrixXd covariance;
 };
 
-// The mean of the models by their weights, and its covariance with what they differ by (Burnham and
-// Anderson 2002, Eqs. 4.1 and 6.12).
+// The mean of the models by their weights, and its covariance with what they differ by (Hoeting,
+// Madigan, Raftery and Volinsky 1999, section 2).
 std::pair<VectorXd, MatrixXd> averaged(const std::vector<Candidate>& candidates) {
   const Eigen::Index size = candidates.front().values.size();
   VectorXd mean = VectorXd::Zero(size);
@@ -212,7 +213,7 @@ Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, dou
   std::size_t best = 0;
   for (const LensTerms& terms : ladder()) {
     models.push_back(bundle.adjust(terms, start, solved.weights));
-    evidence.push_back(akaike(models.back(), solved.weights));
+    evidence.push_back(schwarz(models.back(), solved.weights));
     if (evidence.back() < evidence[best]) best = models.size() - 1;
   }
   if (!std::isfinite(evidence[best])) {
@@ -227,8 +228,8 @@ Solved solve(const Bundle& bundle, int width, int height, std::size_t plane, dou
     if (!(weight > kLeastWeight)) continue;
     const Adjusted model =
         m == best ? solved.state : bundle.adjust(models[m].terms, models[m], solved.weights);
-    candidates.push_back({weight, joined(model, plane),
-                          bundle.covariance(model, solved.weights, plane)});
+    candidates.push_back(
+        {weight, joined(model, plane), bundle.covariance(model, solved.weights, plane)});
   }
   auto [found, covariance] = averaged(candidates);
   covariance.bottomRightCorner<3, 3>() +=

@@ -19,7 +19,7 @@ constexpr double kMuchScatter_px = 0.3, kMuchPlace_px = 0.5;
 constexpr int kMorePictures = 3;
 
 template <typename... Values>
-std::string say(const char* format, Values... values) {
+std::string worded(const char* format, Values... values) {
   char text[240];
   std::snprintf(text, sizeof text, format, values...);
   return text;
@@ -84,8 +84,8 @@ void judge_pictures(const CalibrateResult& result, std::vector<std::string>& mis
   std::size_t used = 0;
   for (const CalibrationPicture& picture : result.pictures) used += picture.used;
   if (used < kEnoughPictures) {
-    missing.push_back(say("%zu picture%s: %zu or more let errors of single ones be seen", used,
-                          used == 1 ? "" : "s", kEnoughPictures));
+    missing.push_back(worded("%zu picture%s: %zu or more let errors of single ones be seen", used,
+                             used == 1 ? "" : "s", kEnoughPictures));
   }
   const std::string corners = not_covered(result);
   if (!corners.empty()) {
@@ -102,13 +102,13 @@ void judge_pictures(const CalibrateResult& result, std::vector<std::string>& mis
   }
   if (result.point_sd_px > kMuchScatter_px) {
     missing.push_back(
-        say("the points scatter by %.2f px: is the target flat, and are the pictures "
-            "sharp?",
-            result.point_sd_px));
+        worded("the points scatter by %.2f px: is the target flat, and are the pictures "
+               "sharp?",
+               result.point_sd_px));
   }
   if (result.worst_place_sd_px > kMuchPlace_px) {
     missing.push_back(
-        say("places near the border are known to %.1f px only", result.worst_place_sd_px));
+        worded("places near the border are known to %.1f px only", result.worst_place_sd_px));
   }
 }
 

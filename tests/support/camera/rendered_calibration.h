@@ -35,11 +35,11 @@ inline RenderedPictures rendered_pictures(const CalibrateRequest& request,
   const TargetPattern pattern(request);
   RenderedPictures pictures;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const Frame frame =
-        render_target(views[i], pattern, scene, noise + static_cast<unsigned>(i));
+    const Frame frame = render_target(views[i], pattern, scene, noise + static_cast<unsigned>(i));
     camera::View view{std::to_string(i), camera::find_target(camera::to_grey(frame), request)};
     if (request.target != CalibrationTarget::kCharuco) {
-      turn_back(views[i], camera::board_points(request), view.seen);
+      const int inner = request.target == CalibrationTarget::kDots ? 0 : 1;
+      turn_back(views[i], camera::board_points(request), request.columns - inner, view.seen);
     }
     pictures.levels.push_back(frame.to_float());
     pictures.seen.push_back(std::move(view));

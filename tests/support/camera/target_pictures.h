@@ -95,8 +95,8 @@ inline PlanePose plane_of(const Camera& camera) {
 inline constexpr int kCells = 3;
 
 // The mean of `level` over each of a pixel's cells, by offsets from the pixel's middle. Offsets of
-// Hammersley sets: along either axis all are different, so that an edge along the pixels is no worse
-// than another one.
+// Hammersley sets: along either axis all are different, so that an edge along the pixels is no
+// worse than another one.
 template <typename Level>
 std::array<double, kCells * kCells> means_over_cells(const Level& level) {
   std::array<double, kCells * kCells> means;
@@ -108,7 +108,7 @@ std::array<double, kCells * kCells> means_over_cells(const Level& level) {
     }
   }
   if (uniform) return means;
-  constexpr unsigned kPoints = 16, kBits = 4;
+  constexpr unsigned kPoints = 64, kBits = 6;
   for (int cell = 0; cell < kCells * kCells; ++cell) {
     const Eigen::Vector2d corner(cell % kCells, cell / kCells);
     double sum = 0;
@@ -239,18 +239,41 @@ inline std::vector<Eigen::Vector2d> project_target(const Camera& camera,
   return seen;
 }
 
-// A checkerboard or a grid of dots may be found upside down, which is as good: its points named as
-// the camera's own pose names them.
-inline void turn_back(const Camera& camera, const camera::BoardPoints& board,
+// A checkerboard or a grid of dots may be found upside down, and a part of a grid of dots some rows
+// aside, which is as good: its points named as the camera's own pose names them, all turned and
+// shifted alike. Points that do not follow are left as they are.
+inline void turn_back(const Camera& camera, const camera::BoardPoints& board, int columns,
                       std::vector<camera::Sighting>& seen) {
   if (seen.empty()) return;
   const std::vector<Eigen::Vector2d> exact = project_target(camera, board);
-  const std::size_t last = exact.size() - 1;
-  const camera::Sighting& one = seen.front();
-  const double straight = (one.at_px - exact[one.point]).norm();
-  const double turned = (one.at_px - exact[last - one.point]).norm();
-  if (straight <= turned) return;
-  for (camera::Sighting& sighting : seen) sighting.point = last - sighting.point;
+  const int rows = static_cast<int>(board.size()) / columns;
+  const auto cell = [&](std::size_t point) {
+    return Eigen::Vector2i(static_cast<int>(point) % columns, static_cast<int>(point) / columns);
+  };
+  const auto nearest = [&](const Eigen::Vector2d& at) {
+    const auto off = [&](const Eigen::Vector2d& one) { return (one - at).squaredNorm(); };
+    return static_cast<std::size_t>(
+        std::min_element(exact.begin(), exact.end(),
+                         [&](const auto& a, const auto& b) { return off(a) < off(b); }) -
+        exact.begin());
+  };
+  // Which quarter turn most steps from the first point follow.
+  const Eigen::Vector2i first = cell(seen.front().point), real = cell(nearest(seen.front().at_px));
+  Eigen::Matrix2i turn = Eigen::Matrix2i::Identity(), best = turn;
+  Eigen::Matrix2i quarter;
+  quarter << 0, -1, 1, 0;
+  std::ptrdiff_t most = -1;
+  for (int k = 0; k < 4; ++k, turn = quarter * turn) {
+    const auto follow = std::count_if(seen.begin(), seen.end(), [&](const auto& one) {
+      return cell(nearest(one.at_px)) == real + turn * (cell(one.point) - first);
+    });
+    if (follow > most) most = follow, best = turn;
+  }
+  for (camera::Sighting& one : seen) {
+    const Eigen::Vector2i at = real + best * (cell(one.point) - first);
+    if (at.x() < 0 || at.y() < 0 || at.x() >= columns || at.y() >= rows) continue;
+    one.point = static_cast<std::size_t>(at.y() * columns + at.x());
+  }
 }
 
 }  // namespace impactdic::testing
