@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kOffGrid = 0.25;      // of a step
-constexpr double kLeastSine = 0.5;     // between the two axes
-constexpr double kMostStretched = 3;   // of the axes' lengths
+constexpr double kOffGrid = 0.25;     // of a step
+constexpr double kLeastSine = 0.5;    // between the two axes
+constexpr double kMostStretched = 3;  // of the axes' lengths
 constexpr int kFewestLines = 3;
 constexpr std::size_t kMostStarts = 12;
 
@@ -97,7 +97,8 @@ struct Extent {
 };
 
 Extent extent_of(const Lattice& lattice) {
-  Extent extent{0, 0, 0, 0};
+  const Cell& first = lattice.begin()->first;
+  Extent extent{first.first, first.first, first.second, first.second};
   for (const auto& [cell, centre] : lattice) {
     extent.left = std::min(extent.left, cell.first);
     extent.right = std::max(extent.right, cell.first);
@@ -105,6 +106,27 @@ Extent extent_of(const Lattice& lattice) {
     extent.below = std::max(extent.below, cell.second);
   }
   return extent;
+}
+
+// Without the outermost lines that hold one dot alone: what lies beside the target, most times.
+Lattice without_lone(Lattice lattice) {
+  for (bool changed = true; changed && !lattice.empty();) {
+    changed = false;
+    const Extent extent = extent_of(lattice);
+    const auto on_line = [&](int line, bool column) {
+      return [=](const auto& one) { return (column ? one.first.first : one.first.second) == line; };
+    };
+    for (const auto& [line, column] : {std::pair{extent.left, true},
+                                       {extent.right, true},
+                                       {extent.top, false},
+                                       {extent.below, false}}) {
+      const auto is_on = on_line(line, column);
+      if (std::count_if(lattice.begin(), lattice.end(), is_on) != 1) continue;
+      std::erase_if(lattice, is_on);
+      changed = true;
+    }
+  }
+  return lattice;
 }
 
 // How far to the right a row leads in the picture, all steps of it together.
@@ -127,7 +149,10 @@ std::vector<Sighting> number_dots(const std::vector<Vector2d>& centres, int colu
   for (std::size_t start = 0; start < centres.size(); start += every) {
     Lattice one = grown(centres, start);
     if (one.size() > best.size()) best = std::move(one);
+    if (2 * best.size() > centres.size()) break;
   }
+  best = without_lone(std::move(best));
+  if (best.empty()) return {};
   std::optional<Lattice> chosen;
   for (int quarter = 0; quarter < 4; ++quarter) {
     best = turned(best);

@@ -20,7 +20,7 @@ double dot_diameter_mm(const CalibrateRequest& request);
 cv::Mat to_grey(const Frame& frame);
 
 // What of the target is seen, refined below the pixel; empty where it is not found, or only a
-// part of a target that must be whole. Throws InvalidArgument for a dictionary that is not known.
+// part of a checkerboard. Throws InvalidArgument for a dictionary that is not known.
 std::vector<Sighting> find_target(const cv::Mat& picture, const CalibrateRequest& request);
 
 }  // namespace impactdic::camera

@@ -19,7 +19,7 @@ namespace IMPACTDIC_PUBLIC impactdic {
 enum class CalibrationTarget {
   kCheckerboard,  // black and white squares; all of it must be seen
   kCharuco,       // the same with ArUco markers in its white squares; parts are enough
-  kDots,          // round dots on a square grid; all of it must be seen
+  kDots,          // round dots on a square grid; a part of 12 dots or more is enough
   kRuler,         // a straight scale in the plane of motion: one picture, no distortion
 };
 const char* to_string(CalibrationTarget target);
