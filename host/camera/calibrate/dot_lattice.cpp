@@ -48,8 +48,10 @@ std::optional<Node> axes_at(const std::vector<Vector2d>& centres, std::size_t st
   for (const Vector2d& step : steps) {
     if (step.norm() > kMostStretched * steps[0].norm()) break;
     if (std::abs(cross(steps[0], step)) < kLeastSine * steps[0].norm() * step.norm()) continue;
-    const bool right_handed = cross(steps[0], step) > 0;
-    return Node{{0, 0}, steps[0], right_handed ? step : Vector2d(-step)};
+    // Where the dot across is not seen this one leads aslant: by whole steps of the row.
+    const Vector2d& along = steps[0];
+    const Vector2d across = step - std::round(step.dot(along) / along.squaredNorm()) * along;
+    return Node{{0, 0}, along, cross(along, across) > 0 ? across : Vector2d(-across)};
   }
   return {};
 }
