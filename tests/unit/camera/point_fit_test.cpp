@@ -112,13 +112,13 @@ TEST_P(PointFit, ScattersAsThePicturesNoiseMakesItMust) {
   const testing::TargetScene scenes[] = {
       {}, {60, 130, 3, 1.2, 0.3, 0.1}, {20, 240, 1, 0.5, 0, 0.2}, {40, 200, 6, 0.8, 0, 0}};
   for (std::size_t i = 0; i < 4; ++i) {
-    const Scatter found = scatter_of(views_[i], request_, scenes[i],
-                                     bounds(views_[i], request_, scenes[i]));
+    const Scatter found =
+        scatter_of(views_[i], request_, scenes[i], bounds(views_[i], request_, scenes[i]));
     EXPECT_GE(found.points, 30u);
     std::printf("%zu: %zu points err by %.5f px, stated %.5f, bound %.5f; over stated %.3f\n", i,
                 found.points, found.error, found.stated, found.bound, found.over_stated);
-    // 60 to 120 numbers: their scatter is known to 7 to 9 %. Unknown light and blur cost some, slopes
-    // of light within a small dot more: 1.75 times, as the stated deviations say.
+    // 60 to 120 numbers: their scatter is known to 7 to 9 %. Unknown light and blur cost some,
+    // slopes of light within a small dot more: 1.75 times, as the stated deviations say.
     EXPECT_LT(found.error, (GetParam() == CalibrationTarget::kDots ? 2.1 : 1.4) * found.bound);
     EXPECT_NEAR(found.over_stated, 1, 0.25);
   }
@@ -139,8 +139,8 @@ TEST_P(PointFit, AWrongSizeOfDotsOrMarkersMovesNoPoint) {
   told.dot_mm *= 0.8;
   told.marker_mm = 7.2;  // 7.5
   const Camera& view = views_[2];
-  const Frame frame = testing::render_target(view, testing::TargetPattern(request_),
-                                             {40, 200, 0, 0.6, 0, 0}, 4);
+  const Frame frame =
+      testing::render_target(view, testing::TargetPattern(request_), {40, 200, 0, 0.6, 0, 0}, 4);
   const Image<float> levels = frame.to_float();
   const camera::BoardSight sight = sight_of(view);
   const camera::BoardPoints board = camera::board_points(request_);
