@@ -16,6 +16,8 @@
 #include "host/circle/settings/judgement.h"
 #include "host/circle/settings/outline.h"
 #include "host/circle/settings/sphere.h"
+#include "host/circle/sphere/disc_doubt.h"
+#include "host/circle/sphere/sphere_lines.h"
 
 namespace impactdic::circle {
 namespace {
@@ -63,6 +65,8 @@ void fill(const Fit& fit, double edge_sigma_px, double radius_bias_sd_px, Circle
   result.e2_px = fit.rim.e2;
   result.e1_sd_px = sd(3);
   result.e2_sd_px = sd(4);
+  result.cx_with_r = fit.with_radius[0];
+  result.cy_with_r = fit.with_radius[1];
   result.own_r_px = fit.own.r_px + shrink;
   result.own_r_sd_px = fit.own.r_sd_px;
   result.residual_px = fit.residual_px;
@@ -91,7 +95,10 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
       std::hypot(fit.own.r_sd_px, m.rim_model->place_sd_px() * std::sqrt(fit.own.misplaced));
   fill(fit, sigma, prior.radius_bias_sd_px, result);
   if (m.rim_model->surface() != Surface::kFlat) {
-    result.r_sd_px = std::hypot(result.r_sd_px, kSphere.radius_sd_of_r * result.circle.r_px);
+    // Ink misplaces the rim alike all around; light does not, and bends it. What is darker than the
+    // background may be the dark side of a ball.
+    if (bright && is_evenly_lit(trace)) result.cx_with_r = result.cy_with_r = 0;
+    widen(result, 0, kSphere.radius_sd_of_r * result.circle.r_px);
   }
   // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
   if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) &&
@@ -206,17 +213,16 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
 // the frame before. Ink in most edges and no model of it may be a sphere's, too. A fit that still
 // moves as often as it is traced again is known no better than it moves.
 void doubt_crossings(const CirclePrior& prior, double moved_px, CircleFit& fit) {
-  const auto widen = [&](double centre_px, double radius_px, double by_px) {
-    fit.cx_sd_px = std::hypot(fit.cx_sd_px, centre_px, by_px);
-    fit.cy_sd_px = std::hypot(fit.cy_sd_px, centre_px, by_px);
-    fit.r_sd_px = std::hypot(fit.r_sd_px, radius_px, by_px);
+  const auto moves = [&](double by_px) {
+    for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, by_px);
   };
   const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
   if (sphere || fit.inked) {
     const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
-    widen(kSphere.crossings_centre_px, kSphere.crossings_radius_px, off);
+    widen(fit, kSphere.crossings_centre_px, kSphere.crossings_radius_px);
+    moves(off);
   }
-  if (moved_px >= kJudge.retrace_px) widen(0, 0, moved_px);
+  if (moved_px >= kJudge.retrace_px) moves(moved_px);
 }
 
 double free_distance(const RimTrace& trace, const Rim& rim) {
@@ -268,9 +274,7 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
     fill(fit, trace.edge_sigma_px, prior.radius_bias_sd_px, result);
     result.bright = bright;
     result.rim_fraction = static_cast<double>(fit.points) / options.rays;
-    result.cx_sd_px = std::hypot(result.cx_sd_px, kOutline.centre_sd_px);
-    result.cy_sd_px = std::hypot(result.cy_sd_px, kOutline.centre_sd_px);
-    result.r_sd_px = std::hypot(result.r_sd_px, kOutline.radius_sd_px);
+    widen(result, kOutline.centre_sd_px, kOutline.radius_sd_px);
   }
   result.circle.free_px = free_distance(trace, fit.rim);
   return result;

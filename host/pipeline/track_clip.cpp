@@ -89,7 +89,7 @@ class ClipTracker {
     batch->fits.resize(own->frames.size());
     batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
     batch->tracker = tracker_.memory();
-    last_fit_ = batch->fits.back();
+    last_fit_ = stated(batch->fits.back());
     batch->before = std::move(last_frames_);
     batch->own = last_frames_ = std::move(own);
     return batch;
@@ -102,7 +102,7 @@ class ClipTracker {
     const FrameBatch& own = *batch->own;
     tracker_.complete(batch->plan, own.frames, batch->fits);
     for (std::size_t i = 0; i < own.frames.size(); ++i) {
-      add_frame(*batch, own.frames[i], batch->fits[i],
+      add_frame(*batch, own.frames[i], stated(batch->fits[i]),
                 own.first_index + static_cast<std::int64_t>(i));
     }
     return batch;
@@ -180,12 +180,13 @@ class ClipTracker {
       return;
     }
     point_.next_row = done - 1;
-    point_.circle = stated(batch.fits.back());  // its model of the rim is not kept
+    point_.circle = stated(batch.fits.back());  // once: its model of the rim is not kept
     point_.tracker = batch.tracker;
     if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);
   }
 
+  // `fit` is as stated().
   void add_frame(TrackBatch& batch, const Frame& frame, const circle::CircleFit& fit,
                  std::int64_t index) const {
     batch.frames.push_back(&frame);
@@ -209,7 +210,7 @@ class ClipTracker {
     if (index + 1 < options_.frames.count()) {
       row.periods = static_cast<int>(period(index + 1) - period(index));
     }
-    set_circle(row, stated(fit));
+    set_circle(row, fit);
     return row;
   }
 
@@ -289,7 +290,7 @@ class ClipTracker {
   // Of `locate`.
   circle::BallTracker tracker_;
   std::shared_ptr<FrameBatch> last_frames_;
-  circle::CircleFit last_fit_;
+  circle::CircleFit last_fit_;  // as stated()
   std::exception_ptr error_;
   // Of `measure`.
   bool dropped_ = false;

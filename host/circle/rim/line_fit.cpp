@@ -29,6 +29,7 @@ struct Estimate {
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
   Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
+  Matrix5 wavy = Matrix5::Zero();       // and light on a sphere
   RadiusOfFrame own;
   double scatter = 0;  // of the bare lines
   int points = 0;
@@ -272,6 +273,8 @@ void Climb::describe(const Knowledge& known) {
   const Matrix5 precision = s.hessian / wider_ + known.precision;
   result_.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
   result_.misplaced = misplaced(s, wider_, result_.covariance);
+  const bool lit = task_.model.surface() != Surface::kFlat;
+  if (lit) result_.wavy = wavy_light(s.sectors, wider_, result_.covariance);
   const RadiusShare share = radius_share(known, precision, result_.covariance, delta_);
   result_.own = own_radius(share, task_.rim.r + delta_[2]);
   result_.own.misplaced = misplaced(s, wider_, share.alone)(2, 2);
@@ -375,9 +378,10 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   for (int i = 0; i < 5; ++i) {
-    fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+    fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i) + best.wavy(i, i)));
     fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
   }
+  for (int i = 0; i < 2; ++i) fit.with_radius[i] = best.covariance(i, 2) / best.covariance(2, 2);
   fit.own = best.own;
   fit.residual_px = best.scatter;
   fit.shares = best.shares;

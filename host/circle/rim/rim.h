@@ -180,7 +180,8 @@ struct RimFit {
   bool ok = false;
   Rim rim;
   bool ellipse = false;
-  double sd[5] = {};  // cx, cy, r, e1, e2
+  double sd[5] = {};           // cx, cy, r, e1, e2
+  double with_radius[2] = {};  // CircleFit::cx_with_r, cy_with_r
   RadiusOfFrame own;
   double residual_px = 0;  // scatter of the clean points
   double inked = 0;        // share of the points into which ink or an obstacle reaches

@@ -24,6 +24,7 @@ struct Estimate {
   bool ok = false;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
+  double with_radius[2] = {};  // as RimFit's
   RadiusOfFrame own;
   double scale = 0;  // scatter of the clean points
   int points = 0;
@@ -173,6 +174,9 @@ Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double 
   const Knowledge known = task.known(delta);
   const Matrix5 precision = s.information / wider + known.precision;
   result.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
+  for (int i = 0; i < 2; ++i) {
+    result.with_radius[i] = result.covariance(i, 2) / result.covariance(2, 2);
+  }
   RadiusShare share = radius_share(known, precision, result.covariance, delta);
   // A scatter that the camera does not explain is fine ink all along the rim, or a rough ball: the
   // ink moves every crossing inwards, by more than it scatters them.
@@ -292,6 +296,7 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, 
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   for (int i = 0; i < 5; ++i) fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i)));
+  std::copy(best.with_radius, best.with_radius + 2, fit.with_radius);
   fit.own = best.own;
   fit.residual_px = best.scale;
   fit.inked = mixture.inked;

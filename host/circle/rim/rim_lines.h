@@ -92,6 +92,7 @@ struct LineFit {
   double sd[5] = {};  // cx, cy, r, e1, e2, were ink and edge exactly the model's
   // Their variances from lines all misplaced by the model, where its place_sd_px is 1 px.
   double misplaced[5] = {};
+  double with_radius[2] = {};  // CircleFit::cx_with_r, cy_with_r
   RadiusOfFrame own;
   double residual_px = 0;  // scatter of the clean lines
   int points = 0;          // that have to do with the rim

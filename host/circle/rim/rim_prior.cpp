@@ -1,5 +1,7 @@
 #include "host/circle/rim/rim_prior.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -84,6 +86,68 @@ double wald(const Rim& rim, const Vector5& delta, const Matrix5& covariance) {
   const Eigen::Vector2d e{rim.e1 + delta[3], rim.e2 + delta[4]};
   const Eigen::Matrix2d part = covariance.bottomRightCorner<2, 2>();
   return e.dot(part.ldlt().solve(e));
+}
+
+namespace {
+
+constexpr int kWavesOfLight = 5, kFirstSeen = 2;  // see wavy_light
+constexpr int kTerms = 2 * kWavesOfLight + 1;     // 1, cos, sin, cos 2 …
+typedef Eigen::Array<double, kRimSectors, 1> BySector;
+typedef Eigen::Matrix<double, kRimSectors, kTerms> Waves;
+
+// At the middles of the sectors, which share the quarters from -45° on by the tangent.
+const Waves& waves() {
+  static const Waves all = [] {
+    Waves made;
+    constexpr int kOfQuarter = kRimSectors / 4;
+    for (int b = 0; b < kRimSectors; ++b) {
+      const double tangent = 2 * (b % kOfQuarter + 0.5) / kOfQuarter - 1;
+      const double angle = std::atan(tangent) + b / kOfQuarter * (kPi / 2);
+      made(b, 0) = 1;
+      for (int k = 1; k <= kWavesOfLight; ++k) {
+        made(b, 2 * k - 1) = std::cos(k * angle);
+        made(b, 2 * k) = std::sin(k * angle);
+      }
+    }
+    return made;
+  }();
+  return all;
+}
+
+// Variances of the waves' terms, of 1 px² at each place in all: the finer, the less.
+Eigen::Matrix<double, kTerms, 1> variances() {
+  Eigen::Matrix<double, kTerms, 1> v;
+  v[0] = 1;
+  for (int m = 1; m < kTerms; ++m) v[m] = 2.0 / ((m + 1) / 2);
+  return v / (1 + v.tail<kTerms - 1>().sum() / 2);
+}
+
+}  // namespace
+
+Matrix5 wavy_light(const SectorSums& s, double wider, const Matrix5& covariance) {
+  const Waves& all = waves();
+  const Eigen::Matrix<double, kTerms, 1> variance = variances();
+  const BySector score = BySector::Map(s.score.data());
+  const BySector information = BySector::Map(s.information.data()).max(0);
+  Eigen::Matrix<double, kRimSectors, 5> jacobian;
+  jacobian << all.col(1), all.col(2), all.col(0), all.col(3), all.col(4);
+  const Eigen::Matrix<double, 5, kRimSectors> gain =
+      covariance * jacobian.transpose() * information.matrix().asDiagonal() / wider;
+  double seen = 0, by_chance = 0, by_waves = 0;
+  for (int m = 2 * kFirstSeen - 1; m < kTerms; ++m) {
+    // The wave's product with what sectors say, once the fit has taken its part.
+    const Eigen::Matrix<double, kRimSectors, 1> wave = all.col(m);
+    const BySector left = (wave - jacobian * (gain * wave)).array() * information;
+    seen += std::pow((wave.array() * score).sum(), 2);
+    by_chance += wider * (left.square() / information.max(1e-30)).sum();
+    by_waves += variance.dot((all.transpose() * left.matrix()).cwiseAbs2());
+  }
+  // The mean of a variance of which so few squares are known.
+  constexpr double kFreedom = kTerms - (2 * kFirstSeen - 1);
+  seen *= kFreedom / (kFreedom - 2);
+  const double excess = std::max(0.0, seen - by_chance) / std::max(by_waves, 1e-30);
+  const Eigen::Matrix<double, 5, kTerms> moved = gain * all;
+  return excess * moved * variance.asDiagonal() * moved.transpose();
 }
 
 double inflation(const SectorSums& s, double information, double common_px, int parameters) {

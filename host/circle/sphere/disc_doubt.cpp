@@ -7,15 +7,21 @@
 
 namespace impactdic::circle {
 
+void widen(CircleFit& fit, double centre_px, double radius_px) {
+  fit.cx_sd_px = std::hypot(fit.cx_sd_px, centre_px, fit.cx_with_r * radius_px);
+  fit.cy_sd_px = std::hypot(fit.cy_sd_px, centre_px, fit.cy_with_r * radius_px);
+  fit.r_sd_px = std::hypot(fit.r_sd_px, radius_px);
+}
+
 void doubt_disc(CircleFit& fit) {
-  if (fit.status != CircleStatus::kOk || !fit.rim_model ||
-      fit.rim_model->surface() != Surface::kFlat) {
-    return;
+  if (fit.status != CircleStatus::kOk) return;
+  if (!fit.rim_model) {
+    const bool doubted = fit.r_sd_px >= kSphere.crossings_radius_px || fit.by_hand != ByHand::kNo;
+    if (!doubted) widen(fit, kSphere.crossings_centre_px, kSphere.crossings_radius_px);
+  } else if (fit.rim_model->surface() == Surface::kFlat) {
+    const double r = fit.circle.r_px;
+    widen(fit, kSphere.disc_centre_sd_of_r * r, kSphere.radius_sd_of_r * r);
   }
-  const double r = fit.circle.r_px;
-  fit.cx_sd_px = std::hypot(fit.cx_sd_px, kSphere.disc_centre_sd_of_r * r);
-  fit.cy_sd_px = std::hypot(fit.cy_sd_px, kSphere.disc_centre_sd_of_r * r);
-  fit.r_sd_px = std::hypot(fit.r_sd_px, kSphere.radius_sd_of_r * r);
 }
 
 }  // namespace impactdic::circle

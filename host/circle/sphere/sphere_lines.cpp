@@ -261,6 +261,21 @@ void keep_outline_lines(const CastLines& lines, const std::vector<float>& ground
   if (count > 0) trace.noise *= std::sqrt(static_cast<double>(noise_sq) / count);
 }
 
+bool is_evenly_lit(const LineTrace& trace) {
+  constexpr std::size_t kEvery = 8;
+  const RimLines& lines = trace.lines;
+  double least = 1e300, most = -1e300;
+  for (std::size_t i = 0; i < lines.size(); i += kEvery) {
+    const auto sector = static_cast<std::size_t>(lines.sector[i] * kLevelSectors / kRimSectors);
+    const double level = trace.levels.sphere.at(static_cast<double>(lines.cos[i]),
+                                                static_cast<double>(lines.sin[i]), kSphere.rim_z);
+    const double contrast = level - static_cast<double>(trace.levels.ground[sector]);
+    least = std::min(least, contrast);
+    most = std::max(most, contrast);
+  }
+  return least > kSphere.even * most;
+}
+
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,
                         const LineTrace& trace) {
   // A fit that ran away has no surface, and its lines will say so.

@@ -19,6 +19,9 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
 void keep_outline_lines(const CastLines& lines, const std::vector<float>& grounds,
                         LineTrace& trace);
 
+// Whether the sphere stands out of the background by about as much at each of the kept lines.
+bool is_evenly_lit(const LineTrace& trace);
+
 // What the ink looks like along lines across the rim, from strips of the surface that face the
 // camera, foreshortened as they would be at the rim: gives them to the request's texture.
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,

@@ -242,6 +242,7 @@ RimFit fit_outline(const RimTrace& trace, const Rim& rim) {
   fit.ok = delta.allFinite();
   fit.rim = {rim.cx + delta[0], rim.cy + delta[1], rim.r + delta[2], 0, 0};
   for (int i = 0; i < 3; ++i) fit.sd[i] = std::sqrt(std::max(0.0, covariance(i, i)));
+  for (int i = 0; i < 2; ++i) fit.with_radius[i] = inverse(i, 2) / inverse(2, 2);
   fit.residual_px = scale;
   fit.arc = static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kRimSectors;
   return fit;
