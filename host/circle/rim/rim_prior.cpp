@@ -101,8 +101,9 @@ const Waves& waves() {
     Waves made;
     constexpr int kOfQuarter = kRimSectors / 4;
     for (int b = 0; b < kRimSectors; ++b) {
+      const int quarter = b / kOfQuarter;
       const double tangent = 2 * (b % kOfQuarter + 0.5) / kOfQuarter - 1;
-      const double angle = std::atan(tangent) + b / kOfQuarter * (kPi / 2);
+      const double angle = std::atan(tangent) + quarter * (kPi / 2);
       made(b, 0) = 1;
       for (int k = 1; k <= kWavesOfLight; ++k) {
         made(b, 2 * k - 1) = std::cos(k * angle);
@@ -118,7 +119,10 @@ const Waves& waves() {
 Eigen::Matrix<double, kTerms, 1> variances() {
   Eigen::Matrix<double, kTerms, 1> v;
   v[0] = 1;
-  for (int m = 1; m < kTerms; ++m) v[m] = 2.0 / ((m + 1) / 2);
+  for (int m = 1; m < kTerms; ++m) {
+    const int wave = (m + 1) / 2;
+    v[m] = 2.0 / wave;
+  }
   return v / (1 + v.tail<kTerms - 1>().sum() / 2);
 }
 
