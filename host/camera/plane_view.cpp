@@ -10,15 +10,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-namespace {
-
 Matrix3d turned_by(const Vector3d& vector) {
   const double angle = vector.norm();
   if (angle == 0) return Matrix3d::Identity();
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
-
-}  // namespace
 
 PlaneView::PlaneView(const Camera& camera)
     : lens_(camera), width_(camera.width), height_(camera.height) {

@@ -11,6 +11,9 @@
 
 namespace impactdic::camera {
 
+// The turn about a vector by its length, radians.
+Eigen::Matrix3d turned_by(const Eigen::Vector3d& vector);
+
 class PlaneView {
  public:
   explicit PlaneView(const Camera& camera);

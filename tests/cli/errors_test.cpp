@@ -143,6 +143,21 @@ TEST(Errors, OutputFolderWithFilesIsRefusedUnlessForced) {
   EXPECT_EQ(read_text(folder / "out/precious.txt"), "mine");
 }
 
+TEST(Errors, AnEarlierRunIsKeptUntilTheNextHasItsDevice) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "out");
+  std::ofstream(folder / "out/track.csv") << "measured";
+  const std::string request =
+      "track " + write_raw(folder, 2) + " --raw 64x48x8 --force -o " + quoted(folder / "out");
+  expect_one_line(request + " --device 77", 2, "77");
+  EXPECT_EQ(read_text(folder / "out/track.csv"), "measured");
+}
+
+TEST(Errors, OneProcessForCodecsOrNone) {
+  const ScratchFolder folder;
+  expect_one_line("info " + write_raw(folder, 2) + " --sandbox --no-sandbox", 2, "--no-sandbox");
+}
+
 TEST(Errors, JobFilesAreChecked) {
   const ScratchFolder folder;
   const std::string clip = write_raw(folder, 2) + " --raw 64x48x8 -o " + quoted(folder / "out");

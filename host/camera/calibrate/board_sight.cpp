@@ -1,22 +1,17 @@
 #include "host/camera/calibrate/board_sight.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Geometry>  // homogeneous, hnormalized
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "host/camera/plane_view.h"
+
 namespace impactdic::camera {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Matrix3d turn_by(const Vector3d& vector) {
-  const double angle = vector.norm();
-  if (angle == 0) return Matrix3d::Identity();
-  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-}
 
 Camera camera_with(const LensValues& lens) {
   Camera camera;
@@ -29,7 +24,7 @@ Camera camera_with(const LensValues& lens) {
 }  // namespace
 
 BoardSight::BoardSight(const LensValues& lens, const Pose& pose) : lens_(camera_with(lens)) {
-  to_sight_ << turn_by(pose.head<3>()).leftCols<2>(), pose.tail<3>();
+  to_sight_ << turned_by(pose.head<3>()).leftCols<2>(), pose.tail<3>();
   to_target_ = to_sight_.inverse();
 }
 
