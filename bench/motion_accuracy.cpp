@@ -1,5 +1,5 @@
-// How exactly the motion of rendered balls is measured: the rows of docs/accuracy.md, every one
-// with its fixed seeds.
+// How exactly the motion of rendered balls is measured: the rows of docs/accuracy/ball.md, every
+// one with its fixed seeds.
 //   motion_accuracy STUDY [PAIRS-PER-BALL [PATTERN[:SEED]...]]
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // How exactly windows of 15 px measure rendered balls, and how many that call themselves right are
-// wrong: the rows of docs/accuracy.md, eight motions of each ball.
+// wrong: the rows of docs/accuracy/windows.md, eight motions of each ball.
 //   window_accuracy NOISE FIRST-SEED LAST-SEED PATTERN...
 #include <cmath>
 #include <cstdio>

@@ -240,7 +240,7 @@ TEST(PublishedMethod, FindsTheLargestPlainSumInEveryWindow) {
 
 // One pixel to the right is read too small: most windows say 5/6 px, so the ball's displacement
 // rate, which is what the study plots, errs by 1/6 px. The mean over windows depends on the
-// painting (docs/accuracy.md): 0.178 px here.
+// painting (docs/accuracy/windows.md): 0.178 px here.
 TEST(PublishedMethod, IsBiasedTowardsZero) {
   double mean = 0;
   for (const unsigned paint : {1U, 2U, 3U}) {

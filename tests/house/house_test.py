@@ -1,4 +1,5 @@
-"""The house rules of docs/architecture.md: which library may use which, and how large things get.
+"""The house rules of docs/architecture.md: which library may use which, how large things get, and
+that every link within the documents leads to a file and a heading that are there.
 
 Usage: house_test.py REPOSITORY
 """
@@ -98,6 +99,29 @@ def long_functions(root, names):
                 yield f"{name}:{line}: a function of {count} lines"
 
 
+def anchor(heading):
+    """The address of a heading within its page, as GitHub makes it."""
+    words = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
+    return re.sub(r"[^\w\- ]", "", words).strip().replace(" ", "-")
+
+
+def dead_links(root):
+    names = subprocess.check_output(["git", "ls-files", "*.md"], cwd=root, text=True).splitlines()
+    pages = {(root / n).resolve(): re.sub(r"```.*?```|`[^`\n]*`", "", (root / n).read_text(),
+                                          flags=re.S) for n in names if (root / n).exists()}
+    headings = {page: {anchor(h) for h in re.findall(r"^#+ (.*)", page.read_text(), flags=re.M)}
+                for page in pages}
+    for page, text in pages.items():
+        for link in re.findall(r"\]\(([^)\s]+)\)", text):
+            if link.startswith("http"):
+                continue
+            path, _, place = link.partition("#")
+            target = (page.parent / path).resolve() if path else page
+            if not target.exists() or (place and target in headings
+                                       and place not in headings[target]):
+                yield f"{page.relative_to(root)}: no {link}"
+
+
 def main(root):
     names = sources(root)
     faults = wrong_arrows(root, names)
@@ -109,6 +133,7 @@ def main(root):
     if app > MOST_APP_LINES:
         faults.append(f"host/app: {app} lines")
     faults += long_functions(root, names)
+    faults += dead_links(root)
     for fault in faults:
         print(fault)
     return 1 if faults else 0

@@ -12,7 +12,7 @@ namespace impactdic::run {
 namespace {
 
 // The rim of a sphere lies inside of where its surface turns away, by 0.1 to 0.35 px
-// (docs/accuracy.md): that much a radius by the rim alone is in doubt.
+// (docs/accuracy/sphere.md): that much a radius by the rim alone is in doubt.
 constexpr double kSphereRimSd_px = 0.25;
 
 void set_scale(const TrackRequest& request, const Measured& radius_px, SiScale& scale) {
