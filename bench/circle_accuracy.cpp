@@ -5,7 +5,6 @@
 // kept in the folder KEEP and read from there the next time (painting takes longer than all the
 // rest).
 #include <impactdic/units.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/circle/circle.h"
 #include "sim/speckle/render.h"
 
@@ -157,9 +157,9 @@ void run(const std::vector<std::string>& patterns, int first, int last, const Co
   Sums all;
   for (const std::string& pattern : patterns) {
     std::vector<Measured> measured(static_cast<std::size_t>(last - first + 1));
-    tbb::parallel_for(first, last + 1, [&](int seed) {
-      measured[static_cast<std::size_t>(seed - first)] =
-          measure(picture(pattern, seed, condition, keep), seed, condition);
+    parallel_for(measured.size(), [&](std::size_t k) {
+      const int seed = first + static_cast<int>(k);
+      measured[k] = measure(picture(pattern, seed, condition, keep), seed, condition);
     });
     Sums sums;
     for (const Measured& m : measured) {

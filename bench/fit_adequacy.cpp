@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "tests/support/fitted_shots.h"
 
 namespace impactdic::bench {

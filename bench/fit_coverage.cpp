@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/fit/calibration.h"
 #include "tests/support/fitted_shots.h"
 #include "tests/support/scratch.h"

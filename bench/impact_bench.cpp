@@ -8,7 +8,7 @@
 #include <ctime>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/contact/impact.h"
 #include "sim/job/source_jobs.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "tests/support/impacts/derivative_check.h"
 #include "tests/support/random_shots.h"
 

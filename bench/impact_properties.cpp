@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "tests/support/discrete_springs.h"
 #include "tests/support/random_shots.h"
 

@@ -2,7 +2,6 @@
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 
 #include "host/advice/frame_checks.h"
 #include "host/advice/reflex.h"
+#include "host/base/parallel/parallel_for.h"
 
 namespace impactdic::advice {
 namespace {
@@ -164,9 +164,8 @@ std::vector<Look> look_around(FrameSource& source, const AdviceRequest& request)
   if (count >= 4) starts = {0, count - 2};
   if (count >= 6) starts = {0, count / 2, count - 2};
   std::vector<Look> looks(starts.size());
-  tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t k) {
-    looks[k] = look_at(source, request, starts[k], count >= 2);
-  });
+  parallel_for(looks.size(),
+               [&](std::size_t k) { looks[k] = look_at(source, request, starts[k], count >= 2); });
   std::erase_if(looks, [](const Look& look) { return !look.read; });
   return looks;
 }

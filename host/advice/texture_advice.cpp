@@ -1,12 +1,12 @@
 #include "host/advice/texture_advice.h"
 
 #include <impactdic/units.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/field.h"
@@ -86,8 +86,7 @@ TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request) 
   }
   advice.sizes.resize(sizes.size());
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, sizes.size(),
-                      [&](std::size_t k) { advice.sizes[k] = size(sizes[k]); });
+    parallel_for(sizes.size(), [&](std::size_t k) { advice.sizes[k] = size(sizes[k]); });
   });
   advice.asked = advice.sizes.front();
   advice.sizes.erase(advice.sizes.begin());

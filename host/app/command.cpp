@@ -35,7 +35,7 @@ void add_sandbox_option(CLI::App& command) {
   command
       .add_flag_callback(
           "--sandbox", [] { set_picture_sandbox(true); },
-          "Decode pictures (PNG, JPEG, BMP, PGM, sequences) in a process of their own, too")
+          "Decode pictures (PNG, JPEG, BMP, PGM, TIFF) in a process of their own, too")
       ->excludes(off);
 }
 

@@ -2,11 +2,11 @@
 // windows, the double-precision reference for IC-GN.
 #include <fftw3.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <complex>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/benchmark/measure.h"
 #include "host/dic/correlator.h"
 
@@ -84,7 +84,7 @@ void bench_fftw(const BenchOptions& options, const RowSink& sink) {
   row.variant = "reference: FFTW, all cores";
   row.count = static_cast<double>(windows.size());
   measure_time(row, options.seconds, [&] {
-    tbb::parallel_for(std::size_t{0}, windows.size(), [&](std::size_t i) {
+    parallel_for(windows.size(), [&](std::size_t i) {
       Transforms& own = each.local();
       cut(pictures.frames[0], windows[i].x0, windows[i].y0, own.f);
       cut(pictures.frames[1], windows[i].x0, windows[i].y0, own.g);

@@ -2,7 +2,6 @@
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 #include "host/circle/settings/judgement.h"
 
@@ -329,7 +329,7 @@ void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
                            std::span<CircleFit> fits) const {
   // Alone: a thread that waits here must not take up work that waits for this.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, plan.left.size(), [&](std::size_t k) {
+    parallel_for(plan.left.size(), [&](std::size_t k) {
       const Plan::Left& left = plan.left[k];
       const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
       CirclePrior prior = prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index,
@@ -351,7 +351,8 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
   if (fits[begin].status != CircleStatus::kOk) {
     const Radius known = radius();
     tbb::this_task_arena::isolate([&] {
-      tbb::parallel_for(next, end, [&](std::size_t i) {
+      parallel_for(end - next, [&](std::size_t k) {
+        const std::size_t i = next + k;
         fits[i] = search(frames[i], first_index + static_cast<std::int64_t>(i), known);
       });
     });

@@ -1,11 +1,11 @@
 #include "host/circle/scout_ball.h"
 
 #include <impactdic/error.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 #include "host/circle/scene/ball_choice.h"
 #include "host/circle/scene/still_scene.h"
@@ -151,10 +151,9 @@ class Scouting {
       if (!known) glances_.emplace_back().index = index;
     }
     std::vector<Frame> frames(glances_.size() - before);
-    tbb::parallel_for(std::size_t{0}, frames.size(),
-                      [&](std::size_t k) { read(glances_[before + k], frames[k]); });
+    parallel_for(frames.size(), [&](std::size_t k) { read(glances_[before + k], frames[k]); });
     learn_scene();
-    tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t k) {
+    parallel_for(frames.size(), [&](std::size_t k) {
       Glance& glance = glances_[before + k];
       if (glance.shrink > 0) glance.found = balls_in(frames[k], options_, learnt_.scene.get());
     });

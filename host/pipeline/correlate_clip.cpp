@@ -1,7 +1,6 @@
 #include "host/pipeline/correlate_clip.h"
 
 #include <impactdic/error.h>
-#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <array>
@@ -9,6 +8,7 @@
 #include <future>
 #include <utility>
 
+#include "host/base/parallel/pipeline.h"
 #include "host/dic/correlator.h"
 #include "host/dic/device/ball.h"
 #include "host/motion/coarse_search.h"
@@ -360,30 +360,27 @@ void correlate_clip(FrameSource& source, opencl::Engine& engine, const Correlate
   };
   using Read = std::shared_ptr<FrameBatch>;
   using Results = std::shared_ptr<std::vector<Measured>>;
-  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(
-      kBatchesAhead, tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-                       Read batch = is_cancelled() ? nullptr : reader.next();
-                       if (!batch) control.stop();
-                       return batch;
-                     }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
-                       const StageTimes::Scope timed(options.times, stages.read);
-                       reader.decode(*batch);
-                       return batch;
-                     }) & tbb::make_filter<Read, Results>(kInOrder, [&](const Read& batch) {
-                       auto results = std::make_shared<std::vector<Measured>>();
-                       if (error) return results;
-                       error = batch->error;
-                       for (std::size_t i = 0; i < batch->frames.size(); ++i) {
-                         auto measured =
-                             region.take(FramePtr(batch, &batch->frames[i]),
-                                         batch->first_index + static_cast<std::int64_t>(i));
-                         if (measured) results->push_back(std::move(*measured));
-                       }
-                       return results;
-                     }) & tbb::make_filter<Results, void>(kInOrder, [&](const Results& results) {
-                       for (Measured& measured : *results) write(measured);
-                     }));
+  run_pipeline(
+      kBatchesAhead, [&] { return is_cancelled() ? nullptr : reader.next(); },
+      several_at_once([&](Read batch) {
+        const StageTimes::Scope timed(options.times, stages.read);
+        reader.decode(*batch);
+        return batch;
+      }),
+      in_order([&](const Read& batch) {
+        auto results = std::make_shared<std::vector<Measured>>();
+        if (error) return results;
+        error = batch->error;
+        for (std::size_t i = 0; i < batch->frames.size(); ++i) {
+          auto measured = region.take(FramePtr(batch, &batch->frames[i]),
+                                      batch->first_index + static_cast<std::int64_t>(i));
+          if (measured) results->push_back(std::move(*measured));
+        }
+        return results;
+      }),
+      in_order([&](const Results& results) {
+        for (Measured& measured : *results) write(measured);
+      }));
   if (auto last = region.end()) write(*last);
   if (error) std::rethrow_exception(error);
 }

@@ -1,8 +1,8 @@
 #include "host/pipeline/frame_pipeline.h"
 
-#include <tbb/parallel_pipeline.h>
-
 #include <algorithm>
+
+#include "host/base/parallel/pipeline.h"
 
 namespace impactdic::pipeline {
 
@@ -53,25 +53,17 @@ void BatchReader::decode(FrameBatch& batch) {
 void for_each_batch(FrameSource& source, const FrameRange& range, std::int64_t first_index,
                     const Roi& roi, int batch, const std::function<void(FrameBatch&)>& consume) {
   constexpr std::size_t kBatchesInFlight = 3;
-  using Item = std::shared_ptr<FrameBatch>;
   BatchReader reader(source, range, first_index, roi, batch);
-  tbb::parallel_pipeline(
-      kBatchesInFlight,
-      tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order,
-                                   [&](tbb::flow_control& control) {
-                                     Item made = reader.next();
-                                     if (!made) control.stop();
-                                     return made;
-                                   }) &
-          tbb::make_filter<Item, Item>(tbb::filter_mode::parallel,
-                                       [&](Item made) {
-                                         reader.decode(*made);
-                                         return made;
-                                       }) &
-          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, [&](const Item& made) {
-            if (!made->frames.empty()) consume(*made);
-            if (made->error) std::rethrow_exception(made->error);
-          }));
+  run_pipeline(
+      kBatchesInFlight, [&] { return reader.next(); },
+      several_at_once([&](std::shared_ptr<FrameBatch> made) {
+        reader.decode(*made);
+        return made;
+      }),
+      in_order([&](const std::shared_ptr<FrameBatch>& made) {
+        if (!made->frames.empty()) consume(*made);
+        if (made->error) std::rethrow_exception(made->error);
+      }));
 }
 
 }  // namespace impactdic::pipeline

@@ -1,11 +1,11 @@
 #include "host/pipeline/track_clip.h"
 
 #include <impactdic/error.h>
-#include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
 #include <atomic>
 
+#include "host/base/parallel/pipeline.h"
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
@@ -329,26 +329,17 @@ void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
   }
   ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
   using Read = std::shared_ptr<FrameBatch>;
-  constexpr auto kInOrder = tbb::filter_mode::serial_in_order;
-  tbb::parallel_pipeline(
-      kBatchesAhead,
-      tbb::make_filter<void, Read>(kInOrder, [&](tbb::flow_control& control) {
-        Read batch = tracker.is_cancelled() ? nullptr : reader.next();
-        if (!batch) control.stop();
-        return batch;
-      }) & tbb::make_filter<Read, Read>(tbb::filter_mode::parallel, [&](Read batch) {
+  run_pipeline(
+      kBatchesAhead, [&] { return tracker.is_cancelled() ? nullptr : reader.next(); },
+      several_at_once([&](Read batch) {
         const StageTimes::Scope timed(options.times, tracker.read_stage());
         reader.decode(*batch);
         return batch;
-      }) & tbb::make_filter<Read, Batch>(kInOrder, [&](Read batch) {
-        return tracker.locate(std::move(batch));
-      }) & tbb::make_filter<Batch, Batch>(tbb::filter_mode::parallel, [&](Batch batch) {
-        return tracker.complete(std::move(batch));
-      }) & tbb::make_filter<Batch, Batch>(kInOrder, [&](Batch batch) {
-        return tracker.measure(std::move(batch));
-      }) & tbb::make_filter<Batch, void>(kInOrder, [&](Batch batch) {
-        tracker.write(std::move(batch));
-      }));
+      }),
+      in_order([&](Read batch) { return tracker.locate(std::move(batch)); }),
+      several_at_once([&](Batch batch) { return tracker.complete(std::move(batch)); }),
+      in_order([&](Batch batch) { return tracker.measure(std::move(batch)); }),
+      in_order([&](Batch batch) { tracker.write(std::move(batch)); }));
   tracker.end();
 }
 

@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "host/base/csv_table.h"
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/parse.h"
 
 namespace impactdic::report {

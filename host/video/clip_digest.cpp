@@ -1,12 +1,11 @@
 #include "host/video/clip_digest.h"
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
-#include <future>
 #include <thread>
 #include <vector>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/sha256.h"
 
 namespace impactdic::video {
@@ -14,9 +13,9 @@ namespace impactdic::video {
 namespace {
 
 // Most of the cores are the measurement's.
-unsigned threads_for(std::size_t pieces) {
+int threads_for(std::size_t pieces) {
   const unsigned spare = std::clamp(std::thread::hardware_concurrency() / 4, 1u, 4u);
-  return static_cast<unsigned>(std::min<std::size_t>(spare, pieces));
+  return static_cast<int>(std::min<std::size_t>(spare, pieces));
 }
 
 std::string digest_of_file(const std::string& path, std::uint64_t piece_bytes) {
@@ -24,16 +23,9 @@ std::string digest_of_file(const std::string& path, std::uint64_t piece_bytes) {
   const std::uint64_t size = std::filesystem::file_size(path, unknown);
   if (unknown || size <= piece_bytes) return sha256_of_file(path);
   std::vector<std::string> digests((size + piece_bytes - 1) / piece_bytes);
-  std::atomic<std::size_t> next = 0;
-  std::vector<std::future<void>> workers;
-  for (unsigned k = 0; k < threads_for(digests.size()); ++k) {
-    workers.push_back(std::async(std::launch::async, [&] {
-      for (std::size_t i = next++; i < digests.size(); i = next++) {
-        digests[i] = sha256_of_part(path, i * piece_bytes, piece_bytes);
-      }
-    }));
-  }
-  for (std::future<void>& worker : workers) worker.get();
+  parallel_for(digests.size(), threads_for(digests.size()), [&](std::size_t i) {
+    digests[i] = sha256_of_part(path, i * piece_bytes, piece_bytes);
+  });
   std::string listing;
   for (const std::string& digest : digests) listing += digest + "  -\n";
   return sha256_of_text(listing);

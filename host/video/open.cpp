@@ -24,7 +24,8 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const OpenOption
     case FileKind::kSeq:
       return open_seq(path, options.lend_file_memory);
     case FileKind::kTiff:
-      return open_tiff(path);
+      // Without the codecs there is no such process either, and who asked for it is told so.
+      return has_picture_sandbox() ? sandbox::open_tiff(path, options) : open_tiff(path);
     case FileKind::kPicture:
       return open_image_sequence({path}, options);
     case FileKind::kContainer:

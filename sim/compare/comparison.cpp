@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/compare/compared_model.h"
 #include "sim/fit/calibration.h"
 #include "sim/fit/residuals/shot_model.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/contact/rebound.h"
 #include "sim/fit/fit_tables.h"
 #include "sim/rod/rod_impact.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 #include "sim/fit/grid_fit.h"
 #include "sim/fit/pooling.h"

@@ -1,10 +1,10 @@
 #include "sim/speckle/lens.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "host/base/parallel/parallel_for.h"
 
 namespace impactdic::sim::speckle {
 namespace {
@@ -137,8 +137,8 @@ Image<double> BentRenderer::exact(const ShutterPath& path) const {
       box_mean(fine_->exact({fine(path.open), fine(path.middle), fine(path.close)}));
   Image<double> out(scene_.width, scene_.height);
   double* pixels = out.data();
-  tbb::parallel_for(0, scene_.height, [&](int y) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene_.width);
+  parallel_for(static_cast<std::size_t>(scene_.height), [&](std::size_t y) {
+    const std::size_t row = y * static_cast<std::size_t>(scene_.width);
     for (std::size_t i = row; i < row + static_cast<std::size_t>(scene_.width); ++i) {
       pixels[i] = interpolate(smooth, places_[i]);
     }

@@ -2,14 +2,13 @@
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "host/base/parallel/parallel_for.h"
 #include "sim/speckle/render_parts.h"
 
 namespace impactdic::sim::speckle {
@@ -107,8 +106,9 @@ Image<double> BallRenderer::exact(const ShutterPath& path) const {
   Image<double> out = backdrop_;
   const std::vector<Placed> placed = instants(path);
   const int bands = (out.height() + kRowsPerBand - 1) / kRowsPerBand;
-  tbb::parallel_for(0, bands, [&](int band) {
-    const int first = band * kRowsPerBand, last = std::min(out.height(), first + kRowsPerBand);
+  parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
+    const int first = static_cast<int>(band) * kRowsPerBand,
+              last = std::min(out.height(), first + kRowsPerBand);
     for (const Placed& one : placed) add_rows(one, first, last, out);
   });
   return out;

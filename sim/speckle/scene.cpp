@@ -1,7 +1,7 @@
 #include <impactdic/error.h>
 #include <impactdic/synth.h>
-#include <tbb/parallel_for.h>
 
+#include "host/base/parallel/parallel_for.h"
 #include "sim/speckle/noise.h"
 #include "sim/speckle/render_parts.h"
 
@@ -90,7 +90,8 @@ void FrameRenderer::render(const BallPose& pose, std::int64_t frame_index, Frame
 void develop(Image<double>& grey, const SynthScene& scene, std::int64_t frame_index, Frame& out) {
   out.reset(scene.width, scene.height, scene.bits);
   const double top = out.full_scale();
-  tbb::parallel_for(0, scene.height, [&](int y) {
+  parallel_for(static_cast<std::size_t>(scene.height), [&](std::size_t index) {
+    const int y = static_cast<int>(index);
     double* row = grey.row(y);
     const auto width = static_cast<std::size_t>(scene.width);
     if (scene.noise_sigma > 0) {

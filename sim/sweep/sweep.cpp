@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/contact/impact.h"
 #include "sim/contact/rebound.h"
 #include "sim/rod/rod_impact.h"

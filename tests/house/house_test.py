@@ -20,6 +20,29 @@ MOST_BODY = 60  # lines of a function, from the line of its brace on; kernels ho
 # independent of the solver.
 GROUND_FLOOR = {"host/api", "host/base", "host/clip", "host/impact", "host/sphere"}
 
+# Loops and pipelines of oneTBB begin in one place, which also tells ThreadSanitizer their order.
+PARALLEL = "host/base/parallel/"
+# Who has threads of its own: work that waits (host/base/parallel/parallel_for.h).
+THREADS = {
+    "host/benchmark/method_rows.cpp": "devices",
+    "host/cluster/heartbeat.h": "the clock",
+    "host/pipeline/correlate_clip.cpp": "a device",
+    "host/pipeline/device_workers.cpp": "devices",
+    "host/python/job.cpp": "a whole run",
+    "host/report/fields_file.cpp": "the disk",
+    "host/run/batch/batch.cpp": "whole runs",
+    "host/run/batch/shared_batch.cpp": "whole runs",
+    "host/run/folder.cpp": "the disk",
+    "host/run/live/live_run.cpp": "the sender of frames",
+    "host/run/results/folder_lock.cpp": "the clock",
+    "host/run/results/folder_lock.h": "the clock",
+    "host/run/session.cpp": "devices",
+    "host/view/run_job.cpp": "a whole run",
+    "host/view/run_job.h": "a whole run",
+    "host/view/server.cpp": "a socket",
+    "host/view/view.cpp": "a child process",
+}
+
 
 def sources(root):
     names = subprocess.check_output(["git", "ls-files"], cwd=root, text=True).splitlines()
@@ -122,6 +145,19 @@ def dead_links(root):
                 yield f"{page.relative_to(root)}: no {link}"
 
 
+def stray_threads(root, names):
+    for name in names:
+        if not name.endswith((".cpp", ".h")) or name.split("/")[0] not in ("host", "sim"):
+            continue
+        if name.startswith(PARALLEL):
+            continue
+        text = (root / name).read_text()
+        if re.search(r"#include <(oneapi/)?tbb/(parallel_|flow_graph|task_group)", text):
+            yield f"{name}: work in parallel that does not go through {PARALLEL}"
+        if name not in THREADS and re.search(r"std::(async\(|j?thread\b(?!::))", text):
+            yield f"{name}: a thread of its own that {pathlib.Path(__file__).name} does not know"
+
+
 def main(root):
     names = sources(root)
     faults = wrong_arrows(root, names)
@@ -134,6 +170,7 @@ def main(root):
         faults.append(f"host/app: {app} lines")
     faults += long_functions(root, names)
     faults += dead_links(root)
+    faults += stray_threads(root, names)
     for fault in faults:
         print(fault)
     return 1 if faults else 0

@@ -1,13 +1,16 @@
 // Independent pieces of work on several threads.
-#include "host/base/parallel.h"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
+
+#include "host/base/parallel/parallel_for.h"
+#include "host/base/parallel/pipeline.h"
 
 namespace impactdic {
 namespace {
@@ -70,6 +73,79 @@ TEST(Parallel, CancelledPiecesAreLeftOutAndTheDoneOnesKept) {
   std::vector<int> all{1, 2};
   EXPECT_FALSE(keep_done({1, 1}, all));
   EXPECT_EQ(all.size(), 2u);
+}
+
+TEST(Parallel, PiecesOnTheCallersThreadsAreDoneOnceAndTheLowestErrorIsThrown) {
+  std::vector<int> calls(500, 0);  // not atomic: a piece is one thread's
+  parallel_for(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  EXPECT_EQ(std::count(calls.begin(), calls.end(), 1), 500);
+  try {
+    parallel_for(40, [&](std::size_t i) {
+      if (i % 10 == 7) throw std::runtime_error(std::to_string(i));
+    });
+    FAIL() << "nothing was thrown";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "7");
+  }
+}
+
+// Plain numbers pass from stage to stage: under ThreadSanitizer this also tests that the order that
+// oneTBB keeps is known to it.
+TEST(Pipeline, ItemsComeInOrderAndNoMoreThanAskedForAreOnTheirWay) {
+  using Item = std::shared_ptr<std::vector<int>>;
+  int next = 0, sum = 0;
+  std::atomic<int> begun = 0, ended = 0, most = 0;
+  std::vector<int> seen;
+  run_pipeline(
+      3,
+      [&] {
+        if (next == 300) return Item();
+        const int here = ++begun - ended;
+        if (here > most) most = here;  // this stage alone counts
+        return std::make_shared<std::vector<int>>(1, next++);
+      },
+      several_at_once([&](Item item) {
+        item->push_back(2 * item->front());
+        return item;
+      }),
+      in_order([&](const Item& item) {
+        sum += item->back();
+        return sum;
+      }),
+      several_at_once([&](int so_far) { return so_far / 2; }), in_order([&](int half) {
+        seen.push_back(half);
+        ++ended;
+      }));
+  ASSERT_EQ(seen.size(), 300u);
+  for (int i = 0; i < 300; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], i * (i + 1) / 2);
+  EXPECT_LE(most, 3);
+}
+
+TEST(Pipeline, AnErrorEndsItAndIsThrownAgain) {
+  for (const int stage : {0, 1, 2}) {
+    int next = 0, last = -1;
+    const auto at = [&](int here, int item) {
+      if (here == stage && item == 20) throw std::runtime_error("no");
+    };
+    EXPECT_THROW(run_pipeline(
+                     4,
+                     [&] {
+                       at(0, next);
+                       return next < 50 ? std::make_shared<int>(next++) : nullptr;
+                     },
+                     several_at_once([&](std::shared_ptr<int> item) {
+                       at(1, *item);
+                       return item;
+                     }),
+                     in_order([&](const std::shared_ptr<int>& item) {
+                       at(2, *item);
+                       last = *item;
+                     })),
+                 std::runtime_error)
+        << stage;
+    EXPECT_LT(last, 20) << stage;
+    EXPECT_LE(next, 25) << stage;
+  }
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/camera/calibrate/board_sight.h"
 #include "host/camera/calibrate/find_target.h"
 #include "host/camera/calibrate/point_fit.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 
 namespace impactdic::impact {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <memory>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/run/control.h"
 #include "host/run/open_clip.h"
 #ifdef IMPACTDIC_WITH_CALIBRATION

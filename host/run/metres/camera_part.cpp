@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/camera/correct_rows.h"
 #include "host/camera/lens.h"
 #include "host/camera/spread.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/base/parallel.h"
+#include "host/base/parallel/parallel_for.h"
 #include "sim/contact/law/normal_elastoplastic.h"
 #include "sim/rod/rod_impact.h"
 #include "sim/rod/rod_motion.h"

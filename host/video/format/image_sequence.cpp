@@ -65,7 +65,7 @@ std::unique_ptr<FrameSource> open_image_sequence(const std::vector<std::string>&
   for (const std::string& path : paths) {
     if (!std::filesystem::exists(path)) throw FileError("there is no such file", path);
   }
-  if (has_codecs() && has_picture_sandbox()) return sandbox::open_pictures(paths, options);
+  if (has_picture_sandbox()) return sandbox::open_pictures(paths, options);
   return std::make_unique<ImageSequence>(paths, options);
 }
 

@@ -220,8 +220,13 @@ class SandboxedClip : public FrameSource {
     const std::int64_t width = told.number(), height = told.number(), bits = told.number();
     info_.frame_count = told.number();
     const auto pictures = static_cast<std::int64_t>(request.paths.size());
-    if (request.pictures ? bits < 1 || bits > 16 || info_.frame_count != pictures
-                         : bits != 8 || info_.frame_count < 1 || info_.frame_count > kMostFrames) {
+    const bool is_container = request.content == Content::kContainer;
+    const bool are_pictures = request.content == Content::kPictures;
+    const bool bits_can_be = is_container ? bits == 8 : bits >= 1 && bits <= 16;
+    const bool count_can_be = are_pictures
+                                  ? info_.frame_count == pictures
+                                  : info_.frame_count >= 1 && info_.frame_count <= kMostFrames;
+    if (!bits_can_be || !count_can_be) {
       throw FormatError(path, -1, "the codecs say what cannot be");
     }
     check_frame_size(path, width, height, 3);
@@ -236,7 +241,7 @@ class SandboxedClip : public FrameSource {
     for (std::int64_t i = 0; i < std::min(warnings, kMostWarnings); ++i) {
       info_.warnings.push_back(told.text());
     }
-    if (request.pictures) {
+    if (are_pictures) {
       info_.files = request.paths;
       info_.extra.emplace_back("last_file", request.paths.back());
     }
@@ -282,12 +287,16 @@ class SandboxedClip : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(Request{false, {path}}, options);
+  return std::make_unique<SandboxedClip>(Request{Content::kContainer, {path}}, options);
 }
 
 std::unique_ptr<FrameSource> open_pictures(const std::vector<std::string>& paths,
                                            const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(Request{true, paths}, options);
+  return std::make_unique<SandboxedClip>(Request{Content::kPictures, paths}, options);
+}
+
+std::unique_ptr<FrameSource> open_tiff(const std::string& path, const OpenOptions& options) {
+  return std::make_unique<SandboxedClip>(Request{Content::kTiff, {path}}, options);
 }
 
 }  // namespace impactdic::video::sandbox

@@ -16,5 +16,7 @@ std::unique_ptr<FrameSource> open(const std::string& path, const OpenOptions& op
 // The same of pictures in the given order, as open_image_sequence gives them.
 std::unique_ptr<FrameSource> open_pictures(const std::vector<std::string>& paths,
                                            const OpenOptions& options);
+// The same of one TIFF, a frame a page.
+std::unique_ptr<FrameSource> open_tiff(const std::string& path, const OpenOptions& options);
 
 }  // namespace impactdic::video::sandbox

@@ -17,6 +17,7 @@
 #include "host/base/parse.h"
 #include "host/video/codec_module.h"
 #include "host/video/format/readers.h"
+#include "host/video/picture_size.h"
 #include "host/video/sandbox/confine.h"
 #include "host/video/sandbox/message.h"
 
@@ -88,10 +89,18 @@ class Decoder {
     OpenOptions options;
     options.max_megapixels = max_megapixels;
     const std::string& first = request.paths.at(0);
-    const CodecModule& codecs = codec_module(first, "");
+    const CodecModule* codecs =
+        request.content == Content::kTiff ? nullptr : &codec_module(first, "");
     confine(request.paths);  // the libraries are loaded, of the clip nothing is read yet
-    clip_ = request.pictures ? open_image_sequence(request.paths, options)
-                             : codecs.open(first, options);
+    if (codecs == nullptr) {
+      clip_ = open_tiff(first);
+    } else if (request.content == Content::kPictures) {
+      clip_ = open_image_sequence(request.paths, options);
+    } else {
+      clip_ = codecs->open(first, options);
+    }
+    // The codecs have looked before they decoded; of a TIFF no memory was taken yet.
+    check_megapixels(first, clip_->info().width, clip_->info().height, max_megapixels);
   }
 
   void describe() const {

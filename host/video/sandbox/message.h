@@ -43,9 +43,12 @@ class Message {
   std::size_t at_ = 0;
 };
 
+// One file but for pictures, which form a sequence.
+enum class Content : std::int64_t { kContainer, kPictures, kTiff };
+
 // What the process is to decode, the first that it is told: as many messages as the names need.
 struct Request {
-  bool pictures = false;  // files that form a sequence; else one container
+  Content content = Content::kContainer;
   std::vector<std::string> paths;
 
   // False where the other side is gone.

@@ -2,7 +2,6 @@
 
 #include <impactdic/error.h>
 #include <impactdic/units.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "host/base/parallel/parallel_for.h"
 #include "sim/speckle/motion.h"
 
 namespace impactdic::sim::speckle {
@@ -296,8 +296,10 @@ void SphereRenderer::draw_rows(const SphereView& view, const SphereInk& ink, int
   constexpr int kRowsPerBlock = kPixelsPerBlock * kRowsPerPixel;
   const int width = out.width(), rows = out.height();
   const auto count = static_cast<std::size_t>((width + 2 * halo_) * cells_per_pixel_);
-  tbb::parallel_for(0, (rows + kRowsPerBlock - 1) / kRowsPerBlock, [&](int block) {
-    const int first = block * kRowsPerBlock, last = std::min(rows, first + kRowsPerBlock);
+  const int blocks = (rows + kRowsPerBlock - 1) / kRowsPerBlock;
+  parallel_for(static_cast<std::size_t>(blocks), [&](std::size_t block) {
+    const int first = static_cast<int>(block) * kRowsPerBlock,
+              last = std::min(rows, first + kRowsPerBlock);
     std::vector<InkedLine> lines =
         lines_of(view, top + static_cast<double>(first) / kRowsPerPixel, last - first);
     ink.draw(lines);
@@ -330,7 +332,8 @@ void SphereRenderer::add_picture(const SphereView& view, double weight, Image<do
     const int bottom = std::min(box.bottom, top + kPixelsPerBand);
     Image<float> rows(width, (bottom - top + 2 * halo_) * kRowsPerPixel);
     draw_rows(view, ink, box.left, top - halo_ - 0.5, rows);
-    tbb::parallel_for(top, bottom, [&](int y) {
+    parallel_for(static_cast<std::size_t>(bottom - top), [&](std::size_t index) {
+      const int y = top + static_cast<int>(index);
       double* row = out.row(y) + box.left;
       for (std::size_t k = 0; k < down_.size(); ++k) {
         const float* from = rows.row((y - top) * kRowsPerPixel + static_cast<int>(k));

@@ -297,6 +297,73 @@ TEST_F(PictureSandbox, ManyPicturesAreToldInSeveralMessages) {
   EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 16, 206u)));
 }
 
+std::string write_stack(const ScratchFolder& folder, int pages) {
+  const std::string path = folder.file("stack.tif");
+  ClipInfo info;
+  info.width = kWidth;
+  info.height = kHeight;
+  info.bits = 12;
+  info.fps = 10000;
+  const auto sink = video::open_sink(path, video::SinkFormat::kTiff, info);
+  for (int i = 0; i < pages; ++i) sink->write(random_frame(kWidth, kHeight, 12, 300u + i));
+  sink->finish();
+  return path;
+}
+
+TEST_F(PictureSandbox, GivesThePagesOfATiff) {
+  const ScratchFolder folder;
+  const std::string path = write_stack(folder, 9);
+  set_picture_sandbox(false);
+  const auto inside = video::open_video({path});
+  EXPECT_TRUE(decoders().empty());
+  set_picture_sandbox(true);
+  const auto clip = video::open_video({path});
+  ASSERT_EQ(decoders().size(), 1u);
+  const ClipInfo &is = clip->info(), &asked = inside->info();
+  EXPECT_EQ(is.path, asked.path);
+  EXPECT_EQ(is.files, asked.files);
+  EXPECT_EQ(is.format, asked.format);
+  EXPECT_EQ(is.storage, asked.storage);
+  EXPECT_EQ(is.bits, 12);
+  EXPECT_EQ(is.fps, 10000);
+  EXPECT_EQ(is.frame_count, 9);
+  EXPECT_EQ(is.extra, asked.extra);
+  Frame frame;
+  for (const int k : {0, 1, 2, 8, 3, 8, 0}) {
+    clip->read(k, frame);
+    EXPECT_TRUE(same_pixels(frame, random_frame(kWidth, kHeight, 12, 300u + k))) << k;
+  }
+  EXPECT_THROW(clip->read(9, frame), InvalidArgument);
+}
+
+TEST_F(PictureSandbox, ADamagedOrLargeTiffIsRefusedAsItIsInside) {
+  const ScratchFolder folder;
+  const std::string path = write_stack(folder, 3);
+  const auto line = [&](const OpenOptions& options) -> std::string {
+    try {
+      video::open_video({path}, options);
+      return "";
+    } catch (const FormatError& error) {
+      return error.line();
+    }
+  };
+  OpenOptions small;
+  small.max_megapixels = 0.0005;
+  const auto both = [&](const OpenOptions& options) {
+    set_picture_sandbox(true);
+    const std::string outside = line(options);
+    set_picture_sandbox(false);
+    EXPECT_EQ(line(options), outside);
+    return outside;
+  };
+  EXPECT_EQ(both({}), "");
+  EXPECT_NE(both(small), "");
+  auto bytes = testing::file_bytes(path);
+  bytes.resize(bytes.size() - 40);  // of the last directory
+  testing::write_bytes(path, bytes);
+  EXPECT_NE(both({}), "");
+}
+
 TEST(Sandbox, CanBeLeftOut) {
   const ScratchFolder folder;
   const std::string path = write_avi(folder);

@@ -12,9 +12,9 @@ namespace IMPACTDIC_PUBLIC impactdic {
 void set_sandbox(bool on);
 bool has_sandbox();
 
-// The same for pictures (.png .jpg .bmp .pgm), alone or as a sequence, in which .tif may be, too.
+// The same for pictures (.png .jpg .bmp .pgm .tif): alone, as a sequence, or the pages of one .tif.
 // False until it is set: one process decodes them one after the other, which takes longer than
-// several threads here. A clip of one .tif file is read here in any case.
+// several threads here.
 void set_picture_sandbox(bool on);
 bool has_picture_sandbox();
 

@@ -1,4 +1,7 @@
-// Independent pieces of work on several threads, with oneTBB as everywhere.
+// Independent pieces of work on several threads, with oneTBB as everywhere (pipeline.h: items that
+// go through stages). Only work that waits has a thread of its own (std::thread, std::async): for a
+// device, for the disk, for a socket or a child process, for the clock, or for a whole run with its
+// loops. A thread of oneTBB that waited so would be missing elsewhere.
 #pragma once
 
 #include <impactdic/control.h>
@@ -15,8 +18,14 @@ namespace impactdic {
 // so that errors do not depend on timing.
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work);
 
-// The same, followed and stopped by `control`, whose progress names `phase`. Returns for each piece
-// whether it was done: those not begun when the caller cancels are left out.
+// The same on the threads that serve the caller, who may be at a piece of other work; neighbouring
+// indices may be done one after the other by one thread. A caller who holds a lock or has others
+// wait for it calls it within tbb::this_task_arena::isolate: otherwise its thread may take up other
+// work while it waits for the last pieces.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work);
+
+// The first, followed and stopped by `control`, whose progress names `phase`. Returns for each
+// piece whether it was done: those not begun when the caller cancels are left out.
 std::vector<char> parallel_pieces(std::size_t count, int threads, const char* phase,
                                   const RunControl& control,
                                   const std::function<void(std::size_t)>& work);
