@@ -11,6 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kAttempts = 50;
+
 // A run that was killed leaves its lock, and one that several processes share has its tickets:
 // those are no results.
 bool holds_files(const fs::path& folder) {
@@ -37,9 +39,16 @@ OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder
   };
   // A run that is at work here is named, rather than that its files are in the way.
   if (!fs::exists(path_ / FolderLock::kName, error)) refuse_files();
-  is_new_ = fs::create_directories(path_, error);
-  if (error) throw FileError("cannot make the folder: " + error.message(), folder);
-  lock_ = std::make_unique<FolderLock>(path_);
+  for (int left = kAttempts; lock_ == nullptr; --left) {
+    is_new_ = fs::create_directories(path_, error);
+    if (error && left == 0) throw FileError("cannot make the folder: " + error.message(), folder);
+    try {
+      lock_ = std::make_unique<FolderLock>(path_);
+    } catch (const FileError&) {
+      // Another run that had made it may have taken it away meanwhile.
+      if (left == 0 || fs::exists(path_, error)) throw;
+    }
+  }
   refuse_files();
 }
 
