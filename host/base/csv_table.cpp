@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <set>
+#include <sstream>
 
 #include "host/base/parse.h"
 
@@ -42,31 +46,85 @@ std::vector<std::string> cells_of(const std::string& line, const std::string& wh
   return cells;
 }
 
-}  // namespace
+constexpr const char* kCellsVariable = "IMPACTDIC_TABLE_CELLS";
 
-CsvTable CsvTable::read(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) {
+[[noreturn]] void refuse_size(const std::string& file, const std::string& what) {
+  throw FormatError(file, -1, "the table is too large: " + what,
+                    std::string(kCellsVariable) + " raises the number of cells and bytes");
+}
+
+// The text of what has no size, a pipe, as far as it may go.
+std::string text_within(std::istream& stream, const std::string& file, const TableLimits& limits) {
+  std::string text;
+  std::vector<char> part(1 << 16);
+  while (stream.read(part.data(), static_cast<std::streamsize>(part.size())), stream.gcount() > 0) {
+    text.append(part.data(), static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > limits.bytes()) {
+      refuse_size(file, "more than " + std::to_string(limits.bytes()) + " bytes");
+    }
+  }
+  return text;
+}
+
+std::unique_ptr<std::istream> open_table(const std::filesystem::path& file,
+                                         const TableLimits& limits) {
+  auto stream = std::make_unique<std::ifstream>(file);
+  std::error_code unknown;
+  if (!*stream || std::filesystem::is_directory(file, unknown)) {
     throw FileError("cannot read the table", file.string());
   }
+  if (!std::filesystem::is_regular_file(file, unknown)) {
+    return std::make_unique<std::istringstream>(text_within(*stream, file.string(), limits));
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+  if (!unknown && size > limits.bytes())
+    refuse_size(file.string(), std::to_string(size) + " bytes");
+  return stream;
+}
+
+void refuse_repeated(const std::vector<std::string>& columns, const std::string& file) {
+  std::set<std::string> seen;
+  for (const std::string& column : columns) {
+    if (!seen.insert(column).second) {
+      throw FormatError(file, -1, "column '" + column + "' stands twice");
+    }
+  }
+}
+
+}  // namespace
+
+TableLimits TableLimits::now() {
+  TableLimits limits;
+  if (const char* cells = std::getenv(kCellsVariable)) {
+    const std::int64_t most = parse_int(cells, kCellsVariable);
+    if (most < 1 || most > std::int64_t{1} << 50) {
+      throw InvalidArgument("the number of cells is impossible", kCellsVariable, "1 to 2^50");
+    }
+    limits.cells = static_cast<std::size_t>(most);
+  }
+  return limits;
+}
+
+CsvTable CsvTable::read(const std::filesystem::path& file, const TableLimits& limits) {
+  const std::unique_ptr<std::istream> stream = open_table(file, limits);
   CsvTable table;
   table.file_ = file.string();
   std::string line;
   std::size_t number = 0;
-  while (std::getline(stream, line)) {
+  while (std::getline(*stream, line)) {
     ++number;
     // A byte order mark, as spreadsheets write it.
     if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     if (trim(line).empty()) continue;
+    const auto commas = std::count(line.begin(), line.end(), ',');
+    if (static_cast<std::size_t>(commas) >= limits.columns) {
+      throw FormatError(table.file_ + ", line " + std::to_string(number), -1,
+                        "more than " + std::to_string(limits.columns) + " columns");
+    }
     std::vector<std::string> fields =
         cells_of(line, table.file_ + ", line " + std::to_string(number));
     if (table.columns_.empty()) {
-      for (std::size_t i = 0; i < fields.size(); ++i) {
-        if (std::find(fields.begin(), fields.begin() + static_cast<std::ptrdiff_t>(i), fields[i]) !=
-            fields.begin() + static_cast<std::ptrdiff_t>(i)) {
-          throw FormatError(table.file_, -1, "column '" + fields[i] + "' stands twice");
-        }
-      }
+      refuse_repeated(fields, table.file_);
       table.columns_ = std::move(fields);
       continue;
     }
@@ -74,6 +132,9 @@ CsvTable CsvTable::read(const std::filesystem::path& file) {
       throw FormatError(table.file_ + ", line " + std::to_string(number), -1,
                         "the row has " + std::to_string(fields.size()) + " fields, the header " +
                             std::to_string(table.columns_.size()));
+    }
+    if ((table.rows_.size() + 1) * fields.size() > limits.cells) {
+      refuse_size(table.file_, "more than " + std::to_string(limits.cells) + " cells");
     }
     table.rows_.push_back(std::move(fields));
     table.lines_.push_back(number);

@@ -10,11 +10,24 @@
 
 namespace impactdic {
 
+// What a table may hold: 10^6 frames of `track` with all their columns, which take 2 GB of memory.
+// The environment variable IMPACTDIC_TABLE_CELLS raises the cells, and with them the bytes.
+struct TableLimits {
+  std::size_t cells = 50'000'000;
+  std::size_t columns = 1000;
+  std::size_t bytes() const { return 10 * cells; }
+
+  // With what the environment says. Throws InvalidArgument where that is no number.
+  static TableLimits now();
+};
+
 class CsvTable {
  public:
   // Throws FileError where the file cannot be read, FormatError (file, line) where it has no
-  // header, repeats a column, or a row has another number of fields than the header.
-  static CsvTable read(const std::filesystem::path& file);
+  // header, repeats a column, a row has another number of fields than the header, or the table is
+  // larger than `limits`.
+  static CsvTable read(const std::filesystem::path& file,
+                       const TableLimits& limits = TableLimits::now());
 
   std::size_t rows() const { return rows_.size(); }
   const std::vector<std::string>& columns() const { return columns_; }

@@ -29,7 +29,8 @@ bool holds_files(const fs::path& folder) {
 OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder) {
   if (folder.empty()) throw InvalidArgument("the output folder has no name", "--output");
   std::error_code error;
-  if (fs::exists(path_, error) && !fs::is_directory(path_, error)) {
+  const fs::file_status there = fs::status(path_, error);
+  if (fs::exists(there) && !fs::is_directory(there)) {
     throw InvalidArgument("the output must be a folder", folder);
   }
   const auto refuse_files = [&] {

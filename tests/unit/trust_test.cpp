@@ -58,6 +58,52 @@ TEST(CsvTable, CellsInQuotationMarksMayHoldCommas) {
   }
 }
 
+TEST(CsvTable, LimitsAreCheckedBeforeMemoryIsTaken) {
+  const ScratchFolder folder;
+  const fs::path file = folder / "table.csv";
+  const auto line_of = [&](const std::string& text, const TableLimits& limits) -> std::string {
+    std::ofstream(file) << text;
+    try {
+      CsvTable::read(file, limits);
+      return "";
+    } catch (const FormatError& error) {
+      return error.line();
+    }
+  };
+  TableLimits small;
+  small.cells = 6;
+  small.columns = 3;
+  EXPECT_EQ(line_of("a,b,c\n1,2,3\n4,5,6\n", small), "");
+  EXPECT_NE(line_of("a,b,c\n1,2,3\n4,5,6\n7,8,9\n", small).find("6 cells"), std::string::npos);
+  EXPECT_NE(line_of("a,b,c,d\n", small).find("3 columns"), std::string::npos);
+  EXPECT_NE(line_of("a\n" + std::string(60, '1') + "\n", small).find("bytes"), std::string::npos);
+  // So many columns that to compare each with each would take hours.
+  std::string wide = "c";
+  for (int i = 0; i < 2'000'000; ++i) wide += ",c" + std::to_string(i);
+  EXPECT_NE(line_of(wide, {}).find("1000 columns"), std::string::npos);
+}
+
+TEST(CsvTable, APipeIsReadAsFarAsAFileMayGo) {
+  const ScratchFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto written = [&](std::size_t bytes) {
+    return std::jthread([=] {
+      std::ofstream out(pipe);
+      out << "a\n" << std::string(bytes, '1') << "\n2\n";
+    });
+  };
+  TableLimits small;
+  small.cells = 100;
+  {
+    const std::jthread writer = written(20);
+    EXPECT_EQ(CsvTable::read(pipe, small).rows(), 2u);
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+  const std::jthread writer = written(100'000'000);
+  EXPECT_THROW(CsvTable::read(pipe, small), FormatError);
+}
+
 TEST(JournaledFile, ReadsWhatWasWrittenWhereverItLies) {
   const ScratchFolder folder;
   JournaledFile file = JournaledFile::create(folder / "a");
