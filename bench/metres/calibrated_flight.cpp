@@ -1,6 +1,6 @@
 // Flights of uniform velocity through a lens with 1 % of distortion, corrected by a camera that is
 // known only by a calibration of rendered pictures: how constant the speed becomes, and how
-// straight the path.
+// straight the path; and what the calibrations' covariances expect of that.
 //   calibrated_flight TARGET PICTURES CALIBRATIONS [FIRST]
 #include <impactdic/error.h>
 
@@ -8,10 +8,12 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "host/camera/correct_rows.h"
+#include "host/camera/spread.h"
 #include "host/dic/rim_margin.h"
 #include "tests/support/camera/rendered_calibration.h"
 #include "tests/support/camera/through_lens.h"
@@ -83,6 +85,39 @@ Errors errors_of(const Camera& truth, const Camera& found) {
           sum / std::hypot(7, 4.5) - 1};
 }
 
+constexpr double kSpeedLimit_px = 0.0005, kPathLimit_px = 0.012;  // that must hold
+
+// A camera drawn by the covariance of another.
+Camera drawn(const Camera& mean, const std::vector<camera::CameraStep>& steps,
+             std::mt19937& random) {
+  std::normal_distribution<double> normal(0, 1);
+  Camera one = mean;
+  for (const camera::CameraStep& step : steps) {
+    const double by = normal(random) / (2 * step.deviations);
+    for (std::size_t p = 0; p < kCameraParameters; ++p) {
+      one.values[p] += by * (step.plus.values[p] - step.minus.values[p]);
+    }
+  }
+  return one;
+}
+
+// Speed spreads of such cameras, were the camera that was found the true one; ascending.
+std::vector<double> expected_spreads(const Camera& found) {
+  constexpr int kCameras = 200;
+  std::mt19937 random(1);
+  const std::vector<camera::CameraStep> steps = camera::principal_steps(found);
+  std::vector<double> spreads;
+  for (int i = 0; i < kCameras; ++i) {
+    spreads.push_back(errors_of(found, drawn(found, steps, random)).speed_spread_px);
+  }
+  std::sort(spreads.begin(), spreads.end());
+  return spreads;
+}
+
+std::ptrdiff_t within(const std::vector<double>& sorted, double limit) {
+  return std::upper_bound(sorted.begin(), sorted.end(), limit) - sorted.begin();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -91,18 +126,23 @@ int main(int argc, char** argv) {
   const int pictures = argc > 2 ? std::atoi(argv[2]) : 15;
   const int calibrations = argc > 3 ? std::atoi(argv[3]) : 5;
   const unsigned first = argc > 4 ? static_cast<unsigned>(std::atoi(argv[4])) : 1;
-  std::vector<double> spreads, centres;
+  std::vector<double> spreads, centres, all_expected;
   for (unsigned seed = first; seed < first + static_cast<unsigned>(calibrations); ++seed) {
     try {
       const std::vector<Camera> views = views_of(request, pictures, seed);
       const auto pictures = testing::rendered_pictures(request, views, seed * 100);
       const CalibrateResult found = testing::calibrate_rendered(request, pictures);
       const Errors errors = errors_of(views[0], found.camera);
+      const std::vector<double> expected = expected_spreads(found.camera);
       std::printf(
-          "%u: speed constant to %.5f px a frame, path straight to %.4f px, scale %+.1e; points "
-          "scatter by %.4f px, terms %s\n",
-          seed, errors.speed_spread_px, errors.centre_px, errors.scale, found.point_sd_px,
-          found.terms.c_str());
+          "%u: speed constant to %.5f px a frame (expected: median %.5f, %.0f %% within %g), path "
+          "straight to %.4f px, scale %+.1e; points scatter by %.4f px, terms %s\n",
+          seed, errors.speed_spread_px, expected[expected.size() / 2],
+          100.0 * static_cast<double>(within(expected, kSpeedLimit_px)) /
+              static_cast<double>(expected.size()),
+          kSpeedLimit_px, errors.centre_px, errors.scale, found.point_sd_px, found.terms.c_str());
+      std::fflush(stdout);
+      all_expected.insert(all_expected.end(), expected.begin(), expected.end());
       spreads.push_back(errors.speed_spread_px), centres.push_back(errors.centre_px);
     } catch (const Error& error) {
       std::printf("%u: %s\n", seed, error.line().c_str());
@@ -110,12 +150,14 @@ int main(int argc, char** argv) {
   }
   if (spreads.empty()) return 1;
   std::sort(spreads.begin(), spreads.end()), std::sort(centres.begin(), centres.end());
-  const auto within = [](const std::vector<double>& values, double limit) {
-    return std::upper_bound(values.begin(), values.end(), limit) - values.begin();
-  };
+  std::sort(all_expected.begin(), all_expected.end());
+  const auto count = static_cast<double>(all_expected.size());
   std::printf(
-      "of %zu: speed median %.5f, worst %.5f, %td within 0.0005; path median %.4f, worst %.4f, %td "
-      "within 0.012 px\n",
-      spreads.size(), spreads[spreads.size() / 2], spreads.back(), within(spreads, 0.0005),
-      centres[centres.size() / 2], centres.back(), within(centres, 0.012));
+      "of %zu: speed median %.5f, worst %.5f, %td within %g; path median %.4f, worst %.4f, %td "
+      "within %g px\n"
+      "expected: speed median %.5f, %.1f %% within %g\n",
+      spreads.size(), spreads[spreads.size() / 2], spreads.back(), within(spreads, kSpeedLimit_px),
+      kSpeedLimit_px, centres[centres.size() / 2], centres.back(), within(centres, kPathLimit_px),
+      kPathLimit_px, all_expected[all_expected.size() / 2],
+      100 * static_cast<double>(within(all_expected, kSpeedLimit_px)) / count, kSpeedLimit_px);
 }

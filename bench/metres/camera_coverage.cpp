@@ -16,15 +16,7 @@ namespace {
 
 using namespace impactdic;
 
-camera::View noisy_points(const Camera& view, const CalibrateRequest& request, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0, 0.05);
-  camera::View seen;
-  for (const Eigen::Vector2d& at : testing::project_target(view, camera::board_points(request))) {
-    seen.seen.push_back({seen.seen.size(), at + Eigen::Vector2d(noise(random), noise(random))});
-  }
-  return seen;
-}
+constexpr double kPointNoise_px = 0.05;
 
 // Of the points that the calibration used, along one axis: from the nearest of the target's points
 // as the true camera shows them.
@@ -84,24 +76,15 @@ class Tally {
   std::array<double, kCameraParameters> squares_{};
 };
 
-std::vector<camera::View> without_pictures(const CalibrateRequest& request,
-                                           const std::vector<Camera>& views, unsigned noise) {
-  std::vector<camera::View> seen;
-  for (const Camera& view : views) {
-    seen.push_back(noisy_points(view, request, noise + static_cast<unsigned>(seen.size()) + 1));
-    seen.back().picture = std::to_string(seen.size() - 1);
-  }
-  return seen;
-}
-
 void calibrate_one(const CalibrateRequest& request, unsigned seed, bool points, Tally& tally) {
   const int pictures = 5 + static_cast<int>(seed * 7 % 26);
   const std::vector<Camera> views = testing::random_calibration(request, pictures, seed).views;
   try {
     CalibrateResult found;
     if (points) {
-      found = camera::calibrate_points(request, without_pictures(request, views, seed * 100),
-                                       views[0].width, views[0].height);
+      found = camera::calibrate_points(
+          request, testing::noisy_views(request, views, kPointNoise_px, seed * 100), views[0].width,
+          views[0].height);
     } else {
       found = testing::calibrate_rendered(request,
                                           testing::rendered_pictures(request, views, seed * 100));

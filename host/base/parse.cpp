@@ -2,6 +2,7 @@
 
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -69,6 +70,30 @@ std::string shortest(double value) {
   const auto [end, code] = std::to_chars(buffer, buffer + sizeof buffer, value);
   (void)code;
   return std::string(buffer, end);
+}
+
+namespace {
+
+std::string in_format(double value, std::chars_format format, int precision) {
+  char buffer[400];  // the largest double has 309 digits before its point
+  const auto [end, code] = std::to_chars(buffer, buffer + sizeof buffer, value, format, precision);
+  (void)code;
+  return std::string(buffer, end);
+}
+
+}  // namespace
+
+std::string plus_minus(double value, double sd) {
+  if (!(sd > 0) || !std::isfinite(sd)) {
+    return in_format(value, std::chars_format::general, 6) + " +- " +
+           in_format(sd, std::chars_format::general, 2);
+  }
+  // As it is printed: 0.0996 has its second digit where 0.10 has it.
+  const std::string digits = in_format(sd, std::chars_format::scientific, 1);
+  const int power = std::stoi(digits.substr(digits.find('e') + 1));
+  const int decimals = std::clamp(1 - power, 0, 17);
+  return in_format(value, std::chars_format::fixed, decimals) + " +- " +
+         in_format(sd, std::chars_format::fixed, decimals);
 }
 
 }  // namespace impactdic

@@ -1,4 +1,4 @@
-// Text to numbers, strictly: the whole text must be the number.
+// Text to numbers, strictly: the whole text must be the number; and back.
 #pragma once
 
 #include <cstdint>
@@ -18,5 +18,8 @@ std::vector<std::string> split(std::string_view text, char separator);
 std::string trim(std::string_view text);
 // The shortest decimal that reads back as exactly this double; "" for NaN.
 std::string shortest(double value);
+// "12.30 +- 0.21": both to the second digit of the deviation; six digits where that is 0 or
+// unknown.
+std::string plus_minus(double value, double sd);
 
 }  // namespace impactdic

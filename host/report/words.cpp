@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "host/base/parse.h"
 #include "host/report/words/text.h"
 
 namespace impactdic::report {
@@ -20,8 +21,8 @@ std::string in_words(const SizeAdvice& size) {
 
 std::string in_words(const PlaneFigures& camera) {
   std::string text =
-      say("%.6g +- %.2g mm/px in the plane of motion, distortion at most %.2f px",
-          camera.metre_per_px.value * 1e3, camera.metre_per_px.sd * 1e3, camera.distortion_px);
+      plus_minus(camera.metre_per_px.value * 1e3, camera.metre_per_px.sd * 1e3) +
+      say(" mm/px in the plane of motion, distortion at most %.2f px", camera.distortion_px);
   if (std::isfinite(camera.tilt_deg)) text += say(", tilted by %.2f deg", camera.tilt_deg);
   return text;
 }

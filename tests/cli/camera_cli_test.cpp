@@ -226,7 +226,7 @@ TEST(CalibrateCommand, WritesACameraFromAClipOfTargets) {
                                     " --target ruler --marks 20,50,320,50 --pitch-mm 60 -o " +
                                     quoted(folder / "ruler.toml"));
   EXPECT_EQ(ruler.status, 0) << ruler.err;
-  EXPECT_NE(ruler.out.find("scale 0.2 +- "), std::string::npos) << ruler.out;
+  EXPECT_NE(ruler.out.find("scale 0.2000"), std::string::npos) << ruler.out;
   const Outcome no_ticks =
       run_program("calibrate " + quoted(folder / "targets.tif") +
                   " --target ruler --pitch-mm 1 -o " + quoted(folder / "ticks.toml"));

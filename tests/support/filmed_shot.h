@@ -5,14 +5,16 @@
 
 #include <impactdic/track.h>
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "host/run/metres/scale.h"
 #include "tests/support/impact_rows.h"
 
 namespace impactdic::testing {
 
-enum class ScaleBy { kDiameter, kRuler };
+enum class ScaleBy { kDiameter, kRuler, kTarget };
 
 struct FilmedShot {
   FilmedImpact filmed;
@@ -47,6 +49,35 @@ struct Tolerances {
   int fewest_frames = 40, most_frames = 120;
 };
 
+// The picture in which a target tells the scale (support/camera/shot_by_target.h).
+inline constexpr int kTargetPictureWidth = 400, kTargetPictureHeight = 300;
+
+// What the ball covers, px.
+struct BallBox {
+  double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+  double width() const { return right - left; }
+  double height() const { return bottom - top; }
+};
+inline BallBox ball_box(const std::vector<TrackRow>& rows) {
+  BallBox box;
+  for (const TrackRow& row : rows) {
+    box.left = std::min(box.left, row.cx_px - row.r_px);
+    box.right = std::max(box.right, row.cx_px + row.r_px);
+    box.top = std::min(box.top, row.cy_px - row.r_px);
+    box.bottom = std::max(box.bottom, row.cy_px + row.r_px);
+  }
+  return box;
+}
+
+// Metres a pixel with which the shot fills `share` of a target's picture.
+inline double scale_to_fill(const FilmedImpact& filmed, double share) {
+  std::vector<TrackRow> rows;
+  film(filmed, rows);
+  const BallBox box = ball_box(rows);
+  return filmed.metre_per_px * std::max(box.width() / (share * kTargetPictureWidth),
+                                        box.height() / (share * kTargetPictureHeight));
+}
+
 // Any of the two balls, at any surface, speed, framing and frame rate, by `random`.
 inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Tolerances& t = {}) {
   std::uniform_real_distribution<double> part(0, 1);
@@ -66,6 +97,7 @@ inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Toleran
   f.job.initial.omega_rad_s = 10 * (part(random) - 0.5);
   f.frames = f.frames_before + t.fewest_frames + static_cast<int>(more * part(random)) +
              static_cast<int>(sim::contact::simulate_impact(f.job).contact_s * f.fps);
+  if (by == ScaleBy::kTarget) f.metre_per_px = scale_to_fill(f, 0.55 + 0.3 * part(random));
   shot.truth = film(f, shot.result.rows);
   const double off = t.radius_sd_px * normal(random);
   for (TrackRow& row : shot.result.rows) {
@@ -82,7 +114,7 @@ inline FilmedShot filmed_shot(std::mt19937_64& random, ScaleBy by, const Toleran
   if (by == ScaleBy::kDiameter) {
     request.ball_diameter_mm = 1e3 * f.job.body.diameter_m + t.diameter_sd_mm * normal(random);
     request.ball_diameter_sd_mm = t.diameter_sd_mm;
-  } else {
+  } else if (by == ScaleBy::kRuler) {
     request.mm_per_px = 1e3 * f.metre_per_px * (1 + t.ruler_sd * normal(random));
     request.mm_per_px_sd = t.ruler_sd * request.mm_per_px;
   }

@@ -31,6 +31,14 @@ TEST(Parse, ShortestReadsBackExactly) {
   EXPECT_EQ(shortest(std::nan("")), "");
 }
 
+TEST(Parse, ADeviationIsToldToItsSecondDigit) {
+  EXPECT_EQ(plus_minus(2.2834, 0.00471), "2.2834 +- 0.0047");
+  EXPECT_EQ(plus_minus(0.30000451, 2.07e-7), "0.30000451 +- 0.00000021");
+  EXPECT_EQ(plus_minus(-17.26, 0.0996), "-17.26 +- 0.10");
+  EXPECT_EQ(plus_minus(1234.5, 217), "1234 +- 217");
+  EXPECT_EQ(plus_minus(0.3, 0), "0.3 +- 0");
+}
+
 TEST(Error, IsOneLineWithPlaceAndHint) {
   const FormatError error("a.cine", 44, "width is\n0", "is it a cine file?");
   EXPECT_EQ(error.line(), "width is 0 (a.cine, byte 44): is it a cine file?");

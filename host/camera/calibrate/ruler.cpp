@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/base/parse.h"
 #include "host/camera/calibrate/calibrate_points.h"
 #include "host/camera/calibrate/ticks.h"
 #include "host/camera/calibrate/verdict.h"
@@ -105,12 +106,10 @@ CalibrateResult calibrate_ticks(const CalibrateRequest& request, const std::stri
   judge(request, result);
   result.verdict.insert(result.verdict.begin(), say_row(*row, request.pitch_mm));
   if (std::abs(row->growth) > kChance * row->growth_sd) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the pitch grows by %.2f +- %.2f %% along the ruler, which leans or is bent by "
-                  "the lens: the scale is no better than that",
-                  100 * row->growth, 100 * row->growth_sd);
-    result.verdict.emplace_back(text);
+    result.verdict.push_back("the pitch grows by " +
+                             plus_minus(100 * row->growth, 100 * row->growth_sd) +
+                             " % along the ruler, which leans or is bent by the lens: the scale "
+                             "is no better than that");
   }
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "host/base/parse.h"
 #include "host/report/words.h"
 #include "host/report/words/text.h"
 
@@ -100,13 +101,14 @@ std::string in_words(const Inspection& found, double error_px) {
 }
 
 std::string in_words(const CalibrateResult& found) {
-  std::string text = say("scale %.6g +- %.2g mm/px in the plane of motion\n",
-                         found.metre_per_px.value * 1e3, found.metre_per_px.sd * 1e3);
+  std::string text = "scale " +
+                     plus_minus(found.metre_per_px.value * 1e3, found.metre_per_px.sd * 1e3) +
+                     " mm/px in the plane of motion\n";
   text += say("distortion: %s, at most %.2f px; points scatter by %.3f px\n", found.terms.c_str(),
               found.distortion_px, found.point_sd_px);
   if (found.camera.focal_length_known) {
-    text += say("the camera is tilted by %.2f +- %.2f deg against the plane\n",
-                found.tilt_deg.value, found.tilt_deg.sd);
+    text += "the camera is tilted by " + plus_minus(found.tilt_deg.value, found.tilt_deg.sd) +
+            " deg against the plane\n";
   }
   for (const std::string& verdict : found.verdict) text += "verdict: " + verdict + "\n";
   return text;

@@ -47,6 +47,24 @@ inline RenderedPictures rendered_pictures(const CalibrateRequest& request,
   return pictures;
 }
 
+// In place of pictures: the target's points as each view shows them, with noise of `sd_px` along
+// either axis.
+inline std::vector<camera::View> noisy_views(const CalibrateRequest& request,
+                                             const std::vector<Camera>& views, double sd_px,
+                                             unsigned noise) {
+  std::vector<camera::View> seen;
+  for (const Camera& view : views) {
+    std::mt19937 random(++noise);
+    std::normal_distribution<double> off(0, sd_px);
+    camera::View one{std::to_string(seen.size()), {}};
+    for (const Eigen::Vector2d& at : project_target(view, camera::board_points(request))) {
+      one.seen.push_back({one.seen.size(), at + Eigen::Vector2d(off(random), off(random))});
+    }
+    seen.push_back(std::move(one));
+  }
+  return seen;
+}
+
 inline CalibrateResult calibrate_rendered(const CalibrateRequest& request,
                                           const RenderedPictures& pictures) {
   return camera::calibrate_pictures(request, pictures.seen, pictures.levels[0].width(),
