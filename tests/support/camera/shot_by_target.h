@@ -1,6 +1,6 @@
 // A shot whose scale, lens and tilt are known by a calibration alone: random, as filmed_shot.h
-// makes them, framed at random in 400 x 300 px, seen by a camera that lies up to 6 degrees askew and
-// has up to 3 % of distortion.
+// makes them, framed at random in 400 x 300 px, seen by a camera that lies up to 6 degrees askew
+// and has up to 3 % of distortion.
 #pragma once
 
 #include <impactdic/error.h>
@@ -31,9 +31,7 @@ struct ShotByTarget {
   Camera camera;    // found
   int refused = 0;  // calibrations that were: other pictures were taken then
 
-  void conclude() {
-    run::conclude_through_camera(camera, shot.request, std::nullopt, shot.result);
-  }
+  void conclude() { run::conclude_through_camera(camera, shot.request, std::nullopt, shot.result); }
 };
 
 namespace shot_by_target {
@@ -66,14 +64,13 @@ inline Camera calibrated(const CalibrationPlan& plan, const CalibrateRequest& re
   if (plan.points_sd_px == 0) {
     return calibrate_rendered(request, rendered_pictures(request, views, seed)).camera;
   }
-  return camera::calibrate_points(request,
-                                  noisy_views(request, views, plan.points_sd_px, seed),
+  return camera::calibrate_points(request, noisy_views(request, views, plan.points_sd_px, seed),
                                   views[0].width, views[0].height)
       .camera;
 }
 
-// The true camera and what its calibration finds, by pictures of a target that is a little larger or
-// smaller than told.
+// The true camera and what its calibration finds, by pictures of a target that is a little larger
+// or smaller than told.
 struct CameraPair {
   Camera truth, found;
 };
@@ -106,10 +103,10 @@ inline void frame_at_random(std::mt19937_64& random, const Camera& camera, doubl
   const Eigen::Vector2d middle =
       camera::PlaneView(camera).to_plane({(camera.width - 1) / 2.0, (camera.height - 1) / 2.0}) /
       metre_per_px;
-  const double x = middle.x() + aside(random) * (camera.width - box.width()) -
-                   (box.left + box.right) / 2;
-  const double y = camera.height - 1 - middle.y() +
-                   aside(random) * (camera.height - box.height()) - (box.top + box.bottom) / 2;
+  const double x =
+      middle.x() + aside(random) * (camera.width - box.width()) - (box.left + box.right) / 2;
+  const double y = camera.height - 1 - middle.y() + aside(random) * (camera.height - box.height()) -
+                   (box.top + box.bottom) / 2;
   for (std::vector<TrackRow>* rows : {&plain, &noisy}) {
     for (TrackRow& row : *rows) row.cx_px += x, row.cy_px += y;
   }

@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kNormal95 = 1.959964;
 
-// Shots with a camera and a calibration of its own each, which is as good as few, poor pictures make
-// it: the camera's part is most of many deviations. IMPACTDIC_SHOTS=400 settles a coverage to 1.1 %.
+// Shots with a camera and a calibration of its own each, which is as good as few, poor pictures
+// make it: the camera's part is most of many deviations. IMPACTDIC_SHOTS=400 settles a coverage
+// to 1.1 %.
 TEST(ShotByTarget, IntervalsHold) {
   const char* wanted = std::getenv("IMPACTDIC_SHOTS");
   const int shots = wanted != nullptr ? std::atoi(wanted) : 12;
