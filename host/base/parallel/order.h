@@ -4,6 +4,8 @@
 // these are nothing.
 #pragma once
 
+#include <utility>
+
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -22,5 +24,24 @@ inline void follow([[maybe_unused]] const void* address) {
   __tsan_acquire(const_cast<void*>(address));
 #endif
 }
+
+// A function that oneTBB copies and calls on other threads: who calls a copy follows who made it.
+template <typename Function>
+class Handed {
+ public:
+  explicit Handed(Function function) : function_(std::move(function)) {}
+  Handed(const Handed& other) : function_(other.function_) { pass_on(this); }
+  Handed& operator=(const Handed&) = delete;
+  ~Handed() = default;
+
+  template <typename Argument>
+  decltype(auto) operator()(Argument&& argument) const {
+    follow(this);
+    return function_(std::forward<Argument>(argument));
+  }
+
+ private:
+  Function function_;
+};
 
 }  // namespace impactdic::order

@@ -59,7 +59,7 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, count, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) { pieces(range); },
+        order::Handed([&](const tbb::blocked_range<std::size_t>& range) { pieces(range); }),
         tbb::simple_partitioner());
   });
   pieces.end();
@@ -67,8 +67,9 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work) {
   Pieces pieces(work);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count),
-                    [&](const tbb::blocked_range<std::size_t>& range) { pieces(range); });
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count),
+      order::Handed([&](const tbb::blocked_range<std::size_t>& range) { pieces(range); }));
   pieces.end();
 }
 

@@ -88,19 +88,18 @@ void run_stages(std::size_t most_items, const Chain& before, const char* turns, 
   const char* turn = first.mode == tbb::filter_mode::parallel ? nullptr : turns;
   if constexpr (sizeof...(Rest) == 0) {
     static_assert(std::is_void_v<Result>, "the last stage has nobody to give its result to");
-    tbb::parallel_pipeline(
-        most_items, before & tbb::make_filter<Carried<Item>, void>(
-                                 first.mode, [=, work = std::move(first.work)](Carried<Item> item) {
-                                   const InStage here(turn, ended);
-                                   work(item.take());
-                                 }));
+    const auto run = order::Handed([=, work = std::move(first.work)](Carried<Item> item) {
+      const InStage here(turn, ended);
+      work(item.take());
+    });
+    tbb::parallel_pipeline(most_items,
+                           before & tbb::make_filter<Carried<Item>, void>(first.mode, run));
   } else {
-    const auto longer =
-        before & tbb::make_filter<Carried<Item>, Carried<Result>>(
-                     first.mode, [=, work = std::move(first.work)](Carried<Item> item) {
-                       const InStage here(turn, ended);
-                       return Carried<Result>(work(item.take()));
-                     });
+    const auto run = order::Handed([=, work = std::move(first.work)](Carried<Item> item) {
+      const InStage here(turn, ended);
+      return Carried<Result>(work(item.take()));
+    });
+    const auto longer = before & tbb::make_filter<Carried<Item>, Carried<Result>>(first.mode, run);
     run_stages<Result>(most_items, longer, turns + 1, ended, std::move(rest)...);
   }
 }
@@ -118,13 +117,14 @@ void run_pipeline(std::size_t most_items, const Next& next, PipelineStage<Works>
   const std::array<char, sizeof...(Works) + 1> turns{};
   const char ended = 0;
   order::pass_on(turns.data());
-  const auto first = tbb::make_filter<void, Carried<Item>>(
-      tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-        const detail::InStage here(turns.data(), &ended);
-        Item item = next();
-        if (!item) control.stop();
-        return Carried<Item>(std::move(item));
-      });
+  const auto begin = order::Handed([&](tbb::flow_control& control) {
+    const detail::InStage here(turns.data(), &ended);
+    Item item = next();
+    if (!item) control.stop();
+    return Carried<Item>(std::move(item));
+  });
+  const auto first =
+      tbb::make_filter<void, Carried<Item>>(tbb::filter_mode::serial_in_order, begin);
   const detail::Ending ending(&ended);
   detail::run_stages<Item>(most_items, first, turns.data() + 1, &ended, std::move(stages)...);
 }
