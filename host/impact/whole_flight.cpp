@@ -10,7 +10,7 @@
 namespace impactdic::impact {
 namespace {
 
-constexpr std::size_t kFewestRows = 12, kMostRows = 2000;
+constexpr std::size_t kFewestFlightRows = 12, kMostRows = 2000;
 // A path that is no free flight leaves its fit by more than centres and motions are wrong by.
 constexpr double kMostScatter = 3;      // over what the track states
 constexpr double kMostRejected = 0.05;  // of the data
@@ -70,7 +70,7 @@ void put_out_of_plane(const FlightFit& fit, const TrackRows& rows, const ImpactO
 
 FlightMotion whole_flight(const TrackRows& rows, const ImpactOptions& options) {
   FlightMotion motion;
-  if (rows.size() < kFewestRows || rows.size() > kMostRows) return motion;
+  if (rows.size() < kFewestFlightRows || rows.size() > kMostRows) return motion;
   const double angle = options.surface_angle_rad;
   const ImpactSeries series(rows, angle, known_of_sphere(options));
   const FlightRange range = {0, rows.size() - 1, static_cast<double>(rows.size() - 1) / 2};

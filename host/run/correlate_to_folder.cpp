@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Between two writes to the disk, as for `track`.
-constexpr double kFlushEvery_s = 0.5;
+constexpr double kFlushFieldsEvery_s = 0.5;
 
 // What a run leaves behind, written while the clip runs.
 class CorrelateFiles {
@@ -64,7 +64,7 @@ class CorrelateFiles {
   }
   void reach(const pipeline::CorrelatePoint& point) {
     reached_ = point;
-    if (since_flush_.seconds() > kFlushEvery_s) flush();
+    if (since_flush_.seconds() > kFlushFieldsEvery_s) flush();
   }
   // The point last: all that it promises is on the disk then.
   void flush() {

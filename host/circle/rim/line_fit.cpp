@@ -23,7 +23,7 @@ namespace impactdic::circle {
 namespace {
 
 // One fit: corrections to the rim, their covariance, and what the lines say.
-struct Estimate {
+struct LineEstimate {
   bool ok = false;
   Shape shape = Shape::kCircle;
   Vector5 delta = Vector5::Zero();
@@ -53,22 +53,22 @@ struct Workspace {
 
 // What is fitted to what. `other`: an estimate of the same lines by the other shape, the last one
 // made with this workspace; its evidence and sums are gone on from.
-struct Task {
+struct LineTask {
   const LineTrace& trace;
   const RimModel& model;
   const Rim& rim;
   const CirclePrior& prior;
   LineStart start;
   Shape shape = Shape::kCircle;
-  const Estimate* other = nullptr;
+  const LineEstimate* other = nullptr;
 };
 
 // The way up to the greatest likelihood. In every round the evidence is made anew, linear about the
 // corrections so far, and followed by steps as far as it holds.
 class Climb {
  public:
-  Climb(const Task& task, Workspace& work);
-  Estimate run();
+  Climb(const LineTask& task, Workspace& work);
+  LineEstimate run();
 
  private:
   // Of the likelihood at the present corrections: the share of Newton's step in the next step, and
@@ -109,9 +109,9 @@ class Climb {
   bool settled() const;
   void prepare_next_round();
 
-  const Task task_;
+  const LineTask task_;
   Workspace& work_;
-  Estimate result_;
+  LineEstimate result_;
   const int parameters_;
   const double shrink_px_;  // a blurred disc's half level lies so far inside its rim
   Vector5 delta_ = Vector5::Zero();
@@ -124,7 +124,7 @@ class Climb {
   Vector5 last_way_ = Vector5::Zero();
 };
 
-Climb::Climb(const Task& task, Workspace& work)
+Climb::Climb(const LineTask& task, Workspace& work)
     : task_(task),
       work_(work),
       parameters_(task.shape == Shape::kEllipse ? 5 : 3),
@@ -153,7 +153,7 @@ Climb::Climb(const Task& task, Workspace& work)
 }
 
 // Not ok where the lines are too few, or where the rounds do not suffice.
-Estimate Climb::run() {
+LineEstimate Climb::run() {
   for (round_ = 0; round_ < kLineFit.rounds; ++round_) {
     if (!goes_on_from_other()) make_evidence();
     if (!follow_evidence()) return result_;
@@ -320,8 +320,8 @@ WidthChange change_of_width(const LineTrace& trace, const RimModel& model, const
 // always try an ellipse first: lines that no circle explains count as ink or strays, and hold
 // nothing against it; and one beside which no ellipse can be found may lie across one. A fine fit
 // without an ellipse is none.
-Estimate choose_shape(Task task, Shapes shapes, Workspace& work) {
-  const auto by = [&](Shape tried, const Estimate* other) {
+LineEstimate choose_shape(LineTask task, Shapes shapes, Workspace& work) {
+  const auto by = [&](Shape tried, const LineEstimate* other) {
     task.shape = tried;
     task.other = other;
     return Climb(task, work).run();
@@ -329,12 +329,12 @@ Estimate choose_shape(Task task, Shapes shapes, Workspace& work) {
   if (shapes == Shapes::kCircle) return by(Shape::kCircle, nullptr);
   const Rim& rim = task.rim;
   const bool thorough = task.start.how == Thoroughness::kWithWidth;
-  Estimate circle;
+  LineEstimate circle;
   if (thorough && std::hypot(rim.e1, rim.e2) < kPrior.plainly_oval * rim.r) {
     circle = by(Shape::kCircle, nullptr);
     if (circle.ok && circle.oval < kPrior.significant) return circle;
   }
-  const Estimate oval = by(Shape::kEllipse, circle.ok ? &circle : nullptr);
+  const LineEstimate oval = by(Shape::kEllipse, circle.ok ? &circle : nullptr);
   if (task.start.how == Thoroughness::kFinely && !oval.ok) return {};
   // What the model may misplace makes ellipses of circles too.
   const double place = task.model.place_sd_px();
@@ -371,7 +371,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.rim = rim;
   if (trace.lines.size() < kLineFit.least_lines) return fit;
   thread_local Workspace work;
-  const Estimate best = choose_shape({trace, model, rim, prior, start}, shapes, work);
+  const LineEstimate best = choose_shape({trace, model, rim, prior, start}, shapes, work);
   if (!best.ok) return fit;
   fit.ok = true;
   fit.ellipse = best.shape == Shape::kEllipse;

@@ -19,13 +19,13 @@
 namespace impactdic::circle {
 namespace {
 
-constexpr int kSectors = kLevelSectors;
+constexpr int kOutlineSectors = kLevelSectors;
 constexpr int kIn = 4, kOut = 4, kLength = kIn + 1 + kOut;  // samples of a ray about the rim
 
 struct OutlineRays {
   std::vector<float> cos, sin, profile;
   std::vector<int> ray;
-  std::array<std::vector<float>, kSectors> ground;
+  std::array<std::vector<float>, kOutlineSectors> ground;
   std::vector<float> scratch;
 
   const float* row(int i) const { return profile.data() + static_cast<std::size_t>(i) * kLength; }
@@ -51,7 +51,7 @@ void cast(ImageView<const T> picture, const Rim& rim, float step, int count, Out
       const float level = sampler.template bicubic<Kernel::kSmooth>(x + static_cast<float>(k) * dx,
                                                                     y + static_cast<float>(k) * dy);
       rays.profile.push_back(level);
-      if (k >= kCrossing.ground_from) rays.ground[i * kSectors / count].push_back(level);
+      if (k >= kCrossing.ground_from) rays.ground[i * kOutlineSectors / count].push_back(level);
     }
     rays.cos.push_back(static_cast<float>(c));
     rays.sin.push_back(static_cast<float>(s));
@@ -61,22 +61,22 @@ void cast(ImageView<const T> picture, const Rim& rim, float step, int count, Out
 
 // Median of what lies outside, over three sectors; and the noise of a sample there.
 struct Background {
-  std::array<float, kSectors> level{};
+  std::array<float, kOutlineSectors> level{};
   float noise = 0;
 };
 
 Background background_of(OutlineRays& rays) {
   Background back;
-  for (int b = 0; b < kSectors; ++b) {
+  for (int b = 0; b < kOutlineSectors; ++b) {
     rays.scratch.clear();
     for (int d = -1; d <= 1; ++d) {
-      const auto& sector = rays.ground[(b + d + kSectors) % kSectors];
+      const auto& sector = rays.ground[(b + d + kOutlineSectors) % kOutlineSectors];
       rays.scratch.insert(rays.scratch.end(), sector.begin(), sector.end());
     }
     if (!rays.scratch.empty()) back.level[b] = quantile(rays.scratch, 0.5);
   }
   rays.scratch.clear();
-  for (int b = 0; b < kSectors; ++b) {
+  for (int b = 0; b < kOutlineSectors; ++b) {
     for (const float level : rays.ground[b]) {
       rays.scratch.push_back(std::abs(level - back.level[b]));
     }
@@ -165,7 +165,7 @@ void trace_outline(const Frame& frame, const Rim& rim, double blur_px, int count
   for (int i = 0; i < n; ++i) {
     Departure& d = found[static_cast<std::size_t>(i)];
     d.step = 0;
-    if (depart(rays.row(i), back.level[rays.ray[i] * kSectors / count], least, d)) {
+    if (depart(rays.row(i), back.level[rays.ray[i] * kOutlineSectors / count], least, d)) {
       rays.scratch.push_back(std::abs(d.step));
     }
   }

@@ -10,7 +10,7 @@
 namespace impactdic::dic {
 namespace {
 
-constexpr std::size_t kScratchBytes = std::size_t{64} << 20;
+constexpr std::size_t kPublishedScratchBytes = std::size_t{64} << 20;
 
 // As in published.cl.
 std::size_t scratch_floats(int window_px) {
@@ -36,7 +36,7 @@ void PublishedOpencl::run(const DeviceFrames& frames, const opencl::Buffer<Windo
     throw InvalidArgument("more windows than their buffers hold");
   }
   const std::size_t floats = scratch_floats(options_.window_px);
-  const std::size_t most = std::max<std::size_t>(1, kScratchBytes / (4 * floats));
+  const std::size_t most = std::max<std::size_t>(1, kPublishedScratchBytes / (4 * floats));
   scratch_.reserve(engine_, std::min(count, most) * floats);
   for (std::size_t start = 0; start < count; start += most) {
     const std::size_t part = std::min(most, count - start);

@@ -10,7 +10,7 @@ namespace {
 
 using Pixels = std::vector<double>;
 
-Pixels mean_free(ImageView<const float> image, int x0, int y0, int side) {
+Pixels mean_free_window(ImageView<const float> image, int x0, int y0, int side) {
   Pixels pixels;
   double mean = 0;
   for (int y = 0; y < side; ++y) {
@@ -23,7 +23,7 @@ Pixels mean_free(ImageView<const float> image, int x0, int y0, int side) {
   return pixels;
 }
 
-double energy_of(const Pixels& pixels) {
+double sum_of_squares(const Pixels& pixels) {
   double sum = 0;
   for (const double pixel : pixels) sum += pixel * pixel;
   return sum;
@@ -52,10 +52,10 @@ WindowMotion equal_reference(ImageView<const float> first, ImageView<const float
   if (!holds(first, window.x0, window.y0, side) || !holds(second, x1, y1, side)) {
     return without_motion(WindowStatus::kOutOfView, std::nan(""));
   }
-  const Pixels f = mean_free(first, window.x0, window.y0, side);
-  const Pixels g = mean_free(second, x1, y1, side);
+  const Pixels f = mean_free_window(first, window.x0, window.y0, side);
+  const Pixels g = mean_free_window(second, x1, y1, side);
   const double contrast = min_contrast(options, full_scale);
-  if (std::min(energy_of(f), energy_of(g)) < contrast * contrast * side * side) {
+  if (std::min(sum_of_squares(f), sum_of_squares(g)) < contrast * contrast * side * side) {
     return without_motion(WindowStatus::kNoTexture, std::nan(""));
   }
   double highest = -1e300;
@@ -74,7 +74,8 @@ WindowMotion equal_reference(ImageView<const float> first, ImageView<const float
     return correlation_at(f, g, side, x, y) * side * side / ((side - lag(x)) * (side - lag(y)));
   };
   const double centre = over_overlap(lag_x, lag_y);
-  const double correlation = std::min(centre / std::sqrt(energy_of(f) * energy_of(g)), 1.0);
+  const double correlation =
+      std::min(centre / std::sqrt(sum_of_squares(f) * sum_of_squares(g)), 1.0);
   if (lag_x == -side / 2 || lag_y == -side / 2) {
     return without_motion(WindowStatus::kAtSearchEdge, correlation);
   }

@@ -22,7 +22,7 @@ constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
 constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
-constexpr double kTukey = 6;
+constexpr double kSphereTukey = 6;
 constexpr double kStep = 1e-4;  // px and rad, of differences
 using Row = Eigen::Matrix<double, kColumns, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;
@@ -189,7 +189,8 @@ class SphereRegistration {
             shifts(p, here, moved_on).transpose() * Vector2d(f.slope_x, f.slope_y);
         const double r = g - light_.dot(row.head<kLight>());
         sizes.push_back(std::abs(r));
-        if (scale_ > 0) w *= std::pow(std::max(0.0, 1 - std::pow(r / (kTukey * scale_), 2)), 2);
+        if (scale_ > 0)
+          w *= std::pow(std::max(0.0, 1 - std::pow(r / (kSphereTukey * scale_), 2)), 2);
         normal += w * row * row.transpose();
         right += w * g * row;
         g_sum += w * g;

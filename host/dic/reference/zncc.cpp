@@ -52,7 +52,7 @@ Pixels mean_free_template(ImageView<const float> image, const Window& window, in
   return pixels;
 }
 
-double energy_of(const Pixels& pixels) {
+double template_energy(const Pixels& pixels) {
   double sum = 0;
   for (const double pixel : pixels) sum += pixel * pixel;
   return sum;
@@ -229,7 +229,7 @@ WindowMotion zncc_reference(ImageView<const float> first, ImageView<const float>
     return without_motion(WindowStatus::kOutOfView, std::numeric_limits<double>::quiet_NaN());
   }
   const Pixels pixels = mean_free_template(first, window, size);
-  const double energy = energy_of(pixels), contrast = min_contrast(options, full_scale);
+  const double energy = template_energy(pixels), contrast = min_contrast(options, full_scale);
   const auto count = static_cast<double>(pixels.size());
   if (std::sqrt(energy / count) < contrast) {
     return without_motion(WindowStatus::kNoTexture, std::numeric_limits<double>::quiet_NaN());

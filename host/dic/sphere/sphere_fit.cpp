@@ -11,7 +11,7 @@
 namespace impactdic::dic {
 namespace {
 
-constexpr int kRounds = 20;
+constexpr int kSphereRounds = 20;
 constexpr std::size_t kFewest = 8;
 constexpr double kPointTukey = 6, kLeastScale_px = 0.03, kSettled_px = 1e-4;
 // Points whose surface is seen more from the side tell little.
@@ -60,7 +60,7 @@ SphereFit fit_sphere_motion(std::span<const PointMotion> points, const SphereGue
   fit.turn = guess.turn;
   const std::vector<OnSphere> lifted = lift(points, guess);
   if (lifted.size() < kFewest) return fit;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kSphereRounds; ++round) {
     std::vector<double> sizes;
     for (const OnSphere& p : lifted) sizes.push_back(residual(p, fit).norm());
     // The median length of a normal deviate in the plane is 1.18 deviations.

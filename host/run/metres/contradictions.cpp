@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/run/metres/impact_figures.h"
+#include "host/run/metres/surface_edge.h"
 
 namespace impactdic::run {
 namespace {
@@ -47,8 +48,6 @@ Figures all_figures() {
   for (std::size_t i = 0; i < kImpactFigures; ++i) all.push_back(static_cast<ImpactFigure>(i));
   return all;
 }
-
-double turned_into(double angle_deg) { return std::remainder(angle_deg, 360.0); }
 
 std::string likely_angle(double given, const Measured& found_deg) {
   const double near = kChance * found_deg.sd + 1;

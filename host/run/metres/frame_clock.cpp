@@ -57,7 +57,7 @@ Line line_through(const std::vector<std::int64_t>& x, const std::vector<double>&
   return line;
 }
 
-std::string seconds(double s) {
+std::string in_seconds(double s) {
   char text[40];
   std::snprintf(text, sizeof text, "%.3g us", 1e6 * s);
   return text;
@@ -109,8 +109,8 @@ FrameClock read_clock(FrameSource& source, const FrameRange& frames, bool rate_w
     clock.periods.clear();
   }
   if (line.scatter > kMuchJitter * interval) {
-    clock.warnings.push_back("the frame times scatter by " + seconds(line.scatter) + " about " +
-                             seconds(interval) + " a frame: were the frames taken evenly?");
+    clock.warnings.push_back("the frame times scatter by " + in_seconds(line.scatter) + " about " +
+                             in_seconds(interval) + " a frame: were the frames taken evenly?");
   }
   return clock;
 }

@@ -11,7 +11,7 @@ namespace impactdic::run {
 namespace {
 
 // Drag on a ball and rounded angles: the fall may differ by this part without meaning anything.
-constexpr double kFallTolerance = 0.05;
+constexpr double kGivenFallTolerance = 0.05;
 
 Measured in(const Measured& m, double unit) { return {m.value * unit, m.sd * std::abs(unit)}; }
 
@@ -155,7 +155,7 @@ class Converter {
         std::hypot(figures_.gravity_m_s2.sd, figures_.gravity_m_s2.value * metre_sd_,
                    2 * figures_.gravity_m_s2.value * rate_sd_);
     const double off = std::abs(fall.value * unit - kGravity_m_s2);
-    const double allowed = 3 * figures_.gravity_m_s2.sd + kFallTolerance * kGravity_m_s2;
+    const double allowed = 3 * figures_.gravity_m_s2.sd + kGivenFallTolerance * kGravity_m_s2;
     if (std::isfinite(off)) figures_.gravity_agrees = off <= allowed;
   }
 

@@ -10,6 +10,9 @@
 #include "host/run/metres/contradictions.h"
 
 namespace impactdic::run {
+
+double turned_into(double angle_deg) { return std::remainder(angle_deg, 360.0); }
+
 namespace {
 
 constexpr int kFrames = 12;      // of which the still picture is the mean
@@ -151,8 +154,6 @@ std::optional<Measured> straight_line(std::vector<double> along, std::vector<dou
   }
   return slope;
 }
-
-double turned_into(double angle_deg) { return std::remainder(angle_deg, 360.0); }
 
 // Removes the disc of the ball, and what follows its rim.
 bool covers(const TrackRow& row, int x, int y) {

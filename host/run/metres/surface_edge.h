@@ -16,6 +16,9 @@ struct Touch {
   double towards_rad = 0;
 };
 
+// An angle between -180 and 180 degrees.
+double turned_into(double angle_deg);
+
 // What stands still about the touch: the mean of some frames, each without its ball. `seen` is 0
 // where no frame shows what is behind it, and far from the touch.
 struct StillPicture {

@@ -12,7 +12,7 @@
 namespace impactdic {
 namespace {
 
-constexpr std::size_t kFewestFrames = 12;
+constexpr std::size_t kFewestRodFrames = 12;
 
 void require(bool good, const char* what, const char* key, const char* hint = "") {
   if (!good) throw InvalidArgument(what, key, hint);
@@ -48,7 +48,7 @@ double dent_m(RodJob job, const DeformationRow& row) {
 
 void validate_markers(const MarkerTable& table) {
   const std::size_t frames = table.time_s.size();
-  require(frames >= kFewestFrames, "fewer than 12 frames", "markers",
+  require(frames >= kFewestRodFrames, "fewer than 12 frames", "markers",
           "velocities before and after an impact need at least 12");
   for (const auto& marker : table.markers) {
     require(marker.size() == frames, "the markers' lists differ in length", "markers");

@@ -14,7 +14,7 @@
 namespace impactdic::sim::speckle {
 namespace {
 
-constexpr int kAttempts = 12;
+constexpr int kSphereAttempts = 12;
 constexpr int kClusterShapes = 400;   // different ones; every copy is turned at random
 constexpr int kStripPieces = 24;      // a strip laid flat is a chain of short lines
 constexpr double kPatchAngle = 0.55;  // rad; half the angle between neighbours of an icosahedron
@@ -141,13 +141,13 @@ SpeckleSphere paint_sphere(const std::string& pattern, std::uint64_t seed, doubl
   if (!(radius_px >= 20 && radius_px <= 2000)) {
     throw InvalidArgument("the ball's radius is out of range", "radius", "20 … 2000 px");
   }
-  Random shapes(seed, kAttempts);
+  Random shapes(seed, kSphereAttempts);
   std::vector<Clusters> clusters;
   if (spec.clusters) clusters.emplace_back(spec, shapes);
   double count = spec.density * 4 * kPi * radius_px * radius_px / mean_area(spec);
   SpeckleSphere best;
   double best_error = 1e9;
-  for (int attempt = 0; attempt < kAttempts && best_error > 0.003; ++attempt) {
+  for (int attempt = 0; attempt < kSphereAttempts && best_error > 0.003; ++attempt) {
     Random random(seed, static_cast<std::uint64_t>(attempt));
     const SpeckleSphere sphere =
         paint(spec, clusters.empty() ? nullptr : &clusters.front(), radius_px,
