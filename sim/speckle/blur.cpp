@@ -30,7 +30,7 @@ double scaled_bessel_i1(double x) {
 
 }  // namespace
 
-BlurredDisc::BlurredDisc(double radius_px, double sigma_px, double least_px) {
+BlurredDisc::BlurredDisc(double radius_px, double sigma_px, double least_px, double most) {
   const double r = radius_px, variance = sigma_px * sigma_px;
   core_px_ = std::max(0.0, r - kEdgeReach * sigma_px);
   reach_px_ = r + kEdgeReach * sigma_px;
@@ -59,6 +59,10 @@ BlurredDisc::BlurredDisc(double radius_px, double sigma_px, double least_px) {
         static_cast<float>(left_slope + right_slope - 2 * rise)};
     right = left;
     right_slope = left_slope;
+    if (left > most) {
+      std::fill(cells_.begin(), cells_.begin() + i, Cell{1, 0, 0, 0});
+      break;
+    }
   }
 }
 

@@ -14,9 +14,10 @@ namespace impactdic::sim::speckle {
 // inward from where it vanishes. Absolute error below 1e-5 (a test compares with the integral).
 class BlurredDisc {
  public:
-  // Both lengths > 0, px. `least_px`: only distances from there on will be asked for; the table is
-  // made from outside inwards.
-  BlurredDisc(double radius_px, double sigma_px, double least_px = 0);
+  // Both lengths > 0, px. The table is made from outside inwards. `least_px`: only distances from
+  // there on will be asked for. `most`: where more than that is covered it need not be known by how
+  // much, and counts as 1.
+  BlurredDisc(double radius_px, double sigma_px, double least_px = 0, double most = 2);
 
   // `distance_px` >= 0. Exactly 0 from reach_px() on, constant inside core_px().
   float operator()(double distance_px) const {

@@ -22,13 +22,16 @@ constexpr int kAttempts = 16;
 // Lens and pixel square together, as one Gaussian of the same variance.
 double picture_sigma() { return std::sqrt(kLensSigma * kLensSigma + 1.0 / 12); }
 
+constexpr float kDark =
+    0.55F;  // share of ink from which on a place is dark, whatever else is there
+
 // A disc of a cluster in its picture. Where its ink alone decides, the distance need not be exact.
 struct PicturedDisc {
   PicturedDisc(const InkDisc& disc, double scale, std::size_t discs)
       : x_px(disc.x_px * scale),
         y_px(disc.y_px * scale),
-        ink(disc.radius_px * scale, picture_sigma()),
-        dark_within_2(squared_distance(0.55F)),
+        ink(disc.radius_px * scale, picture_sigma(), 0, 0.6),  // a margin to what is dark
+        dark_within_2(squared_distance(kDark)),
         clear_beyond_2(squared_distance(0.4F / static_cast<float>(discs))) {}
 
   // Ink falls with the distance: squared distance at which it falls through `level`, px².
@@ -38,7 +41,7 @@ struct PicturedDisc {
       const double middle = (within + beyond) / 2;
       (ink(middle) > level ? within : beyond) = middle;
     }
-    return level > 0.5F ? within * within : beyond * beyond;
+    return level == kDark ? within * within : beyond * beyond;
   }
 
   double x_px, y_px;

@@ -30,6 +30,20 @@ double disc_by_chords(double distance, double radius, double sigma,
   return sum;
 }
 
+// What is asked of it where it is made no farther inwards than is needed.
+TEST(BlurredDisc, MadeForThinInkAloneItIsTheSameThere) {
+  for (const double radius : {0.4, 1.3, 5.0}) {
+    const sim::speckle::BlurredDisc whole(radius, 0.7), outer(radius, 0.7, 0, 0.6);
+    for (double at = 0; at < whole.reach_px(); at += 0.01) {
+      if (whole(at) <= 0.6) {
+        EXPECT_EQ(outer(at), whole(at)) << radius << ' ' << at;
+      } else {
+        EXPECT_GT(outer(at), 0.6) << radius << ' ' << at;
+      }
+    }
+  }
+}
+
 TEST(BlurredDisc, EqualsTheIntegralOverChords) {
   const sim::speckle::Quadrature fine = sim::speckle::gauss_legendre(200),
                                  finest = sim::speckle::gauss_legendre(2000);
