@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "host/app/compile_progress.h"
 #include "host/app/interrupt.h"
 #include "host/base/log.h"
+#include "host/cli/compile_progress.h"
 #include "host/run/folder.h"
 #include "host/run/session.h"
 
@@ -15,7 +15,7 @@ Session open_session(const Common& common) {
   set_log_verbosity(common.quiet ? -1 : common.verbosity);
   SessionOptions options = common.session;
   options.profile = common.verbosity > 0;
-  if (!common.quiet) options.on_compile = show_compiling();
+  if (!common.quiet) options.on_compile = cli::show_compiling(stderr);
   return Session(options);
 }
 

@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <string>
 
 #include "host/cli/arguments.h"
+#include "host/cli/compile_progress.h"
 #include "host/cli/help.h"
 #include "host/cli/nearest.h"
 #include "host/cli/quantity.h"
@@ -127,6 +130,25 @@ TEST(HelpInGroups, ShowsWhatIsNeededEveryDay) {
   EXPECT_NE(all.find("--interp"), std::string::npos);
   EXPECT_NE(daily.find("11 more: impactdic track --help-all"), std::string::npos) << daily;
   EXPECT_EQ(all.find("more:"), std::string::npos);
+}
+
+// Two kernels a second, ten in all, into a log that is no terminal.
+TEST(CompileProgress, ALogIsToldEveryFewSeconds) {
+  std::FILE* log = std::tmpfile();
+  ASSERT_NE(log, nullptr);
+  std::chrono::steady_clock::time_point now{};
+  const CompileFn tell = show_compiling(log, [&now] { return now; });
+  for (int done = 0; done <= 10; ++done) {
+    tell({"zncc/peak.cl:zncc_subpixel", done, 10});
+    now += std::chrono::milliseconds(500);
+  }
+  std::rewind(log);
+  std::string text(1000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), log));
+  std::fclose(log);
+  EXPECT_EQ(text,
+            "impactdic: compiling kernels, once for this machine\n"
+            "impactdic: compiling kernels: 6 of 10\n");
 }
 
 }  // namespace
