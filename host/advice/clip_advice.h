@@ -55,7 +55,7 @@ std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames);
 bool is_texture_alone(const Frame& frame, const FieldOptions& field);
 
 // What to paint where there is too little texture, after the finding of the speckle study
-// (docs/accuracy.md).
+// (docs/accuracy/patterns.md).
 extern const char* const kBetterPattern;
 
 // Looks at three pairs of neighbouring frames: at the start, in the middle and at the end of the

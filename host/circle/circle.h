@@ -92,9 +92,10 @@ struct FoundBall {
 // rim, so that speckles, a highlight inside the ball or a straight edge are not taken for a ball.
 // With `scene`, what stands still is none, and what moved is looked at where the shape alone does
 // not tell. The search ends with the first ball that leaves no doubt, if `all` is false; otherwise
-// it goes on while more has moved than was found. Safe on several threads.
+// it goes on while more has moved than was found. `proofs`, where given, is told how many circles
+// were tried by their rim, which is what takes the time. Safe on several threads.
 std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& options,
-                                  const StillScene* scene, bool all);
+                                  const StillScene* scene, bool all, int* proofs = nullptr);
 
 // The best of them; nullopt where there is none.
 std::optional<Circle> find_ball(const Frame& frame, const CircleOptions& options,

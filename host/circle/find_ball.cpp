@@ -137,6 +137,7 @@ class Search {
     }
   }
 
+  int proofs() const { return static_cast<int>(tried_.size()); }
   bool is_proved() const { return best_ >= kBallSearch.proved; }
   // Whether more has moved than the balls that were found: `share` of the largest one's disc, or
   // of the least ball's.
@@ -219,12 +220,13 @@ class Search {
 }  // namespace
 
 std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& options,
-                                  const StillScene* scene, bool all) {
+                                  const StillScene* scene, bool all, int* proofs) {
   options.validate();
   if (std::min(frame.width(), frame.height()) < kBallSearch.least_side_px) return {};
   Search search(frame, options, scene);
   search.by_shape();
   if (scene != nullptr && (!search.is_proved() || (all && search.more_moved()))) search.by_motion();
+  if (proofs != nullptr) *proofs = search.proofs();
   return search.take();
 }
 

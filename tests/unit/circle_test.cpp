@@ -46,6 +46,18 @@ TEST(FindBall, SpeckledBallOnADarkGround) {
   }
 }
 
+// The transform proposes eight circles about one ball. They are tried by their rim until one proves
+// the ball; the others would only lead to it again.
+TEST(FindBall, ABallThatIsProvedIsNotTriedAgain) {
+  for (const char* pattern : {"a1", "c3", "d3", "e1"}) {
+    const Frame frame =
+        picture(sim::speckle::paint_ball(pattern, 3, kRadius), small_scene(), {118.3, 101.8});
+    int proofs = 0;
+    EXPECT_EQ(circle::find_balls(frame, {}, nullptr, false, &proofs).size(), 1u) << pattern;
+    EXPECT_LE(proofs, 4) << pattern;  // of eight
+  }
+}
+
 TEST(FindBall, DarkBallBeforeALampBesideAPlate) {
   SynthScene scene = small_scene();
   scene.white = 45;

@@ -31,7 +31,7 @@ struct LineFitSettings {
   // Deviations.
   double common_px = 0.004;   // errors common to an arc [measured] on seeds 1 to 4
   double arcs = 1.2;          // how a sector is misplaced by itself, over all of them together
-                              // [measured] on seeds 1 to 4: docs/accuracy.md, Circle
+                              // [measured] on seeds 1 to 4: docs/accuracy/circle.md
   double uneven_chance = 9;   // an uneven width is chance below so many variances [hand]
   double width_prior = 1e-3;  // of the width's equations: settles what is undetermined
 };

@@ -53,7 +53,7 @@ struct LearningSettings {
   // How far the model misplaces the rim. The ball is foreshortened towards its rim, so that its ink
   // there is finer than where the model is learnt. That misplaces the rim about as a misjudged
   // width of the edge would, by so much of ln σ.
-  double model_error = 0.06;         // [measured] on seeds 1 to 4: docs/accuracy.md, Circle
+  double model_error = 0.06;         // [measured] on seeds 1 to 4: docs/accuracy/circle.md
   double uneven_error = 0.5;         // of the amplitude of an uneven width [measured] on seeds 1 to
                                      // 10 of light_accuracy's disc_blur
   double least_place_sd_px = 0.001;  // [hand]
