@@ -41,19 +41,6 @@ constexpr double kTurnRadiusSd_px = 0.05, kNearnessSd = 4e-4;
 // not a sphere's: a fruit that turns.
 constexpr double kOutOfRound = 0.02;
 
-class InverseVarianceMean {
- public:
-  void add(double value, double sd) {
-    weight_ += 1 / (sd * sd);
-    sum_ += value / (sd * sd);
-  }
-  double mean() const { return sum_ / weight_; }
-  double sd() const { return 1 / std::sqrt(weight_); }
-
- private:
-  double weight_ = 0, sum_ = 0;
-};
-
 struct Tilt {
   double turn_deg = 0;
   double beyond_chance = 0;  // chi square of two degrees of freedom
@@ -203,7 +190,7 @@ class Verdict {
     BodyAdvice advice;
     advice.body = out_of_plane_ ? Body::kSphere : Body::kDisc;
     advice.reason = reason;
-    advice.radius_px = radius_.mean();
+    advice.radius_px = radius_.value();
     advice.radius_sd_px = std::max(radius_.sd(), kTurnRadiusSd_px);
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
@@ -255,8 +242,7 @@ class Verdict {
   double most_deg_ = 0, significant_ = 0;
   int measured_ = 0;
   bool out_of_plane_ = false;
-  InverseVarianceMean radius_;
-  WeightedMean nearness_;
+  WeightedMean radius_, nearness_;
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
 };
 

@@ -62,15 +62,22 @@ inline float upper_median(std::span<const float> values) {
   return order_statistic(values, values.size() / 2);
 }
 
-// The same of values that are given away; NaN of none.
+// As order_statistic, of values of any kind that are given away.
+template <typename T>
+T ranked(std::vector<T> values, std::size_t rank) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// The upper median of values that are given away; NaN of none.
 template <typename T>
 T upper_median(std::vector<T> values) {
   if constexpr (std::is_floating_point_v<T>) {
     if (values.empty()) return std::numeric_limits<T>::quiet_NaN();
   }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  const std::size_t middle = values.size() / 2;
+  return ranked(std::move(values), middle);
 }
 
 // The mean of the two middle values; NaN of none.

@@ -46,6 +46,8 @@ TEST(Median, OfAnEvenCountIsTheMeanOrTheUpperOfBothMiddleValues) {
   EXPECT_EQ(upper_median(std::vector<double>{5, 1, 3}), 3);
   EXPECT_EQ(median({7}), 7);
   EXPECT_EQ(upper_median(std::vector<std::int64_t>{9, 2}), 9);
+  EXPECT_EQ(ranked(std::vector<double>{4, 1, 3, 2}, 1), 2);
+  EXPECT_EQ(ranked(std::vector<int>{4, 1, 3, 2}, 3), 4);
   EXPECT_TRUE(std::isnan(median({})));
   EXPECT_TRUE(std::isnan(upper_median(std::vector<double>{})));
 }

@@ -7,7 +7,9 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
+#include "host/base/statistics.h"
 #include "host/camera/calibrate/dot_lattice.h"
 #include "host/camera/calibrate/markers.h"
 #include "host/camera/calibrate/refine.h"
@@ -111,13 +113,11 @@ double dot_diameter_mm(const CalibrateRequest& request) {
 
 cv::Mat to_grey(const Frame& frame) {
   const Image<float> levels = frame.to_float();
-  std::vector<float> sorted(levels.data(), levels.data() + levels.size());
-  const auto rank = [&](double share) {
-    const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(share * (sorted.size() - 1.0));
-    std::nth_element(sorted.begin(), at, sorted.end());
-    return *at;
-  };
-  const float dark = rank(0.002), bright = std::max(rank(0.998), dark + 1);
+  const std::span<const float> all(levels.data(), levels.size());
+  const double last = static_cast<double>(all.size()) - 1;
+  const float dark = order_statistic(all, static_cast<std::size_t>(0.002 * last));
+  const float bright =
+      std::max(order_statistic(all, static_cast<std::size_t>(0.998 * last)), dark + 1);
   // Room above and below, so that no edge is cut off.
   constexpr double kLow = 16, kHigh = 239;
   const cv::Mat view(levels.height(), levels.width(), CV_32F, const_cast<float*>(levels.data()));

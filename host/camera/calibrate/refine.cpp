@@ -4,6 +4,9 @@
 #include <cmath>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "host/base/statistics.h"
 
 namespace impactdic::camera {
 namespace {
@@ -51,9 +54,7 @@ std::pair<double, double> levels(const cv::Mat& picture, const Vector2d& centre,
     }
   }
   if (ink.empty() || ground.empty()) return {0, 0};
-  std::nth_element(ink.begin(), ink.begin() + ink.size() / 2, ink.end());
-  std::nth_element(ground.begin(), ground.begin() + ground.size() / 2, ground.end());
-  return {ink[ink.size() / 2], ground[ground.size() / 2]};
+  return {upper_median(std::move(ink)), upper_median(std::move(ground))};
 }
 
 // Where noise of the ground begins to count as ink.

@@ -8,6 +8,9 @@
 #include <map>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "host/base/statistics.h"
 
 namespace impactdic::camera {
 
@@ -132,9 +135,8 @@ std::vector<Peak> peaks_of(const std::vector<double>& strength) {
   }
   if (sorted.size() < 2 * kFewestTicks) return {};
   constexpr double kHigh = 0.95, kLow = 0.3, kLeastContrast = 4;  // grey levels
-  const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(kHigh * (sorted.size() - 1.0));
-  std::nth_element(sorted.begin(), high, sorted.end());
-  const double least = std::max(kLow * *high, kLeastContrast);
+  const auto rank = static_cast<std::size_t>(kHigh * (static_cast<double>(sorted.size()) - 1));
+  const double least = std::max(kLow * ranked(std::move(sorted), rank), kLeastContrast);
   std::vector<Peak> peaks;
   for (std::size_t i = 1; i + 1 < strength.size(); ++i) {
     if (strength[i] < least || strength[i] < strength[i - 1] || strength[i] <= strength[i + 1]) {
@@ -195,10 +197,7 @@ bool is_finest(const Run& run, const std::vector<Peak>& peaks) {
     }
   }
   if (heights.empty()) return false;
-  std::nth_element(heights.begin(),
-                   heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
-                   heights.end());
-  const double usual = heights[heights.size() / 2];
+  const double usual = upper_median(std::move(heights));
   for (const Peak& peak : peaks) {
     const bool inside = peak.x > run.ticks.front().second && peak.x < run.ticks.back().second;
     between += inside && peak.height > usual / 2;

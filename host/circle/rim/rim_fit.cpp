@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/base/statistics.h"
 #include "host/circle/rim/crossing_density.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/rim/rim_prior.h"
@@ -259,10 +260,7 @@ Vector5 outer(const RimTrace& trace) {
   thread_local std::vector<float> scratch;  // memory only
   scratch.clear();
   for (const RimPoint& p : trace.points) scratch.push_back(p.excess);
-  const auto rank =
-      scratch.begin() + static_cast<std::ptrdiff_t>(kCrossingFit.first_quantile * scratch.size());
-  std::nth_element(scratch.begin(), rank, scratch.end());
-  return Vector5::Unit(2) * *rank;
+  return Vector5::Unit(2) * static_cast<double>(quantile(scratch, kCrossingFit.first_quantile));
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ void make_room(std::vector<float>& values, std::size_t n) { values.resize(n + kL
 }
 
 // The value below which the share `q` of `n` values lies, one at least, to half of `tolerance`.
-// There is room for kLanes more values behind them.
+// There is room for kLanes more values behind them. Not the `quantile` of host/base/statistics.h,
+// which is exact and takes three times as long: grey levels are noisy by more than the tolerance.
 IMPACTDIC_WIDE float near_quantile(float* values, std::size_t n, float q, float tolerance) {
   // Whole blocks, filled up with the first value.
   const std::size_t blocks = (n + kLanes - 1) / kLanes;

@@ -55,10 +55,7 @@ float find_edges(Profiles& p, const Rim& rim, Polarity polarity) {
     p.scratch.push_back(strongest);
   }
   if (p.scratch.empty()) return 0;
-  const auto rank =
-      p.scratch.begin() + static_cast<std::ptrdiff_t>(kSearch.strong_rank * p.scratch.size());
-  std::nth_element(p.scratch.begin(), rank, p.scratch.end());
-  const float strong = *rank;
+  const float strong = quantile(p.scratch, kSearch.strong_rank);
   const float threshold =
       std::max(static_cast<float>(kSearch.strong) * strong, kSearch.least_strength);
   for (std::size_t i = 0; i < p.rays.size(); ++i) {
@@ -84,7 +81,7 @@ struct Regular {
 };
 
 // What is searched for, the same for both polarities.
-struct Task {
+struct SearchTask {
   Rim start;       // as predicted
   double wide_px;  // how far from there the rim may lie
   Shapes shapes;
@@ -168,7 +165,7 @@ bool hypothesis(const Profiles& p, const Regular& prior, int edges, Lottery& lot
   return true;
 }
 
-Vector5 consensus(const Profiles& p, const Task& task) {
+Vector5 consensus(const Profiles& p, const SearchTask& task) {
   const Regular& prior = task.prior;
   Vector5 best = optimise(p, prior.mean, task.wide_px, prior);
   if (support(p, best) > kSearch.trusted || p.rays.size() < kSearch.least_drawn_from) return best;
@@ -218,7 +215,7 @@ double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, Polarity pol
 
 enum class Edges { kStrong, kDepartures };
 
-RimSearch search_one(Profiles& p, const Task& task, Polarity polarity,
+RimSearch search_one(Profiles& p, const SearchTask& task, Polarity polarity,
                      Edges edges = Edges::kStrong) {
   const Rim& start = task.start;
   RimSearch result;
@@ -243,10 +240,10 @@ RimSearch search_one(Profiles& p, const Task& task, Polarity polarity,
   return result;
 }
 
-Task task_of(const CirclePrior& prior, const CircleOptions& options) {
+SearchTask task_of(const CirclePrior& prior, const CircleOptions& options) {
   const double radius = prior.predicted.r_px;
   const double rim_sd = prior.rim_sd_px.value_or(kSearch.rim_sd_of_r * radius);
-  Task task;
+  SearchTask task;
   task.start = rim_of(prior);
   task.wide_px = kSearch.sds * std::hypot(prior.centre_sd_px, rim_sd) + kSearch.inlier_px;
   task.shapes = options.allow_ellipse ? Shapes::kCircleOrEllipse : Shapes::kCircle;
@@ -259,7 +256,7 @@ Task task_of(const CirclePrior& prior, const CircleOptions& options) {
 }
 
 // The rays that `task` wants, in this thread's memory.
-Profiles& profiles_of(const Frame& frame, const Task& task, const CircleOptions& options) {
+Profiles& profiles_of(const Frame& frame, const SearchTask& task, const CircleOptions& options) {
   // Far enough for levels on both sides of the edge.
   const double outward = task.wide_px + kSearch.beside_px;
   const double inward = std::min(outward, task.start.r - 1);
@@ -279,14 +276,14 @@ Profiles& profiles_of(const Frame& frame, const Task& task, const CircleOptions&
 
 RimSearch search_outline(const Frame& frame, const CirclePrior& prior,
                          const CircleOptions& options) {
-  const Task task = task_of(prior, options);
+  const SearchTask task = task_of(prior, options);
   Profiles& profiles = profiles_of(frame, task, options);
   const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
   return search_one(profiles, task, likely, Edges::kDepartures);
 }
 
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {
-  const Task task = task_of(prior, options);
+  const SearchTask task = task_of(prior, options);
   Profiles& profiles = profiles_of(frame, task, options);
   const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
   RimSearch first = search_one(profiles, task, likely);

@@ -10,6 +10,16 @@
 #include "host/base/statistics.h"
 
 namespace impactdic::impact {
+
+double noise_of(const std::vector<double>& values) {
+  std::vector<double> bends;
+  bends.reserve(values.size());
+  for (std::size_t i = 0; i + 2 < values.size(); ++i) {
+    bends.push_back(std::abs(values[i] - 2 * values[i + 1] + values[i + 2]));
+  }
+  return kSdOfMad * upper_median(finite(std::move(bends))) / std::sqrt(6.0);
+}
+
 namespace {
 
 // A contact ends where the acceleration has fallen to this part of its peak for so many frames.
@@ -32,15 +42,6 @@ std::vector<double> smoothed(const std::vector<double>& steps, std::ptrdiff_t re
     result[static_cast<std::size_t>(i)] = upper_median(finite(near));
   }
   return result;
-}
-
-double noise_of(const std::vector<double>& steps) {
-  std::vector<double> bends;
-  bends.reserve(steps.size());
-  for (std::size_t i = 0; i + 2 < steps.size(); ++i) {
-    bends.push_back(std::abs(steps[i] - 2 * steps[i + 1] + steps[i + 2]));
-  }
-  return kSdOfMad * upper_median(finite(std::move(bends))) / std::sqrt(6.0);
 }
 
 // Acceleration about the instant between steps i - 1 and i, over `reach` steps on each side.

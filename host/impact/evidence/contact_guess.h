@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "host/impact/flight_fit.h"
 #include "host/impact/impact_series.h"
@@ -21,6 +22,10 @@ struct ContactGuess {
 // Looks at the track frame by frame and, where noise hides the contact, at blocks of 2, 4, … 16
 // frames. `gravity_n`: normal acceleration of free flight, px/frame^2 (0 where it is unknown).
 ContactGuess guess_contact(const ImpactSeries& series, double gravity_n);
+
+// The noise of values that follow each other, out of second differences, which no smooth path
+// makes.
+double noise_of(const std::vector<double>& values);
 
 // `flight`, less another impact or a hand at the end far from the contact: ten frames must go on as
 // those nearer to the contact do. `before`: it is the flight before the contact.

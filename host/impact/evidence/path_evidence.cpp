@@ -11,6 +11,7 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
+#include "host/impact/evidence/contact_guess.h"
 
 namespace impactdic::impact {
 namespace {
@@ -34,16 +35,6 @@ PathSpan near_contact(PathSpan span) {
   span.begin = std::max(span.begin, span.first - std::min(span.first, kMostFrames));
   span.end = std::min(span.end, span.last + kMostFrames);
   return span;
-}
-
-// From second differences, which no smooth path makes; from frame to frame.
-double noise_of(const std::vector<double>& values) {
-  std::vector<double> bends;
-  bends.reserve(values.size());
-  for (std::size_t i = 0; i + 2 < values.size(); ++i) {
-    bends.push_back(std::abs(values[i] - 2 * values[i + 1] + values[i + 2]));
-  }
-  return kSdOfMad * upper_median(finite(std::move(bends))) / std::sqrt(6.0);
 }
 
 // What was measured, less single frames that lie far from those about them.
