@@ -46,8 +46,8 @@ OutputFolder::OutputFolder(const std::string& folder, bool force) : path_(folder
     try {
       lock_ = std::make_unique<FolderLock>(path_);
     } catch (const FileError&) {
-      // Another run that had made it may have taken it away meanwhile.
-      if (left == 0 || fs::exists(path_, error)) throw;
+      // Another run that had made it may have taken it away, and a third made it again.
+      if (left == 0) throw;
     }
   }
   refuse_files();

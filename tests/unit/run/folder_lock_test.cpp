@@ -1,6 +1,7 @@
 // One run at a time writes into a folder.
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -104,6 +105,13 @@ TEST(OutputFolder, RunsThatMakeOneNewFolderAtTheSameTimeLoseItNever) {
       }
     }
   };
+  // What a run does that ends before it has written anything.
+  const std::jthread leaver([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      ::rmdir(path.c_str());
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+    }
+  });
   { const std::jthread first(make_and_leave), second(make_and_leave), third(make_and_leave); }
   EXPECT_GE(held, 3);
   EXPECT_EQ(held + refused, 1200);
