@@ -11,6 +11,7 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
+#include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
@@ -35,14 +36,21 @@ double share_in_view(const Frame& frame, const Circle& c) {
   return static_cast<double>(std::max(inside, 1)) / kPoints;
 }
 
+bool shows_its_rim(const CircleFit& fit, const Frame& frame) {
+  return fit.rim_fraction / share_in_view(frame, fit.circle) >= kTracking.plain_rim;
+}
+
+bool is_round(const CircleFit& fit) {
+  return std::hypot(fit.e1_px, fit.e2_px) <= kTracking.found_oval * fit.circle.r_px;
+}
+
 // Enough of the rim in view to be taken for a ball where none was expected; with less than most of
 // it also round, and of the ball's size. Arms and shadows have arcs, too.
 bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px) {
+  if (shows_its_rim(fit, frame)) return true;
   const double rim = fit.rim_fraction / share_in_view(frame, fit.circle);
-  if (rim >= kTracking.plain_rim) return true;
   const double r = fit.circle.r_px;
-  return rim >= kTracking.found_rim &&
-         std::hypot(fit.e1_px, fit.e2_px) <= kTracking.found_oval * r &&
+  return rim >= kTracking.found_rim && is_round(fit) &&
          (!radius_px || std::abs(r - *radius_px) <= kTracking.found_radius * *radius_px);
 }
 
@@ -196,11 +204,31 @@ CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radi
     options.radius_range_px = {(1 - kTracking.radius_tolerance) * *radius.rough_px,
                                (1 + kTracking.radius_tolerance) * *radius.rough_px};
   }
-  const auto found =
-      find_chosen_ball(frame, index, options, options_.scene.get(), options_.choice.get());
-  if (!found) return {};
+  const BallChoice* choice = options_.choice.get();
+  CircleFit fit;
+  if (const auto found = find_chosen_ball(frame, index, options, options_.scene.get(), choice)) {
+    fit = measure_circle(frame, prior_found(*found, radius), options_.circle);
+    const bool another = fit.status == CircleStatus::kOk &&
+                         (!plausible(fit, radius.rough_px) ||
+                          (options_.scene && !stands_out(fit, frame, radius.rough_px)));
+    if (another) fit = {};
+  }
+  if (!options_.backdrop) return fit;
+  if (fit.status == CircleStatus::kOk) return measure(frame, prior_found(fit.circle, radius));
+  thread_local Frame evened;  // memory only
+  options_.backdrop->even(frame, evened);
+  const auto found = find_chosen_ball(evened, index, options, nullptr, choice);
+  if (!found) return fit;
+  const CircleFit plain = measure(frame, prior_found(*found, radius));
+  // Before an evened background whatever comes is plain: arms have round ends, too.
+  const bool is_ball =
+      plausible(plain, radius.rough_px) && shows_its_rim(plain, frame) && is_round(plain);
+  return is_ball ? plain : fit;
+}
+
+CirclePrior BallTracker::prior_found(const Circle& found, const Radius& radius) const {
   CirclePrior prior;
-  prior.predicted = *found;
+  prior.predicted = found;
   prior.centre_sd_px = kTracking.found_sd_px;
   if (radius.px) {
     prior.radius_px = radius.px;
@@ -208,11 +236,7 @@ CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radi
     prior.radius_bias_sd_px = radius.bias_sd_px;
   }
   prior.compression_axis_rad = options_.compression_axis_rad;
-  const CircleFit fit = measure_circle(frame, prior, options_.circle);
-  const bool another = fit.status == CircleStatus::kOk &&
-                       (!plausible(fit, radius.rough_px) ||
-                        (options_.scene && !stands_out(fit, frame, radius.rough_px)));
-  return another ? CircleFit{} : fit;
+  return prior;
 }
 
 CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
@@ -225,16 +249,16 @@ CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
             !stands_still(options_.scene.get(), frame, fit.circle));
   };
   if (prior) {
-    CircleFit fit = measure_circle(frame, *prior, options_.circle);
+    CircleFit fit = measure(frame, *prior);
     if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
       // A stronger change than predicted: search farther before searching everywhere.
       CirclePrior wide = *prior;
       wide.centre_sd_px = std::max(kTracking.lost_px, kTracking.lost_factor * prior->centre_sd_px);
       wide.rim_sd_px.reset();
-      fit = measure_circle(frame, wide, options_.circle);
+      fit = measure(frame, wide);
       if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
         wide.centre_sd_px = std::max(wide.centre_sd_px, kTracking.lost_of_r * wide.predicted.r_px);
-        fit = measure_circle(frame, wide, options_.circle);
+        fit = measure(frame, wide);
       }
     }
     if (is_ball(fit) || fit.status == CircleStatus::kOutOfView) return fit;
@@ -312,7 +336,7 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
   if (memory_.seen.size() < 2 || memory_.radii_px.size() < kTracking.least_radii) return false;
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
   const CirclePrior prior = prior_ahead(index);
-  const CircleFit fit = measure_circle(frames[end - 1], prior, options_.circle);
+  const CircleFit fit = measure(frames[end - 1], prior);
   if (!plausible(fit, prior.radius_px)) return false;
   const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
                                    fit.circle.cy_px - prior.predicted.cy_px);

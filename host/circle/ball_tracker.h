@@ -20,6 +20,7 @@ struct BallTrackerOptions {
   std::optional<double> compression_axis_rad;  // normal of the surface that is hit, image axes
   std::optional<double> scouted_radius_px;     // roughly: another circle is not this ball
   std::shared_ptr<const StillScene> scene;     // what stands still is not this ball either
+  std::shared_ptr<const Backdrop> backdrop;    // what lies behind it; nullptr: it is even
   // Frames corrected by hand, in order: by their numbers here, px of the pictures given.
   std::vector<BallByHand> by_hand;
   std::shared_ptr<const BallChoice> choice;  // nor are the balls that were not chosen
@@ -94,6 +95,11 @@ class BallTracker {
   CircleFit locate(const Frame& frame, std::int64_t index, const std::optional<CirclePrior>& prior,
                    const Radius& radius, bool* searched = nullptr) const;
   CircleFit search(const Frame& frame, std::int64_t index, const Radius& radius) const;
+  // Of a circle that the search has found.
+  CirclePrior prior_found(const Circle& found, const Radius& radius) const;
+  CircleFit measure(const Frame& frame, const CirclePrior& prior) const {
+    return measure_circle(frame, prior, options_.circle, options_.backdrop.get());
+  }
   // The correction of frame `index`; nullptr where there is none.
   const BallByHand* correction(std::int64_t index) const;
   CircleFit measure_by_hand(const Frame& frame, const BallByHand& given);

@@ -46,7 +46,7 @@ CircleFit BallTracker::measure_by_hand(const Frame& frame, const BallByHand& giv
     for (const double reach : {1.0, kTracking.lost_factor}) {
       prior.predicted = {given.cx_px, given.cy_px, r_px};
       prior.centre_sd_px = reach * hand_px;
-      CircleFit fit = measure_circle(frame, prior, options_.circle);
+      CircleFit fit = measure(frame, prior);
       fit.by_hand = ByHand::kGuided;
       if (fit.status == CircleStatus::kOk && is_same_size(fit.circle.r_px, given) &&
           distance_px(fit.circle, given) < kTracking.hand_of_r * given.r_px) {

@@ -12,6 +12,7 @@
 
 namespace impactdic::circle {
 
+class Backdrop;
 class BallChoice;
 class RimModel;
 class StillScene;
@@ -120,5 +121,11 @@ bool stands_still(const StillScene* scene, const Frame& frame, const Circle& cir
 // a radius or options that contradict each other.
 CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
                          const CircleOptions& options);
+
+// The same before a background whose texture is known: measured in a frame in which that is evened
+// about the ball, again until the ball stays where it was evened about. nullptr: an even
+// background.
+CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
+                         const Backdrop* backdrop);
 
 }  // namespace impactdic::circle

@@ -9,6 +9,8 @@
 #include "host/base/statistics.h"
 #include "host/circle/scene/ball_choice.h"
 #include "host/circle/scene/still_scene.h"
+#include "host/circle/scout_backdrop.h"
+#include "host/circle/settings/backdrop.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -157,6 +159,24 @@ class Scouting {
       Glance& glance = glances_[before + k];
       if (glance.shrink > 0) glance.found = balls_in(frames[k], options_, learnt_.scene.get());
     });
+    keep(std::move(frames), before);
+  }
+
+  // What lies behind the balls that `scouted` believes in, from the frames kept.
+  std::shared_ptr<const Backdrop> backdrop(const Scouted& scouted) const {
+    const std::vector<const BallCandidate*> believed = scouted.believed();
+    if (!learnt_.scene || believed.empty()) return nullptr;
+    std::vector<Backdrop::View> views;
+    for (const Kept& kept : kept_) {
+      Backdrop::View& view = views.emplace_back();
+      view.frame = &kept.frame;
+      for (const BallCandidate* ball : believed) {
+        for (const Sighting& one : ball->sightings) {
+          if (one.index == kept.index) view.balls.push_back({one.ball.circle});
+        }
+      }
+    }
+    return scout_backdrop(std::move(views), believed.front()->radius_px, options_);
   }
 
   Scouted result() const {
@@ -192,6 +212,17 @@ class Scouting {
     glance.reduced = StillScene::reduced(frame);
   }
 
+  // Frames in which the background will be looked at.
+  void keep(std::vector<Frame> frames, std::size_t before) {
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const std::size_t bytes = frames[k].byte_count();
+      if (kept_.size() == kBackdrop.most_views || kept_bytes_ + bytes > kBackdrop.most_bytes) break;
+      if (glances_[before + k].shrink == 0) continue;
+      kept_bytes_ += bytes;
+      kept_.push_back({glances_[before + k].index, std::move(frames[k])});
+    }
+  }
+
   void learn_scene() {
     std::vector<const Glance*> seen;
     for (const Glance& glance : glances_) {
@@ -213,6 +244,12 @@ class Scouting {
   const CircleOptions& options_;
   std::vector<Glance> glances_;
   StillScene::Learnt learnt_;
+  struct Kept {
+    std::int64_t index = 0;  // as Glance
+    Frame frame;
+  };
+  std::vector<Kept> kept_;
+  std::size_t kept_bytes_ = 0;
 };
 
 }  // namespace
@@ -284,6 +321,7 @@ Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
                        static_cast<int>(scouted.balls.front().sightings.size()) >= kScout.agree;
     if (agree || n == range.count()) break;
   }
+  scouted.backdrop = scouting.backdrop(scouted);
   return scouted;
 }
 

@@ -31,6 +31,8 @@ struct Scouted {
   // What stands still; nullptr where nothing can be said of that.
   std::shared_ptr<const StillScene> scene;
   bool still = false;  // nothing moves, though there are frames enough to tell
+  // What lies behind the best ball; nullptr where that is even, or nothing can be said of it.
+  std::shared_ptr<const Backdrop> backdrop;
   // The best first. Frames that show most of a rim agree on each of them.
   std::vector<BallCandidate> balls;
   // The ball's radius; nullopt where no frame shows a ball well enough. A ball that enters the

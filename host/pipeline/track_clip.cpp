@@ -326,6 +326,7 @@ void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
         circle::scout_ball(source, options.frames, options.roi, options.ball.circle);
     scouted.ball.scouted_radius_px = found.radius_px();
     scouted.ball.scene = found.scene;
+    scouted.ball.backdrop = found.backdrop;
   }
   ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
   using Read = std::shared_ptr<FrameBatch>;

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "host/circle/circle.h"
 #include "host/circle/rim/rim_model.h"
+#include "host/circle/scout_backdrop.h"
 #include "tests/support/light_scenes.h"
 #include "tests/support/motion_truth.h"
 
@@ -87,6 +89,85 @@ TEST(LightAccuracy, AHardLampLeavesAnArcOfASphere) {
   EXPECT_LT(errors.centre.rms(), 0.3);
   EXPECT_LT(errors.centre.over_sd(), 1.5);
   EXPECT_LT(errors.radius.over_sd(), 1.5);
+}
+
+// Wood behind it, which frames show in which the ball lies elsewhere.
+struct BeforeWood {
+  LightScene scene{.name = "wood",
+                   .sphere = true,
+                   .radius_px = 60,
+                   .lamp_share = 0.3,
+                   .backdrop = Backdrop::kWood,
+                   .dx_px = 2.9,
+                   .dy_px = -1.6};
+  std::vector<BallPose> poses;
+  std::vector<Frame> frames;
+
+  explicit BeforeWood(std::uint64_t seed) {
+    LightClip clip(scene, seed, 8);
+    poses = clip.poses();
+    frames.resize(poses.size());
+    for (std::size_t k = 0; k < frames.size(); ++k) clip.render(k, frames[k]);
+  }
+  // The balls are roughly known; one is not.
+  std::vector<circle::Backdrop::View> views() const {
+    std::vector<circle::Backdrop::View> views;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      const double off = k % 2 == 0 ? 0.8 : -0.7;
+      views.push_back({&frames[k], {}});
+      if (k == 3) continue;
+      views.back().balls.push_back({{poses[k].cx_px + off, poses[k].cy_px - off, 60 - 0.6}});
+    }
+    return views;
+  }
+  CircleErrors circles(const circle::Backdrop* backdrop) const {
+    CircleErrors errors;
+    for (std::size_t k = 1; k + 1 < frames.size(); ++k) {
+      circle::CirclePrior prior;
+      prior.predicted = {poses[k].cx_px + 1.1, poses[k].cy_px - 0.8, 60.6};
+      const circle::CircleFit fit = circle::measure_circle(frames[k], prior, {}, backdrop);
+      if (fit.status != circle::CircleStatus::kOk) {
+        ++errors.failed;
+        continue;
+      }
+      errors.centre.add(fit.circle.cx_px - poses[k].cx_px, fit.cx_sd_px);
+      errors.centre.add(fit.circle.cy_px - poses[k].cy_px, fit.cy_sd_px);
+      errors.radius.add(fit.circle.r_px - 60, fit.r_sd_px);
+    }
+    return errors;
+  }
+};
+
+TEST(LightAccuracy, ASphereBeforeWood) {
+  CircleErrors evened, as_it_is;
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    const BeforeWood clip(seed);
+    const auto backdrop = circle::scout_backdrop(clip.views(), 60, {});
+    ASSERT_NE(backdrop, nullptr);
+    evened.add(clip.circles(backdrop.get()));
+    as_it_is.add(clip.circles(nullptr));
+  }
+  EXPECT_EQ(evened.failed, 0);
+  EXPECT_LT(evened.centre.rms(), 0.15);
+  EXPECT_LT(evened.centre.rms(), 0.2 * as_it_is.centre.rms());
+  EXPECT_LT(evened.centre.over_sd(), 1.5);
+  EXPECT_LT(evened.radius.over_sd(), 1.8);
+}
+
+TEST(LightAccuracy, NothingIsEvenedBeforeAnEvenWallOrBehindABar) {
+  LightScene scene{.name = "bar", .radius_px = 60, .dx_px = 2.9, .dy_px = -1.6};
+  for (const double hidden : {0.0, 0.3}) {
+    scene.hidden = hidden;
+    LightClip clip(scene, 1, 8);
+    std::vector<Frame> frames(clip.poses().size());
+    std::vector<circle::Backdrop::View> views;
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      clip.render(k, frames[k]);
+      const BallPose& pose = clip.poses()[k];
+      views.push_back({&frames[k], {{{pose.cx_px + 0.5, pose.cy_px, 60}}}});
+    }
+    EXPECT_EQ(circle::scout_backdrop(views, 60, {}), nullptr) << hidden;
+  }
 }
 
 // A rim that fades: its paint is hardly brighter than the background, its ink is darker. No ball

@@ -21,7 +21,7 @@ namespace impactdic::circle {
 namespace {
 
 // One fit: corrections to the rim, their covariance, and what the residuals say.
-struct Estimate {
+struct RimEstimate {
   bool ok = false;
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
@@ -125,7 +125,7 @@ Mixture improve(const Sums& s, const Mixture& old, double noise_px) {
 }
 
 // What is fitted to what.
-struct Task {
+struct RimTask {
   const RimTrace& trace;
   const Rim& rim;
   const CirclePrior& prior;
@@ -140,7 +140,7 @@ struct Task {
 
 // One step of the corrections by the curvature were it known which kind every point is; returns how
 // far it went, px.
-double improve_delta(const Task& task, const Sums& s, double wider, Vector5& delta) {
+double improve_delta(const RimTask& task, const Sums& s, double wider, Vector5& delta) {
   const Knowledge known = task.known(delta);
   const Vector5 gradient = s.score / wider + known.pull - known.precision * delta;
   const Vector5 step = Eigen::LDLT<Matrix5>(s.curvature / wider + known.precision).solve(gradient);
@@ -149,7 +149,7 @@ double improve_delta(const Task& task, const Sums& s, double wider, Vector5& del
 }
 
 // Learns corrections and mixture from a part of the points. False where they run away.
-bool learn(const Task& task, Vector5& delta, Mixture& mixture) {
+bool learn(const RimTask& task, Vector5& delta, Mixture& mixture) {
   const int points = static_cast<int>(task.trace.points.size());
   const int stride = std::max<int>(1, points / kCrossingFit.learn_from);
   for (int pass = 0; pass < kCrossingFit.learning; ++pass) {
@@ -167,9 +167,9 @@ bool learn(const Task& task, Vector5& delta, Mixture& mixture) {
 }
 
 // What the last sums say of the corrections found.
-Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double wider,
-                  double sigma) {
-  Estimate result;
+RimEstimate describe(const RimTask& task, const Sums& s, const Vector5& delta, double wider,
+                     double sigma) {
+  RimEstimate result;
   result.ok = true;
   result.delta = delta;
   const Knowledge known = task.known(delta);
@@ -196,7 +196,7 @@ Estimate describe(const Task& task, const Sums& s, const Vector5& delta, double 
 
 // Corrections and mixture from `delta` and `mixture` on: both are learnt from a part of the points,
 // then the corrections settle on all of them.
-Estimate estimate(const Task& task, Vector5 delta, Mixture& mixture) {
+RimEstimate estimate(const RimTask& task, Vector5 delta, Mixture& mixture) {
   if (!learn(task, delta, mixture)) return {};
   const int parameters = task.shape == Shape::kEllipse ? 5 : 3;
   for (int pass = 0;; ++pass) {
@@ -222,13 +222,13 @@ double log_likelihood(const RimTrace& trace, const Vector5& delta, const Mixture
 
 // The better of two explanations of a wide scatter: rough edges, or ink in most of them with the
 // camera's noise.
-Estimate explain_from(const Vector5& start, const Task& task, Mixture& mixture) {
-  const Estimate rough = estimate(task, start, mixture);
+RimEstimate explain_from(const Vector5& start, const RimTask& task, Mixture& mixture) {
+  const RimEstimate rough = estimate(task, start, mixture);
   const double most = kCrossingFit.noise_trust * task.trace.noise_px;
   if (rough.ok && mixture.sigma <= most) return rough;
   Mixture inked{
       .clean = kCrossingFit.other_clean, .inked = kCrossingFit.other_inked, .most_sigma = most};
-  const Estimate other = estimate(task, start, inked);
+  const RimEstimate other = estimate(task, start, inked);
   if (rough.ok && !(other.ok && log_likelihood(task.trace, other.delta, inked) >
                                     log_likelihood(task.trace, rough.delta, mixture))) {
     return rough;
@@ -240,12 +240,12 @@ Estimate explain_from(const Vector5& start, const Task& task, Mixture& mixture) 
 // Each start leads to the maximum of the likelihood next to it. Where that takes many points for
 // strays, the one next to the rim that the rays were cast about may be likelier, and explain them:
 // where neither does, as in texture, there may be no rim.
-Estimate explain(const Task& task, const Vector5& start, Mixture& mixture) {
-  const Estimate found = explain_from(start, task, mixture);
+RimEstimate explain(const RimTask& task, const Vector5& start, Mixture& mixture) {
+  const RimEstimate found = explain_from(start, task, mixture);
   const double enough = kCrossingFit.explained * static_cast<double>(task.trace.points.size());
   if (!found.ok || found.points >= enough) return found;
   Mixture other;
-  const Estimate near = explain_from(Vector5::Zero(), task, other);
+  const RimEstimate near = explain_from(Vector5::Zero(), task, other);
   if (!near.ok || near.points < enough ||
       log_likelihood(task.trace, found.delta, mixture) >=
           log_likelihood(task.trace, near.delta, other)) {
@@ -270,8 +270,9 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, 
   fit.rim = rim;
   if (trace.points.size() < kCrossingFit.least_points) return fit;
   const Vector5 start = outer(trace);
-  const Task round{trace, rim, prior, Shape::kCircle}, squashed{trace, rim, prior, Shape::kEllipse};
-  Estimate best;
+  const RimTask round{trace, rim, prior, Shape::kCircle},
+      squashed{trace, rim, prior, Shape::kEllipse};
+  RimEstimate best;
   // A circle where the search saw none but small deviations, unless its residuals object.
   Mixture mixture;
   const bool only = shapes == Shapes::kCircle;
@@ -280,7 +281,7 @@ RimFit fit_rim(const RimTrace& trace, const Rim& rim, const CirclePrior& prior, 
   }
   if (!only && !(best.ok && best.oval < kPrior.significant)) {
     Mixture oval_mixture;
-    const Estimate oval = explain(squashed, start, oval_mixture);
+    const RimEstimate oval = explain(squashed, start, oval_mixture);
     fit.ellipse = oval.ok && wald(rim, oval.delta, oval.covariance) > kPrior.significant;
     if (fit.ellipse) {
       best = oval;

@@ -1,0 +1,53 @@
+// A circle before a background whose texture is known.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/circle/circle.h"
+#include "host/circle/rim/rim_model.h"
+#include "host/circle/scene/backdrop.h"
+#include "host/circle/settings/backdrop.h"
+
+namespace impactdic::circle {
+namespace {
+
+double farthest_px(const CircleFit& fit, const Backdrop::Outline& from) {
+  return std::max(
+      {std::hypot(fit.circle.cx_px - from.circle.cx_px, fit.circle.cy_px - from.circle.cy_px),
+       std::abs(fit.circle.r_px - from.circle.r_px),
+       std::hypot(fit.e1_px - from.e1_px, fit.e2_px - from.e2_px)});
+}
+
+bool is_flat(const CircleFit& fit) {
+  return fit.rim_model && fit.rim_model->surface() == Surface::kFlat;
+}
+
+}  // namespace
+
+CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
+                         const Backdrop* backdrop) {
+  if (backdrop == nullptr) return measure_circle(frame, prior, options);
+  // The rim of a disc shows all around, and a texture behind it does no harm.
+  CircleFit fit = measure_circle(frame, prior, options);
+  if (fit.status == CircleStatus::kOk && is_flat(fit)) return fit;
+  thread_local Frame evened;  // memory only
+  Backdrop::Outline about{prior.predicted, prior.e1_px, prior.e2_px};
+  for (int round = 0; round < kBackdrop.rounds; ++round) {
+    backdrop->even(frame, about, evened);
+    CircleFit next = measure_circle(evened, prior, options);
+    if (next.status != CircleStatus::kOk) {
+      if (round == 0) return next;
+      break;
+    }
+    fit = std::move(next);
+    const bool settled = farthest_px(fit, about) < kBackdrop.settled_px;
+    about = {fit.circle, fit.e1_px, fit.e2_px};
+    if (settled) break;
+  }
+  const double off_px =
+      std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));
+  for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, off_px);
+  return fit;
+}
+
+}  // namespace impactdic::circle

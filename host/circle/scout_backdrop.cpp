@@ -1,0 +1,62 @@
+#include "host/circle/scout_backdrop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "host/base/parallel/parallel_for.h"
+#include "host/circle/settings/backdrop.h"
+#include "host/circle/settings/search.h"
+
+namespace impactdic::circle {
+namespace {
+
+using View = Backdrop::View;
+
+// The views in which a ball is seen.
+std::vector<View> showing_balls(const std::vector<View>& views) {
+  std::vector<View> showing;
+  std::copy_if(views.begin(), views.end(), std::back_inserter(showing),
+               [](const View& view) { return !view.balls.empty(); });
+  return showing;
+}
+
+void measure_again(const Backdrop& backdrop, const CircleOptions& options, bool with_model,
+                   View& view) {
+  for (Backdrop::Outline& ball : view.balls) {
+    CirclePrior prior;
+    prior.predicted = ball.circle;
+    prior.e1_px = ball.e1_px;
+    prior.e2_px = ball.e2_px;
+    prior.centre_sd_px = kScout.found_sd_px;
+    prior.learn = with_model;
+    const CircleFit fit = measure_circle(*view.frame, prior, options, &backdrop);
+    if (fit.status == CircleStatus::kOk) ball = {fit.circle, fit.e1_px, fit.e2_px};
+  }
+}
+
+void look_for_ball(const Backdrop& backdrop, double radius_px, CircleOptions options, View& view) {
+  options.radius_range_px = {(1 - kScout.same_radius) * radius_px,
+                             (1 + kScout.same_radius) * radius_px};
+  Frame evened;
+  backdrop.even(*view.frame, evened);
+  if (const auto found = find_ball(evened, options)) view.balls.push_back({*found});
+}
+
+}  // namespace
+
+std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double radius_px,
+                                               const CircleOptions& options) {
+  std::shared_ptr<const Backdrop> known = Backdrop::learn(showing_balls(views), true);
+  for (int round = 0; known && round < kBackdrop.learnings; ++round) {
+    parallel_for(views.size(), [&](std::size_t k) {
+      if (views[k].balls.empty()) look_for_ball(*known, radius_px, options, views[k]);
+      measure_again(*known, options, round > 0, views[k]);
+    });
+    known = Backdrop::learn(showing_balls(views), false);
+  }
+  return known;
+}
+
+}  // namespace impactdic::circle

@@ -1,0 +1,17 @@
+// What lies behind the ball, from some frames spread over the clip. Internal to host/circle.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "host/circle/circle.h"
+#include "host/circle/scene/backdrop.h"
+
+namespace impactdic::circle {
+
+// Learns it from the views in which balls are seen, roughly; measures these before what is learnt,
+// looks for those that were not seen, of radius `radius_px`, and learns anew. As Backdrop::learn.
+std::shared_ptr<const Backdrop> scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
+                                               const CircleOptions& options);
+
+}  // namespace impactdic::circle

@@ -1,0 +1,43 @@
+// Numbers of what lies behind the ball. Marks in brackets: README.md in this folder.
+#pragma once
+
+#include <cstddef>
+
+namespace impactdic::circle {
+
+// Backdrop: the background's texture, learnt from frames in which the ball lies elsewhere.
+struct BackdropSettings {
+  // Learnt from: with fewer a frame's noise would be taken for texture, more would take long
+  // [hand].
+  std::size_t least_views = 4, most_views = 16;
+  std::size_t most_bytes = 1u << 27;  // of frames kept for it: as many as fit, or none [hand]
+  // A pixel so far outside the rim shows no ball: a rim that is roughly known, or well; and so far
+  // outside, frames are asked for their median.
+  double rough_px = 3, clear_px = 1.2, well_clear_px = 4;  // [hand]
+  // What no frame has shown goes on as a plane through so much of what is known about it, so far.
+  int plane_half_px = 4, plane_least = 12;  // [hand]
+  double plane_px = 3;                      // [hand]
+  int spread_px = 24;       // what no frame has shown is taken from so near, at most [hand]
+  int beside_px = 16;       // so far beside the rim a texture matters [hand]
+  int around_px = 15;       // side of the square over which texture is judged [hand]
+  double noises = 1.0;      // of noise's deviation: a texture that matters is stronger … [hand]
+  double of_range = 0.008;  // … by so much of the camera's scale [hand]
+  // What hides the ball stands still, too: behind it lies nothing that could be evened. Within the
+  // ball, beside its rim, it looks as it does outside.
+  double same_noises = 4;     // levels that are the same differ by so many deviations [hand]
+  double same_views = 0.7;    // in so many of the frames [hand]
+  double most_hidden = 0.04;  // of the rim, or nothing is evened [hand]
+  int learnings = 3;  // of the background, each by circles measured before what was learnt [hand]
+  // Evening about a circle, which is measured again where it has moved by more.
+  double inside_px =
+      4;  // inside the rim all of the texture is taken away, so far again less [hand]
+  double settled_px = 1;  // [hand]
+  // What a background misplaces the circle by that is guessed all around.
+  double evened_sd_px =
+      0.06;  // What a learnt background misplaces the circle by [measured]: the same.
+  double guessed_sd_px = 0.12;  // [measured]: light_accuracy sphere_wood 1 10 12 circles
+  int rounds = 3;               // of measuring, at most [hand]
+};
+inline constexpr BackdropSettings kBackdrop;
+
+}  // namespace impactdic::circle
