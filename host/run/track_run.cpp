@@ -293,9 +293,13 @@ void TrackRun::conclude() {
     const double angle = request_.gravity_angle_deg * kRadPerDeg;
     gravity = {strength * std::cos(angle), -strength * std::sin(angle)};
   }
-  const std::string bend =
-      lens_warning(bend_of_flights(seen, result_.impact, info().width, info().height, gravity),
-                   camera_.has_value());
+  const int width = info().width, height = info().height;
+  std::string bend = lens_warning(bend_of_flights(seen, result_.impact, width, height, gravity),
+                                  camera_.has_value());
+  if (bend.empty()) {
+    bend = outline_warning(corner_by_outline(seen, result_.impact, width, height), width, height,
+                           camera_.has_value());
+  }
   if (!bend.empty()) {
     result_.warnings.push_back(bend);
     caller_.say(MessageKind::kWarning, bend);

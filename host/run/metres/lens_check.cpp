@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::run {
 namespace {
 
@@ -25,6 +27,11 @@ constexpr double kSteady = 2;  // scatter over what is stated, of a path that is
 // Lenses that film a ball's flight bend by less; what bends more is the path.
 constexpr double kMostCorner = 0.3;
 constexpr double kFallTolerance = 0.2;
+// What a radius may be off by otherwise, as its texture turns; and deviations that are chance then.
+constexpr double kOutlineBias_px = 0.02, kOutlineChance = 4;
+constexpr double kSmallLens = 0.05;  // what a lens that is taken for a small one is off by, of it
+constexpr double kNearest_widths =
+    3;                         // from where balls are filmed, in widths of the picture there
 constexpr int kPerFlight = 6;  // place, speed and acceleration, along x and y
 
 struct Flight {
@@ -218,6 +225,124 @@ std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnaly
     bend.speed_share = std::max(bend.speed_share, most - least);
   }
   return bend;
+}
+
+namespace {
+
+// A frame's ball: when within its flight (-1 … 1), how far from the picture's middle (square, of
+// half the diagonal), and the mean radius over its own.
+struct Outline {
+  std::size_t flight;
+  double time, aside, smallness;
+  double sd_px, weight = 1;
+  bool used = true;
+};
+
+std::vector<Outline> outlines_of(const TrackRows& rows, const std::vector<Flight>& flights,
+                                 const Bending& bending, double mean_r_px) {
+  std::vector<Outline> outlines;
+  for (std::size_t f = 0; f < flights.size(); ++f) {
+    const auto [first, last] = flights[f];
+    for (std::size_t i = first; i <= last; ++i) {
+      const TrackRow row = rows[i];
+      if (!row.circle_ok || !(row.r_px > 0)) continue;
+      const Vector2d off = Vector2d(row.cx_px, row.cy_px) - bending.middle;
+      outlines.push_back(
+          {f, 2 * static_cast<double>(i - first) / static_cast<double>(last - first) - 1,
+           off.squaredNorm() / (bending.half * bending.half), mean_r_px / row.r_px});
+    }
+  }
+  return outlines;
+}
+
+// Least squares of smallness by flight, time and place: the slope by the place with the deviation
+// that the scatter gives it, and the place's rms beside what flight and time explain of it.
+struct OutlineFit {
+  Measured slope;
+  double aside_rms, scatter;
+};
+std::optional<OutlineFit> fit_outlines(std::vector<Outline> outlines, std::size_t flights) {
+  const auto size = static_cast<Eigen::Index>(2 * flights + 1);
+  OutlineFit fit{};
+  for (int round = 0; round < 3; ++round) {
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd side = Eigen::VectorXd::Zero(size);
+    const auto slope_of = [&](const Outline& one) {
+      Eigen::VectorXd slope = Eigen::VectorXd::Zero(size);
+      slope.segment<2>(static_cast<Eigen::Index>(2 * one.flight)) << 1, one.time;
+      slope[size - 1] = one.aside;
+      slope *= one.weight;
+      return slope;
+    };
+    double count = 0;
+    for (const Outline& one : outlines) {
+      if (!one.used) continue;
+      const Eigen::VectorXd slope = slope_of(one);
+      normal += slope * slope.transpose();
+      side += slope * (one.weight * one.smallness);
+      ++count;
+    }
+    if (count < static_cast<double>(size + 6)) return std::nullopt;
+    const Eigen::LDLT<Eigen::MatrixXd> solver(normal);
+    const Eigen::VectorXd all = solver.solve(side);
+    const double inverse = solver.solve(Eigen::VectorXd::Unit(size, size - 1))[size - 1];
+    const auto off = [&](const Outline& one) {
+      return one.weight * one.smallness - slope_of(one).dot(all);
+    };
+    double squares = 0;
+    for (const Outline& one : outlines) squares += one.used ? off(one) * off(one) : 0;
+    const double scatter = std::sqrt(squares / (count - static_cast<double>(size)));
+    if (!(inverse > 0) || !std::isfinite(all[size - 1])) return std::nullopt;
+    fit = {{all[size - 1], scatter * std::sqrt(inverse)}, 1 / std::sqrt(inverse * count), scatter};
+    for (Outline& one : outlines) one.used = std::abs(off(one)) <= kOutlier * scatter;
+  }
+  return fit;
+}
+
+}  // namespace
+
+std::optional<Measured> corner_by_outline(const TrackRows& rows, const ImpactAnalysis& analysis,
+                                          int width, int height) {
+  std::vector<Flight> flights = flights_of(rows, analysis);
+  const bool guessed = flights.empty();
+  if (guessed && analysis.status == ImpactStatus::kNone && rows.size() > kFewestFrames) {
+    flights.push_back({0, rows.size() - 1});
+  }
+  double sum = 0, count = 0;
+  for (const auto& [first, last] : flights) {
+    for (std::size_t i = first; i <= last; ++i) {
+      const TrackRow row = rows[i];
+      if (row.circle_ok && row.r_px > 0) sum += row.r_px, ++count;
+    }
+  }
+  if (count == 0) return std::nullopt;
+  const double mean_r_px = sum / count;
+  const Bending bending{{(width - 1) / 2.0, (height - 1) / 2.0}, std::hypot(width, height) / 2};
+  const auto fit = fit_outlines(outlines_of(rows, flights, bending, mean_r_px), flights.size());
+  if (!fit) return std::nullopt;
+  const double steady =
+      kSteady * kOutlineBias_px / mean_r_px + kSmallLens * std::abs(fit->slope.value);
+  if (guessed && fit->scatter > steady) return std::nullopt;
+  const double bias = kOutlineBias_px / mean_r_px / fit->aside_rms;
+  return Measured{-fit->slope.value / 2, std::hypot(fit->slope.sd, bias) / 2};
+}
+
+std::string outline_warning(const std::optional<Measured>& corner, int width, int height,
+                            bool corrected) {
+  if (!corner || std::abs(corner->value) > kMostCorner) return "";
+  // The outline of a sphere at the angle a off the axis is larger by tan²(a) / 4 in the mean.
+  const double tangent = std::hypot(width, height) / 2 / (kNearest_widths * width);
+  const double near = corner->value > 0 && !corrected ? tangent * tangent / 8 : 0;
+  if (std::abs(corner->value) <= kOutlineChance * corner->sd + kLeastCorner + near) return "";
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "the ball's outline changes with its place as through a lens with %.2f +- %.2f %% of "
+      "distortion at the picture's corners: %s",
+      100 * corner->value, 100 * corner->sd,
+      corrected ? "was the camera calibrated with this lens and picture?"
+                : "calibrate the camera (impactdic calibrate, --camera)");
+  return text;
 }
 
 std::string lens_warning(const std::optional<LensBend>& bend, bool corrected) {

@@ -33,4 +33,16 @@ std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnaly
 // went through a calibrated camera.
 std::string lens_warning(const std::optional<LensBend>& bend, bool corrected);
 
+// By the ball's outline: the share by which the lens moves the picture's corners, where the radius
+// changes with the place in the picture; away from the middle a lens of share k makes it larger by
+// 2k times the square of the distance. 1/r of a ball that comes nearer is straight in time. nullopt
+// where there is no flight, or too little of it.
+std::optional<Measured> corner_by_outline(const TrackRows& rows, const ImpactAnalysis& analysis,
+                                          int width, int height);
+
+// A warning where the outline shows a lens beyond chance; "" elsewhere, and where a sphere that is
+// seen from as near as three picture widths looks like that, too: larger away from the axis.
+std::string outline_warning(const std::optional<Measured>& corner, int width, int height,
+                            bool corrected);
+
 }  // namespace impactdic::run
