@@ -54,11 +54,12 @@ Frame halved(const Frame& frame) {
 }
 
 std::optional<Circle> measured(const Frame& frame, const Circle& near, double centre_sd_px,
-                               const circle::CircleOptions& options) {
+                               const AdviceRequest& request) {
   circle::CirclePrior prior;
   prior.predicted = near;
   prior.centre_sd_px = centre_sd_px;
-  const circle::CircleFit fit = circle::measure_circle(frame, prior, options);
+  const circle::CircleFit fit =
+      circle::measure_circle(frame, prior, request.circle, request.backdrop.get());
   if (fit.status != circle::CircleStatus::kOk) return std::nullopt;
   return fit.circle;
 }
@@ -84,13 +85,13 @@ std::optional<Circle> find(const Frame& frame, std::int64_t index, const AdviceR
     if (auto& range = of_half.radius_range_px) range = {range->first / 2, range->second / 2};
     if (const auto half = circle::find_ball(halved(frame), of_half)) {
       const Circle whole{2 * half->cx_px + 0.5, 2 * half->cy_px + 0.5, 2 * half->r_px};
-      const auto ball = measured(frame, whole, 3, options);
+      const auto ball = measured(frame, whole, 3, request);
       if (ball && is_plausible(frame, index, *ball, request)) return ball;
     }
   }
   const auto found =
       circle::find_chosen_ball(frame, index, options, request.scene.get(), request.choice.get());
-  const auto ball = found ? measured(frame, *found, 2, options) : std::nullopt;
+  const auto ball = found ? measured(frame, *found, 2, request) : std::nullopt;
   return ball && is_plausible(frame, index, *ball, request) ? ball : std::nullopt;
 }
 
@@ -98,7 +99,7 @@ std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
                                  const AdviceRequest& request) {
   for (const circle::BallCandidate::Sighting& seen : request.sightings) {
     if (seen.index != index) continue;
-    const auto ball = measured(frame, seen.ball.circle, 2, request.circle);
+    const auto ball = measured(frame, seen.ball.circle, 2, request);
     if (ball && is_plausible(frame, index, *ball, request)) return ball;
   }
   return std::nullopt;
@@ -108,7 +109,7 @@ std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
 std::optional<Circle> find_next(const Frame& frame, std::int64_t index, const Circle& before,
                                 const AdviceRequest& request) {
   constexpr double kMovedPx = 6;
-  const auto near = measured(frame, before, kMovedPx, request.circle);
+  const auto near = measured(frame, before, kMovedPx, request);
   if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
   return find(frame, index, request);
 }

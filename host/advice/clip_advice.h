@@ -23,6 +23,7 @@ struct AdviceRequest {
   // Of scout_ball: what has another radius, or stands still, is not the ball.
   std::optional<double> radius_px;
   std::shared_ptr<const circle::StillScene> scene;
+  std::shared_ptr<const circle::Backdrop> backdrop;  // what lies behind the ball, where it is known
   // Frames in which the ball is known already, to about a pixel: there it is not searched for.
   std::vector<circle::BallCandidate::Sighting> sightings;
   std::shared_ptr<const circle::BallChoice> choice;  // nor is a ball that was not chosen

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "host/circle/circle.h"
-#include "host/circle/rim/rim_model.h"
 #include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/backdrop.h"
 
@@ -18,20 +17,14 @@ double farthest_px(const CircleFit& fit, const Backdrop::Outline& from) {
        std::hypot(fit.e1_px - from.e1_px, fit.e2_px - from.e2_px)});
 }
 
-bool is_flat(const CircleFit& fit) {
-  return fit.rim_model && fit.rim_model->surface() == Surface::kFlat;
-}
-
 }  // namespace
 
 CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
                          const Backdrop* backdrop) {
   if (backdrop == nullptr) return measure_circle(frame, prior, options);
-  // The rim of a disc shows all around, and a texture behind it does no harm.
-  CircleFit fit = measure_circle(frame, prior, options);
-  if (fit.status == CircleStatus::kOk && is_flat(fit)) return fit;
   thread_local Frame evened;  // memory only
   Backdrop::Outline about{prior.predicted, prior.e1_px, prior.e2_px};
+  CircleFit fit;
   for (int round = 0; round < kBackdrop.rounds; ++round) {
     backdrop->even(frame, about, evened);
     CircleFit next = measure_circle(evened, prior, options);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/parallel/parallel_for.h"
+#include "host/circle/rim/rim_model.h"
 #include "host/circle/settings/backdrop.h"
 #include "host/circle/settings/search.h"
 
@@ -22,14 +23,30 @@ std::vector<View> showing_balls(const std::vector<View>& views) {
   return showing;
 }
 
+CirclePrior prior_at(const Backdrop::Outline& ball) {
+  CirclePrior prior;
+  prior.predicted = ball.circle;
+  prior.e1_px = ball.e1_px;
+  prior.e2_px = ball.e2_px;
+  prior.centre_sd_px = kScout.found_sd_px;
+  return prior;
+}
+
+// Whether the views show discs: their rims show all around, and a texture behind them does no harm.
+bool are_discs(const std::vector<View>& views, const CircleOptions& options) {
+  std::vector<char> flat(views.size(), 0);
+  parallel_for(views.size(), [&](std::size_t k) {
+    const CircleFit fit =
+        measure_circle(*views[k].frame, prior_at(views[k].balls.front()), options);
+    flat[k] = fit.rim_model && fit.rim_model->surface() == Surface::kFlat;
+  });
+  return 2 * std::count(flat.begin(), flat.end(), 1) > std::ssize(flat);
+}
+
 void measure_again(const Backdrop& backdrop, const CircleOptions& options, bool with_model,
                    View& view) {
   for (Backdrop::Outline& ball : view.balls) {
-    CirclePrior prior;
-    prior.predicted = ball.circle;
-    prior.e1_px = ball.e1_px;
-    prior.e2_px = ball.e2_px;
-    prior.centre_sd_px = kScout.found_sd_px;
+    CirclePrior prior = prior_at(ball);
     prior.learn = with_model;
     const CircleFit fit = measure_circle(*view.frame, prior, options, &backdrop);
     if (fit.status == CircleStatus::kOk) ball = {fit.circle, fit.e1_px, fit.e2_px};
@@ -49,6 +66,7 @@ void look_for_ball(const Backdrop& backdrop, double radius_px, CircleOptions opt
 std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double radius_px,
                                                const CircleOptions& options) {
   std::shared_ptr<const Backdrop> known = Backdrop::learn(showing_balls(views), true);
+  if (!known || are_discs(showing_balls(views), options)) return nullptr;
   for (int round = 0; known && round < kBackdrop.learnings; ++round) {
     parallel_for(views.size(), [&](std::size_t k) {
       if (views[k].balls.empty()) look_for_ball(*known, radius_px, options, views[k]);

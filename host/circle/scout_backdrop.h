@@ -10,7 +10,8 @@
 namespace impactdic::circle {
 
 // Learns it from the views in which balls are seen, roughly; measures these before what is learnt,
-// looks for those that were not seen, of radius `radius_px`, and learns anew. As Backdrop::learn.
+// looks for those that were not seen, of radius `radius_px`, and learns anew. nullptr as
+// Backdrop::learn says, and where the balls are discs, whose rims show before any texture.
 std::shared_ptr<const Backdrop> scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
                                                const CircleOptions& options);
 

@@ -143,7 +143,7 @@ void TrackRun::scout(advice::AdviceRequest& request) {
   options_.ball.scouted_radius_px = request.radius_px =
       radius_by_hand(found.radius_px(), request_.ball_at);
   options_.ball.scene = request.scene = found.scene;
-  options_.ball.backdrop = found.backdrop;
+  options_.ball.backdrop = request.backdrop = found.backdrop;
   if (request_.ball > 0) return choose_ball(found, known, request);
   if (known && !found.balls.empty()) request.sightings = found.balls.front().sightings;
   if (const circle::BallCandidate* other = found.second_ball()) {
