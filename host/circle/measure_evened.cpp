@@ -28,14 +28,18 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
   for (int round = 0; round < kBackdrop.rounds; ++round) {
     backdrop->even(frame, about, evened);
     CircleFit next = measure_circle(evened, prior, options);
-    if (next.status != CircleStatus::kOk) {
-      if (round == 0) return next;
-      break;
-    }
+    if (round == 0 && next.status != CircleStatus::kOk) return next;
+    // About a better place more of the rim shows.
+    const bool worse = next.rim_fraction < kBackdrop.less_rim * fit.rim_fraction;
+    if (next.status != CircleStatus::kOk || worse) break;
     fit = std::move(next);
     const bool settled = farthest_px(fit, about) < kBackdrop.settled_px;
     about = {fit.circle, fit.e1_px, fit.e2_px};
     if (settled) break;
+  }
+  // Before an even background a ball shows more of its rim than some crossings of an arc.
+  if (!fit.rim_model && fit.rim_fraction < kBackdrop.least_rim) {
+    return CircleFit{.bright = fit.bright};
   }
   const double off_px =
       std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));

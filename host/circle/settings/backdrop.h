@@ -25,18 +25,18 @@ struct BackdropSettings {
   // What hides the ball stands still, too: behind it lies nothing that could be evened. Within the
   // ball, beside its rim, it looks as it does outside.
   double same_noises = 4;     // levels that are the same differ by so many deviations [hand]
-  double same_views = 0.7;    // in so many of the frames [hand]
   double most_hidden = 0.04;  // of the rim, or nothing is evened [hand]
   int learnings = 3;  // of the background, each by circles measured before what was learnt [hand]
   // Evening about a circle, which is measured again where it has moved by more.
-  double inside_px =
-      4;  // inside the rim all of the texture is taken away, so far again less [hand]
-  double settled_px = 1;  // [hand]
-  // What a background misplaces the circle by that is guessed all around.
-  double evened_sd_px =
-      0.06;  // What a learnt background misplaces the circle by [measured]: the same.
-  double guessed_sd_px = 0.12;  // [measured]: light_accuracy sphere_wood 1 10 12 circles
-  int rounds = 3;               // of measuring, at most [hand]
+  // Inside the rim all of the texture is taken away, and so far again less and less [hand].
+  double inside_px = 4;
+  double settled_px = 1;   // [hand]
+  double less_rim = 0.7;   // of the rim that carried the fit before: it was the better one [hand]
+  double least_rim = 0.3;  // share of the rim that must carry a fit without a model of it [hand]
+  // What a learnt background misplaces the circle by, and one that is guessed all around, px.
+  // [measured]: docs/log/accuracy.md, "Before wood and tiles".
+  double evened_sd_px = 0.06, guessed_sd_px = 0.12;
+  int rounds = 3;  // of measuring, at most [hand]
 };
 inline constexpr BackdropSettings kBackdrop;
 
