@@ -170,6 +170,46 @@ double roughness(const cv::Mat& level, const cv::Mat& where) {
   return std::sqrt(std::max(0.0, cv::mean(variance, where)[0]));
 }
 
+// What makes a texture that matters, at least.
+double least_roughness(double noise, double full_scale) {
+  return kBackdrop.noises * noise + kBackdrop.of_range * full_scale;
+}
+
+// Whether a view's background may be rough beside its ball, by that view alone; the noise from its
+// difference to another one. Spares all that follows where the wall is even.
+bool may_be_rough(const View& view, const View& other) {
+  const Outline& ball = view.balls.front();
+  const cv::Mat whole = header_of(*view.frame), before = header_of(*other.frame);
+  const int half = kBackdrop.around_px / 2 + 1;
+  const cv::Rect box = box_about(ball, kBackdrop.beside_px + 2 * half, whole.size());
+  if (box.width <= half || box.height <= half) return false;
+  cv::Mat level, elsewhere, beside = cv::Mat::zeros(box.size(), CV_8U);
+  whole(box).convertTo(level, CV_32F);
+  before(box).convertTo(elsewhere, CV_32F);
+  std::vector<double> steps;
+  for (int y = 0; y < box.height; ++y) {
+    for (int x = 0; x < box.width; ++x) {
+      const double off = ball.distance_to(x + box.x, y + box.y);
+      if (off < half + 1 || off > kBackdrop.beside_px + half) continue;
+      beside.at<std::uint8_t>(y, x) = 255;
+      steps.push_back(std::abs(level.at<float>(y, x) - elsewhere.at<float>(y, x)));
+    }
+  }
+  if (steps.empty()) return false;
+  const double noise = kSdOfMad * upper_median(std::move(steps)) / std::numbers::sqrt2;
+  const double rough = roughness(level, beside);
+  const double least = 0.5 * least_roughness(noise, view.frame->full_scale());
+  return rough * rough - noise * noise > least * least;
+}
+
+bool may_be_rough(std::span<const View> views) {
+  const std::size_t step = std::max<std::size_t>(1, views.size() / 4);
+  for (std::size_t k = 0; k < views.size(); k += step) {
+    if (may_be_rough(views[k], views[k == 0 ? 1 : k - 1])) return true;
+  }
+  return false;
+}
+
 // The pixel so far outside the rim in a direction.
 cv::Point rim_point(const Outline& ball, double angle, double outside_px) {
   const double oval = ball.e1_px * std::cos(2 * angle) + ball.e2_px * std::sin(2 * angle);
@@ -216,13 +256,12 @@ bool is_hidden(std::span<const View> views, const Learnt& learnt) {
 }  // namespace
 
 std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, bool roughly) {
-  if (views.size() < kBackdrop.least_views) return nullptr;
+  if (views.size() < kBackdrop.least_views || !may_be_rough(views)) return nullptr;
   Learnt learnt = agreed(views, roughly ? kBackdrop.rough_px : kBackdrop.clear_px);
   const cv::Mat unknown = spread(learnt);
   const cv::Mat beside = beside_the_rims(views) & ~unknown;
   if (cv::countNonZero(beside) == 0) return nullptr;
-  const double least =
-      kBackdrop.noises * learnt.noise + kBackdrop.of_range * views.front().frame->full_scale();
+  const double least = least_roughness(learnt.noise, views.front().frame->full_scale());
   if (roughness(learnt.level, beside) < least || is_hidden(views, learnt)) return nullptr;
   std::vector<double> levels;
   for (int y = 0; y < beside.rows; ++y) {
