@@ -36,8 +36,9 @@ double share_in_view(const Frame& frame, const Circle& c) {
   return static_cast<double>(std::max(inside, 1)) / kPoints;
 }
 
-bool shows_its_rim(const CircleFit& fit, const Frame& frame) {
-  return fit.rim_fraction / share_in_view(frame, fit.circle) >= kTracking.plain_rim;
+// Share of the rim in view that carried the fit.
+double rim_in_view(const CircleFit& fit, const Frame& frame) {
+  return fit.rim_fraction / share_in_view(frame, fit.circle);
 }
 
 bool is_round(const CircleFit& fit) {
@@ -47,8 +48,8 @@ bool is_round(const CircleFit& fit) {
 // Enough of the rim in view to be taken for a ball where none was expected; with less than most of
 // it also round, and of the ball's size. Arms and shadows have arcs, too.
 bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px) {
-  if (shows_its_rim(fit, frame)) return true;
-  const double rim = fit.rim_fraction / share_in_view(frame, fit.circle);
+  const double rim = rim_in_view(fit, frame);
+  if (rim >= kTracking.plain_rim) return true;
   const double r = fit.circle.r_px;
   return rim >= kTracking.found_rim && is_round(fit) &&
          (!radius_px || std::abs(r - *radius_px) <= kTracking.found_radius * *radius_px);
@@ -214,15 +215,18 @@ CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radi
     if (another) fit = {};
   }
   if (!options_.backdrop) return fit;
-  if (fit.status == CircleStatus::kOk) return measure(frame, prior_found(fit.circle, radius));
+  if (fit.status == CircleStatus::kOk) {
+    const CircleFit again = measure(frame, prior_found(fit.circle, radius));
+    return plausible(again, radius.rough_px) ? again : fit;
+  }
   thread_local Frame evened;  // memory only
   options_.backdrop->even(frame, evened);
   const auto found = find_chosen_ball(evened, index, options, nullptr, choice);
   if (!found) return fit;
   const CircleFit plain = measure(frame, prior_found(*found, radius));
   // Before an evened background whatever comes is plain: arms have round ends, too.
-  const bool is_ball =
-      plausible(plain, radius.rough_px) && shows_its_rim(plain, frame) && is_round(plain);
+  const bool is_ball = plausible(plain, radius.rough_px) &&
+                       rim_in_view(plain, frame) >= kTracking.plain_rim && is_round(plain);
   return is_ball ? plain : fit;
 }
 

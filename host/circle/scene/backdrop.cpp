@@ -198,12 +198,12 @@ bool may_be_rough(const View& view, const View& other) {
   if (steps.empty()) return false;
   const double noise = kSdOfMad * upper_median(std::move(steps)) / std::numbers::sqrt2;
   const double rough = roughness(level, beside);
-  const double least = 0.5 * least_roughness(noise, view.frame->full_scale());
+  const double least = kBackdrop.may_be * least_roughness(noise, view.frame->full_scale());
   return rough * rough - noise * noise > least * least;
 }
 
 bool may_be_rough(std::span<const View> views) {
-  const std::size_t step = std::max<std::size_t>(1, views.size() / 4);
+  const std::size_t step = std::max<std::size_t>(1, views.size() / kBackdrop.looked_at);
   for (std::size_t k = 0; k < views.size(); k += step) {
     if (may_be_rough(views[k], views[k == 0 ? 1 : k - 1])) return true;
   }

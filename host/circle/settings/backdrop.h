@@ -22,6 +22,10 @@ struct BackdropSettings {
   int around_px = 15;       // side of the square over which texture is judged [hand]
   double noises = 1.0;      // of noise's deviation: a texture that matters is stronger … [hand]
   double of_range = 0.008;  // … by so much of the camera's scale [hand]
+  // Of so many views a look at each by itself tells first, from so much of that roughness on
+  // [hand].
+  std::size_t looked_at = 4;
+  double may_be = 0.5;
   // What hides the ball stands still, too: behind it lies nothing that could be evened. Within the
   // ball, beside its rim, it looks as it does outside.
   double same_noises = 4;     // levels that are the same differ by so many deviations [hand]

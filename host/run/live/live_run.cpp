@@ -177,7 +177,9 @@ void LiveRun::measure() {
   result_.warnings = about.warnings;
   queue_.limit(most_waiting(request_, batch_));
   pipeline::TrackOptions options = run.options();
-  options.ball.scene = nullptr;  // the stream may go on for hours, the light change
+  // The stream may go on for hours, the light change.
+  options.ball.scene = nullptr;
+  options.ball.backdrop = nullptr;
   options.frames = {0, kEndless, 1};
   options.batch = kLongestBatch;
   options.feed = [this] { return feed(); };
