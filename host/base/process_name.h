@@ -20,4 +20,8 @@ ProcessName parse_process(const std::string& text);
 // other machines nothing is known.
 bool is_gone(const ProcessName& process);
 
+// Whether it is of this machine and gone, or about to be: killed, but still giving its memory and
+// files back, which takes a large process a while. What it had locked is locked until then.
+bool is_ending(const ProcessName& process);
+
 }  // namespace impactdic

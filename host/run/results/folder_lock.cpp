@@ -23,6 +23,9 @@ constexpr seconds kTouchEvery{10};
 // Without the system's locks: after that, who wrote last has the folder.
 constexpr milliseconds kSettles{300};
 constexpr int kTries = 50;
+// So long a killed run may take to give back what it holds.
+constexpr seconds kEnds{10};
+constexpr milliseconds kLooksAgain{20};
 
 ProcessName read_owner(const fs::path& path) {
   std::ifstream file(path);
@@ -67,6 +70,23 @@ Taken lock_file(int file) {
   return errno == EAGAIN || errno == EACCES ? Taken::kNo : Taken::kUnsupported;
 }
 
+// Whether somebody holds the system's lock on it.
+bool is_locked(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (file < 0) return false;
+  struct flock lock = {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  const bool locked = ::fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+  ::close(file);
+  return locked;
+}
+
+// Killed, but what it held is not free yet.
+bool is_letting_go(const ProcessName& owner, const fs::path& path) {
+  return is_ending(owner) && (!is_gone(owner) || is_locked(path));
+}
+
 bool is_same_file(int file, const fs::path& path) {
   struct stat held = {}, named = {};
   return ::fstat(file, &held) == 0 && ::stat(path.c_str(), &named) == 0 &&
@@ -76,6 +96,7 @@ bool is_same_file(int file, const fs::path& path) {
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder), path_(folder / kName) {
+  wait_for_ending_owner();
   bool taken = false;
   for (int i = 0; i < kTries && !taken; ++i) taken = try_take();
   if (!taken) refuse({}, folder_);
@@ -97,6 +118,14 @@ FolderLock::~FolderLock() {
 void FolderLock::give_up() {
   if (file_ >= 0) ::close(file_);
   file_ = -1;
+}
+
+// A run that was killed a moment ago is not said to be at work: its successor waits for its end.
+void FolderLock::wait_for_ending_owner() const {
+  const auto until = std::chrono::steady_clock::now() + kEnds;
+  while (is_letting_go(read_owner(path_), path_) && std::chrono::steady_clock::now() < until) {
+    std::this_thread::sleep_for(kLooksAgain);
+  }
 }
 
 // False where the file went away meanwhile.

@@ -1,6 +1,8 @@
 // One run at a time writes into a folder.
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -47,6 +49,27 @@ TEST(FolderLock, ADeadOwnersIsTakenOver) {
   ::waitpid(child, nullptr, 0);
   EXPECT_TRUE(fs::exists(folder / run::FolderLock::kName));
   EXPECT_NO_THROW(run::FolderLock{folder / ""});
+}
+
+// A large process that was killed holds its lock until its memory is given back. Here its first
+// thread has ended and another has not.
+TEST(FolderLock, AnEndingOwnersIsWaitedFor) {
+  const ScratchFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const run::FolderLock lock(folder / "");
+    std::thread([] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(400));
+      ::_exit(0);
+    }).detach();
+    ::syscall(SYS_exit, 0);
+  }
+  const std::string stat = "/proc/" + std::to_string(child) + "/stat";
+  while (testing::read_text(stat).find(") Z ") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_NO_THROW(run::FolderLock{folder / ""});
+  ::waitpid(child, nullptr, 0);
 }
 
 // Of another machine nothing is known but when it touched its lock.
