@@ -40,8 +40,7 @@ CircleInPicture RowCorrection::followed(const TrackRow& row, const BallInPlane& 
   return circle;
 }
 
-void RowCorrection::correct_circle(TrackRow& row) const {
-  const BallInPlane ball = ball_.ball(circle_of(row));
+void RowCorrection::correct_circle(const BallInPlane& ball, TrackRow& row) const {
   Matrix2d slope;
   plane_.to_plane({row.cx_px, row.cy_px}, 0, &slope);
   slope /= metre_per_px_;
@@ -54,8 +53,8 @@ void RowCorrection::correct_circle(TrackRow& row) const {
   row.circle_ok = std::isfinite(row.cx_px);
 }
 
-void RowCorrection::correct_motion(const TrackRow& seen, TrackRow& row) const {
-  const BallInPlane ball = ball_.ball(circle_of(seen));
+void RowCorrection::correct_motion(const TrackRow& seen, const BallInPlane& ball,
+                                   TrackRow& row) const {
   const CircleInPicture circle = followed(seen, ball);
   const Vector2d centre = circle.centre;
   const TurnInPlane motion =
@@ -108,9 +107,11 @@ void RowCorrection::correct_pose(const std::vector<TrackRow>& seen, TrackRow& ro
 std::vector<TrackRow> RowCorrection::correct(const std::vector<TrackRow>& rows) const {
   std::vector<TrackRow> corrected = rows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].circle_ok && rows[i].motion_ok) correct_motion(rows[i], corrected[i]);
     if (rows[i].pose.ok) correct_pose(rows, corrected[i]);
-    if (rows[i].circle_ok) correct_circle(corrected[i]);
+    if (!rows[i].circle_ok) continue;
+    const BallInPlane ball = ball_.ball(circle_of(rows[i]));
+    if (rows[i].motion_ok) correct_motion(rows[i], ball, corrected[i]);
+    correct_circle(ball, corrected[i]);
   }
   return corrected;
 }

@@ -24,8 +24,8 @@ class RowCorrection {
   std::vector<TrackRow> correct(const std::vector<TrackRow>& rows) const;
 
  private:
-  void correct_circle(TrackRow& row) const;
-  void correct_motion(const TrackRow& seen, TrackRow& row) const;
+  void correct_circle(const BallInPlane& ball, TrackRow& row) const;
+  void correct_motion(const TrackRow& seen, const BallInPlane& ball, TrackRow& row) const;
   void correct_pose(const std::vector<TrackRow>& seen, TrackRow& row) const;
   // What moved as a row's motion says: the middle of a disc, the picture of a sphere's centre.
   CircleInPicture followed(const TrackRow& row, const BallInPlane& ball) const;

@@ -146,6 +146,7 @@ void Analysis::limit_flights() {
 }
 
 bool Analysis::is_evident(bool with_flights, double odds) const {
+  if (options_.impact_is_known) return true;
   const auto longest = static_cast<std::size_t>(options_.flight_frames);
   PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
                    std::min(guess_.last + longest, series_.size() - 1)};

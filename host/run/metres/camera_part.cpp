@@ -51,7 +51,7 @@ class ThroughCamera {
         metre_per_px_(metre_per_px),
         seen_radius_px_(median_radius_px(measured.rows)) {}
 
-  Conclusion operator()(const Camera& camera, bool keep_rows) const {
+  Conclusion operator()(const Camera& camera, Impacts impacts, bool keep_rows) const {
     Conclusion found;
     const bool sphere = measured_.body == Body::kSphere;
     TrackResult& result = found.result;
@@ -73,7 +73,7 @@ class ThroughCamera {
     // The corrected rows of a camera that knows its focal length are about the ball's centre.
     motion::Perspective seen = seen_;
     if (camera.focal_length_known) seen.by_distance_per_px = 0;
-    conclude_metres(request, radius, result.rows, result, seen);
+    conclude_metres(request, radius, result.rows, result, seen, impacts);
     for (const TrackRow& row : result.rows) {
       const SiRow si = to_si(row, result.scale);
       found.rates.push_back({si.vx_m_s, si.vy_m_s, si.omega_rad_s});
@@ -154,15 +154,17 @@ void conclude_through_camera(const Camera& camera, const TrackRequest& request,
   const PlaneView view(camera);
   const Measured scale = camera::scale_at_middle(camera);
   const ThroughCamera through(request, sphere_radius_px, perspective, result, scale.value);
-  Conclusion found = through(camera, true);
+  Conclusion found = through(camera, Impacts::kLookedFor, true);
   const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
   std::vector<Conclusion> plus(steps.size()), minus(steps.size());
+  const Impacts impacts =
+      found.result.impact_si.found() ? Impacts::kKnown : Impacts::kLookedFor;
   parallel_for(2 * steps.size(), 0, [&](std::size_t i) {
     const camera::CameraStep& step = steps[i / 2];
     if (i % 2 == 0)
-      plus[i / 2] = through(step.plus, false);
+      plus[i / 2] = through(step.plus, impacts, false);
     else
-      minus[i / 2] = through(step.minus, false);
+      minus[i / 2] = through(step.minus, impacts, false);
   });
   result.scale = found.result.scale;
   result.impact = std::move(found.result.impact);

@@ -190,8 +190,10 @@ impact::ImpactOptions options_of(const TrackRequest& request, const SiScale& sca
 }  // namespace
 
 ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
-                              const SiScale& scale, const SphereSeen& sphere) {
-  return impact::analyse_impact(rows, options_of(request, scale, sphere));
+                              const SiScale& scale, const SphereSeen& sphere, Impacts impacts) {
+  impact::ImpactOptions options = options_of(request, scale, sphere);
+  options.impact_is_known = impacts == Impacts::kKnown;
+  return impact::analyse_impact(rows, options);
 }
 
 std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,

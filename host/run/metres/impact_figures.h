@@ -20,10 +20,15 @@ struct SphereSeen {
   motion::Perspective perspective;
 };
 
+// Whether there are impacts at all is asked of the rows, or known: then one is measured, what else
+// there may be is left alone.
+enum class Impacts { kLookedFor, kKnown };
+
 // The analysis of the impact in `rows`, which are evenly spaced in time (frame_clock.h). Gravity's
 // strength is known where scale and rate are.
 ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
-                              const SiScale& scale, const SphereSeen& sphere);
+                              const SiScale& scale, const SphereSeen& sphere,
+                              Impacts impacts = Impacts::kLookedFor);
 
 // The other impacts in `rows`, beside the one that was `found` with the same arguments, in order of
 // time.

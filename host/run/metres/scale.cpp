@@ -56,37 +56,47 @@ void look_for_another_surface(const TrackRequest& request, const TrackRows& rows
 
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
                      const TrackRows& measured, TrackResult& result,
-                     const motion::Perspective& perspective) {
+                     const motion::Perspective& perspective, Impacts impacts) {
   const EvenRows even(measured, about_centres(perspective));
   const TrackRows rows(even);
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
   const auto about = median_radius_px(measured);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
-  result.impact = analyse_impact(request, rows, result.scale, {sphere_radius_px, perspective});
+  ImpactAnalysis first =
+      analyse_impact(request, rows, result.scale, {sphere_radius_px, perspective}, impacts);
+  const double first_metre_per_px = result.scale.metre_per_px;
   std::optional<Measured> radius = sphere_radius_px;
   if (result.body == Body::kSphere && !radius) {
-    radius = result.impact.radius_px;
+    radius = first.radius_px;
     radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
   }
   const SphereSeen sphere = {radius, perspective};
-  set_scale(request, radius.value_or(result.impact.radius_px), result.scale);
+  set_scale(request, radius.value_or(first.radius_px), result.scale);
   // `with`: the scale that gave the analysis its gravity.
   const auto conclude = [&](ImpactAnalysis impact, const SiScale& with) {
     result.impact = std::move(impact);
     result.impact_si = convert_impact(request, rows, result.scale, result.impact);
     find_contradictions(request, result.impact, result.impact_si);
     result.more_impacts_si.clear();
+    if (impacts == Impacts::kKnown) return;
     for (const ImpactAnalysis& other : other_impacts(request, rows, with, sphere, result.impact)) {
       result.more_impacts_si.push_back(convert_impact(request, rows, result.scale, other));
     }
   };
-  conclude(analyse_impact(request, rows, result.scale, sphere), result.scale);
+  // Where scale and radius are given, the first analysis had them.
+  const bool as_first = result.scale.metre_per_px == first_metre_per_px &&
+                        radius.has_value() == sphere_radius_px.has_value();
+  conclude(as_first ? std::move(first)
+                    : analyse_impact(request, rows, result.scale, sphere, impacts),
+           result.scale);
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
   const SiScale without = no_scale(result);
-  ImpactAnalysis free = analyse_impact(request, rows, without, sphere);
+  ImpactAnalysis free = analyse_impact(request, rows, without, sphere, impacts);
   if (!is_found(free)) {
-    look_for_another_surface(request, rows, sphere, result);
+    if (impacts == Impacts::kLookedFor) {
+      look_for_another_surface(request, rows, sphere, result);
+    }
     return;
   }
   set_scale(request, radius.value_or(free.radius_px), result.scale);

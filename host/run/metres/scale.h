@@ -7,6 +7,7 @@
 
 #include "host/clip/track_rows.h"
 #include "host/motion/perspective.h"
+#include "host/run/metres/impact_figures.h"
 
 namespace impactdic::run {
 
@@ -17,7 +18,8 @@ namespace impactdic::run {
 // squarely.
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
                      const TrackRows& rows, TrackResult& result,
-                     const motion::Perspective& perspective = {});
+                     const motion::Perspective& perspective = {},
+                     Impacts impacts = Impacts::kLookedFor);
 
 // The same from the rows that the result holds.
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
