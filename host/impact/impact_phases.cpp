@@ -45,7 +45,8 @@ class Analysis {
     set_radius(free_radius(rows_));
     guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
     if (!guess_.found) return result_;
-    const bool long_enough = set_flights();
+    bool long_enough = set_flights();
+    if (!long_enough) guess_ = sharpened(series_, guess_), long_enough = set_flights();
     if (!is_evident(long_enough)) return result_;
     if (!long_enough) {
       set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},

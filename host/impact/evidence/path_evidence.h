@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "host/impact/evidence/contact_guess.h"
 #include "host/impact/impact_series.h"
 
 namespace impactdic::impact {
@@ -17,9 +18,14 @@ struct PathSpan {
 
 // Natural logarithm of the odds that the path along n is broken in the contact: half the difference
 // of the Bayesian information criteria (Schwarz 1978) of the best smooth path and the best broken
-// one. Broken: an acceleration alike before and after, and any in the contact. Smooth: polynomials,
-// a circle seen from its side with a second harmonic, cubic splines on even knots. The scatter is
-// what the paths leave, not what the track states; frames that err alike count for fewer.
+// one. Broken: an acceleration alike before and after, and in the contact any, in even pieces, or a
+// pulse between ends that are sought where the odds are not clear. Smooth: polynomials, a circle
+// seen from its side with up to six harmonics, a release, cubic splines on even knots. The scatter
+// is what the paths leave, not what the track states; frames that err alike count for fewer.
 double odds_of_contact(const ImpactSeries& series, const PathSpan& span);
+
+// `guess` with a contact as long as the pulse of force that describes the path best, where that is
+// shorter: where noise hides the force, a guess is far longer than the contact.
+ContactGuess sharpened(const ImpactSeries& series, ContactGuess guess);
 
 }  // namespace impactdic::impact

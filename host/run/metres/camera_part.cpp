@@ -157,8 +157,7 @@ void conclude_through_camera(const Camera& camera, const TrackRequest& request,
   Conclusion found = through(camera, Impacts::kLookedFor, true);
   const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
   std::vector<Conclusion> plus(steps.size()), minus(steps.size());
-  const Impacts impacts =
-      found.result.impact_si.found() ? Impacts::kKnown : Impacts::kLookedFor;
+  const Impacts impacts = found.result.impact_si.found() ? Impacts::kKnown : Impacts::kLookedFor;
   parallel_for(2 * steps.size(), 0, [&](std::size_t i) {
     const camera::CameraStep& step = steps[i / 2];
     if (i % 2 == 0)

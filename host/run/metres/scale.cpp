@@ -86,9 +86,9 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
   // Where scale and radius are given, the first analysis had them.
   const bool as_first = result.scale.metre_per_px == first_metre_per_px &&
                         radius.has_value() == sphere_radius_px.has_value();
-  conclude(as_first ? std::move(first)
-                    : analyse_impact(request, rows, result.scale, sphere, impacts),
-           result.scale);
+  conclude(
+      as_first ? std::move(first) : analyse_impact(request, rows, result.scale, sphere, impacts),
+      result.scale);
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
   const SiScale without = no_scale(result);
