@@ -122,8 +122,8 @@ std::vector<double> least(const std::vector<double>& grid, const Scores& scores,
 // The least score of circles with each number of harmonics, from a sixth of a turn in the span to
 // four turns.
 double best_circle(const Paths& paths, const PathFits& fits) {
-  // No more unknowns than half of the samples: the criterion is one of many samples.
-  const int most_harmonics = std::clamp((static_cast<int>(fits.size()) / 2 - 3) / 2, 1, 6);
+  // No more unknowns than a third of the samples: the criterion is one of many samples.
+  const int most_harmonics = std::clamp((static_cast<int>(fits.size()) / 3 - 3) / 2, 1, 6);
   constexpr double kFarthest = 0.1;  // turns: farther apart there are minima between
   std::vector<double> grid;          // radians a frame
   for (double turns = 1.0 / 6; turns < 4; turns += std::min(turns / 4, kFarthest)) {
