@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "host/base/statistics.h"
 #include "host/impact/evidence/contact_guess.h"
@@ -87,13 +88,17 @@ std::vector<double> PathFits::scores(const Basis& basis, std::size_t fewest, std
 
 void PathFits::take_scatter(const PathFit& fit, const PathSpan& span) {
   for (const Kind kind : {kPlace, kStep}) {
-    std::vector<double> left;
+    std::vector<double> left, all;
     for (std::size_t i = 0; i < samples_.size(); ++i) {
       const Sample& s = samples_[i];
       const bool in =
           s.at > static_cast<double>(span.first) - 2 && s.at < static_cast<double>(span.last) + 2;
-      if (s.kind == kind && !in) left.push_back(fit.residuals[static_cast<int>(i)] * sd(kind));
+      if (s.kind != kind) continue;
+      all.push_back(fit.residuals[static_cast<int>(i)] * sd(kind));
+      if (!in) left.push_back(all.back());
     }
+    // A few frames at the ends tell neither what scatters nor for how long.
+    if (left.size() < all.size() / 2) left = std::move(all);
     if (left.size() < 6) continue;
     double squares = 0;
     for (const double r : left) squares += r * r;

@@ -34,8 +34,8 @@ class PathFits {
   std::vector<double> scores(const Basis& basis, std::size_t fewest, std::size_t step,
                              int more = 0) const;
 
-  // Weights of places and steps by what `fit` leaves of each outside of the contact, and how many
-  // frames of each count as one because they err alike.
+  // Weights of places and steps by what `fit` leaves of each outside of the contact, or in all
+  // frames where most are in it, and how many frames of each count as one because they err alike.
   void take_scatter(const PathFit& fit, const PathSpan& span);
 
  private:
