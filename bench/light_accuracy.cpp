@@ -2,10 +2,10 @@
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
 //   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
 // CONDITIONS is a list with commas, or "all", each with the pattern of its ball where that is not
-// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. Rows that are wrong with
-// status ok are listed on stderr. With "circles" the motion
-// is not measured, and no device is needed. Pictures are kept in the folder KEEP and read from
-// there the next time (painting takes longer than all the rest).
+// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. Rows that are lost, or
+// wrong with status ok, are listed on stderr. With "circles" the motion is not measured, and no
+// device is needed. Pictures are kept in the folder KEEP and read from there the next time
+// (painting takes longer than all the rest).
 #include <impactdic/device.h>
 #include <impactdic/track.h>
 
@@ -203,12 +203,13 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
     ++table.rows;
     const bool good = row.status == TrackStatus::kOk || row.status == TrackStatus::kLastFrame;
     table.flagged += row.status == TrackStatus::kInconsistent;
-    if (!row.circle_ok) {
-      table.lost += all_in_view(poses[k], scene, clip);
-      continue;
+    const bool lost = !row.circle_ok || (!good && row.status != TrackStatus::kInconsistent);
+    if (lost && all_in_view(poses[k], scene, clip)) {
+      ++table.lost;
+      std::fprintf(stderr, "%s %s seed %llu frame %zu: lost\n", scene.name, scene.pattern,
+                   static_cast<unsigned long long>(seed), k);
     }
-    table.lost +=
-        !good && row.status != TrackStatus::kInconsistent && all_in_view(poses[k], scene, clip);
+    if (!row.circle_ok) continue;
     if (table.add_circle(row, poses[k], scene.radius_px)) {
       std::fprintf(stderr,
                    "%s %s seed %llu frame %zu: off %+.3f (sd %.3f), %+.3f (%.3f), radius %+.3f "

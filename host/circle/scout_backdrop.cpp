@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/parallel/parallel_for.h"
+#include "host/base/statistics.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/circle/settings/backdrop.h"
 #include "host/circle/settings/search.h"
@@ -53,12 +54,45 @@ void measure_again(const Backdrop& backdrop, const CircleOptions& options, bool 
   }
 }
 
-void look_for_ball(const Backdrop& backdrop, double radius_px, CircleOptions options, View& view) {
-  options.radius_range_px = {(1 - kScout.same_radius) * radius_px,
-                             (1 + kScout.same_radius) * radius_px};
+// A radius, known to so much of itself.
+struct AboutRadius {
+  double px = 0, within = 0;
+};
+
+void look_for_ball(const Backdrop& backdrop, const AboutRadius& radius, CircleOptions options,
+                   View& view) {
+  options.radius_range_px = {(1 - radius.within) * radius.px, (1 + radius.within) * radius.px};
   Frame evened;
   backdrop.even(*view.frame, evened);
   if (const auto found = find_ball(evened, options)) view.balls.push_back({*found});
+}
+
+// What is roughly known of the background shows the balls better, and they show the background.
+std::shared_ptr<const Backdrop> learn_better(std::shared_ptr<const Backdrop> known,
+                                             const AboutRadius& radius,
+                                             const CircleOptions& options,
+                                             std::vector<View>& views) {
+  for (int round = 0; known && round < kBackdrop.learnings; ++round) {
+    parallel_for(views.size(), [&](std::size_t k) {
+      if (views[k].balls.empty()) look_for_ball(*known, radius, options, views[k]);
+      measure_again(*known, options, round > 0, views[k]);
+    });
+    known = Backdrop::learn(showing_balls(views), false);
+  }
+  return known;
+}
+
+// The ball of a view before what lies behind it, where it is plainly one: before an evened
+// background whatever comes is plain, arms have round ends, too.
+std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOptions& options,
+                                    const View& view) {
+  if (view.balls.empty()) return std::nullopt;
+  const CircleFit fit =
+      measure_circle(*view.frame, prior_at(view.balls.front()), options, &backdrop);
+  const bool plain = fit.status == CircleStatus::kOk && fit.rim_fraction >= kBackdrop.plain_rim &&
+                     std::hypot(fit.e1_px, fit.e2_px) <= kBackdrop.plain_oval * fit.circle.r_px;
+  if (!plain) return std::nullopt;
+  return FoundBall{fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright};
 }
 
 }  // namespace
@@ -67,13 +101,25 @@ std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double r
                                                const CircleOptions& options) {
   std::shared_ptr<const Backdrop> known = Backdrop::learn(showing_balls(views), true);
   if (!known || are_discs(showing_balls(views), options)) return nullptr;
-  for (int round = 0; known && round < kBackdrop.learnings; ++round) {
-    parallel_for(views.size(), [&](std::size_t k) {
-      if (views[k].balls.empty()) look_for_ball(*known, radius_px, options, views[k]);
-      measure_again(*known, options, round > 0, views[k]);
-    });
-    known = Backdrop::learn(showing_balls(views), false);
-  }
+  return learn_better(known, {radius_px, kScout.same_radius}, options, views);
+}
+
+std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<View> views,
+                                                     const CircleOptions& options,
+                                                     std::vector<std::optional<FoundBall>>& found) {
+  std::vector<View> moved = showing_balls(views);
+  if (moved.size() < kBackdrop.least_views) return nullptr;
+  std::vector<double> radii_px;
+  for (const View& view : moved) radii_px.push_back(view.balls.front().circle.r_px);
+  const AboutRadius radius{upper_median(std::move(radii_px)), kBackdrop.moved_within};
+  const std::shared_ptr<const Backdrop> roughly = Backdrop::learn(moved, true);
+  if (!roughly) return nullptr;
+  for (View& view : views) view.balls.clear();
+  std::shared_ptr<const Backdrop> known = learn_better(roughly, radius, options, views);
+  if (!known) return nullptr;
+  found.resize(views.size());
+  parallel_for(views.size(),
+               [&](std::size_t k) { found[k] = plain_ball(*known, options, views[k]); });
   return known;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/circle/circle.h"
@@ -14,5 +15,12 @@ namespace impactdic::circle {
 // Backdrop::learn says, and where the balls are discs, whose rims show before any texture.
 std::shared_ptr<const Backdrop> scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
                                                const CircleOptions& options);
+
+// The same where no ball is seen before the texture. The views' circles are the discs that moved
+// (StillScene::moved_disc), somewhat larger than the ball. `found`: the balls that are plain before
+// what is learnt, view by view; left alone where nothing is.
+std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<Backdrop::View> views,
+                                                     const CircleOptions& options,
+                                                     std::vector<std::optional<FoundBall>>& found);
 
 }  // namespace impactdic::circle

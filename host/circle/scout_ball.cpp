@@ -179,6 +179,30 @@ class Scouting {
     return scout_backdrop(std::move(views), believed.front()->radius_px, options_);
   }
 
+  // The same where too few frames show one, from what moved. What is seen before it is added to
+  // what was found.
+  std::shared_ptr<const Backdrop> moved_backdrop() {
+    if (!learnt_.scene) return nullptr;
+    std::vector<Backdrop::View> views;
+    for (const Kept& kept : kept_) {
+      Backdrop::View& view = views.emplace_back();
+      view.frame = &kept.frame;
+      const auto disc = learnt_.scene->moved_disc(learnt_.scene->moved(kept.frame));
+      if (disc) view.balls.push_back({*disc});
+    }
+    std::vector<std::optional<FoundBall>> found;
+    const auto learnt = scout_moved_backdrop(std::move(views), options_, found);
+    const auto plain = std::count_if(found.begin(), found.end(),
+                                     [](const auto& ball) { return ball.has_value(); });
+    if (!learnt || plain < kBackdrop.plain_views) return nullptr;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      for (Glance& glance : glances_) {
+        if (found[k] && glance.index == kept_[k].index) glance.found = {*found[k]};
+      }
+    }
+    return learnt;
+  }
+
   Scouted result() const {
     std::vector<Glance> glances = glances_;
     std::sort(glances.begin(), glances.end(),
@@ -321,7 +345,15 @@ Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
                        static_cast<int>(scouted.balls.front().sightings.size()) >= kScout.agree;
     if (agree || n == range.count()) break;
   }
-  scouted.backdrop = scouting.backdrop(scouted);
+  const std::vector<const BallCandidate*> believed = scouted.believed();
+  const bool seen =
+      !believed.empty() && believed.front()->sightings.size() >= kBackdrop.least_views;
+  if (seen) {
+    scouted.backdrop = scouting.backdrop(scouted);
+  } else if (auto moved = scouting.moved_backdrop()) {
+    scouted = scouting.result();
+    scouted.backdrop = std::move(moved);
+  }
   return scouted;
 }
 

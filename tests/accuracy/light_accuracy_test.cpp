@@ -4,10 +4,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "host/circle/circle.h"
 #include "host/circle/rim/rim_model.h"
+#include "host/circle/scene/still_scene.h"
 #include "host/circle/scout_backdrop.h"
 #include "tests/support/light_scenes.h"
 #include "tests/support/motion_truth.h"
@@ -153,6 +156,43 @@ TEST(LightAccuracy, ASphereBeforeWood) {
   EXPECT_LT(evened.centre.rms(), 0.2 * as_it_is.centre.rms());
   EXPECT_LT(evened.centre.over_sd(), 1.5);
   EXPECT_LT(evened.radius.over_sd(), 1.8);
+}
+
+// No ball is known: what moved tells where the background shows, and before that the balls are.
+TEST(LightAccuracy, ASphereBeforeWoodThatNoScoutSees) {
+  const BeforeWood clip(3);
+  std::vector<cv::Mat> reduced;
+  for (const Frame& frame : clip.frames) reduced.push_back(circle::StillScene::reduced(frame));
+  const auto scene = circle::StillScene::learn(reduced, 1).scene;
+  ASSERT_NE(scene, nullptr);
+  std::vector<circle::Backdrop::View> views;
+  for (std::size_t k = 0; k < clip.frames.size(); ++k) {
+    views.push_back({&clip.frames[k], {}});
+    const auto disc = scene->moved_disc(scene->compare(reduced[k]));
+    ASSERT_TRUE(disc) << k;
+    const BallPose& pose = clip.poses[k];
+    // All of the ball lies in the disc.
+    const double off = std::hypot(disc->cx_px - pose.cx_px, disc->cy_px - pose.cy_px);
+    EXPECT_GT(disc->r_px, 60 + off - 2) << k;
+    EXPECT_LT(disc->r_px, 1.25 * 60) << k;
+    views.back().balls.push_back({*disc});
+  }
+  std::vector<std::optional<circle::FoundBall>> found;
+  ASSERT_NE(circle::scout_moved_backdrop(views, {}, found), nullptr);
+  ASSERT_EQ(found.size(), views.size());
+  int plain = 0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!found[k]) continue;
+    ++plain;
+    EXPECT_NEAR(found[k]->circle.cx_px, clip.poses[k].cx_px, 0.5) << k;
+    EXPECT_NEAR(found[k]->circle.cy_px, clip.poses[k].cy_px, 0.5) << k;
+    EXPECT_NEAR(found[k]->circle.r_px, 60, 0.6) << k;
+  }
+  EXPECT_GE(plain, 6);
+  // Where nothing is a disc that moved there is nothing to learn from.
+  for (circle::Backdrop::View& view : views) view.balls.clear();
+  EXPECT_EQ(circle::scout_moved_backdrop(views, {}, found), nullptr);
+  EXPECT_FALSE(scene->moved_disc(cv::Mat::zeros(reduced[0].size(), CV_8U)));
 }
 
 TEST(LightAccuracy, NothingIsEvenedBeforeAnEvenWallOrBehindABar) {

@@ -1,11 +1,14 @@
 #include "host/circle/scene/still_scene.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "host/base/statistics.h"
 #include "host/circle/circle.h"
+#include "host/circle/settings/backdrop.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -153,6 +156,34 @@ bool StillScene::is_still(const cv::Mat& moved, const Circle& circle) const {
   const auto others = std::count_if(movements_.begin(), movements_.end(),
                                     [&](const cv::Mat& picture) { return !same(picture); });
   return static_cast<double>(others) <= kStill.passing * static_cast<double>(movements_.size());
+}
+
+std::optional<Circle> StillScene::moved_disc(const cv::Mat& moved) const {
+  const int size = kBallSearch.disc_px[0];
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * size + 1, 2 * size + 1});
+  cv::Mat blob;
+  cv::morphologyEx(moved, blob, cv::MORPH_CLOSE, disc);
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(blob, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::drawContours(blob, outlines, -1, 255, cv::FILLED);
+  cv::morphologyEx(blob, blob, cv::MORPH_OPEN, disc);
+  cv::findContours(blob, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  double largest = 0;
+  const std::vector<cv::Point>* outline = nullptr;
+  for (const std::vector<cv::Point>& one : outlines) {
+    const double area = cv::contourArea(one);
+    if (area > largest) largest = area, outline = &one;
+  }
+  if (outline == nullptr) return std::nullopt;
+  const cv::Rect box = cv::boundingRect(*outline);
+  const bool whole = box.x > 0 && box.y > 0 && box.br().x < blob.cols && box.br().y < blob.rows;
+  cv::Point2f centre;
+  float radius = 0;
+  cv::minEnclosingCircle(*outline, centre, radius);
+  const double r = radius;
+  if (!whole || largest < kBackdrop.moved_round * kPi * r * r) return std::nullopt;
+  const double half = 0.5 * (shrink_ - 1);
+  return Circle{centre.x * shrink_ + half, centre.y * shrink_ + half, r * shrink_};
 }
 
 bool stands_still(const StillScene* scene, const Frame& frame, const Circle& circle) {

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace impactdic::circle {
@@ -37,6 +38,11 @@ class StillScene {
   // Whether the disc is the same in this frame and in nearly all of the frames learnt from: what
   // rests for a while is not still, what is covered for a while is.
   bool is_still(const cv::Mat& moved, const Circle& circle) const;
+
+  // The disc that moved, in pixels of the frame: the largest of what differs once specks are taken
+  // away and holes filled; about as large as the ball in this frame and in the still picture
+  // together. nullopt where that is no disc or reaches the picture's edge.
+  std::optional<Circle> moved_disc(const cv::Mat& moved) const;
 
   // Full pixels to one of the reduced picture.
   int shrink() const { return shrink_; }

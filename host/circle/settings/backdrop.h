@@ -30,6 +30,12 @@ struct BackdropSettings {
   // ball, beside its rim, it looks as it does outside.
   double same_noises = 4;     // levels that are the same differ by so many deviations [hand]
   double most_hidden = 0.04;  // of the rim, or nothing is evened [hand]
+  // Where no ball was seen: a disc that moved fills so much of the circle about it, and its radius
+  // is right to so much of itself. The ball is believed that then shows so much of its rim, with
+  // e/R no more than that, in so many views.
+  double moved_round = 0.8, moved_within = 0.2;  // [hand]
+  double plain_rim = 0.6, plain_oval = 0.1;      // [hand]
+  int plain_views = 3;                           // [hand]
   int learnings = 3;  // of the background, each by circles measured before what was learnt [hand]
   // Evening about a circle, which is measured again where it has moved by more.
   // Inside the rim all of the texture is taken away, and so far again less and less [hand].
