@@ -77,7 +77,7 @@ std::shared_ptr<const Backdrop> learn_better(std::shared_ptr<const Backdrop> kno
       if (views[k].balls.empty()) look_for_ball(*known, radius, options, views[k]);
       measure_again(*known, options, round > 0, views[k]);
     });
-    known = Backdrop::learn(showing_balls(views), false);
+    known = Backdrop::learn(showing_balls(views), Backdrop::Known::kWell);
   }
   return known;
 }
@@ -99,7 +99,8 @@ std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOption
 
 std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double radius_px,
                                                const CircleOptions& options) {
-  std::shared_ptr<const Backdrop> known = Backdrop::learn(showing_balls(views), true);
+  std::shared_ptr<const Backdrop> known =
+      Backdrop::learn(showing_balls(views), Backdrop::Known::kRoughly);
   if (!known || are_discs(showing_balls(views), options)) return nullptr;
   return learn_better(known, {radius_px, kScout.same_radius}, options, views);
 }
@@ -112,7 +113,7 @@ std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<View> views,
   std::vector<double> radii_px;
   for (const View& view : moved) radii_px.push_back(view.balls.front().circle.r_px);
   const AboutRadius radius{upper_median(std::move(radii_px)), kBackdrop.moved_within};
-  const std::shared_ptr<const Backdrop> roughly = Backdrop::learn(moved, true);
+  const std::shared_ptr<const Backdrop> roughly = Backdrop::learn(moved, Backdrop::Known::kWithin);
   if (!roughly) return nullptr;
   for (View& view : views) view.balls.clear();
   std::shared_ptr<const Backdrop> known = learn_better(roughly, radius, options, views);

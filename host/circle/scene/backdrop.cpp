@@ -255,14 +255,15 @@ bool is_hidden(std::span<const View> views, const Learnt& learnt) {
 
 }  // namespace
 
-std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, bool roughly) {
+std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, Known known) {
   if (views.size() < kBackdrop.least_views || !may_be_rough(views)) return nullptr;
-  Learnt learnt = agreed(views, roughly ? kBackdrop.rough_px : kBackdrop.clear_px);
+  Learnt learnt = agreed(views, known == Known::kWell ? kBackdrop.clear_px : kBackdrop.rough_px);
   const cv::Mat unknown = spread(learnt);
   const cv::Mat beside = beside_the_rims(views) & ~unknown;
   if (cv::countNonZero(beside) == 0) return nullptr;
   const double least = least_roughness(learnt.noise, views.front().frame->full_scale());
-  if (roughness(learnt.level, beside) < least || is_hidden(views, learnt)) return nullptr;
+  if (roughness(learnt.level, beside) < least) return nullptr;
+  if (known != Known::kWithin && is_hidden(views, learnt)) return nullptr;
   std::vector<double> levels;
   for (int y = 0; y < beside.rows; ++y) {
     for (int x = 0; x < beside.cols; ++x) {
@@ -274,8 +275,8 @@ std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, boo
   Image<std::uint8_t> guessed(beside.cols, beside.rows);
   for (int y = 0; y < beside.rows; ++y) {
     for (int x = 0; x < beside.cols; ++x) {
-      const bool known = unknown.at<std::uint8_t>(y, x) == 0;
-      texture(x, y) = known ? learnt.level.at<float>(y, x) - even : 0;
+      const bool is_known = unknown.at<std::uint8_t>(y, x) == 0;
+      texture(x, y) = is_known ? learnt.level.at<float>(y, x) - even : 0;
       guessed(x, y) = learnt.unseen.at<std::uint8_t>(y, x) != 0;
     }
   }

@@ -28,10 +28,12 @@ class Backdrop {
     const Frame* frame = nullptr;
     std::vector<Outline> balls;
   };
+  // How the views' balls are known: discs that hold them and more, circles to a pixel, or to a part
+  // of one.
+  enum class Known { kWithin, kRoughly, kWell };
   // nullptr where nothing is gained (an even background), or nothing can be said: too few views, or
-  // something that stands still hides a part of the ball. `roughly`: circles are known to a pixel,
-  // else to a part of one.
-  static std::shared_ptr<const Backdrop> learn(std::span<const View> views, bool roughly);
+  // something that stands still hides a part of the ball (of discs that hold it that is not asked).
+  static std::shared_ptr<const Backdrop> learn(std::span<const View> views, Known known);
 
   // The frame without the texture. It is taken away from the rim of `ball`, too, and a little
   // inside it, so that no edge arises where the rim is not; the rest of the ball stays as it is.
