@@ -176,7 +176,8 @@ TEST(LightAccuracy, ASphereBeforeWoodThatNoScoutSees) {
     EXPECT_GT(disc->r_px, 60 + off - 2) << k;
     EXPECT_LT(disc->r_px, 1.25 * 60) << k;
     views.back().balls.push_back({*disc});
-    // As of a ball that moves farther: what lies within such a rim is background, and hides nothing.
+    // As of a ball that moves farther: what lies within such a rim is background, and hides
+    // nothing.
     views.back().balls.back().circle.r_px += 8;
   }
   std::vector<std::optional<circle::FoundBall>> found;
