@@ -14,6 +14,7 @@ constexpr std::size_t kLongestGap = 3;    // frames between two centres of a fli
 constexpr double kLeastBend = 2;          // px/frame^2: less is no film of this kind
 constexpr double kOffPath = 0.1;          // of the bend: centres on the path lie so near
 constexpr double kNear = 0.5;             // the same where no fit holds them there
+constexpr double kBlurred = 0.15;         // of a frame's way: a blurred ball lies so near
 constexpr double kSameBend = 0.15;        // by which the bends of two flights may differ
 constexpr std::size_t kLongestLoss = 20;  // frames between two flights
 
@@ -65,7 +66,9 @@ std::vector<Arc> flights(const std::vector<double>& heights) {
     Arc longest;
     Arc arc;
     for (std::size_t k = first; k < seen.size(); ++k) {
-      if (k > first && seen[k] - seen[k - 1] > kLongestGap) break;
+      // Three centres beside a gap lie on a parabola with any one behind it.
+      const std::size_t gap = arc.rows.size() < kFewestCentres ? 1 : kLongestGap;
+      if (k > first && seen[k] - seen[k - 1] > gap) break;
       arc.rows.push_back(seen[k]);
       if (arc.rows.size() < kFewestCentres) continue;
       arc.path = fit(heights, arc.rows);
@@ -106,7 +109,8 @@ bool flies_between(const std::vector<double>& heights, const Arc& before, const 
     if (!std::isfinite(heights[i])) continue;
     const double t = static_cast<double>(i);
     const Parabola& path = t < at ? before.path : after.path;
-    ++(std::abs(heights[i] - path.height(t)) <= kNear * -path.bend ? on : off);
+    const double near = std::max(kNear * -path.bend, kBlurred * std::abs(path.speed_at(t)));
+    ++(std::abs(heights[i] - path.height(t)) <= near ? on : off);
   }
   return off <= on + 1;
 }
