@@ -228,7 +228,8 @@ TEST(Sphere, AThingThatIsNotRoundIsNoSphere) {
       for (int x = 0; x < 180; ++x) {
         const double inside = r - std::hypot(x - 90.3, y - 89.6);
         const double skin = 150 + 30 * std::sin(x / (5.0 + k)) * std::cos(y / (7.0 - k));
-        file.put(static_cast<char>(20 + (skin - 20) / (1 + std::exp(-2 * inside))));
+        const double level = 20 + (skin - 20) / (1 + std::exp(-2 * inside));
+        file.put(static_cast<char>(static_cast<unsigned char>(level)));
       }
     }
   }

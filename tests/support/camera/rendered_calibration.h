@@ -58,7 +58,8 @@ inline std::vector<camera::View> noisy_views(const CalibrateRequest& request,
     std::normal_distribution<double> off(0, sd_px);
     camera::View one{std::to_string(seen.size()), {}};
     for (const Eigen::Vector2d& at : project_target(view, camera::board_points(request))) {
-      one.seen.push_back({one.seen.size(), at + Eigen::Vector2d(off(random), off(random))});
+      const double down = off(random), aside = off(random);
+      one.seen.push_back({one.seen.size(), at + Eigen::Vector2d(aside, down)});
     }
     seen.push_back(std::move(one));
   }

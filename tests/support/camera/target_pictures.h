@@ -213,8 +213,10 @@ inline RandomCalibration random_calibration(const CalibrateRequest& request, int
     const double share = i == 0 ? 0.85 : uniform(0.45, 0.8);  // of the picture's width
     const double depth = focal * wide / (share * camera.width);
     const double free_x = (1 - share) / 2, free_y = std::max(0.0, 0.5 - 0.37 * share * 400 / 300);
-    const Eigen::Vector3d centre(depth * uniform(-free_x, free_x) * camera.width / focal,
-                                 depth * uniform(-free_y, free_y) * camera.height / focal, depth);
+    // One after the other: in which order arguments are drawn is the compiler's choice.
+    const double down = uniform(-free_y, free_y), aside = uniform(-free_x, free_x);
+    const Eigen::Vector3d centre(depth * aside * camera.width / focal,
+                                 depth * down * camera.height / focal, depth);
     const Eigen::Vector3d position =
         centre - turn.toRotationMatrix() * Eigen::Vector3d(middle.x(), middle.y(), 0);
     for (int k = 0; k < 3; ++k) {
