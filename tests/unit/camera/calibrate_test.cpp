@@ -28,8 +28,8 @@ std::vector<camera::View> projected(const CalibrateRequest& request,
   for (const Camera& camera : made.views) {
     camera::View view{std::to_string(views.size()), {}};
     for (const Vector2d& at : testing::project_target(camera, camera::board_points(request))) {
-      view.seen.push_back(
-          {view.seen.size(), at + noise_px * Vector2d(noise(random), noise(random))});
+      const double down = noise(random), aside = noise(random);
+      view.seen.push_back({view.seen.size(), at + noise_px * Vector2d(aside, down)});
     }
     views.push_back(view);
   }
@@ -158,7 +158,8 @@ TEST(Calibrate, PointsCountByTheirCovariance) {
   for (camera::View& view : poor) {
     for (camera::Sighting& sighting : view.seen) {
       const double sd = sighting.point % 3 == 0 ? 0.2 : 0.004;
-      sighting.at_px += sd * Vector2d(noise(random), noise(random));
+      const double down = noise(random), aside = noise(random);
+      sighting.at_px += sd * Vector2d(aside, down);
       sighting.covariance = sd * sd * Eigen::Matrix2d::Identity();
     }
   }

@@ -27,7 +27,8 @@ Seen seen_by(const Camera& camera, const CalibrateRequest& request, unsigned see
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, 0.2);
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    const Vector2d at = exact[i] + Vector2d(noise(random), noise(random));
+    const double down = noise(random), aside = noise(random);
+    const Vector2d at = exact[i] + Vector2d(aside, down);
     if (at.x() < 60 || at.x() > camera.width - 30 || at.y() < 40) continue;
     if (i % 17 == 3) continue;  // a dot that no finder took
     seen.centres.push_back(at);
