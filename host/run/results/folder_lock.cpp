@@ -96,7 +96,6 @@ bool is_same_file(int file, const fs::path& path) {
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder) : folder_(folder), path_(folder / kName) {
-  wait_for_ending_owner();
   bool taken = false;
   for (int i = 0; i < kTries && !taken; ++i) taken = try_take();
   if (!taken) refuse({}, folder_);
@@ -120,15 +119,18 @@ void FolderLock::give_up() {
   file_ = -1;
 }
 
-// A run that was killed a moment ago is not said to be at work: its successor waits for its end.
-void FolderLock::wait_for_ending_owner() const {
+// Waits for the end of a run that was killed a moment ago. False where nobody is about to end.
+bool FolderLock::outlive_owner() const {
+  if (!is_ending(read_owner(path_))) return false;
   const auto until = std::chrono::steady_clock::now() + kEnds;
-  while (is_letting_go(read_owner(path_), path_) && std::chrono::steady_clock::now() < until) {
+  while (is_letting_go(read_owner(path_), path_)) {
+    if (std::chrono::steady_clock::now() > until) return false;
     std::this_thread::sleep_for(kLooksAgain);
   }
+  return true;
 }
 
-// False where the file went away meanwhile.
+// False where the file went away meanwhile, or its owner.
 bool FolderLock::try_take() {
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file_ < 0) {
@@ -143,6 +145,7 @@ bool FolderLock::try_take() {
   const bool may_live = !system_locks_ || owner.host != this_process().host;
   if (taken == Taken::kNo || (may_live && is_alive(owner, path_))) {
     give_up();
+    if (outlive_owner()) return false;
     refuse(owner, folder_);
   }
   if (!is_same_file(file_, path_)) {

@@ -29,7 +29,7 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  void wait_for_ending_owner() const;
+  bool outlive_owner() const;
   bool try_take();
   void claim();
   void give_up();
