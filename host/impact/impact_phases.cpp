@@ -29,7 +29,7 @@ constexpr std::size_t kFewestContactFrames = 8;
 constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
 constexpr double kSignificant = 3;      // deviations that an impulse must stand out by
 // Logarithm of the odds: the sharpest of some hundred places, and two flights under one gravity.
-constexpr double kEvident = 7, kEvidentFlights = 0;
+constexpr double kEvident = 7, kAsLikely = 0;
 
 class Analysis {
  public:
@@ -47,7 +47,7 @@ class Analysis {
     if (!guess_.found) return result_;
     bool long_enough = set_flights();
     if (!long_enough) guess_ = sharpened(series_, guess_), long_enough = set_flights();
-    if (!is_evident(long_enough)) return result_;
+    if (!is_evident(long_enough, kEvident)) return result_;
     if (!long_enough) {
       set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},
                              {guess_.last + kLeastGuard, series_.size() - 1, 0}));
@@ -70,7 +70,7 @@ class Analysis {
       guess_.first = before_.last, guess_.last = after_.first;
       turn_.instant = before_.at;
       fit_both();
-      if (!is_evident(true, kEvidentFlights) || !is_impact()) continue;
+      if (!is_evident(true, kAsLikely) || !is_impact()) continue;
       // A ball that is pressed in by a third of its radius is so for that long, roughly.
       contact_ = std::min(static_cast<double>(guess_.last - guess_.first),
                           free_radius(rows_, before_, after_).px.value / -flights_.state[kVn0]);
@@ -87,7 +87,7 @@ class Analysis {
   void fit_both() {
     flights_ = fit_flights(series_, before_, after_, direction_, options_.gravity);
   }
-  bool is_evident(bool with_flights, double odds = kEvident) const;
+  bool is_evident(bool with_flights, double odds) const;
   bool is_impact() const;
   void find_contact();
   void refit(double length);
@@ -152,7 +152,7 @@ bool Analysis::is_evident(bool with_flights, double odds) const {
   PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
                    std::min(guess_.last + longest, series_.size() - 1)};
   if (with_flights) span.begin = before_.first, span.end = after_.last;
-  return odds_of_contact(series_, span) > odds;
+  return odds_of_contact(series_, span) > (options_.impact_is_expected ? kAsLikely : odds);
 }
 
 // The surface's impulse must stand out of what gravity alone would show.

@@ -32,8 +32,9 @@ struct ImpactOptions {
   std::array<double, 2> axis_px{};
   // Of the camera from the ball, px; nullopt: not known, and so no velocity towards it.
   std::optional<Measured> distance_px;
-  // Known from elsewhere: evidence for it is not weighed.
-  bool impact_is_known = false;
+  // Known from elsewhere: evidence for it is not weighed. Expected, as of a shot that is to be
+  // fitted: it need be no more than as likely as none.
+  bool impact_is_known = false, impact_is_expected = false;
   int flight_frames = 100;  // longest flight used on each side (dissertation, section 3.2.2)
 };
 

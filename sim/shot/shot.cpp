@@ -28,6 +28,7 @@ class TrackImpact {
   MeasuredShot run() {
     fill_rows();
     impact::ImpactOptions options;
+    options.impact_is_expected = true;
     options.surface_angle_rad = options_.surface_angle_deg * kRadPerDeg;
     options.gravity = options_.gravity_m_s2 * track_.interval_s * track_.interval_s / unit_m_;
     options.inertia_factor = options_.body.inertia_factor();
