@@ -2,18 +2,11 @@
 // memory, names.
 #include <gtest/gtest.h>
 
+#include "host/base/address_sanitizer.h"
 #include "tests/support/program.h"
 
 namespace impactdic::testing {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kWatched = true;
-#elif defined(__has_feature)
-constexpr bool kWatched = __has_feature(address_sanitizer);
-#else
-constexpr bool kWatched = false;
-#endif
 
 namespace fs = std::filesystem;
 
@@ -97,7 +90,7 @@ TEST(Environments, NoHomeAndAReadOnlyCache) {
 TEST(Environments, OneProcessor) { plain().expect_same("taskset -c 0", "one_processor"); }
 
 TEST(Environments, FourGigabytes) {
-  if (kWatched) GTEST_SKIP() << "AddressSanitizer takes 16 TB of addresses for itself";
+  if (kAddressSanitizer) GTEST_SKIP() << "AddressSanitizer takes 16 TB of addresses for itself";
   plain().expect_same("ulimit -v 4000000;", "four_gigabytes");
 }
 

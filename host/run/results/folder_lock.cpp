@@ -62,10 +62,15 @@ bool is_alive(const ProcessName& owner, const fs::path& path) {
 
 enum class Taken { kYes, kNo, kUnsupported };
 
-Taken lock_file(int file) {
+struct flock whole_file() {
   struct flock lock = {};
   lock.l_type = F_WRLCK;
   lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+Taken lock_file(int file) {
+  struct flock lock = whole_file();
   if (::fcntl(file, F_OFD_SETLK, &lock) == 0) return Taken::kYes;
   return errno == EAGAIN || errno == EACCES ? Taken::kNo : Taken::kUnsupported;
 }
@@ -74,9 +79,7 @@ Taken lock_file(int file) {
 bool is_locked(const fs::path& path) {
   const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return false;
-  struct flock lock = {};
-  lock.l_type = F_WRLCK;
-  lock.l_whence = SEEK_SET;
+  struct flock lock = whole_file();
   const bool locked = ::fcntl(file, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
   ::close(file);
   return locked;

@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "host/base/address_sanitizer.h"
 #include "host/base/parse.h"
 #include "host/video/codec_module.h"
 #include "host/video/format/readers.h"
@@ -28,15 +29,6 @@ constexpr double kBytesAtLeast = 2e9;  // FFmpeg's threads and tables
 constexpr double kBytesAPixel = 60;    // of one frame: decoded ones that are kept, and references
 constexpr rlim_t kMostFiles = 64;
 
-// AddressSanitizer asks for more memory than there is.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kWatched = true;
-#elif defined(__has_feature)
-constexpr bool kWatched = __has_feature(address_sanitizer);
-#else
-constexpr bool kWatched = false;
-#endif
-
 void limit(int what, double most) {
   rlimit now = {};
   if (::getrlimit(static_cast<__rlimit_resource_t>(what), &now) != 0) return;
@@ -49,7 +41,7 @@ void limit(int what, double most) {
 void give_up_rights(double max_megapixels) {
   ::syscall(SYS_close_range, kMemory + 1, ~0U, 0);
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  if (!kWatched)
+  if (!kAddressSanitizer)
     limit(RLIMIT_DATA, kBytesAtLeast + kBytesAPixel * 1e6 * std::clamp(max_megapixels, 1.0, 1e5));
   limit(RLIMIT_FSIZE, 0);
   limit(RLIMIT_CORE, 0);
