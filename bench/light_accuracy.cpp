@@ -38,6 +38,8 @@ constexpr LightScene kScenes[] = {
     {.name = "disc_tiles", .backdrop = Backdrop::kTiles},
     {.name = "disc_bar", .hidden = 0.3},
     {.name = "disc_upright", .hidden = 0.3, .bar_angle_deg = 90},
+    {.name = "disc_unseen", .hidden = 0.3, .bar_level = 30},
+    {.name = "disc_unseen_60", .radius_px = 60, .hidden = 0.3, .bar_level = 30},
     {.name = "disc_over", .gain = 1.5},
     {.name = "disc_blur", .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3},
     {.name = "disc_dim", .gain = 0.3},

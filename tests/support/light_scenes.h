@@ -30,7 +30,8 @@ struct LightScene {
   double lamp_share = 0, lamp_elevation_deg = 0, limb_darkening = 0;
   double gain = 1;  // of all light; what exceeds 255 is cut off
   double noise = 2, blur_px = 0.6, exposure = 0;
-  double hidden = 0, bar_angle_deg = 0;  // share of the ball behind a bar
+  double hidden = 0, bar_angle_deg = 0;  // share of the ball behind a bar, mid-clip
+  double bar_level = 90;
   double compression = 0;
   bool contact = false;  // compressed in the middle third of the clip alone, else in all of it
   Backdrop backdrop = Backdrop::kEven;
@@ -75,6 +76,7 @@ class LightClip {
     if (scene.hidden > 0) {
       camera_.bar = sim::speckle::bar_hiding(scene.hidden, poses_[poses_.size() / 2],
                                              scene.radius_px, scene.bar_angle_deg);
+      camera_.bar->level = scene.bar_level;
     }
   }
 

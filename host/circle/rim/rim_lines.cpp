@@ -42,13 +42,15 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
   out.make_room(static_cast<std::size_t>(n));
   int count = 0;
   int blocked = -kBeside - 1;  // the last line with something else outside
+  const int gap = static_cast<int>(kClear.gap_of_rim * static_cast<float>(lines.cast));
+  int shown = -1;  // the last line with ball inside, or something else outside
   std::size_t next_deep = 0;
   for (int i = 0; i < n; ++i) {
     const Profile& level = lines.level[i].v;
     const float ground = grounds[i];
     const float contrast = light_at(levels.light, lines.cos[i], lines.sin[i]) - ground;
     if (!is_clear(contrast, usual, level[kSamples - 1], ground, noise)) {
-      blocked = i;
+      blocked = shown = i;
       while (count > 0 && kept[count - 1] >= i - kBeside) --count;
       continue;
     }
@@ -56,6 +58,15 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
     // Ink, or an obstacle across the rim.
     const float inside = std::max({level[0], level[1], level[2]}) - ground;
     if (inside < std::max(kClear.nothing * contrast, kClear.nothing_noise * noise)) continue;
+    // Longer than ink makes: an obstacle as bright as the background, whose blurred edge, and the
+    // ball's, is no rim.
+    const bool hidden = shown >= 0 && i - shown > gap;
+    if (hidden) {
+      while (count > 0 && kept[count - 1] > shown - kClear.beside_hidden) --count;
+      blocked = i + kClear.beside_hidden - kBeside - 1;
+    }
+    shown = i;
+    if (hidden) continue;
     const float relative = contrast / usual;
     out.profile[count].v = (level - ground) * (1 / contrast);
     out.profile[count].v[kSamples] = 0;
