@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 #include "host/base/statistics.h"
 #include "host/circle/rim/rim_levels.h"
@@ -20,52 +22,14 @@ using Matrix = Eigen::Matrix<double, kLightTerms, kLightTerms>;
 constexpr int kRingsOfCell = 2, kRingCells = kRings / kRingsOfCell;
 constexpr int kCells = kLevelSectors * kRingCells;
 
+// The level of `terms` at a place, or at several.
 template <typename T>
-void sample(ImageView<const T> picture, const Rim& rim, float sign, double step_px, float noise,
-            SphereSamples& samples) {
-  const Sampler<T> sampler(picture);
-  const auto outside = static_cast<float>(1 + kOutside * step_px / rim.r);
-  const float uneven = kSphere.uneven_noise * noise + kSphere.uneven_least;
-  samples.directions.clear();
-  std::vector<float> rises;
-  const int layers = static_cast<int>(samples.x.size());
-  for (int i = 0; i < layers * kDirections; ++i) {
-    const int layer = i % layers, side = i / layers;
-    const std::array<float, kRings>& ring_x = samples.x[layer];
-    const double angle = (side + 0.5) * 2 * kPi / kDirections - kPi / 4;
-    SphereSamples::Direction d{
-        static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), layer, {}};
-    const auto reach = static_cast<float>(
-        rim.radius_at(d.cos * d.cos - d.sin * d.sin, 2.0 * static_cast<double>(d.cos * d.sin)));
-    const auto x = [&](float share) { return static_cast<float>(rim.cx) + share * reach * d.cos; };
-    const auto y = [&](float share) { return static_cast<float>(rim.cy) + share * reach * d.sin; };
-    if (!sampler.inside(x(outside), y(outside), kSphere.margin_px) ||
-        !sampler.inside(x(ring_x[kRings - 1]), y(ring_x[kRings - 1]), kSphere.margin_px)) {
-      continue;
-    }
-    // Where ink ends the level is neither paint's nor ink's.
-    float brightest = kNoLevel;
-    const float beside = kSphere.beside_px / static_cast<float>(rim.r);
-    for (int k = 0; k < kRings; ++k) {
-      const auto level = [&](float share) { return sign * sampler.bilinear(x(share), y(share)); };
-      const float here = level(ring_x[k]);
-      const bool flat = std::abs(level(ring_x[k] - beside) - here) < uneven &&
-                        std::abs(level(ring_x[k] + beside) - here) < uneven;
-      d.level[k] = flat ? here : kNoLevel;
-      if (k <= kRingsOfCell) brightest = std::max(brightest, here);
-    }
-    const float beyond = sign * sampler.bilinear(x(outside), y(outside));
-    rises.push_back(brightest - beyond);
-    samples.directions.push_back(d);
-  }
-  if (rises.empty()) return;
-  // Only the directions that show the ball: something inside that is brighter than outside.
-  const float least = kClear.nothing * quantile(rises, kLineLevels.rise_rank);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < rises.size(); ++i) {
-    if (rises[i] > least) samples.directions[kept++] = samples.directions[i];
-  }
-  samples.directions.resize(kept);
+[[gnu::always_inline]] inline void light_of(const LightTerms& w, const T& x, const T& y, const T& z,
+                                            T& level) {
+  const T lit = w[1] * x + w[2] * y + w[3] * z;
+  const T lamp = w[0] + (lit > 0 ? lit : T{});
+  level = lamp * (1 - w[4] * (1 - z)) + w[5] * x + w[6] * y + w[7] * z + w[8] * (x * x - y * y) +
+          w[9] * 2 * x * y + w[10] * x * z + w[11] * y * z + w[12] * (1 - z * z);
 }
 
 // How the level changes with the terms.
@@ -83,9 +47,10 @@ Terms slope_of(const SphereLight& light, double x, double y, double z) {
 // to the line of sight: the nearer to the rim, the more ink is mixed into all that is seen.
 class Fit {
  public:
-  Fit(const SphereSamples& samples, double ground, double noise)
+  // `from_nothing` needs to know how bright the cells are.
+  Fit(const SphereSamples& samples, double ground, double noise, bool with_brightness)
       : samples_(samples), ground_(ground), noise_(noise) {
-    make_cells();
+    make_cells(with_brightness);
   }
   bool has_enough() const { return cells_.size() >= static_cast<std::size_t>(kSphere.least_cells); }
 
@@ -120,26 +85,37 @@ class Fit {
     double x, y, z;
     double bright;  // that one sample in twenty exceeds
   };
-  // Normal equations of a step.
+  // Normal equations of a step: row by row, of which those columns count that are no less.
   struct Normal {
-    Matrix a = Matrix::Zero();
+    typedef double Four __attribute__((vector_size(32), aligned(32)));
+    static constexpr int kFours = (kLightTerms + 3) / 4;
+    Four rows[kLightTerms][kFours] = {};
     Terms b = Terms::Zero();
+    double& diagonal(int m) { return reinterpret_cast<double*>(rows[m])[m]; }
     void add(const Terms& slope, double weight, double off) {
-      a.selfadjointView<Eigen::Lower>().rankUpdate(slope, weight);
+      Four u[kFours] = {};
+      std::memcpy(u, slope.data(), kLightTerms * sizeof(double));
+      for (int i = 0; i < kLightTerms; ++i) {
+        const double by = weight * slope[i];
+        for (int k = i / 4; k < kFours; ++k) rows[i][k] += by * u[k];
+      }
       b += weight * off * slope;
     }
     Terms solution() const {
-      return Eigen::LDLT<Matrix>(a.selfadjointView<Eigen::Lower>()).solve(b);
+      Matrix a;
+      for (int i = 0; i < kLightTerms; ++i) {
+        for (int m = i; m < kLightTerms; ++m) a(m, i) = a(i, m) = rows[i][m / 4][m % 4];
+      }
+      return Eigen::LDLT<Matrix>(a).solve(b);
     }
   };
 
-  void make_cells() {
+  void make_cells(bool with_brightness) {
     const auto& all = samples_.directions;
     std::vector<float> levels;
     for (std::size_t begin = 0; begin < all.size();) {
-      const int sector = sector_of(all[begin]);
       std::size_t end = begin;
-      while (end < all.size() && sector_of(all[end]) == sector) ++end;
+      while (end < all.size() && all[end].sector == all[begin].sector) ++end;
       const auto& middle = all[(begin + end) / 2];
       for (int ring = 0; ring < kRings; ring += kRingsOfCell) {
         levels.clear();
@@ -151,17 +127,14 @@ class Fit {
         if (levels.size() < kSphere.cell_samples) continue;
         const auto& ring_x = samples_.x[samples_.x.size() / 2];
         const double x = 0.5 * static_cast<double>(ring_x[ring] + ring_x[ring + 1]);
-        cells_.push_back({begin, end, ring, x * middle.cos, x * middle.sin, std::sqrt(1 - x * x),
-                          quantile(levels, kSphere.bright)});
+        const double bright =
+            with_brightness ? static_cast<double>(quantile(levels, kSphere.bright)) : 0;
+        cells_.push_back(
+            {begin, end, ring, x * middle.cos, x * middle.sin, std::sqrt(1 - x * x), bright});
       }
       begin = end;
     }
   }
-  static int sector_of(const SphereSamples::Direction& d) {
-    const double turn = std::atan2(d.sin, d.cos) / (2 * kPi) + 0.125;
-    return static_cast<int>((turn - std::floor(turn)) * kLevelSectors);
-  }
-
   // A plane through the cells' levels: where the lamp is, roughly.
   LightTerms brightness() const {
     Eigen::Matrix3d a = Eigen::Matrix3d::Identity() * 1e-6;
@@ -199,10 +172,10 @@ class Fit {
       const double weight = share * (m == 4  ? kSphere.held_limb * scale * scale
                                      : m > 4 ? kSphere.held_soft
                                              : kSphere.held_lamp);
-      normal.a(m, m) += weight;
+      normal.diagonal(m) += weight;
       normal.b[m] -= weight * light.terms()[m];
     }
-    normal.a(0, 0) += 1e-6;
+    normal.diagonal(0) += 1e-6;
   }
 
   static SphereLight stepped(const SphereLight& light, Terms step) {
@@ -228,25 +201,51 @@ class Fit {
     return cost;
   }
 
+  // Of the cells of a sector: the sum of what is near the light, and how much of it there is.
+  struct Near {
+    typedef double Four __attribute__((vector_size(32), aligned(32)));
+    typedef std::int64_t Whole __attribute__((vector_size(32), aligned(32)));
+    Four sum = {};
+    Whole count = {};
+  };
+  static_assert(kRings == 8 && kRingsOfCell == 2);
+  void add_near(const SphereSamples::Direction& d, const LightTerms& terms, double window,
+                Near& near) const {
+    const auto& x = samples_.x[d.layer];
+    const auto& z = samples_.z[d.layer];
+    for (int first = 0; first < kRingsOfCell; ++first) {
+      const auto of = [first](const std::array<float, kRings>& v) {
+        return Near::Four{v[first], v[first + 2], v[first + 4], v[first + 6]};
+      };
+      const Near::Four at = of(x);
+      Near::Four level;
+      light_of<Near::Four>(terms, at * d.cos, at * d.sin, of(z), level);
+      const Near::Four off = of(d.level) - level;
+      const Near::Whole is_near = (off <= window) & (off >= -window);
+      near.sum += is_near ? off : Near::Four{};
+      near.count -= is_near;
+    }
+  }
+
   void settle(SphereLight& light, float window) const {
     Normal normal;
     hold(light, kSphere.samples_of_cell, normal);
-    normal.a.diagonal().array() += kSphere.damping;
+    for (int m = 0; m < kLightTerms; ++m) normal.diagonal(m) += kSphere.damping;
+    Near near;
+    std::size_t summed = 0;  // up to this direction
     for (const Cell& cell : cells_) {
-      double sum = 0;
-      int n = 0;
-      for (std::size_t i = cell.begin; i < cell.end; ++i) {
-        const auto& d = samples_.directions[i];
-        for (int k = cell.ring; k < cell.ring + kRingsOfCell; ++k) {
-          const double x = samples_.x[d.layer][k];
-          const double off = d.level[k] - light.at(x * d.cos, x * d.sin, samples_.z[d.layer][k]);
-          const bool near = std::abs(off) <= window;
-          sum += near ? off : 0;
-          n += near;
+      if (cell.end != summed) {
+        near = {};
+        for (std::size_t i = cell.begin; i < cell.end; ++i) {
+          add_near(samples_.directions[i], light.terms(), window, near);
         }
+        summed = cell.end;
       }
+      const int of_sector = cell.ring / kRingsOfCell;
+      const auto n = static_cast<double>(near.count[of_sector]);
       if (n == 0) continue;
-      normal.add(slope_of(light, cell.x, cell.y, cell.z), n * cell.z * cell.z, sum / n);
+      normal.add(slope_of(light, cell.x, cell.y, cell.z), n * cell.z * cell.z,
+                 near.sum[of_sector] / n);
     }
     light = stepped(light, normal.solution());
   }
@@ -259,35 +258,14 @@ class Fit {
 }  // namespace
 
 double SphereLight::at(double x, double y, double z) const {
-  const double lamp = w_[0] + std::max(0.0, w_[1] * x + w_[2] * y + w_[3] * z);
-  return lamp * (1 - w_[4] * (1 - z)) + w_[5] * x + w_[6] * y + w_[7] * z +
-         w_[8] * (x * x - y * y) + w_[9] * 2 * x * y + w_[10] * x * z + w_[11] * y * z +
-         w_[12] * (1 - z * z);
-}
-
-void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double step_px,
-                   double noise, int layers, SphereSamples& samples) {
-  const double most = std::asin(std::clamp(1 - (kInside + 1) * step_px / rim.r, 0.3, 0.99));
-  samples.x.resize(layers);
-  samples.z.resize(layers);
-  for (int layer = 0; layer < layers; ++layer) {
-    for (int k = 0; k < kRings; ++k) {
-      const double part = (k + layer / static_cast<double>(layers)) / (kRings - 1.0);
-      const double angle = std::lerp(most, kSphere.least_deg * kRadPerDeg, part);
-      samples.x[layer][k] = static_cast<float>(std::sin(angle));
-      samples.z[layer][k] = static_cast<float>(std::cos(angle));
-    }
-  }
-  if (frame.type == PixelType::kU8) {
-    sample(frame.u8.view(), rim, sign_of(polarity), step_px, static_cast<float>(noise), samples);
-  } else {
-    sample(frame.u16.view(), rim, sign_of(polarity), step_px, static_cast<float>(noise), samples);
-  }
+  double level = 0;
+  light_of(w_, x, y, z, level);
+  return level;
 }
 
 std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double ground,
                                             double noise, const SphereLight* start) {
-  Fit fit(samples, ground, noise);
+  Fit fit(samples, ground, noise, start == nullptr);
   if (!fit.has_enough()) return std::nullopt;
   SphereLight light = start ? *start : fit.from_nothing();
   fit.settle(light);

@@ -40,11 +40,13 @@ struct SphereSamples {
   struct Direction {
     float cos, sin;
     int layer;
+    int sector;                       // of kLevelSectors
     std::array<float, kRings> level;  // kNoLevel where ink ends beside it
   };
   std::vector<Direction> directions;  // those that show the ball, in the order of the angle
   // Of the normals: distance from the axis of sight, and along. Each layer has its own circles.
   std::vector<std::array<float, kRings>> x, z;
+  std::vector<float> rises;  // memory only
 };
 // `step_px` of the lines across the rim; `noise` of a sample; `layers` times as many samples.
 // `samples` keeps its memory from call to call.
