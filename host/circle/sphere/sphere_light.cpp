@@ -22,16 +22,6 @@ using Matrix = Eigen::Matrix<double, kLightTerms, kLightTerms>;
 constexpr int kRingsOfCell = 2, kRingCells = kRings / kRingsOfCell;
 constexpr int kCells = kLevelSectors * kRingCells;
 
-// The level of `terms` at a place, or at several.
-template <typename T>
-[[gnu::always_inline]] inline void light_of(const LightTerms& w, const T& x, const T& y, const T& z,
-                                            T& level) {
-  const T lit = w[1] * x + w[2] * y + w[3] * z;
-  const T lamp = w[0] + (lit > 0 ? lit : T{});
-  level = lamp * (1 - w[4] * (1 - z)) + w[5] * x + w[6] * y + w[7] * z + w[8] * (x * x - y * y) +
-          w[9] * 2 * x * y + w[10] * x * z + w[11] * y * z + w[12] * (1 - z * z);
-}
-
 // How the level changes with the terms.
 Terms slope_of(const SphereLight& light, double x, double y, double z) {
   const LightTerms& w = light.terms();
@@ -87,13 +77,12 @@ class Fit {
   };
   // Normal equations of a step: row by row, of which those columns count that are no less.
   struct Normal {
-    typedef double Four __attribute__((vector_size(32), aligned(32)));
     static constexpr int kFours = (kLightTerms + 3) / 4;
-    Four rows[kLightTerms][kFours] = {};
+    FourPlaces rows[kLightTerms][kFours] = {};
     Terms b = Terms::Zero();
     double& diagonal(int m) { return reinterpret_cast<double*>(rows[m])[m]; }
     void add(const Terms& slope, double weight, double off) {
-      Four u[kFours] = {};
+      FourPlaces u[kFours] = {};
       std::memcpy(u, slope.data(), kLightTerms * sizeof(double));
       for (int i = 0; i < kLightTerms; ++i) {
         const double by = weight * slope[i];
@@ -203,28 +192,39 @@ class Fit {
 
   // Of the cells of a sector: the sum of what is near the light, and how much of it there is.
   struct Near {
-    typedef double Four __attribute__((vector_size(32), aligned(32)));
     typedef std::int64_t Whole __attribute__((vector_size(32), aligned(32)));
-    Four sum = {};
+    FourPlaces sum = {};
     Whole count = {};
   };
   static_assert(kRings == 8 && kRingsOfCell == 2);
+  template <int kFirst>
+  static void add_near(const std::array<float, kRings>& x, const std::array<float, kRings>& z,
+                       const SphereSamples::Direction& d, const LightTerms& terms, double window,
+                       Near& near) {
+    const auto of = [](const std::array<float, kRings>& all, FourPlaces& v) {
+      Lanes each;
+      load(all.data(), each);
+      v = __builtin_convertvector(
+          __builtin_shufflevector(each, each, kFirst, kFirst + 2, kFirst + 4, kFirst + 6),
+          FourPlaces);
+    };
+    FourPlaces at, depth, off, level;
+    of(x, at);
+    of(z, depth);
+    of(d.level, off);
+    light_of(terms, FourPlaces(at * d.cos), FourPlaces(at * d.sin), depth, level);
+    off -= level;
+    const Near::Whole is_near = (off <= window) & (off >= -window);
+    near.sum += is_near ? off : FourPlaces{};
+    near.count -= is_near;
+  }
   void add_near(const SphereSamples::Direction& d, const LightTerms& terms, double window,
                 Near& near) const {
     const auto& x = samples_.x[d.layer];
     const auto& z = samples_.z[d.layer];
-    for (int first = 0; first < kRingsOfCell; ++first) {
-      const auto of = [first](const std::array<float, kRings>& v) {
-        return Near::Four{v[first], v[first + 2], v[first + 4], v[first + 6]};
-      };
-      const Near::Four at = of(x);
-      Near::Four level;
-      light_of<Near::Four>(terms, at * d.cos, at * d.sin, of(z), level);
-      const Near::Four off = of(d.level) - level;
-      const Near::Whole is_near = (off <= window) & (off >= -window);
-      near.sum += is_near ? off : Near::Four{};
-      near.count -= is_near;
-    }
+    // The first circle of each cell, then the second.
+    add_near<0>(x, z, d, terms, window, near);
+    add_near<1>(x, z, d, terms, window, near);
   }
 
   void settle(SphereLight& light, float window) const {

@@ -13,6 +13,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/circle/rim/lanes.h"
 #include "host/circle/rim/rim.h"
 
 namespace impactdic::circle {
@@ -21,6 +22,19 @@ inline constexpr int kLightTerms = 13;
 
 // Ambient, lamp (x, y, z), limb, soft.
 typedef std::array<double, kLightTerms> LightTerms;
+
+// Four numbers at a time.
+typedef double FourPlaces __attribute__((vector_size(32), aligned(32)));
+
+// The level of `terms` at a place, or at several.
+template <typename T>
+[[gnu::always_inline]] inline void light_of(const LightTerms& w, const T& x, const T& y, const T& z,
+                                            T& level) {
+  const T lit = w[1] * x + w[2] * y + w[3] * z;
+  const T lamp = w[0] + (lit > 0 ? lit : T{});
+  level = lamp * (1 - w[4] * (1 - z)) + w[5] * x + w[6] * y + w[7] * z + w[8] * (x * x - y * y) +
+          w[9] * 2 * x * y + w[10] * x * z + w[11] * y * z + w[12] * (1 - z * z);
+}
 
 class SphereLight {
  public:

@@ -43,6 +43,29 @@ std::array<Seen, kSamples> seen_along(const LineRequest& request, double r_px) {
   return seen;
 }
 
+// The same for all samples of a line at once; the eighth place repeats the last.
+class SeenLanes {
+ public:
+  explicit SeenLanes(const std::array<Seen, kSamples>& seen) {
+    static_assert(kSamples < kLanes && kLanes == 8);
+    for (int k = 0; k < kLanes; ++k) {
+      x_[k / 4][k % 4] = seen[std::min(k, kSamples - 1)].x;
+      z_[k / 4][k % 4] = seen[std::min(k, kSamples - 1)].z;
+    }
+  }
+  // The light's level in the direction (c, s).
+  void light(const LightTerms& terms, double c, double s, Lanes& level) const {
+    for (int half = 0; half < 2; ++half) {
+      FourPlaces here;
+      light_of(terms, FourPlaces(x_[half] * c), FourPlaces(x_[half] * s), z_[half], here);
+      for (int k = 0; k < 4; ++k) level[4 * half + k] = static_cast<float>(here[k]);
+    }
+  }
+
+ private:
+  FourPlaces x_[2], z_[2];
+};
+
 // Light dims paint and ink alike, but not the background: with less light ink falls farther below
 // the background, in shares of the contrast. What is missing to bare paint is told as it would be
 // in the usual contrast, by this factor.
@@ -173,6 +196,9 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
   const SampleVector ball = blurred_edge(0, request.edge_sigma_px / request.step_px,
                                          kRimModel.kernel_px / request.step_px)
                                 .level;
+  const SeenLanes places(seen);
+  Lanes whole{};  // the profile of bare paint
+  for (int k = 0; k < kSamples; ++k) whole[k] = static_cast<float>(ball[k]);
   RimLines& out = trace.lines;
   const int n = lines.size();
   out.make_room(static_cast<std::size_t>(n));
@@ -182,13 +208,10 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
   int count = 0, blocked = -kBeside - 1;  // the last line with something else outside
   for (int i = 0; i < n; ++i) {
     const Profile& level = lines.level[i].v;
-    const double c = lines.cos[i], s = lines.sin[i];
     const float ground = grounds[i];
-    float paint[kSamples];
-    for (int k = 0; k < kSamples; ++k) {
-      paint[k] =
-          static_cast<float>(levels.sphere.at(seen[k].x * c, seen[k].x * s, seen[k].z)) - ground;
-    }
+    Lanes paint;
+    places.light(levels.sphere.terms(), lines.cos[i], lines.sin[i], paint);
+    paint -= ground;
     const float contrast = paint[kInside];
     if (contrast < kSphere.least_contrast * levels.usual) continue;
     if (!is_clear(contrast, levels.usual, level[kSamples - 1], ground, levels.noise)) {
@@ -201,15 +224,18 @@ void keep_clear_sphere_lines(const CastLines& lines, const std::vector<float>& g
     const float inside = std::max({level[0], level[1], level[2]}) - ground;
     if (inside < std::max(kClear.nothing * contrast, kClear.nothing_noise * levels.noise)) continue;
     const float relative = contrast / levels.usual;
-    float log_scale = 0;
-    out.profile[count].v[kSamples] = 0;
-    for (int k = 0; k < kSamples; ++k) {
-      const float scale = std::max(paint[k], 0.5f * contrast);
-      const auto all = static_cast<float>(ball[k]);
-      const float less = as_usual(scale, ground, levels);
-      out.profile[count].v[k] = all - (all - (level[k] - ground) / scale) * less;
-      if (request.texture) log_scale += std::log(scale / less);
+    const Lanes least = Lanes{} + 0.5f * contrast;
+    const Lanes scale = paint < least ? least : paint;
+    Lanes less = Lanes{} + 1;
+    if (ground > 0) {
+      const float usual = (levels.usual + ground) / levels.usual;
+      const Lanes share = usual * scale / (scale + ground);
+      less = less < share ? less : share;
     }
+    out.profile[count].v = whole - (whole - (level - ground) / scale) * less;
+    out.profile[count].v[kSamples] = 0;
+    float log_scale = 0;
+    for (int k = 0; request.texture && k < kSamples; ++k) log_scale += std::log(scale[k] / less[k]);
     out.cos[count] = lines.cos[i];
     out.sin[count] = lines.sin[i];
     out.weight[count] = relative * relative;
