@@ -29,9 +29,8 @@ struct LineEstimate {
   Vector5 delta = Vector5::Zero();
   Matrix5 covariance = Matrix5::Zero();
   Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
-  Matrix5 wavy = Matrix5::Zero();       // and light on a sphere
   RadiusOfFrame own;
-  double scatter = 0;  // of the bare lines
+  double wider = 1, scatter = 0;  // see inflation; of the bare lines
   int points = 0;
   double arc = 0;
   double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
@@ -273,8 +272,7 @@ void Climb::describe(const Knowledge& known) {
   const Matrix5 precision = s.hessian / wider_ + known.precision;
   result_.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
   result_.misplaced = misplaced(s, wider_, result_.covariance);
-  const bool lit = task_.model.surface() != Surface::kFlat;
-  if (lit) result_.wavy = wavy_light(s.sectors, wider_, result_.covariance);
+  result_.wider = wider_;
   const RadiusShare share = radius_share(known, precision, result_.covariance, delta_);
   result_.own = own_radius(share, task_.rim.r + delta_[2]);
   result_.own.misplaced = misplaced(s, wider_, share.alone)(2, 2);
@@ -377,8 +375,11 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.ellipse = best.shape == Shape::kEllipse;
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
+  Matrix5 covariance = best.covariance;
+  const bool lit = model.surface() != Surface::kFlat;
+  if (lit) covariance += wavy_light(best.sums.sectors, best.wider, best.covariance);
   for (int i = 0; i < 5; ++i) {
-    fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i) + best.wavy(i, i)));
+    fit.sd[i] = std::sqrt(std::max(0.0, covariance(i, i)));
     fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
   }
   for (int i = 0; i < 2; ++i) fit.with_radius[i] = best.covariance(i, 2) / best.covariance(2, 2);
