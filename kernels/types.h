@@ -81,12 +81,13 @@ typedef struct BallSight {
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
 // sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
-// up, Z towards the camera, whose last component is guess_rot_rad.
+// up, Z towards the camera, whose last component is guess_rot_rad; and the variance of what blurs
+// both pictures, px² (kernels/ball/blur.h).
 typedef struct BallTask {
   idic_int first, second;
   float cx, cy, radius;
   float guess_dx, guess_dy, guess_rot_rad;
-  float ball_radius;
+  float ball_radius, blur;
   float guess_rot_x_rad, guess_rot_y_rad;
   BallSight sight;
 } BallTask;

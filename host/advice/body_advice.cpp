@@ -17,6 +17,7 @@
 #include "host/dic/sphere/rotation.h"
 #include "host/dic/sphere/sphere_fit.h"
 #include "host/motion/estimators.h"
+#include "host/sphere/picture_blur.h"
 
 namespace impactdic::advice {
 namespace {
@@ -128,7 +129,8 @@ class PairLook {
   // The whole ball once more, for what is left of the pictures.
   std::optional<BallMotion> registered(const motion::PairMotion& pair, dic::BallModel model) {
     if (!pair.motion.ok) return std::nullopt;
-    BallTask task = motion::sphere_task(pair.first, pair.first.r_px, pair.motion);
+    BallTask task =
+        motion::sphere_task(pair.first, pair.first.r_px, sphere::kUsualBlur_px2, pair.motion);
     task.second = 1;
     if (model != dic::BallModel::kRigid) {
       task.sight = motion::pair_sight(pair, perspective_, pair.first.r_px);
@@ -192,6 +194,7 @@ class Verdict {
     advice.reason = reason;
     advice.radius_px = radius_.value();
     advice.radius_sd_px = std::max(radius_.sd(), kTurnRadiusSd_px);
+    if (blur_.count() > 0) advice.blur_px2 = blur_.value();
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
     }
@@ -203,6 +206,7 @@ class Verdict {
     const auto told = sphere_from_turn(engine_, pair, step, field_, perspective_, far_);
     if (!told) return false;
     radius_.add(told->radius_px.value, told->radius_px.sd);
+    blur_.add(told->blur_px2, 1);
     if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
     return true;
   }
@@ -242,7 +246,7 @@ class Verdict {
   double most_deg_ = 0, significant_ = 0;
   int measured_ = 0;
   bool out_of_plane_ = false;
-  WeightedMean radius_, nearness_;
+  WeightedMean radius_, nearness_, blur_;
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
 };
 

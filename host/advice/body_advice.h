@@ -7,6 +7,7 @@
 
 #include "host/advice/clip_advice.h"
 #include "host/advice/sphere_radius.h"
+#include "host/sphere/picture_blur.h"
 
 namespace impactdic::advice {
 
@@ -16,6 +17,7 @@ struct BodyAdvice {
   // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it
   // what a turn does to the picture.
   double radius_px = 0, radius_sd_px = 0;
+  double blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
   // This over the camera's distance; NaN where that was known, or the pictures do not tell.
   Measured nearness;
 };

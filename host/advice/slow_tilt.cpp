@@ -5,6 +5,7 @@
 
 #include "host/dic/device/ball.h"
 #include "host/motion/estimators.h"
+#include "host/sphere/picture_blur.h"
 
 namespace impactdic::advice {
 namespace {
@@ -57,7 +58,7 @@ class FarLook {
  private:
   std::optional<BallMotion> registered(dic::BallRegistration& registration,
                                        const dic::RigidMotion& start) {
-    BallTask task = motion::sphere_task(first_, first_.r_px, start);
+    BallTask task = motion::sphere_task(first_, first_.r_px, sphere::kUsualBlur_px2, start);
     task.second = 1;
     const BallMotion found = registration.measure(frames_, {&task, 1})[0];
     if (found.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/base/weighted_mean.h"
 #include "host/dic/device/ball.h"
@@ -24,6 +25,9 @@ constexpr double kFreeSd_px = 0.08, kCircleSd_px = 0.03;
 constexpr double kFreeNearnessSd = 6e-4, kFirstNearness = 0.02;
 // No camera stands nearer; and what of a turn must lie across that which a flight would make.
 constexpr double kNearest = 0.12, kLeastAcross = 0.3;
+
+// What blurs a picture: the pixel and the pre-smoothing, and a lens of 2 px at most.
+constexpr double kLeastBlur_px2 = 0.33, kMostBlur_px2 = 4.33;
 
 double tilt_deg(const Eigen::Vector3d& turn) {
   const double towards = dic::quaternion_of(turn).toRotationMatrix()(2, 2);
@@ -60,14 +64,20 @@ class FarRegistration {
     Circle first = motion::about_centre(outline_, seen);
     auto found = registered(free_, first, outline_.r_px, expected(far.ball, turn, seen), seen);
     if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
-    SphereTold told;
+    learn_blur(first, *found, seen);
+    dic::RigidMotion near = motion::sphere_motion(*found);
     if (perspective_.is_unknown()) {
       // The nearer the ball, the farther is its centre from the outline's.
       motion::Perspective better = seen;
       better.by_distance_per_px = found->by_distance;
       first = motion::about_centre(outline_, better);
-      found = registered(free_, first, found->ball_radius, expected(far.ball, turn, better), seen);
-      if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+      near = expected(far.ball, turn, better);
+    }
+    found = registered(free_, first, found->ball_radius, near, seen);
+    if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+    SphereTold told;
+    told.blur_px2 = blur_px2_;
+    if (perspective_.is_unknown()) {
       if (!is_ambiguous(*found)) told.nearness = nearness_of(*found);
       seen.by_distance_per_px = found->by_distance;
     }
@@ -124,11 +134,27 @@ class FarRegistration {
     return motion;
   }
 
+  // What blurs the pictures is what leaves the least of them: the vertex of the parabola that the
+  // squares left over make with it.
+  void learn_blur(const Circle& first, const BallMotion& found, const motion::Perspective& seen) {
+    constexpr double kStep = kUsual / 2;
+    double left[3];
+    for (int i : {0, 1, 2}) {
+      blur_px2_ = kUsual + (i - 1) * kStep;
+      const auto given =
+          registered(given_, first, found.ball_radius, motion::sphere_motion(found), seen);
+      left[i] = given ? std::pow(given->residual, 2) : std::numeric_limits<double>::quiet_NaN();
+    }
+    const double bent = left[0] - 2 * left[1] + left[2];
+    const double vertex = kUsual + kStep / 2 * (left[0] - left[2]) / bent;
+    blur_px2_ = bent > 0 ? std::clamp(vertex, kLeastBlur_px2, kMostBlur_px2) : kUsual;
+  }
+
   // From the ball in `first`, about its centre.
   std::optional<BallMotion> registered(dic::BallRegistration& registration, const Circle& first,
                                        double radius_px, const dic::RigidMotion& start,
                                        const motion::Perspective& seen) {
-    BallTask task = motion::sphere_task(first, radius_px, start);
+    BallTask task = motion::sphere_task(first, radius_px, blur_px2_, start);
     task.second = 1;
     task.sight = motion::sight_of(seen, outline_.r_px, {first, {}}, {}, first.cx_px, first.cy_px);
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
@@ -149,7 +175,9 @@ class FarRegistration {
     add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response.dy[sphere::kToRadius]);
   }
 
+  static constexpr double kUsual = sphere::kUsualBlur_px2;
   Circle outline_;
+  double blur_px2_ = kUsual;
   motion::Perspective perspective_;
   dic::DeviceFrames frames_;
   dic::BallRegistration free_, given_;

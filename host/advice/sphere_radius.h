@@ -8,6 +8,7 @@
 #include "host/advice/clip_advice.h"
 #include "host/dic/rigid_fit.h"
 #include "host/motion/perspective.h"
+#include "host/sphere/picture_blur.h"
 
 namespace impactdic::opencl {
 class Engine;
@@ -29,6 +30,7 @@ FarFrames far_frames(FrameSource& source, const AdviceRequest& request);
 struct SphereTold {
   Measured radius_px;
   std::optional<Measured> nearness;
+  double blur_px2 = sphere::kUsualBlur_px2;  // of the pictures, see BallTask
 };
 
 // An error of the radius shows in proportion to the turn, and one of the distance. The first

@@ -29,8 +29,10 @@ std::unique_ptr<MotionEstimator> make_sphere_estimator(opencl::Engine& engine,
 
 // A pair's turn sought without a guess.
 SphereSearchTask search_task(const PairMotion& pair, double radius_px);
-// The registration of a sphere from `start`, without its slots, and what comes of it.
-BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start);
+// The registration of a sphere from `start`, without its slots, and what comes of it. `blur_px2`:
+// BallTask.blur.
+BallTask sphere_task(const Circle& circle, double radius_px, double blur_px2,
+                     const dic::RigidMotion& start);
 // How a pair's sphere is seen, whose round outline has the radius `rim_px`.
 BallSight pair_sight(const PairMotion& pair, const Perspective& perspective, double rim_px);
 // `source`: of what the registration was told, whose errors are part of what the deviations say;

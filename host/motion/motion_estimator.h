@@ -13,6 +13,7 @@
 #include "host/motion/ball_shape.h"
 #include "host/motion/field_motion.h"
 #include "host/motion/perspective.h"
+#include "host/sphere/picture_blur.h"
 
 namespace impactdic::dic {
 class DeviceFrames;
@@ -32,6 +33,7 @@ struct EstimatorOptions {
   bool sphere = false;          // the ball turns about any axis (kBall alone), else in the picture
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;
+  double sphere_blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
   Perspective perspective;  // of the sphere; its pairs' circles are about its centre
   // Of the sphere, where its rim has this radius.
   double sphere_radius(double rim_px) const {

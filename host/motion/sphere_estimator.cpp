@@ -17,6 +17,7 @@ class SphereEstimator : public MotionEstimator {
       : radius_px_(options.sphere_radius(radius_px)),
         radius_sd_px_(options.sphere_radius_sd_px),
         rim_px_(radius_px),
+        blur_px2_(options.sphere_blur_px2),
         perspective_(options.perspective),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
@@ -114,7 +115,7 @@ class SphereEstimator : public MotionEstimator {
   }
 
   BallTask task_of(const PairMotion& pair, const dic::RigidMotion& start) const {
-    BallTask task = sphere_task(pair.first, radius_px_, start);
+    BallTask task = sphere_task(pair.first, radius_px_, blur_px2_, start);
     task.first = pair.first_slot;
     task.second = pair.second_slot;
     task.sight = pair_sight(pair, perspective_, rim_px_);
@@ -135,7 +136,7 @@ class SphereEstimator : public MotionEstimator {
     pair.status = TrackStatus::kOk;
   }
 
-  double radius_px_, radius_sd_px_, rim_px_;
+  double radius_px_, radius_sd_px_, rim_px_, blur_px2_;
   Perspective perspective_;
   std::unique_ptr<MotionEstimator> field_;
   dic::DeviceFrames& frames_;
@@ -155,12 +156,14 @@ SphereSearchTask search_task(const PairMotion& pair, double radius_px) {
           static_cast<float>(radius_px)};
 }
 
-BallTask sphere_task(const Circle& circle, double radius_px, const dic::RigidMotion& start) {
+BallTask sphere_task(const Circle& circle, double radius_px, double blur_px2,
+                     const dic::RigidMotion& start) {
   BallTask task{};
   task.cx = static_cast<float>(circle.cx_px);
   task.cy = static_cast<float>(circle.cy_px);
   task.radius = static_cast<float>(radius_px - dic::kRimMarginPx);
   task.ball_radius = static_cast<float>(radius_px);
+  task.blur = static_cast<float>(blur_px2);
   task.guess_dx = static_cast<float>(start.dx_px);
   task.guess_dy = static_cast<float>(start.dy_px);
   task.guess_rot_x_rad = static_cast<float>(start.rot_x_rad);

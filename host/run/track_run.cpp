@@ -181,6 +181,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     if (judged.radius_px > 0) {
       options_.estimator.sphere_radius_px = judged.radius_px;
       options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
+      options_.estimator.sphere_blur_px2 = judged.blur_px2;
     }
     shown = judged.nearness;
   }

@@ -3,6 +3,7 @@
 #ifndef IMPACTDIC_KERNELS_BALL_PIXELS_H_
 #define IMPACTDIC_KERNELS_BALL_PIXELS_H_
 
+#include "kernels/ball/blur.h"
 #include "kernels/ball/registration.h"
 
 // True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
@@ -70,6 +71,18 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
                            facing(near, aside_x, aside_y, shared->radius, turned_x, turned_y,
                                   turned_z)));
   w = on.within2 < task.radius * task.radius ? w : zero;
+  // Lines of sight lean by T in the first picture and by lean_x, lean_y in the second.
+  const REAL bent_x = aside_x + near * lands_x, bent_y = aside_y + near * lands_y;
+  const REAL lean_x = then->inverse_xx * bent_x + then->inverse_xy * bent_y;
+  const REAL lean_y = then->inverse_xy * bent_x + then->inverse_yy * bent_y;
+  const REAL by_depth = one / fmax(turned_z - turned_x * lean_x - turned_y * lean_y,
+                                   (REAL)(LEAST_DEPTH * shared->radius));
+  Across across = {turn[0] + lean_x * turn[6], turn[1] + lean_x * turn[7],
+                   turn[3] + lean_y * turn[6], turn[4] + lean_y * turn[7],
+                   turn[2] + lean_x * turn[8], turn[5] + lean_y * turn[8]};
+  across.x -= across.xx * on.ray_x + across.xy * on.ray_y;
+  across.y -= across.yx * on.ray_x + across.yy * on.ray_y;
+  const Blurring change = blurring(across, on.x, on.y, on.slant, by_depth);
 #else
   const REAL depth2 = shared->radius * shared->radius - x * x - y * y;
   const REAL z = sqrt(fmax(depth2, zero));
@@ -78,7 +91,11 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL turned_z = turn[6] * x + turn[7] * y + turn[8] * z;
   const REAL lands_x = turned_x, lands_y = turned_y;
   REAL w = seen_share(fmin(z, turned_z) / shared->radius);
+  const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));
+  const Across across = {turn[0], turn[1], turn[3], turn[4], turn[2], turn[5]};
+  const Blurring change = blurring(across, x, y, z, by_depth);
 #endif
+  w *= blur_share(change, task.blur);
   // Behind the rim a position is of no use, but it is read.
   const REAL to_x =
       clamp(view.t_x + lands_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));
@@ -122,9 +139,8 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   column[2] = along_x;
   column[3] = along_y;
 #if PARAMETERS == SPHERE && SHAPED
-  // The same as below with lines of sight that lean by T in the first picture and by lean_x, lean_y
-  // in the second, where what is near moves farther. The centre's displacement moves points by
-  // more than itself: 1 / (1 - k z) times.
+  // The same as below with lines of sight that lean, where what is near moves farther. The centre's
+  // displacement moves points by more than itself: 1 / (1 - k z) times.
   const REAL slant_x = shared->seen[0].xx * slope_x + shared->seen[0].xy * slope_y;
   const REAL slant_y = shared->seen[0].xy * slope_x + shared->seen[0].yy * slope_y;
   const REAL slant_z = slant_x * on.ray_x + slant_y * on.ray_y;
@@ -134,11 +150,6 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
     moved[k] = first_closer * (turn[3 * k] * slant_x + turn[3 * k + 1] * slant_y +
                                turn[3 * k + 2] * slant_z);
   }
-  const REAL bent_x = aside_x + near * lands_x, bent_y = aside_y + near * lands_y;
-  const REAL lean_x = then->inverse_xx * bent_x + then->inverse_xy * bent_y;
-  const REAL lean_y = then->inverse_xy * bent_x + then->inverse_yy * bent_y;
-  const REAL by_depth = one / fmax(turned_z - turned_x * lean_x - turned_y * lean_y,
-                                   (REAL)(LEAST_DEPTH * shared->radius));
   const REAL in_depth = by_depth * (lean_x * moved[0] + lean_y * moved[1] - moved[2]);
   const REAL across_x = moved[0] + turned_x * in_depth;
   const REAL across_y = moved[1] + turned_y * in_depth;
@@ -180,7 +191,6 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #elif PARAMETERS == SPHERE
   // Where a shift of the second picture leads on the first one's sphere: along the sphere at the
   // turned point (x right or y down, and in depth to stay on it), turned back.
-  const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));
   const REAL tilt_x = turned_x * by_depth, tilt_y = turned_y * by_depth;
   column[4] = slope_x * (turn[0] - tilt_x * turn[6]) + slope_y * (turn[1] - tilt_x * turn[7]);
   column[5] = slope_x * (turn[3] - tilt_y * turn[6]) + slope_y * (turn[4] - tilt_y * turn[7]);
@@ -203,8 +213,15 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   column[8] = slope_y * x * by_radius;
   column[9] = slope_y * y * by_radius;
 #endif
-  column[REGRESSORS] = g - shared->light[0] - shared->light[1] * f - shared->light[2] * along_x -
-                       shared->light[3] * along_y;
+#if PARAMETERS == SPHERE
+  // Like the slopes, in grey levels of the first picture.
+  const REAL blurred = task.blur * blur_change(at, limits.plane_pitch, px, py, limits.width,
+                                               limits.height, change);
+#else
+  const REAL blurred = zero;
+#endif
+  column[REGRESSORS] = g - shared->light[0] - shared->light[1] * (f + blurred) -
+                       shared->light[2] * along_x - shared->light[3] * along_y;
   return 1;
 }
 

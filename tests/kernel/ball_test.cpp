@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "host/sphere/picture_blur.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 #include "tests/support/sphere/sphere_pictures.h"
@@ -142,6 +143,7 @@ TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   task.cy = static_cast<float>(first.cy_px);
   task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
   task.ball_radius = static_cast<float>(kRadiusPx);
+  task.blur = static_cast<float>(sphere::kUsualBlur_px2);
   task.sight = sight;
   task.guess_dx = 1.2F;
   task.guess_dy = -0.8F;
@@ -200,6 +202,7 @@ struct GuessedRadius {
     task.cy = static_cast<float>(first.cy_px);
     task.radius = static_cast<float>(kRadiusPx - 5);
     task.ball_radius = static_cast<float>(kRadiusPx - 0.5);
+    task.blur = static_cast<float>(sphere::kUsualBlur_px2);
     task.guess_dx = 0.8F;
     task.guess_dy = -0.4F;
     task.guess_rot_x_rad = static_cast<float>(turn.x());

@@ -108,7 +108,7 @@ void run_ball(dic::BallModel model, const BallSight& sight = {}) {
   options.model = model;
   options.spline_degree = 3;
   dic::BallRegistration ball(setting.engine, options);
-  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0, 0, sight};
+  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0.75F, 0, 0, sight};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
 }

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
-constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
+constexpr double kBlurChange = 4.5;
 constexpr double kSphereTukey = 6;
 constexpr double kStep = 1e-4;  // px and rad, of differences
 using Row = Eigen::Matrix<double, kColumns, 1>;
@@ -37,13 +37,15 @@ struct Sight {
   // compressed ball on the near side.
   Vector3d on_ball(const Vector2d& p, double radius) const {
     const Eigen::Matrix2d back = stretch.inverse();
-    const Vector2d through = back * p, along = -(back * (aside + by_distance * p));
+    const Vector2d through = back * p, along = -leans(p);
     const double a = along.squaredNorm() + 1, b = through.dot(along);
     const double c = through.squaredNorm() - radius * radius;
     const double z = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
     const Vector2d at = through + z * along;
     return {at.x(), at.y(), z};
   }
+  // By how much the line of sight through `p` leans, along the round ball's axes.
+  Vector2d leans(const Vector2d& p) const { return stretch.inverse() * (aside + by_distance * p); }
   Vector2d picture(const Vector3d& q) const {
     return (stretch * q.head<2>() + aside * q.z()) / (1 - by_distance * q.z());
   }
@@ -73,6 +75,28 @@ struct SphereWarp {
   }
   Vector3d turned(const Vector2d& p) const { return turn * first.on_ball(p, radius); }
   Vector2d operator()(const Vector2d& p) const { return shift + moved().picture(turned(p)); }
+  // By what the turn stretches the round ball's picture there, seen along lines of sight that lean
+  // as they do there: J^-1 J^-T - 1 of kernels/ball/blur.h.
+  Eigen::Matrix2d blurring(const Vector2d& p) const {
+    const Vector3d seen = first.on_ball(p, radius), then = turn * seen;
+    const Vector2d ray = first.leans(p), later = moved().leans(moved().picture(then));
+    const auto across = [&](const Vector2d& q) -> Vector2d {
+      const double a = 1 + ray.squaredNorm(), b = q.dot(ray);
+      const double c = q.squaredNorm() - radius * radius;
+      const double z = (b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
+      const Vector2d at = q - z * ray;
+      const Vector3d after = turn * Vector3d(at.x(), at.y(), z);
+      return after.head<2>() + after.z() * later;
+    };
+    const Vector2d from = seen.head<2>() + seen.z() * ray;
+    Eigen::Matrix2d derivative;
+    for (int axis : {0, 1}) {
+      const Vector2d step = kStep * Vector2d::Unit(axis);
+      derivative.col(axis) = (across(from + step) - across(from - step)) / (2 * kStep);
+    }
+    const Eigen::Matrix2d back = derivative.inverse();
+    return back * back.transpose() - Eigen::Matrix2d::Identity();
+  }
   // The lesser cosine of the surface's angle to the line of sight.
   double facing(const Vector2d& p) const {
     return std::min(first.facing(first.on_ball(p, radius), radius),
@@ -116,8 +140,7 @@ class SphereRegistration {
     motion.rot_rad = static_cast<float>(vector.z());
     motion.correlation = static_cast<float>(correlation_);
     motion.residual = static_cast<float>(std::sqrt(variance_));
-    const double whole = kFullShare * std::numbers::pi * task_.radius * task_.radius;
-    motion.used = static_cast<float>(carried_ / whole);
+    motion.used = static_cast<float>(carried_ / (std::numbers::pi * task_.radius * task_.radius));
     motion.steps = steps_;
     return motion;
   }
@@ -131,6 +154,18 @@ class SphereRegistration {
             task_.ball_radius,
             {s.by_distance, {s.first_x, s.first_y}, stretch_of(s.first)},
             {s.by_distance, {s.second_x, s.second_y}, stretch_of(s.second)}};
+  }
+
+  // The first picture's second differences; 0 at its border.
+  Eigen::Matrix2d curvature(int x, int y) const {
+    if (x < 1 || y < 1 || x >= first_.width() - 1 || y >= first_.height() - 1) {
+      return Eigen::Matrix2d::Zero();
+    }
+    const auto f = [&](int dx, int dy) { return first_.value(x + dx, y + dy); };
+    const double xy = (f(1, 1) - f(1, -1) - f(-1, 1) + f(-1, -1)) / 4;
+    Eigen::Matrix2d second;
+    second << f(1, 0) + f(-1, 0) - 2 * f(0, 0), xy, xy, f(0, 1) + f(0, -1) - 2 * f(0, 0);
+    return second;
   }
 
   // What moves the second picture there as much as each parameter does, on the first one.
@@ -180,7 +215,10 @@ class SphereRegistration {
               at.y() <= second_.height() - 1)) {
           continue;
         }
-        const double g = second_.value(at.x(), at.y());
+        const Eigen::Matrix2d changed = here.blurring(p);
+        w /= 1 + std::pow(std::pow(task_.blur, 2) * changed.squaredNorm() / kBlurChange, 2);
+        const double g = second_.value(at.x(), at.y()) -
+                         light_(1) * task_.blur / 2 * (changed * curvature(x, y)).trace();
         const BSplineImage::Sample f = first_.sample(x, y);
         Row row;
         row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,

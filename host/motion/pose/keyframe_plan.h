@@ -57,6 +57,7 @@ class KeyframeAim {
   KeyframeAim(double radius_px, const BallCrop& crop, const EstimatorOptions& options)
       : radius_px_(options.sphere ? options.sphere_radius(radius_px) : radius_px),
         rim_px_(radius_px),
+        blur_px2_(options.sphere_blur_px2),
         crop_(crop),
         sphere_(options.sphere),
         perspective_(options.perspective) {}
@@ -87,7 +88,7 @@ class KeyframeAim {
   std::size_t best_for(const BodyPose& pose, std::span<const Target> targets,
                        double reach_rad) const;
 
-  double radius_px_, rim_px_;
+  double radius_px_, rim_px_, blur_px2_;
   BallCrop crop_;
   bool sphere_;
   Perspective perspective_;

@@ -157,7 +157,9 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
                                       [&](const Target& t) { return t.frame == &frames[i]; });
     if (planned != plan.targets.end()) planned->key = keep(frames[i], placed.back());
   }
-  if (placed.size() == count) memory_.reach_rad *= kGrowth;
+  if (placed.size() == count) {
+    memory_.reach_rad = std::min(memory_.reach_rad * kGrowth, kFarthestTilt_rad);
+  }
   return placed;
 }
 

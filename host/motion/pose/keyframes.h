@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,8 +14,13 @@
 
 namespace impactdic::motion {
 
-// Keyframes that are kept: those of a whole turn, so that a ball meets them again.
-inline constexpr int kKeyframes = 64;
+// A sphere's keyframe is used up to this tilt: what a keyframe's circle errs by makes an error of
+// the turn in proportion to the tilt, so that a chain of many short links errs less than one of few
+// long ones.
+inline constexpr double kFarthestTilt_rad = 0.105;
+// Keyframes that are kept: those of a whole turn, so that a ball meets them again. They may lie
+// half the farthest tilt apart.
+inline constexpr int kKeyframes = 128;
 
 // The first frame with a ball is the first keyframe. A frame is registered against the keyframe
 // whose turn is nearest to its own (lamp and shadow look alike then); where that no longer fits as
@@ -42,7 +46,7 @@ class Keyframes {
     std::int64_t last_index = -1;
     SphereRadius radius;  // what the clip has told of a sphere's
     // Of a sphere: a frame that is tilted farther from its keyframe becomes one itself.
-    double reach_rad = std::numeric_limits<double>::infinity();
+    double reach_rad = kFarthestTilt_rad;
   };
 
   // Frames that were registered before the poses of those before them were known.

@@ -10,6 +10,7 @@
 #include "host/dic/device/ball.h"
 #include "host/dic/device/sphere_search.h"
 #include "host/motion/perspective.h"
+#include "host/sphere/picture_blur.h"
 #include "sim/speckle/orientation.h"
 #include "sim/speckle/sphere/sphere_render.h"
 #include "tests/support/engine.h"
@@ -60,6 +61,7 @@ inline BallTask task_near(const SpherePose& first, const SpherePose& second,
   task.cy = static_cast<float>(first.cy_px);
   task.radius = static_cast<float>(kRadiusPx - dic::kRimMarginPx);
   task.ball_radius = static_cast<float>(kRadiusPx);
+  task.blur = static_cast<float>(sphere::kUsualBlur_px2);
   task.guess_dx = static_cast<float>(second.cx_px - first.cx_px + 0.05 * off(random));
   task.guess_dy = static_cast<float>(second.cy_px - first.cy_px + 0.05 * off(random));
   task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.01 * off(random));
