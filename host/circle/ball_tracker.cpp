@@ -375,7 +375,7 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
                              std::size_t begin, std::size_t end, std::span<CircleFit> fits) {
   // A ball that is there is mostly there from the first frame on.
   fits[begin] = track(frames[begin], first_index + static_cast<std::int64_t>(begin));
-  std::size_t next = begin + 1;
+  std::size_t next = begin + 1, found = begin;
   if (fits[begin].status != CircleStatus::kOk) {
     const Radius known = radius();
     tbb::this_task_arena::isolate([&] {
@@ -388,11 +388,12 @@ void BallTracker::search_run(std::span<const Frame> frames, std::int64_t first_i
     if (next == end) return;
     memory_.seen.clear();
     remember(fits[next], first_index + static_cast<std::int64_t>(next));
-    ++next;
+    found = next++;
   }
   for (; next < end; ++next) {
     fits[next] = track(frames[next], first_index + static_cast<std::int64_t>(next));
   }
+  look_back(frames, first_index, begin, found, end, fits);
 }
 
 }  // namespace impactdic::circle

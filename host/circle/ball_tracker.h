@@ -112,6 +112,11 @@ class BallTracker {
   void search_run(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
                   std::size_t end, std::span<CircleFit> fits);
 
+  // Measures the first frames again, and those before them that were lost, by what the frames after
+  // them tell; `found`: the first in which the ball was seen.
+  void look_back(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
+                 std::size_t found, std::size_t end, std::span<CircleFit> fits) const;
+
   void remember(const CircleFit& fit, std::int64_t index);
   void learn_radius(const CircleFit& fit);
 

@@ -110,6 +110,8 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
   }
+  // What lies just outside the rim is guessed from what lies beside it.
+  if (trace.breaks > kJudge.texture_breaks) widen(result, kJudge.texture_px, kJudge.texture_px);
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;
@@ -223,6 +225,8 @@ void doubt_crossings(const CirclePrior& prior, double moved_px, CircleFit& fit) 
     moves(off);
   }
   if (moved_px >= kJudge.retrace_px) moves(moved_px);
+  // What no longer shows as an ellipse may still be one.
+  if (!fit.ellipse) fit.r_sd_px = std::hypot(fit.r_sd_px, prior.e1_px, prior.e2_px);
 }
 
 double free_distance(const RimTrace& trace, const Rim& rim) {

@@ -50,6 +50,7 @@ IMPACTDIC_WIDE void keep_clear_lines(const CastLines& lines, const std::vector<f
     const float ground = grounds[i];
     const float contrast = light_at(levels.light, lines.cos[i], lines.sin[i]) - ground;
     if (!is_clear(contrast, usual, level[kSamples - 1], ground, noise)) {
+      trace.breaks += i - blocked > kBeside;
       blocked = shown = i;
       while (count > 0 && kept[count - 1] >= i - kBeside) --count;
       continue;
@@ -137,6 +138,7 @@ void trace_lines(const Frame& frame, const Rim& rim, const LineRequest& request,
   cast_lines(frame, rim, {request.polarity, request.step_px, request.most_lines, deep_every},
              lines);
   trace.cast = lines.cast;
+  trace.breaks = 0;
   trace.in_view = lines.size();
   trace.step_px = request.step_px;
   const auto find = [&] {

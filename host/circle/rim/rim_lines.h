@@ -61,6 +61,7 @@ struct LineTrace {
   RimLines lines;  // that show the background outside
   int cast = 0;
   int in_view = 0;
+  int breaks = 0;  // runs of lines with something else outside
   double step_px = 1;
   double noise = 0;  // of a sample, share of the usual contrast
 };

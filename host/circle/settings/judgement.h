@@ -37,6 +37,10 @@ struct JudgementSettings {
   double noisier = 2;          // than when the model was learnt: learn again [hand]
   double followable = 0.9;     // share of the lines that must have to do with the rim where no
                                // search confirms it [hand]
+  // Runs of lines that show something else outside: obstacles make few, a background with a texture
+  // more [measured] (bars at most 2, wood and tiles 14 to 32); what that misplaces a rim by.
+  int texture_breaks = 6;
+  double texture_px = 0.035;
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;
@@ -56,7 +60,8 @@ struct TrackingSettings {
   // Steps that differ by so much, px, and at most so much of the radius, are those of a ball that
   // falls in slow film: the next step differs by as much [hand]. An impact's differ by more.
   double falls_px = 4, falls_of_r = 0.5;
-  double rim_px = 0.3, rim_of_r = 0.005;             // of the shape [hand]
+  double rim_px = 0.3, rim_of_r = 0.005;  // of the shape [hand]
+  double back_sds = 3;  // scatters from where the frames after it put a first frame's ball [hand]
   double between_px = 0.05, between_of_off = 0.125;  // on the line between two frames; the share
                                                      // is that of a parabola's middle over its end
   // Before the whole picture is searched: px, over what was predicted; then as a share of the

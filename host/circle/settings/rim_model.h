@@ -53,9 +53,15 @@ struct LearningSettings {
   // How far the model misplaces the rim. The ball is foreshortened towards its rim, so that its ink
   // there is finer than where the model is learnt. That misplaces the rim about as a misjudged
   // width of the edge would, by so much of ln σ.
-  double model_error = 0.06;         // [measured] on seeds 1 to 4: docs/accuracy/circle.md
-  double uneven_error = 0.5;         // of the amplitude of an uneven width [measured] on seeds 1 to
-                                     // 10 of light_accuracy's disc_blur
+  double model_error = 0.06;  // [measured] on seeds 1 to 4: docs/accuracy/circle.md
+  double uneven_error = 0.5;  // of the amplitude of an uneven width [measured] on seeds 1 to
+                              // 10 of light_accuracy's disc_blur
+  // Ink that is learnt from a picture noisier than those, by the noise as a share of the contrast,
+  // and from the few pixels of a small ball, over its radius cubed, likewise. [measured] on balls
+  // 11 to 16 of e1 under noise 8, in 30 % of the light, and of 30 px: docs/log/accuracy.md, "Discs
+  // in noise".
+  double of_noise = 3.2, of_small_px3 = 2550;
+  double usual_noise = 0.0125;       // noise 2, white 190, background 30 [definition]
   double least_place_sd_px = 0.001;  // [hand]
   double wider = 0.05;  // of ln σ, to see what the width does [definition]: a difference
 };

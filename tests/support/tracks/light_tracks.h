@@ -98,13 +98,13 @@ struct LightErrors {
   }
 };
 
-// A clip's rows, its ball looked for within a sixth of its radius.
-inline TrackResult track(const LightFilm& clip, bool with_field = true) {
+// A clip's rows, its ball looked for within a sixth of its radius, or whatever its size.
+inline TrackResult track(const LightFilm& clip, bool with_field = true, bool size_told = true) {
   TrackRequest request;
   request.clip.source = clip.source();
   request.with_field = with_field;
   request.body = clip.scene.sphere ? Body::kSphere : Body::kDisc;
-  request.radius_px = {clip.scene.radius_px * 5 / 6, clip.scene.radius_px * 7 / 6};
+  if (size_told) request.radius_px = {clip.scene.radius_px * 5 / 6, clip.scene.radius_px * 7 / 6};
   Session session;
   return track(request, session);
 }
