@@ -62,7 +62,10 @@
 // beyond, foreshortening leaves no texture.
 #define LEAST_DEPTH 0.2f
 #define FULL_DEPTH 0.5f
-// And half as much where the blur's change, its variance times C, has this sum of squares, px⁴ (blur.h).
+// Σ of those weights over the whole disc, in areas of it.
+#define SPHERE_SHARE 0.87f
+// And half as much where the change of the blur, its variance times C of blur.h, has this sum of
+// squares, px⁴.
 #define BLUR_CHANGE 4.5f
 // Pixels across and down whose errors are taken to be their own: beyond the size of a speckle.
 #define BLOCK_X 16
@@ -112,7 +115,13 @@ typedef struct Shared {
 
 // What is compared has this area, px: the disc, or the mask's pixels in it.
 static inline float compared_area(const BallTask task, const BallLimits limits) {
-  return limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+  const float disc =
+      limits.mask_area > 0.0f ? limits.mask_area : 3.14159265f * task.radius * task.radius;
+#if PARAMETERS == SPHERE
+  return SPHERE_SHARE * disc;
+#else
+  return disc;
+#endif
 }
 
 // What a pixel of a sphere counts at this cosine of its surface's angle to the line of sight.

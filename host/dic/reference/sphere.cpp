@@ -21,6 +21,7 @@ using Eigen::Vector3d;
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
+constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
 constexpr double kBlurChange = 4.5;
 constexpr double kSphereTukey = 6;
 constexpr double kStep = 1e-4;  // px and rad, of differences
@@ -140,7 +141,8 @@ class SphereRegistration {
     motion.rot_rad = static_cast<float>(vector.z());
     motion.correlation = static_cast<float>(correlation_);
     motion.residual = static_cast<float>(std::sqrt(variance_));
-    motion.used = static_cast<float>(carried_ / (std::numbers::pi * task_.radius * task_.radius));
+    const double whole = kFullShare * std::numbers::pi * task_.radius * task_.radius;
+    motion.used = static_cast<float>(carried_ / whole);
     motion.steps = steps_;
     return motion;
   }
