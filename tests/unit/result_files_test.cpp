@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <thread>
 
 #include "host/report/csv.h"
 #include "host/report/fields_file.h"
@@ -212,6 +215,26 @@ assert f['u_px'].compression_opts == (level or None) and f['u_px'].shuffle == (l
   const std::string command = "/usr/bin/python3 " + testing::quoted(folder / "check.py") + " " +
                               testing::quoted(path) + " " + std::to_string(GetParam());
   EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// Nothing in the file says when it was made (HDF5 keeps seconds).
+TEST_P(FieldsFileTest, SameResultsAreTheSameBytes) {
+  const ScratchFolder folder;
+  const auto bytes = [&](const std::string& name) {
+    {
+      auto file =
+          report::FieldsFile::create(folder / name, 2, 15, {{"axes", "x right"}}, GetParam());
+      const std::vector<Window> windows(2);
+      for (int k = 0; k < 4; ++k) {
+        file.add(k, 0.1 * k, windows, std::vector<WindowMotion>(2), nullptr);
+      }
+    }
+    std::ifstream file(folder / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string first = bytes("first.h5");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  EXPECT_TRUE(bytes("later.h5") == first);
 }
 
 // Points to go back to: few, spread over the whole run, and damage costs no more than one of them.
