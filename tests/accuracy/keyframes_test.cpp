@@ -159,8 +159,8 @@ double off_rad(const BodyPose& a, const BodyPose& b, bool sphere) {
 }
 
 // Registrations that start elsewhere end where the others do, to what is left of a step; that they
-// did start elsewhere shows in the last bits. With a gap, behind which the poses are found in
-// order.
+// did start elsewhere shows in the last bits of a sphere (a disc's end in the same ones). With a
+// gap, behind which the poses are found in order.
 void expect_same_ahead(FrameSource& clip, bool sphere) {
   const auto in_order = track_ahead(clip, 1, sphere), ahead = track_ahead(clip, 3, sphere);
   ASSERT_EQ(ahead.size(), in_order.size());
@@ -176,7 +176,9 @@ void expect_same_ahead(FrameSource& clip, bool sphere) {
     EXPECT_LT(off_rad(a, b, sphere), 2e-5) << k;
     other_bits += a.x_px != b.x_px ? 1 : 0;
   }
-  EXPECT_GT(other_bits, 0u);
+  if (sphere) {
+    EXPECT_GT(other_bits, 0u);
+  }
 }
 
 TEST(Keyframes, PosesRegisteredAheadAreThoseInOrder) {
