@@ -141,6 +141,9 @@ void each_of_radius(Field field, T& radius) {
   field("told_sd_px", radius.told_sd_px);
   field("error_px", radius.error_px);
   field("sd_px", radius.sd_px);
+  field("nearness_error", radius.nearness_error);
+  field("nearness_share", radius.nearness_share);
+  field("correlation", radius.correlation);
 }
 
 template <typename Field, typename T>
@@ -306,9 +309,11 @@ void check(const pipeline::ResumePoint& point) {
   check(point.keyframes->last, row);
   demand(point.keyframes->reach_rad > 0);
   const motion::SphereRadius& radius = point.keyframes->radius;
-  for (const double value : {radius.px, radius.told_sd_px, radius.error_px, radius.sd_px}) {
+  for (const double value : {radius.px, radius.told_sd_px, radius.error_px, radius.sd_px,
+                             radius.nearness_error, radius.nearness_share}) {
     demand(is_usual(value));
   }
+  demand(std::abs(radius.correlation) <= 1);
   demand(point.keyframes->keyframes.size() <= motion::kKeyframes);
   for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
     demand(key.last_used >= 0 && key.last_used <= row && key.pose.ok);

@@ -57,16 +57,18 @@ dic::RigidMotion without(const Effect& effect, double source_sd, dic::RigidMotio
   return motion;
 }
 
-// What the motion is with the radius as it is thought to be.
-dic::RigidMotion corrected(dic::RigidMotion motion, const Effect& effect, double error_px) {
-  if (error_px == 0) return motion;
-  const Eigen::Vector3d less = -error_px * effect.turn_rad;
+// What the motion is with the radius and the distance as they are thought to be.
+dic::RigidMotion corrected(dic::RigidMotion motion, const Effects& effects,
+                           const SphereRadius& radius) {
+  if (radius.error_px == 0 && radius.nearness_error == 0) return motion;
+  const Eigen::Vector3d less = -radius.error_px * effects.radius.turn_rad -
+                               radius.nearness_error * effects.nearness.turn_rad;
   const Eigen::Vector3d turn = dic::rotation_vector(dic::quaternion_of(less) * turn_of(motion));
   motion.rot_x_rad = turn.x();
   motion.rot_y_rad = turn.y();
   motion.rot_rad = turn.z();
-  motion.dx_px -= error_px * effect.x;
-  motion.dy_px -= error_px * effect.y;
+  motion.dx_px -= radius.error_px * effects.radius.x + radius.nearness_error * effects.nearness.x;
+  motion.dy_px -= radius.error_px * effects.radius.y + radius.nearness_error * effects.nearness.y;
   return motion;
 }
 
@@ -135,17 +137,23 @@ Point turned(double x, double y, double angle_rad) {
 BodyPose LinkedPose::stated(const SphereRadius& radius) const {
   BodyPose pose = *this;
   if (!is_sphere(*this)) return pose;
-  const double nearness_sd = radius.perspective.nearness_sd;
-  const auto about = [&](std::size_t axis) {
-    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), radius_turn_rad[axis] * radius.sd_px,
-                      nearness_turn_rad[axis] * nearness_sd);
+  // What radius and distance make together.
+  const auto common = [&](double by_radius, double by_nearness) {
+    const double a = by_radius * radius.sd_px, b = by_nearness * radius.nearness_sd();
+    return std::sqrt(std::max(0.0, a * a + b * b + 2 * radius.correlation * a * b));
   };
-  pose.x_sd_px = std::hypot(x_sd_px, radius_x * radius.sd_px, nearness_x * nearness_sd);
-  pose.y_sd_px = std::hypot(y_sd_px, radius_y * radius.sd_px, nearness_y * nearness_sd);
+  const auto turn = [&](std::size_t axis) {
+    return common(radius_turn_rad[axis], nearness_turn_rad[axis]);
+  };
+  const auto about = [&](std::size_t axis) {
+    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), turn(axis));
+  };
+  pose.x_sd_px = std::hypot(x_sd_px, common(radius_x, nearness_x));
+  pose.y_sd_px = std::hypot(y_sd_px, common(radius_y, nearness_y));
   pose.tilt_x_sd_rad = about(0);
   pose.tilt_y_sd_rad = about(1);
   // What is the same in all links may add up to a tilt whose square counts.
-  const double tilt_rad = nearness_sd * std::hypot(nearness_turn_rad[0], nearness_turn_rad[1]);
+  const double tilt_rad = std::hypot(turn(0), turn(1));
   pose.angle_sd_rad = std::hypot(about(2), tilt_rad * tilt_rad / 2);
   return pose;
 }
@@ -173,7 +181,7 @@ LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::Rigid
     const Effects effects = effects_on(motion, circle, radius);
     const dic::RigidMotion noisy = without(effects.nearness, radius.perspective.nearness_sd,
                                            without(effects.radius, radius.told_sd_px, motion));
-    return with_link(pose, circle, corrected(noisy, effects.radius, radius.error_px), effects);
+    return with_link(pose, circle, corrected(noisy, effects, radius), effects);
   }
   LinkedPose next = pose;
   static_cast<BodyPose&>(next) = moved(pose, circle, motion);
@@ -193,8 +201,7 @@ LinkedPose registered(const Anchor& key, const BallMotion& motion, const CropOri
   rigid.dy_px = motion.dy + from_key.y;
   if (sphere) {
     const Effects effects = effects_on(rigid, key.circle, radius);
-    LinkedPose pose =
-        with_link(key.pose, key.circle, corrected(rigid, effects.radius, radius.error_px), effects);
+    LinkedPose pose = with_link(key.pose, key.circle, corrected(rigid, effects, radius), effects);
     pose.key_dx_px = rigid.dx_px;
     pose.key_dy_px = rigid.dy_px;
     pose.key_rot_x_deg = rigid.rot_x_rad * kDegPerRad;

@@ -211,8 +211,7 @@ void Keyframes::close_turn(const Before& last, std::vector<LinkedPose>& placed,
       linked(*last.pose, last.frame->circle, *last.frame->next, memory_.radius);
   const auto better = radius_from(along, placed.back(), memory_.radius);
   if (!better) return;
-  const double more_px = better->error_px - memory_.radius.error_px;
-  const auto correct = [&](LinkedPose& pose) { pose = with_radius_error(pose, more_px); };
+  const auto correct = [&](LinkedPose& pose) { pose = with_errors(pose, memory_.radius, *better); };
   for (Keyframe& key : memory_.keyframes) correct(key.pose);
   for (Target& target : plan.targets) correct(target.key.pose);
   for (LinkedPose& pose : placed) correct(pose);
@@ -324,11 +323,11 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
       registered = measure(frames.subspan(i),
                            expected(frames, i, at_once, poses[i - 1], ahead, failed), ahead, slots);
     }
-    const double error_px = memory_.radius.error_px;
+    const SphereRadius thought = memory_.radius;
     const std::vector<LinkedPose> placed =
         place(frames.subspan(i), registered, {&frames[i - 1], &poses[i - 1]}, slots);
-    for (std::size_t k = 0; k < i && memory_.radius.error_px != error_px; ++k) {
-      poses[k] = with_radius_error(poses[k], memory_.radius.error_px - error_px);
+    for (std::size_t k = 0; k < i && memory_.radius.error_px != thought.error_px; ++k) {
+      poses[k] = with_errors(poses[k], thought, memory_.radius);
     }
     for (const LinkedPose& pose : placed) poses[i++] = pose;
     if (placed.size() == registered.near.size()) {

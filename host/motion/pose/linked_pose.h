@@ -10,11 +10,16 @@ namespace impactdic::motion {
 
 // A sphere's radius: as registrations are told it, and the deviation that the steps from frame to
 // frame hold of it; by how much it is thought to be too large, and the deviation of that. From
-// where the sphere is seen, as registrations are told.
+// where the sphere is seen, as registrations are told; by how much the radius over the distance is
+// thought to be too large, the deviation of that as a share of what was told, and how both errors
+// go together.
 struct SphereRadius {
   double px = 0, told_sd_px = 0;
   double error_px = 0, sd_px = told_sd_px;
   Perspective perspective;
+  double nearness_error = 0, nearness_share = 1, correlation = 0;
+
+  double nearness_sd() const { return nearness_share * perspective.nearness_sd; }
 };
 
 // A pose at the end of a chain of registrations. Its deviations are those of their noise, which is

@@ -1,5 +1,5 @@
 // A ball that has come round shows a keyframe's face again: by how much the chain of registrations
-// in between missed it tells the radius.
+// in between missed it tells the radius and the distance.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,16 @@
 
 namespace impactdic::motion {
 
-// The radius as it is thought to be after the same frame was reached by two chains: `along` from
-// frame to frame, `closed` from an old keyframe. Bayes' rule with the radius's deviation so far
-// and the chains' noise, on the turn about three axes. Empty where the chains say nothing new of
-// it, or miss each other by more than the radius explains.
+// Radius and distance as they are thought to be after the same frame was reached by two chains:
+// `along` from frame to frame, `closed` from an old keyframe. Bayes' rule with both deviations so
+// far and the chains' noise, on the turn about three axes (Kalman 1960). Both do nearly the same to
+// a chain: what is learnt is what they do together. Empty where the chains say nothing new of it,
+// or miss each other by more than both explain.
 std::optional<SphereRadius> radius_from(const LinkedPose& along, const LinkedPose& closed,
                                         const SphereRadius& radius);
 
-// The pose had the radius been thought to be too large by `error_px` more from the beginning on.
-LinkedPose with_radius_error(LinkedPose pose, double error_px);
+// The pose had the errors of radius and distance been thought to be those of `now` from the
+// beginning on, instead of those of `before`.
+LinkedPose with_errors(LinkedPose pose, const SphereRadius& before, const SphereRadius& now);
 
 }  // namespace impactdic::motion
