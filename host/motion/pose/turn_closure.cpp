@@ -20,12 +20,12 @@ constexpr double kForeshortening = 4e-5;
 
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
-using Effects = Eigen::Matrix<double, 3, 2>;  // of radius and distance on a turn
+using SourceEffects = Eigen::Matrix<double, 3, 2>;  // of radius and distance on a turn
 
 Matrix noise_of(const LinkedPose& pose) { return Matrix(pose.turn_noise_rad2.data()); }
 
-Effects effects_on(const LinkedPose& pose) {
-  Effects effects;
+SourceEffects source_effects(const LinkedPose& pose) {
+  SourceEffects effects;
   effects << Vector(pose.radius_turn_rad.data()), Vector(pose.nearness_turn_rad.data());
   return effects;
 }
@@ -50,7 +50,7 @@ SphereRadius with_covariance(SphereRadius radius, const Eigen::Matrix2d& covaria
 
 std::optional<SphereRadius> radius_from(const LinkedPose& along, const LinkedPose& closed,
                                         const SphereRadius& radius) {
-  const Effects effects = effects_on(closed) - effects_on(along);
+  const SourceEffects effects = source_effects(closed) - source_effects(along);
   const Vector missed = dic::rotation_vector(turn_between(along, closed));
   // A px of the radius makes about twice its share of the turn.
   const Vector foreshortened = 0.5 * kForeshortening * radius.px * effects.col(0);
@@ -79,7 +79,7 @@ LinkedPose with_errors(LinkedPose pose, const SphereRadius& before, const Sphere
   if (!is_sphere(pose)) return pose;  // of a frame without a ball
   const double px = now.error_px - before.error_px;
   const double nearness = now.nearness_error - before.nearness_error;
-  const Vector less = -effects_on(pose) * Eigen::Vector2d(px, nearness);
+  const Vector less = -source_effects(pose) * Eigen::Vector2d(px, nearness);
   set_orientation(pose, (dic::quaternion_of(less) * orientation(pose)).normalized());
   pose.x_px -= px * pose.radius_x + nearness * pose.nearness_x;
   pose.y_px -= px * pose.radius_y + nearness * pose.nearness_y;
