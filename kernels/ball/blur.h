@@ -1,10 +1,10 @@
-// What blurs a picture (lens, pixel, pre-smoothing) does so in the picture and not on the ball: where
-// a turn stretches the surface, a speckle is not the same picture before and after. With the
+// What blurs a picture (lens, pixel, pre-smoothing) does so in the picture and not on the ball:
+// where a turn stretches the surface, a speckle is not the same picture before and after. With the
 // variance b of the blur and J the warp's derivative, the second picture, led back onto the first,
 // is blurred by b J^-1 J^-T there instead of b. To first order in the difference
 //   g∘W − f = b/2 tr(C ∇∇fᵀ),  C = J^-1 J^-T − 1.
-// Lines of sight lean where the camera is near; that what is nearer is also larger, and a compression,
-// change C by a few hundredths more, which are left out.
+// Lines of sight lean where the camera is near; that what is nearer is also larger, and a
+// compression, change C by a few hundredths more, which are left out.
 #ifndef IMPACTDIC_KERNELS_BALL_BLUR_H_
 #define IMPACTDIC_KERNELS_BALL_BLUR_H_
 
@@ -35,10 +35,10 @@ static inline Blurring blurring(const Across turn, const REAL x, const REAL y, c
   return c;
 }
 
-// tr(C ∇∇fᵀ) / 2 by differences of the plane `at` points into, at pixel (px, py) and those beside it
-// in a unit; 0 at the border of a picture of width × height.
-static inline REAL blur_change(__global const float* at, const int pitch, const int px, const int py,
-                               const int width, const int height, const Blurring c) {
+// tr(C ∇∇fᵀ) / 2 by differences of the plane `at` points into, at pixel (px, py) and those beside
+// it in a unit; 0 at the border of a picture of width × height.
+static inline REAL blur_change(__global const float* at, const int pitch, const int px,
+                               const int py, const int width, const int height, const Blurring c) {
   if (py == 0 || py == height - 1 || (px == 0 && py == 1)) return (REAL)0.0f;
   __global const float *above = at - pitch, *below = at + pitch;
   const REAL twice = 2.0f * LOAD_REAL(at);
@@ -53,8 +53,8 @@ static inline REAL blur_change(__global const float* at, const int pitch, const 
 
 // Of a pixel whose blur changes by far, what is left beside the first order grows with its square.
 static inline REAL blur_share(const Blurring c, const float blur) {
-  const REAL size = (c.xx * c.xx + c.yy * c.yy + 2.0f * c.xy * c.xy) *
-                    (blur * blur * (1.0f / BLUR_CHANGE));
+  const REAL size =
+      (c.xx * c.xx + c.yy * c.yy + 2.0f * c.xy * c.xy) * (blur * blur * (1.0f / BLUR_CHANGE));
   return 1.0f / (1.0f + size * size);
 }
 

@@ -37,14 +37,18 @@ class Stream : public FrameStream {
   std::size_t next_ = 0;
 };
 
+void expect_close(const LightErrors& errors) {
+  EXPECT_EQ(errors.wrong, 0);
+  EXPECT_LT(errors.centre.rms(), 0.15);
+  EXPECT_LT(errors.centre.over_sds(), 2);
+}
+
 TEST(TextureTrack, ASphereBeforeWood) {
   const LightFilm clip(before(Backdrop::kWood, true), 1, 12);
   const LightErrors errors = errors_of(track(clip), clip);
   EXPECT_GE(errors.circles, 11);
   EXPECT_GE(errors.motions, 10);
-  EXPECT_EQ(errors.wrong, 0);
-  EXPECT_LT(errors.centre.rms(), 0.15);
-  EXPECT_LT(errors.centre.over_sds(), 2);
+  expect_close(errors);
 }
 
 TEST(TextureTrack, ADiscBeforeTiles) {
@@ -52,9 +56,7 @@ TEST(TextureTrack, ADiscBeforeTiles) {
   const LightErrors errors = errors_of(track(clip), clip);
   EXPECT_GE(errors.circles, 8);
   EXPECT_GE(errors.motions, 7);
-  EXPECT_EQ(errors.wrong, 0);
-  EXPECT_LT(errors.centre.rms(), 0.15);
-  EXPECT_LT(errors.centre.over_sds(), 2);
+  expect_close(errors);
 }
 
 // Of a disc's rim before wood that is known to a pixel, what lies beside it was taken for what lies
