@@ -76,7 +76,7 @@ TEST(TextureTrack, ADiscBeforeWoodIsNoSurerThanItIs) {
 // What lies before the ball in the first frame no other frame shows, and no search found it there:
 // the frames after it foretell it.
 TEST(TextureTrack, TheFirstFrameIsMeasuredFromThoseAfterIt) {
-  const LightFilm clip(before(Backdrop::kWood, true), 6, 12);
+  const LightFilm clip(before(Backdrop::kWood, true), 15, 12);
   const TrackResult result = track(clip, false, false);
   ASSERT_EQ(result.rows.size(), 12u);
   EXPECT_TRUE(result.rows[0].circle_ok);
