@@ -58,6 +58,7 @@ struct CircleOptions {
   std::shared_ptr<const Image<std::uint8_t>> region;
   int rays = 720;
   bool allow_ellipse = true;
+  bool flat = false;  // known to be a disc: deviations need not hold what a sphere would misplace
   // Throws InvalidArgument.
   void validate() const;
 };

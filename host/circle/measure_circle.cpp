@@ -186,6 +186,7 @@ struct Crossings {
   RimFit fit;
   int rays = 0;         // of the last trace
   double moved_px = 0;  // from the rim that this was cast about
+  double edge_sigma_px = 0;
 };
 
 Crossings trace_crossings(const Frame& frame, const RimSearch& search, const CirclePrior& prior,
@@ -208,23 +209,27 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     if (!sharpen && m.moved_px < kJudge.retrace_px) break;
     sharp |= sharpen;
   }
+  m.edge_sigma_px = trace.edge_sigma_px;
   return m;
 }
 
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in
 // the frame before. Ink in most edges and no model of it may be a sphere's, too. A fit that still
 // moves as often as it is traced again is known no better than it moves.
-void doubt_crossings(const CirclePrior& prior, double moved_px, CircleFit& fit) {
+void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
+                     const Crossings& crossings, CircleFit& fit) {
   const auto moves = [&](double by_px) {
     for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, by_px);
   };
   const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
-  if (sphere || fit.inked) {
+  if (!options.flat && (sphere || fit.inked)) {
     const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
     widen(fit, kSphere.crossings_centre_px, kSphere.crossings_radius_px);
     moves(off);
   }
-  if (moved_px >= kJudge.retrace_px) moves(moved_px);
+  if (crossings.moved_px >= kJudge.retrace_px) moves(crossings.moved_px);
+  // A wide edge takes in more ink, and one that is wider along the ball's way is no Gaussian's.
+  moves(kJudge.of_blur * std::max(0.0, crossings.edge_sigma_px - kJudge.sharp_px));
   // What no longer shows as an ellipse may still be one.
   if (!fit.ellipse) fit.r_sd_px = std::hypot(fit.r_sd_px, prior.e1_px, prior.e2_px);
 }
@@ -366,7 +371,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   // Crossings end more sharply at what hides the rim.
   result.circle.free_px = free_distance(trace, fit.rim);
   result.inked = fit.inked > kJudge.dense;
-  if (!result.rim_model) doubt_crossings(prior, crossings.moved_px, result);
+  if (!result.rim_model) doubt_crossings(prior, options, crossings, result);
   return accepted(result, frame, options);
 }
 

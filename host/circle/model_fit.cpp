@@ -231,13 +231,14 @@ ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& sea
                    const CirclePrior& prior, const CircleOptions& options, LineTrace& trace) {
   Learner as_disc(frame, known, search, prior, options, Surface::kFlat, trace);
   const ModelFit disc = as_disc.run();
+  if (options.flat && disc.fit.ok) return disc;
   const auto of_disc = as_disc.log_likelihood();
   thread_local LineTrace other;  // memory only
   Learner as_sphere(frame, known, search, prior, options, Surface::kSphere, other);
   ModelFit sphere;
   for (const double grown_px : kSphere.grown_px) {
+    if (options.flat || sphere.fit.ok) break;
     sphere = as_sphere.run(grown_px, of_disc);
-    if (sphere.fit.ok) break;
   }
   const bool is_sphere = sphere.fit.ok && !(of_disc && *as_sphere.log_likelihood() <
                                                            *of_disc + margin(other.levels.sphere));

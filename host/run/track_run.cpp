@@ -47,6 +47,7 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   if (request.radius_px) {
     options_.ball.circle.radius_range_px = {request.radius_px->low_px, request.radius_px->high_px};
   }
+  options_.ball.circle.flat = request.body == Body::kDisc;
   options_.frames = result_.frames = resolve(request.frames, info().frame_count);
   options_.roi = request.roi.value_or(Roi{0, 0, info().width, info().height});
   check_roi(options_.roi, info().width, info().height);

@@ -29,7 +29,8 @@ struct CircleErrors {
 };
 
 // Circles of a few frames, each found by itself from a prediction a pixel off.
-CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1) {
+CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1,
+                        const circle::CircleOptions& options = {}) {
   CircleErrors errors;
   for (const std::uint64_t seed : {first_seed, first_seed + 1}) {
     LightClip clip(scene, seed, 3);
@@ -39,7 +40,7 @@ CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1) {
       const BallPose& pose = clip.poses()[k];
       circle::CirclePrior prior;
       prior.predicted = {pose.cx_px + 1.1, pose.cy_px - 0.8, scene.radius_px + 0.6};
-      const circle::CircleFit fit = circle::measure_circle(frame, prior, {});
+      const circle::CircleFit fit = circle::measure_circle(frame, prior, options);
       if (fit.status != circle::CircleStatus::kOk) {
         ++errors.failed;
         continue;
@@ -291,14 +292,17 @@ TEST(LightAccuracy, NoiseAndFewPixelsAreInTheRadiusDeviation) {
   }
 }
 
-// The edge is wider along the way than across it, and one width misplaces the rim. The centre's
-// deviations are too small in a frame by itself.
-TEST(LightAccuracy, MotionBlurIsInTheRadiusDeviation) {
+// The edge is wider along the way than across it, and one width misplaces the rim. A disc that is
+// known to be one is not taken for a sphere there: 0.3 px too large.
+TEST(LightAccuracy, MotionBlurIsInTheDeviations) {
+  circle::CircleOptions options;
+  options.flat = true;
   const CircleErrors errors = circles_of(
-      {.name = "blur", .radius_px = 80, .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3}, 11);
+      {.name = "blur", .radius_px = 80, .exposure = 0.8, .dx_px = 5.2, .dy_px = -1.3}, 11, options);
   EXPECT_EQ(errors.failed, 0);
   EXPECT_LT(errors.centre.rms(), 0.06);
   EXPECT_LT(errors.radius.rms(), 0.07);
+  EXPECT_LT(errors.centre.over_sd(), 1.5);
   EXPECT_LT(errors.radius.over_sd(), 1.6);
 }
 

@@ -37,6 +37,9 @@ struct JudgementSettings {
   double noisier = 2;          // than when the model was learnt: learn again [hand]
   double followable = 0.9;     // share of the lines that must have to do with the rim where no
                                // search confirms it [hand]
+  // What crossings of an edge that is wider than this misplace the rim by, as a share of what it is
+  // wider by. [measured]: docs/log/accuracy.md, "Discs that are known to be discs"
+  double sharp_px = 1, of_blur = 0.1;
   // Runs of lines that show something else outside: obstacles make few, a background with a texture
   // more [measured] (bars at most 2, wood and tiles 14 to 32); what that misplaces a rim by.
   int texture_breaks = 6;

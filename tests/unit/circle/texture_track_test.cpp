@@ -3,6 +3,7 @@
 #include <impactdic/live/track_live.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "tests/support/tracks/light_tracks.h"
@@ -60,17 +61,23 @@ TEST(TextureTrack, ADiscBeforeTiles) {
 }
 
 // Of a disc's rim before wood that is known to a pixel, what lies beside it was taken for what lies
-// behind it: 0.13 px off with a deviation of 0.021.
-TEST(TextureTrack, ADiscBeforeWoodIsNoSurerThanItIs) {
+// behind it: 0.13 px off with a deviation of 0.021. Of a ball that is said to be a disc, crossings
+// need not hold what a sphere would misplace: they stated a radius to 0.35 px that erred by 0.05.
+TEST(TextureTrack, ADiscBeforeWoodIsAsSureAsItIs) {
   LightScene scene = before(Backdrop::kWood, false);
   scene.radius_px = 115;
   scene.dx_px = 0.73, scene.dy_px = -0.41;
-  const LightFilm clip(scene, 3, 12);
-  const LightErrors errors = errors_of(track(clip, false), clip);
-  EXPECT_EQ(errors.circles, 12);
+  LightErrors errors;
+  for (const std::uint64_t seed : {1, 3, 4, 5}) {
+    const LightFilm clip(scene, seed, 8);
+    errors.add(errors_of(track(clip, false), clip));
+  }
+  EXPECT_EQ(errors.circles, 32);
   EXPECT_EQ(errors.wrong, 0);
   EXPECT_LT(errors.centre.over_sds(), 1.6);
+  EXPECT_GT(errors.centre.over_sds(), 0.7);
   EXPECT_LT(errors.radius.over_sds(), 1.6);
+  EXPECT_GT(errors.radius.over_sds(), 0.7);
 }
 
 // What lies before the ball in the first frame no other frame shows, and no search found it there:
