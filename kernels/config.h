@@ -73,6 +73,11 @@
 #define FREE_DISTANCE 0
 #endif
 
+// And its centre in the first picture.
+#ifndef FREE_CENTRE
+#define FREE_CENTRE 0
+#endif
+
 // rigid.cl, of a sphere: 1 where it is seen in perspective or out of round.
 #ifndef SHAPED
 #define SHAPED 0

@@ -10,11 +10,7 @@
 // The largest n below, a literal wherever these are called: a work-item then has all in registers,
 // where a chain of local memory's latencies would be most of the time. Always inlined: LLVM 15
 // crashes where it propagates constants into them.
-#if FREE_DISTANCE
-#define LARGEST_SYSTEM 11
-#else
-#define LARGEST_SYSTEM 10
-#endif
+#define LARGEST_SYSTEM (10 + FREE_DISTANCE + 2 * FREE_CENTRE)
 
 // Replaces the packed lower triangle of A (n × n) by its Cholesky factor L, A = L Lᵀ, on whose
 // diagonal stand the reciprocals. 0 where a pivot falls below `smallest` times its diagonal

@@ -82,12 +82,13 @@ typedef struct BallSight {
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
 // sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
 // up, Z towards the camera, whose last component is guess_rot_rad; and the variance of what blurs
-// both pictures, px² (kernels/ball/blur.h).
+// both pictures, px² (kernels/ball/blur.h). centre_sd: deviation of cx and of cy, px, where the centre is
+// to be found along with the motion.
 typedef struct BallTask {
   idic_int first, second;
   float cx, cy, radius;
   float guess_dx, guess_dy, guess_rot_rad;
-  float ball_radius, blur;
+  float ball_radius, blur, centre_sd;
   float guess_rot_x_rad, guess_rot_y_rad;
   BallSight sight;
 } BallTask;
@@ -101,7 +102,8 @@ typedef struct BallTask {
 // Of a sphere (rot_x_rad, rot_y_rad, rot_rad) is the rotation vector, at most pi long, in the
 // camera's axes (X right, Y up, Z towards the camera), and `covariance` the lower triangle, row by
 // row, of dx, dy and the small turns about X, Y and Z of the first picture; 0 of a flat ball. Its
-// radius, px, and one over the camera's distance, 1/px, as given (deviation 0) or found.
+// radius, px, one over the camera's distance, 1/px, and its centre in the first picture, px, as given
+// (deviation 0) or found.
 typedef struct BallMotion {
   float dx, dy, rot_rad;
   float exx, exy, eyy;
@@ -113,6 +115,7 @@ typedef struct BallMotion {
   float covariance[15];
   float ball_radius, ball_radius_sd;
   float by_distance, by_distance_sd;
+  float cx, cy, cx_sd, cy_sd;
 } BallMotion;
 
 // What does not change from ball to ball.

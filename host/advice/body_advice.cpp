@@ -36,7 +36,7 @@ constexpr double kAgreeing = 0.5;  // share of the windows that must say so
 constexpr double kRimRadiusSd_px = 0.5;
 // Of all that turns show of the radius, and of it over the distance: one texture's errors are alike
 // in every pair.
-constexpr double kTurnRadiusSd_px = 0.05, kNearnessSd = 4e-4;
+constexpr double kTurnRadiusSd_px = 0.02, kNearnessSd = 4e-4;
 
 // A ball's outline does not change by as much from frame to frame, but in contact and where it is
 // not a sphere's: a fruit that turns.
@@ -118,9 +118,13 @@ class PairLook {
     if (sphere) options.perspective = perspective_;
     motion::PairMotion pair;
     pair.second_slot = 1;
-    pair.first = sphere ? motion::about_centre(pair_.first_ball, perspective_) : pair_.first_ball;
-    pair.second =
-        sphere ? motion::about_centre(pair_.second_ball, perspective_) : pair_.second_ball;
+    pair.first = pair_.first_ball;
+    pair.second = pair_.second_ball;
+    if (sphere) {
+      for (Circle* ball : {&pair.first, &pair.second}) {
+        *ball = motion::about_centre(*ball, perspective_);
+      }
+    }
     motion::make_motion_estimator(engine_, options, pair_.first_ball.r_px, frames_)
         ->measure({&pair, 1});
     return pair;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 
@@ -23,7 +24,7 @@ struct Look {
   std::int64_t index = 0;
   bool read = false;
   Frame first, second;  // cropped
-  std::optional<Circle> first_ball, second_ball;
+  std::optional<FoundBall> first_ball, second_ball;
   double saturated = 0;
   std::optional<double> edge_px, turn_deg, shift_px;
   bool interlaced = false;
@@ -53,15 +54,15 @@ Frame halved(const Frame& frame) {
   return half;
 }
 
-std::optional<Circle> measured(const Frame& frame, const Circle& near, double centre_sd_px,
-                               const AdviceRequest& request) {
+std::optional<FoundBall> measured(const Frame& frame, const Circle& near, double centre_sd_px,
+                                  const AdviceRequest& request) {
   circle::CirclePrior prior;
   prior.predicted = near;
   prior.centre_sd_px = centre_sd_px;
   const circle::CircleFit fit =
       circle::measure_circle(frame, prior, request.circle, request.backdrop.get());
   if (fit.status != circle::CircleStatus::kOk) return std::nullopt;
-  return fit.circle;
+  return FoundBall{fit.circle, std::hypot(fit.cx_sd_px, fit.cy_sd_px) / std::numbers::sqrt2};
 }
 
 // Whether the circle may be the ball, as far as scouts tell.
@@ -77,7 +78,8 @@ bool is_plausible(const Frame& frame, std::int64_t index, const Circle& found,
 }
 
 // In frame `index` among the analysed ones.
-std::optional<Circle> find(const Frame& frame, std::int64_t index, const AdviceRequest& request) {
+std::optional<FoundBall> find(const Frame& frame, std::int64_t index,
+                              const AdviceRequest& request) {
   constexpr int kLarge = 200;  // px; smaller pictures are searched as they are
   const circle::CircleOptions& options = request.circle;
   if (std::min(frame.width(), frame.height()) >= kLarge) {
@@ -95,8 +97,8 @@ std::optional<Circle> find(const Frame& frame, std::int64_t index, const AdviceR
   return ball && is_plausible(frame, index, *ball, request) ? ball : std::nullopt;
 }
 
-std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
-                                 const AdviceRequest& request) {
+std::optional<FoundBall> find_known(const Frame& frame, std::int64_t index,
+                                    const AdviceRequest& request) {
   for (const circle::BallCandidate::Sighting& seen : request.sightings) {
     if (seen.index != index) continue;
     const auto ball = measured(frame, seen.ball.circle, 2, request);
@@ -106,8 +108,8 @@ std::optional<Circle> find_known(const Frame& frame, std::int64_t index,
 }
 
 // In the frame after one with the ball at `before`.
-std::optional<Circle> find_next(const Frame& frame, std::int64_t index, const Circle& before,
-                                const AdviceRequest& request) {
+std::optional<FoundBall> find_next(const Frame& frame, std::int64_t index, const Circle& before,
+                                   const AdviceRequest& request) {
   constexpr double kMovedPx = 6;
   const auto near = measured(frame, before, kMovedPx, request);
   if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
@@ -333,7 +335,7 @@ std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceReques
   } catch (const Error&) {
     return std::nullopt;
   }
-  const std::optional<Circle> ball = find_next(found.picture, index, near, request);
+  const std::optional<FoundBall> ball = find_next(found.picture, index, near, request);
   if (!ball) return std::nullopt;
   found.ball = *ball;
   return found;

@@ -33,17 +33,22 @@ struct AdviceRequest {
   double rim_margin_px = 3;
 };
 
+// The ball's outline with the deviation of its centre about each axis, px.
+struct FoundBall : Circle {
+  double centre_sd_px = 0;
+};
+
 // Neighbouring frames, cut to the region of interest, and the ball in both.
 struct BallPair {
   std::int64_t index = 0;  // of the first among the analysed frames
   Frame first, second;
-  Circle first_ball, second_ball;
+  FoundBall first_ball, second_ball;
 };
 
 // One frame, cut to the region of interest, and the ball in it.
 struct BallPicture {
   Frame picture;
-  Circle ball;
+  FoundBall ball;
 };
 // Of the frame `index` among the analysed ones, the ball looked for near `near` first; nullopt
 // where there is none or the frame cannot be read.

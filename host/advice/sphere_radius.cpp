@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kTilt_deg = 25;     // farther, too little is seen in both pictures
 constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself shows
-// Beside chance: what a free radius is off by, since blur acts in the picture and foreshortening
-// does not move it along (four patterns, R 115 px: 0.09 px at most), and a circle as the texture
-// turns under its rim.
-constexpr double kFreeSd_px = 0.08, kCircleSd_px = 0.03;
+// Beside chance, what a free radius is off by: foreshortened texture (four patterns, R 115 px).
+constexpr double kFreeSd_px = 0.02;
+// No circle is told to be better than this: its texture turns under the rim.
+constexpr double kLeastCircleSd_px = 0.005;
 // The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
 constexpr double kFreeNearnessSd = 6e-4, kFirstNearness = 0.02;
 // No camera stands nearer; and what of a turn must lie across that which a flight would make.
@@ -51,7 +51,7 @@ class FarRegistration {
       : outline_(pair.first_ball),
         perspective_(perspective),
         frames_(engine, 2),
-        free_(engine, motion::ball_options(field, free_model(perspective))),
+        free_(engine, free_options(field, perspective)),
         given_(engine, motion::ball_options(field, dic::BallModel::kSphere)) {
     frames_.set(0, pair.first);
   }
@@ -64,7 +64,7 @@ class FarRegistration {
     Circle first = motion::about_centre(outline_, seen);
     auto found = registered(free_, first, outline_.r_px, expected(far.ball, turn, seen), seen);
     if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
-    learn_blur(first, *found, seen);
+    learn_blur(*found, seen);
     dic::RigidMotion near = motion::sphere_motion(*found);
     if (perspective_.is_unknown()) {
       // The nearer the ball, the farther is its centre from the outline's.
@@ -82,20 +82,41 @@ class FarRegistration {
       seen.by_distance_per_px = found->by_distance;
     }
     const double radius_px = found->ball_radius;
-    const auto given = registered(given_, first, radius_px, motion::sphere_motion(*found), seen);
+    const auto given =
+        registered(given_, centred(*found), radius_px, motion::sphere_motion(*found), seen);
     if (!given) return std::nullopt;
-    const dic::RigidMotion start = expected(far.ball, turn, seen);
+    dic::RigidMotion of_circles = expected(far.ball, turn, seen);
+    of_circles.dx_px += first.cx_px - found->cx;
+    of_circles.dy_px += first.cy_px - found->cy;
+    of_circles.dx_sd_px = std::hypot(found->cx_sd, circle_sd_px(far.ball));
+    of_circles.dy_sd_px = std::hypot(found->cy_sd, circle_sd_px(far.ball));
     WeightedMean sum;
     sum.add(radius_px, std::hypot(found->ball_radius_sd, kFreeSd_px));
-    add_circles(motion::sphere_motion(*given), start, radius_px, sum);
+    add_circles(motion::sphere_motion(*given), of_circles, radius_px, sum);
     told.radius_px = {sum.value(), sum.sd()};
     return told;
   }
 
  private:
-  static dic::BallModel free_model(const motion::Perspective& perspective) {
-    return perspective.is_unknown() ? dic::BallModel::kSphereRadiusAndDistance
-                                    : dic::BallModel::kSphereAndRadius;
+  static dic::BallOptions free_options(const FieldOptions& field,
+                                       const motion::Perspective& perspective) {
+    dic::BallOptions options = motion::ball_options(
+        field, perspective.is_unknown() ? dic::BallModel::kSphereRadiusAndDistance
+                                        : dic::BallModel::kSphereAndRadius);
+    options.free_centre = true;
+    return options;
+  }
+
+  static double circle_sd_px(const FoundBall& ball) {
+    return std::max(ball.centre_sd_px, kLeastCircleSd_px);
+  }
+
+  // The ball in the first picture as it was found.
+  Circle centred(const BallMotion& found) const {
+    Circle ball = outline_;
+    ball.cx_px = found.cx;
+    ball.cy_px = found.cy;
+    return ball;
   }
 
   static Measured nearness_of(const BallMotion& found) {
@@ -121,7 +142,7 @@ class FarRegistration {
            other < kNearest;
   }
 
-  dic::RigidMotion expected(const Circle& far, const Eigen::Vector3d& turn,
+  dic::RigidMotion expected(const FoundBall& far, const Eigen::Vector3d& turn,
                             const motion::Perspective& seen) const {
     const Circle first = motion::about_centre(outline_, seen);
     const Circle second = motion::about_centre(far, seen);
@@ -136,13 +157,13 @@ class FarRegistration {
 
   // What blurs the pictures is what leaves the least of them: the vertex of the parabola that the
   // squares left over make with it.
-  void learn_blur(const Circle& first, const BallMotion& found, const motion::Perspective& seen) {
+  void learn_blur(const BallMotion& found, const motion::Perspective& seen) {
     constexpr double kStep = kUsual / 2;
     double left[3];
     for (int i : {0, 1, 2}) {
       blur_px2_ = kUsual + (i - 1) * kStep;
       const auto given =
-          registered(given_, first, found.ball_radius, motion::sphere_motion(found), seen);
+          registered(given_, centred(found), found.ball_radius, motion::sphere_motion(found), seen);
       left[i] = given ? std::pow(given->residual, 2) : std::numeric_limits<double>::quiet_NaN();
     }
     const double bent = left[0] - 2 * left[1] + left[2];
@@ -156,6 +177,7 @@ class FarRegistration {
                                        const motion::Perspective& seen) {
     BallTask task = motion::sphere_task(first, radius_px, blur_px2_, start);
     task.second = 1;
+    task.centre_sd = static_cast<float>(circle_sd_px(outline_));
     task.sight = motion::sight_of(seen, outline_.r_px, {first, {}}, {}, first.cx_px, first.cy_px);
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
@@ -167,16 +189,17 @@ class FarRegistration {
                           double radius_px, WeightedMean& sum) {
     const auto response = sphere::source_response(
         {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad}, radius_px, {}, {}});
-    const auto add = [&](double circles, double measured, double measured_sd, double slope) {
-      const double sd_px = std::hypot(measured_sd, kCircleSd_px);
-      if (slope != 0) sum.add(radius_px + (circles - measured) / slope, sd_px / std::abs(slope));
+    const auto add = [&](double missed_px, double sd_px, double slope) {
+      if (slope != 0) sum.add(radius_px + missed_px / slope, sd_px / std::abs(slope));
     };
-    add(of_circles.dx_px, motion.dx_px, motion.dx_sd_px, response.dx[sphere::kToRadius]);
-    add(of_circles.dy_px, motion.dy_px, motion.dy_sd_px, response.dy[sphere::kToRadius]);
+    add(of_circles.dx_px - motion.dx_px, std::hypot(motion.dx_sd_px, of_circles.dx_sd_px),
+        response.dx[sphere::kToRadius]);
+    add(of_circles.dy_px - motion.dy_px, std::hypot(motion.dy_sd_px, of_circles.dy_sd_px),
+        response.dy[sphere::kToRadius]);
   }
 
   static constexpr double kUsual = sphere::kUsualBlur_px2;
-  Circle outline_;
+  FoundBall outline_;
   double blur_px2_ = kUsual;
   motion::Perspective perspective_;
   dic::DeviceFrames frames_;

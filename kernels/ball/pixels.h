@@ -214,6 +214,17 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   column[9] = slope_y * y * by_radius;
 #endif
 #if PARAMETERS == SPHERE
+#if FREE_CENTRE
+  // With the centre elsewhere in both pictures the second one shows the ball displaced, and a pixel
+  // of the first one another of its points.
+#if SHAPED
+  column[REGRESSORS - 2] = column[4] - first_closer * slope_x;
+  column[REGRESSORS - 1] = column[5] - first_closer * slope_y;
+#else
+  column[REGRESSORS - 2] = column[4] - slope_x;
+  column[REGRESSORS - 1] = column[5] - slope_y;
+#endif
+#endif
   // Like the slopes, in grey levels of the first picture.
   const REAL blurred = task.blur * blur_change(at, limits.plane_pitch, px, py, limits.width,
                                                limits.height, change);

@@ -16,7 +16,7 @@
 
 #define SPHERE 5 /* PARAMETERS of a sphere: u, v and three turns */
 #define LIGHT 4  /* 1, f, f X/R, f Y/R */
-#define MOVES (PARAMETERS + FREE_RADIUS + FREE_DISTANCE)
+#define MOVES (PARAMETERS + FREE_RADIUS + FREE_DISTANCE + 2 * FREE_CENTRE)
 #define REGRESSORS (LIGHT + MOVES) /* and the slopes by the parameters over the radius */
 #define COLUMNS (REGRESSORS + 1)   /* and r */
 #define PRODUCTS (COLUMNS * (COLUMNS + 1) / 2)
@@ -54,6 +54,9 @@
 // The scale is not taken to be smaller than this, grey levels of 255: where there is no noise,
 // rounding and interpolation are largest at the edges, which must not look like outliers.
 #define SMALLEST_SCALE 1.0f
+// Pre-smoothing makes neighbouring pixels err alike: what many pixels tell has this many times the
+// variance that one pixel's residual shows.
+#define ALIKE 1.7f
 #define SMALLEST_PIVOT 1e-6f
 #define SMALLEST_SHARE 0.2f /* of the disc, in view and with weight */
 
@@ -88,6 +91,8 @@ typedef struct Shared {
   float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
   float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
   float radius;                           // of the sphere
+  float centre[2];                        // of the sphere in the first picture, px
+  float told;                             // weight of the centre that was told, see tell_centre
 #if SHAPED
   Seen seen[2];  // in the first and the second picture
 #if FREE_DISTANCE

@@ -9,7 +9,8 @@
 // centre. A sphere (5) is turned in depth: W(X) = d + (Q q)_xy with q = (X, √(R² − X²)) and Q in
 // SO(3), pixels that are turned out of sight have no weight, and
 //   D δ = P δd + (Z, δθ), P a shift of the second picture as it looks on the first one's sphere.
-// Its motions are composed as Q exp(−δθ), d − δd. SHAPED 1: in perspective, or compressed
+// Its motions are composed as Q exp(−δθ), d − δd. FREE_CENTRE 1: a centre that is told by δc too
+// far off is found as (P − 1) δc, with what was told of it. SHAPED 1: in perspective, or compressed
 // (sight.h). The scale of the weights is the median of |r| of
 // the step before (a histogram's).
 #include "kernels/ball/pass.h"
@@ -30,7 +31,10 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
   __local float scratch[REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
-  const BallTask task = tasks[get_group_id(0)];
+  BallTask task = tasks[get_group_id(0)];
+#if FREE_CENTRE
+  const BallTask told = task;
+#endif
   const int cx = clamp((int)rint(task.cx), 0, limits.width - 1);
   const int cy = clamp((int)rint(task.cy), 0, limits.height - 1);
   __global const float* value =
@@ -43,6 +47,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     warp_start(shared.warp, task.guess_dx, task.guess_dy, task.guess_rot_rad);
 #if PARAMETERS == SPHERE
     shared.radius = task.ball_radius;
+    shared.centre[0] = task.cx;
+    shared.centre[1] = task.cy;
 #if SHAPED
     shared.seen[0] =
         seen_with(task.sight.by_distance, task.sight.first_x, task.sight.first_y, task.sight.first);
@@ -73,11 +79,18 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     for (int b = item; b < BINS; b += GROUP) shared.histogram[b] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (shared.status != STATUS_RUNNING) break;
+#if FREE_CENTRE
+    task.cx = shared.centre[0];
+    task.cy = shared.centre[1];
+#endif
     // Read before the first work-item can go on to change it.
     const int counted = shared.bin > 0.0f;
     const Box box = disc_box(task, shared.coarse, limits.width, limits.height);
     pass(value, second, mask, task, box, limits, scratch, &shared);
     if (counted) sum_bins(&shared);
+#if FREE_CENTRE
+    if (item == 0) tell_centre(&shared, task, told, limits);
+#endif
     if (item == 0) step(&shared, task, limits);
     barrier(CLK_LOCAL_MEM_FENCE);
   }
@@ -104,7 +117,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
 #if PARAMETERS == SPHERE
   (void)noise;
   if (status == STATUS_OK) {
-    store_sphere(out, &shared, task.radius, 2.0f * ROUNDING_VARIANCE * share);
+    store_sphere(out, &shared, task.radius, task.centre_sd, 2.0f * ROUNDING_VARIANCE * share);
   } else {
     store_failure(out);
   }

@@ -61,7 +61,8 @@ BARRIER_INLINE float sandwich(__local const float* scores, __local const float* 
 // Lane 0: the motion and its covariance. `rounding`: variance of a pixel that a residual need not
 // show. shared->sums holds the factor of the last step's normal matrix.
 BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* shared,
-                                 const float radius, const float rounding) {
+                                 const float radius, const float centre_sd,
+                                 const float rounding) {
   const float by_gain = 1.0f / shared->light[1];
   const float unit[PARAMETERS] = {by_gain, by_gain, by_gain / radius, by_gain / radius,
                                   by_gain / radius};
@@ -73,6 +74,11 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
       shared->inverse[k * REGRESSORS + i] = shared->solution[i];
     }
   }
+#if FREE_CENTRE
+  // The error of what was told of the centre.
+  const float told = shared->told * by_gain * centre_sd;
+  for (int k = REGRESSORS - 2; k < REGRESSORS; ++k) shared->scores[TRIANGLE(k, k)] += told * told;
+#endif
 #pragma unroll 1
   for (int k = 0; k < PARAMETERS; ++k) {
     __local const float* row = shared->inverse + k * REGRESSORS;
@@ -91,6 +97,20 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   out->ball_radius_sd = by_gain * sqrt(shared->stretch * shared->stretch *
                                            sandwich(shared->scores, of_radius, of_radius) +
                                        rounding * of_radius[LIGHT + PARAMETERS]);
+#endif
+  out->cx = shared->centre[0];
+  out->cy = shared->centre[1];
+  out->cx_sd = out->cy_sd = 0.0f;
+#if !FREE_CENTRE
+  (void)centre_sd;
+#else
+  __local const float* of_x = shared->inverse + (MOVES - 2) * REGRESSORS;
+  __local const float* of_y = shared->inverse + (MOVES - 1) * REGRESSORS;
+  const float found_part = shared->stretch * shared->stretch;
+  out->cx_sd = by_gain * sqrt(found_part * sandwich(shared->scores, of_x, of_x) +
+                              rounding * of_x[LIGHT + MOVES - 2]);
+  out->cy_sd = by_gain * sqrt(found_part * sandwich(shared->scores, of_y, of_y) +
+                              rounding * of_y[LIGHT + MOVES - 1]);
 #endif
 #if SHAPED
   out->by_distance = shared->seen[0].by_distance;

@@ -53,6 +53,10 @@ BARRIER_INLINE float move(__local Shared* shared, const float radius) {
   shared->radius =
       clamp(shared->radius - s[5] * by_gain, radius + 0.5f, LARGEST_SPHERE * radius + 0.5f);
 #endif
+#if FREE_CENTRE
+  shared->centre[0] -= s[MOVES - 2] * by_gain;
+  shared->centre[1] -= s[MOVES - 1] * by_gain;
+#endif
 #if FREE_DISTANCE
   see_from(shared, clamp(shared->seen[0].by_distance - s[6] * by_both / radius, WIDEST / radius,
                          NEAREST / radius));
@@ -98,6 +102,26 @@ static inline float median_scale(__local const Shared* shared) {
   const float within = (middle - (float)below) / (float)max(shared->histogram[k], 1);
   return 1.4826f * shared->bin * ((float)k + within);
 }
+
+#if FREE_CENTRE
+// Adds to the sums what was told of the centre before the pictures, as one more row of the
+// regression (a prior: Bayes' rule for normal errors). Before the first residuals a pixel is taken
+// to err by one grey level of 255.
+BARRIER_INLINE void tell_centre(__local Shared* shared, const BallTask task,
+                                const BallTask told, const BallLimits limits) {
+  const float least = limits.grey_level * limits.grey_level;
+  const float variance = shared->variance > least ? shared->variance : least;
+  const float by_gain = 1.0f / shared->light[1];
+  shared->told = ALIKE * variance / (told.centre_sd * told.centre_sd);
+  const float counts = shared->told / (shared->coarse ? COARSE_ROWS * COARSE_UNITS : 1);
+  const float off[2] = {task.cx - told.cx, task.cy - told.cy};
+  for (int k = 0; k < 2; ++k) {
+    const int column = REGRESSORS - 2 + k;
+    shared->sums[TRIANGLE(column, column)] += counts * by_gain * by_gain;
+    shared->sums[TRIANGLE(REGRESSORS, column)] += counts * by_gain * off[k];
+  }
+}
+#endif
 
 // Lane 0: one Gauss–Newton step from the sums, and what the next pass is to do.
 BARRIER_INLINE void step(__local Shared* shared, const BallTask task, const BallLimits limits) {

@@ -96,6 +96,7 @@ static inline void store_failure(__global BallMotion* out) {
   out->rot_x_rad = out->rot_y_rad = NAN;
   for (int k = 0; k < 15; ++k) out->covariance[k] = NAN;
   out->ball_radius = out->ball_radius_sd = out->by_distance = out->by_distance_sd = NAN;
+  out->cx = out->cy = out->cx_sd = out->cy_sd = NAN;
 }
 
 #endif  // IMPACTDIC_KERNELS_BALL_STORE_H_

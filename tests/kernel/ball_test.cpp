@@ -215,9 +215,10 @@ struct GuessedRadius {
     task.sight.first_x = task.sight.second_x = start * (task.cx - static_cast<float>(kAxisX));
     task.sight.first_y = task.sight.second_y = start * (task.cy - static_cast<float>(kAxisY));
   }
-  BallMotion measure(dic::BallModel model) {
+  BallMotion measure(dic::BallModel model, bool free_centre = false) {
     dic::BallOptions options;
     options.model = model;
+    options.free_centre = free_centre;
     return dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
   }
 
@@ -254,6 +255,27 @@ TEST(SphereKernel, FindsRadiusAndDistanceAlongWithTheTurn) {
   EXPECT_NEAR(got.ball_radius, kRadiusPx, 5 * got.ball_radius_sd);
   EXPECT_NEAR(got.dx, 0.8, 5 * got.dx_sd);
   EXPECT_NEAR(got.rot_y_rad, pair.turn.y(), 5 * std::sqrt(got.covariance[9]));
+}
+
+// A point beside the centre that was told lies at another depth, which a turn shows.
+TEST(SphereKernel, FindsTheCentreAlongWithTheTurn) {
+  constexpr auto kModel = dic::BallModel::kSphereAndRadius;
+  GuessedRadius pair(11, 20);
+  const float cx = pair.task.cx, cy = pair.task.cy;
+  pair.task.cx += 0.12F;
+  pair.task.cy -= 0.09F;
+  EXPECT_THROW(pair.measure(kModel, true), InvalidArgument);  // nothing is said of the centre
+  pair.task.centre_sd = 0.1F;
+  const BallMotion got = pair.measure(kModel, true);
+  ASSERT_EQ(got.status, static_cast<idic_int>(WindowStatus::kOk));
+  EXPECT_LT(std::max(got.cx_sd, got.cy_sd), 0.03);
+  EXPECT_NEAR(got.cx, cx, 4 * got.cx_sd);
+  EXPECT_NEAR(got.cy, cy, 4 * got.cy_sd);
+  EXPECT_NEAR(got.ball_radius, kRadiusPx, 4 * got.ball_radius_sd);
+  EXPECT_NEAR(got.rot_y_rad, pair.turn.y(), 4 * std::sqrt(got.covariance[9]));
+  // What was told counts: hardly free, it stays.
+  pair.task.centre_sd = 1e-4F;
+  EXPECT_NEAR(pair.measure(kModel, true).cx, pair.task.cx, 0.005);
 }
 
 // Two halves of a picture that move apart: each mask sees its own.

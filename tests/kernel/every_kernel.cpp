@@ -102,13 +102,14 @@ void run_icgn() {
   setting.finish();
 }
 
-void run_ball(dic::BallModel model, const BallSight& sight = {}) {
+void run_ball(dic::BallModel model, const BallSight& sight = {}, bool free_centre = false) {
   Setting setting(8);
   dic::BallOptions options;
   options.model = model;
+  options.free_centre = free_centre;
   options.spline_degree = 3;
   dic::BallRegistration ball(setting.engine, options);
-  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0.75F, 0, 0, sight};
+  const BallTask task{0, 1, 23, 22, 12, 1, -1, 0, 14, 0.75F, 0.05F, 0, 0, sight};
   const BallMotion motion = ball.measure(setting.frames, {&task, 1})[0];
   std::printf("status %d, (%.4f, %.4f) px\n", motion.status, motion.dx, motion.dy);
 }
@@ -173,7 +174,7 @@ const std::map<std::string, std::function<void()>> kCases = {
     {"ball_shaped",
      [] {
        run_ball(dic::BallModel::kSphereAndRadius,
-                {3e-3F, 0.01F, -0.02F, 0.01F, -0.02F, {-0.02F, 0.001F, 0}, {-0.03F, 0, 0}});
+                {3e-3F, 0.01F, -0.02F, 0.01F, -0.02F, {-0.02F, 0.001F, 0}, {-0.03F, 0, 0}}, true);
      }},
     {"ball_affine", [] { run_ball(dic::BallModel::kAffine); }},
     {"ring", run_ring},

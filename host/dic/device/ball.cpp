@@ -42,6 +42,8 @@ void BallOptions::validate() const {
   if (!(min_correlation >= -1 && min_correlation <= 1)) {
     throw InvalidArgument("the smallest correlation must lie in -1 ... 1");
   }
+  if (free_centre && !is_sphere(model))
+    throw InvalidArgument("only a sphere's turn tells its centre");
   if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
 }
 
@@ -70,6 +72,7 @@ cl::Kernel& BallRegistration::kernel(bool shaped) {
                            {"PARAMETERS", std::to_string(parameters(options_.model))},
                            {"FREE_RADIUS", flag(distance || options_.model == kSphereAndRadius)},
                            {"FREE_DISTANCE", flag(distance)},
+                           {"FREE_CENTRE", flag(options_.free_centre)},
                            {"SHAPED", flag(shaped)},
                            {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
                            {"MASKED", flag(options_.mask.size() > 0)}});
@@ -134,6 +137,9 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
     if (!(task.radius > 0)) throw InvalidArgument("a ball's radius must be positive");
     if (is_sphere(options_.model) && !(task.ball_radius >= task.radius)) {
       throw InvalidArgument("a sphere's radius must reach its disc's");
+    }
+    if (options_.free_centre && !(task.centre_sd > 0)) {
+      throw InvalidArgument("a centre that is to be found needs a deviation");
     }
     pixels += std::numbers::pi * task.radius * task.radius;
   }

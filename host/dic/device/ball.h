@@ -22,6 +22,10 @@ enum class BallModel { kRigid, kAffine, kSphere, kSphereAndRadius, kSphereRadius
 
 struct BallOptions {
   BallModel model = BallModel::kRigid;
+  // Of a sphere: the centre in the first picture is found along with its motion, as far as both the
+  // pictures and BallTask.centre_sd say. A turn shows it: a point beside the centre it is thought
+  // to have lies at another depth.
+  bool free_centre = false;
   bool robust = true;               // Tukey's biweight against what does not move with the ball
   int spline_degree = 7;            // 3, 5 or 7
   double presmooth_sigma_px = 0.5;  // Gaussian over both frames: halves the interpolation's bias
@@ -43,7 +47,7 @@ class BallRegistration {
   // 3 px and 3° of the motion (of a sphere, at its surface, within a speckle's size). Throws
   // InvalidArgument for a slot that is not there, for a sphere without its radius, where a ball
   // that is no sphere is to be seen in perspective, and where a distance that is to be found has
-  // nothing to begin with.
+  // nothing to begin with, or a centre no deviation.
   std::vector<BallMotion> measure(DeviceFrames& frames, std::span<const BallTask> tasks);
 
  private:

@@ -24,7 +24,7 @@ inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsig
     const double at = static_cast<double>(index);
     BallPose pose{149.7 + 0.4 * at, 150.2 - 0.3 * at};
     sim::speckle::set_orientation(pose, dic::quaternion_of(at * turn));
-    advice::BallPicture made{{}, {pose.cx_px, pose.cy_px, kRadiusPx}};
+    advice::BallPicture made{{}, {{pose.cx_px, pose.cy_px, kRadiusPx}, 0.01}};
     sphere.render(pose, index, made.picture);
     return made;
   };

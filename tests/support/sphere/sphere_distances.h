@@ -1,4 +1,5 @@
-// How well two pictures of a sphere tell from where it is seen: what the tests and the bench share.
+// How well two pictures of a sphere tell from where it is seen, its circle known as well as in a
+// clip: what the tests and the bench share.
 #pragma once
 
 #include <string>
@@ -26,7 +27,9 @@ struct DistancesFound {
 
 inline DistancesFound measure_distances(int count, const DistanceView& view, unsigned seed) {
   std::mt19937 random(seed);
+  constexpr float kCircleSd_px = 0.02F;
   std::uniform_real_distribution<double> off(-1, 1);
+  std::normal_distribution<float> of_circle(0, kCircleSd_px);
   SynthScene scene;
   scene.distance_radii = view.distance_radii;
   scene.lamp_share = view.lamp_share;
@@ -41,6 +44,7 @@ inline DistancesFound measure_distances(int count, const DistanceView& view, uns
       sim::speckle::paint_sphere(view.pattern, seed, kRadiusPx), scene);
   dic::BallOptions options;
   options.model = dic::BallModel::kSphereRadiusAndDistance;
+  options.free_centre = true;
   dic::DeviceFrames frames(shared_engine(), 2);
   dic::BallRegistration registration(shared_engine(), options);
   DistancesFound found;
@@ -61,6 +65,9 @@ inline DistancesFound measure_distances(int count, const DistanceView& view, uns
       frames.set(i, pictures[i]);
     }
     BallTask task = task_near(first, second, turn, random);
+    task.cx += of_circle(random);
+    task.cy += of_circle(random);
+    task.centre_sd = kCircleSd_px;
     task.ball_radius += static_cast<float>(0.3 * off(random));
     task.sight = sight_between(first, second, {0.02 / kRadiusPx, middle, middle});
     const BallMotion got = registration.measure(frames, {&task, 1})[0];
