@@ -25,11 +25,17 @@ struct DistancesFound {
   Errors radius_px;
 };
 
+// As a circle misplaces its ball.
+inline void misplace(BallTask& task, std::mt19937& random) {
+  task.centre_sd = 0.02F;
+  std::normal_distribution<float> off(0, task.centre_sd);
+  task.cx += off(random);
+  task.cy += off(random);
+}
+
 inline DistancesFound measure_distances(int count, const DistanceView& view, unsigned seed) {
   std::mt19937 random(seed);
-  constexpr float kCircleSd_px = 0.02F;
   std::uniform_real_distribution<double> off(-1, 1);
-  std::normal_distribution<float> of_circle(0, kCircleSd_px);
   SynthScene scene;
   scene.distance_radii = view.distance_radii;
   scene.lamp_share = view.lamp_share;
@@ -65,9 +71,7 @@ inline DistancesFound measure_distances(int count, const DistanceView& view, uns
       frames.set(i, pictures[i]);
     }
     BallTask task = task_near(first, second, turn, random);
-    task.cx += of_circle(random);
-    task.cy += of_circle(random);
-    task.centre_sd = kCircleSd_px;
+    misplace(task, random);
     task.ball_radius += static_cast<float>(0.3 * off(random));
     task.sight = sight_between(first, second, {0.02 / kRadiusPx, middle, middle});
     const BallMotion got = registration.measure(frames, {&task, 1})[0];
