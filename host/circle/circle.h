@@ -58,7 +58,9 @@ struct CircleOptions {
   std::shared_ptr<const Image<std::uint8_t>> region;
   int rays = 720;
   bool allow_ellipse = true;
-  bool flat = false;  // known to be a disc: deviations need not hold what a sphere would misplace
+  // Known to be a sphere, or a disc: no other model of the rim is taken where its own holds, and of
+  // a disc no deviation holds what a sphere would misplace. Absent: the rim tells.
+  std::optional<bool> sphere;
   // Throws InvalidArgument.
   void validate() const;
 };

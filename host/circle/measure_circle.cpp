@@ -94,15 +94,16 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   fit.own.r_sd_px =
       std::hypot(fit.own.r_sd_px, m.rim_model->place_sd_px() * std::sqrt(fit.own.misplaced));
   fill(fit, sigma, prior.radius_bias_sd_px, result);
+  const bool arc = fit.points < kSphere.most_left * trace.in_view;
   if (m.rim_model->surface() != Surface::kFlat) {
     // Ink misplaces the rim alike all around; light does not, and bends it. What is darker than the
     // background may be the dark side of a ball.
     if (bright && is_evenly_lit(trace)) result.cx_with_r = result.cy_with_r = 0;
-    widen(result, 0, kSphere.radius_sd_of_r * result.circle.r_px);
+    const double usual = arc ? kSphere.radius_sd_of_r * result.circle.r_px : 0;
+    widen(result, 0, std::max(m.rim_model->light_sd_px(), usual));
   }
   // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
-  if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) &&
-      fit.points < kSphere.most_left * trace.in_view) {
+  if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) && arc) {
     result.cx_sd_px = std::hypot(result.cx_sd_px, kSphere.arc_sd_px);
     result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
@@ -222,7 +223,7 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
     for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, by_px);
   };
   const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
-  if (!options.flat && (sphere || fit.inked)) {
+  if (options.sphere.value_or(true) && (sphere || fit.inked)) {
     const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;
     widen(fit, kSphere.crossings_centre_px, kSphere.crossings_radius_px);
     moves(off);

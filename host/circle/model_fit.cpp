@@ -82,6 +82,19 @@ class Learner {
     if (!model_ || !fit_.ok) return std::nullopt;
     return circle::log_likelihood(trace_, *model_, from_, fit_);
   }
+  // By the frame alone, whether the model holds or not; nullopt where nothing was fitted.
+  std::optional<double> radius_px() const {
+    return fit_.ok ? std::optional(fit_.own.r_px) : std::nullopt;
+  }
+  // What light and foreshortened ink make of a disc's radius is known to a share of itself.
+  void doubt_correction(std::optional<double> disc_px) {
+    const double usual = kSphere.radius_sd_of_r * fit_.rim.r;
+    const double by_px = disc_px ? std::abs(fit_.own.r_px - *disc_px) : usual;
+    const bool tells =
+        disc_px && by_px < kSphere.most_shift_px && fit_.misfit < kSphere.poor_misfit;
+    const double most = kSphere.most_of_usual * usual;
+    model_->set_light_sd_px(tells ? std::min(kSphere.of_correction * by_px, most) : usual);
+  }
 
  private:
   RimTexture texture() const {
@@ -231,19 +244,24 @@ ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& sea
                    const CirclePrior& prior, const CircleOptions& options, LineTrace& trace) {
   Learner as_disc(frame, known, search, prior, options, Surface::kFlat, trace);
   const ModelFit disc = as_disc.run();
-  if (options.flat && disc.fit.ok) return disc;
+  const bool known_disc = options.sphere == false;
+  if (known_disc && disc.fit.ok) return disc;
   const auto of_disc = as_disc.log_likelihood();
   thread_local LineTrace other;  // memory only
   Learner as_sphere(frame, known, search, prior, options, Surface::kSphere, other);
   ModelFit sphere;
   for (const double grown_px : kSphere.grown_px) {
-    if (options.flat || sphere.fit.ok) break;
+    if (known_disc || sphere.fit.ok) break;
     sphere = as_sphere.run(grown_px, of_disc);
   }
-  const bool is_sphere = sphere.fit.ok && !(of_disc && *as_sphere.log_likelihood() <
-                                                           *of_disc + margin(other.levels.sphere));
+  const auto above = [&] {
+    return options.sphere.value_or(false) ? kSphere.likelier_known : margin(other.levels.sphere);
+  };
+  const bool is_sphere =
+      sphere.fit.ok && !(of_disc && *as_sphere.log_likelihood() < *of_disc + above());
   if (!is_sphere && disc.fit.ok) return disc;
   if (!is_sphere) sphere = {};
+  if (is_sphere) as_sphere.doubt_correction(as_disc.radius_px());
   // The light of an outline is found from more of the ball.
   const Rim& rim = is_sphere ? sphere.fit.rim : known.rim;
   LineRequest request{search.polarity, step_px_of(search.blur_px, rim.r), options.rays};
@@ -259,7 +277,9 @@ ModelFit learn_rim(const Frame& frame, const RimFit& known, const RimSearch& sea
     Learner as_outline(frame, known, either, prior, options, Surface::kOutline, trace);
     for (const double grown_px : kSphere.grown_px) {
       const ModelFit outline = as_outline.run(grown_px);
-      if (outline.fit.ok) return outline;
+      if (!outline.fit.ok) continue;
+      as_outline.doubt_correction(std::nullopt);
+      return outline;
     }
   }
   if (!is_sphere) return {};

@@ -47,7 +47,7 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
   if (request.radius_px) {
     options_.ball.circle.radius_range_px = {request.radius_px->low_px, request.radius_px->high_px};
   }
-  options_.ball.circle.flat = request.body == Body::kDisc;
+  if (request.body != Body::kAuto) options_.ball.circle.sphere = request.body == Body::kSphere;
   options_.frames = result_.frames = resolve(request.frames, info().frame_count);
   options_.roi = request.roi.value_or(Roi{0, 0, info().width, info().height});
   check_roi(options_.roi, info().width, info().height);
@@ -187,6 +187,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     shown = judged.nearness;
   }
   options_.estimator.sphere = result_.body == Body::kSphere;
+  if (options_.estimator.sphere) options_.ball.circle.sphere = true;  // a disc is only not refuted
   if (options_.with_field) {
     caller_.say(MessageKind::kNote,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);

@@ -43,8 +43,8 @@ namespace {
 constexpr std::size_t kStoredNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
 
 RimTexture texture_of(const std::vector<double>& numbers) {
-  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms &&
-      numbers.size() != kStoredNumbers + kLightTerms + 1) {
+  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms + 1 &&
+      numbers.size() != kStoredNumbers + kLightTerms + 2) {
     throw InvalidArgument("a rim model has another count of numbers", "resume");
   }
   RimTexture texture;
@@ -67,7 +67,8 @@ RimModel::RimModel(const std::vector<double>& numbers)
   if (numbers.size() == kStoredNumbers) return;
   LightTerms terms;
   std::copy_n(numbers.begin() + kStoredNumbers, kLightTerms, terms.begin());
-  const bool outline = numbers.size() > kStoredNumbers + kLightTerms;
+  light_sd_px_ = numbers[kStoredNumbers + kLightTerms];
+  const bool outline = numbers.size() > kStoredNumbers + kLightTerms + 1;
   set_surface(outline ? Surface::kOutline : Surface::kSphere, SphereLight(terms));
 }
 
@@ -83,6 +84,7 @@ std::vector<double> RimModel::numbers() const {
   if (light_) {
     const LightTerms& terms = light_->terms();
     numbers.insert(numbers.end(), terms.begin(), terms.end());
+    numbers.push_back(light_sd_px_);
   }
   if (surface_ == Surface::kOutline) numbers.push_back(1);
   return numbers;

@@ -40,6 +40,9 @@ class RimModel {
   // the model's.
   double place_sd_px() const { return place_sd_px_; }
   void set_place_sd_px(double sd) { place_sd_px_ = sd; }
+  // Of a sphere: how far its light and the foreshortening of its ink may misplace the radius.
+  double light_sd_px() const { return light_sd_px_; }
+  void set_light_sd_px(double sd) { light_sd_px_ = sd; }
   const RimTexture& texture() const { return texture_; }
   // What the ball shows, and of a sphere the light in which it was learnt.
   Surface surface() const { return surface_; }
@@ -108,7 +111,7 @@ class RimModel {
 
   RimTexture texture_;
   double edge_sigma_px_, noise_, step_px_, sigma_;
-  double place_sd_px_ = 0;
+  double place_sd_px_ = 0, light_sd_px_ = 0;
   Surface surface_ = Surface::kFlat;
   std::optional<SphereLight> light_;
   std::unique_ptr<const RimModel> blurred_;

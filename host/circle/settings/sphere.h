@@ -40,8 +40,13 @@ struct SphereSettings {
   // And how far off what they or the search found the rim may be sought by its model, px.
   double seek_px = 1.5;                                          // [hand]
   double crossings_centre_px = 0.1, crossings_radius_px = 0.35;  // [measured] light_accuracy
-  // Of the radius, beside what the model says: how a texture learnt from one frame misplaces it, or
-  // a disc's model that fits a sphere; this moves the centre, too.
+  // What light and foreshortened ink make of the radius that a disc's model finds is known to this
+  // share of itself.
+  double of_correction = 0.35;  // [measured] light_accuracy, eight patterns
+  double most_of_usual = 1.5;   // and to so much of radius_sd_of_r [measured] the same
+  double poor_misfit = 13;      // as LearningSettings::misfit: nothing is told by such a fit [hand]
+  // Of the radius, beside what the model says, where no disc's model tells: how a texture learnt
+  // from one frame misplaces it, or a disc's model that fits a sphere; this moves the centre, too.
   double radius_sd_of_r = 9e-4;       // [measured] light_accuracy, seven patterns
   double disc_centre_sd_of_r = 2e-4;  // [measured] the same
   // learn_rim.
@@ -53,9 +58,10 @@ struct SphereSettings {
   double likelier_even = 0.3, even = 0.85;  // in light whose least is so much of its most [hand]
   // A sphere whose rim fades and that keeps less of its lines than this is known by an arc, which
   // may misplace it by so much, px.
-  double most_left = 0.7;   // [hand]
-  double arc_sd_px = 0.12;  // [measured] light_accuracy, seeds 1 to 3
-  double likelier = 0.02;   // of a line's ln p that a sphere must be above a disc [hand]
+  double most_left = 0.7;         // [hand]
+  double arc_sd_px = 0.12;        // [measured] light_accuracy, seeds 1 to 3
+  double likelier_known = -0.15;  // of a ball that is known to be a sphere [measured] the same
+  double likelier = 0.02;         // of a line's ln p that a sphere must be above a disc [hand]
 };
 inline constexpr SphereSettings kSphere;
 
