@@ -42,6 +42,22 @@ BARRIER_INLINE void sum_rows(const int count, __local float* scratch, __local fl
     (void)(scratch);                                                                          \
     _Pragma("unroll") for (int k_ = 0; k_ < (count); ++k_)(total)[k_] = SUM_LANES((own)[k_]); \
   }
+#elif GROUP >= 256
+// The loop stays a loop, for which the sums lie in an array that is indexed: unrolled it would be a
+// fourth of what the compiler has to do for a ball, and many work-items hide what the array costs.
+#define GROUP_SUMS(own, count, scratch, total)                                                  \
+  {                                                                                             \
+    const int item_ = (int)get_local_id(0);                                                     \
+    float kept_[(count)];                                                                       \
+    _Pragma("unroll") for (int k_ = 0; k_ < (count); ++k_) kept_[k_] = SUM_LANES((own)[k_]);    \
+    _Pragma("unroll 1") for (int first_ = 0; first_ < (count); first_ += REDUCE_ROWS) {         \
+      const int rows_ = min((count)-first_, REDUCE_ROWS);                                       \
+      _Pragma("unroll 1") for (int k_ = 0; k_ < rows_; ++k_) {                                  \
+        (scratch)[k_ * REDUCE_PITCH + item_] = kept_[first_ + k_];                              \
+      }                                                                                         \
+      sum_rows(rows_, (scratch), (total) + first_);                                             \
+    }                                                                                           \
+  }
 #else
 #define GROUP_SUMS(own, count, scratch, total)                                        \
   {                                                                                   \

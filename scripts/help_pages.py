@@ -82,6 +82,9 @@ def man_page(version, main, commands):
             "2: the request was wrong. An error is one line on stderr.",
             ".SH ENVIRONMENT", ".TP", "\\fBIMPACTDIC_CACHE_DIR\\fR",
             roff("Folder of compiled kernels; without it a folder of the user's cache."),
+            ".TP", "\\fBIMPACTDIC_COMPILERS\\fR",
+            roff("How many processes compile kernels that are not in that folder; 0: none beside this "
+                 "one. Without it as many as help."),
             ".TP", "\\fBIMPACTDIC_PYTHON\\fR", roff("The Python that draws reports.")]
     return "\n".join(out) + "\n"
 

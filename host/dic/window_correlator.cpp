@@ -8,6 +8,31 @@
 #include "host/dic/seed_options.h"
 
 namespace impactdic::dic {
+namespace {
+
+// Pictures are cut about a clip's ball: not another program for every width, for a few per cent.
+ZnccVariant variant_of(const opencl::Engine& engine, const FieldOptions& seed) {
+  ZnccVariant variant = choose_zncc_variant(engine, seed);
+  variant.width_known = false;
+  return variant;
+}
+
+}  // namespace
+
+std::vector<opencl::ProgramRequest> WindowCorrelator::programs(const opencl::Engine& engine,
+                                                               const FieldOptions& options,
+                                                               PixelType type) {
+  if (options.method != FieldMethod::kZncc && options.method != FieldMethod::kIcgn) return {};
+  const FieldOptions seed = seed_options(options);
+  ZnccVariant variant = variant_of(engine, seed);
+  if (variant.path == ZnccPath::kBytes && type != PixelType::kU8) return {};
+  auto all = ZnccOpencl::programs(engine, seed, variant, type, 0);
+  if (options.method == FieldMethod::kIcgn) {
+    all.insert(all.begin() + 1, IcgnRefiner::program(engine, options));
+    all.insert(all.begin() + 2, SplineFrames::program(engine, options.spline_degree, 0.0));
+  }
+  return all;
+}
 
 WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& options, int slots)
     : engine_(engine), window_px_(options.window_px), discs_(slots) {
@@ -21,11 +46,7 @@ WindowCorrelator::WindowCorrelator(opencl::Engine& engine, const FieldOptions& o
     equal_.emplace(engine, options, variant);
   } else {
     const FieldOptions seed = seed_options(options);
-    ZnccVariant variant = choose_zncc_variant(engine, seed);
-    // Pictures are cut about a clip's ball: not another program for every width, for a few per
-    // cent.
-    variant.width_known = false;
-    zncc_.emplace(engine, seed, variant);
+    zncc_.emplace(engine, seed, variant_of(engine, seed));
   }
   if (options.method == FieldMethod::kIcgn) icgn_.emplace(engine, options, slots);
 }

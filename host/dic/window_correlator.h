@@ -23,6 +23,11 @@ class WindowCorrelator {
   // InvalidArgument for options that contradict each other.
   WindowCorrelator(opencl::Engine& engine, const FieldOptions& options, int slots);
 
+  // The programs that it runs most on pictures of this depth, the largest first. `engine` may be
+  // one that is not open yet (EngineOptions::expects).
+  static std::vector<opencl::ProgramRequest> programs(const opencl::Engine& engine,
+                                                      const FieldOptions& options, PixelType type);
+
   // Pixels of the picture in `slot` outside this disc do not count when it is a window's first
   // frame: IC-GN measures a window that the rim cuts over its part inside, if that is half of it.
   // The other methods take no notice. An infinite radius, the default, takes the disc away.

@@ -23,6 +23,20 @@ class CompileWatch : public std::enable_shared_from_this<CompileWatch> {
   // A kernel that is compiled at once: before and after.
   void begin(const std::string& kernel);
   void end(const std::string& kernel);
+  // The same for as long as the object lives.
+  class Step {
+   public:
+    Step(CompileWatch& watch, const std::string& kernel) : watch_(watch), kernel_(kernel) {
+      watch_.begin(kernel_);
+    }
+    ~Step() { watch_.end(kernel_); }
+    Step(const Step&) = delete;
+    Step& operator=(const Step&) = delete;
+
+   private:
+    CompileWatch& watch_;
+    std::string kernel_;
+  };
   // A kernel that its driver compiles when it first runs. `key`: the same for all of its objects.
   void await(const cl::Kernel& object, const std::string& key, const std::string& kernel);
   // Any kernel was enqueued; `event` is that of the launch.

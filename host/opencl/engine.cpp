@@ -6,10 +6,14 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <future>
 #include <memory>
 #include <thread>
 
 #include "host/base/log.h"
+#include "host/base/parse.h"
+#include "host/base/private_folder.h"
+#include "host/base/process/helper_program.h"
 #include "host/opencl/kernel_source.h"
 
 namespace impactdic::opencl {
@@ -21,15 +25,34 @@ constexpr const char* kBaseOptions = "-cl-std=CL1.2";
 // What a processor is given at a time: 4700 windows of 15 × 15 px.
 constexpr double kPixelsAtOnce = 1 << 20;
 
-std::string build_options(const Defines& defines) {
+std::string build_options(const ProgramRequest& program) {
   std::string options = kBaseOptions;
   // For whoever works on a kernel: "-cl-nv-verbose" and the like.
   if (const char* further = std::getenv("IMPACTDIC_BUILD_OPTIONS")) {
     options += std::string(" ") + further;
   }
-  for (const auto& [name, value] : defines)
+  for (const auto& [name, value] : program.defines)
     options.append(" -D").append(name).append("=").append(value);
+  if (!program.options.empty()) options.append(" ").append(program.options);
   return options;
+}
+
+// Processes that compile ahead. More of them only wait for each other: each opens the device, which
+// a driver does for one at a time.
+int count_compilers(const Device& device, const EngineOptions& options) {
+  constexpr int kMost = 6;
+  constexpr std::size_t kBytesEach = std::size_t{2} << 30;  // of the device's memory, for a quarter
+  if (options.cache_dir.empty()) return 0;
+  if (options.compilers) return *options.compilers;
+  if (const char* asked = std::getenv("IMPACTDIC_COMPILERS")) {
+    return static_cast<int>(
+        std::clamp<std::int64_t>(parse_int(asked, "IMPACTDIC_COMPILERS"), 0, 64));
+  }
+  if (!device.is_gpu || device.vendor.find("NVIDIA") == std::string::npos) return 0;
+  const auto threads = static_cast<int>(std::thread::hardware_concurrency());
+  const auto by_memory =
+      static_cast<int>(std::min<std::size_t>(device.global_memory_bytes / kBytesEach, kMost));
+  return std::min({kMost, threads / 2, by_memory});
 }
 
 }  // namespace
@@ -44,6 +67,9 @@ Engine::Shared::Shared(const Device& info, EngineOptions asked)
   if (options.kernel_dir.empty()) {
     if (const char* folder = std::getenv("IMPACTDIC_KERNEL_DIR")) options.kernel_dir = folder;
   }
+}
+
+void Engine::Shared::open() {
   try {
     context = cl::Context(device.handle);
   } catch (const cl::Error& error) {
@@ -53,9 +79,60 @@ Engine::Shared::Shared(const Device& info, EngineOptions asked)
   memory = std::make_shared<MemoryPool>(context, options.kept_memory_bytes.value_or(kept));
 }
 
+std::string Engine::Shared::key_of(const std::string& source,
+                                   const std::string& program_options) const {
+  return device.platform + "\n" + device.name + "\n" + device.version + "\n" + device.driver +
+         "\n" + program_options + "\n" + source;
+}
+
+void Engine::Shared::begin_ahead(const std::vector<ProgramRequest>& programs, int compilers) {
+  AheadHelpers helpers;
+  helpers.program = options.compiler_program.empty() ? helper_program("impactdic-compile")
+                                                     : options.compiler_program;
+  helpers.count = compilers;
+  helpers.device = device.index;
+  helpers.cache = options.cache_dir;
+  helpers.kernel_dir = options.kernel_dir;
+  helpers.keeps_binaries = keeps_binaries;
+  std::vector<AheadTask> tasks;
+  std::size_t sure = 0;
+  for (const ProgramRequest& program : programs) {
+    AheadTask task = {"", program.file, build_options(program), program.is_sure};
+    task.key = key_of(kernel_source(program.file, options.kernel_dir), task.options);
+    if (cache.load(task.key)) continue;
+    sure += program.is_sure ? 1 : 0;
+    tasks.push_back(std::move(task));
+  }
+  std::ranges::stable_partition(tasks, [](const AheadTask& task) { return task.is_sure; });
+  // A single one is compiled as soon by whoever asks for it.
+  if (sure == 0 || tasks.size() < 2 || helpers.program.empty() ||
+      !make_private_folder(helpers.cache))
+    return;
+  ahead.emplace(helpers, std::move(tasks));
+}
+
+std::shared_ptr<Engine::Shared> Engine::open(const Device& device, EngineOptions options) {
+  const int compilers = options.expects ? count_compilers(device, options) : 0;
+  if (compilers > 0) options.keep_programs = true;
+  auto shared = std::make_shared<Shared>(device, std::move(options));
+  std::future<void> beginning;
+  if (compilers > 0) {
+    beginning = std::async(std::launch::async, [&shared, compilers] {
+      try {
+        const Engine unopened(shared, Unopened());
+        shared->begin_ahead(shared->options.expects(unopened), compilers);
+      } catch (const std::exception&) {
+        // Then nobody compiles ahead.
+      }
+    });
+  }
+  shared->open();
+  if (beginning.valid()) beginning.get();
+  return shared;
+}
+
 Engine::Engine(const std::string& device_spec, EngineOptions options)
-    : Engine(std::make_shared<Shared>(choose_device(list_devices(), device_spec),
-                                      std::move(options))) {}
+    : Engine(open(choose_device(list_devices(), device_spec), std::move(options))) {}
 
 Engine::Engine(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
   {
@@ -74,6 +151,7 @@ Engine::Engine(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
 }
 
 Engine::~Engine() {
+  if (queue_() == nullptr) return;  // it was never open
   --shared_->engines;
   const std::lock_guard<std::mutex> lock(shared_->mutex);
   shared_->idle_queues.push_back(queue_);
@@ -137,10 +215,10 @@ void Engine::Shared::check_compiler() const {
   }
 }
 
-cl::Kernel Engine::kernel(const std::string& file, const std::string& name, const Defines& defines,
-                          const std::string& options) {
+cl::Kernel Engine::kernel(const ProgramRequest& request, const std::string& name) {
+  const std::string& file = request.file;
   try {
-    const std::string all = build_options(defines) + (options.empty() ? "" : " " + options);
+    const std::string all = build_options(request);
     const Program made = program(file, all);
     cl::Kernel kernel(made.program, name.c_str());
     if (made.to_compile) {
@@ -165,16 +243,20 @@ Engine::Program Engine::program(const std::string& file, const std::string& opti
 
 Engine::Program Engine::load_or_build(const std::string& source, const std::string& options,
                                       const std::string& file) {
-  const std::string key = shared_->device.platform + "\n" + shared_->device.name + "\n" +
-                          shared_->device.version + "\n" + shared_->device.driver + "\n" + options +
-                          "\n" + source;
-  const auto binary = shared_->cache.load(key);
+  const std::string key = shared_->key_of(source, options);
+  auto binary = shared_->cache.load(key);
   if (!shared_->keeps_binaries) {
     // The entry only says that this machine has met the program: asked for a binary, PoCL would
     // compile all of its kernels a second time, for groups of any size.
     Program made = {build(source, options, file), !binary};
     if (!binary) shared_->cache.store(key, {1});
     return made;
+  }
+  std::optional<CompileWatch::Step> step;
+  if (!binary) step.emplace(*shared_->compiling, file);
+  if (!binary && shared_->ahead) {
+    shared_->ahead->await(key, shared_->cache.path_of(key));
+    binary = shared_->cache.load(key);
   }
   if (binary) {
     try {
@@ -185,9 +267,8 @@ Engine::Program Engine::load_or_build(const std::string& source, const std::stri
       shared_->cache.remove(key);  // the driver does not take it: compile afresh below
     }
   }
-  shared_->compiling->begin(file);
+  if (!step) step.emplace(*shared_->compiling, file);
   Program made = {build(source, options, file)};
-  shared_->compiling->end(file);
   const auto binaries = made.program.getInfo<CL_PROGRAM_BINARIES>();
   if (!binaries.empty() && !binaries[0].empty()) shared_->cache.store(key, binaries[0]);
   return made;

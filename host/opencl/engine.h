@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/opencl/ahead/compile_ahead.h"
 #include "host/opencl/cl.h"
 #include "host/opencl/compile_watch.h"
 #include "host/opencl/device.h"
@@ -19,6 +20,19 @@
 #include "host/opencl/program_cache.h"
 
 namespace impactdic::opencl {
+
+class Engine;
+
+// -D macros of a program, in order. Every macro is described in kernels/config.h.
+using Defines = std::vector<std::pair<std::string, std::string>>;
+
+// kernels/FILE compiled with these macros and further options for the compiler.
+struct ProgramRequest {
+  std::string file;
+  Defines defines = {};
+  std::string options = {};
+  bool is_sure = true;  // of those that are expected: false where it may not be asked for
+};
 
 struct EngineOptions {
   bool profile = false;
@@ -34,10 +48,18 @@ struct EngineOptions {
   std::optional<std::size_t> kept_memory_bytes = std::nullopt;
   // Told how far the compiler is, where there is something to compile.
   CompileFn on_compile = nullptr;
+  // The programs that will be asked for, those that take longest first, and last those that may be.
+  // Where other processes can compile them sooner they begin with what is not in the cache yet,
+  // beside the opening of the device. Called on another thread while the constructor runs, for an
+  // engine that knows its device and cache folder and can do nothing yet; what it throws means
+  // none. It may be empty.
+  std::function<std::vector<ProgramRequest>(const Engine&)> expects = nullptr;
+  // How many processes at most, of which program, "" for the one that is installed. Without a
+  // number: $IMPACTDIC_COMPILERS, else as many as help (on a GPU whose driver compiles one program
+  // at a time in a process). A number above 0 has binaries kept on any device.
+  std::optional<int> compilers = std::nullopt;
+  std::string compiler_program;
 };
-
-// -D macros of a program, in order. Every macro is described in kernels/config.h.
-using Defines = std::vector<std::pair<std::string, std::string>>;
 
 // What a launch costs, for the profiler.
 struct WorkCount {
@@ -84,8 +106,13 @@ class Engine {
 
   // Kernel `name` of kernels/FILE compiled with `defines`: from memory, from the disk cache, or
   // compiled now. `options`: further ones for the compiler. Throws BuildError with the log.
+  cl::Kernel kernel(const ProgramRequest& program, const std::string& name);
   cl::Kernel kernel(const std::string& file, const std::string& name, const Defines& defines = {},
-                    const std::string& options = "");
+                    const std::string& options = "") {
+    return kernel(ProgramRequest{file, defines, options}, name);
+  }
+  // The program alone, with all of its options as the compiler gets them.
+  void compile(const std::string& file, const std::string& options) { program(file, options); }
 
   // From now on `launch` throws Stopped once `stopped` says so. Of this engine alone, not of those
   // beside it; before other threads use it. `stopped` may be empty, and must not throw.
@@ -120,10 +147,18 @@ class Engine {
     std::shared_ptr<CompileWatch> compiling;
     bool keeps_binaries = true;
     std::atomic<bool> compiler_is_stuck = false;
+    std::optional<CompileAhead> ahead;
     void check_compiler() const;  // throws OpenClError
     Shared(const Device& info, EngineOptions asked);
+    void open();
+    std::string key_of(const std::string& source, const std::string& program_options) const;
+    // Starts whoever compiles them elsewhere.
+    void begin_ahead(const std::vector<ProgramRequest>& programs, int compilers);
   };
+  struct Unopened {};
+  Engine(std::shared_ptr<Shared> shared, Unopened) : shared_(std::move(shared)) {}
   explicit Engine(std::shared_ptr<Shared> shared);
+  static std::shared_ptr<Shared> open(const Device& device, EngineOptions options);
   Program program(const std::string& file, const std::string& options);
   Program load_or_build(const std::string& source, const std::string& options,
                         const std::string& file);

@@ -21,9 +21,10 @@ class ProgramCache {
   // that cannot be written is a warning in the log, not an error.
   void store(const std::string& key, const std::vector<unsigned char>& binary) const;
   void remove(const std::string& key) const;
+  // Where an entry is, or would be; where the cache is on.
+  std::filesystem::path path_of(const std::string& key) const;
 
  private:
-  std::filesystem::path path_of(const std::string& key) const;
   std::filesystem::path folder_;
 };
 

@@ -22,18 +22,20 @@ void SessionOptions::validate() const {
   if (device.empty()) throw InvalidArgument("the device has no name", "--device");
 }
 
-std::vector<opencl::Engine*> Session::Impl::open_engines() {
+std::vector<opencl::Engine*> Session::Impl::open_engines(const Expects& expects) {
   const std::lock_guard<std::mutex> lock(mutex);
   if (engines.empty()) {
     opencl::EngineOptions engine_options;
     engine_options.profile = options.profile;
     engine_options.on_compile = options.on_compile;
+    engine_options.expects = expects;
     if (options.device != "all") {
       engines.push_back(std::make_unique<opencl::Engine>(options.device, engine_options));
     } else {
       for (const opencl::Device& device : opencl::all_devices(opencl::list_devices())) {
         engines.push_back(
             std::make_unique<opencl::Engine>(std::to_string(device.index), engine_options));
+        engine_options.expects = nullptr;  // what the first has compiled is there for all
       }
     }
   }
@@ -42,12 +44,12 @@ std::vector<opencl::Engine*> Session::Impl::open_engines() {
   return opened;
 }
 
-void Session::Impl::open_beside() {
+void Session::Impl::open_beside(Expects expects) {
   const std::lock_guard<std::mutex> lock(mutex);
   if (!engines.empty() || opening.valid()) return;
-  opening = std::async(std::launch::async, [this] {
+  opening = std::async(std::launch::async, [this, expects = std::move(expects)] {
     try {
-      open_engines();
+      open_engines(expects);
     } catch (const std::exception&) {
       // Who needs a device is told.
     }

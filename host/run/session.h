@@ -4,6 +4,7 @@
 #include <impactdic/device.h>
 #include <tbb/global_control.h>
 
+#include <functional>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -23,10 +24,12 @@ struct Session::Impl {
 
   // Opens them where that is still to be done. A run that enqueues work itself does so on an engine
   // beside one of these. Throws InvalidArgument and OpenClError as choose_device does.
-  std::vector<opencl::Engine*> open_engines();
+  // Where they are opened now, `expects` says what is worth compiling meanwhile (EngineOptions).
+  using Expects = std::function<std::vector<opencl::ProgramRequest>(const opencl::Engine&)>;
+  std::vector<opencl::Engine*> open_engines(const Expects& expects = nullptr);
   // Begins that beside the caller, for whom drivers take some tenths of a second; what goes wrong
   // is for `open_engines` to find again.
-  void open_beside();
+  void open_beside(Expects expects);
 };
 
 }  // namespace impactdic

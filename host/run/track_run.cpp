@@ -15,6 +15,7 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/report/words.h"
+#include "host/run/expected_programs.h"
 #include "host/run/metres/camera_part.h"
 #include "host/run/metres/frame_clock.h"
 #include "host/run/metres/impact_figures.h"
@@ -32,8 +33,12 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
                    TrackResult& result, const std::string& needs_rate)
     : request_(request), session_(session), caller_(caller), result_(result) {
   request.validate();
-  if (request.with_field) session.impl().open_beside();
+  std::promise<PixelType> depth;
+  if (request.with_field) {
+    session.impl().open_beside(expected_programs(request, depth.get_future().share()));
+  }
   source_ = open_requested(request.clip);
+  depth.set_value(info().bits > 8 ? PixelType::kU16 : PixelType::kU8);
   result_ = {};
   result_.clip = info();
   if (!request.camera.empty()) {

@@ -10,6 +10,8 @@
 namespace impactdic::dic {
 namespace {
 
+constexpr int kGroupOnGpu = 512;
+
 bool is_shaped(const BallSight& sight) {
   const float numbers[] = {sight.by_distance, sight.first[0],  sight.first[1], sight.first[2],
                            sight.second[0],   sight.second[1], sight.second[2]};
@@ -51,7 +53,7 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
                                    std::optional<Tiling> tiling)
     : engine_(engine),
       options_((options.validate(), options)),
-      tiling_(choose_tiling(engine, tiling, 512)) {
+      tiling_(choose_tiling(engine, tiling, kGroupOnGpu)) {
   const auto taps = gaussian_taps(options.presmooth_sigma_px);
   smooth_taps_ = opencl::make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
   const auto noise = interpolation_noise(options.spline_degree, options.presmooth_sigma_px);
@@ -60,22 +62,31 @@ BallRegistration::BallRegistration(opencl::Engine& engine, const BallOptions& op
              static_cast<float>(noise[2]), static_cast<float>(at_pixel * at_pixel)}};
 }
 
+opencl::ProgramRequest BallRegistration::program(const opencl::Engine& engine,
+                                                 const BallOptions& options, bool shaped,
+                                                 std::optional<Tiling> asked) {
+  using enum BallModel;
+  const Tiling tiling = choose_tiling(engine, asked, kGroupOnGpu);
+  const bool distance = options.model == kSphereRadiusAndDistance;
+  const std::size_t smooth_radius = gaussian_taps(options.presmooth_sigma_px).size() - 1;
+  return {"ball/rigid.cl",
+          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
+           {"VECTOR", std::to_string(tiling.vector)},
+           {"GROUP", std::to_string(tiling.group)},
+           {"PARAMETERS", std::to_string(parameters(options.model))},
+           {"FREE_RADIUS", flag(distance || options.model == kSphereAndRadius)},
+           {"FREE_DISTANCE", flag(distance)},
+           {"FREE_CENTRE", flag(options.free_centre)},
+           {"SHAPED", flag(shaped)},
+           {"SMOOTH_RADIUS", std::to_string(smooth_radius)},
+           {"MASKED", flag(options.mask.size() > 0)}}};
+}
+
 cl::Kernel& BallRegistration::kernel(bool shaped) {
   cl::Kernel& kernel = kernels_[shaped ? 1 : 0];
-  if (kernel() != nullptr) return kernel;
-  using enum BallModel;
-  const bool distance = options_.model == kSphereRadiusAndDistance;
-  kernel = engine_.kernel("ball/rigid.cl", "register_balls",
-                          {{"SPLINE_DEGREE", std::to_string(options_.spline_degree)},
-                           {"VECTOR", std::to_string(tiling_.vector)},
-                           {"GROUP", std::to_string(tiling_.group)},
-                           {"PARAMETERS", std::to_string(parameters(options_.model))},
-                           {"FREE_RADIUS", flag(distance || options_.model == kSphereAndRadius)},
-                           {"FREE_DISTANCE", flag(distance)},
-                           {"FREE_CENTRE", flag(options_.free_centre)},
-                           {"SHAPED", flag(shaped)},
-                           {"SMOOTH_RADIUS", std::to_string(smooth_taps_.size() - 1)},
-                           {"MASKED", flag(options_.mask.size() > 0)}});
+  if (kernel() == nullptr) {
+    kernel = engine_.kernel(program(engine_, options_, shaped, tiling_), "register_balls");
+  }
   return kernel;
 }
 

@@ -43,6 +43,11 @@ class BallRegistration {
   BallRegistration(opencl::Engine& engine, const BallOptions& options,
                    std::optional<Tiling> tiling = {});
 
+  // What registers round balls seen by parallel rays, or `shaped` ones (BallTask::sight) otherwise.
+  // `engine` may be one that is not open yet (EngineOptions::expects).
+  static opencl::ProgramRequest program(const opencl::Engine& engine, const BallOptions& options,
+                                        bool shaped, std::optional<Tiling> tiling = {});
+
   // Measures every ball; the result stands at the task's index. The guess must be within about
   // 3 px and 3° of the motion (of a sphere, at its surface, within a speckle's size). Throws
   // InvalidArgument for a slot that is not there, for a sphere without its radius, where a ball

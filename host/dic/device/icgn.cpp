@@ -7,6 +7,17 @@
 
 namespace impactdic::dic {
 
+opencl::ProgramRequest IcgnRefiner::program(const opencl::Engine& engine,
+                                            const FieldOptions& options,
+                                            std::optional<Tiling> asked) {
+  const Tiling tiling = choose_tiling(engine, asked, 32);
+  return {"icgn/icgn.cl",
+          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
+           {"VECTOR", std::to_string(tiling.vector)},
+           {"GROUP", std::to_string(tiling.group)},
+           {"WINDOW_PX", std::to_string(options.window_px)}}};
+}
+
 IcgnRefiner::IcgnRefiner(opencl::Engine& engine, const FieldOptions& options, int slots,
                          std::optional<Tiling> tiling)
     : engine_(engine),
@@ -16,11 +27,7 @@ IcgnRefiner::IcgnRefiner(opencl::Engine& engine, const FieldOptions& options, in
   if (options.window_px < 5 || options.window_px > 129) {
     throw InvalidArgument("the window must be 5 … 129 px wide", "--window");
   }
-  kernel_ = engine.kernel("icgn/icgn.cl", "refine_windows",
-                          {{"SPLINE_DEGREE", std::to_string(options.spline_degree)},
-                           {"VECTOR", std::to_string(tiling_.vector)},
-                           {"GROUP", std::to_string(tiling_.group)},
-                           {"WINDOW_PX", std::to_string(options.window_px)}});
+  kernel_ = engine.kernel(program(engine, options, tiling_), "refine_windows");
   const float endless = std::numeric_limits<float>::infinity();
   discs_.assign(static_cast<std::size_t>(slots), {{0, 0, endless, 0}});
   const auto noise = interpolation_noise(options.spline_degree, 0.0);

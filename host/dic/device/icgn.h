@@ -16,6 +16,9 @@ class IcgnRefiner {
   // `engine` must outlive the refiner. Throws InvalidArgument.
   IcgnRefiner(opencl::Engine& engine, const FieldOptions& options, int slots,
               std::optional<Tiling> tiling = {});
+  // What it runs. `engine` may be one that is not open yet (EngineOptions::expects).
+  static opencl::ProgramRequest program(const opencl::Engine& engine, const FieldOptions& options,
+                                        std::optional<Tiling> tiling = {});
 
   // Pixels of the picture in `slot` outside this disc carry no weight when it is a window's first
   // frame; a window with less than half of its pixels inside is masked. An infinite radius, the

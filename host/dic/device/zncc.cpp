@@ -74,6 +74,24 @@ std::string device_options(const opencl::Engine& engine) {
   return engine.device().is_gpu ? "-cl-denorms-are-zero" : "";
 }
 
+opencl::ProgramRequest subpixel_program(const opencl::Engine& engine) {
+  return {"zncc/peak.cl", {}, device_options(engine)};
+}
+
+std::string name_of(ZnccPath path) {
+  switch (path) {
+    case ZnccPath::kBytes:
+      return "bytes";
+    case ZnccPath::kPairs:
+      return "pairs";
+    case ZnccPath::kSingle:
+      return "single";
+    case ZnccPath::kClfft:
+      break;
+  }
+  return "clfft";
+}
+
 }  // namespace
 
 double zncc_flops(const ZnccVariant& variant) {
@@ -116,13 +134,10 @@ std::size_t ZnccVariant::local_bytes(const FieldOptions& options) const {
 
 std::string ZnccVariant::name() const {
   const std::string size = " " + std::to_string(fft_px);
-  if (path == ZnccPath::kClfft) return "clfft" + size;
+  if (path == ZnccPath::kClfft) return name_of(path) + size;
   const std::string shape =
       size + " vector " + std::to_string(vector) + " lanes " + std::to_string(lanes);
-  const char* const kind = path == ZnccPath::kBytes    ? "bytes"
-                           : path == ZnccPath::kSingle ? "single"
-                                                       : "pairs";
-  return kind + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
+  return name_of(path) + shape + (width_known ? " width" : "") + (warp_barrier ? " warp" : "") +
          (matrix_units ? " matrix" : "") +
          (most_registers > 0 ? " registers " + std::to_string(most_registers) : "");
 }
@@ -172,7 +187,7 @@ ZnccOpencl::ZnccOpencl(opencl::Engine& engine, const FieldOptions& options,
     : engine_(engine), options_(options), variant_(variant) {
   opencl::Defines defines = defines_of(options, variant);
   weights_ = opencl::make_buffer<cl_float>(engine, peak_weights());
-  subpixel_ = engine.kernel("zncc/peak.cl", "zncc_subpixel", {}, device_options(engine));
+  subpixel_ = engine.kernel(subpixel_program(engine), "zncc_subpixel");
   if (variant.path != ZnccPath::kClfft) return;
   group_ =
       engine.device().is_gpu ? std::min<std::size_t>(group_, engine.device().max_work_group) : 1;
@@ -202,26 +217,35 @@ float ZnccOpencl::contrast(const DeviceFrames& frames) const {
   return static_cast<float>(min_contrast(options_, frames.full_scale()));
 }
 
-void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
-  const bool pairs = variant_.path == ZnccPath::kPairs, vectors = variant_.vector > 1;
-  const bool bytes = variant_.path == ZnccPath::kBytes;
-  opencl::Defines defines = defines_of(options_, variant_);
-  defines.emplace_back("PIXEL", frames.pixel_type() == PixelType::kU8 ? "uchar" : "ushort");
-  defines.emplace_back("VECTOR", std::to_string(variant_.vector));
-  defines.emplace_back("LANES", std::to_string(variant_.lanes));
-  if (variant_.width_known) defines.emplace_back("WIDTH", std::to_string(frames.width()));
-  if (variant_.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
-  if (variant_.matrix_units) defines.emplace_back("MATRIX_UNITS", "1");
-  std::string options = device_options(engine_);
-  if (variant_.most_registers > 0) {
+std::vector<opencl::ProgramRequest> ZnccOpencl::programs(const opencl::Engine& engine,
+                                                         const FieldOptions& options,
+                                                         const ZnccVariant& variant, PixelType type,
+                                                         int width) {
+  if (variant.path == ZnccPath::kClfft) return {subpixel_program(engine)};
+  opencl::ProgramRequest fused;
+  fused.file = "zncc/" + name_of(variant.path) + (variant.vector > 1 ? "_vector.cl" : ".cl");
+  fused.defines = defines_of(options, variant);
+  fused.options = device_options(engine);
+  opencl::Defines& defines = fused.defines;
+  defines.emplace_back("PIXEL", type == PixelType::kU8 ? "uchar" : "ushort");
+  defines.emplace_back("VECTOR", std::to_string(variant.vector));
+  defines.emplace_back("LANES", std::to_string(variant.lanes));
+  if (variant.width_known) defines.emplace_back("WIDTH", std::to_string(width));
+  if (variant.warp_barrier) defines.emplace_back("WARP_BARRIER", "1");
+  if (variant.matrix_units) defines.emplace_back("MATRIX_UNITS", "1");
+  if (variant.most_registers > 0) {
     defines.emplace_back("FREE_GROUP_SIZE", "1");
-    options += " -cl-nv-maxrregcount=" + std::to_string(variant_.most_registers);
+    fused.options += " -cl-nv-maxrregcount=" + std::to_string(variant.most_registers);
   }
-  if (fused_() != nullptr && defines == fused_defines_) return;
-  const std::string name = bytes ? "bytes" : pairs ? "pairs" : "single";
-  fused_ = engine_.kernel("zncc/" + name + (vectors ? "_vector.cl" : ".cl"), "zncc_" + name,
-                          defines, options);
-  fused_defines_ = defines;
+  return {fused, subpixel_program(engine)};
+}
+
+void ZnccOpencl::compile_fused(const DeviceFrames& frames) {
+  const opencl::ProgramRequest request =
+      programs(engine_, options_, variant_, frames.pixel_type(), frames.width()).front();
+  if (fused_() != nullptr && request.defines == fused_defines_) return;
+  fused_ = engine_.kernel(request, "zncc_" + name_of(variant_.path));
+  fused_defines_ = request.defines;
 }
 
 void ZnccOpencl::enqueue_fused(const DeviceFrames& frames, const opencl::Buffer<Window>& windows,

@@ -49,6 +49,13 @@ class ZnccOpencl {
   // Compiles the kernels and bakes the plans. Throws OpenClError, BuildError.
   ZnccOpencl(opencl::Engine& engine, const FieldOptions& options, const ZnccVariant& variant);
 
+  // What it runs on pictures of this depth and width, the largest first; not of the path kClfft.
+  // `engine` may be one that is not open yet (EngineOptions::expects).
+  static std::vector<opencl::ProgramRequest> programs(const opencl::Engine& engine,
+                                                      const FieldOptions& options,
+                                                      const ZnccVariant& variant, PixelType type,
+                                                      int width);
+
   // Measures the first `count` windows into the first `count` motions, everything staying on the
   // device; returns when it is enqueued. Windows must name slots that hold frames.
   void run(const DeviceFrames& frames, const opencl::Buffer<Window>& windows, std::size_t count,

@@ -33,6 +33,10 @@ DeviceFrames::DeviceFrames(opencl::Engine& engine, int slots)
 
 DeviceFrames::~DeviceFrames() = default;
 
+opencl::ProgramRequest DeviceFrames::program(PixelType type) {
+  return {"frames/unpack.cl", {{"PIXEL", type == PixelType::kU8 ? "uchar" : "ushort"}}};
+}
+
 std::uint64_t DeviceFrames::version(int slot) const {
   if (slot < 0 || slot >= slots()) {
     throw InvalidArgument("there is no frame slot " + std::to_string(slot));
@@ -59,8 +63,7 @@ void DeviceFrames::check(const FramePart& part, int width, int height) {
     const std::size_t count = static_cast<std::size_t>(width_) * height_ * versions_.size();
     images_ = opencl::Buffer<float>(engine_, count);
     pixels_ = opencl::Buffer<unsigned char>(engine_, count * pixel_bytes() + kBytesBehind);
-    unpack_ = engine_.kernel("frames/unpack.cl", "unpack",
-                             {{"PIXEL", frame.type == PixelType::kU8 ? "uchar" : "ushort"}});
+    unpack_ = engine_.kernel(program(frame.type), "unpack");
   }
   if (width != width_ || height != height_) {
     throw InvalidArgument("frames of one clip must have one size");

@@ -31,6 +31,8 @@ class DeviceFrames {
  public:
   // `engine` must outlive the object.
   DeviceFrames(opencl::Engine& engine, int slots);
+  // What unpacks pictures of this depth.
+  static opencl::ProgramRequest program(PixelType type);
   ~DeviceFrames();
 
   // Copies the frame at its stored depth and unpacks it on the device. The first frame sets size

@@ -23,6 +23,16 @@ void zero(opencl::Engine& engine, const opencl::Buffer<float>& buffer) {
 
 }  // namespace
 
+opencl::ProgramRequest SplineFrames::program(const opencl::Engine& engine, int degree,
+                                             double presmooth_sigma_px,
+                                             std::optional<Tiling> tiling) {
+  const std::size_t radius = prefilter_taps(degree, presmooth_sigma_px).size() - 1;
+  return {"frames/prefilter.cl",
+          {{"SPLINE_DEGREE", std::to_string(degree)},
+           {"RADIUS", std::to_string(radius)},
+           {"VECTOR", std::to_string(choose_tiling(engine, tiling, 64).vector)}}};
+}
+
 SplineFrames::SplineFrames(opencl::Engine& engine, int degree, double presmooth_sigma_px, int slots,
                            std::optional<Tiling> tiling)
     : engine_(engine),
@@ -33,12 +43,10 @@ SplineFrames::SplineFrames(opencl::Engine& engine, int degree, double presmooth_
   const auto taps = prefilter_taps(degree, presmooth_sigma_px);
   radius_ = static_cast<int>(taps.size()) - 1;
   taps_ = opencl::make_buffer<float>(engine, std::vector<float>(taps.begin(), taps.end()));
-  const opencl::Defines defines = {{"SPLINE_DEGREE", std::to_string(degree)},
-                                   {"RADIUS", std::to_string(radius_)},
-                                   {"VECTOR", std::to_string(tiling_.vector)}};
-  rows_kernel_ = engine.kernel("frames/prefilter.cl", "prefilter_rows", defines);
-  columns_kernel_ = engine.kernel("frames/prefilter.cl", "prefilter_columns", defines);
-  gradients_kernel_ = engine.kernel("frames/prefilter.cl", "gradients", defines);
+  const opencl::ProgramRequest request = program(engine, degree, presmooth_sigma_px, tiling_);
+  rows_kernel_ = engine.kernel(request, "prefilter_rows");
+  columns_kernel_ = engine.kernel(request, "prefilter_columns");
+  gradients_kernel_ = engine.kernel(request, "gradients");
 }
 
 void SplineFrames::allocate(const DeviceFrames& frames) {

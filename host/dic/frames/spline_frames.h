@@ -16,6 +16,11 @@ class SplineFrames {
   SplineFrames(opencl::Engine& engine, int degree, double presmooth_sigma_px, int slots,
                std::optional<Tiling> tiling = {});
 
+  // What works them out. `engine` may be one that is not open yet (EngineOptions::expects).
+  static opencl::ProgramRequest program(const opencl::Engine& engine, int degree,
+                                        double presmooth_sigma_px,
+                                        std::optional<Tiling> tiling = {});
+
   // Brings the slots into which a picture came since the last call up to date. Enqueues only.
   // DeviceFrames::splines calls it.
   void prepare(const DeviceFrames& frames);

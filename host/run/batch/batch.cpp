@@ -17,6 +17,7 @@
 #include "host/run/batch/shot_runner.h"
 #include "host/run/batch_table.h"
 #include "host/run/control.h"
+#include "host/run/expected_programs.h"
 #include "host/run/folder.h"
 #include "host/run/results/result_digests.h"
 #include "host/run/settings/job_file.h"
@@ -93,7 +94,9 @@ BatchResult Batch::run() {
 }
 
 void Batch::measure_all(const std::vector<std::size_t>& waiting) {
-  if (request_.track.with_field) session_.open();
+  if (request_.track.with_field) {
+    session_.impl().open_engines(run::expected_programs(request_.track));
+  }
   std::atomic<std::size_t> next = 0, done = 0;
   std::exception_ptr failure;
   const auto work = [&] {

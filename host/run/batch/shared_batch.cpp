@@ -19,6 +19,7 @@
 #include "host/run/batch/share_folder.h"
 #include "host/run/batch/shot_line.h"
 #include "host/run/batch/shot_runner.h"
+#include "host/run/expected_programs.h"
 #include "host/run/folder.h"
 
 namespace impactdic::run {
@@ -81,7 +82,9 @@ class SharedBatch {
 };
 
 BatchResult SharedBatch::run() {
-  if (request_.track.with_field) session_.open();  // before it takes what others could measure
+  if (request_.track.with_field) {  // before it takes what others could measure
+    session_.impl().open_engines(run::expected_programs(request_.track));
+  }
   open();
   heart_.emplace([this] { queue_.beat(); }, request_.share.lost_after_s / kBeatsToBeLost,
                  request_.share.lost_after_s * kStillToBeSilent);

@@ -15,6 +15,7 @@
 #include "host/clip/roi.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
+#include "host/run/expected_programs.h"
 #include "host/run/live/first_frames.h"
 #include "host/run/session.h"
 #include "host/run/track_run.h"
@@ -112,7 +113,9 @@ void LiveRun::receive() {
 }
 
 LiveResult LiveRun::run() {
-  if (request_.track.with_field) session_.open();
+  if (request_.track.with_field) {
+    session_.impl().open_engines(run::expected_programs(request_.track));
+  }
   std::jthread receiver([this] { receive(); });
   const auto end = [this] {
     request_.stream->stop();

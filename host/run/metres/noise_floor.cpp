@@ -11,7 +11,7 @@ constexpr std::size_t kFewestWindows = 3;
 // A scene that moves by more in all is none that is still.
 constexpr double kStill_px = 0.1;
 // A frame moves where it lies farther off those before than this and chance.
-constexpr double kStep_px = 0.01, kChance = 5;
+constexpr double kStep_px = 0.01, kFloorChance = 5;
 // So many times the variance over the windows of the frames before, and chance: the scene deforms.
 constexpr double kDeforms = 1.5;
 // Mean square of the slopes over time, over what chance makes it: the scene creeps.
@@ -69,7 +69,7 @@ double scatter(const std::vector<double>& values) {
 
 bool lies_apart(const std::vector<double>& before, double now, double sd) {
   if (before.empty()) return false;
-  return std::abs(now - mean(before)) > kStep_px + kChance * std::max(sd, scatter(before));
+  return std::abs(now - mean(before)) > kStep_px + kFloorChance * std::max(sd, scatter(before));
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ bool StillFrames::is_still(const MotionRow& row, double spatial_variance,
   const double turn = (row.rot_deg + (first ? 0.0 : rot_deg_)) * kRadPerDeg * reach_px_;
   if (std::hypot(x, y) > kStill_px || std::abs(turn) > kStill_px) return false;
   if (lies_apart(x_, x, row.dx_sd_px) || lies_apart(y_, y, row.dy_sd_px)) return false;
-  const double allowed = kDeforms + kChance * std::sqrt(2.0 / static_cast<double>(windows));
+  const double allowed = kDeforms + kFloorChance * std::sqrt(2.0 / static_cast<double>(windows));
   return frames_ == 0 || spatial_variance < allowed * (spatial_u_ + spatial_v_) / frames_;
 }
 

@@ -1,10 +1,8 @@
 #include "host/video/sandbox/codec_process.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <impactdic/error.h>
 #include <impactdic/safety/sandbox.h>
-#include <link.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -21,6 +19,7 @@
 #include <vector>
 
 #include "host/base/parse.h"
+#include "host/base/process/helper_program.h"
 #include "host/video/byte_file.h"
 #include "host/video/sandbox/message.h"
 
@@ -45,51 +44,6 @@ constexpr int kLongest_ms = 600 * 1000;
 constexpr std::int64_t kMostFrames = 1000000000, kMostWarnings = 100;
 
 std::string system_text() { return std::generic_category().message(errno); }
-
-// Where the dynamic linker looks for the modules of whoever holds this function.
-std::string program_path() {
-  Dl_info own = {};
-  ::dladdr(reinterpret_cast<const void*>(&program_path), &own);
-  // The program itself is not found by its name.
-  void* handle = own.dli_fname == nullptr
-                     ? nullptr
-                     : ::dlopen(own.dli_fname, RTLD_LAZY | RTLD_NOLOAD | RTLD_LOCAL);
-  if (handle == nullptr) handle = ::dlopen(nullptr, RTLD_LAZY);
-  Dl_serinfo size = {};
-  if (handle == nullptr || ::dlinfo(handle, RTLD_DI_SERINFOSIZE, &size) != 0) return "";
-  std::vector<std::max_align_t> memory(size.dls_size / sizeof(std::max_align_t) + 1);
-  auto* all = reinterpret_cast<Dl_serinfo*>(memory.data());
-  std::memcpy(all, &size, sizeof size);
-  std::string found;
-  if (::dlinfo(handle, RTLD_DI_SERINFO, all) == 0) {
-    for (unsigned i = 0; i < all->dls_cnt && found.empty(); ++i) {
-      const std::string path = std::string(all->dls_serpath[i].dls_name) + "/" + kProgram;
-      if (::access(path.c_str(), X_OK) == 0) found = path;
-    }
-  }
-  ::dlclose(handle);
-  return found;
-}
-
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-  void set(int number) {
-    close();
-    number_ = number;
-  }
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
-};
 
 // A decoding process, its memory that both see, and what ends with them.
 class CodecProcess {
@@ -153,7 +107,7 @@ class CodecProcess {
   }
 
   void start(int theirs, double max_megapixels) {
-    std::string program = program_path();
+    std::string program = helper_program(kProgram);
     if (program.empty()) {
       throw FileError(std::string("there is no ") + kProgram + " beside the codecs", path_,
                       kInstead);
