@@ -26,6 +26,9 @@ PARALLEL = "host/base/parallel/"
 THREADS = {
     "host/benchmark/method_rows.cpp": "devices",
     "host/cluster/heartbeat.h": "the clock",
+    "host/opencl/ahead/compile_ahead.cpp": "child processes",
+    "host/opencl/ahead/main.cpp": "its caller's end",
+    "host/opencl/engine.cpp": "a device",
     "host/pipeline/correlate_clip.cpp": "a device",
     "host/pipeline/device_workers.cpp": "devices",
     "host/python/job.cpp": "a whole run",
