@@ -7,13 +7,9 @@
 #include <impactdic/track.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <set>
 
-#include "host/motion/expected_programs.h"
 #include "host/pipeline/track_clip.h"
 #include "host/report/csv.h"
 #include "host/run/session.h"
@@ -136,64 +132,6 @@ TEST(Runs, CommandBatchAndLibraryWriteTheSameBytes) {
   EXPECT_EQ(read_text(resumed.table), table);
   // And without any file.
   EXPECT_EQ(lines_of(track(request_of(clip().path()), session())), lines_of(result));
-}
-
-// File and options of a program, as the cache's entry of it (its key: four lines about the device,
-// the options, the source) and as somebody who expects it says them.
-std::set<std::string> programs_in(const fs::path& cache) {
-  std::set<std::string> programs;
-  for (const auto& entry : fs::directory_iterator(cache)) {
-    std::ifstream file(entry.path());
-    std::string options, source;
-    for (int i = 0; i < 5; ++i) std::getline(file, options);
-    std::getline(file, source);
-    programs.insert(source.substr(source.find('"')) + options);
-  }
-  return programs;
-}
-std::set<std::string> expected(bool sure) {
-  const ScratchFolder cache;
-  std::set<std::string> programs;
-  opencl::EngineOptions options;
-  options.cache_dir = cache.string();
-  options.compilers = 1;
-  options.compiler_program = "/bin/true";
-  options.expects = [&](const opencl::Engine& engine) {
-    motion::EstimatorOptions estimator;
-    estimator.estimator = Estimator::kBall;
-    estimator.field.window_px = 17;
-    const auto all = motion::expected_programs(engine, estimator, PixelType::kU8, true);
-    for (const opencl::ProgramRequest& program : all) {
-      if (program.is_sure != sure) continue;
-      std::string text = "\"kernels/" + program.file + "\"-cl-std=CL1.2";
-      for (const auto& [name, value] : program.defines) text += " -D" + name + "=" + value;
-      programs.insert(text + (program.options.empty() ? "" : " ") + program.options);
-    }
-    return all;
-  };
-  const opencl::Engine engine("auto", options);
-  return programs;
-}
-
-// What a track compiles is what it is expected to, but for what takes no time.
-TEST(Runs, ATrackAsksForTheProgramsThatAreExpected) {
-  const ScratchFolder cache;
-  const std::string command =
-      " --fps 10000 --ball-diameter-mm 67 --window 17 -q -o " + quoted(clip().out("expected"));
-  const char* const usual = std::getenv("IMPACTDIC_CACHE_DIR");
-  const std::string before = usual == nullptr ? "" : usual;
-  ::setenv("IMPACTDIC_CACHE_DIR", cache.string().c_str(), 1);
-  const Outcome run = run_program("track " + quoted(clip().path()) + command);
-  if (usual == nullptr) {
-    ::unsetenv("IMPACTDIC_CACHE_DIR");
-  } else {
-    ::setenv("IMPACTDIC_CACHE_DIR", before.c_str(), 1);
-  }
-  ASSERT_EQ(run.status, 0) << run.err;
-  std::set<std::string> asked = programs_in(cache.string());
-  EXPECT_EQ(asked.erase("\"kernels/frames/unpack.cl\"-cl-std=CL1.2 -DPIXEL=uchar"), 1U);
-  EXPECT_EQ(asked, expected(true));
-  EXPECT_EQ(expected(false).size(), 3U);
 }
 
 // Frames of a file, copied into memory with rows `pitch` bytes apart.
