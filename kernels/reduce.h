@@ -42,7 +42,7 @@ BARRIER_INLINE void sum_rows(const int count, __local float* scratch, __local fl
     (void)(scratch);                                                                          \
     _Pragma("unroll") for (int k_ = 0; k_ < (count); ++k_)(total)[k_] = SUM_LANES((own)[k_]); \
   }
-#elif GROUP >= 256
+#elif GROUP >= 128
 // The loop stays a loop, for which the sums lie in an array that is indexed: unrolled it would be a
 // fourth of what the compiler has to do for a ball, and many work-items hide what the array costs.
 #define GROUP_SUMS(own, count, scratch, total)                                                  \
