@@ -36,7 +36,7 @@ constexpr double kAgreeing = 0.5;  // share of the windows that must say so
 constexpr double kRimRadiusSd_px = 0.5;
 // Of all that turns show of the radius, and of it over the distance: one texture's errors are alike
 // in every pair.
-constexpr double kTurnRadiusSd_px = 0.02, kNearnessSd = 4e-4;
+constexpr double kTurnRadiusSd_px = 0.015, kNearnessSd = 4e-4;
 
 // A ball's outline does not change by as much from frame to frame, but in contact and where it is
 // not a sphere's: a fruit that turns.

@@ -18,7 +18,7 @@ namespace {
 constexpr double kTilt_deg = 25;     // farther, too little is seen in both pictures
 constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself shows
 // Beside chance, what a free radius is off by: foreshortened texture (four patterns, R 115 px).
-constexpr double kFreeSd_px = 0.02;
+constexpr double kFreeSd_px = 0.015;
 // No circle is told to be better than this: its texture turns under the rim.
 constexpr double kLeastCircleSd_px = 0.005;
 // The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
