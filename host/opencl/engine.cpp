@@ -40,13 +40,16 @@ std::string build_options(const ProgramRequest& program) {
 // Processes that compile ahead. More of them only wait for each other: each opens the device, which
 // a driver does for one at a time.
 int count_compilers(const Device& device, const EngineOptions& options) {
-  constexpr int kMost = 6;
+  constexpr int kMost = 6, kMostAsked = 64;
   constexpr std::size_t kBytesEach = std::size_t{2} << 30;  // of the device's memory, for a quarter
-  if (options.cache_dir.empty()) return 0;
   if (options.compilers) return *options.compilers;
   if (const char* asked = std::getenv("IMPACTDIC_COMPILERS")) {
-    return static_cast<int>(
-        std::clamp<std::int64_t>(parse_int(asked, "IMPACTDIC_COMPILERS"), 0, 64));
+    const std::int64_t count = parse_int(asked, "IMPACTDIC_COMPILERS");
+    if (count < 0 || count > kMostAsked) {
+      throw InvalidArgument("must be a number from 0 to " + std::to_string(kMostAsked),
+                            "IMPACTDIC_COMPILERS");
+    }
+    return static_cast<int>(count);
   }
   if (!device.is_gpu || device.vendor.find("NVIDIA") == std::string::npos) return 0;
   const auto threads = static_cast<int>(std::thread::hardware_concurrency());
@@ -112,7 +115,8 @@ void Engine::Shared::begin_ahead(const std::vector<ProgramRequest>& programs, in
 }
 
 std::shared_ptr<Engine::Shared> Engine::open(const Device& device, EngineOptions options) {
-  const int compilers = options.expects ? count_compilers(device, options) : 0;
+  const int most = count_compilers(device, options);
+  const int compilers = options.expects && !options.cache_dir.empty() ? most : 0;
   if (compilers > 0) options.keep_programs = true;
   auto shared = std::make_shared<Shared>(device, std::move(options));
   std::future<void> beginning;

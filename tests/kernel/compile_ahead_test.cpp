@@ -169,11 +169,13 @@ TEST_F(CompileAhead, WithoutACacheNobodyIsStarted) {
 }
 
 TEST_F(CompileAhead, NoneAreAskedForByTheEnvironment) {
-  ::setenv("IMPACTDIC_COMPILERS", "many", 1);
   opencl::EngineOptions options;
   options.cache_dir = cache();
+  for (const char* wrong : {"many", "-1", "65", ""}) {  // also where nothing is expected
+    ::setenv("IMPACTDIC_COMPILERS", wrong, 1);
+    EXPECT_THROW(opencl::Engine("auto", options), InvalidArgument) << wrong;
+  }
   options.expects = [](const opencl::Engine&) { return two_programs(); };
-  EXPECT_THROW(opencl::Engine("auto", options), InvalidArgument);
   ::setenv("IMPACTDIC_COMPILERS", "0", 1);
   expect_works(*std::make_unique<opencl::Engine>("auto", options));
   ::unsetenv("IMPACTDIC_COMPILERS");

@@ -19,7 +19,6 @@
 #include "host/run/batch/share_folder.h"
 #include "host/run/batch/shot_line.h"
 #include "host/run/batch/shot_runner.h"
-#include "host/run/expected_programs.h"
 #include "host/run/folder.h"
 
 namespace impactdic::run {
@@ -82,9 +81,9 @@ class SharedBatch {
 };
 
 BatchResult SharedBatch::run() {
-  if (request_.track.with_field) {  // before it takes what others could measure
-    session_.impl().open_engines(run::expected_programs(request_.track));
-  }
+  // Before it takes what others could measure; without what compiles ahead (expected_programs), of
+  // which every process beside this one would start its own.
+  if (request_.track.with_field) session_.open();
   open();
   heart_.emplace([this] { queue_.beat(); }, request_.share.lost_after_s / kBeatsToBeLost,
                  request_.share.lost_after_s * kStillToBeSilent);
