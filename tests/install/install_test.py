@@ -44,7 +44,7 @@ class Tree(unittest.TestCase):
                      "share/impactdic/scripts/impactdic/report/__main__.py"):
             self.assertTrue((PREFIX / path).is_file(), path)
         for name in ("libimpactdic.so", "impactdicConfig.cmake", "impactdicConfigVersion.cmake",
-                     "impactdicTargets.cmake", "impactdic.pc"):
+                     "impactdicTargets.cmake", "impactdic.pc", "impactdic-compile"):
             find(name)
 
     def test_every_public_header_is_installed_and_in_the_one_that_has_all(self):
