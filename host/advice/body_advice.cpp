@@ -197,7 +197,9 @@ class Verdict {
     advice.body = out_of_plane_ ? Body::kSphere : Body::kDisc;
     advice.reason = reason;
     advice.radius_px = radius_.value();
-    advice.radius_sd_px = std::max(radius_.sd(), kTurnRadiusSd_px);
+    // Far pairs of a short clip share their pictures, and with them their noise.
+    advice.radius_sd_px =
+        std::max({radius_.sd(), best_radius_sd_px_.value_or(0), kTurnRadiusSd_px});
     if (blur_.count() > 0) advice.blur_px2 = blur_.value();
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
@@ -210,6 +212,8 @@ class Verdict {
     const auto told = sphere_from_turn(engine_, pair, step, field_, perspective_, far_);
     if (!told) return false;
     radius_.add(told->radius_px.value, told->radius_px.sd);
+    best_radius_sd_px_ =
+        std::min(best_radius_sd_px_.value_or(told->radius_px.sd), told->radius_px.sd);
     blur_.add(told->blur_px2, 1);
     if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
     return true;
@@ -251,6 +255,7 @@ class Verdict {
   int measured_ = 0;
   bool out_of_plane_ = false;
   WeightedMean radius_, nearness_, blur_;
+  std::optional<double> best_radius_sd_px_;                         // of one far pair
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
 };
 

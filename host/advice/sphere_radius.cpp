@@ -17,8 +17,9 @@ namespace {
 
 constexpr double kTilt_deg = 25;     // farther, too little is seen in both pictures
 constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself shows
-// Beside chance, what a free radius is off by: foreshortened texture (four patterns, R 115 px).
-constexpr double kFreeSd_px = 0.015;
+// Beside chance, what a free radius is off by: foreshortened texture, and what the pictures are
+// displaced by alike, over the turn in rad (four patterns, R 115 px, 9 to 27 degrees).
+constexpr double kFreeSd_px = 0.015, kFreeShift_px = 0.0035;
 // No circle is told to be better than this: its texture turns under the rim.
 constexpr double kLeastCircleSd_px = 0.005;
 // The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
@@ -91,7 +92,9 @@ class FarRegistration {
     of_circles.dx_sd_px = std::hypot(found->cx_sd, circle_sd_px(far.ball));
     of_circles.dy_sd_px = std::hypot(found->cy_sd, circle_sd_px(far.ball));
     WeightedMean sum;
-    sum.add(radius_px, std::hypot(found->ball_radius_sd, kFreeSd_px));
+    const double tilt_rad = tilt_deg(turn) * kRadPerDeg;
+    sum.add(radius_px,
+            std::hypot(found->ball_radius_sd, std::hypot(kFreeSd_px, kFreeShift_px / tilt_rad)));
     add_circles(motion::sphere_motion(*given), of_circles, radius_px, sum);
     told.radius_px = {sum.value(), sum.sd()};
     return told;

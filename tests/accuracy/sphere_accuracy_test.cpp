@@ -53,6 +53,16 @@ TEST(SphereAccuracy, PicturesTellTheirBlurAndRadius) {
   }
 }
 
+// A circle a tenth of a pixel off its ball made the radius wrong by as much and more.
+TEST(SphereAccuracy, ACircleThatIsOffMovesNoRadius) {
+  for (const unsigned seed : {3u, 4u, 5u}) {
+    const auto told = told_through(0.6, seed, 0.1);
+    ASSERT_TRUE(told);
+    EXPECT_NEAR(told->radius_px.value, kRadiusPx, 3 * told->radius_px.sd) << seed;
+    EXPECT_LT(told->radius_px.sd, 0.03);
+  }
+}
+
 // Radius over distance, of pairs turned by 25 degrees; not told.
 TEST(SphereAccuracy, PairsTellFromWhereTheyAreSeen) {
   for (const double radii : {0.0, 25.0}) {

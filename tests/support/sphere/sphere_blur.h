@@ -1,6 +1,7 @@
 // What blurs the pictures of a sphere that turns far, learnt from two of them: what tests share.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "host/advice/sphere_radius.h"
@@ -9,8 +10,10 @@
 namespace impactdic::testing {
 
 // What sphere_from_turn tells of a ball of 115 px that turns by 5 degrees a frame about an axis in
-// the picture, seen through a lens of this point spread function, noise 2.
-inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsigned seed) {
+// the picture, seen through a lens of this point spread function, noise 2, its first circle so far
+// to the right of the ball and as much above it.
+inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsigned seed,
+                                                      double off_px = 0) {
   constexpr int kFrames = 6;
   SynthScene scene;
   scene.width = scene.height = kSide;
@@ -28,7 +31,11 @@ inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsig
     sphere.render(pose, index, made.picture);
     return made;
   };
-  const advice::BallPicture first = seen(0), second = seen(1);
+  advice::BallPicture first = seen(0);
+  const advice::BallPicture second = seen(1);
+  first.ball.cx_px += off_px;
+  first.ball.cy_px -= off_px;
+  first.ball.centre_sd_px = std::max(first.ball.centre_sd_px, off_px);
   const advice::BallPair pair{0, first.picture, second.picture, first.ball, second.ball};
   const advice::FarFrames frames{
       kFrames, [&](std::int64_t index, const Circle&) { return std::optional(seen(index)); }};
