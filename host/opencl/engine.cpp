@@ -106,7 +106,8 @@ void Engine::Shared::begin_ahead(const std::vector<ProgramRequest>& programs, in
     sure += program.is_sure ? 1 : 0;
     tasks.push_back(std::move(task));
   }
-  std::ranges::stable_partition(tasks, [](const AheadTask& task) { return task.is_sure; });
+  std::stable_partition(tasks.begin(), tasks.end(),
+                        [](const AheadTask& task) { return task.is_sure; });
   // A single one is compiled as soon by whoever asks for it.
   if (sure == 0 || tasks.size() < 2 || helpers.program.empty() ||
       !make_private_folder(helpers.cache))

@@ -44,7 +44,7 @@ struct CompileAhead::Running {
   std::condition_variable changed;
   std::vector<pid_t> children;
 
-  static void watch(std::shared_ptr<Running> running, std::vector<pid_t> children) {
+  static void watch(const std::shared_ptr<Running>& running, const std::vector<pid_t>& children) {
     for (const pid_t child : children) {
       siginfo_t info;
       while (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT) != 0 &&
