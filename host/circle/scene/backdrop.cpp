@@ -300,7 +300,26 @@ double Backdrop::guessed_share(const Outline& ball) const {
   return seen > 0 ? static_cast<double>(guessed) / seen : 0;
 }
 
+double Backdrop::texture_about(const Outline& ball) const {
+  const cv::Rect all(0, 0, texture_.width(), texture_.height());
+  double sum = 0;
+  int seen = 0;
+  for (int k = 0; k < kRimPoints; ++k) {
+    for (double off = -kBackdrop.inside_px; off <= kBackdrop.inside_px; ++off) {
+      const cv::Point at = rim_point(ball, 2 * std::numbers::pi * k / kRimPoints, off);
+      if (!all.contains(at)) continue;
+      sum += static_cast<double>(texture_(at.x, at.y));
+      ++seen;
+    }
+  }
+  return seen > 0 ? sum / seen : 0;
+}
+
 void Backdrop::even(const Frame& frame, const Outline& ball, Frame& out) const {
+  even(frame, ball, static_cast<float>(texture_about(ball)), out);
+}
+
+void Backdrop::even(const Frame& frame, const Outline& ball, float usual, Frame& out) const {
   out = frame;
   const double to_px = -kBackdrop.inside_px, from_px = 2 * to_px;
   const auto whole = static_cast<float>(frame.full_scale());
@@ -313,7 +332,7 @@ void Backdrop::even(const Frame& frame, const Outline& ball, Frame& out) const {
         const double off = ball.distance_to(x, y);
         if (off < from_px) continue;
         const auto share = static_cast<float>(std::min(1.0, (off - from_px) / (to_px - from_px)));
-        const float level = static_cast<float>(row[x]) - share * texture[x];
+        const float level = static_cast<float>(row[x]) - share * (texture[x] - usual);
         row[x] = static_cast<Pixel>(std::lround(std::clamp(level, 0.0f, whole)));
       }
     }
@@ -325,6 +344,6 @@ void Backdrop::even(const Frame& frame, const Outline& ball, Frame& out) const {
   }
 }
 
-void Backdrop::even(const Frame& frame, Frame& out) const { even(frame, {}, out); }
+void Backdrop::even(const Frame& frame, Frame& out) const { even(frame, {}, 0, out); }
 
 }  // namespace impactdic::circle

@@ -36,7 +36,8 @@ class Backdrop {
   static std::shared_ptr<const Backdrop> learn(std::span<const View> views, Known known);
 
   // The frame without the texture. It is taken away from the rim of `ball`, too, and a little
-  // inside it, so that no edge arises where the rim is not; the rest of the ball stays as it is.
+  // inside it, so that no edge arises where the rim is not; the rest of the ball stays as it is,
+  // and so does the texture's mean about the rim: where no ball is no disc may arise.
   void even(const Frame& frame, const Outline& ball, Frame& out) const;
   // The frame without the texture anywhere, within balls too.
   void even(const Frame& frame, Frame& out) const;
@@ -47,8 +48,10 @@ class Backdrop {
  private:
   Backdrop(Image<float> texture, Image<std::uint8_t> guessed)
       : texture_(std::move(texture)), guessed_(std::move(guessed)) {}
-  Image<float> texture_;         // grey levels of the file, about their median
-  Image<std::uint8_t> guessed_;  // 1 where no view has shown it
+  void even(const Frame& frame, const Outline& ball, float usual, Frame& out) const;
+  double texture_about(const Outline& ball) const;  // mean about its rim
+  Image<float> texture_;                            // grey levels of the file, about their median
+  Image<std::uint8_t> guessed_;                     // 1 where no view has shown it
 };
 
 }  // namespace impactdic::circle

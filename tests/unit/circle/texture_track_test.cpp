@@ -2,10 +2,14 @@
 #include <gtest/gtest.h>
 #include <impactdic/live/track_live.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "host/circle/circle.h"
+#include "host/circle/scene/backdrop.h"
 #include "tests/support/tracks/light_tracks.h"
 
 namespace impactdic::testing {
@@ -78,6 +82,43 @@ TEST(TextureTrack, ADiscBeforeWoodIsAsSureAsItIs) {
   EXPECT_GT(errors.centre.over_sds(), 0.7);
   EXPECT_LT(errors.radius.over_sds(), 1.6);
   EXPECT_GT(errors.radius.over_sds(), 0.7);
+}
+
+// A wall that is lit from the left, with a texture, and a ball before its brighter part: the
+// texture was taken away up to where a ball was expected and not within, which left a disc in the
+// darker part, measured to 0.1 px.
+TEST(TextureTrack, NoBallArisesWhereAWallIsEvened) {
+  constexpr int kSize = 260;
+  const auto wall = [](int x, int y) {
+    return 150 - 0.25 * x + 5 * std::sin(0.9 * x) * std::sin(0.8 * y);
+  };
+  const auto picture = [&](double ball_x, double ball_y) {
+    Frame frame;
+    frame.reset(kSize, kSize, 8);
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        const double off = std::hypot(x - ball_x, y - ball_y) - 30;
+        const double free = 0.5 * std::erfc(-off / 1.2);
+        frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(20 + free * (wall(x, y) - 20)));
+      }
+    }
+    return frame;
+  };
+  std::vector<Frame> frames;
+  std::vector<circle::Backdrop::View> views;
+  for (int k = 0; k < 6; ++k) frames.push_back(picture(60, 45.0 + 34 * k));
+  for (int k = 0; k < 6; ++k) views.push_back({&frames[k], {{{60, 45.0 + 34 * k, 30}}}});
+  const auto backdrop = circle::Backdrop::learn(views, circle::Backdrop::Known::kWell);
+  ASSERT_NE(backdrop, nullptr);
+  circle::CirclePrior prior;
+  prior.predicted = {190, 120, 36};
+  const circle::CircleFit none = circle::measure_circle(frames[0], prior, {}, backdrop.get());
+  EXPECT_NE(none.status, circle::CircleStatus::kOk) << none.circle.cx_px << " " << none.r_sd_px;
+  prior.predicted = {61, 44, 31};
+  const circle::CircleFit ball = circle::measure_circle(frames[0], prior, {}, backdrop.get());
+  ASSERT_EQ(ball.status, circle::CircleStatus::kOk);
+  EXPECT_NEAR(ball.circle.cx_px, 60, 0.1);
+  EXPECT_NEAR(ball.circle.cy_px, 45, 0.1);
 }
 
 // What lies before the ball in the first frame no other frame shows, and no search found it there:
