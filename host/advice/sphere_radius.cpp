@@ -20,6 +20,9 @@ constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself show
 // Beside chance, what a free radius is off by: foreshortened texture, and what the pictures are
 // displaced by alike, over the turn in rad (four patterns, R 115 px, 9 to 27 degrees).
 constexpr double kFreeSd_px = 0.015, kFreeShift_px = 0.0035;
+// What light leaves of the pictures beside noise errs alike over more of the ball than the blocks
+// that the registration takes to be independent: it counts so many times.
+constexpr double kMisfitCounts = 2;
 // No circle is told to be better than this: its texture turns under the rim.
 constexpr double kLeastCircleSd_px = 0.005;
 // The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
@@ -55,6 +58,17 @@ class FarRegistration {
         free_(engine, free_options(field, perspective)),
         given_(engine, motion::ball_options(field, dic::BallModel::kSphere)) {
     frames_.set(0, pair.first);
+  }
+
+  // What noise leaves of pictures in which the ball has hardly turned, by `turn`.
+  void look_at_next(const BallPair& pair, const Eigen::Vector3d& turn) {
+    frames_.set(1, pair.second);
+    motion::Perspective seen = perspective_;
+    if (seen.is_unknown()) seen.by_distance_per_px = 0;
+    const dic::RigidMotion start = expected(pair.second_ball, turn, seen);
+    const Circle first = motion::about_centre(outline_, seen);
+    const auto next = registered(given_, first, outline_.r_px, start, seen);
+    if (next) of_noise_ = next->residual;
   }
 
   // `turn`: rotation vector that is expected, rad.
@@ -93,8 +107,9 @@ class FarRegistration {
     of_circles.dy_sd_px = std::hypot(found->cy_sd, circle_sd_px(far.ball));
     WeightedMean sum;
     const double tilt_rad = tilt_deg(turn) * kRadPerDeg;
-    sum.add(radius_px,
-            std::hypot(found->ball_radius_sd, std::hypot(kFreeSd_px, kFreeShift_px / tilt_rad)));
+    const double free_sd_px =
+        std::hypot(found->ball_radius_sd, kFreeSd_px, kFreeShift_px / tilt_rad);
+    sum.add(radius_px, free_sd_px * std::sqrt(1 + kMisfitCounts * misfit(*found)));
     add_circles(motion::sphere_motion(*given), of_circles, radius_px, sum);
     told.radius_px = {sum.value(), sum.sd()};
     return told;
@@ -108,6 +123,11 @@ class FarRegistration {
                                         : dic::BallModel::kSphereAndRadius);
     options.free_centre = true;
     return options;
+  }
+
+  // Of what is left of the pictures, the variance that is not noise, over that of noise.
+  double misfit(const BallMotion& found) const {
+    return of_noise_ > 0 ? std::max(0.0, std::pow(found.residual / of_noise_, 2) - 1) : 0;
   }
 
   static double circle_sd_px(const FoundBall& ball) {
@@ -204,6 +224,7 @@ class FarRegistration {
   static constexpr double kUsual = sphere::kUsualBlur_px2;
   FoundBall outline_;
   double blur_px2_ = kUsual;
+  double of_noise_ = 0;  // rms, grey levels; 0: not known
   motion::Perspective perspective_;
   dic::DeviceFrames frames_;
   dic::BallRegistration free_, given_;
@@ -227,6 +248,7 @@ std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPai
   std::int64_t n = frames_to_tilt(turn, std::max(ahead, pair.index));
   const int side = n <= ahead || ahead >= pair.index ? 1 : -1;
   FarRegistration registration(engine, pair, field, perspective);
+  registration.look_at_next(pair, turn);
   const std::int64_t fewest = perspective.is_unknown() ? 1 : kFewest;
   for (; n >= fewest; n /= 2) {
     const double steps = side * static_cast<double>(n);
