@@ -2,8 +2,8 @@
 // are found.
 #include <gtest/gtest.h>
 
-#include "tests/support/sphere/sphere_blur.h"
 #include "tests/support/sphere/sphere_distances.h"
+#include "tests/support/sphere/sphere_told.h"
 
 namespace impactdic::testing {
 namespace {
@@ -40,7 +40,7 @@ TEST(SphereAccuracy, PairsOfLargeTurnsWithoutNoise) {
 TEST(SphereAccuracy, PicturesTellTheirBlurAndRadius) {
   double last_px2 = 0;
   for (const double sigma_px : {0.5, 1.0, 1.4}) {
-    const auto told = told_through(sigma_px, 3);
+    const auto told = told_by_turns({.psf_sigma_px = sigma_px}, 3);
     ASSERT_TRUE(told);
     std::printf("lens %g px: blur %.3f px2, radius %.4f +- %.4f px\n", sigma_px, told->blur_px2,
                 told->radius_px.value, told->radius_px.sd);
@@ -56,7 +56,7 @@ TEST(SphereAccuracy, PicturesTellTheirBlurAndRadius) {
 // A circle a tenth of a pixel off its ball made the radius wrong by as much and more.
 TEST(SphereAccuracy, ACircleThatIsOffMovesNoRadius) {
   for (const unsigned seed : {3u, 4u, 5u}) {
-    const auto told = told_through(0.6, seed, 0.1);
+    const auto told = told_by_turns({.off_px = 0.1}, seed);
     ASSERT_TRUE(told);
     EXPECT_NEAR(told->radius_px.value, kRadiusPx, 3 * told->radius_px.sd) << seed;
     EXPECT_LT(told->radius_px.sd, 0.03);

@@ -1,4 +1,4 @@
-// What blurs the pictures of a sphere that turns far, learnt from two of them: what tests share.
+// What pictures of a sphere that turns far tell of its radius and of their blur: what tests share.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,19 @@
 
 namespace impactdic::testing {
 
+// How the ball is seen, and how far its first circle lies to the right of it and as much above it.
+struct FarView {
+  double psf_sigma_px = 0.6;
+  double off_px = 0;
+};
+
 // What sphere_from_turn tells of a ball of 115 px that turns by 5 degrees a frame about an axis in
-// the picture, seen through a lens of this point spread function, noise 2, its first circle so far
-// to the right of the ball and as much above it.
-inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsigned seed,
-                                                      double off_px = 0) {
+// the picture, noise 2.
+inline std::optional<advice::SphereTold> told_by_turns(const FarView& view, unsigned seed) {
   constexpr int kFrames = 6;
   SynthScene scene;
   scene.width = scene.height = kSide;
-  scene.psf_sigma_px = psf_sigma_px;
+  scene.psf_sigma_px = view.psf_sigma_px;
   scene.noise_sigma = 2;
   scene.noise_seed = seed;
   const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
@@ -33,9 +37,9 @@ inline std::optional<advice::SphereTold> told_through(double psf_sigma_px, unsig
   };
   advice::BallPicture first = seen(0);
   const advice::BallPicture second = seen(1);
-  first.ball.cx_px += off_px;
-  first.ball.cy_px -= off_px;
-  first.ball.centre_sd_px = std::max(first.ball.centre_sd_px, off_px);
+  first.ball.cx_px += view.off_px;
+  first.ball.cy_px -= view.off_px;
+  first.ball.centre_sd_px = std::max(first.ball.centre_sd_px, view.off_px);
   const advice::BallPair pair{0, first.picture, second.picture, first.ball, second.ball};
   const advice::FarFrames frames{
       kFrames, [&](std::int64_t index, const Circle&) { return std::optional(seen(index)); }};
