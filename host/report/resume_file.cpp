@@ -132,6 +132,7 @@ void each_of_linked(Field field, T& pose) {
   field("nearness_turn_z_rad", pose.nearness_turn_rad[2]);
   for (std::size_t k = 0; k < pose.turn_noise_rad2.size(); ++k) {
     field("turn_noise_" + std::to_string(k), pose.turn_noise_rad2[k]);
+    field("turn_told_" + std::to_string(k), pose.turn_told_rad2[k]);
   }
 }
 

@@ -89,10 +89,11 @@ LinkedPose with_link(const LinkedPose& pose, const Circle& circle, const dic::Ri
   };
   carry(next.radius_turn_rad, effects.radius);
   carry(next.nearness_turn_rad, effects.nearness);
-  Eigen::Map<Eigen::Matrix3d> noise(next.turn_noise_rad2.data());
+  Eigen::Map<Eigen::Matrix3d> noise(next.turn_noise_rad2.data()), told(next.turn_told_rad2.data());
   const Eigen::Vector3d own(motion.rot_x_sd_rad, motion.rot_y_sd_rad, motion.rot_sd_rad);
   noise = (q * noise * q.transpose()).eval();
   noise.diagonal() += own.cwiseAbs2();
+  told = (q * told * q.transpose()).eval();
   next.x_sd_px = std::hypot(pose.x_sd_px, motion.dx_sd_px);
   next.y_sd_px = std::hypot(pose.y_sd_px, motion.dy_sd_px);
   return next;
@@ -146,7 +147,8 @@ BodyPose LinkedPose::stated(const SphereRadius& radius) const {
     return common(radius_turn_rad[axis], nearness_turn_rad[axis]);
   };
   const auto about = [&](std::size_t axis) {
-    return std::hypot(std::sqrt(turn_noise_rad2[4 * axis]), turn(axis));
+    const double all = turn_noise_rad2[4 * axis] + std::pow(turn(axis), 2);
+    return std::sqrt(std::max(0.0, all - turn_told_rad2[4 * axis]));
   };
   pose.x_sd_px = std::hypot(x_sd_px, common(radius_x, nearness_x));
   pose.y_sd_px = std::hypot(y_sd_px, common(radius_y, nearness_y));

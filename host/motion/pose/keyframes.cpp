@@ -136,7 +136,7 @@ Keyframes::Registered Keyframes::registered_ahead(const Ahead& ahead, std::size_
 
 std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
                                          Registered& registered, const Before& before,
-                                         KeyframeSlots& slots) {
+                                         std::span<LinkedPose> earlier, KeyframeSlots& slots) {
   KeyframePlan& plan = registered.plan;
   const std::size_t count = registered.near.size();
   std::vector<LinkedPose> placed;
@@ -152,7 +152,7 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
       break;
     }
     const Before last = i == 0 ? before : Before{&frames[i - 1], &placed[i - 1]};
-    if (aim_.sphere() && last.pose != nullptr) close_turn(last, placed, plan);
+    if (aim_.sphere() && last.pose != nullptr) close_turn(last, earlier, placed, plan);
     const auto planned = std::find_if(plan.targets.begin(), plan.targets.end(),
                                       [&](const Target& t) { return t.frame == &frames[i]; });
     if (planned != plan.targets.end()) planned->key = keep(frames[i], placed.back());
@@ -200,8 +200,8 @@ LinkedPose Keyframes::pose_of(const ChainedFrame& frame, const BodyPose& near,
                     memory_.radius);
 }
 
-void Keyframes::close_turn(const Before& last, std::vector<LinkedPose>& placed,
-                           KeyframePlan& plan) {
+void Keyframes::close_turn(const Before& last, std::span<LinkedPose> earlier,
+                           std::vector<LinkedPose>& placed, KeyframePlan& plan) {
   const auto length = [](const LinkedPose& pose) {
     const auto& g = pose.radius_turn_rad;
     return std::hypot(g[0], g[1], g[2]);
@@ -209,13 +209,16 @@ void Keyframes::close_turn(const Before& last, std::vector<LinkedPose>& placed,
   if (!(length(placed.back()) < kCloser * length(*last.pose))) return;
   const LinkedPose along =
       linked(*last.pose, last.frame->circle, *last.frame->next, memory_.radius);
-  const auto better = radius_from(along, placed.back(), memory_.radius);
-  if (!better) return;
-  const auto correct = [&](LinkedPose& pose) { pose = with_errors(pose, memory_.radius, *better); };
+  const Keyframe* from = find(placed.back().keyframe);
+  if (from == nullptr) return;
+  const auto closure = TurnClosure::of(along, placed.back(), from->pose, memory_.radius);
+  if (!closure) return;
+  const auto correct = [&](LinkedPose& pose) { pose = closure->corrected(pose); };
   for (Keyframe& key : memory_.keyframes) correct(key.pose);
   for (Target& target : plan.targets) correct(target.key.pose);
+  for (LinkedPose& pose : earlier) correct(pose);
   for (LinkedPose& pose : placed) correct(pose);
-  memory_.radius = *better;
+  memory_.radius = closure->radius();
 }
 
 void Keyframes::learn_reach(const BodyPose& key, const BodyPose& near) {
@@ -241,7 +244,7 @@ std::optional<LinkedPose> Keyframes::find_again(const ChainedFrame& frame, Keyfr
   for (const dic::RigidMotion& motion : sought(*key, frame, slots)) {
     Registered registered =
         measure({&frame, 1}, {moved(key->pose, key->circle, motion)}, nullptr, slots);
-    const std::vector<LinkedPose> found = place({&frame, 1}, registered, {}, slots);
+    const std::vector<LinkedPose> found = place({&frame, 1}, registered, {}, {}, slots);
     if (!found.empty()) return found[0];
   }
   return std::nullopt;
@@ -323,12 +326,9 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
       registered = measure(frames.subspan(i),
                            expected(frames, i, at_once, poses[i - 1], ahead, failed), ahead, slots);
     }
-    const SphereRadius thought = memory_.radius;
     const std::vector<LinkedPose> placed =
-        place(frames.subspan(i), registered, {&frames[i - 1], &poses[i - 1]}, slots);
-    for (std::size_t k = 0; k < i && memory_.radius.error_px != thought.error_px; ++k) {
-      poses[k] = with_errors(poses[k], thought, memory_.radius);
-    }
+        place(frames.subspan(i), registered, {&frames[i - 1], &poses[i - 1]},
+              std::span(poses).first(i), slots);
     for (const LinkedPose& pose : placed) poses[i++] = pose;
     if (placed.size() == registered.near.size()) {
       at_once = std::min(2 * at_once, frames.size());

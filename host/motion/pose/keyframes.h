@@ -115,18 +115,20 @@ class Keyframes {
   // have not failed.
   Registered registered_ahead(const Ahead& ahead, std::size_t first,
                               const std::set<std::size_t>& failed, const LinkedPose& before) const;
-  // Poses up to the first frame that does not fit.
+  // Poses up to the first frame that does not fit; `earlier`: those that were placed before.
   std::vector<LinkedPose> place(std::span<const ChainedFrame> frames, Registered& registered,
-                                const Before& before, KeyframeSlots& slots);
+                                const Before& before, std::span<LinkedPose> earlier,
+                                KeyframeSlots& slots);
   // What does not fit may be a ball under compression, or look otherwise than it did then.
   std::optional<LinkedPose> place_otherwise(const ChainedFrame& frame, const BodyPose& near,
                                             const Target& target, KeyframeSlots& slots);
   // Of a frame that fits `key`, which takes note of it.
   LinkedPose pose_of(const ChainedFrame& frame, const BodyPose& near, const BallMotion& motion,
                      Keyframe& key);
-  // Takes note of what the last pose, where it closes a turn, says of the radius: in the keyframes,
-  // the plan and the poses that have been placed.
-  void close_turn(const Before& last, std::vector<LinkedPose>& placed, KeyframePlan& plan);
+  // Takes note of what the last pose, where it closes a turn, says of those before it: in the
+  // keyframes, the plan and the poses that have been placed.
+  void close_turn(const Before& last, std::span<LinkedPose> earlier,
+                  std::vector<LinkedPose>& placed, KeyframePlan& plan);
   void learn_reach(const BodyPose& key, const BodyPose& near);
   // Whether a rigid registration would err: a flat ball whose shape is another than a circle.
   bool is_strained(const ChainedFrame& frame, const Keyframe& key) const;

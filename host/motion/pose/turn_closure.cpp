@@ -15,30 +15,44 @@ constexpr double kWorthwhile = 0.7;
 // Beyond so many deviations it was something else than radius and distance.
 constexpr double kLikely = 5;
 // Registrations err by this share of the turn alike, whatever the radius: foreshortened texture
-// (poses of six clips of 600 and 2000 frames err by 0.35 to 0.71 of what is then stated).
+// (poses of six clips of 600 and 2000 frames then err by 0.52 to 1.39 of what is stated).
 constexpr double kForeshortening = 4e-5;
 
 using Vector = Eigen::Vector3d;
 using Matrix = Eigen::Matrix3d;
-using SourceEffects = Eigen::Matrix<double, 3, 2>;  // of radius and distance on a turn
 
-Matrix noise_of(const LinkedPose& pose) { return Matrix(pose.turn_noise_rad2.data()); }
+// All in the ball's axes: there an error of a turn stays the same along a chain.
+Matrix to_ball(const LinkedPose& pose) { return orientation(pose).conjugate().toRotationMatrix(); }
 
-SourceEffects source_effects(const LinkedPose& pose) {
-  SourceEffects effects;
-  effects << Vector(pose.radius_turn_rad.data()), Vector(pose.nearness_turn_rad.data());
-  return effects;
+Matrix noise_of(const LinkedPose& pose) {
+  return to_ball(pose) * Matrix(pose.turn_noise_rad2.data()) * to_ball(pose).transpose();
 }
 
-Eigen::Matrix2d covariance_of(const SphereRadius& radius) {
-  const Eigen::Vector2d sd(radius.sd_px, radius.nearness_sd());
-  Eigen::Matrix2d correlations;
-  correlations << 1, radius.correlation, radius.correlation, 1;
+// Of a px of the radius, of a unit of the radius over the distance, and of foreshortening, which
+// errs as a part of the radius does: a px of that makes about twice its share of the turn.
+Matrix effects_on(const LinkedPose& pose, const SphereRadius& radius) {
+  const Vector by_radius(pose.radius_turn_rad.data()), by_nearness(pose.nearness_turn_rad.data());
+  Matrix effects;
+  effects << by_radius, by_nearness, 0.5 * kForeshortening * radius.px * by_radius;
+  return to_ball(pose) * effects;
+}
+
+// Of radius, radius over distance, and foreshortening, which is no part of the radius's errors.
+Matrix covariance_of(const SphereRadius& radius) {
+  const Vector sd(radius.sd_px, radius.nearness_sd(), 1);
+  Matrix correlations = Matrix::Identity();
+  correlations(0, 1) = correlations(1, 0) = radius.correlation;
   return sd.asDiagonal() * correlations * sd.asDiagonal();
 }
 
-SphereRadius with_covariance(SphereRadius radius, const Eigen::Matrix2d& covariance) {
-  const Eigen::Vector2d sd = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+// Of both sources that poses state.
+Matrix stated_of(const Matrix& effects, const Matrix& covariance) {
+  return effects.leftCols<2>() * covariance.topLeftCorner<2, 2>() *
+         effects.leftCols<2>().transpose();
+}
+
+SphereRadius with_covariance(SphereRadius radius, const Matrix& covariance) {
+  const Vector sd = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   radius.sd_px = sd[0];
   const double told = radius.perspective.nearness_sd, both = sd[0] * sd[1];
   radius.nearness_share = told > 0 ? sd[1] / told : 1;
@@ -48,39 +62,52 @@ SphereRadius with_covariance(SphereRadius radius, const Eigen::Matrix2d& covaria
 
 }  // namespace
 
-std::optional<SphereRadius> radius_from(const LinkedPose& along, const LinkedPose& closed,
-                                        const SphereRadius& radius) {
-  const SourceEffects effects = source_effects(closed) - source_effects(along);
-  const Vector missed = dic::rotation_vector(turn_between(along, closed));
-  // A px of the radius makes about twice its share of the turn.
-  const Vector foreshortened = 0.5 * kForeshortening * radius.px * effects.col(0);
-  const Matrix chance =
-      noise_of(along) + noise_of(closed) + foreshortened * foreshortened.transpose();
-  const Eigen::Matrix2d prior = covariance_of(radius);
-  const Matrix expected = effects * prior * effects.transpose();
-  const Matrix information = (expected + chance).inverse();
-  const Eigen::Matrix<double, 2, 3> gain = prior * effects.transpose() * information;
-  const Eigen::Matrix2d posterior = prior - gain * effects * prior;
-  const double left_open = (effects * posterior * effects.transpose()).trace();
-  if (!(left_open < kWorthwhile * kWorthwhile * expected.trace())) return std::nullopt;
-  const Eigen::Vector2d errors = gain * missed;
-  const Vector left = missed - effects * errors;
+std::optional<TurnClosure> TurnClosure::of(const LinkedPose& along, const LinkedPose& closed,
+                                           const LinkedPose& from, const SphereRadius& radius) {
+  const Matrix effects = effects_on(closed, radius) - effects_on(along, radius);
+  const Vector missed = to_ball(closed) * dic::rotation_vector(turn_between(along, closed));
+  const Matrix noise = noise_of(along) + noise_of(closed) - 2 * noise_of(from);
+  const Matrix prior = covariance_of(radius);
+  const Matrix information = (effects * prior * effects.transpose() + noise).inverse();
+  const Matrix gain = prior * effects.transpose() * information;
+  const Matrix posterior = prior - gain * effects * prior;
+  const double left_open = stated_of(effects, posterior).trace();
+  if (!(left_open < kWorthwhile * kWorthwhile * stated_of(effects, prior).trace())) {
+    return std::nullopt;
+  }
+  const Vector errors = gain * missed;
+  const Vector left = missed - effects.leftCols<2>() * errors.head<2>();
+  const Matrix chance = noise + effects.col(2) * effects.col(2).transpose();
   const Vector allowed = kLikely * chance.diagonal().cwiseSqrt();
   const bool likely = missed.dot(information * missed) <= kLikely * kLikely &&
                       (left.cwiseAbs().array() <= allowed.array()).all();
   if (!likely) return std::nullopt;
-  SphereRadius better = with_covariance(radius, posterior);
-  better.error_px += errors[0];
-  better.nearness_error += errors[1];
-  return better;
+  TurnClosure closure;
+  closure.before_ = radius;
+  closure.now_ = with_covariance(radius, posterior);
+  closure.now_.error_px += errors[0];
+  closure.now_.nearness_error += errors[1];
+  closure.from_ = from;
+  closure.effects_ = effects;
+  closure.missed_ = missed;
+  closure.information_ = information;
+  return closure;
 }
 
-LinkedPose with_errors(LinkedPose pose, const SphereRadius& before, const SphereRadius& now) {
+LinkedPose TurnClosure::corrected(LinkedPose pose) const {
   if (!is_sphere(pose)) return pose;  // of a frame without a ball
-  const double px = now.error_px - before.error_px;
-  const double nearness = now.nearness_error - before.nearness_error;
-  const Vector less = -source_effects(pose) * Eigen::Vector2d(px, nearness);
-  set_orientation(pose, (dic::quaternion_of(less) * orientation(pose)).normalized());
+  const Matrix effects = effects_on(pose, before_), prior = covariance_of(before_);
+  // How the pose's error goes along with what the chains missed each other by.
+  const Matrix along = effects * prior * effects_.transpose() - (noise_of(pose) - noise_of(from_));
+  const Vector error = along * information_ * missed_;
+  const Matrix left =
+      effects * prior * effects.transpose() - along * information_ * along.transpose();
+  const Matrix to_camera = to_ball(pose).transpose();
+  Eigen::Map<Matrix>(pose.turn_told_rad2.data()) +=
+      to_camera * (stated_of(effects, covariance_of(now_)) - left) * to_camera.transpose();
+  set_orientation(pose, (orientation(pose) * dic::quaternion_of(Vector(-error))).normalized());
+  const double px = now_.error_px - before_.error_px;
+  const double nearness = now_.nearness_error - before_.nearness_error;
   pose.x_px -= px * pose.radius_x + nearness * pose.nearness_x;
   pose.y_px -= px * pose.radius_y + nearness * pose.nearness_y;
   return pose;
