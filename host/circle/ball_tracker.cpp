@@ -1,7 +1,6 @@
 #include "host/circle/ball_tracker.h"
 
 #include <impactdic/error.h>
-#include <impactdic/units.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
+#include "host/circle/rim_in_view.h"
 #include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/judgement.h"
 
@@ -22,37 +22,6 @@ bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
   return fit.status == CircleStatus::kOk &&
          (!radius_px ||
           std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
-}
-
-// Share of the circle that lies in the picture.
-double share_in_view(const Frame& frame, const Circle& c) {
-  constexpr int kPoints = 64;
-  int inside = 0;
-  for (int i = 0; i < kPoints; ++i) {
-    const double angle = 2 * kPi * i / kPoints;
-    const double x = c.cx_px + c.r_px * std::cos(angle), y = c.cy_px + c.r_px * std::sin(angle);
-    inside += x >= 0 && y >= 0 && x <= frame.width() - 1 && y <= frame.height() - 1;
-  }
-  return static_cast<double>(std::max(inside, 1)) / kPoints;
-}
-
-// Share of the rim in view that carried the fit.
-double rim_in_view(const CircleFit& fit, const Frame& frame) {
-  return fit.rim_fraction / share_in_view(frame, fit.circle);
-}
-
-bool is_round(const CircleFit& fit) {
-  return std::hypot(fit.e1_px, fit.e2_px) <= kTracking.found_oval * fit.circle.r_px;
-}
-
-// Enough of the rim in view to be taken for a ball where none was expected; with less than most of
-// it also round, and of the ball's size. Arms and shadows have arcs, too.
-bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px) {
-  const double rim = rim_in_view(fit, frame);
-  if (rim >= kTracking.plain_rim) return true;
-  const double r = fit.circle.r_px;
-  return rim >= kTracking.found_rim && is_round(fit) &&
-         (!radius_px || std::abs(r - *radius_px) <= kTracking.found_radius * *radius_px);
 }
 
 // On the line between two measured frames, the second `off_px` from where it was predicted.
@@ -246,12 +215,16 @@ CirclePrior BallTracker::prior_found(const Circle& found, const Radius& radius) 
 CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
                               const std::optional<CirclePrior>& prior, const Radius& radius,
                               bool* searched) const {
+  // Where it was not seen just before it may have bounced: any arc may lie where it would be.
+  const bool was_lost = !memory_.seen.empty() && index > memory_.seen.back().index + 1;
   // Little of a rim where nothing ever moves: the ball has gone.
   const auto is_ball = [&](const CircleFit& fit) {
     return plausible(fit, radius.rough_px) &&
+           (!was_lost || stands_out(fit, frame, radius.rough_px)) &&
            (fit.rim_fraction >= kTracking.plain_rim ||
             !stands_still(options_.scene.get(), frame, fit.circle));
   };
+  bool left = false;
   if (prior) {
     CircleFit fit = measure(frame, *prior);
     if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
@@ -265,10 +238,14 @@ CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
         fit = measure(frame, wide);
       }
     }
-    if (is_ball(fit) || fit.status == CircleStatus::kOutOfView) return fit;
+    if (is_ball(fit)) return fit;
+    left = fit.status == CircleStatus::kOutOfView;
+    if (left && !was_lost) return fit;
   }
   if (searched != nullptr) *searched = true;
-  return search(frame, index, radius);
+  CircleFit found = search(frame, index, radius);
+  if (left && found.status != CircleStatus::kOk) found.status = CircleStatus::kOutOfView;
+  return found;
 }
 
 const BallByHand* BallTracker::correction(std::int64_t index) const {

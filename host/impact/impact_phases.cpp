@@ -24,10 +24,8 @@
 namespace impactdic::impact {
 namespace {
 
-constexpr std::size_t kFewestFlightFrames = 6;
 constexpr std::size_t kFewestContactFrames = 8;
-constexpr std::size_t kLeastGuard = 3;  // frames between contact and flight
-constexpr double kSignificant = 3;      // deviations that an impulse must stand out by
+constexpr double kSignificant = 3;  // deviations that an impulse must stand out by
 // Logarithm of the odds: the sharpest of some hundred places, and two flights under one gravity.
 constexpr double kEvident = 7, kAsLikely = 0;
 
@@ -81,6 +79,13 @@ class Analysis {
     return result_;
   }
 
+  // Of a ball whose motion is lost in most frames about its impact.
+  ImpactAnalysis run_centres() {
+    series_.use_centres();
+    if (!is_found(run()) || !series_.is_motion_lost(before_.first, after_.last)) return {};
+    return result_;
+  }
+
  private:
   bool set_flights();
   void limit_flights();
@@ -115,14 +120,8 @@ class Analysis {
 };
 
 bool Analysis::set_flights() {
-  const std::size_t length = guess_.last - guess_.first;
-  std::size_t guard = std::max(kLeastGuard, length * 3 / 20);
   const std::size_t last_row = series_.size() - 1;
-  // In a short clip rather a shorter guard than no flight.
-  while (guard > 2 && (guess_.first < guard + 2 * kFewestFlightFrames ||
-                       guess_.last + guard + 2 * kFewestFlightFrames > last_row)) {
-    --guard;
-  }
+  const std::size_t guard = guard_of(guess_, last_row);
   if (guess_.first < guard + kFewestFlightFrames ||
       guess_.last + guard + kFewestFlightFrames > last_row) {
     return false;
@@ -376,9 +375,10 @@ void Analysis::finish() {
 
 ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
-  if (!is_found(result)) {
-    const ImpactAnalysis sparse = Analysis(rows, options).run_sparse();
-    if (is_found(sparse)) result = sparse;
+  for (const auto other : {&Analysis::run_sparse, &Analysis::run_centres}) {
+    if (is_found(result)) break;
+    const ImpactAnalysis by_centres = (Analysis(rows, options).*other)();
+    if (is_found(by_centres)) result = by_centres;
   }
   if (is_found(result)) result.space = space_impact(options, result);
   return result;

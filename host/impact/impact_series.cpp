@@ -126,6 +126,12 @@ void ImpactSeries::use_centres() {
   for (std::size_t i = 0; i + 1 < size(); ++i) step_n[i] = position_n[i + 1] - position_n[i];
 }
 
+bool ImpactSeries::is_motion_lost(std::size_t first, std::size_t last) const {
+  std::size_t lost = 0;
+  for (std::size_t i = first; i < last; ++i) lost += has_motion(rows_[i]) ? 0 : 1;
+  return 2 * lost > last - first;
+}
+
 double ImpactSeries::position_t(std::size_t i) const {
   const TrackRow row = rows_[i];
   return row.circle_ok ? c_ * row.cx_px - s_ * row.cy_px : kNotMeasured;

@@ -71,6 +71,8 @@ class ImpactSeries {
   ImpactSeries(const TrackRows& rows, double surface_angle_rad, const SphereKnown& known);
   // Takes differences of the centres for steps, as where no motion was measured.
   void use_centres();
+  // Whether most of the rows first … last - 1 have no motion.
+  bool is_motion_lost(std::size_t first, std::size_t last) const;
 
   std::vector<double> position_n, step_n;  // of the circle's centre; its motion from i to i + 1
   std::optional<SphereSteps> sphere;       // nullopt: a flat ball

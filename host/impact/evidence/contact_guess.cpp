@@ -135,6 +135,16 @@ ContactGuess guess_contact(const ImpactSeries& series, double gravity_n) {
   return fine;
 }
 
+std::size_t guard_of(const ContactGuess& guess, std::size_t last_row) {
+  std::size_t guard = std::max(kLeastGuard, (guess.last - guess.first) * 3 / 20);
+  // In a short clip rather a shorter guard than no flight.
+  while (guard > 2 && (guess.first < guard + 2 * kFewestFlightFrames ||
+                       guess.last + guard + 2 * kFewestFlightFrames > last_row)) {
+    --guard;
+  }
+  return guard;
+}
+
 FlightRange trimmed(const ImpactSeries& series, const ContactGuess& guess, FlightRange flight,
                     bool before, double gravity_n) {
   constexpr std::size_t kBlock = 10;

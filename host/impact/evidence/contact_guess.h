@@ -27,6 +27,11 @@ ContactGuess guess_contact(const ImpactSeries& series, double gravity_n);
 // makes.
 double noise_of(const std::vector<double>& values);
 
+// A flight is no shorter; and so far at least lies it from the contact, but in short clips.
+inline constexpr std::size_t kFewestFlightFrames = 6, kLeastGuard = 3;  // frames
+// How far the flights shall lie from a contact in rows 0 … last_row, frames.
+std::size_t guard_of(const ContactGuess& guess, std::size_t last_row);
+
 // `flight`, less another impact or a hand at the end far from the contact: ten frames must go on as
 // those nearer to the contact do. `before`: it is the flight before the contact.
 FlightRange trimmed(const ImpactSeries& series, const ContactGuess& guess, FlightRange flight,
