@@ -85,9 +85,16 @@ TextureAdvice advise_texture(const Frame& frame, const TextureRequest& request) 
     if (window_px <= std::min(part.width, part.height)) sizes.push_back(window_px);
   }
   advice.sizes.resize(sizes.size());
+  // The size that is asked for may be one of the others, too: judged once.
+  const auto is_asked_again = [&](std::size_t k) { return k > 0 && sizes[k] == sizes[0]; };
   tbb::this_task_arena::isolate([&] {
-    parallel_for(sizes.size(), [&](std::size_t k) { advice.sizes[k] = size(sizes[k]); });
+    parallel_for(sizes.size(), [&](std::size_t k) {
+      if (!is_asked_again(k)) advice.sizes[k] = size(sizes[k]);
+    });
   });
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    if (is_asked_again(k)) advice.sizes[k] = advice.sizes.front();
+  }
   advice.asked = advice.sizes.front();
   advice.sizes.erase(advice.sizes.begin());
   if (request.circle && !request.asked_alone) {

@@ -136,18 +136,30 @@ WindowBound PictureSlopes::window(int x0, int y0, int side, double noise) const 
 WindowBound PictureSlopes::affine_window(int x0, int y0, int side, double noise) const {
   WindowBound bound = window(x0, y0, side, noise);
   const double half = (side - 1) / 2.0;
-  // Σ g_a g_b (1, X, Y)(1, X, Y)ᵀ for (a, b) = xx, xy, yy, X and Y in units of the half side.
+  // Σ g_a g_b (1, X, Y)(1, X, Y)ᵀ for (a, b) = xx, xy, yy, X and Y in units of the half side. Along
+  // a row Y is the same: its sums are those over 1, X and X².
   Eigen::Matrix3d xx = Eigen::Matrix3d::Zero(), xy = xx, yy = xx;
   for (int y = 0; y < side; ++y) {
     const float* gx = slope_x_.row(y0 + y) + x0;
     const float* gy = slope_y_.row(y0 + y) + x0;
+    Eigen::Array4d once = Eigen::Array4d::Zero(), by_x = once, by_xx = once;  // of xx, xy, yy
     for (int x = 0; x < side; ++x) {
-      const Eigen::Vector3d place(1, (x - half) / half, (y - half) / half);
-      const Eigen::Matrix3d product = place * place.transpose();
-      xx += (gx[x] * gx[x] - slope_noise_) * product;
-      xy += gx[x] * gy[x] * product;
-      yy += (gy[x] * gy[x] - slope_noise_) * product;
+      const Eigen::Array4d g(gx[x] * gx[x] - slope_noise_, gx[x] * gy[x],
+                             gy[x] * gy[x] - slope_noise_, 0);
+      const double at = (x - half) / half;
+      once += g;
+      by_x += at * g;
+      by_xx += at * at * g;
     }
+    const double at = (y - half) / half;
+    const auto add_row = [&](int part, Eigen::Matrix3d& sum) {
+      const double s = once[part], sx = by_x[part], sxx = by_xx[part];
+      sum += (Eigen::Matrix3d() << s, sx, at * s, sx, sxx, at * sx, at * s, at * sx, at * at * s)
+                 .finished();
+    };
+    add_row(0, xx);
+    add_row(1, xy);
+    add_row(2, yy);
   }
   Eigen::Matrix<double, 6, 6> information;
   information << xx, xy, xy, yy;

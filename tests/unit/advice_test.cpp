@@ -61,6 +61,10 @@ TEST(TextureAdvice, ExpectsWhatTheExactPictureAllows) {
   EXPECT_NEAR(advice.ball->rot_sd_rad, want.rot_sd_rad, 0.08 * want.rot_sd_rad);
   EXPECT_EQ(advice.asked.usable, advice.asked.windows);
   EXPECT_GT(advice.asked.windows, 100);
+  // The size that was asked for stands among the others, too.
+  EXPECT_EQ(advice.sizes[2].window_px, advice.asked.window_px);
+  EXPECT_EQ(advice.sizes[2].windows, advice.asked.windows);
+  EXPECT_EQ(advice.sizes[2].error_px, advice.asked.error_px);
   // Larger windows do better, about as one over their side.
   ASSERT_GE(advice.sizes.size(), 5u);
   EXPECT_NEAR(advice.sizes[2].error_px / advice.sizes[4].error_px, 31.0 / 15, 0.4);

@@ -78,6 +78,23 @@ TEST(ErrorBound, AffineWindow) {
   EXPECT_GT(of_edge.affine_window(20, 20, 15, 2).expected_sd_px, 1);
 }
 
+// Rows and columns are summed in different ways: a picture turned over its diagonal tells the same.
+TEST(ErrorBound, AffineWindowOfRowsAndColumns) {
+  Image<float> picture(60, 60), turned(60, 60);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      const float wave = std::sin(0.5F * x + 0.01F * y * y) + std::cos(0.35F * y + 0.008F * x * y);
+      picture(x, y) = turned(y, x) = 100 + 30 * wave;
+    }
+  }
+  const dic::WindowBound a = dic::PictureSlopes(picture.view(), 0).affine_window(17, 24, 15, 2);
+  const dic::WindowBound b = dic::PictureSlopes(turned.view(), 0).affine_window(24, 17, 15, 2);
+  EXPECT_GT(std::abs(a.u_sd_px - a.v_sd_px), 0.01 * a.u_sd_px);
+  EXPECT_NEAR(a.u_sd_px, b.v_sd_px, 1e-5 * a.u_sd_px);
+  EXPECT_NEAR(a.v_sd_px, b.u_sd_px, 1e-5 * a.v_sd_px);
+  EXPECT_NEAR(a.expected_sd_px, b.expected_sd_px, 1e-5 * a.expected_sd_px);
+}
+
 TEST(ErrorBound, NoiseInThePictureIsTakenOut) {
   const double noise = 12;
   const dic::PictureSlopes clean(waves(200, 200).view(), 0);
