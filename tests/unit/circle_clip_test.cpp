@@ -176,5 +176,30 @@ TEST(BallTracker, AgreementOfFramesIsNoExactness) {
   EXPECT_GT(last_sds, 0.6 * first_sds);
 }
 
+// A ball is not seen where it bounces: its way leads out of the picture, and it is still there.
+TEST(BallThatWasLost, IsFoundAfterABounceThatNoFrameShows) {
+  constexpr double kRadiusPx = 30;
+  SynthScene scene;
+  scene.width = 160;
+  scene.height = 220;
+  scene.noise_sigma = 2;
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("c1", 3, kRadiusPx), scene);
+  circle::BallTracker tracker;
+  Frame frame;
+  for (int k = 0; k < 9; ++k) {
+    // Down at 25 px a frame, up again at 8; blurred beyond sight in frames 4 and 5.
+    const double y = k < 4 ? 106 + 25.0 * k : 181 - 8.0 * (k - 5);
+    const bool hidden = k == 4 || k == 5;
+    renderer.render(BallPose{hidden ? -500.0 : 80.3, y}, k, frame);
+    const circle::CircleFit fit = tracker.track(frame, k);
+    if (hidden) {
+      EXPECT_NE(fit.status, circle::CircleStatus::kOk) << k;
+    } else {
+      ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << k;
+      EXPECT_NEAR(fit.circle.cy_px, y, 0.1) << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace impactdic

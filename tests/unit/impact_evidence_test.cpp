@@ -262,5 +262,30 @@ TEST(ImpactEvidence, OneImpactIsOne) {
   }
 }
 
+// A hand lets a ball down, stops it and lifts it a little; then it falls and bounces. The hand's
+// stop is no bounce: the ball did not fall there.
+TEST(ImpactEvidence, WhatAHandDoesIsNoBounce) {
+  constexpr double kStopped = 40, kLetGo = 70, kGravity = 1.5, kFell = 20, kRestitution = 0.7;
+  const auto height = [&](double t) {
+    const double falling = t - kLetGo, bounced = falling - kFell;
+    const double drop = kGravity * kFell * kFell / 2, speed = kRestitution * kGravity * kFell;
+    if (t < kStopped) return drop - 9 + 3.4 * (kStopped - t);
+    if (falling < 0) return drop + 0.3 * falling;
+    if (bounced < 0) return drop - kGravity * falling * falling / 2;
+    return bounced * (speed - kGravity * bounced / 2);
+  };
+  std::vector<TrackRow> rows = rows_of(
+      [&](double t) {
+        return std::array{0.3 * t, height(t)};
+      },
+      110, 0.02);
+  std::mt19937_64 random(5);
+  add_errors(FilmErrors::camera(1), random, rows);
+  const ImpactAnalysis sharpest = impact::analyse_impact(rows, {});
+  ASSERT_TRUE(is_found(sharpest));
+  EXPECT_NEAR(sharpest.crossing.value, kLetGo + kFell, 0.5);
+  EXPECT_TRUE(impact::other_impacts(rows, {}, sharpest).empty());
+}
+
 }  // namespace
 }  // namespace impactdic::testing
