@@ -208,6 +208,13 @@ TEST(LinkedPose, AClosureKnowsWhatRadiusAndDistanceDoTogether) {
   EXPECT_LT(stated, 0.1 * before);
 }
 
+// However much a closure tells, a pose states what a link errs by.
+TEST(LinkedPose, WhatIsToldLeavesADeviation) {
+  LinkedPose pose = beginning();
+  pose.turn_noise_rad2[0] = 1e-8, pose.turn_told_rad2[0] = 1.1e-8;
+  EXPECT_GT(pose.stated(SphereRadius{kRadiusPx}).tilt_x_sd_rad, 1e-5);
+}
+
 // Something else than the radius: a ball that was hit in between, another ball.
 TEST(LinkedPose, AClosureThatTheRadiusDoesNotExplainTellsNothing) {
   const SphereRadius radius{kRadiusPx, 0.05};

@@ -10,6 +10,9 @@
 namespace impactdic::motion {
 namespace {
 
+// What a closed turn tells leaves no less than this of a pose's variance: links have noise.
+constexpr double kLeastLeft = 0.02;
+
 Eigen::Quaterniond turn_of(const dic::RigidMotion& motion) {
   return dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
 }
@@ -148,7 +151,7 @@ BodyPose LinkedPose::stated(const SphereRadius& radius) const {
   };
   const auto about = [&](std::size_t axis) {
     const double all = turn_noise_rad2[4 * axis] + std::pow(turn(axis), 2);
-    return std::sqrt(std::max(0.0, all - turn_told_rad2[4 * axis]));
+    return std::sqrt(std::max(kLeastLeft * all, all - turn_told_rad2[4 * axis]));
   };
   pose.x_sd_px = std::hypot(x_sd_px, common(radius_x, nearness_x));
   pose.y_sd_px = std::hypot(y_sd_px, common(radius_y, nearness_y));
