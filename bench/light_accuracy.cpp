@@ -2,11 +2,14 @@
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
 //   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
 // CONDITIONS is a list with commas, or "all", each with the pattern of its ball where that is not
-// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. Rows that are lost, or
+// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. "random" draws a condition
+// of its own from each seed and leaves it to the program what the body is: discs and spheres are
+// told apart in its table, and each seed is described on stderr. Rows that are lost, or
 // wrong with status ok, are listed on stderr. With "circles" the motion is not measured, and no
 // device is needed. Pictures are kept in the folder KEEP and read from there the next time
 // (painting takes longer than all the rest).
 #include <impactdic/device.h>
+#include <impactdic/error.h>
 #include <impactdic/track.h>
 
 #include <algorithm>
@@ -22,6 +25,7 @@
 
 #include "tests/support/light_scenes.h"
 #include "tests/support/motion_truth.h"
+#include "tests/support/random_scene.h"
 
 namespace impactdic::bench {
 namespace {
@@ -119,9 +123,10 @@ struct Table {
     wrong += off;
     return off;
   }
-  void add_motion(const TrackRow& row, const LightScene& scene, const BallPose& pose,
+  // Whether it is wrong.
+  bool add_motion(const TrackRow& row, const LightScene& scene, const BallPose& pose,
                   const BallPose& next) {
-    if (!row.motion_ok || row.status != TrackStatus::kOk) return;
+    if (!row.motion_ok || row.status != TrackStatus::kOk) return false;
     const double x = row.dx_px - (next.cx_px - pose.cx_px);
     const double y = row.dy_px - (next.cy_px - pose.cy_px);
     const double z = row.rot_deg - scene.rotation_deg;
@@ -140,6 +145,7 @@ struct Table {
             is_wrong(about_y, row.rot_y_sd_deg, matters_deg);
     }
     wrong_motion += off;
+    return off;
   }
   void add_pose(const BodyPose& pose, double angle_deg) {
     if (std::isnan(pose.angle_rad)) return;  // a sphere's
@@ -194,10 +200,14 @@ std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::ui
 struct Way {
   int first = 1, last = 3, frames = 12;
   bool circles = false;
+  bool told = true;  // what the body is
   std::string keep;
 };
 
-void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Session& session,
+Body body_of(const LightScene& scene) { return scene.sphere ? Body::kSphere : Body::kDisc; }
+
+// Returns what the body was measured as.
+Body measure(const LightScene& scene, std::uint64_t seed, const Way& way, Session& session,
              Table& table) {
   LightClip clip(scene, seed, way.frames);
   const std::vector<Frame> pictures = pictures_of(scene, clip, seed, way.keep);
@@ -211,7 +221,7 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
       info, [&](std::int64_t k, Frame& frame) { frame = pictures[static_cast<std::size_t>(k)]; });
   request.clip.fps = 10000;
   request.with_field = !way.circles;
-  request.body = scene.sphere ? Body::kSphere : Body::kDisc;
+  if (way.told) request.body = body_of(scene);
   const TrackResult result = track(request, session);
   const std::vector<BallPose>& poses = clip.poses();
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
@@ -238,8 +248,40 @@ void measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
       const BallPose& origin = poses[static_cast<std::size_t>(row.pose.origin)];
       table.add_pose(row.pose, poses[k].angle_deg - origin.angle_deg);
     }
-    if (k + 1 < poses.size()) table.add_motion(row, scene, poses[k], poses[k + 1]);
+    if (k + 1 == poses.size() || !table.add_motion(row, scene, poses[k], poses[k + 1])) continue;
+    std::fprintf(stderr,
+                 "%s %s seed %llu frame %zu: motion off %+.3f (%.3f), %+.3f (%.3f) px, turn %+.3f "
+                 "(%.3f), %+.3f (%.3f), %+.3f (%.3f) deg\n",
+                 scene.name, scene.pattern, static_cast<unsigned long long>(seed), k,
+                 row.dx_px - (poses[k + 1].cx_px - poses[k].cx_px), row.dx_sd_px,
+                 row.dy_px - (poses[k + 1].cy_px - poses[k].cy_px), row.dy_sd_px,
+                 row.rot_x_deg - scene.spin_x_deg, row.rot_x_sd_deg,
+                 row.rot_y_deg - scene.spin_y_deg, row.rot_y_sd_deg,
+                 row.rot_deg - scene.rotation_deg, row.rot_sd_deg);
   }
+  return result.body;
+}
+
+void measure_random(Way way, Session& session) {
+  way.told = false;
+  Table discs, spheres;
+  for (int seed = way.first; seed <= way.last; ++seed) {
+    const LightScene scene = testing::random_scene(static_cast<std::uint64_t>(seed));
+    Table& table = scene.sphere ? spheres : discs;
+    const Table before = table;
+    Body body = Body::kAuto;
+    try {
+      body = measure(scene, static_cast<std::uint64_t>(seed), way, session, table);
+    } catch (const Error& error) {
+      std::fprintf(stderr, "seed %d: %s\n", seed, error.what());
+    }
+    std::fprintf(stderr, "seed %d: %d lost, %d inconsistent, %d circles and %d motions wrong%s: %s\n",
+                 seed, table.lost - before.lost, table.flagged - before.flagged,
+                 table.wrong - before.wrong, table.wrong_motion - before.wrong_motion,
+                 body == body_of(scene) ? "" : ", another body", testing::described(scene).c_str());
+  }
+  discs.print("random discs");
+  spheres.print("random spheres");
 }
 
 int run(int argc, char** argv) {
@@ -264,6 +306,10 @@ int run(int argc, char** argv) {
       "condition: rows, lost, inconsistent, wrong circle and motion with status ok; centre rms, "
       "over sd, largest; radius rms, over sd, mean; dx, dy rms, over sd; turn rms, over sd; of a "
       "disc the pose's angle rms, over sd (px, deg)\n");
+  if (argument(1, "all") == "random") {
+    measure_random(way, session);
+    return 0;
+  }
   for (const LightScene& usual : kScenes) {
     const auto asked = std::find_if(wanted.begin(), wanted.end(), [&](const auto& one) {
       return one.first == "all" || one.first == usual.name;

@@ -67,17 +67,22 @@ class PairLook {
       return of_windows;
     }
     const motion::PairMotion turned = measured(true);
-    const auto sphere = registered(turned, dic::BallModel::kSphereAndRadius);
-    if (!sphere) return std::nullopt;
-    const auto disc = registered(flat, dic::BallModel::kRigid);
-    Tilt tilt = tilt_of(sphere->rot_x_rad, std::sqrt(sphere->covariance[5]), sphere->rot_y_rad,
-                        std::sqrt(sphere->covariance[9]));
-    const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
-    tilt.radius_px = sphere->ball_radius;
-    tilt.radius_sd_px = sphere->ball_radius_sd;
-    tilt.motion = motion::sphere_motion(*sphere);
-    tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
-                           !(disc && sphere->residual >= disc->residual);
+    // A flat ball may be pressed; what a tilt does to a picture is even about its centre, which no
+    // strain is.
+    const auto disc = registered(flat, dic::BallModel::kAffine);
+    const auto free = registered(turned, dic::BallModel::kSphereAndRadius);
+    std::optional<Tilt> tilt;
+    if (free) tilt = judged(*free, disc);
+    if (!tilt || !tilt->is_out_of_plane) {
+      // A small turn does not tell the radius, and tells less of itself where that is free.
+      if (const auto known = registered(turned, dic::BallModel::kSphere)) {
+        tilt = judged(*known, disc);
+      }
+    }
+    if (!tilt && flat.motion.ok) {
+      tilt.emplace();
+      tilt->motion = flat.motion;
+    }
     return tilt;
   }
 
@@ -86,6 +91,19 @@ class PairLook {
     Tilt tilt;
     tilt.turn_deg = std::hypot(x_rad, y_rad) * kDegPerRad;
     tilt.beyond_chance = std::pow(x_rad / x_sd_rad, 2) + std::pow(y_rad / y_sd_rad, 2);
+    return tilt;
+  }
+
+  // What the registration of a sphere says, beside that of a disc, if there is one.
+  Tilt judged(const BallMotion& sphere, const std::optional<BallMotion>& disc) const {
+    Tilt tilt = tilt_of(sphere.rot_x_rad, std::sqrt(sphere.covariance[5]), sphere.rot_y_rad,
+                        std::sqrt(sphere.covariance[9]));
+    const double moved_px = tilt.turn_deg * kRadPerDeg * pair_.first_ball.r_px;
+    tilt.radius_px = sphere.ball_radius;
+    tilt.radius_sd_px = sphere.ball_radius_sd;
+    tilt.motion = motion::sphere_motion(sphere);
+    tilt.is_out_of_plane = tilt.beyond_chance > kSignificant && moved_px > kSmallest_px &&
+                           !(disc && sphere.residual >= disc->residual);
     return tilt;
   }
 
@@ -136,7 +154,7 @@ class PairLook {
     BallTask task =
         motion::sphere_task(pair.first, pair.first.r_px, sphere::kUsualBlur_px2, pair.motion);
     task.second = 1;
-    if (model != dic::BallModel::kRigid) {
+    if (model != dic::BallModel::kAffine) {
       task.sight = motion::pair_sight(pair, perspective_, pair.first.r_px);
     }
     dic::BallRegistration registration(engine_, motion::ball_options(field_, model));
@@ -179,7 +197,8 @@ class Verdict {
     if (!tilt) return;
     ++measured_;
     radius_.add(pair.first_ball.r_px, kRimRadiusSd_px);
-    if (tilt->radius_sd_px > 0 && !learn_from(pair, tilt->motion)) {
+    const bool free = tilt->radius_sd_px > 0;
+    if ((free || tilt->is_out_of_plane) && !learn_from(pair, tilt->motion) && free) {
       radius_.add(tilt->radius_px, tilt->radius_sd_px);
     }
     out_of_plane_ |= tilt->is_out_of_plane;
@@ -196,6 +215,7 @@ class Verdict {
     BodyAdvice advice;
     advice.body = out_of_plane_ ? Body::kSphere : Body::kDisc;
     advice.reason = reason;
+    if (!out_of_plane_) advice.unseen_tilt_rad = unseen_tilt_rad_;
     advice.radius_px = radius_.value();
     // Far pairs of a short clip share their pictures, and with them their noise.
     advice.radius_sd_px =
@@ -230,14 +250,18 @@ class Verdict {
       return text;
     }
     for (const auto& [pair, step] : flat_) {
-      const auto tilted = slow_tilt(engine_, *pair, step, field_, far_);
-      if (!tilted) continue;
+      const SlowTilt slow = slow_tilt(engine_, *pair, step, field_, far_);
+      if (!slow.motion) {
+        unseen_tilt_rad_ = std::fmax(unseen_tilt_rad_, slow.unseen_rad);
+        continue;
+      }
+      const dic::RigidMotion& tilted = *slow.motion;
       out_of_plane_ = true;
-      learn_from(*pair, *tilted);
+      learn_from(*pair, tilted);
       std::snprintf(
           text, sizeof text,
           "over many frames the ball turns out of the picture's plane, by %.3f deg a frame",
-          std::hypot(tilted->rot_x_rad, tilted->rot_y_rad) * kDegPerRad);
+          std::hypot(tilted.rot_x_rad, tilted.rot_y_rad) * kDegPerRad);
       return text;
     }
     std::snprintf(text, sizeof text,
@@ -254,6 +278,7 @@ class Verdict {
   double most_deg_ = 0, significant_ = 0;
   int measured_ = 0;
   bool out_of_plane_ = false;
+  double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
   WeightedMean radius_, nearness_, blur_;
   std::optional<double> best_radius_sd_px_;                         // of one far pair
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by

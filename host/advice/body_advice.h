@@ -20,6 +20,9 @@ struct BodyAdvice {
   double blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
   // This over the camera's distance; NaN where that was known, or the pictures do not tell.
   Measured nearness;
+  // Of a disc: the turn out of the picture's plane, rad a frame, that there may be without showing;
+  // NaN where nothing tells.
+  double unseen_tilt_rad = kNotMeasured;
 };
 
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance

@@ -1,6 +1,9 @@
 #include "host/advice/slow_tilt.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/dic/device/ball.h"
@@ -10,17 +13,31 @@
 namespace impactdic::advice {
 namespace {
 
-constexpr std::int64_t kMostFrames = 24, kFewestFrames = 4;
+// Each may be three times as far as the one before: what that told of the tilt is off by less than
+// a speckle there.
+constexpr std::array<std::int64_t, 4> kFar = {2, 5, 11, 24};
 constexpr double kMostTurn_rad = 2.5;  // in the picture's plane: less than half a turn
+constexpr double kMostTilt_rad = 0.6;  // farther, too little is seen in both pictures
 // Chance: squares of two deviates together pass this once in three million.
 constexpr double kBeyondChance = 30;
-constexpr double kAlike = 5;            // deviations between the two tilts a frame, at most
-constexpr double kLeastMoved_px = 0.1;  // that the ball's surface moves by
-constexpr double kBetter = 0.95;        // of the flat ball's variance is left, at most
+// Deviations between the two tilts a frame, and share of them, at most. Light that does not turn
+// looks like a tilt that does not grow.
+constexpr double kAlike = 5, kAlikeShare = 0.2;
+constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
+// By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares of
+// themselves: chance leaves some units of the first, what no model has of light some thousandths of
+// the second.
+constexpr double kBetter = 60, kBetterShare = 0.004;
 
 struct TiltAFrame {
-  double x_rad = 0, x_sd_rad = 0, y_rad = 0, y_sd_rad = 0;
-  bool is_shown = false;
+  double x_rad = 0, y_rad = 0, sd_rad = 0;  // sd: the larger of both
+  double beyond_chance = 0;                 // chi square of two degrees of freedom
+  double moved_px = 0;                      // in all
+  bool is_better = false;                   // than a flat ball
+  bool is_shown() const {
+    return beyond_chance > kBeyondChance && moved_px > kLeastMoved_px && is_better;
+  }
+  double length_rad() const { return std::hypot(x_rad, y_rad); }
 };
 
 class FarLook {
@@ -31,31 +48,48 @@ class FarLook {
         step_(step),
         frames_(engine, 2),
         sphere_(engine, motion::ball_options(field, dic::BallModel::kSphere)),
-        flat_(engine, motion::ball_options(field, dic::BallModel::kRigid)) {
+        flat_(engine, motion::ball_options(field, dic::BallModel::kAffine)) {
     frames_.set(0, pair.first);
   }
 
-  // nullopt where the far picture, so many frames on, could not be registered.
-  std::optional<TiltAFrame> tilt(const BallPicture& far, double frames) {
+  // nullopt where the far picture, so many frames on, could not be registered from the tilt `told`.
+  std::optional<TiltAFrame> tilt(const BallPicture& far, double frames, const TiltAFrame& told) {
     frames_.set(1, far.picture);
     dic::RigidMotion start;
     start.dx_px = far.ball.cx_px - first_.cx_px;
     start.dy_px = far.ball.cy_px - first_.cy_px;
+    start.rot_x_rad = frames * told.x_rad;
+    start.rot_y_rad = frames * told.y_rad;
     start.rot_rad = frames * step_.rot_rad;
-    const auto sphere = registered(sphere_, start), flat = registered(flat_, start);
+    const auto sphere = registered(sphere_, start);
     if (!sphere) return std::nullopt;
-    TiltAFrame tilt{sphere->rot_x_rad / frames, std::sqrt(sphere->covariance[5]) / frames,
-                    sphere->rot_y_rad / frames, std::sqrt(sphere->covariance[9]) / frames};
-    const double turned_rad = std::hypot(sphere->rot_x_rad, sphere->rot_y_rad);
-    const double chance =
-        std::pow(tilt.x_rad / tilt.x_sd_rad, 2) + std::pow(tilt.y_rad / tilt.y_sd_rad, 2);
-    const bool better =
-        !flat || std::pow(sphere->residual, 2) < kBetter * std::pow(flat->residual, 2);
-    tilt.is_shown = chance > kBeyondChance && turned_rad * first_.r_px > kLeastMoved_px && better;
+    TiltAFrame tilt;
+    tilt.x_rad = sphere->rot_x_rad / frames;
+    tilt.y_rad = sphere->rot_y_rad / frames;
+    const double x_sd = std::sqrt(sphere->covariance[5]), y_sd = std::sqrt(sphere->covariance[9]);
+    tilt.sd_rad = std::max(x_sd, y_sd) / std::abs(frames);
+    tilt.beyond_chance =
+        std::pow(sphere->rot_x_rad / x_sd, 2) + std::pow(sphere->rot_y_rad / y_sd, 2);
+    tilt.moved_px = std::hypot(sphere->rot_x_rad, sphere->rot_y_rad) * first_.r_px;
+    tilt.is_better = is_better(*sphere, registered(flat_, flat_start(start)));
     return tilt;
   }
 
  private:
+  // The flat ball, which may be pressed, moves by what the sphere's visible half does on average.
+  dic::RigidMotion flat_start(dic::RigidMotion start) const {
+    start.dx_px += 2 * first_.r_px / 3 * start.rot_y_rad;
+    start.dy_px += 2 * first_.r_px / 3 * start.rot_x_rad;
+    return start;
+  }
+
+  bool is_better(const BallMotion& sphere, const std::optional<BallMotion>& flat) const {
+    if (!flat) return true;
+    const double worse = std::pow(flat->residual / sphere.residual, 2) - 1;
+    const double pixels = kPi * first_.r_px * first_.r_px * sphere.used;
+    return worse > kBetterShare && worse * pixels > kBetter;
+  }
+
   std::optional<BallMotion> registered(dic::BallRegistration& registration,
                                        const dic::RigidMotion& start) {
     BallTask task = motion::sphere_task(first_, first_.r_px, sphere::kUsualBlur_px2, start);
@@ -72,40 +106,53 @@ class FarLook {
 };
 
 bool are_alike(const TiltAFrame& a, const TiltAFrame& b) {
-  return std::abs(a.x_rad - b.x_rad) < kAlike * std::hypot(a.x_sd_rad, b.x_sd_rad) &&
-         std::abs(a.y_rad - b.y_rad) < kAlike * std::hypot(a.y_sd_rad, b.y_sd_rad);
+  const double chance = kAlike * std::hypot(a.sd_rad, b.sd_rad);
+  const double most = std::hypot(chance, kAlikeShare * std::max(a.length_rad(), b.length_rad()));
+  return std::hypot(a.x_rad - b.x_rad, a.y_rad - b.y_rad) < most;
 }
 
 }  // namespace
 
-std::optional<dic::RigidMotion> slow_tilt(opencl::Engine& engine, const BallPair& pair,
-                                          const dic::RigidMotion& step, const FieldOptions& field,
-                                          const FarFrames& frames) {
+SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
+                   const FieldOptions& field, const FarFrames& frames) {
   const std::int64_t ahead = frames.count - 1 - pair.index;
   const std::int64_t side = ahead >= pair.index ? 1 : -1;
-  std::int64_t n =
-      std::min({kMostFrames, std::max(ahead, pair.index),
-                static_cast<std::int64_t>(kMostTurn_rad / std::max(std::abs(step.rot_rad), 1e-6))});
+  const std::int64_t most = std::max(ahead, pair.index);
   FarLook look(engine, pair, step, field);
-  std::optional<TiltAFrame> before;
-  for (; n >= kFewestFrames; n /= 2) {
-    const double steps = static_cast<double>(side * n);
+  std::optional<TiltAFrame> before, last;
+  TiltAFrame told;
+  told.x_rad = step.rot_x_rad;
+  told.y_rad = step.rot_y_rad;
+  std::int64_t looked_at = 0;
+  for (const std::int64_t wanted : kFar) {
+    const std::int64_t n = std::min(wanted, most);
+    const auto count = static_cast<double>(n);
+    if (n == looked_at || count * std::abs(step.rot_rad) > kMostTurn_rad ||
+        count * told.length_rad() > kMostTilt_rad) {
+      break;
+    }
+    looked_at = n;
+    const double steps = static_cast<double>(side) * count;
     Circle near = pair.first_ball;
     near.cx_px += steps * step.dx_px;
     near.cy_px += steps * step.dy_px;
     const auto far = frames.find(pair.index + side * n, near);
-    const auto tilt = far ? look.tilt(*far, steps) : std::nullopt;
+    const auto tilt = far ? look.tilt(*far, steps, told) : std::nullopt;
     if (!tilt) continue;  // the flight may have ended in between
-    if (!tilt->is_shown || (before && !are_alike(*before, *tilt))) return std::nullopt;
-    if (before) {
-      dic::RigidMotion tilted = step;
-      tilted.rot_x_rad = before->x_rad;
-      tilted.rot_y_rad = before->y_rad;
-      return tilted;
-    }
-    before = tilt;
+    before = last;
+    last = told = *tilt;
   }
-  return std::nullopt;
+  SlowTilt found;
+  if (!last) return found;
+  if (before && before->beyond_chance > kBeyondChance && last->is_shown() &&
+      are_alike(*before, *last)) {
+    found.motion = step;
+    found.motion->rot_x_rad = last->x_rad;
+    found.motion->rot_y_rad = last->y_rad;
+  } else {
+    found.unseen_rad = std::hypot(last->length_rad(), last->sd_rad);
+  }
+  return found;
 }
 
 }  // namespace impactdic::advice

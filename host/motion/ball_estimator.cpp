@@ -88,13 +88,14 @@ class BallEstimator : public MotionEstimator {
     return task;
   }
 
-  static void take_over(const BallMotion& ball, PairMotion& pair) {
+  void take_over(const BallMotion& ball, PairMotion& pair) const {
+    const double tilt_px = 2.0 / 3 * options_.unseen_tilt_rad * radius_px_;
     pair.motion.ok = true;
     pair.motion.dx_px = ball.dx;
     pair.motion.dy_px = ball.dy;
     pair.motion.rot_rad = ball.rot_rad;
-    pair.motion.dx_sd_px = ball.dx_sd;
-    pair.motion.dy_sd_px = ball.dy_sd;
+    pair.motion.dx_sd_px = std::hypot(ball.dx_sd, tilt_px);
+    pair.motion.dy_sd_px = std::hypot(ball.dy_sd, tilt_px);
     pair.motion.rot_sd_rad = ball.rot_sd_rad;
     correct_turn(pair.shape, ball, pair.motion);
     pair.status = TrackStatus::kOk;

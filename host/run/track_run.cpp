@@ -183,6 +183,9 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
+      if (std::isfinite(judged.unseen_tilt_rad)) {
+        options_.estimator.unseen_tilt_rad = judged.unseen_tilt_rad;
+      }
     }
     if (judged.radius_px > 0) {
       options_.estimator.sphere_radius_px = judged.radius_px;
