@@ -2,9 +2,9 @@
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
 //   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
 // CONDITIONS is a list with commas, or "all", each with the pattern of its ball where that is not
-// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. "random" draws a condition
-// of its own from each seed and leaves it to the program what the body is: discs and spheres are
-// told apart in its table, and each seed is described on stderr. Rows that are lost, or
+// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. "random" draws a
+// condition of its own from each seed and leaves it to the program what the body is: discs and
+// spheres are told apart in its table, and each seed is described on stderr. Rows that are lost, or
 // wrong with status ok, are listed on stderr. With "circles" the motion is not measured, and no
 // device is needed. Pictures are kept in the folder KEEP and read from there the next time
 // (painting takes longer than all the rest).
@@ -206,9 +206,13 @@ struct Way {
 
 Body body_of(const LightScene& scene) { return scene.sphere ? Body::kSphere : Body::kDisc; }
 
-// Returns what the body was measured as.
-Body measure(const LightScene& scene, std::uint64_t seed, const Way& way, Session& session,
-             Table& table) {
+// Returns what the body was measured as, and why.
+struct Judged {
+  Body body = Body::kAuto;
+  std::string reason;
+};
+Judged measure(const LightScene& scene, std::uint64_t seed, const Way& way, Session& session,
+               Table& table) {
   LightClip clip(scene, seed, way.frames);
   const std::vector<Frame> pictures = pictures_of(scene, clip, seed, way.keep);
   ClipInfo info;
@@ -259,7 +263,7 @@ Body measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sessio
                  row.rot_y_deg - scene.spin_y_deg, row.rot_y_sd_deg,
                  row.rot_deg - scene.rotation_deg, row.rot_sd_deg);
   }
-  return result.body;
+  return {result.body, result.body_reason};
 }
 
 void measure_random(Way way, Session& session) {
@@ -269,16 +273,18 @@ void measure_random(Way way, Session& session) {
     const LightScene scene = testing::random_scene(static_cast<std::uint64_t>(seed));
     Table& table = scene.sphere ? spheres : discs;
     const Table before = table;
-    Body body = Body::kAuto;
+    Judged judged;
     try {
-      body = measure(scene, static_cast<std::uint64_t>(seed), way, session, table);
+      judged = measure(scene, static_cast<std::uint64_t>(seed), way, session, table);
     } catch (const Error& error) {
       std::fprintf(stderr, "seed %d: %s\n", seed, error.what());
     }
-    std::fprintf(stderr, "seed %d: %d lost, %d inconsistent, %d circles and %d motions wrong%s: %s\n",
-                 seed, table.lost - before.lost, table.flagged - before.flagged,
-                 table.wrong - before.wrong, table.wrong_motion - before.wrong_motion,
-                 body == body_of(scene) ? "" : ", another body", testing::described(scene).c_str());
+    std::fprintf(
+        stderr, "seed %d: %d lost, %d inconsistent, %d circles and %d motions wrong%s: %s\n", seed,
+        table.lost - before.lost, table.flagged - before.flagged, table.wrong - before.wrong,
+        table.wrong_motion - before.wrong_motion,
+        judged.body == body_of(scene) ? "" : ", another body", testing::described(scene).c_str());
+    if (judged.body != body_of(scene)) std::fprintf(stderr, "  %s\n", judged.reason.c_str());
   }
   discs.print("random discs");
   spheres.print("random spheres");

@@ -24,9 +24,9 @@ constexpr double kBeyondChance = 30;
 // looks like a tilt that does not grow.
 constexpr double kAlike = 5, kAlikeShare = 0.2;
 constexpr double kLeastMoved_px = 0.06;  // that the ball's surface moves by
-// By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares of
-// themselves: chance leaves some units of the first, what no model has of light some thousandths of
-// the second.
+// By how much the flat ball's squares exceed the sphere's, in variances of a pixel, and in shares
+// of themselves: chance leaves some units of the first, what no model has of light some thousandths
+// of the second.
 constexpr double kBetter = 60, kBetterShare = 0.004;
 
 struct TiltAFrame {

@@ -8,13 +8,14 @@ namespace impactdic::advice {
 // What pictures some frames apart say of the tilt a frame.
 struct SlowTilt {
   std::optional<dic::RigidMotion> motion;  // a frame, with the tilt; nullopt where none is shown
-  // Else what tilt there may be and not show, rad a frame; NaN where no picture could be registered.
+  // Else what tilt there may be and not show, rad a frame; NaN where no picture could be
+  // registered.
   double unseen_rad = kNotMeasured;
 };
 
-// Pictures some frames apart show what adds up in between: a tilt of a thirtieth of a degree a frame,
-// or the turn that a camera sees of a ball which flies past it near by. Taken for a flat ball it
-// would seem to move by two thirds of the radius times that. The first picture of `pair` is
+// Pictures some frames apart show what adds up in between: a tilt of a thirtieth of a degree a
+// frame, or the turn that a camera sees of a ball which flies past it near by. Taken for a flat
+// ball it would seem to move by two thirds of the radius times that. The first picture of `pair` is
 // registered as a sphere's against ever farther ones, each begun from what the one before told;
 // `step`: the flat ball's motion a frame. A tilt is there where the farthest two show the same a
 // frame, beyond chance, and fit better than a flat ball.

@@ -12,7 +12,8 @@ bool BallShape::is_compressed() const {
 BallShape shape_of(const circle::CircleFit& fit) {
   if (!fit.ellipse || !(fit.circle.r_px > 0)) return {};
   return {fit.e1_px / fit.circle.r_px, fit.e2_px / fit.circle.r_px,
-          std::hypot(fit.e1_sd_px, fit.e2_sd_px) / std::sqrt(2) / fit.circle.r_px};
+          std::hypot(fit.e1_sd_px, fit.e2_sd_px) / std::sqrt(2) / fit.circle.r_px,
+          fit.r_sd_px / fit.circle.r_px};
 }
 
 void correct_turn(const BallShape& first, const BallMotion& strain, dic::RigidMotion& motion) {

@@ -8,9 +8,11 @@
 namespace impactdic::motion {
 
 // The stretch that makes an ellipse of a round ball, but for its size: [1 + e1, e2; e2, 1 − e1] in
-// image axes. Figures of CircleFit over the radius; 0 of a circle.
+// image axes. Figures of CircleFit over the radius; 0 of a circle. size_sd: of the ellipse's
+// radius.
 struct BallShape {
   double e1 = 0, e2 = 0, sd = 0;
+  double size_sd = 0;
 
   // Plainly no circle: in contact. A ball that is 2 % shorter along one axis.
   bool is_compressed() const;

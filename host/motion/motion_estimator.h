@@ -27,12 +27,12 @@ namespace impactdic::motion {
 struct EstimatorOptions {
   Estimator estimator = Estimator::kField;
   FieldOptions field;
-  int spacing_px = 0;           // of the windows' grid; 0: half a window, rounded up
-  double rim_margin_px = 3;     // windows keep this far inside the rim
-  int fewest_windows = 3;       // that may carry a motion
-  bool sphere = false;          // the ball turns about any axis (kBall alone), else in the picture
-  // Of a ball taken for flat: the turn out of the picture's plane, rad a frame, that it may have all
-  // the same. The mean of its visible half, two thirds of the radius deep, moves by it.
+  int spacing_px = 0;        // of the windows' grid; 0: half a window, rounded up
+  double rim_margin_px = 3;  // windows keep this far inside the rim
+  int fewest_windows = 3;    // that may carry a motion
+  bool sphere = false;       // the ball turns about any axis (kBall alone), else in the picture
+  // Of a ball taken for flat: the turn out of the picture's plane, rad a frame, that it may have
+  // all the same. The mean of its visible half, two thirds of the radius deep, moves by it.
   double unseen_tilt_rad = 0;
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;

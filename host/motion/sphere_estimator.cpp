@@ -4,6 +4,7 @@
 #include "host/dic/device/sphere_search.h"
 #include "host/dic/sphere/rotation.h"
 #include "host/motion/estimators.h"
+#include "host/motion/shape_doubt.h"
 
 namespace impactdic::motion {
 namespace {
@@ -60,12 +61,25 @@ class SphereEstimator : public MotionEstimator {
     return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
   }
 
+  static bool has_shape(const BallSight& sight) {
+    const auto is_some = [](float stretch) { return stretch != 0; };
+    return std::any_of(std::begin(sight.first), std::end(sight.first), is_some) ||
+           std::any_of(std::begin(sight.second), std::end(sight.second), is_some);
+  }
+
   std::vector<BallMotion> measure_all(std::span<const PairMotion> pairs) {
     std::vector<BallTask> tasks;
     for (const PairMotion& pair : pairs) {
       tasks.push_back(is_found(pair) ? task_of(pair, pair.motion) : task_of(pair, guess_of(pair)));
     }
-    return sphere_.measure(frames_, tasks);
+    std::vector<BallMotion> motions = sphere_.measure(frames_, tasks);
+    std::vector<ShapedPair> shaped;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (!has_shape(tasks[i].sight)) continue;
+      shaped.push_back({tasks[i], &motions[i], {pairs[i].shape, pairs[i].second_shape}});
+    }
+    doubt_shapes(sphere_, frames_, shaped);
+    return motions;
   }
 
   // Windows and registration once more, from the guess that the search left.

@@ -1,6 +1,8 @@
 // From what was measured of a frame to its row.
 #pragma once
 
+#include <span>
+
 #include "host/circle/circle.h"
 #include "host/clip/track_row.h"
 #include "host/dic/rigid_fit.h"
@@ -13,5 +15,9 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion);
 // Last: a motion that is not the one of the circles' centres, by more than 0.1 px and six
 // deviations of what both state, is kInconsistent.
 void compare_with_circles(TrackRow& row, const TrackRow& next);
+// After that, of frames that follow each other: small errors that every motion has alike add up
+// over some frames, those of the circles do not. Rows among which the motions lead elsewhere than
+// the circles, beyond six deviations and by 0.02 px a frame, are kInconsistent.
+void compare_with_path(std::span<TrackRow> rows);
 
 }  // namespace impactdic::pipeline

@@ -128,7 +128,12 @@ class ClipTracker {
       grid_ready_(workers_->grid(), workers_->radius_px());
       point_.grid_radius_px = workers_->radius_px();
     }
-    for (std::size_t i = 0; i + 1 < batch->frames.size(); ++i) write_row(*batch, i);
+    const std::size_t rows = batch->frames.size() - 1;
+    for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
+    compare_with_path(batch->rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      emit(*batch, i, is_measured(*batch, i) ? &batch->pairs[i] : nullptr);
+    }
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
     note_point(*last_, done);
@@ -155,7 +160,8 @@ class ClipTracker {
     }
     if (last_) {
       TrackRow& row = last_->rows.back();
-      if (row.circle_ok) row.status = TrackStatus::kLastFrame;
+      if (row.circle_ok)
+        row.status = is_borne_out(*last_) ? TrackStatus::kLastFrame : TrackStatus::kNoBall;
       emit(*last_, last_->frames.size() - 1, nullptr);
     }
     if (error_) std::rethrow_exception(error_);
@@ -240,13 +246,23 @@ class ClipTracker {
     grid_is_new_ = true;
   }
 
-  void write_row(TrackBatch& batch, std::size_t i) {
+  // A circle in the last frame alone may be anything: with motions measured, all others stand in
+  // two frames that follow each other.
+  bool is_borne_out(const TrackBatch& batch) const {
+    const std::size_t rows = batch.rows.size();
+    return !options_.with_field || rows < 2 || batch.rows[rows - 2].circle_ok;
+  }
+
+  static bool is_measured(const TrackBatch& batch, std::size_t i) {
+    return i < batch.measured.size() && batch.measured[i];
+  }
+
+  void fill_row(TrackBatch& batch, std::size_t i) const {
     TrackRow& row = batch.rows[i];
-    const bool measured = i < batch.measured.size() && batch.measured[i];
-    if (!measured) {
+    if (!is_measured(batch, i)) {
       // No ball in the next frame: nothing to move to.
       if (options_.with_field && row.circle_ok) row.status = TrackStatus::kNoBall;
-      return emit(batch, i, nullptr);
+      return;
     }
     motion::PairMotion& pair = batch.pairs[i];
     set_motion(row, pair.motion);
@@ -262,7 +278,6 @@ class ClipTracker {
       window.x0 += options_.roi.x;
       window.y0 += options_.roi.y;
     }
-    emit(batch, i, &pair);
   }
 
   void emit(TrackBatch& batch, std::size_t i, const motion::PairMotion* pair) {

@@ -1,5 +1,5 @@
-// Conditions that nobody chose: what a ball is, how it is lit and filmed is drawn from a seed, all at
-// once and over the whole range that the program is made for.
+// Conditions that nobody chose: what a ball is, how it is lit and filmed is drawn from a seed, all
+// at once and over the whole range that the program is made for.
 #pragma once
 
 #include <array>

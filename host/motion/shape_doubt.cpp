@@ -1,0 +1,97 @@
+#include "host/motion/shape_doubt.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace impactdic::motion {
+namespace {
+
+bool is_ok(const BallMotion& motion) {
+  return motion.status == static_cast<idic_int>(WindowStatus::kOk);
+}
+
+BallTask as_round(BallTask task) {
+  std::fill(std::begin(task.sight.first), std::end(task.sight.first), 0.0F);
+  std::fill(std::begin(task.sight.second), std::end(task.sight.second), 0.0F);
+  return task;
+}
+
+// From where a registration ended.
+BallTask from(BallTask task, const BallMotion& motion) {
+  task.guess_dx = motion.dx;
+  task.guess_dy = motion.dy;
+  task.guess_rot_x_rad = motion.rot_x_rad;
+  task.guess_rot_y_rad = motion.rot_y_rad;
+  task.guess_rot_rad = motion.rot_rad;
+  return task;
+}
+
+// The pairs that fit better as round balls become such; returns the others.
+std::vector<const ShapedPair*> keep_shaped(dic::BallRegistration& registration,
+                                           dic::DeviceFrames& frames,
+                                           std::span<const ShapedPair> pairs) {
+  std::vector<BallTask> tasks;
+  for (const ShapedPair& pair : pairs) tasks.push_back(as_round(pair.task));
+  const std::vector<BallMotion> round = registration.measure(frames, tasks);
+  std::vector<const ShapedPair*> shaped;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    BallMotion& motion = *pairs[i].motion;
+    if (is_ok(round[i]) && !(is_ok(motion) && motion.residual < round[i].residual)) {
+      motion = round[i];
+    } else if (is_ok(motion)) {
+      shaped.push_back(&pairs[i]);
+    }
+  }
+  return shaped;
+}
+
+// The stretch of a picture, xx, xy, yy, changed by the deviation of e1, e2 or the size.
+constexpr int kFigures = 3;
+void change(int figure, const BallShape& shape, float* stretch) {
+  const auto by = static_cast<float>(figure == 2 ? shape.size_sd : shape.sd);
+  if (figure == 1) {
+    stretch[1] += by;
+    return;
+  }
+  stretch[0] += by;
+  stretch[2] += figure == 0 ? -by : by;
+}
+
+void add_difference(const BallMotion& other, BallMotion& motion, const BallMotion& before) {
+  const float by[5] = {other.dx - before.dx, other.dy - before.dy,
+                       other.rot_x_rad - before.rot_x_rad, other.rot_y_rad - before.rot_y_rad,
+                       other.rot_rad - before.rot_rad};
+  for (int i = 0, at = 0; i < 5; ++i) {
+    for (int j = 0; j <= i; ++j) motion.covariance[at++] += by[i] * by[j];
+  }
+}
+
+}  // namespace
+
+void doubt_shapes(dic::BallRegistration& registration, dic::DeviceFrames& frames,
+                  std::span<const ShapedPair> pairs) {
+  if (pairs.empty()) return;
+  std::vector<BallTask> tasks;
+  std::vector<BallMotion*> of;
+  for (const ShapedPair* pair : keep_shaped(registration, frames, pairs)) {
+    for (int picture = 0; picture < 2; ++picture) {
+      for (int figure = 0; figure < kFigures; ++figure) {
+        BallTask task = from(pair->task, *pair->motion);
+        change(figure, pair->shapes[static_cast<std::size_t>(picture)],
+               picture == 0 ? task.sight.first : task.sight.second);
+        tasks.push_back(task);
+        of.push_back(pair->motion);
+      }
+    }
+  }
+  if (tasks.empty()) return;
+  const std::vector<BallMotion> others = registration.measure(frames, tasks);
+  const BallMotion* last = nullptr;
+  BallMotion before{};
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (of[k] != last) before = *(last = of[k]);
+    if (is_ok(others[k])) add_difference(others[k], *of[k], before);
+  }
+}
+
+}  // namespace impactdic::motion

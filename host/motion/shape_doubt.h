@@ -1,0 +1,27 @@
+// What the outlines of compressed spheres leave open of their motions.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "host/dic/device/ball.h"
+#include "host/motion/ball_shape.h"
+
+namespace impactdic::motion {
+
+// A pair of a sphere that was registered with the shapes of its outlines: its task, what came of it,
+// and the shapes in both pictures.
+struct ShapedPair {
+  BallTask task;
+  BallMotion* motion = nullptr;
+  std::array<BallShape, 2> shapes;
+};
+
+// Outlines err, and an obstacle's edge may look like a compressed ball's: a pair that fits its
+// pictures better as a round ball is taken for that. Of the others the covariance gets what the
+// deviations of their shapes do to the motion, by registering them with each figure of the shapes
+// changed by its deviation.
+void doubt_shapes(dic::BallRegistration& registration, dic::DeviceFrames& frames,
+                  std::span<const ShapedPair> pairs);
+
+}  // namespace impactdic::motion
