@@ -43,6 +43,7 @@ constexpr double kTurnRadiusSd_px = 0.015, kNearnessSd = 4e-4;
 constexpr double kOutOfRound = 0.02;
 
 struct Tilt {
+  bool is_known = true;  // else the pair could be measured as a flat ball's alone
   double turn_deg = 0;
   double beyond_chance = 0;  // chi square of two degrees of freedom
   bool is_out_of_plane = false;
@@ -81,6 +82,7 @@ class PairLook {
     }
     if (!tilt && flat.motion.ok) {
       tilt.emplace();
+      tilt->is_known = false;
       tilt->motion = flat.motion;
     }
     return tilt;
@@ -170,18 +172,22 @@ class PairLook {
   dic::DeviceFrames frames_;
 };
 
-// Why no pair was measured as a sphere's.
-std::string unmeasured(std::span<const BallPair> pairs) {
+// How much the outline's radius usually changes from frame to frame, share of itself.
+double out_of_round(std::span<const BallPair> pairs) {
   std::vector<double> changes;
   for (const BallPair& pair : pairs) {
     changes.push_back(std::abs(pair.second_ball.r_px / pair.first_ball.r_px - 1));
   }
-  const double usual = changes.empty() ? 0 : upper_median(std::move(changes));
-  if (!(usual > kOutOfRound)) return "no pair of frames could be measured as a sphere";
+  return changes.empty() ? 0 : upper_median(std::move(changes));
+}
+
+// Why no pair was measured as a sphere's.
+std::string unmeasured(double out_of_round) {
+  if (!(out_of_round > kOutOfRound)) return "no pair of frames could be measured as a sphere";
   char text[120];
   std::snprintf(text, sizeof text,
                 "no sphere: the radius of its outline changes by %.0f %% from frame to frame",
-                100 * usual);
+                100 * out_of_round);
   return text;
 }
 
@@ -195,7 +201,7 @@ class Verdict {
   void look_at(const BallPair& pair) {
     const std::optional<Tilt> tilt = PairLook(engine_, pair, field_, perspective_).tilt();
     if (!tilt) return;
-    ++measured_;
+    measured_ += tilt->is_known ? 1 : 0;
     radius_.add(pair.first_ball.r_px, kRimRadiusSd_px);
     const bool free = tilt->radius_sd_px > 0;
     if ((free || tilt->is_out_of_plane) && !learn_from(pair, tilt->motion) && free) {
@@ -208,7 +214,9 @@ class Verdict {
     significant_ = std::sqrt(tilt->beyond_chance);
   }
 
+  // Whether a pair was measured as a sphere, or farther pictures may tell.
   bool is_measured() const { return measured_ > 0; }
+  bool may_be_told() const { return !flat_.empty(); }
 
   BodyAdvice advice() {
     const std::string reason = decide();
@@ -291,7 +299,10 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FarFrames& far) {
   Verdict verdict(engine, field, perspective, far);
   for (const BallPair& pair : pairs) verdict.look_at(pair);
-  if (!verdict.is_measured()) return {Body::kDisc, unmeasured(pairs)};
+  const double changes = out_of_round(pairs);
+  if (!verdict.is_measured() && !(verdict.may_be_told() && changes <= kOutOfRound)) {
+    return {Body::kDisc, unmeasured(changes)};
+  }
   return verdict.advice();
 }
 

@@ -9,8 +9,8 @@
 
 namespace impactdic::motion {
 
-// A pair of a sphere that was registered with the shapes of its outlines: its task, what came of it,
-// and the shapes in both pictures.
+// A pair of a sphere that was registered with the shapes of its outlines: its task, what came of
+// it, and the shapes in both pictures.
 struct ShapedPair {
   BallTask task;
   BallMotion* motion = nullptr;

@@ -160,8 +160,7 @@ class ClipTracker {
     }
     if (last_) {
       TrackRow& row = last_->rows.back();
-      if (row.circle_ok)
-        row.status = is_borne_out(*last_) ? TrackStatus::kLastFrame : TrackStatus::kNoBall;
+      if (row.circle_ok) row.status = status_of_last(*last_);
       emit(*last_, last_->frames.size() - 1, nullptr);
     }
     if (error_) std::rethrow_exception(error_);
@@ -246,11 +245,16 @@ class ClipTracker {
     grid_is_new_ = true;
   }
 
-  // A circle in the last frame alone may be anything: with motions measured, all others stand in
-  // two frames that follow each other.
-  bool is_borne_out(const TrackBatch& batch) const {
+  // A circle in the last frame alone may be anything, and so may one to which no motion led: with
+  // motions measured, all others stand in two frames that follow each other.
+  TrackStatus status_of_last(const TrackBatch& batch) const {
     const std::size_t rows = batch.rows.size();
-    return !options_.with_field || rows < 2 || batch.rows[rows - 2].circle_ok;
+    if (!options_.with_field || rows < 2) return TrackStatus::kLastFrame;
+    const TrackRow& before = batch.rows[rows - 2];
+    if (!before.circle_ok) return TrackStatus::kNoBall;
+    const bool is_fine =
+        before.status == TrackStatus::kOk || before.status == TrackStatus::kNoTexture;
+    return is_fine ? TrackStatus::kLastFrame : before.status;
   }
 
   static bool is_measured(const TrackBatch& batch, std::size_t i) {

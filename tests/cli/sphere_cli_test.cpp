@@ -15,10 +15,10 @@ namespace {
 // A ball of 60 px on small pictures.
 class SphereClip {
  public:
-  explicit SphereClip(const std::string& options) {
-    const Outcome outcome =
-        run_program("synth --body sphere --radius-px 60 --size 176x176 --noise 2 --frames 9 " +
-                    options + " -o " + quoted(folder_ / "clip"));
+  explicit SphereClip(const std::string& options,
+                      const std::string& size = "--radius-px 60 --size 176x176 --frames 9") {
+    const Outcome outcome = run_program("synth --body sphere --noise 2 " + size + " " + options +
+                                        " -o " + quoted(folder_ / "clip"));
     if (outcome.status != 0) throw std::runtime_error(outcome.err);
   }
   Outcome track(const std::string& options = "") const {
@@ -247,6 +247,13 @@ TEST(Sphere, WordsThatAreNoBodyAreRefused) {
   EXPECT_NE(outcome.err.find("there are auto, sphere and disc"), std::string::npos) << outcome.err;
   EXPECT_EQ(clip.track("--body sphere --estimator ring").status, 2);
   EXPECT_EQ(clip.track("--body sphere --estimator field").status, 2);
+}
+
+TEST(Sphere, ASmallBallsTurnIsToldWithTheRimsRadius) {
+  const SphereClip clip("--pattern a3 --velocity-px 0.31,-0.2 --spin-deg -0.36,-0.01,-1",
+                        "--radius-px 30 --size 100x100 --frames 12");
+  ASSERT_EQ(clip.track().status, 0);
+  EXPECT_EQ(clip.summary()["body"]["kind"], "sphere");
 }
 
 }  // namespace
