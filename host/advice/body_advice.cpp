@@ -42,6 +42,8 @@ constexpr double kTurnRadiusSd_px = 0.015, kNearnessSd = 4e-4;
 // not a sphere's: a fruit that turns.
 constexpr double kOutOfRound = 0.02;
 
+constexpr const char* kUnmeasured = "no pair of frames could be measured as a sphere";
+
 struct Tilt {
   bool is_known = true;  // else the pair could be measured as a flat ball's alone
   double turn_deg = 0;
@@ -183,7 +185,7 @@ double out_of_round(std::span<const BallPair> pairs) {
 
 // Why no pair was measured as a sphere's.
 std::string unmeasured(double out_of_round) {
-  if (!(out_of_round > kOutOfRound)) return "no pair of frames could be measured as a sphere";
+  if (!(out_of_round > kOutOfRound)) return kUnmeasured;
   char text[120];
   std::snprintf(text, sizeof text,
                 "no sphere: the radius of its outline changes by %.0f %% from frame to frame",
@@ -272,6 +274,7 @@ class Verdict {
           std::hypot(tilted.rot_x_rad, tilted.rot_y_rad) * kDegPerRad);
       return text;
     }
+    if (!is_measured()) return kUnmeasured;
     std::snprintf(text, sizeof text,
                   "no turn out of the picture's plane in %d pairs of frames (at most %.3f deg, "
                   "within chance)",

@@ -26,6 +26,8 @@ struct AdviceRequest {
   std::shared_ptr<const circle::Backdrop> backdrop;  // what lies behind the ball, where it is known
   // Frames in which the ball is known already, to about a pixel: there it is not searched for.
   std::vector<circle::BallCandidate::Sighting> sightings;
+  // The same of frames that are looked at only where the usual ones show no ball twice.
+  std::vector<circle::BallCandidate::Sighting> spare_sightings;
   std::shared_ptr<const circle::BallChoice> choice;  // nor is a ball that was not chosen
   Estimator estimator = Estimator::kField;
   FieldOptions field;

@@ -103,6 +103,12 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion) {
   row.dy_sd_px = std::hypot(row.dy_sd_px, s * row.cx_sd_px, c * row.cy_sd_px);
 }
 
+void doubt_motion(TrackRow& row, const TrackRow& next) {
+  if (!row.motion_ok || !row.circle_ok || !next.circle_ok) return;
+  row.dx_sd_px = std::max(row.dx_sd_px, std::hypot(row.cx_sd_px, next.cx_sd_px));
+  row.dy_sd_px = std::max(row.dy_sd_px, std::hypot(row.cy_sd_px, next.cy_sd_px));
+}
+
 void compare_with_circles(TrackRow& row, const TrackRow& next) {
   constexpr double kChance = 6, kLeast_px = 0.1;
   if (row.status != TrackStatus::kOk || !row.motion_ok || !next.circle_ok) return;

@@ -12,6 +12,9 @@ namespace impactdic::pipeline {
 void set_circle(TrackRow& row, const circle::CircleFit& fit);
 // After set_circle: the circle's deviations are a part of the motion's, which is the centre's.
 void set_motion(TrackRow& row, const dic::RigidMotion& motion);
+// A motion that may be a turn out of the picture's plane: it states no less than the circles of
+// both frames do of the way between them.
+void doubt_motion(TrackRow& row, const TrackRow& next);
 // Last: a motion that is not the one of the circles' centres, by more than 0.1 px and six
 // deviations of what both state, is kInconsistent.
 void compare_with_circles(TrackRow& row, const TrackRow& next);

@@ -270,6 +270,9 @@ class ClipTracker {
     }
     motion::PairMotion& pair = batch.pairs[i];
     set_motion(row, pair.motion);
+    if (options_.tilt_is_unknown && !options_.estimator.sphere) {
+      doubt_motion(row, batch.rows[i + 1]);
+    }
     if (row.status == TrackStatus::kOk) row.status = pair.status;
     compare_with_circles(row, batch.rows[i + 1]);
     if (pair.centre.ok) {

@@ -137,6 +137,7 @@ void TrackRun::choose_ball(const circle::Scouted& found, bool known,
   options_.ball.scouted_radius_px = request.radius_px = ball.radius_px;
   options_.ball.choice = request.choice = found.choose(ball);
   if (known) request.sightings = ball.sightings;
+  request.spare_sightings = ball.sightings;
 }
 
 void TrackRun::scout(advice::AdviceRequest& request) {
@@ -151,7 +152,10 @@ void TrackRun::scout(advice::AdviceRequest& request) {
   options_.ball.scene = request.scene = found.scene;
   options_.ball.backdrop = request.backdrop = found.backdrop;
   if (request_.ball > 0) return choose_ball(found, known, request);
-  if (known && !found.balls.empty()) request.sightings = found.balls.front().sightings;
+  if (!found.balls.empty()) {
+    if (known) request.sightings = found.balls.front().sightings;
+    request.spare_sightings = found.balls.front().sightings;
+  }
   if (const circle::BallCandidate* other = found.second_ball()) {
     const circle::BallCandidate::Sighting& seen = other->sightings.front();
     char text[240];
@@ -173,6 +177,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
   if (request_.body == Body::kAuto) {
     result_.body = Body::kDisc;
     result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
+    options_.tilt_is_unknown = options_.estimator.estimator == Estimator::kBall;
   }
   Measured shown;        // the radius over the camera's distance
   if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
@@ -185,6 +190,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
       result_.body_reason = judged.reason;
       if (std::isfinite(judged.unseen_tilt_rad)) {
         options_.estimator.unseen_tilt_rad = judged.unseen_tilt_rad;
+        options_.tilt_is_unknown = false;
       }
     }
     if (judged.radius_px > 0) {

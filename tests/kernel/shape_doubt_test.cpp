@@ -46,10 +46,10 @@ class PressedPair {
     task.second = 1;
     task.sight.first[2] = static_cast<float>(-first);
     task.sight.second[2] = static_cast<float>(-second);
-    dic::BallRegistration registration(shared_engine(),
-                                       ball_options({}, dic::BallModel::kSphere));
+    dic::BallRegistration registration(shared_engine(), ball_options({}, dic::BallModel::kSphere));
     BallMotion motion = registration.measure(frames_, {&task, 1})[0];
-    const ShapedPair pair{task, &motion, {BallShape{first / 2, 0, sd}, BallShape{second / 2, 0, sd}}};
+    const ShapedPair pair{
+        task, &motion, {BallShape{first / 2, 0, sd}, BallShape{second / 2, 0, sd}}};
     doubt_shapes(registration, frames_, {&pair, 1});
     return motion;
   }
@@ -58,9 +58,7 @@ class PressedPair {
   dic::DeviceFrames frames_;
 };
 
-double off_px(const BallMotion& motion) {
-  return std::hypot(motion.dx - 1.37, motion.dy + 0.61);
-}
+double off_px(const BallMotion& motion) { return std::hypot(motion.dx - 1.37, motion.dy + 0.61); }
 
 TEST(ShapeDoubt, AnEllipseThatTheBallHasNotIsNotTaken) {
   PressedPair round(0, 0);
@@ -73,7 +71,8 @@ TEST(ShapeDoubt, AnEllipseThatTheBallHasNotIsNotTaken) {
 
 TEST(ShapeDoubt, WhatAnOutlineErrsByIsPartOfTheDeviations) {
   PressedPair pressed(0.03, 0.05);
-  const BallMotion right = pressed.measured(0.03, 0.05, 1e-6), off = pressed.measured(0.03, 0.045, 0.003);
+  const BallMotion right = pressed.measured(0.03, 0.05, 1e-6),
+                   off = pressed.measured(0.03, 0.045, 0.003);
   EXPECT_LT(off_px(right), 0.02);
   const double sd = std::sqrt(off.covariance[2]), before = std::sqrt(right.covariance[2]);
   EXPECT_GT(std::abs(off.dy + 0.61), 5 * before);
