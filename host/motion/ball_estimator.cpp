@@ -37,7 +37,7 @@ class BallEstimator : public MotionEstimator {
   // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
   static bool is_strained(const PairMotion& pair) {
     constexpr double kSignificant = 5, kSmallest = 2e-4;
-    if (pair.shape.is_compressed()) return true;
+    if (pair.shape.is_compressed() || pair.second_shape.is_compressed()) return true;
     return pair.strain.ok && pair.strain.largest > kSmallest &&
            pair.strain.largest > kSignificant * pair.strain.sd;
   }
@@ -97,8 +97,18 @@ class BallEstimator : public MotionEstimator {
     pair.motion.dx_sd_px = std::hypot(ball.dx_sd, tilt_px);
     pair.motion.dy_sd_px = std::hypot(ball.dy_sd, tilt_px);
     pair.motion.rot_sd_rad = ball.rot_sd_rad;
-    correct_turn(pair.shape, ball, pair.motion);
+    pair.stretch = {ball.exx, ball.exy, ball.eyy};
+    correct_turn(first_shape(pair, ball), ball, pair.motion);
     pair.status = TrackStatus::kOk;
+  }
+
+  // As its outline shows it, or where that took it for round, plainly the next one's.
+  static BallShape first_shape(const PairMotion& pair, const BallMotion& ball) {
+    constexpr double kPlain = 5;  // deviations
+    if (pair.shape.is_compressed() || !pair.second_shape.is_compressed()) return pair.shape;
+    const BallShape before = shape_before(pair.second_shape, ball);
+    const bool plain = std::hypot(before.e1, before.e2) > kPlain * before.sd;
+    return before.is_compressed() && plain ? before : pair.shape;
   }
 
   EstimatorOptions options_;

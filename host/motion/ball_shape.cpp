@@ -16,6 +16,14 @@ BallShape shape_of(const circle::CircleFit& fit) {
           fit.r_sd_px / fit.circle.r_px};
 }
 
+BallShape shape_before(const BallShape& second, const BallMotion& strain) {
+  // The second shape in the first frame's axes, where the ball has turned back.
+  const double c = std::cos(2.0 * strain.rot_rad), s = std::sin(2.0 * strain.rot_rad);
+  const double by_strain = std::hypot(strain.exx_sd, strain.eyy_sd, 2 * strain.exy_sd) / 2;
+  return {second.e1 * c - second.e2 * s - (strain.exx - strain.eyy) / 2.0,
+          second.e1 * s + second.e2 * c - strain.exy, std::hypot(second.sd, by_strain)};
+}
+
 void correct_turn(const BallShape& first, const BallMotion& strain, dic::RigidMotion& motion) {
   if (!first.is_compressed()) return;
   // The gradient is Q U with the rotation Q and U = 1 + strain, so the turn of U V1 is missing.

@@ -19,6 +19,16 @@ struct BallShape {
 };
 BallShape shape_of(const circle::CircleFit& fit);
 
+// How the ball's picture is stretched from frame to frame, in the first frame's axes and before it
+// turns: [1 + xx, xy; xy, 1 + yy].
+struct Stretch {
+  double xx = 0, xy = 0, yy = 0;
+};
+
+// The shape in the first frame, as the second frame's outline and a registration from the one to
+// the other have it. An outline may miss that a ball is compressed while its pictures do not.
+BallShape shape_before(const BallShape& second, const BallMotion& strain);
+
 // What turns from one shape to another is not the rotation that their pictures show. A ball with
 // stretch V and turn R shows V R (polar decomposition), so between two frames V2 R V1⁻¹ is
 // registered: its own rotation is not R, though V1 and V2 be equal. Of a flat ball that was

@@ -61,6 +61,7 @@ struct PairMotion {
   // Results.
   TrackStatus status = TrackStatus::kLowCorrelation;
   dic::RigidMotion motion;  // of the ball's centre in the first frame
+  Stretch stretch;          // of the ball's picture, as it was registered
   CentreMotion centre;      // the field interpolated there
   FieldStrain strain;       // of the ball's picture from frame to frame; asked for by `ball` alone
   std::vector<Window> windows;

@@ -82,7 +82,7 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.e2_sd_px = fit.e2_sd_px;
 }
 
-void set_motion(TrackRow& row, const dic::RigidMotion& motion) {
+void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch) {
   row.motion_ok = motion.ok;
   row.windows = motion.used;
   if (!motion.ok) return;
@@ -96,11 +96,16 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion) {
     set_sphere(row, motion);
     return;
   }
-  // The point that was followed is off the ball's centre by the circle's error, and turns about it.
+  // The point that was followed is off the ball's centre by the circle's error, turns about it and
+  // is carried towards it where the ball is compressed.
   if (!row.circle_ok) return;
-  const double c = std::cos(motion.rot_rad) - 1, s = std::sin(motion.rot_rad);
-  row.dx_sd_px = std::hypot(row.dx_sd_px, c * row.cx_sd_px, s * row.cy_sd_px);
-  row.dy_sd_px = std::hypot(row.dy_sd_px, s * row.cx_sd_px, c * row.cy_sd_px);
+  const double c = std::cos(motion.rot_rad), s = std::sin(motion.rot_rad);
+  const double xx = 1 + stretch.xx, xy = stretch.xy, yy = 1 + stretch.yy;
+  const auto with_centre = [&](double sd_px, double by_x, double by_y) {
+    return std::hypot(sd_px, by_x * row.cx_sd_px, by_y * row.cy_sd_px);
+  };
+  row.dx_sd_px = with_centre(row.dx_sd_px, c * xx + s * xy - 1, c * xy + s * yy);
+  row.dy_sd_px = with_centre(row.dy_sd_px, c * xy - s * xx, c * yy - s * xy - 1);
 }
 
 void doubt_motion(TrackRow& row, const TrackRow& next) {

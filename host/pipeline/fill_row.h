@@ -6,12 +6,14 @@
 #include "host/circle/circle.h"
 #include "host/clip/track_row.h"
 #include "host/dic/rigid_fit.h"
+#include "host/motion/ball_shape.h"
 
 namespace impactdic::pipeline {
 
 void set_circle(TrackRow& row, const circle::CircleFit& fit);
-// After set_circle: the circle's deviations are a part of the motion's, which is the centre's.
-void set_motion(TrackRow& row, const dic::RigidMotion& motion);
+// After set_circle: the circle's deviations are a part of the motion's, which is the centre's,
+// while the ball turns about it and its picture is stretched by `stretch`.
+void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them.
 void doubt_motion(TrackRow& row, const TrackRow& next);

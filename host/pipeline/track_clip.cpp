@@ -269,7 +269,7 @@ class ClipTracker {
       return;
     }
     motion::PairMotion& pair = batch.pairs[i];
-    set_motion(row, pair.motion);
+    set_motion(row, pair.motion, pair.stretch);
     if (options_.tilt_is_unknown && !options_.estimator.sphere) {
       doubt_motion(row, batch.rows[i + 1]);
     }
