@@ -19,8 +19,8 @@ struct Look {
   bool interlaced = false;
 };
 
-// The start, the middle and the end of the range, as advise_clip says; where none of these shows the
-// ball twice, some of request.spare_sightings too.
+// The start, the middle and the end of the range, as advise_clip says; where none of these shows
+// the ball twice, some of request.spare_sightings too.
 std::vector<Look> look_around(FrameSource& source, const AdviceRequest& request);
 
 }  // namespace impactdic::advice

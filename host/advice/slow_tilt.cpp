@@ -71,7 +71,9 @@ class FarLook {
     tilt.beyond_chance =
         std::pow(sphere->rot_x_rad / x_sd, 2) + std::pow(sphere->rot_y_rad / y_sd, 2);
     tilt.moved_px = std::hypot(sphere->rot_x_rad, sphere->rot_y_rad) * first_.r_px;
-    tilt.is_better = is_better(*sphere, registered(flat_, flat_start(start)));
+    // Where no tilt is beyond chance nothing is to be compared.
+    tilt.is_better = tilt.beyond_chance > kBeyondChance &&
+                     is_better(*sphere, registered(flat_, flat_start(start)));
     return tilt;
   }
 
@@ -111,46 +113,90 @@ bool are_alike(const TiltAFrame& a, const TiltAFrame& b) {
   return std::hypot(a.x_rad - b.x_rad, a.y_rad - b.y_rad) < most;
 }
 
+// The pictures beside a pair's first one, on the side of the clip where there are more.
+class Surroundings {
+ public:
+  Surroundings(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
+               const FieldOptions& field, const FarFrames& frames)
+      : pair_(pair),
+        step_(step),
+        frames_(frames),
+        ahead_(frames.count - 1 - pair.index),
+        look_(engine, pair, step, field) {}
+
+  // How far there are pictures in which the ball has not turned too far in the picture's plane.
+  std::int64_t farthest() const {
+    const double turn_rad = std::max(std::abs(step_.rot_rad), 1e-6);
+    return std::min({kFar.back(), std::max(ahead_, pair_.index),
+                     static_cast<std::int64_t>(kMostTurn_rad / turn_rad)});
+  }
+
+  // The tilt a frame that the picture `n` frames away shows, begun from what is `told` of it.
+  std::optional<TiltAFrame> tilt(std::int64_t n, const TiltAFrame& told) {
+    const std::int64_t steps = ahead_ >= pair_.index ? n : -n;
+    const auto count = static_cast<double>(steps);
+    Circle near = pair_.first_ball;
+    near.cx_px += count * step_.dx_px;
+    near.cy_px += count * step_.dy_px;
+    const auto far = frames_.find(pair_.index + steps, near);
+    return far ? look_.tilt(*far, count, told) : std::nullopt;
+  }
+
+ private:
+  const BallPair& pair_;
+  const dic::RigidMotion& step_;
+  const FarFrames& frames_;
+  std::int64_t ahead_;
+  FarLook look_;
+};
+
+struct Seen {
+  std::optional<TiltAFrame> nearer, farther;
+};
+
+// From near to far; what was registered last, and before.
+Seen approach(Surroundings& around, TiltAFrame told) {
+  Seen seen;
+  for (const std::int64_t n : kFar) {
+    if (n > around.farthest() || static_cast<double>(n) * told.length_rad() > kMostTilt_rad) break;
+    const auto tilt = around.tilt(n, told);
+    if (!tilt) continue;  // the flight may have ended in between
+    seen.nearer = seen.farther;
+    seen.farther = told = *tilt;
+  }
+  return seen;
+}
+
+// The farthest picture alone, as of most balls, which hardly tilt; of one that does half the way,
+// too.
+Seen look_far(Surroundings& around, const TiltAFrame& told) {
+  Seen seen;
+  const std::int64_t n = around.farthest();
+  if (n < 1) return seen;
+  seen.farther = around.tilt(n, told);
+  if (!seen.farther) return approach(around, told);
+  if (n > 1 && seen.farther->is_shown()) seen.nearer = around.tilt(n / 2, *seen.farther);
+  return seen;
+}
+
 }  // namespace
 
 SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
                    const FieldOptions& field, const FarFrames& frames) {
-  const std::int64_t ahead = frames.count - 1 - pair.index;
-  const std::int64_t side = ahead >= pair.index ? 1 : -1;
-  const std::int64_t most = std::max(ahead, pair.index);
-  FarLook look(engine, pair, step, field);
-  std::optional<TiltAFrame> before, last;
+  Surroundings around(engine, pair, step, field, frames);
   TiltAFrame told;
   told.x_rad = step.rot_x_rad;
   told.y_rad = step.rot_y_rad;
-  std::int64_t looked_at = 0;
-  for (const std::int64_t wanted : kFar) {
-    const std::int64_t n = std::min(wanted, most);
-    const auto count = static_cast<double>(n);
-    if (n == looked_at || count * std::abs(step.rot_rad) > kMostTurn_rad ||
-        count * told.length_rad() > kMostTilt_rad) {
-      break;
-    }
-    looked_at = n;
-    const double steps = static_cast<double>(side) * count;
-    Circle near = pair.first_ball;
-    near.cx_px += steps * step.dx_px;
-    near.cy_px += steps * step.dy_px;
-    const auto far = frames.find(pair.index + side * n, near);
-    const auto tilt = far ? look.tilt(*far, steps, told) : std::nullopt;
-    if (!tilt) continue;  // the flight may have ended in between
-    before = last;
-    last = told = *tilt;
-  }
+  const auto [nearer, farther] = look_far(around, told);
   SlowTilt found;
-  if (!last) return found;
-  if (before && before->beyond_chance > kBeyondChance && last->is_shown() &&
-      are_alike(*before, *last)) {
+  if (!farther) return found;
+  if (nearer && nearer->beyond_chance > kBeyondChance && farther->is_shown() &&
+      are_alike(*nearer, *farther)) {
     found.motion = step;
-    found.motion->rot_x_rad = last->x_rad;
-    found.motion->rot_y_rad = last->y_rad;
+    found.motion->rot_x_rad = farther->x_rad;
+    found.motion->rot_y_rad = farther->y_rad;
   } else {
-    found.unseen_rad = std::hypot(last->length_rad(), last->sd_rad);
+    found.unseen_rad = std::hypot(farther->length_rad(), farther->sd_rad);
   }
   return found;
 }

@@ -16,9 +16,10 @@ struct SlowTilt {
 // Pictures some frames apart show what adds up in between: a tilt of a thirtieth of a degree a
 // frame, or the turn that a camera sees of a ball which flies past it near by. Taken for a flat
 // ball it would seem to move by two thirds of the radius times that. The first picture of `pair` is
-// registered as a sphere's against ever farther ones, each begun from what the one before told;
-// `step`: the flat ball's motion a frame. A tilt is there where the farthest two show the same a
-// frame, beyond chance, and fit better than a flat ball.
+// registered as a sphere's against one up to 24 frames away, or, where that fails, against ever
+// farther ones, each begun from what the one before told; `step`: the flat ball's motion a frame. A
+// tilt is there where two of them show the same a frame, beyond chance, and the farther one fits
+// better than a flat ball.
 SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
                    const FieldOptions& field, const FarFrames& frames);
 
