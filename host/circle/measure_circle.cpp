@@ -15,6 +15,7 @@
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/settings/judgement.h"
 #include "host/circle/settings/outline.h"
+#include "host/circle/settings/rim_model.h"
 #include "host/circle/settings/sphere.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/circle/sphere/sphere_lines.h"
@@ -83,16 +84,26 @@ bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool brig
   return most > kJudge.over_exposed * scale;
 }
 
+// How much more than all of the rim noise misplaces single arcs, and with them centre and shape:
+// the paint's level and the ink that is learnt beside it err from place to place.
+double of_arcs(const RimModel& model) {
+  if (model.surface() != Surface::kFlat) return 1;
+  const double ink = kLearning.of_noise * std::max(0.0, model.noise() - kLearning.usual_noise);
+  return std::hypot(kLearning.model_error, kLearning.noise_in_arcs * ink) /
+         std::hypot(kLearning.model_error, ink);
+}
+
 CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace,
                    const CirclePrior& prior, bool bright) {
   CircleFit result;
   const double sigma = m.rim_model->edge_sigma_px();
   LineFit fit = m.fit;
-  for (int i = 0; i < 5; ++i) {
-    fit.sd[i] = std::hypot(fit.sd[i], m.rim_model->place_sd_px() * std::sqrt(fit.misplaced[i]));
-  }
-  fit.own.r_sd_px =
-      std::hypot(fit.own.r_sd_px, m.rim_model->place_sd_px() * std::sqrt(fit.own.misplaced));
+  const double place = m.rim_model->place_sd_px(), arcs = place * of_arcs(*m.rim_model);
+  const auto of_model = [&](int i) {
+    return (i == 2 ? place : arcs) * std::sqrt(fit.misplaced[i]);
+  };
+  for (int i = 0; i < 5; ++i) fit.sd[i] = std::hypot(fit.sd[i], of_model(i));
+  fit.own.r_sd_px = std::hypot(fit.own.r_sd_px, place * std::sqrt(fit.own.misplaced));
   fill(fit, sigma, prior.radius_bias_sd_px, result);
   const bool arc = fit.points < kSphere.most_left * trace.in_view;
   if (m.rim_model->surface() != Surface::kFlat) {
