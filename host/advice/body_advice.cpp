@@ -38,6 +38,10 @@ constexpr double kRimRadiusSd_px = 0.5;
 // in every pair.
 constexpr double kTurnRadiusSd_px = 0.015, kNearnessSd = 4e-4;
 
+// Radii by turns that scatter by more than so often what they state are those of a ball that comes
+// nearer, or wrong.
+constexpr double kAlikeRadii = 2;
+
 // A ball's outline does not change by as much from frame to frame, but in contact and where it is
 // not a sphere's: a fruit that turns.
 constexpr double kOutOfRound = 0.02;
@@ -230,6 +234,9 @@ class Verdict {
     // Far pairs of a short clip share their pictures, and with them their noise.
     advice.radius_sd_px =
         std::max({radius_.sd(), best_radius_sd_px_.value_or(0), kTurnRadiusSd_px});
+    if (by_turns_.count() > 1 && by_turns_.sd() < kAlikeRadii * std::sqrt(1 / weights_)) {
+      advice.radius_by_turns_px = {by_turns_.value(), advice.radius_sd_px};
+    }
     if (blur_.count() > 0) advice.blur_px2 = blur_.value();
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
@@ -242,6 +249,8 @@ class Verdict {
     const auto told = sphere_from_turn(engine_, pair, step, field_, perspective_, far_);
     if (!told) return false;
     radius_.add(told->radius_px.value, told->radius_px.sd);
+    by_turns_.add(told->radius_px.value, told->radius_px.sd);
+    weights_ += 1 / (told->radius_px.sd * told->radius_px.sd);
     best_radius_sd_px_ =
         std::min(best_radius_sd_px_.value_or(told->radius_px.sd), told->radius_px.sd);
     blur_.add(told->blur_px2, 1);
@@ -290,7 +299,8 @@ class Verdict {
   int measured_ = 0;
   bool out_of_plane_ = false;
   double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
-  WeightedMean radius_, nearness_, blur_;
+  WeightedMean radius_, by_turns_, nearness_, blur_;
+  double weights_ = 0;                                              // of by_turns_
   std::optional<double> best_radius_sd_px_;                         // of one far pair
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
 };

@@ -17,6 +17,8 @@ struct BodyAdvice {
   // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it
   // what a turn does to the picture.
   double radius_px = 0, radius_sd_px = 0;
+  // The same by far turns alone, where two of them or more agree; NaN otherwise.
+  Measured radius_by_turns_px;
   double blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
   // This over the camera's distance; NaN where that was known, or the pictures do not tell.
   Measured nearness;

@@ -13,6 +13,7 @@
 #include "host/circle/rim_in_view.h"
 #include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/judgement.h"
+#include "host/circle/sphere/disc_doubt.h"
 
 namespace impactdic::circle {
 namespace {
@@ -157,6 +158,15 @@ void BallTracker::learn_radius(const CircleFit& fit) {
   }
 }
 
+void BallTracker::learn_bias() {
+  if (memory_.rim_bias || !options_.radius_by_turns || memory_.seen.empty()) return;
+  if (memory_.radii_px.size() < kTracking.least_radii) return;
+  CircleFit like = memory_.seen.back().fit;
+  doubt_disc(like);
+  const std::vector<double> radii(memory_.radii_px.begin(), memory_.radii_px.end());
+  memory_.rim_bias = rim_bias(radii, like, *options_.radius_by_turns);
+}
+
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
   memory_.seen.push_back({index, fit});
@@ -291,6 +301,7 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
     if (from < end) lead_run(frames, from, end, fits, plan);
   }
   plan.radius = radius();
+  learn_bias();
   return plan;
 }
 

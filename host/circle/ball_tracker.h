@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/circle/circle.h"
+#include "host/circle/sphere/rim_bias.h"
 
 namespace impactdic::circle {
 
@@ -24,6 +25,9 @@ struct BallTrackerOptions {
   // Frames corrected by hand, in order: by their numbers here, px of the pictures given.
   std::vector<BallByHand> by_hand;
   std::shared_ptr<const BallChoice> choice;  // nor are the balls that were not chosen
+  // Of the outline, by a sphere's turns: what that says of the circles is noted (RimBias), and no
+  // circle changed.
+  std::optional<Measured> radius_by_turns;
   void validate() const;
 };
 
@@ -49,7 +53,8 @@ class BallTracker {
     std::deque<double> radii_px;  // of the last frames in which the ball was round and whole
     // Of the same frames, each by itself, and its deviation.
     std::deque<double> own_radii_px, own_radii_sd_px;
-    std::int64_t next_learning = 0;  // frame from which on the rim model is learnt
+    std::int64_t next_learning = 0;   // frame from which on the rim model is learnt
+    std::optional<RimBias> rim_bias;  // by the first radii that were learnt
   };
   const Memory& memory() const { return memory_; }
   // Goes on as the tracker would whose memory this was.
@@ -119,6 +124,7 @@ class BallTracker {
 
   void remember(const CircleFit& fit, std::int64_t index);
   void learn_radius(const CircleFit& fit);
+  void learn_bias();
 
   BallTrackerOptions options_;
   Memory memory_;

@@ -38,6 +38,8 @@ struct CircleFit {
   // By how much the centre goes with the radius if what misplaces the rim bends it: not at all
   // where the whole rim shows, farther than the radius where half of it does.
   double cx_with_r = 0, cy_with_r = 0;
+  // Of the radius' deviation what frames that share a rim model have alike.
+  double shared_r_sd_px = 0;
   // The radius by this frame alone, whatever was known of it.
   double own_r_px = 0, own_r_sd_px = 0;
   ByHand by_hand = ByHand::kNo;

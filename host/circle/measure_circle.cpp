@@ -105,6 +105,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   for (int i = 0; i < 5; ++i) fit.sd[i] = std::hypot(fit.sd[i], of_model(i));
   fit.own.r_sd_px = std::hypot(fit.own.r_sd_px, place * std::sqrt(fit.own.misplaced));
   fill(fit, sigma, prior.radius_bias_sd_px, result);
+  result.shared_r_sd_px = std::hypot(of_model(2), fit.own.follows[2] * prior.radius_bias_sd_px);
   const bool arc = fit.points < kSphere.most_left * trace.in_view;
   if (m.rim_model->surface() != Surface::kFlat) {
     // Ink misplaces the rim alike all around; light does not, and bends it. What is darker than the

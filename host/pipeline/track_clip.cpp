@@ -89,7 +89,7 @@ class ClipTracker {
     batch->fits.resize(own->frames.size());
     batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
     batch->tracker = tracker_.memory();
-    last_fit_ = stated(batch->fits.back());
+    last_fit_ = stated(batch->fits.back(), batch->tracker);
     batch->before = std::move(last_frames_);
     batch->own = last_frames_ = std::move(own);
     return batch;
@@ -102,7 +102,7 @@ class ClipTracker {
     const FrameBatch& own = *batch->own;
     tracker_.complete(batch->plan, own.frames, batch->fits);
     for (std::size_t i = 0; i < own.frames.size(); ++i) {
-      add_frame(*batch, own.frames[i], stated(batch->fits[i]),
+      add_frame(*batch, own.frames[i], stated(batch->fits[i], batch->tracker),
                 own.first_index + static_cast<std::int64_t>(i));
     }
     return batch;
@@ -185,7 +185,8 @@ class ClipTracker {
       return;
     }
     point_.next_row = done - 1;
-    point_.circle = stated(batch.fits.back());  // once: its model of the rim is not kept
+    point_.circle =
+        stated(batch.fits.back(), batch.tracker);  // once: its model of the rim is not kept
     point_.tracker = batch.tracker;
     if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);
@@ -200,9 +201,11 @@ class ClipTracker {
     batch.shapes.push_back(motion::shape_of(fit));
   }
 
-  // The circle as a row states it.
-  circle::CircleFit stated(circle::CircleFit fit) const {
+  // The circle as a row states it, by what the tracker knew behind its batch.
+  circle::CircleFit stated(circle::CircleFit fit,
+                           const circle::BallTracker::Memory& tracker) const {
     if (options_.estimator.sphere) circle::doubt_disc(fit);
+    if (tracker.rim_bias) circle::take_off(*tracker.rim_bias, fit);
     return fit;
   }
 

@@ -193,6 +193,7 @@ json describe(const circle::BallTracker::Memory& tracker) {
   each_of_radii(tracker, [&](const char* name, const std::deque<double>& radii) {
     for (const double radius : radii) described[name].push_back(exact_number(radius));
   });
+  if (tracker.rim_bias) described["rim_bias"] = tracker.rim_bias->numbers();
   return described;
 }
 
@@ -217,6 +218,9 @@ circle::BallTracker::Memory tracker_of(const json& described) {
     if (!described.contains(name)) return;  // of an older version
     for (const json& radius : described.at(name)) radii.push_back(number_of(radius));
   });
+  if (described.contains("rim_bias")) {
+    tracker.rim_bias.emplace(described.at("rim_bias").get<std::array<double, 4>>());
+  }
   return tracker;
 }
 

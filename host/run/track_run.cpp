@@ -179,8 +179,8 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
     options_.tilt_is_unknown = options_.estimator.estimator == Estimator::kBall;
   }
-  Measured shown;        // the radius over the camera's distance
-  if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
+  Measured shown, by_turns;  // the radius over the camera's distance; the radius
+  if (!pairs.empty()) {      // also of a ball that is said to be a sphere: its radius
     see_from_near(pairs.front().first_ball.r_px);
     const advice::BodyAdvice judged =
         advice::judge_body(*session_.impl().open_engines().front(), pairs, options_.estimator.field,
@@ -197,6 +197,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
       options_.estimator.sphere_radius_px = judged.radius_px;
       options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
       options_.estimator.sphere_blur_px2 = judged.blur_px2;
+      by_turns = judged.radius_by_turns_px;
     }
     shown = judged.nearness;
   }
@@ -212,6 +213,9 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
   see_from_near(radius_px > 0 ? radius_px : options_.ball.scouted_radius_px.value_or(0), shown);
   if (!(radius_px > 0)) return;
   result_.sphere_radius_px = {radius_px, options_.estimator.sphere_radius_sd_px};
+  if (std::isfinite(by_turns.value)) {
+    options_.ball.radius_by_turns = outline_radius(by_turns, perspective_);
+  }
   state_nearness(camera_, perspective_, shown, result_);
   caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
 }

@@ -168,6 +168,8 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   fit.ellipse = fit.inked = true;
   fit.bright = false;
   fit.rim_points = 123;
+  circle::RimBias& bias = point.tracker.rim_bias.emplace();
+  bias.off_px = -0.1 / 3, bias.shared_sd_px = 0.1 / 7, bias.chance_sd_px = 0.1 / 9, bias.lit = true;
   report::write_resume_point(folder / "resume.json", point);
   pipeline::ResumePoint back = report::read_resume_point(folder / "resume.json");
   for (std::size_t i = 0; i < figures(fit).size(); ++i) {
@@ -176,6 +178,8 @@ TEST(ResumeFile, KeepsEveryFigureOfACircle) {
   EXPECT_EQ(back.circle.status, fit.status);
   EXPECT_TRUE(back.circle.ellipse && back.circle.inked && !back.circle.bright);
   EXPECT_EQ(back.circle.rim_points, 123);
+  ASSERT_TRUE(back.tracker.rim_bias);
+  EXPECT_EQ(back.tracker.rim_bias->numbers(), bias.numbers());
   EXPECT_FALSE(back.grid_radius_px || back.keyframes);
 }
 

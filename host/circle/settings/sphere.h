@@ -49,6 +49,9 @@ struct SphereSettings {
   // from one frame misplaces it, or a disc's model that fits a sphere; this moves the centre, too.
   double radius_sd_of_r = 9e-4;       // [measured] light_accuracy, seven patterns
   double disc_centre_sd_of_r = 2e-4;  // [measured] the same
+  // Farther apart than so many deviations the radii by rim and by turns say nothing of each other
+  // [hand].
+  double bias_sds = 4;
   // learn_rim.
   double paint_sd = 0.03;    // of the level of bare paint about that of the light [hand]
   double outline_sd = 0.1;   // the same, of an outline [hand]

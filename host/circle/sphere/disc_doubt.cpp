@@ -10,7 +10,7 @@ namespace impactdic::circle {
 void widen(CircleFit& fit, double centre_px, double radius_px) {
   fit.cx_sd_px = std::hypot(fit.cx_sd_px, centre_px, fit.cx_with_r * radius_px);
   fit.cy_sd_px = std::hypot(fit.cy_sd_px, centre_px, fit.cy_with_r * radius_px);
-  fit.r_sd_px = std::hypot(fit.r_sd_px, radius_px);
+  for (double* sd : {&fit.r_sd_px, &fit.shared_r_sd_px}) *sd = std::hypot(*sd, radius_px);
 }
 
 void doubt_disc(CircleFit& fit) {

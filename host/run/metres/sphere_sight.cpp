@@ -47,6 +47,13 @@ motion::Perspective as_pictures_show(motion::Perspective seen, const Measured& n
   return seen;
 }
 
+Measured outline_radius(const Measured& radius_px, const motion::Perspective& seen) {
+  const double nearness = seen.by_distance_per_px * radius_px.value, sd = seen.nearness_sd;
+  const double within = std::sqrt(1 - nearness * nearness);
+  const double by_nearness = nearness * sd / (within * within * within) + sd * sd / 2;
+  return {radius_px.value / within, std::hypot(radius_px.sd, radius_px.value * by_nearness)};
+}
+
 motion::Perspective in_region(motion::Perspective perspective, const Roi& roi) {
   perspective.axis_x_px -= roi.x;
   perspective.axis_y_px -= roi.y;

@@ -21,6 +21,9 @@ motion::Perspective perspective_of(const TrackRequest& request, const std::optio
 // As above, where pictures told the radius over the distance; unchanged where they did not.
 motion::Perspective as_pictures_show(motion::Perspective seen, const Measured& nearness,
                                      double radius_px);
+// Of a sphere's outline where its radius is this: R / sqrt(1 - (R/D)^2), which is farther out the
+// nearer the camera stands.
+Measured outline_radius(const Measured& radius_px, const motion::Perspective& seen);
 // Sets what `result`, which has the sphere's radius, says of this over the distance, and what told
 // it; `shown`: by the pictures.
 void state_nearness(const std::optional<Camera>& camera, const motion::Perspective& perspective,
