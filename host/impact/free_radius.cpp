@@ -188,11 +188,6 @@ FreeRadius free_radius(const TrackRows& rows, const FlightRange& before, const F
   return mean_of(std::move(radii));
 }
 
-double longest_contact(double guessed, const FreeRadius& radius, double speed) {
-  if (radius.frames == 0 || !(std::abs(speed) > 0)) return guessed;
-  return std::min(guessed, radius.px.value / std::abs(speed));
-}
-
 FreeRadius free_radius(const TrackRows& rows) {
   if (rows.empty()) return {};
   const std::size_t half = rows.size() / 2;

@@ -30,9 +30,4 @@ Measured radius_growth(const TrackRows& rows, const FlightRange& range);
 // Of a clip without an impact: the halves of `rows`, about the median.
 FreeRadius free_radius(const TrackRows& rows);
 
-// How long a contact lasts at most, frames, that was guessed to last for `guessed` and that a ball
-// meets with the speed `speed` (px/frame): one that is pressed in by a third of its radius is so
-// for as long as it needs to fly that radius, roughly (Hertz: 2.94 times the depth over the speed).
-double longest_contact(double guessed, const FreeRadius& radius, double speed);
-
 }  // namespace impactdic::impact

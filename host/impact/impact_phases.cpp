@@ -69,8 +69,9 @@ class Analysis {
       turn_.instant = before_.at;
       fit_both();
       if (!is_evident(true, kAsLikely) || !is_impact()) continue;
-      contact_ = longest_contact(static_cast<double>(guess_.last - guess_.first),
-                                 free_radius(rows_, before_, after_), flights_.state[kVn0]);
+      // A ball that is pressed in by a third of its radius is so for that long, roughly.
+      contact_ = std::min(static_cast<double>(guess_.last - guess_.first),
+                          free_radius(rows_, before_, after_).px.value / -flights_.state[kVn0]);
       result_.status = ImpactStatus::kNotResolved;
       finish();
       break;
@@ -226,8 +227,7 @@ void Analysis::refit(double length) {
 }
 
 void Analysis::find_contact() {
-  const double length = static_cast<double>(guess_.last - guess_.first);
-  contact_ = longest_contact(length, free_radius(rows_), flights_.state[kVn0]);
+  const double length = contact_ = static_cast<double>(guess_.last - guess_.first);
   // Centres tell an acceleration worse than steps do.
   const double reach = length / (series_.from_circle ? 5 : 10);
   turn_ = fit_turn(series_, guess_.turn, std::max(4.0, reach), guess_.peak_acceleration,

@@ -96,7 +96,7 @@ void expect_bounces(const ClutteredScene& scene, const Bouncing& ball,
     EXPECT_NEAR(listed[i]->t_max_compression.frame, bounces[i], 1) << i;
     const Measured& e = listed[i]->restitution;
     EXPECT_LT(std::abs(e.value - ball.restitution), 3 * e.sd) << i << ": " << e.value;
-    EXPECT_LT(e.sd, 0.12) << i;  // a contact lasts a frame or two, in which the ball falls, too
+    EXPECT_LT(e.sd, 0.3) << i;  // as long as the gap in the flights the contact may last
   }
 }
 
