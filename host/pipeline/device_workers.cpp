@@ -351,6 +351,8 @@ std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch
     frame.index = batch.first_index + static_cast<std::int64_t>(i);
     frame.circle_ok = batch.rows[i].circle_ok;
     frame.circle = ball(batch, i);
+    const double circle_sd_px = std::hypot(batch.rows[i].cx_sd_px, batch.rows[i].cy_sd_px);
+    if (circle_sd_px > 0) frame.circle_sd_px = circle_sd_px / std::sqrt(2.0);
     frame.shape = batch.shapes[i];
     frame.frame = batch.frames[i];
     if (batch.measured[i]) frame.next = &batch.pairs[i].motion;

@@ -9,67 +9,19 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 
-#include "host/base/json_number.h"
 #include "host/base/sha256.h"
 #include "host/circle/rim/rim_model.h"
+#include "host/report/resume/keyframes_json.h"
+#include "host/report/resume/numbers.h"
 #include "host/report/summary.h"
 
 namespace impactdic::report {
 namespace {
 
 using nlohmann::json;
-
-// JSON has no infinity and no NaN.
-json exact_number(double value) {
-  if (std::isfinite(value)) return value;
-  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
-}
-
-double number_of(const json& value) {
-  return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
-}
-
-constexpr double kMost = 1e7;  // px, rad: far more than any clip shows
-bool is_usual(double value) { return std::isfinite(value) && std::abs(value) < kMost; }
-
-// One list of fields serves both ways.
-struct Writer {
-  json& object;
-  template <typename T>
-  void operator()(const std::string& name, const T& value) {
-    if constexpr (std::is_same_v<T, double>) {
-      object[name] = exact_number(value);
-    } else if constexpr (std::is_enum_v<T>) {
-      object[name] = static_cast<int>(value);
-    } else {
-      object[name] = value;
-    }
-  }
-};
-
-struct Reader {
-  const json& object;
-  template <typename T>
-  void operator()(const std::string& name, T& value) {
-    if constexpr (std::is_same_v<T, double>) {
-      value = number_of(object.at(name));
-    } else if constexpr (std::is_enum_v<T> || (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
-      value = static_cast<T>(whole_number(object.at(name)));
-    } else {
-      value = object.at(name).get<T>();
-    }
-  }
-};
-
-template <typename Field, typename T>
-void each_of_circle(Field field, T& circle) {
-  field("cx_px", circle.cx_px);
-  field("cy_px", circle.cy_px);
-  field("r_px", circle.r_px);
-  field("free_px", circle.free_px);
-}
+using namespace resume;
+using resume::check, resume::describe;
 
 template <typename Field, typename T>
 void each_of_fit(Field field, T& fit) {
@@ -91,75 +43,6 @@ void each_of_fit(Field field, T& fit) {
   field("rim_points", fit.rim_points);
   field("rim_fraction", fit.rim_fraction);
   field("by_hand", fit.by_hand);
-}
-
-template <typename Field, typename T>
-void each_of_pose(Field field, T& pose) {
-  field("ok", pose.ok);
-  field("x_px", pose.x_px);
-  field("y_px", pose.y_px);
-  field("angle_rad", pose.angle_rad);
-  field("x_sd_px", pose.x_sd_px);
-  field("y_sd_px", pose.y_sd_px);
-  field("angle_sd_rad", pose.angle_sd_rad);
-  field("qw", pose.qw);
-  field("qx", pose.qx);
-  field("qy", pose.qy);
-  field("qz", pose.qz);
-  field("tilt_x_sd_rad", pose.tilt_x_sd_rad);
-  field("tilt_y_sd_rad", pose.tilt_y_sd_rad);
-  field("key_dx_px", pose.key_dx_px);
-  field("key_dy_px", pose.key_dy_px);
-  field("key_rot_x_deg", pose.key_rot_x_deg);
-  field("key_rot_y_deg", pose.key_rot_y_deg);
-  field("key_rot_deg", pose.key_rot_deg);
-  field("origin", pose.origin);
-  field("keyframe", pose.keyframe);
-}
-
-template <typename Field, typename T>
-void each_of_linked(Field field, T& pose) {
-  each_of_pose(field, pose);
-  field("radius_x", pose.radius_x);
-  field("radius_y", pose.radius_y);
-  field("radius_turn_x_rad", pose.radius_turn_rad[0]);
-  field("radius_turn_y_rad", pose.radius_turn_rad[1]);
-  field("radius_turn_z_rad", pose.radius_turn_rad[2]);
-  field("nearness_x", pose.nearness_x);
-  field("nearness_y", pose.nearness_y);
-  field("nearness_turn_x_rad", pose.nearness_turn_rad[0]);
-  field("nearness_turn_y_rad", pose.nearness_turn_rad[1]);
-  field("nearness_turn_z_rad", pose.nearness_turn_rad[2]);
-  for (std::size_t k = 0; k < pose.turn_noise_rad2.size(); ++k) {
-    field("turn_noise_" + std::to_string(k), pose.turn_noise_rad2[k]);
-    field("turn_told_" + std::to_string(k), pose.turn_told_rad2[k]);
-  }
-}
-
-template <typename Field, typename T>
-void each_of_radius(Field field, T& radius) {
-  field("px", radius.px);
-  field("told_sd_px", radius.told_sd_px);
-  field("error_px", radius.error_px);
-  field("sd_px", radius.sd_px);
-  field("nearness_error", radius.nearness_error);
-  field("nearness_share", radius.nearness_share);
-  field("correlation", radius.correlation);
-}
-
-template <typename Field, typename T>
-void each_of_keyframe(Field field, T& key) {
-  each_of_linked(field, key.pose);
-  each_of_circle(field, key.circle);
-  field("residual", key.residual);
-  field("last_used", key.last_used);
-}
-
-template <typename Field, typename T>
-void each_of_shape(Field field, T& shape) {
-  field("e1", shape.e1);
-  field("e2", shape.e2);
-  field("sd", shape.sd);
 }
 
 template <typename Field, typename T>
@@ -224,34 +107,6 @@ circle::BallTracker::Memory tracker_of(const json& described) {
   return tracker;
 }
 
-json describe(const motion::Keyframes::Memory& memory) {
-  json described = {
-      {"keyframes", json::array()}, {"last", json::object()}, {"last_index", memory.last_index}};
-  if (std::isfinite(memory.reach_rad)) described["reach_rad"] = exact_number(memory.reach_rad);
-  for (const motion::Keyframes::Keyframe& key : memory.keyframes) {
-    json& item = described["keyframes"].emplace_back(json::object());
-    each_of_keyframe(Writer{item}, key);
-    if (key.shape.is_compressed()) each_of_shape(Writer{item["shape"]}, key.shape);
-  }
-  each_of_linked(Writer{described["last"]}, memory.last);
-  each_of_radius(Writer{described["radius"] = json::object()}, memory.radius);
-  return described;
-}
-
-motion::Keyframes::Memory keyframes_of(const json& described) {
-  motion::Keyframes::Memory memory;
-  for (const json& item : described.at("keyframes")) {
-    motion::Keyframe& key = memory.keyframes.emplace_back();
-    each_of_keyframe(Reader{item}, key);
-    if (item.contains("shape")) each_of_shape(Reader{item.at("shape")}, key.shape);
-  }
-  each_of_linked(Reader{described.at("last")}, memory.last);
-  memory.last_index = whole_number(described.at("last_index"));
-  if (described.contains("radius")) each_of_radius(Reader{described.at("radius")}, memory.radius);
-  if (described.contains("reach_rad")) memory.reach_rad = number_of(described.at("reach_rad"));
-  return memory;
-}
-
 pipeline::ResumePoint point_of(const json& described) {
   pipeline::ResumePoint point;
   point.next_row = whole_number(described.at("next_row"));
@@ -264,16 +119,7 @@ pipeline::ResumePoint point_of(const json& described) {
   return point;
 }
 
-// What follows keeps a damaged or forged file from sending the trackers outside of their pictures.
 constexpr std::int64_t kMostFrames = std::int64_t{1} << 48;
-void demand(bool good) {
-  if (!good) throw std::runtime_error("no run ends there");
-}
-
-void check(const Circle& circle) {
-  demand(is_usual(circle.cx_px) && is_usual(circle.cy_px) && is_usual(circle.r_px));
-  demand(circle.r_px > 0);
-}
 
 void check(const circle::CircleFit& fit) {
   demand(static_cast<unsigned>(fit.status) <=
@@ -282,18 +128,6 @@ void check(const circle::CircleFit& fit) {
   if (fit.status != circle::CircleStatus::kOk) return;
   check(fit.circle);
   for (const double value : {fit.e1_px, fit.e2_px}) demand(is_usual(value));
-}
-
-void check(const BodyPose& pose, std::int64_t next_row) {
-  if (!pose.ok) return;
-  for (const double value : {pose.x_px, pose.y_px}) demand(is_usual(value));
-  const double square =
-      pose.qw * pose.qw + pose.qx * pose.qx + pose.qy * pose.qy + pose.qz * pose.qz;
-  const bool is_sphere = std::isnan(pose.angle_rad) && std::abs(square - 1) < 1e-6;
-  demand(is_sphere || is_usual(pose.angle_rad));
-  for (const std::int64_t frame : {pose.origin, pose.keyframe}) {
-    demand(frame >= 0 && frame <= next_row);
-  }
 }
 
 void check(const pipeline::ResumePoint& point) {
@@ -309,23 +143,7 @@ void check(const pipeline::ResumePoint& point) {
     for (const double radius : radii) demand(is_usual(radius));
   });
   demand(!point.grid_radius_px || (is_usual(*point.grid_radius_px) && *point.grid_radius_px > 0));
-  if (!point.keyframes) return;
-  demand(point.keyframes->last_index >= -1 && point.keyframes->last_index <= row);
-  check(point.keyframes->last, row);
-  demand(point.keyframes->reach_rad > 0);
-  const motion::SphereRadius& radius = point.keyframes->radius;
-  for (const double value : {radius.px, radius.told_sd_px, radius.error_px, radius.sd_px,
-                             radius.nearness_error, radius.nearness_share}) {
-    demand(is_usual(value));
-  }
-  demand(std::abs(radius.correlation) <= 1);
-  demand(point.keyframes->keyframes.size() <= motion::kKeyframes);
-  for (const motion::Keyframes::Keyframe& key : point.keyframes->keyframes) {
-    demand(key.last_used >= 0 && key.last_used <= row && key.pose.ok);
-    check(key.pose, row);
-    check(key.circle);
-    demand(std::hypot(key.shape.e1, key.shape.e2) < 1 && key.shape.sd >= 0);
-  }
+  if (point.keyframes) check_keyframes(*point.keyframes, row);
 }
 
 // Throws where the file is damaged or `of` refuses what it says.

@@ -10,20 +10,19 @@
 namespace impactdic::motion {
 namespace {
 
-// What a closed turn tells leaves no less than this of a pose's variance: links have noise.
-constexpr double kLeastLeft = 0.02;
-
 Eigen::Quaterniond turn_of(const dic::RigidMotion& motion) {
   return dic::quaternion_of({motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad});
 }
 
-// What a px of the radius, or a unit of the radius over the distance, does to a sphere's motion.
+// What a px of the radius, a unit of the radius over the distance, or a px by which the circle lies
+// off the ball does to a sphere's motion.
 struct Effect {
   double x = 0, y = 0;
   Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
 };
 struct Effects {
   Effect radius, nearness;
+  std::array<Effect, 2> off;
 };
 
 // Of a motion from the ball in `circle`.
@@ -43,7 +42,7 @@ Effects effects_on(const dic::RigidMotion& motion, const Circle& circle,
                   by(response.dy),
                   {by(response.rot_x), by(response.rot_y), by(response.rot_z)}};
   };
-  return {of(sphere::kToRadius), of(sphere::kToNearness)};
+  return {of(sphere::kToRadius), of(sphere::kToNearness), {of(0), of(1)}};
 }
 
 // Deviations without the part of one source, known to `source_sd`.
@@ -60,19 +59,23 @@ dic::RigidMotion without(const Effect& effect, double source_sd, dic::RigidMotio
   return motion;
 }
 
-// What the motion is with the radius and the distance as they are thought to be.
-dic::RigidMotion corrected(dic::RigidMotion motion, const Effects& effects,
-                           const SphereRadius& radius) {
-  if (radius.error_px == 0 && radius.nearness_error == 0) return motion;
-  const Eigen::Vector3d less = -radius.error_px * effects.radius.turn_rad -
-                               radius.nearness_error * effects.nearness.turn_rad;
-  const Eigen::Vector3d turn = dic::rotation_vector(dic::quaternion_of(less) * turn_of(motion));
+dic::RigidMotion less(dic::RigidMotion motion, const Effect& effect, double error) {
+  if (error == 0) return motion;
+  const Eigen::Vector3d turn = dic::rotation_vector(
+      dic::quaternion_of(Eigen::Vector3d(-error * effect.turn_rad)) * turn_of(motion));
   motion.rot_x_rad = turn.x();
   motion.rot_y_rad = turn.y();
   motion.rot_rad = turn.z();
-  motion.dx_px -= radius.error_px * effects.radius.x + radius.nearness_error * effects.nearness.x;
-  motion.dy_px -= radius.error_px * effects.radius.y + radius.nearness_error * effects.nearness.y;
+  motion.dx_px -= error * effect.x;
+  motion.dy_px -= error * effect.y;
   return motion;
+}
+
+// What the motion is with the radius and the distance as they are thought to be.
+dic::RigidMotion corrected(const dic::RigidMotion& motion, const Effects& effects,
+                           const SphereRadius& radius) {
+  return less(less(motion, effects.radius, radius.error_px), effects.nearness,
+              radius.nearness_error);
 }
 
 // Of a sphere, a link whose deviations are its noise's.
@@ -92,11 +95,10 @@ LinkedPose with_link(const LinkedPose& pose, const Circle& circle, const dic::Ri
   };
   carry(next.radius_turn_rad, effects.radius);
   carry(next.nearness_turn_rad, effects.nearness);
-  Eigen::Map<Eigen::Matrix3d> noise(next.turn_noise_rad2.data()), told(next.turn_told_rad2.data());
+  Eigen::Map<Eigen::Matrix3d> noise(next.turn_noise_rad2.data());
   const Eigen::Vector3d own(motion.rot_x_sd_rad, motion.rot_y_sd_rad, motion.rot_sd_rad);
   noise = (q * noise * q.transpose()).eval();
   noise.diagonal() += own.cwiseAbs2();
-  told = (q * told * q.transpose()).eval();
   next.x_sd_px = std::hypot(pose.x_sd_px, motion.dx_sd_px);
   next.y_sd_px = std::hypot(pose.y_sd_px, motion.dy_sd_px);
   return next;
@@ -138,6 +140,15 @@ Point turned(double x, double y, double angle_rad) {
   return {c * x + s * y, -s * x + c * y};
 }
 
+Eigen::Matrix3d turn_covariance(const LinkedPose& pose, const SphereRadius& radius) {
+  Eigen::Matrix<double, 3, 2> effects;
+  effects << Eigen::Vector3d(pose.radius_turn_rad.data()) * radius.sd_px,
+      Eigen::Vector3d(pose.nearness_turn_rad.data()) * radius.nearness_sd();
+  Eigen::Matrix2d together = Eigen::Matrix2d::Identity();
+  together(0, 1) = together(1, 0) = radius.correlation;
+  return Eigen::Matrix3d(pose.turn_noise_rad2.data()) + effects * together * effects.transpose();
+}
+
 BodyPose LinkedPose::stated(const SphereRadius& radius) const {
   BodyPose pose = *this;
   if (!is_sphere(*this)) return pose;
@@ -150,8 +161,7 @@ BodyPose LinkedPose::stated(const SphereRadius& radius) const {
     return common(radius_turn_rad[axis], nearness_turn_rad[axis]);
   };
   const auto about = [&](std::size_t axis) {
-    const double all = turn_noise_rad2[4 * axis] + std::pow(turn(axis), 2);
-    return std::sqrt(std::max(kLeastLeft * all, all - turn_told_rad2[4 * axis]));
+    return std::sqrt(turn_noise_rad2[4 * axis] + std::pow(turn(axis), 2));
   };
   pose.x_sd_px = std::hypot(x_sd_px, common(radius_x, nearness_x));
   pose.y_sd_px = std::hypot(y_sd_px, common(radius_y, nearness_y));
@@ -206,7 +216,14 @@ LinkedPose registered(const Anchor& key, const BallMotion& motion, const CropOri
   rigid.dy_px = motion.dy + from_key.y;
   if (sphere) {
     const Effects effects = effects_on(rigid, key.circle, radius);
-    LinkedPose pose = with_link(key.pose, key.circle, corrected(rigid, effects, radius), effects);
+    const dic::RigidMotion about_ball =
+        less(less(rigid, effects.off[0], key.off_px[0]), effects.off[1], key.off_px[1]);
+    LinkedPose pose =
+        with_link(key.pose, key.circle, corrected(about_ball, effects, radius), effects);
+    for (const Effect& off : effects.off) {
+      const Eigen::Vector3d turn_rad = key.off_sd_px * off.turn_rad;
+      Eigen::Map<Eigen::Matrix3d>(pose.turn_noise_rad2.data()) += turn_rad * turn_rad.transpose();
+    }
     pose.key_dx_px = rigid.dx_px;
     pose.key_dy_px = rigid.dy_px;
     pose.key_rot_x_deg = rigid.rot_x_rad * kDegPerRad;

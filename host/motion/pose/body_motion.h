@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 
 #include "host/circle/circle.h"
 #include "host/dic/rigid_fit.h"
@@ -37,11 +38,17 @@ BodyPose moved(const BodyPose& pose, const Circle& circle, const dic::RigidMotio
 LinkedPose linked(const LinkedPose& pose, const Circle& circle, const dic::RigidMotion& motion,
                   const SphereRadius& radius);
 
-// A keyframe: its pose, and the ball as it is seen there.
+// Of a sphere's turn with all its errors, camera axes, rad².
+Eigen::Matrix3d turn_covariance(const LinkedPose& pose, const SphereRadius& radius);
+
+// A keyframe: its pose, and the ball as it is seen there; by how much its circle is thought to lie
+// to the right of the ball and below it, px, and the deviation of that.
 struct Anchor {
   const LinkedPose& pose;
   const Circle& circle;
   const BallShape& shape;
+  std::array<double, 2> off_px{};
+  double off_sd_px = 0;
 };
 // Of a frame that was registered against a keyframe, its part's corner `from_key` from that one's;
 // the turn of a flat ball is the one nearest to `expected_rad`.

@@ -1,6 +1,7 @@
 // Which keyframe every frame is registered against, and from where the registration starts.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -17,12 +18,15 @@
 
 namespace impactdic::motion {
 
+inline constexpr double kUsualCircleSd_px = 0.015;
+
 // One frame in order, its circle, and the motion to the next one. `slot`: of its part on the
 // device, whose corner is `origin`.
 struct ChainedFrame {
   std::int64_t index = 0;  // among the analysed frames
   bool circle_ok = false;
   Circle circle;
+  double circle_sd_px = kUsualCircleSd_px;  // of its centre, each way
   BallShape shape;
   const Frame* frame = nullptr;
   const dic::RigidMotion* next = nullptr;  // nullptr where it was not measured
@@ -36,6 +40,13 @@ struct Keyframe {
   BallShape shape;             // only a chain that begins in contact has one that is compressed
   double residual = 0;         // of the best registration against it; 0 before the first
   std::int64_t last_used = 0;  // frame index
+  // Of a sphere. How far its circle's centre lies to the right of the ball's and below it, px, as
+  // closed turns tell, with its deviation; that of the circle itself.
+  std::array<double, 2> off_px{};
+  double off_sd_px = kUsualCircleSd_px, circle_sd_px = kUsualCircleSd_px;
+  // Whether its pose is known from elsewhere than its links; how far it lies along the chain.
+  bool anchored = false;
+  double along_rad = 0;
   std::shared_ptr<const Frame> picture;  // the part of it that goes to devices
 };
 

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "host/dic/sphere/rotation.h"
 #include "host/motion/estimators.h"
 #include "host/motion/pose/body_motion.h"
-#include "host/motion/pose/turn_closure.h"
+#include "host/motion/pose/turn_loop.h"
 
 namespace impactdic::motion {
 namespace {
@@ -25,9 +26,6 @@ constexpr double kLeastSeen = 0.45;
 // this tilt: nearer, it was something else than foreshortening. Wherever all frames fit, the reach
 // grows by the last of these.
 constexpr double kReach = 0.8, kLeastReach_rad = 0.1, kGrowth = 1.02;
-// A frame has come round where a keyframe's chain holds less than this share of the radius's effect
-// on the frame before.
-constexpr double kCloser = 0.7;
 
 // Whether a motion leads from the frame to the next one.
 bool is_linked(const ChainedFrame& frame) { return frame.next != nullptr && frame.next->ok; }
@@ -45,6 +43,7 @@ void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>&
 
 LinkedPose Keyframes::begin(const ChainedFrame& frame) {
   memory_.keyframes.clear();
+  memory_.links.clear();
   LinkedPose pose;
   pose.ok = true;
   pose.x_px = frame.circle.cx_px;
@@ -59,19 +58,29 @@ LinkedPose Keyframes::begin(const ChainedFrame& frame) {
   return keep(frame, pose).pose;
 }
 
-Keyframes::Keyframe Keyframes::keep(const ChainedFrame& frame, const LinkedPose& pose) {
+Keyframes::Keyframe Keyframes::keep(const ChainedFrame& frame, const LinkedPose& pose,
+                                    const std::optional<ChainLink>& link) {
   Keyframe made;
   made.pose = pose;
   made.pose.keyframe = frame.index;
   made.circle = frame.circle;
   made.shape = frame.shape;
   made.last_used = frame.index;
+  made.circle_sd_px = made.off_sd_px = frame.circle_sd_px;
   ++made_;
   if (memory_.keyframes.size() == kKeyframes) {
     const auto idle = std::min_element(
         memory_.keyframes.begin(), memory_.keyframes.end(),
         [](const Keyframe& a, const Keyframe& b) { return a.last_used < b.last_used; });
+    const std::int64_t gone = idle->pose.keyframe;
     memory_.keyframes.erase(idle);
+    unlink(gone, memory_.keyframes, memory_.links);
+  }
+  const Keyframe* from = link ? find(link->from) : nullptr;
+  made.anchored = from == nullptr;
+  if (from != nullptr) {
+    made.along_rad = from->along_rad + Eigen::Vector3d(link->turn_rad.data()).norm();
+    memory_.links.push_back(*link);
   }
   made.picture = aim_.picture_of(frame.circle, *frame.frame);
   memory_.keyframes.push_back(made);
@@ -155,7 +164,10 @@ std::vector<LinkedPose> Keyframes::place(std::span<const ChainedFrame> frames,
     if (aim_.sphere() && last.pose != nullptr) close_turn(last, earlier, placed, plan);
     const auto planned = std::find_if(plan.targets.begin(), plan.targets.end(),
                                       [&](const Target& t) { return t.frame == &frames[i]; });
-    if (planned != plan.targets.end()) planned->key = keep(frames[i], placed.back());
+    if (planned != plan.targets.end()) {
+      planned->key =
+          keep(frames[i], placed.back(), link_to(frames[i].index, placed.back(), nullptr, nullptr));
+    }
   }
   if (placed.size() == count) {
     memory_.reach_rad = std::min(memory_.reach_rad * kGrowth, kFarthestTilt_rad);
@@ -195,30 +207,11 @@ LinkedPose Keyframes::pose_of(const ChainedFrame& frame, const BodyPose& near,
     kept.last_used = key.last_used;
   }
   const CropOrigin origin = aim_.crop().about(key.circle);
-  return registered({key.pose, key.circle, key.shape}, motion,
+  std::copy(std::begin(motion.covariance), std::end(motion.covariance),
+            memory_.link_covariance.begin());
+  return registered({key.pose, key.circle, key.shape, key.off_px, key.off_sd_px}, motion,
                     {frame.origin.x - origin.x, frame.origin.y - origin.y}, near.angle_rad,
                     memory_.radius);
-}
-
-void Keyframes::close_turn(const Before& last, std::span<LinkedPose> earlier,
-                           std::vector<LinkedPose>& placed, KeyframePlan& plan) {
-  const auto length = [](const LinkedPose& pose) {
-    const auto& g = pose.radius_turn_rad;
-    return std::hypot(g[0], g[1], g[2]);
-  };
-  if (!(length(placed.back()) < kCloser * length(*last.pose))) return;
-  const LinkedPose along =
-      linked(*last.pose, last.frame->circle, *last.frame->next, memory_.radius);
-  const Keyframe* from = find(placed.back().keyframe);
-  if (from == nullptr) return;
-  const auto closure = TurnClosure::of(along, placed.back(), from->pose, memory_.radius);
-  if (!closure) return;
-  const auto correct = [&](LinkedPose& pose) { pose = closure->corrected(pose); };
-  for (Keyframe& key : memory_.keyframes) correct(key.pose);
-  for (Target& target : plan.targets) correct(target.key.pose);
-  for (LinkedPose& pose : earlier) correct(pose);
-  for (LinkedPose& pose : placed) correct(pose);
-  memory_.radius = closure->radius();
 }
 
 void Keyframes::learn_reach(const BodyPose& key, const BodyPose& near) {
@@ -338,7 +331,8 @@ std::vector<BodyPose> Keyframes::follow(std::span<const ChainedFrame> frames, co
     const LinkedPose reached =
         linked(poses[i - 1], frames[i - 1].circle, *frames[i - 1].next, memory_.radius);
     const bool compressed = frames[i].shape.is_compressed();
-    poses[i] = compressed ? reached : keep(frames[i], reached).pose;
+    const auto link = link_to(frames[i].index, poses[i - 1], &frames[i - 1], nullptr);
+    poses[i] = compressed ? reached : keep(frames[i], reached, link).pose;
     ++i;
     // A sphere's reach is known by now.
     at_once = aim_.sphere() && !compressed ? frames.size() : kFewAtOnce;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "host/motion/pose/chain_link.h"
 #include "host/motion/pose/keyframe_plan.h"
 
 namespace impactdic::motion {
@@ -44,7 +45,9 @@ class Keyframes {
     std::vector<Keyframe> keyframes;  // oldest first
     LinkedPose last;                  // of frame last_index
     std::int64_t last_index = -1;
-    SphereRadius radius;  // what the clip has told of a sphere's
+    SphereRadius radius;                       // what the clip has told of a sphere's
+    std::vector<ChainLink> links;              // of a sphere's keyframes
+    std::array<double, 15> link_covariance{};  // of the last registration
     // Of a sphere: a frame that is tilted farther from its keyframe becomes one itself.
     double reach_rad = kFarthestTilt_rad;
   };
@@ -94,7 +97,14 @@ class Keyframes {
   // Makes `frame` the first keyframe of a new chain.
   LinkedPose begin(const ChainedFrame& frame);
   // Makes `frame` a keyframe, in place of the one that has been idle longest if need be.
-  Keyframe keep(const ChainedFrame& frame, const LinkedPose& pose);
+  // `link`: how it hangs on another one; else its pose is known by itself.
+  Keyframe keep(const ChainedFrame& frame, const LinkedPose& pose,
+                const std::optional<ChainLink>& link = {});
+  // What leads from a keyframe to a frame that leans on `pose`'s, and by its motion to `next`; with
+  // `closed`, back to the keyframe that `next` was found against. Empty of a flat ball, and where a
+  // frame was not registered.
+  std::optional<ChainLink> link_to(std::int64_t next, const LinkedPose& pose,
+                                   const ChainedFrame* step, const LinkedPose* closed) const;
   // The pose of a frame to which no motion leads: found again, or a new chain's beginning.
   LinkedPose start(const ChainedFrame& frame, KeyframeSlots& slots);
   std::vector<BodyPose> follow(std::span<const ChainedFrame> frames, const Ahead* ahead,

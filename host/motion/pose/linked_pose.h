@@ -29,9 +29,6 @@ struct SphereRadius {
 struct LinkedPose : BodyPose {
   // Of a sphere: covariance of the turn's noise about X, Y and Z, rad², row by row.
   std::array<double, 9> turn_noise_rad2{};
-  // By how much less the turn varies with all its errors, because a turn that was closed told this
-  // part of them: laid out as the noise is.
-  std::array<double, 9> turn_told_rad2{};
   // What each px by which the radius is larger than thought did to place and turn: px, x right and
   // y down, and rad about X, Y and Z.
   double radius_x = 0, radius_y = 0;
