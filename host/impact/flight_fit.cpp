@@ -20,9 +20,9 @@ constexpr double kLeastSd_px = 1e-7, kLeastNearnessSd = 1e-7;
 // Of a sphere's turn out of the plane, in proportion: blur acts in the picture and foreshortening
 // does not move it along (four patterns of R 115 px, 0.3 to 8 degrees a frame).
 constexpr double kTurnModel = 2.5e-4;
-// The same where poses against keyframes were fitted, and of the centre what it makes in proportion
-// to the rim's speed (sixteen flights of four patterns, R 115 px).
-constexpr double kLinkedTurnModel = 1.4e-4, kLinkedCentreModel = 6e-6;
+// The same of a pose against its keyframe and of its turn in the picture's plane; of the centre in
+// proportion to the rim's speed (sixteen flights of four patterns, R 115 px).
+constexpr double kLinkedTurnModel = 1.4e-4, kLinkedRollModel = 1e-4, kLinkedCentreModel = 6e-6;
 // How far from a sphere's centre its circle lies by the texture under its rim. It turns along with
 // the ball, and neither centres nor motions, which are about that place, tell it from a path.
 constexpr double kOffsetSd_px = 0.05;
@@ -114,7 +114,11 @@ class FlightSolver {
   int offset_column(int flight) const { return nearness_column() + 1 + 2 * flight; }
   int spins() const { return linked_ ? 3 : 2; }  // of a flight
   int spin_column(int flight) const { return offset_column(flights_) + spins() * flight; }
-  int unknowns() const { return series_.sphere ? spin_column(flights_) : radius_column(); }
+  int model_column(int flight) const { return spin_column(flights_) + 2 * flight; }
+  int unknowns() const {
+    if (!series_.sphere) return radius_column();
+    return linked_ ? model_column(flights_) : spin_column(flights_);
+  }
   // Whether the row counts in the fit.
   static bool counts(const Datum& d) { return d.fitted && d.used; }
 
@@ -158,6 +162,7 @@ class FlightSolver {
     for (int k = 0; k < spins(); ++k) {
       row[spin_column(d.flight) + k] = d.spin_slope[static_cast<std::size_t>(k)];
     }
+    if (linked_) row.segment<2>(model_column(d.flight)) << d.tilted_slope, d.rolled_slope;
     return row;
   }
 
@@ -186,6 +191,10 @@ class FlightSolver {
           1 / std::pow(std::max(series_.sphere->nearness_sd(), kLeastNearnessSd), 2);
       normal.diagonal().segment(offset_column(0), 2 * flights_).array() +=
           1 / (kOffsetSd_px * kOffsetSd_px);
+      for (int flight = 0; linked_ && flight < flights_; ++flight) {
+        normal.diagonal().segment<2>(model_column(flight)) +=
+            Eigen::Vector2d(kLinkedTurnModel, kLinkedRollModel).cwiseAbs2().cwiseInverse();
+      }
     }
     const Vector diagonal = normal.diagonal().cwiseSqrt();
     if (!(diagonal.minCoeff() > 0)) return false;
@@ -235,9 +244,12 @@ class FlightSolver {
             covariance_.block<2, 2>(from, spin_column(other));
       }
       const double tilting = fit.spin.segment<2>(to).norm();
-      const double model = (linked_ ? kLinkedTurnModel : kTurnModel) * tilting;
-      fit.spin_covariance.diagonal().segment<2>(to).array() += model * model;
-      if (!linked_) continue;
+      if (!linked_) {
+        fit.spin_covariance.diagonal().segment<2>(to).array() += std::pow(kTurnModel * tilting, 2);
+        continue;
+      }
+      fit.roll[static_cast<std::size_t>(flight)] = {solution_[from + 2],
+                                                    std::sqrt(covariance_(from + 2, from + 2))};
       const double rim = kLinkedCentreModel * tilting * series_.sphere->radius_px();
       for (const int velocity : {kVn0, kVt0}) {
         const int column = kStatesOfOne * flight + velocity;

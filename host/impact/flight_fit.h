@@ -6,6 +6,7 @@
 #include <impactdic/measured.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <optional>
 
@@ -42,6 +43,8 @@ struct FlightFit {
       Eigen::Matrix<double, kSphereSpins, 1>::Constant(kNotMeasured);
   Eigen::Matrix<double, kSphereSpins, kSphereSpins> spin_covariance =
       Eigen::Matrix<double, kSphereSpins, kSphereSpins>::Zero();
+  // The same of the turn in the picture's plane, of both flights; NaN without keyframes.
+  std::array<Measured, 2> roll;
   Measured radius_error;               // px by which a sphere's radius was taken too large
   double gravity = 0, gravity_sd = 0;  // px/frame^2; sd 0 where it was given
   double position_scale = 1;           // scatter over the deviations that the track states

@@ -96,6 +96,7 @@ FlightMotion whole_flight(const TrackRows& rows, const ImpactOptions& options) {
   const FlightSpin spin = flight_spin(series, range);
   motion.spin = {spin.value,
                  std::hypot(spin.noise_sd, spin.common_sd, tilted_spin_sd(fit, kSpinT0))};
+  if (std::isfinite(fit.roll[0].value)) motion.spin = fit.roll[0];
   put_spins(fit, kSpinT0, motion);
   motion.vb = towards_camera(rows, range, options, median_radius_px(rows).value_or(0));
   return motion;

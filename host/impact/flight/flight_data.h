@@ -28,6 +28,9 @@ struct Datum {
   // Of a sphere, and how the place on it that is taken for its centre turns along.
   double radius_slope = 0, nearness_slope = 0;
   std::array<double, 2> offset_slope{};
+  // Of a registration against a keyframe: how far the ball has turned out of the picture's plane
+  // since, about the row's axis, and for a turn in the plane in all.
+  double tilted_slope = 0, rolled_slope = 0;
   int flight = 0;
   // Rows of one group err alike, too: by `loose` times their deviation, and in proportion to
   // `reach` times it.

@@ -213,6 +213,11 @@ class FlightLinks {
     for (int k = 0; k < 3; ++k) row.spin_slope[static_cast<std::size_t>(k)] = slope[k];
     row.radius_slope = link.turn_to_radius[axis];
     row.nearness_slope = link.turn_to_nearness[axis];
+    if (axis == 2) {
+      row.rolled_slope = link.tilt_rad;
+    } else {
+      row.tilted_slope = rotation_vector(link.turn)[axis];
+    }
     if (key.in_flight) add_off_path(link.turn_to_centre.row(axis), key, row);
     return row;
   }
