@@ -230,6 +230,19 @@ TEST(SphereFlight, KeyframesKnowTheFlightBetterThanSteps) {
   EXPECT_LT(keyed, 0.5 * stepped);
 }
 
+// A circle that lies off the ball turns every pair's motion a little about the line of sight; the
+// keyframes' are held against the path.
+TEST(SphereFlight, TheSpinTowardsTheCameraIsThatOfKeyframes) {
+  constexpr double kOff_deg = 0.0005;
+  const Flight truth;
+  auto rows = rows_of(truth, 3, 0.02);
+  add_keyframes(truth, 103, rows);
+  for (TrackRow& row : rows) row.rot_deg += kOff_deg;
+  const FlightMotion flight = impact::analyse_impact(rows, options_of(0.02)).flight;
+  ASSERT_EQ(flight.last, rows.size() - 1);
+  EXPECT_NEAR(flight.spin.value * kDegPerRad, truth.rot_deg, 0.3 * kOff_deg);
+}
+
 TEST(SphereFlight, AKeyframeBeforeTheRowsTellsOnlyHowFramesMovedAmongThemselves) {
   const Flight truth;
   auto rows = rows_of(truth, 11, 0.05);
