@@ -60,7 +60,7 @@ class Maker {
       key.pose.ok = true;
       key.pose.keyframe = k;
       key.circle = circles_[static_cast<std::size_t>(k)];
-      key.circle_sd_px = key.off_sd_px = 0.013;
+      key.circle_sd_px = key.off_sd_px = 0.0065;  // which counts twice
       key.anchored = k == 0;
       key.along_rad = k * 2 * kPi / kKeys;
       key.pose.angle_rad = kNotMeasured;
