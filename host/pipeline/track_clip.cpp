@@ -132,7 +132,10 @@ class ClipTracker {
     for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
     compare_with_path(batch->rows);
     for (std::size_t i = 0; i < rows; ++i) {
-      emit(*batch, i, is_measured(*batch, i) ? &batch->pairs[i] : nullptr);
+      motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
+      // Not before: what a worker measured is slow to fetch, and is written next.
+      if (pair != nullptr) into_picture(pair->windows);
+      emit(*batch, i, pair);
     }
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
@@ -264,6 +267,13 @@ class ClipTracker {
     return i < batch.measured.size() && batch.measured[i];
   }
 
+  void into_picture(std::span<Window> windows) const {
+    for (Window& window : windows) {
+      window.x0 += options_.roi.x;
+      window.y0 += options_.roi.y;
+    }
+  }
+
   void fill_row(TrackBatch& batch, std::size_t i) const {
     TrackRow& row = batch.rows[i];
     if (!is_measured(batch, i)) {
@@ -283,10 +293,6 @@ class ClipTracker {
       row.centre_v_px = pair.centre.v_px;
       row.centre_u_sd_px = pair.centre.u_sd_px;
       row.centre_v_sd_px = pair.centre.v_sd_px;
-    }
-    for (Window& window : pair.windows) {
-      window.x0 += options_.roi.x;
-      window.y0 += options_.roi.y;
     }
   }
 
