@@ -99,45 +99,30 @@ class EdgeFit {
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    std::vector<Solution> found =
-        minima(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
+    Solution s = least(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
     ContactEdge edge;
-    if (found.empty()) return edge;
-    if (request_.end) {
-      // From the likeliest of the other law.
-      for (Solution& dragged : minima(data, until, Damper::kDragging, {least(found).x})) {
-        found.push_back(std::move(dragged));
-      }
-    }
-    const Solution s = averaged(found);
+    if (!s.ok) return edge;
+    if (request_.end) s = averaged(s, least(data, until, Damper::kDragging, {s.x}));
     // Touch, height and exponent do not depend on the damper.
-    const OnsetLaw<double> onset = law(s.x.data(), Damper::kStriking);
+    const OnsetLaw<double> found = law(s.x.data(), Damper::kStriking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
-    edge.instant = sign_ * onset.touch;
+    edge.instant = sign_ * found.touch;
     edge.sd = s.sd[0] * inflation;
-    edge.exponent = onset.exponent;
+    edge.exponent = found.exponent;
     edge.exponent_sd = s.sd[4] * inflation;
-    edge.height = onset.height;
+    edge.height = found.height;
     edge.reach = reach;
     return edge;
   }
 
  private:
   static constexpr int kUnknowns = 6;
-  static constexpr double kSame = 0.1;  // deviations, and of chi square: one minimum
 
-  static const Solution& least(const std::vector<Solution>& all) {
-    return *std::min_element(all.begin(), all.end(), [](const Solution& a, const Solution& b) {
-      return a.chi_square < b.chi_square;
-    });
-  }
-
-  // What the searches from all starts end in, each once: a law that holds need not be the one.
-  std::vector<Solution> minima(const std::vector<Observation>& data, double until, Damper damper,
-                               const std::vector<Vector>& starts) const {
+  Solution least(const std::vector<Observation>& data, double until, Damper damper,
+                 const std::vector<Vector>& starts) const {
     const auto residuals = [&]<typename T>(const T* x, T* r) {
       const OnsetLaw<T> l = law(x, damper);
       const OnsetMotion<T> motion(l, until);
@@ -156,38 +141,29 @@ class EdgeFit {
       *r++ = std::min(T(0.0), x[5]) / kPushingSd;
     };
     const int count = static_cast<int>(data.size()) + (known_laws_ ? 5 : 2);
-    std::vector<Solution> found;
+    Solution s;
     for (const Vector& start : starts) {
       const Solution next =
           solve<kUnknowns>(residuals, count, start, known_laws_ ? kKnownTolerance : kTolerance);
       // The flight that was fitted ends where the data begin: nothing touches before.
       if (!next.ok || touch_ + next.x[0] < sign_ * static_cast<double>(request_.from)) continue;
-      const bool known = std::any_of(found.begin(), found.end(), [&](const Solution& s) {
-        return std::abs(s.x[0] - next.x[0]) < kSame * s.sd[0] &&
-               std::abs(s.chi_square - next.chi_square) < kSame;
-      });
-      if (!known) found.push_back(next);
+      if (!s.ok || next.chi_square < s.chi_square) s = next;
+      if (s.ok && holds(s) && !known_laws_) break;
     }
-    return found;
+    return s;
   }
-  // The data can seldom tell whether the surface is still dented where the force has faded, nor an
-  // early soft touch from a later hard one. All have a say, each by its likelihood, and how far
-  // they lie apart is part of the deviation (Bayesian model averaging, Hoeting et al. 1999).
-  static Solution averaged(const std::vector<Solution>& all) {
-    Solution s = least(all);
-    const Vector likeliest = s.x;
-    double weights = 0;
-    Vector mean = Vector::Zero(s.x.size()), square = mean;  // from the likeliest
-    for (const Solution& one : all) {
-      const double weight = std::exp((s.chi_square - one.chi_square) / 2);
-      const Vector apart = one.x - likeliest;
-      weights += weight;
-      mean += weight * apart;
-      square += weight * (one.sd.cwiseAbs2() + apart.cwiseAbs2());
-    }
-    mean /= weights;
-    s.x += mean;
-    s.sd = (square / weights - mean.cwiseAbs2()).cwiseSqrt();
+  // The data can seldom tell whether the surface is still dented where the force has faded. Both
+  // laws have a say, each by its likelihood, and their distance is part of the deviation (Bayesian
+  // model averaging, Hoeting et al. 1999).
+  static Solution averaged(const Solution& a, const Solution& b) {
+    if (!b.ok) return a;
+    const double weight = 1 / (1 + std::exp((b.chi_square - a.chi_square) / 2));  // of b
+    const Vector apart = b.x - a.x;
+    Solution s = b.chi_square < a.chi_square ? b : a;
+    s.x = a.x + weight * apart;
+    s.sd = ((1 - weight) * a.sd.cwiseAbs2() + weight * b.sd.cwiseAbs2() +
+            weight * (1 - weight) * apart.cwiseAbs2())
+               .cwiseSqrt();
     return s;
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts

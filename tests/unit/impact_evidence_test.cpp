@@ -95,21 +95,6 @@ TEST(ImpactEvidence, ImpactsAreFoundInPoorFilm) {
 }
 
 // A contact of some frames is never mistaken for a smooth path, however the coder shifts pictures.
-// A soft touch some frames before a hard one holds about as well; the first that was found is not
-// the one.
-TEST(ImpactEvidence, AnEarlySoftTouchIsNotTakenForALaterHardOne) {
-  for (const std::uint64_t seed : {78, 87, 89, 91, 112, 384, 400}) {
-    const ImpactTrack track = impact_track(seed);
-    const ImpactAnalysis analysis = impact::analyse_impact(track.rows, track.options);
-    ASSERT_TRUE(is_found(analysis)) << seed;
-    const Measured &e = analysis.restitution, &start = analysis.start.instant;
-    EXPECT_LT(std::abs(e.value - track.truth.restitution), 3 * e.sd) << seed;
-    EXPECT_LT(e.sd, 0.02) << seed;
-    if (analysis.status != ImpactStatus::kFound) continue;
-    EXPECT_LT(std::abs(start.value - track.truth.start), 3 * start.sd) << seed;
-  }
-}
-
 TEST(ImpactEvidence, ShortContactsAreFound) {
   int shorts = 0, found = 0;
   for (std::uint64_t seed = 200; shorts < 40; ++seed) {
