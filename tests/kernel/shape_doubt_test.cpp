@@ -74,6 +74,9 @@ TEST(ShapeDoubt, WhatAnOutlineErrsByIsPartOfTheDeviations) {
   const BallMotion right = pressed.measured(0.03, 0.05, 1e-6),
                    off = pressed.measured(0.03, 0.045, 0.003);
   EXPECT_LT(off_px(right), 0.02);
+  const BallMotion sure = pressed.measured(0.03, 0.045, 1e-6);
+  EXPECT_GT(off.covariance[2], 2 * sure.covariance[2]);
+  EXPECT_GT(off.covariance[5], 2 * sure.covariance[5]);
   const double sd = std::sqrt(off.covariance[2]), before = std::sqrt(right.covariance[2]);
   EXPECT_GT(std::abs(off.dy + 0.61), 5 * before);
   EXPECT_LT(std::abs(off.dy + 0.61), 3 * sd);
