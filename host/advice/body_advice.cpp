@@ -314,7 +314,7 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
   for (const BallPair& pair : pairs) verdict.look_at(pair);
   const double changes = out_of_round(pairs);
   if (!verdict.is_measured() && !(verdict.may_be_told() && changes <= kOutOfRound)) {
-    return {Body::kDisc, unmeasured(changes)};
+    return {Body::kDisc, unmeasured(changes), false};
   }
   return verdict.advice();
 }

@@ -13,7 +13,8 @@ namespace impactdic::advice {
 
 struct BodyAdvice {
   Body body = Body::kDisc;
-  std::string reason;  // one sentence
+  std::string reason;       // one sentence
+  bool is_measured = true;  // some pair was measured as a ball's
   // Were it a sphere, from its turns and its rim: the depth of a point follows from it, and with it
   // what a turn does to the picture.
   double radius_px = 0, radius_sd_px = 0;

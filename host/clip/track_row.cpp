@@ -13,13 +13,14 @@ namespace impactdic {
 namespace {
 constexpr std::array kWords = {"ok",          "no_ball",    "no_texture",  "low_correlation",
                                "out_of_view", "last_frame", "inconsistent"};
-constexpr std::array kBodies = {"auto", "sphere", "disc"};
+constexpr std::array kBodies = {"auto", "sphere", "disc", "spheroid"};
+constexpr std::size_t kAsked = 3;  // of them, by a person
 }  // namespace
 
 const char* to_string(Body body) { return kBodies[static_cast<std::size_t>(body)]; }
 
 Body parse_body(const std::string& name) {
-  for (std::size_t i = 0; i < kBodies.size(); ++i) {
+  for (std::size_t i = 0; i < kAsked; ++i) {
     if (name == kBodies[i]) return static_cast<Body>(i);
   }
   throw InvalidArgument("'" + name + "' is no body", "--body", "there are auto, sphere and disc");

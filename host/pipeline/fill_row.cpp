@@ -62,6 +62,22 @@ bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::siz
 
 }  // namespace
 
+TrackRow row_without_ball(const FrameRange& frames, double fps,
+                          std::span<const std::int64_t> periods, std::int64_t index) {
+  // With those that the camera lost.
+  const auto period = [&](std::int64_t i) {
+    return periods.empty() ? i : periods[static_cast<std::size_t>(i)];
+  };
+  TrackRow row;
+  row.frame = frames.at(index);
+  const double rate = fps > 0 ? fps / static_cast<double>(frames.step) : kNotMeasured;
+  row.time_s = static_cast<double>(period(index)) / rate;
+  if (index + 1 < frames.count()) {
+    row.periods = static_cast<int>(period(index + 1) - period(index));
+  }
+  return row;
+}
+
 void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.circle_ok = fit.status == circle::CircleStatus::kOk;
   row.status = fit.status == circle::CircleStatus::kOk          ? TrackStatus::kOk
@@ -106,6 +122,20 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Str
   };
   row.dx_sd_px = with_centre(row.dx_sd_px, c * xx + s * xy - 1, c * xy + s * yy);
   row.dy_sd_px = with_centre(row.dy_sd_px, c * xy - s * xx, c * yy - s * xy - 1);
+}
+
+void set_round_motion(TrackRow& row, const dic::RigidMotion& motion) {
+  row.motion_ok = true;
+  row.dx_px = motion.dx_px;
+  row.dy_px = motion.dy_px;
+  row.dx_sd_px = motion.dx_sd_px;
+  row.dy_sd_px = motion.dy_sd_px;
+  row.rot_deg = motion.rot_rad * kDegPerRad;
+  row.rot_x_deg = motion.rot_x_rad * kDegPerRad;
+  row.rot_y_deg = motion.rot_y_rad * kDegPerRad;
+  row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
+  row.rot_x_sd_deg = motion.rot_x_sd_rad * kDegPerRad;
+  row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
 }
 
 void doubt_motion(TrackRow& row, const TrackRow& next) {

@@ -10,10 +10,16 @@
 
 namespace impactdic::pipeline {
 
+// The row of the frame `index` among the analysed ones, as long as no ball is seen in it. `fps`: of
+// the stored frames; `periods`: see TrackOptions.
+TrackRow row_without_ball(const FrameRange& frames, double fps,
+                          std::span<const std::int64_t> periods, std::int64_t index);
 void set_circle(TrackRow& row, const circle::CircleFit& fit);
 // After set_circle: the circle's deviations are a part of the motion's, which is the centre's,
 // while the ball turns about it and its picture is stretched by `stretch`.
 void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch);
+// The turn of a body that is no sphere, and the way from one of its outlines to the next.
+void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them.
 void doubt_motion(TrackRow& row, const TrackRow& next);

@@ -213,21 +213,9 @@ class ClipTracker {
   }
 
   TrackRow row_of(const circle::CircleFit& fit, std::int64_t index) const {
-    TrackRow row;
-    row.frame = options_.frames.at(index);
-    const double rate =
-        options_.fps > 0 ? options_.fps / static_cast<double>(options_.frames.step) : kNotMeasured;
-    row.time_s = static_cast<double>(period(index)) / rate;
-    if (index + 1 < options_.frames.count()) {
-      row.periods = static_cast<int>(period(index + 1) - period(index));
-    }
+    TrackRow row = row_without_ball(options_.frames, options_.fps, options_.periods, index);
     set_circle(row, fit);
     return row;
-  }
-
-  // Of the analysed frames before it, with those that the camera lost.
-  std::int64_t period(std::int64_t index) const {
-    return options_.periods.empty() ? index : options_.periods[static_cast<std::size_t>(index)];
   }
 
   // The grid is that of the first ball seen.

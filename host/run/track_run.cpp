@@ -9,11 +9,13 @@
 
 #include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
+#include "host/advice/round_advice.h"
 #include "host/base/stopwatch.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/ball_by_hand.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
+#include "host/pipeline/track_round.h"
 #include "host/report/words.h"
 #include "host/run/expected_programs.h"
 #include "host/run/metres/camera_part.h"
@@ -113,6 +115,7 @@ void TrackRun::look() {
         "metres");
   }
   if (perspective_.is_unknown()) result_.warnings.emplace_back(kDistanceUnknown);
+  if (round_body_) result_.warnings.push_back(result_.body_reason);
   if (result_.advice.texture) {
     caller_.say(MessageKind::kNote, "texture: " + report::in_words(result_.advice.texture->asked));
   }
@@ -179,12 +182,14 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
     options_.tilt_is_unknown = options_.estimator.estimator == Estimator::kBall;
   }
+  bool is_measured = false;
   Measured shown, by_turns;  // the radius over the camera's distance; the radius
   if (!pairs.empty()) {      // also of a ball that is said to be a sphere: its radius
     see_from_near(pairs.front().first_ball.r_px);
     const advice::BodyAdvice judged =
         advice::judge_body(*session_.impl().open_engines().front(), pairs, options_.estimator.field,
                            options_.estimator.perspective, advice::far_frames(*source_, looked));
+    is_measured = judged.is_measured;
     if (request_.body == Body::kAuto) {
       result_.body = judged.body;
       result_.body_reason = judged.reason;
@@ -201,6 +206,9 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     }
     shown = judged.nearness;
   }
+  const bool looks = options_.with_field && request_.body != Body::kDisc &&
+                     options_.estimator.estimator == Estimator::kBall;
+  if (looks && !is_measured) look_for_round_body();
   options_.estimator.sphere = result_.body == Body::kSphere;
   if (options_.estimator.sphere) options_.ball.circle.sphere = true;  // a disc is only not refuted
   if (options_.with_field) {
@@ -218,6 +226,14 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
   }
   state_nearness(camera_, perspective_, shown, result_);
   caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
+}
+
+void TrackRun::look_for_round_body() {
+  round_body_ = advice::find_round_body(*session_.impl().open_engines().front(), *source_,
+                                        options_.frames, options_.roi);
+  if (!round_body_) return;
+  result_.body = Body::kSpheroid;
+  result_.body_reason = advice::round_body_in_words(*round_body_);
 }
 
 void TrackRun::see_from_near(double radius_px, const Measured& shown) {
@@ -261,7 +277,18 @@ void TrackRun::measure(const Outputs& outputs) {
     result_.cancelled =
         caller_.cancelled() && static_cast<std::int64_t>(rows().size()) < options_.frames.count();
   };
+  const pipeline::TrackSink take = [&](const pipeline::TrackedFrame& frame) {
+    keep(frame.row);
+    if (outputs.frame) outputs.frame(frame);
+  };
+  const ProgressFn progress = [&](std::int64_t done, std::int64_t total) {
+    caller_.progress("track", done, total);
+  };
   try {
+    if (round_body_) {
+      pipeline::track_round(*source_, *engines.front(), options_, *round_body_, take, progress);
+      return note_speed();
+    }
     pipeline::track_clip(
         *source_, engines, options_,
         [&](std::span<const Window> grid, double radius_px) {
@@ -269,11 +296,7 @@ void TrackRun::measure(const Outputs& outputs) {
           result_.grid_radius_px = radius_px;
           if (outputs.grid) outputs.grid(grid, radius_px);
         },
-        [&](const pipeline::TrackedFrame& frame) {
-          keep(frame.row);
-          if (outputs.frame) outputs.frame(frame);
-        },
-        [&](std::int64_t done, std::int64_t total) { caller_.progress("track", done, total); });
+        take, progress);
   } catch (...) {
     note_speed();
     throw;

@@ -12,6 +12,7 @@
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/row_store.h"
+#include "host/motion/round_body.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
 
@@ -70,6 +71,8 @@ class TrackRun {
   void look_for_surface();
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
+  // Where no pair shows a ball's motion: whether what turns is no sphere.
+  void look_for_round_body();
 
   void keep(const TrackRow& row);
   void count_rows();
@@ -91,6 +94,7 @@ class TrackRun {
   std::optional<Camera> camera_;
   motion::Perspective perspective_;  // of a sphere, in the whole frames
   std::optional<Measured> surface_in_picture_;
+  std::optional<motion::RoundBody> round_body_;  // of kSpheroid
 };
 
 // Gives a frame to a caller's sink, which is not empty.

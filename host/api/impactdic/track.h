@@ -33,8 +33,9 @@ const char* to_string(Estimator estimator);
 Estimator parse_estimator(const std::string& name);  // throws InvalidArgument
 
 // What turns: a flat picture in its plane (a disc, a wheel, a ball whose spin stays in the plane),
-// or a sphere about any axis. kAuto: as the pictures show.
-enum class Body { kAuto, kSphere, kDisc };
+// or a sphere about any axis. kAuto: as the pictures show. kSpheroid cannot be asked for: what
+// turns about any axis and is found to be no sphere, by an outline that is an ellipse and changes.
+enum class Body { kAuto, kSphere, kDisc, kSpheroid };
 const char* to_string(Body body);
 Body parse_body(const std::string& name);  // throws InvalidArgument
 
