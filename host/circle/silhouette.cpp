@@ -24,7 +24,8 @@ constexpr double kLeastRadius = 0.1;
 // ribbed tomato's does so by 0.02, one that the picture's border cuts through its middle by 0.2.
 // [measured]
 constexpr double kElliptic = 0.06;
-// Arcs of an outline whose distances from the ellipse are their own: lobes are some 45° long. [hand]
+// Arcs of an outline whose distances from the ellipse are their own: lobes are some 45° long.
+// [hand]
 constexpr double kArcs = 8;
 
 cv::Mat as_floats(const Frame& frame) {

@@ -129,8 +129,8 @@ class Pair {
                       w,
                       point.value,
                       seen.value,
-                      round_.radius_px * Eigen::Vector3d(-gy * to.z(), gx * to.z(),
-                                                         gy * to.x() - gx * to.y())});
+                      round_.radius_px *
+                          Eigen::Vector3d(-gy * to.z(), gx * to.z(), gy * to.x() - gx * to.y())});
     }
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero(), scores = Eigen::Matrix3d::Zero();
     std::map<std::pair<int, int>, Eigen::Vector3d> blocks;

@@ -92,8 +92,7 @@ void track_round(FrameSource& source, opencl::Engine& engine, const TrackOptions
   for (std::int64_t index = 0; index < count && !error; ++index) {
     if (options.cancelled && options.cancelled()) break;
     try {
-      Shown shown =
-          tracker.look(read_cut(source, options.frames, options.roi, index), index);
+      Shown shown = tracker.look(read_cut(source, options.frames, options.roi, index), index);
       if (before) {
         tracker.measure(*before, shown, index - 1);
         tracker.emit(*before, sink);

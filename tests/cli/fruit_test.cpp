@@ -82,9 +82,8 @@ TEST_P(Fruits, MarkedPointsAreCarriedFromViewToView) {
   const std::string folder = std::string("sphere/fruit/") + name;
   IMPACTDIC_NEED_DATA(folder);
   const ScratchFolder scratch;
-  const Outcome outcome =
-      run_program("track " + quoted(data_path(folder + "/obj0000")) + " -o " +
-                  quoted(scratch / "out") + " --body " + body);
+  const Outcome outcome = run_program("track " + quoted(data_path(folder + "/obj0000")) + " -o " +
+                                      quoted(scratch / "out") + " --body " + body);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("body: spheroid, no sphere"), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("warning: no sphere"), std::string::npos) << outcome.err;

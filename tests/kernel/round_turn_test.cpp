@@ -123,8 +123,9 @@ TEST(RoundTurn, TurnsOfASpheroidAreWithinWhatIsStated) {
   for (int i = 0; i + 1 < kViews; ++i) {
     const Frame& first = views[static_cast<std::size_t>(i)];
     const Frame& second = views[static_cast<std::size_t>(i) + 1];
-    const dic::RigidMotion motion = turn.measure(view_of(first, *body), view_of(second, *body),
-                                                 body->light_beside(i, i + 1), {0.3, body->depth_sd()});
+    const dic::RigidMotion motion =
+        turn.measure(view_of(first, *body), view_of(second, *body), body->light_beside(i, i + 1),
+                     {0.3, body->depth_sd()});
     ASSERT_TRUE(motion.ok) << i;
     const Eigen::Vector3d found(motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad);
     const Eigen::Vector3d sd(motion.rot_x_sd_rad, motion.rot_y_sd_rad, motion.rot_sd_rad);
@@ -148,9 +149,7 @@ TEST(RoundTurn, ViewsWithoutACommonSurfaceHaveNoTurn) {
   }
 }
 
-TEST(RoundTurn, ABallIsNone) {
-  EXPECT_FALSE(found_in(views_of(Body({1, 1, 1}, 5))));
-}
+TEST(RoundTurn, ABallIsNone) { EXPECT_FALSE(found_in(views_of(Body({1, 1, 1}, 5)))); }
 
 TEST(Silhouette, IsAnEllipseWithItsAxes) {
   const Eigen::Quaterniond turn = dic::quaternion_of(Eigen::Vector3d(0, 0, 30 * kRadPerDeg));

@@ -37,8 +37,7 @@ void expect_at_top_left(const Image<T>& canvas, const Image<T>& picture) {
   std::vector<T> border;
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
-      const bool inside =
-          x > 0 && y > 0 && x < picture.width() - 1 && y < picture.height() - 1;
+      const bool inside = x > 0 && y > 0 && x < picture.width() - 1 && y < picture.height() - 1;
       if (!inside) border.push_back(picture(x, y));
     }
   }
