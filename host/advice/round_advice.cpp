@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "host/advice/clip_advice.h"
-#include "host/motion/round_turn.h"
+#include "host/motion/round/round_turn.h"
 
 namespace impactdic::advice {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
-#include "host/motion/round_body.h"
+#include "host/motion/round/round_body.h"
 #include "host/video/frame_source.h"
 
 namespace impactdic::opencl {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/motion/round_turn.h"
+#include "host/motion/round/round_turn.h"
 #include "host/pipeline/fill_row.h"
 
 namespace impactdic::pipeline {

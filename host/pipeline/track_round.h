@@ -1,7 +1,7 @@
 // The main job on a body that is no sphere: its outline as an ellipse, and its turns.
 #pragma once
 
-#include "host/motion/round_body.h"
+#include "host/motion/round/round_body.h"
 #include "host/pipeline/track_clip.h"
 
 namespace impactdic::pipeline {

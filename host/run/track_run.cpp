@@ -95,10 +95,8 @@ void TrackRun::look() {
   request.with_field = options_.with_field;
   request.rim_margin_px = options_.estimator.rim_margin_px;
   scout(request);
-  const bool decide = options_.with_field && request_.body != Body::kDisc &&
-                      options_.estimator.estimator == Estimator::kBall;
   std::vector<advice::BallPair> pairs;
-  result_.advice = advice::advise_clip(*source_, request, decide ? &pairs : nullptr);
+  result_.advice = advice::advise_clip(*source_, request, looks_at_body() ? &pairs : nullptr);
   if (result_.advice.reflex_alone) {
     options_.with_field = false;  // it would be the reflex that is measured
     pairs.clear();
@@ -206,9 +204,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
     }
     shown = judged.nearness;
   }
-  const bool looks = options_.with_field && request_.body != Body::kDisc &&
-                     options_.estimator.estimator == Estimator::kBall;
-  if (looks && !is_measured) look_for_round_body();
+  if (looks_at_body() && !is_measured) look_for_round_body();
   options_.estimator.sphere = result_.body == Body::kSphere;
   if (options_.estimator.sphere) options_.ball.circle.sphere = true;  // a disc is only not refuted
   if (options_.with_field) {

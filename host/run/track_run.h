@@ -12,7 +12,7 @@
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/row_store.h"
-#include "host/motion/round_body.h"
+#include "host/motion/round/round_body.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
 
@@ -71,6 +71,11 @@ class TrackRun {
   void look_for_surface();
   // Sphere or disc, by the pairs of frames that the look found.
   void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
+  // Whether the pictures are to tell what turns, or more of it.
+  bool looks_at_body() const {
+    return options_.with_field && request_.body != Body::kDisc &&
+           options_.estimator.estimator == Estimator::kBall;
+  }
   // Where no pair shows a ball's motion: whether what turns is no sphere.
   void look_for_round_body();
 

@@ -1,4 +1,4 @@
-#include "host/motion/round_body.h"
+#include "host/motion/round/round_body.h"
 
 #include <algorithm>
 #include <cmath>

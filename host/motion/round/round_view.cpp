@@ -1,4 +1,4 @@
-#include "host/motion/round_view.h"
+#include "host/motion/round/round_view.h"
 
 #include <algorithm>
 #include <cmath>

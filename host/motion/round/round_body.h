@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/motion/round_view.h"
+#include "host/motion/round/round_view.h"
 
 namespace impactdic::motion {
 

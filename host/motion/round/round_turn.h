@@ -6,7 +6,7 @@
 
 #include "host/dic/device/sphere_search.h"
 #include "host/dic/rigid_fit.h"
-#include "host/motion/round_view.h"
+#include "host/motion/round/round_view.h"
 
 namespace impactdic::motion {
 

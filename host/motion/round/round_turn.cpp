@@ -1,4 +1,4 @@
-#include "host/motion/round_turn.h"
+#include "host/motion/round/round_turn.h"
 
 #include <impactdic/units.h>
 
@@ -107,7 +107,7 @@ class Pair {
   }
 
   // Covariance of small turns about X, Y and Z after `turn`, by the scores of blocks of the
-  // surface (a sandwich estimate; White 1980), so that what a block has wrong as a whole counts.
+  // surface (Liang and Zeger 1986), so that what a block has wrong as a whole counts.
   Eigen::Matrix3d covariance(const Turn& turn) const {
     const Eigen::Matrix3d matrix = turn.toRotationMatrix();
     Sums sums;
