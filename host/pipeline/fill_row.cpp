@@ -138,6 +138,13 @@ void set_round_motion(TrackRow& row, const dic::RigidMotion& motion) {
   row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
 }
 
+void forget_way(TrackRow& row) {
+  row.motion_ok = false;
+  row.dx_px = row.dy_px = row.dx_sd_px = row.dy_sd_px = kNotMeasured;
+  row.centre_u_px = row.centre_v_px = row.centre_u_sd_px = row.centre_v_sd_px = kNotMeasured;
+  row.dx_rot_y_corr = row.dy_rot_x_corr = kNotMeasured;
+}
+
 void doubt_motion(TrackRow& row, const TrackRow& next) {
   if (!row.motion_ok || !row.circle_ok || !next.circle_ok) return;
   row.dx_sd_px = std::max(row.dx_sd_px, std::hypot(row.cx_sd_px, next.cx_sd_px));

@@ -20,6 +20,8 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit);
 void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch);
 // The turn of a body that is no sphere, and the way from one of its outlines to the next.
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
+// Where the pictures' places in the scene are not known: the row keeps its turn alone.
+void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them.
 void doubt_motion(TrackRow& row, const TrackRow& next);

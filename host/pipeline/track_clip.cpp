@@ -286,6 +286,7 @@ class ClipTracker {
 
   void emit(TrackBatch& batch, std::size_t i, const motion::PairMotion* pair) {
     TrackRow& row = batch.rows[i];
+    if (source_.info().sizes_differ) forget_way(row);
     row.cx_px += options_.roi.x;
     row.cy_px += options_.roi.y;
     if (row.pose.ok) {

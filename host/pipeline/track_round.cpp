@@ -24,8 +24,12 @@ struct Shown {
 
 class RoundTracker {
  public:
-  RoundTracker(opencl::Engine& engine, const TrackOptions& options, const motion::RoundBody& body)
-      : options_(options), body_(body), turn_(engine, body.round()) {}
+  RoundTracker(opencl::Engine& engine, const TrackOptions& options, const motion::RoundBody& body,
+               bool positions_hold)
+      : options_(options),
+        body_(body),
+        positions_hold_(positions_hold),
+        turn_(engine, body.round()) {}
 
   Shown look(Frame frame, std::int64_t index) const {
     Shown shown;
@@ -60,6 +64,7 @@ class RoundTracker {
     motion.dy_px = next.row.cy_px - shown.row.cy_px;
     motion.dx_sd_px = motion.dy_sd_px = std::hypot(shown.centre_sd_px, next.centre_sd_px);
     set_round_motion(shown.row, motion);
+    if (!positions_hold_) forget_way(shown.row);
   }
 
   void emit(Shown& shown, const TrackSink& sink) const {
@@ -71,6 +76,7 @@ class RoundTracker {
  private:
   const TrackOptions& options_;
   const motion::RoundBody& body_;
+  bool positions_hold_;  // from one picture to the next
   motion::RoundTurn turn_;
 };
 
@@ -85,7 +91,7 @@ Frame read_cut(FrameSource& source, const FrameRange& frames, const Roi& roi, st
 
 void track_round(FrameSource& source, opencl::Engine& engine, const TrackOptions& options,
                  const motion::RoundBody& body, const TrackSink& sink, const ProgressFn& progress) {
-  RoundTracker tracker(engine, options, body);
+  RoundTracker tracker(engine, options, body, !source.info().sizes_differ);
   const std::int64_t count = options.frames.count();
   std::optional<Shown> before;
   std::exception_ptr error;

@@ -99,6 +99,7 @@ TEST_P(Fruits, MarkedPointsAreCarriedFromViewToView) {
   // No turn is stated to be known better than the shape is.
   for (std::size_t i = 0; i + 1 < table.rows; ++i) {
     EXPECT_EQ(table.text("status")[i], "ok") << i;
+    EXPECT_EQ(table.text("dx_px")[i], "") << "crops have no common origin";
     EXPECT_GT(table.numbers("rot_x_sd_deg")[i], 0.05 * std::abs(table.numbers("rot_x_deg")[i]));
   }
 }

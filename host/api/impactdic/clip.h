@@ -34,7 +34,10 @@ struct ClipInfo {
   std::optional<double> exposure_s;
   std::optional<std::string> recorded_at;  // ISO 8601 UTC
   bool has_timestamps = false;             // frame_time_s() is measured, not frame / fps
-  std::vector<std::string> warnings;       // facts a person should check (one line each)
+  // Of a sequence: pictures of different sizes, whose places in the scene are not known. What moved
+  // from one to the next is not measured then.
+  bool sizes_differ = false;
+  std::vector<std::string> warnings;  // facts a person should check (one line each)
   std::vector<std::pair<std::string, std::string>> extra;  // further facts for `info`, in order
 };
 

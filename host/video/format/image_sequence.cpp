@@ -93,8 +93,8 @@ class ImageSequence : public FrameSource {
     const std::string& path = paths_[static_cast<std::size_t>(index)];
     const auto picture = open_picture(path, options_);
     const ClipInfo& its = picture->info();
-    const bool fits = sizes_differ_ ? its.width <= info_.width && its.height <= info_.height
-                                    : its.width == info_.width && its.height == info_.height;
+    const bool fits = info_.sizes_differ ? its.width <= info_.width && its.height <= info_.height
+                                         : its.width == info_.width && its.height == info_.height;
     if (!fits || its.bits != info_.bits) {
       throw FormatError(path, -1,
                         "a picture of " + to_text(its.width, its.height) + " at " +
@@ -126,7 +126,7 @@ class ImageSequence : public FrameSource {
     }
     if (least.width == most.width && least.height == most.height) return;
     check_megapixels(info_.path, most.width, most.height, options_.max_megapixels);
-    sizes_differ_ = true;
+    info_.sizes_differ = true;
     info_.width = static_cast<int>(most.width);
     info_.height = static_cast<int>(most.height);
     info_.warnings.push_back(
@@ -136,7 +136,6 @@ class ImageSequence : public FrameSource {
         "from one to the next");
   }
 
-  bool sizes_differ_ = false;
   std::vector<std::string> paths_;
   OpenOptions options_;
   ClipInfo info_;

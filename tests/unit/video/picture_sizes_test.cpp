@@ -56,6 +56,7 @@ TEST_F(PictureSizes, EachLiesAtTheTopLeftOfTheLargest) {
   const auto clip = open();
   EXPECT_EQ(clip->info().width, 30);
   EXPECT_EQ(clip->info().height, 28);
+  EXPECT_TRUE(clip->info().sizes_differ);
   ASSERT_EQ(clip->info().warnings.size(), 1u);
   EXPECT_NE(clip->info().warnings[0].find("24 x 22 to 30 x 28"), std::string::npos);
   Frame frame;
@@ -77,6 +78,7 @@ TEST_F(PictureSizes, AlikeOnesAreAsTheyWere) {
   const Frame first = add("a1", 30, 22, 8);
   add("a2", 30, 22, 8);
   const auto clip = open();
+  EXPECT_FALSE(clip->info().sizes_differ);
   EXPECT_TRUE(clip->info().warnings.empty());
   Frame frame;
   clip->read(0, frame);
