@@ -38,10 +38,12 @@ cv::Mat as_mat(const Frame& frame) {
           const_cast<void*>(frame.bytes())};
 }
 
+void silence_opencv() { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); }
+
 void silence_codecs() {
   static std::once_flag once;
   std::call_once(once, [] {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    silence_opencv();
     // OpenCV's FFmpeg backend takes its level from here; a person's own setting stays.
     ::setenv("OPENCV_FFMPEG_DEBUG", "1", 0);
     ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);

@@ -15,7 +15,10 @@ void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame);
 bool is_colored(const cv::Mat& picture);
 // The frame's own memory as a picture; valid as long as the frame.
 cv::Mat as_mat(const Frame& frame);
-// OpenCV and FFmpeg report to stderr unless told once that the library does not print.
-void silence_codecs();
+// OpenCV and FFmpeg report to stderr unless told once that the library does not print. FFmpeg is
+// told through the environment, which other threads must not read meanwhile, as drivers of devices
+// do that are opened beside: pictures do without.
+void silence_opencv();
+void silence_codecs();  // both
 
 }  // namespace impactdic::video

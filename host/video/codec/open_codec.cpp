@@ -52,7 +52,7 @@ void check_png_chunks(const ByteFile& file) {
 }
 
 cv::Mat load_picture(const std::string& path, double max_megapixels) {
-  silence_codecs();
+  silence_opencv();
   const ByteFile file(path);
   const PictureSize size = picture_size(file);
   check_megapixels(path, size.width, size.height, max_megapixels);
