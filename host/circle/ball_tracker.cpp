@@ -200,6 +200,7 @@ CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radi
   }
   thread_local Frame evened;  // memory only
   options_.backdrop->even(frame, evened);
+  options.evened = true;
   const auto found = find_chosen_ball(evened, index, options, nullptr, choice);
   if (!found) return fit;
   const CircleFit plain = measure(frame, prior_found(*found, radius));

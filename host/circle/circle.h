@@ -63,6 +63,9 @@ struct CircleOptions {
   // Known to be a sphere, or a disc: no other model of the rim is taken where its own holds, and of
   // a disc no deviation holds what a sphere would misplace. Absent: the rim tells.
   std::optional<bool> sphere;
+  // The background's texture was taken away, as far as it is known and up to where a ball is
+  // expected: what leaves the background may be the rest of it.
+  bool evened = false;
   // Throws InvalidArgument.
   void validate() const;
 };

@@ -23,11 +23,13 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
                          const Backdrop* backdrop) {
   if (backdrop == nullptr) return measure_circle(frame, prior, options);
   thread_local Frame evened;  // memory only
+  CircleOptions before_evened = options;
+  before_evened.evened = true;
   Backdrop::Outline about{prior.predicted, prior.e1_px, prior.e2_px};
   CircleFit fit;
   for (int round = 0; round < kBackdrop.rounds; ++round) {
     backdrop->even(frame, about, evened);
-    CircleFit next = measure_circle(evened, prior, options);
+    CircleFit next = measure_circle(evened, prior, before_evened);
     if (round == 0 && next.status != CircleStatus::kOk) return next;
     // About a better place more of the rim shows.
     const bool worse = next.rim_fraction < kBackdrop.less_rim * fit.rim_fraction;

@@ -62,6 +62,7 @@ struct AboutRadius {
 void look_for_ball(const Backdrop& backdrop, const AboutRadius& radius, CircleOptions options,
                    View& view) {
   options.radius_range_px = {(1 - radius.within) * radius.px, (1 + radius.within) * radius.px};
+  options.evened = true;
   Frame evened;
   backdrop.even(*view.frame, evened);
   if (const auto found = find_ball(evened, options)) view.balls.push_back({*found});

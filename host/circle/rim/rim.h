@@ -138,10 +138,13 @@ struct RimSearch {
   double blur_px = 1;   // scale of the edge: contrast / steepest slope / √(2π)
 };
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options);
+// Where a ball leaves the background: by single rays that leave it clearly; or, before an even
+// background, by rays pooled with their neighbours, less than the noise of a sample.
+enum class Departures { kClear, kPooled };
 // The same by where the rays leave the background, whether to the brighter or to the darker.
 // `found` where most rays agree.
-RimSearch search_outline(const Frame& frame, const CirclePrior& prior,
-                         const CircleOptions& options);
+RimSearch search_outline(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
+                         Departures departures);
 
 // One sub-pixel edge: direction from the rim's centre and distance beyond the rim.
 struct RimPoint {
@@ -168,6 +171,9 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
 
 // The same for a rim without a polarity: where each ray leaves the background, to either side.
 void trace_outline(const Frame& frame, const Rim& rim, double blur_px, int count, RimTrace& trace);
+// Before an even background by rays pooled with their neighbours; false where it is not even.
+bool trace_pooled_outline(const Frame& frame, const Rim& rim, double blur_px, int count,
+                          RimTrace& trace);
 
 // The fit through traced points.
 // Of a fit that was told the radius of other frames.

@@ -89,5 +89,8 @@ void sample_rays(ImageView<const T> picture, const Rim& rim, double inward, doub
 
 // Finds where each ray leaves the background, which is what lies at the rays' outer ends.
 void find_departures(Profiles& p, const Rim& rim);
+// The same where the ball may differ from the background by less than the noise of a sample; false,
+// and nothing found, where the background is not even.
+bool find_pooled_departures(Profiles& p, const Rim& rim);
 
 }  // namespace impactdic::circle

@@ -213,7 +213,7 @@ double edge_blur(Profiles& p, const Rim& rim, const Vector5& model, Polarity pol
   return upper_median(p.scratch) / std::sqrt(2 * kPi);
 }
 
-enum class Edges { kStrong, kDepartures };
+enum class Edges { kStrong, kClearDepartures, kPooledDepartures };
 
 RimSearch search_one(Profiles& p, const SearchTask& task, Polarity polarity,
                      Edges edges = Edges::kStrong) {
@@ -223,7 +223,7 @@ RimSearch search_one(Profiles& p, const SearchTask& task, Polarity polarity,
   result.in_view = static_cast<double>(p.in_view) / p.cast;
   if (edges == Edges::kStrong) {
     result.strength = find_edges(p, start, polarity);
-  } else {
+  } else if (edges == Edges::kClearDepartures || !find_pooled_departures(p, start)) {
     find_departures(p, start);
   }
   if (p.rays.size() < static_cast<std::size_t>(kSearch.least_rays)) return result;
@@ -274,12 +274,14 @@ Profiles& profiles_of(const Frame& frame, const SearchTask& task, const CircleOp
 
 }  // namespace
 
-RimSearch search_outline(const Frame& frame, const CirclePrior& prior,
-                         const CircleOptions& options) {
+RimSearch search_outline(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
+                         Departures departures) {
   const SearchTask task = task_of(prior, options);
   Profiles& profiles = profiles_of(frame, task, options);
   const Polarity likely = prior.bright ? polarity_of(*prior.bright) : likely_polarity(profiles);
-  return search_one(profiles, task, likely, Edges::kDepartures);
+  return search_one(
+      profiles, task, likely,
+      departures == Departures::kClear ? Edges::kClearDepartures : Edges::kPooledDepartures);
 }
 
 RimSearch search_rim(const Frame& frame, const CirclePrior& prior, const CircleOptions& options) {

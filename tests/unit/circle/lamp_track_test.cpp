@@ -21,7 +21,7 @@ TEST(LampTrack, AMotionUnderAHardLampIsAsUnsureAsItsRadius) {
   EXPECT_LT(errors.shift.over_sds(), 1.4);
 }
 
-// Rims of this ball are 0.13 px too large, and stated to 0.12 px. What its turns tell takes most of
+// Rims of this ball are 0.08 px too large, and stated to 0.12 px. What its turns tell takes half of
 // it off, in every frame alike: they scatter as before.
 TEST(LampTrack, ASpheresRadiusIsTheOneThatItsTurnsTell) {
   const LightScene scene{.name = "half", .sphere = true, .lamp_share = 0.5};
@@ -31,7 +31,7 @@ TEST(LampTrack, ASpheresRadiusIsTheOneThatItsTurnsTell) {
   EXPECT_EQ(errors.circles, 12);
   EXPECT_LT(errors.radius.rms(), 0.05);
   EXPECT_LT(errors.radius.over_sds(), 1.4);
-  EXPECT_GT(errors_of(by_rims, clip).radius.rms(), 0.1);
+  EXPECT_GT(errors_of(by_rims, clip).radius.rms(), 1.5 * errors.radius.rms());
   const double off_px = result.rows[0].r_px - by_rims.rows[0].r_px;
   for (std::size_t k = 0; k < result.rows.size(); ++k) {
     EXPECT_NEAR(result.rows[k].r_px - by_rims.rows[k].r_px, off_px, 1e-9) << k;

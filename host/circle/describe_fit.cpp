@@ -1,0 +1,149 @@
+#include "host/circle/describe_fit.h"
+
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "host/circle/rim/rim_levels.h"
+#include "host/circle/settings/rim_model.h"
+#include "host/circle/settings/sphere.h"
+#include "host/circle/sphere/disc_doubt.h"
+#include "host/circle/sphere/sphere_lines.h"
+
+namespace impactdic::circle {
+namespace {
+
+// See Circle::free_px. Ink on the rim makes gaps too: those are narrow. Points in the order of the
+// angle.
+double free_distance(const std::vector<float>& cos, const std::vector<float>& sin,
+                     std::size_t points, const Rim& rim) {
+  const float narrow = static_cast<float>(std::cos(kJudge.gap_deg * kRadPerDeg));
+  double widest = 0;
+  for (std::size_t a = 0; a < points; ++a) {
+    const std::size_t b = a + 1 < points ? a + 1 : 0;
+    const float along = cos[a] * cos[b] + sin[a] * sin[b];
+    if (along > narrow) continue;
+    const double gap = std::atan2(cos[a] * sin[b] - sin[a] * cos[b], along);
+    widest = std::max(widest, gap < 0 ? gap + 2 * kPi : gap);
+  }
+  return points == 0 ? 0 : rim.r * std::max(0.0, std::cos(widest / 2));
+}
+
+// What both kinds of fit have. A blurred disc crosses its half level inside its rim: at R − σ²/2R
+// (mean of the Rice distribution).
+template <typename Fit>
+void fill_from(const Fit& fit, double edge_sigma_px, double radius_bias_sd_px, CircleFit& result) {
+  const double shrink = edge_sigma_px * edge_sigma_px / (2 * fit.rim.r);
+  const auto sd = [&](int i) {
+    return std::hypot(fit.sd[i], fit.own.follows[i] * radius_bias_sd_px);
+  };
+  result.circle = {fit.rim.cx, fit.rim.cy, fit.rim.r + shrink};
+  result.cx_sd_px = sd(0);
+  result.cy_sd_px = sd(1);
+  result.r_sd_px = sd(2);
+  result.ellipse = fit.ellipse;
+  result.e1_px = fit.rim.e1;
+  result.e2_px = fit.rim.e2;
+  result.e1_sd_px = sd(3);
+  result.e2_sd_px = sd(4);
+  result.cx_with_r = fit.with_radius[0];
+  result.cy_with_r = fit.with_radius[1];
+  result.own_r_px = fit.own.r_px + shrink;
+  result.own_r_sd_px = fit.own.r_sd_px;
+  result.residual_px = fit.residual_px;
+  result.rim_points = fit.points;
+}
+
+// Paint of a bright ball, or the background of a dark one, at the end of the camera's scale. How
+// bright it would be is not known, nor then where half of that is.
+bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool bright, double scale) {
+  const double paint =
+      surface != Surface::kFlat ? levels.sphere.at(0, 0, 1) : static_cast<double>(levels.light[0]);
+  const double most =
+      bright ? paint : -*std::min_element(levels.ground.begin(), levels.ground.end());
+  return most > kJudge.over_exposed * scale;
+}
+
+// How much more than all of the rim noise misplaces single arcs, and with them centre and shape:
+// the paint's level and the ink that is learnt beside it err from place to place.
+double of_arcs(const RimModel& model) {
+  if (model.surface() != Surface::kFlat) return 1;
+  const double ink = kLearning.of_noise * std::max(0.0, model.noise() - kLearning.usual_noise);
+  return std::hypot(kLearning.model_error, kLearning.noise_in_arcs * ink) /
+         std::hypot(kLearning.model_error, ink);
+}
+
+}  // namespace
+
+void fill(const RimFit& fit, double edge_sigma_px, double radius_bias_sd_px, CircleFit& result) {
+  fill_from(fit, edge_sigma_px, radius_bias_sd_px, result);
+}
+
+double free_distance(const RimTrace& trace, const Rim& rim) {
+  std::vector<float> cos, sin;
+  for (const RimPoint& p : trace.points) {
+    if (std::abs(p.excess) > kJudge.on_rim_px) continue;
+    cos.push_back(p.cos);
+    sin.push_back(p.sin);
+  }
+  return free_distance(cos, sin, cos.size(), rim);
+}
+
+CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace,
+                   const CirclePrior& prior, bool bright) {
+  CircleFit result;
+  const double sigma = m.rim_model->edge_sigma_px();
+  LineFit fit = m.fit;
+  const double place = m.rim_model->place_sd_px(), arcs = place * of_arcs(*m.rim_model);
+  const auto of_model = [&](int i) {
+    return (i == 2 ? place : arcs) * std::sqrt(fit.misplaced[i]);
+  };
+  for (int i = 0; i < 5; ++i) fit.sd[i] = std::hypot(fit.sd[i], of_model(i));
+  fit.own.r_sd_px = std::hypot(fit.own.r_sd_px, place * std::sqrt(fit.own.misplaced));
+  fill_from(fit, sigma, prior.radius_bias_sd_px, result);
+  result.shared_r_sd_px = std::hypot(of_model(2), fit.own.follows[2] * prior.radius_bias_sd_px);
+  const bool arc = fit.points < kSphere.most_left * trace.in_view;
+  if (m.rim_model->surface() != Surface::kFlat) {
+    // Ink misplaces the rim alike all around; light does not, and bends it. What is darker than the
+    // background may be the dark side of a ball.
+    if (bright && is_evenly_lit(trace)) result.cx_with_r = result.cy_with_r = 0;
+    const double usual = arc ? kSphere.radius_sd_of_r * result.circle.r_px : 0;
+    widen(result, 0, std::max(m.rim_model->light_sd_px(), usual));
+  }
+  // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
+  if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) && arc) {
+    result.cx_sd_px = std::hypot(result.cx_sd_px, kSphere.arc_sd_px);
+    result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
+    result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
+  }
+  if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
+    result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
+  }
+  // What lies just outside the rim is guessed from what lies beside it.
+  if (trace.breaks > kJudge.texture_breaks) widen(result, kJudge.texture_px, kJudge.texture_px);
+  result.circle.free_px =
+      free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
+  result.bright = bright;
+  result.rim_model = m.rim_model;
+  result.rim_fraction = static_cast<double>(m.fit.points) / trace.cast;
+  return result;
+}
+
+CircleFit accepted(CircleFit fit, const Frame& frame, const CircleOptions& options) {
+  const Circle& c = fit.circle;
+  if (options.radius_range_px &&
+      (c.r_px < options.radius_range_px->first || c.r_px > options.radius_range_px->second)) {
+    return CircleFit{.bright = fit.bright};
+  }
+  const bool centre_in =
+      c.cx_px >= 0 && c.cy_px >= 0 && c.cx_px <= frame.width() - 1 && c.cy_px <= frame.height() - 1;
+  const bool in_region =
+      centre_in && (!options.region || (*options.region)(static_cast<int>(std::lround(c.cx_px)),
+                                                         static_cast<int>(std::lround(c.cy_px))));
+  fit.status = in_region ? CircleStatus::kOk : CircleStatus::kOutOfView;
+  return fit;
+}
+
+}  // namespace impactdic::circle

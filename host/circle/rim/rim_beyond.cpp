@@ -1,0 +1,195 @@
+#include "host/circle/rim/rim_beyond.h"
+
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "host/base/statistics.h"
+#include "host/circle/settings/beyond.h"
+#include "host/circle/settings/levels.h"
+
+namespace impactdic::circle {
+namespace {
+
+constexpr int kWays = 36;
+
+// A piece of a ring outside the rim: grey levels.
+struct Cell {
+  float mean = 0, variance = 0;
+  float apart = 0;  // half of the mean square of what neighbouring pixels differ by
+};
+
+struct Rings {
+  double first_px = 0, width_px = 1;  // beyond the rim
+  int count = 0;
+  int along = 0;  // samples along a cell; there are two across
+
+  int samples() const { return 2 * along; }
+  // That tell the background.
+  int outermost() const { return std::max(kBeyond.background_rings, count / 3); }
+};
+
+Rings rings_of(const Rim& rim, double edge_sigma_px) {
+  const double reach = std::max(kBeyond.reach_of_r * rim.r, kBeyond.least_reach_px);
+  Rings rings;
+  rings.first_px = kBeyond.beside_px + kBeyond.beside_sigmas * edge_sigma_px;
+  rings.width_px = std::max(kBeyond.ring_px, reach / kBeyond.rings);
+  rings.count = static_cast<int>(reach / rings.width_px);
+  const double arc_px = 2 * kPi * rim.r / kWays;
+  rings.along = std::clamp(static_cast<int>(arc_px / kBeyond.apart_px), kBeyond.least_samples,
+                           kBeyond.most_samples);
+  return rings;
+}
+
+// nullopt where it does not lie in the picture.
+template <typename T>
+std::optional<Cell> cell(ImageView<const T> picture, const Rim& rim, const Rings& rings,
+                         int direction, int ring) {
+  const Sampler<T> sampler(picture);
+  double sum = 0, squares = 0, apart = 0;
+  for (int k = 0; k < rings.samples(); ++k) {
+    const double angle = 2 * kPi * (direction + (k / 2 + 0.5) / rings.along) / kWays;
+    const double c = std::cos(angle), s = std::sin(angle);
+    const double across = ring + (k % 2 == 0 ? 0.25 : 0.75);
+    const double at =
+        rim.radius_at(c * c - s * s, 2 * c * s) + rings.first_px + across * rings.width_px;
+    const double x = rim.cx + at * c, y = rim.cy + at * s;
+    if (!sampler.inside(static_cast<float>(x), static_cast<float>(y), 1)) return std::nullopt;
+    const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
+    const auto level = static_cast<double>(picture(column, row));
+    const double step = level - static_cast<double>(picture(column + 1, row));
+    apart += step * step / 2;
+    sum += level;
+    squares += level * level;
+  }
+  const int n = rings.samples();
+  return Cell{static_cast<float>(sum / n), static_cast<float>((squares - sum * sum / n) / (n - 1)),
+              static_cast<float>(apart / n)};
+}
+
+// Of each direction the cells from the rim outwards, as far as the picture goes.
+using Cells = std::array<std::vector<Cell>, kWays>;
+
+template <typename T>
+Cells cells_beyond(ImageView<const T> picture, const Rim& rim, const Rings& rings) {
+  Cells cells;
+  for (int d = 0; d < kWays; ++d) {
+    for (int ring = 0; ring < rings.count; ++ring) {
+      const std::optional<Cell> next = cell(picture, rim, rings, d, ring);
+      if (!next) break;
+      cells[d].push_back(*next);
+    }
+  }
+  return cells;
+}
+
+// Each with those beside it in its ring, which noise moves less than one alone.
+Cells with_neighbours(const Cells& cells) {
+  Cells out;
+  for (int d = 0; d < kWays; ++d) {
+    const auto& before = cells[(d + kWays - 1) % kWays];
+    const auto& after = cells[(d + 1) % kWays];
+    const std::size_t rings = std::min({before.size(), cells[d].size(), after.size()});
+    for (std::size_t i = 0; i < rings; ++i) {
+      out[d].push_back({(before[i].mean + cells[d][i].mean + after[i].mean) / 3,
+                        (before[i].variance + cells[d][i].variance + after[i].variance) / 3,
+                        (before[i].apart + cells[d][i].apart + after[i].apart) / 3});
+    }
+  }
+  return out;
+}
+
+// What lies at the outer ends: a level for each direction, and how cells of it scatter.
+struct Background {
+  std::array<std::optional<float>, kWays> level;
+  double mean_sd = 0, variance = 0, variance_sd = 0, apart = 0;
+};
+
+Background background_of(const Cells& cells, const Rings& rings) {
+  const auto outermost = static_cast<std::size_t>(rings.outermost());
+  std::array<std::optional<float>, kWays> own;
+  std::vector<float> variances, apart, off;
+  for (int d = 0; d < kWays; ++d) {
+    if (cells[d].size() < 2 * outermost) continue;
+    std::vector<float> means;
+    for (std::size_t i = cells[d].size() - outermost; i < cells[d].size(); ++i) {
+      means.push_back(cells[d][i].mean);
+      variances.push_back(cells[d][i].variance);
+      apart.push_back(cells[d][i].apart);
+    }
+    own[d] = upper_median(means);
+    for (const float mean : means) off.push_back(std::abs(mean - *own[d]));
+  }
+  Background back;
+  if (variances.empty()) return back;
+  for (int d = 0; d < kWays; ++d) {
+    if (!own[d]) continue;
+    std::vector<float> around;
+    for (const int side : {d + kWays - 1, d, d + 1}) {
+      if (own[side % kWays]) around.push_back(*own[side % kWays]);
+    }
+    back.level[d] = upper_median(around);
+  }
+  back.variance = upper_median(variances);
+  back.apart = upper_median(apart);
+  const double samples = 3.0 * rings.samples();
+  back.variance_sd = back.variance * std::sqrt(2 / samples);
+  back.mean_sd = std::max(std::sqrt(back.variance / samples),
+                          static_cast<double>(kLevels.noise_per_median * upper_median(off)));
+  return back;
+}
+
+bool is_background(const Cell& cell, float level, const Background& back) {
+  const double off = std::abs(static_cast<double>(cell.mean) - static_cast<double>(level));
+  const double spread = static_cast<double>(cell.variance) - back.variance;
+  return off < kBeyond.of_mean * back.mean_sd + kBeyond.least_level &&
+         spread < kBeyond.of_scatter * back.variance_sd + kBeyond.least_level;
+}
+
+// Whether what lies at the outer ends is one level in most of each direction, and noise: beside a
+// texture, in which neighbouring pixels are alike, nothing tells what is the ball's.
+bool is_even(const Cells& cells, const Rings& rings, const Background& back) {
+  if (back.variance > kBeyond.alike * back.apart + kBeyond.least_level) return false;
+  if (back.mean_sd > kBeyond.even * std::sqrt(back.variance / (3.0 * rings.samples()))) return false;
+  const auto outermost = static_cast<std::size_t>(rings.outermost());
+  int all = 0, other = 0;
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    for (std::size_t i = cells[d].size() - outermost; i < cells[d].size(); ++i) {
+      ++all;
+      other += !is_background(cells[d][i], *back.level[d], back);
+    }
+  }
+  return other < kBeyond.most_uneven * all;
+}
+
+}  // namespace
+
+Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
+  const Rings rings = rings_of(rim, edge_sigma_px);
+  const Cells cells = with_neighbours(frame.type == PixelType::kU8
+                                          ? cells_beyond(frame.u8.view(), rim, rings)
+                                          : cells_beyond(frame.u16.view(), rim, rings));
+  const Background back = background_of(cells, rings);
+  if (!is_even(cells, rings, back)) return {};
+  int told = 0, beyond = 0;
+  std::size_t farthest = 0;
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    std::size_t out = 0;
+    while (out < cells[d].size() && !is_background(cells[d][out], *back.level[d], back)) ++out;
+    if (out + static_cast<std::size_t>(kBeyond.background_rings) > cells[d].size()) continue;
+    ++told;
+    beyond += out > 0;
+    farthest = std::max(farthest, out);
+  }
+  if (told < kBeyond.least_told) return {};
+  return {static_cast<double>(beyond) / told,
+          farthest == 0 ? 0 : rings.first_px + static_cast<double>(farthest) * rings.width_px};
+}
+
+}  // namespace impactdic::circle
