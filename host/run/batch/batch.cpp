@@ -94,8 +94,9 @@ BatchResult Batch::run() {
 }
 
 void Batch::measure_all(const std::vector<std::size_t>& waiting) {
+  // Beside the looks at the first shots; who needs a device waits for it.
   if (request_.track.with_field) {
-    session_.impl().open_engines(run::expected_programs(request_.track));
+    session_.impl().open_beside(run::expected_programs(request_.track));
   }
   std::atomic<std::size_t> next = 0, done = 0;
   std::exception_ptr failure;
@@ -134,6 +135,8 @@ void Batch::measure(std::size_t index) {
   fs::remove_all(done);
   ShotResult result = result_.shots[index];
   result.reason = runner_.measure(shot, part, result);
+  // Throws where there is none: the shot is not to blame.
+  if (!result.done && request_.track.with_field) session_.impl().open_engines();
   if (result.done) {
     fs::rename(part, done);
   } else if (!caller_.cancelled()) {
