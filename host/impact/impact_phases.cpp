@@ -7,6 +7,7 @@
 #include <functional>
 #include <tuple>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
 #include "host/impact/contact_edge.h"
 #include "host/impact/evidence/contact_guess.h"
@@ -385,15 +386,30 @@ ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& o
 }
 
 ImpactAnalysis analyse_impact(const TrackRows& rows, const ImpactOptions& options) {
-  ImpactAnalysis result = impact_on_this_side(rows, options);
-  if (result.status != ImpactStatus::kNone) return result;
-  ImpactOptions turned = options;
-  turned.surface_angle_rad += kPi;
-  if (is_found(Analysis(rows, turned).run())) {
-    result.status = ImpactStatus::kWrongSide;
-  } else {
-    result.flight = whole_flight(rows, options);
+  ImpactAnalysis result = Analysis(rows, options).run();
+  if (!is_found(result)) {
+    // A long clip without an impact asks for all of them, and none waits for another.
+    ImpactOptions turned = options;
+    turned.surface_angle_rad += kPi;
+    ImpactAnalysis sparse, by_centres, on_other_side;
+    const std::array<std::function<void()>, 3> others = {
+        [&] { sparse = Analysis(rows, options).run_sparse(); },
+        [&] { by_centres = Analysis(rows, options).run_centres(); },
+        [&] { on_other_side = Analysis(rows, turned).run(); }};
+    parallel_for(others.size(), [&](std::size_t i) { others[i](); });
+    if (is_found(sparse)) {
+      result = sparse;
+    } else if (is_found(by_centres)) {
+      result = by_centres;
+    } else if (result.status == ImpactStatus::kNone) {
+      if (is_found(on_other_side)) {
+        result.status = ImpactStatus::kWrongSide;
+      } else {
+        result.flight = whole_flight(rows, options);
+      }
+    }
   }
+  if (is_found(result)) result.space = space_impact(options, result);
   return result;
 }
 
