@@ -54,8 +54,7 @@ TEST(Engine, KeepsMemoryForTheNext) {
     const auto worker = engine.beside();
     opencl::Buffer<float> buffer(*worker, count);
     opencl::Staging staging(*worker);
-    std::fill_n(staging.bytes(count).data(), count, std::uint8_t{1});
-    staging.upload(count);
+    staging.upload(1, count, [](std::size_t, std::size_t, unsigned char* to) { *to = 1; });
     buffer.write(*worker, std::span(values).first(count));
     EXPECT_EQ(buffer.to_vector(*worker), std::vector<float>(count, 7.0F));
   };
@@ -72,6 +71,26 @@ TEST(Engine, KeepsMemoryForTheNext) {
   for (int k = 0; k < 9; ++k) opencl::Buffer<float>(engine, 50000 + 8192 * k).write(engine, values);
   EXPECT_LE(engine.memory().kept_bytes(), std::size_t{1} << 20);
   EXPECT_GT(engine.memory().kept_bytes(), std::size_t{1} << 18);
+}
+
+// More than the host's memory for it holds, in rows that do not fill it, and less afterwards.
+TEST(Staging, BringsEveryRowToItsPlace) {
+  const std::unique_ptr<opencl::Engine> engine = shared_engine().beside();
+  opencl::Staging staging(*engine);
+  for (const auto& [rows, row_bytes] :
+       {std::pair<std::size_t, std::size_t>{3000, 1001}, {1, 5}, {3, 700000}, {7000, 999}}) {
+    std::vector<unsigned char> expected(rows * row_bytes);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      expected[i] = static_cast<unsigned char>(i * 2654435761U >> 13U);
+    }
+    const cl::Buffer& device = staging.upload(
+        rows, row_bytes, [&](std::size_t first, std::size_t count, unsigned char* to) {
+          std::copy_n(expected.data() + first * row_bytes, count * row_bytes, to);
+        });
+    std::vector<unsigned char> there(expected.size());
+    engine->queue().enqueueReadBuffer(device, CL_TRUE, 0, there.size(), there.data());
+    EXPECT_EQ(there, expected) << rows;
+  }
 }
 
 TEST(Engine, StopsWhenItIsToldTo) {
