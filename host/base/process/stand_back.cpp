@@ -5,8 +5,8 @@
 namespace impactdic {
 
 void stand_back() {
-  constexpr int kNice = 10;  // Linux: its weight is 110 where another thread's is 1024
-  static_cast<void>(::setpriority(PRIO_PROCESS, 0, kNice));
+  constexpr int kNicer = 10;  // Linux: a weight of 110 where another thread's is 1024
+  static_cast<void>(::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + kNicer));
 }
 
 }  // namespace impactdic
