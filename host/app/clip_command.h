@@ -5,6 +5,7 @@
 
 #include "host/app/command.h"
 #include "host/app/run_context.h"
+#include "host/run/session.h"
 
 namespace impactdic::app {
 
@@ -20,6 +21,7 @@ struct ClipCommand {
 template <typename Request, typename Folder, typename Run, typename Print>
 auto run_clip_command(ClipCommand<Request, Folder>& command, Run run, Print print) {
   Session session = open_session(command.common);
+  session.impl().for_one_run = true;
   command.folder.force = command.common.force;
   command.request.clip.open.lend_file_memory = true;  // main() answers for a file that is lost
   Terminal terminal(command.common.quiet);

@@ -27,7 +27,8 @@ class RowStore final : public RowSource {
   TrackRow row(std::size_t i) const override;
 
  private:
-  // Rows that were read together. Several, since an analysis looks at two places in turn.
+  // Rows that were read together. Several, since an analysis looks at two places in turn, and some
+  // run side by side.
   struct Block {
     std::size_t index = 0;
     std::vector<TrackRow> rows;
@@ -42,7 +43,7 @@ class RowStore final : public RowSource {
   std::size_t in_file_ = 0;     // whole blocks
   std::vector<TrackRow> last_;  // behind those in the file
   mutable std::mutex mutex_;    // of what follows
-  mutable std::array<Block, 4> blocks_;
+  mutable std::array<Block, 8> blocks_;
   mutable std::size_t next_ = 0;  // that is given up
 };
 

@@ -46,8 +46,9 @@ struct PointColumns {
     }
   }
   Eigen::Index size() const { return x.size(); }
-  // Squared distances of the measured displacements from those of `motion`.
-  ArrayXf residuals_sq(const AffineMotion& motion) const {
+  // Squared distances of the measured displacements from those of `motion`: an expression, to be
+  // evaluated where it stands.
+  auto residuals_sq(const AffineMotion& motion) const {
     const AffineMotion m = motion - base;
     const auto f = [](double value) { return static_cast<float>(value); };
     return (u - (f(m.u) + f(m.ux) * x + f(m.uy) * y)).square() +

@@ -19,9 +19,10 @@ constexpr double kTukey = 4.685, kRayleighMedian = 1.17741;
 // Residuals smaller than this (in units of the points' sd) are not told apart.
 constexpr double kSmallestScale = 1e-3;
 
-// Median of the residuals' lengths in units of the points' deviations.
-float median_residual(const AffineMotion& motion, const PointColumns& points) {
-  const ArrayXf squares = points.residuals_sq(motion) * points.per_variance;
+// Median of the residuals' lengths in units of the points' deviations. `squares`: memory that is
+// asked for once a fit; the threads that fit wait for each other where they ask for it.
+float median_residual(const AffineMotion& motion, const PointColumns& points, ArrayXf& squares) {
+  squares = points.residuals_sq(motion) * points.per_variance;
   return std::sqrt(upper_median(squares));
 }
 
@@ -35,6 +36,7 @@ AffineMotion consensus(std::span<const PointMotion> points, double cx_px, double
   constexpr float kAsGoodAsTheNoise = 2;
   const std::size_t stride = std::max<std::size_t>(1, points.size() / kLookedAt);
   const PointColumns some(points, cx_px, cy_px, {}, stride);
+  ArrayXf squares;
   AffineMotion best;
   float least = INFINITY;
   std::uint32_t state = 12345;  // a fixed sequence: the same points give the same motion
@@ -50,7 +52,7 @@ AffineMotion consensus(std::span<const PointMotion> points, double cx_px, double
       two.add(1, p.x_px - cx_px, p.y_px - cy_px, p.u_px, p.v_px);
     }
     const AffineMotion motion = Moments(two, {}).rigid();
-    const float typical = median_residual(motion, some);
+    const float typical = median_residual(motion, some, squares);
     if (typical < least) {
       least = typical;
       best = motion;
@@ -86,13 +88,13 @@ struct RobustFit {
 // A ball that is being compressed has no rigid motion: Tukey's weights would keep the windows of
 // one side of it, and the centre would move with that side. So a uniform strain is fitted too, and
 // taken where it explains what chance (three unknowns more) does not.
-void take_strain(const PointColumns& points, RobustFit& fit) {
+void take_strain(const PointColumns& points, RobustFit& fit, ArrayXf& squares) {
   constexpr Eigen::Index kFewest = 12;
   constexpr double kSignificant = 30;
   // A few odd windows at the rim look like a weak strain; one that matters halves the residuals.
   constexpr double kClearly = 0.6, kHopeless = 0.85;
   if (points.size() < kFewest) return;
-  const double rigid_scatter = median_residual(fit.motion, points);
+  const double rigid_scatter = median_residual(fit.motion, points, squares);
   RobustFit strained = fit;
   strained.cut = cut_of(rigid_scatter);
   for (int round = 0; round < kRounds; ++round) {
@@ -103,7 +105,7 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
     strained.motion = moments.affine();
     // The scatter shrinks as the strain is found; then the cut stays.
     if (round < 5) {
-      const double scatter = median_residual(strained.motion, points);
+      const double scatter = median_residual(strained.motion, points, squares);
       strained.cut = std::min(strained.cut, cut_of(scatter));
       if (round == 1 && scatter > kHopeless * rigid_scatter) return;
     }
@@ -117,7 +119,7 @@ void take_strain(const PointColumns& points, RobustFit& fit) {
   const double rest = sum_of_squares(strained.motion);
   const double rigid = sum_of_squares(Moments(points, strained.weights).rigid());
   if (!(rigid - rest > kSignificant * rest / (2 * counted - 6))) return;
-  if (!(median_residual(strained.motion, points) < kClearly * rigid_scatter)) return;
+  if (!(median_residual(strained.motion, points, squares) < kClearly * rigid_scatter)) return;
   fit = std::move(strained);
 }
 
@@ -135,9 +137,10 @@ double effective_variance(const RobustFit& fit, const PointColumns& points) {
 
 // From the consensus, which `points` start from. False where fewer than three points carry weight.
 bool fit_robustly(const PointColumns& points, RobustFit& fit) {
+  ArrayXf squares;
   fit.motion = points.base;
   // The scatter of the consensus sets the cut once; it must not follow the weights down.
-  fit.cut = cut_of(median_residual(fit.motion, points)) *
+  fit.cut = cut_of(median_residual(fit.motion, points, squares)) *
             (1 + 5.0 / (2.0 * static_cast<double>(points.size())));
   for (int round = 0; round < kRounds; ++round) {
     weigh(fit.motion, points, fit.cut, fit.weights);
@@ -145,10 +148,10 @@ bool fit_robustly(const PointColumns& points, RobustFit& fit) {
     const AffineMotion before = fit.motion;
     fit.motion = Moments(points, fit.weights).rigid();
     // After the first round the scatter about the fit, not about two points, sets the cut.
-    if (round == 0) fit.cut = cut_of(median_residual(fit.motion, points));
+    if (round == 0) fit.cut = cut_of(median_residual(fit.motion, points, squares));
     if (round > 0 && settled(fit.motion, before)) break;
   }
-  take_strain(points, fit);
+  take_strain(points, fit, squares);
   return true;
 }
 

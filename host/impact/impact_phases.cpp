@@ -7,17 +7,13 @@
 #include <functional>
 #include <tuple>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/statistics.h"
-#include "host/impact/contact_edge.h"
-#include "host/impact/evidence/contact_guess.h"
+#include "host/impact/analysis.h"
 #include "host/impact/evidence/more_impacts.h"
 #include "host/impact/evidence/path_evidence.h"
 #include "host/impact/evidence/sparse_flights.h"
-#include "host/impact/flight_fit.h"
 #include "host/impact/flight_spin.h"
-#include "host/impact/free_radius.h"
-#include "host/impact/impact_figures.h"
-#include "host/impact/impact_series.h"
 #include "host/impact/space/space_impact.h"
 #include "host/impact/whole_flight.h"
 
@@ -29,95 +25,60 @@ constexpr double kSignificant = 3;  // deviations that an impulse must stand out
 // Logarithm of the odds: the sharpest of some hundred places, and two flights under one gravity.
 constexpr double kEvident = 7, kAsLikely = 0;
 
-class Analysis {
- public:
-  Analysis(const TrackRows& rows, const ImpactOptions& options)
-      : rows_(rows),
-        options_(options),
-        series_(rows, options.surface_angle_rad, known_of_sphere(options)) {
-    const double angle = options.gravity_angle_rad - options.surface_angle_rad;
-    direction_ = {std::cos(angle), std::sin(angle)};
-  }
+}  // namespace
 
-  ImpactAnalysis run() {
-    set_radius(free_radius(rows_));
-    guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
-    if (!guess_.found) return result_;
-    bool long_enough = set_flights();
-    if (!long_enough) guess_ = sharpened(series_, guess_), long_enough = set_flights();
-    if (!is_evident(long_enough, kEvident)) return result_;
-    if (!long_enough) {
-      set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},
-                             {guess_.last + kLeastGuard, series_.size() - 1, 0}));
-      result_.status = ImpactStatus::kFlightTooShort;
-      return result_;
-    }
+Analysis::Analysis(const TrackRows& rows, const ImpactOptions& options)
+    : rows_(rows),
+      options_(options),
+      series_(rows, options.surface_angle_rad, known_of_sphere(options)) {
+  const double angle = options.gravity_angle_rad - options.surface_angle_rad;
+  direction_ = {std::cos(angle), std::sin(angle)};
+}
+
+ImpactAnalysis Analysis::run() {
+  set_radius(free_radius(rows_));
+  guess_ = guess_contact(series_, options_.gravity.value_or(0.0) * direction_.n);
+  if (!guess_.found) return result_;
+  bool long_enough = set_flights();
+  if (!long_enough) guess_ = sharpened(series_, guess_), long_enough = set_flights();
+  if (!is_evident(long_enough, kEvident)) return result_;
+  if (!long_enough) {
+    set_radius(free_radius(rows_, {0, guess_.first - std::min(guess_.first, kLeastGuard), 0},
+                           {guess_.last + kLeastGuard, series_.size() - 1, 0}));
+    result_.status = ImpactStatus::kFlightTooShort;
+    return result_;
+  }
+  fit_both();
+  if (!is_impact()) return result_;
+  result_.status = ImpactStatus::kFound;
+  find_contact();
+  finish();
+  return result_;
+}
+
+ImpactAnalysis Analysis::run_sparse() {
+  series_.use_centres();
+  for (const SparseBounce& bounce : sparse_bounces(series_, direction_.n)) {
+    before_ = bounce.before, after_ = bounce.after;
+    guess_.first = before_.last, guess_.last = after_.first;
+    turn_.instant = before_.at;
     fit_both();
-    if (!is_impact()) return result_;
-    result_.status = ImpactStatus::kFound;
-    find_contact();
+    if (!is_evident(true, kAsLikely) || !is_impact()) continue;
+    // A ball that is pressed in by a third of its radius is so for that long, roughly.
+    contact_ = std::min(static_cast<double>(guess_.last - guess_.first),
+                        free_radius(rows_, before_, after_).px.value / -flights_.state[kVn0]);
+    result_.status = ImpactStatus::kNotResolved;
     finish();
-    return result_;
+    break;
   }
+  return result_;
+}
 
-  // Of film so slow that few centres show each flight and none the contact.
-  ImpactAnalysis run_sparse() {
-    series_.use_centres();
-    for (const SparseBounce& bounce : sparse_bounces(series_, direction_.n)) {
-      before_ = bounce.before, after_ = bounce.after;
-      guess_.first = before_.last, guess_.last = after_.first;
-      turn_.instant = before_.at;
-      fit_both();
-      if (!is_evident(true, kAsLikely) || !is_impact()) continue;
-      // A ball that is pressed in by a third of its radius is so for that long, roughly.
-      contact_ = std::min(static_cast<double>(guess_.last - guess_.first),
-                          free_radius(rows_, before_, after_).px.value / -flights_.state[kVn0]);
-      result_.status = ImpactStatus::kNotResolved;
-      finish();
-      break;
-    }
-    return result_;
-  }
-
-  // Of a ball whose motion is lost in most frames about its impact.
-  ImpactAnalysis run_centres() {
-    series_.use_centres();
-    if (!is_found(run()) || !series_.is_motion_lost(before_.first, after_.last)) return {};
-    return result_;
-  }
-
- private:
-  bool set_flights();
-  void limit_flights();
-  void fit_both() {
-    flights_ = fit_flights(series_, before_, after_, direction_, options_.gravity);
-  }
-  bool is_evident(bool with_flights, double odds) const;
-  bool is_impact() const;
-  void find_contact();
-  void refit(double length);
-  void find_edges(double start_guess, double end_guess);
-  ContactEdge edge(bool end, double near) const;
-  double edge_per_gravity(bool end) const;
-  void set_radius(const FreeRadius& radius);
-  using Instant = std::function<double(const ImpactSources::Vector&)>;
-  ImpactSources sources(bool timed) const;
-  Propagated above_lowest(const ImpactSources& sources, const Instant& instant) const;
-  void place(const ImpactSources& sources, bool timed);
-  void finish();
-
-  TrackRows rows_;
-  ImpactOptions options_;
-  ImpactSeries series_;
-  GravityDirection direction_;
-  ContactGuess guess_;
-  FlightRange before_, after_;
-  FlightFit flights_;
-  TurnInstant turn_;
-  ContactEdge start_, end_;
-  double contact_ = 0;  // frames that the surface acts for, as far as is known without its edges
-  ImpactAnalysis result_;
-};
+ImpactAnalysis Analysis::run_centres() {
+  series_.use_centres();
+  if (!is_found(run()) || !series_.is_motion_lost(before_.first, after_.last)) return {};
+  return result_;
+}
 
 bool Analysis::set_flights() {
   const std::size_t last_row = series_.size() - 1;
@@ -371,8 +332,6 @@ void Analysis::finish() {
   result_.disagreement = flights_.disagreement;
 }
 
-}  // namespace
-
 ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& options) {
   ImpactAnalysis result = Analysis(rows, options).run();
   for (const auto other : {&Analysis::run_sparse, &Analysis::run_centres}) {
@@ -385,15 +344,30 @@ ImpactAnalysis impact_on_this_side(const TrackRows& rows, const ImpactOptions& o
 }
 
 ImpactAnalysis analyse_impact(const TrackRows& rows, const ImpactOptions& options) {
-  ImpactAnalysis result = impact_on_this_side(rows, options);
-  if (result.status != ImpactStatus::kNone) return result;
-  ImpactOptions turned = options;
-  turned.surface_angle_rad += kPi;
-  if (is_found(Analysis(rows, turned).run())) {
-    result.status = ImpactStatus::kWrongSide;
-  } else {
-    result.flight = whole_flight(rows, options);
+  ImpactAnalysis result = Analysis(rows, options).run();
+  if (!is_found(result)) {
+    // A long clip without an impact asks for all of them, and none waits for another.
+    ImpactOptions turned = options;
+    turned.surface_angle_rad += kPi;
+    ImpactAnalysis sparse, by_centres, on_other_side;
+    const std::array<std::function<void()>, 3> others = {
+        [&] { sparse = Analysis(rows, options).run_sparse(); },
+        [&] { by_centres = Analysis(rows, options).run_centres(); },
+        [&] { on_other_side = Analysis(rows, turned).run(); }};
+    parallel_for(others.size(), [&](std::size_t i) { others[i](); });
+    if (is_found(sparse)) {
+      result = sparse;
+    } else if (is_found(by_centres)) {
+      result = by_centres;
+    } else if (result.status == ImpactStatus::kNone) {
+      if (is_found(on_other_side)) {
+        result.status = ImpactStatus::kWrongSide;
+      } else {
+        result.flight = whole_flight(rows, options);
+      }
+    }
   }
+  if (is_found(result)) result.space = space_impact(options, result);
   return result;
 }
 

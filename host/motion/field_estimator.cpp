@@ -84,11 +84,11 @@ class FieldEstimator : public MotionEstimator {
   enum class Way : std::uint8_t { kSearch, kAim, kFollow };
 
   void measure_with(std::span<PairMotion* const> pairs, Way way) {
-    std::vector<Window> all(pairs.size() * grid_.size());
-    seeds_.resize(way == Way::kFollow ? all.size() : 0);
-    auto next = all.begin();
+    windows_.resize(pairs.size() * grid_.size());
+    seeds_.resize(way == Way::kFollow ? windows_.size() : 0);
+    auto next = windows_.begin();
     for (PairMotion* pair : pairs) {
-      const auto at = static_cast<std::size_t>(next - all.begin());
+      const auto at = static_cast<std::size_t>(next - windows_.begin());
       place(*pair, way == Way::kFollow ? std::span(seeds_).subspan(at, grid_.size())
                                        : std::span<WindowMotion>());
       next = std::copy(pair->windows.begin(), pair->windows.end(), next);
@@ -96,9 +96,9 @@ class FieldEstimator : public MotionEstimator {
                            pair->first.r_px - options_.rim_margin_px);
     }
     const std::vector<WindowMotion>& measured =
-        way == Way::kFollow   ? correlator_.follow(frames_, all, seeds_)
-        : way == Way::kSearch ? correlator_.correlate(frames_, all)
-                              : correlator_.find(frames_, all);
+        way == Way::kFollow   ? correlator_.follow(frames_, windows_, seeds_)
+        : way == Way::kSearch ? correlator_.correlate(frames_, windows_)
+                              : correlator_.find(frames_, windows_);
     const Stopwatch watch;
     auto begin = measured.begin();
     for (PairMotion* pair : pairs) {
@@ -210,6 +210,8 @@ class FieldEstimator : public MotionEstimator {
   dic::WindowCorrelator correlator_;
   dic::RingRotation ring_;
   std::vector<Window> grid_;
+  // Of all pairs; kept, since fresh memory is slow for threads that ask for it at once.
+  std::vector<Window> windows_;
   std::vector<WindowMotion> seeds_;
   double fit_seconds_ = 0;
 };

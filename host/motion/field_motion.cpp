@@ -90,8 +90,8 @@ float scatter_of(const ArrayXf& squares) {
   return std::max(std::sqrt(dic::upper_median(squares)) / kRayleighMedian, 1e-6F);
 }
 
-// Tukey's weights, cut off at six times the scatter.
-ArrayXf robust_weights(const ArrayXf& squares, float scatter) {
+// Tukey's weights, cut off at six times the scatter: an expression.
+auto robust_weights(const ArrayXf& squares, float scatter) {
   return dic::biweight(1 / (36 * scatter * scatter) * squares);
 }
 
@@ -129,7 +129,7 @@ CentreMotion interpolate_at(std::span<const dic::PointMotion> measured, double c
   const ArrayXf distance = (points.x.square() + points.y.square()).sqrt();
   const float reach = 1.001F * distance.maxCoeff() + 1e-9F;
   const ArrayXf tricube = (1 - (distance / reach).cube()).cube();
-  ArrayXf weights = tricube * points.per_variance, influence;
+  ArrayXf weights = tricube * points.per_variance, influence, squares;
   dic::AffineMotion motion;
   float scatter = 0;
   for (int round = 0; round < kRobustRounds; ++round) {
@@ -137,7 +137,7 @@ CentreMotion interpolate_at(std::span<const dic::PointMotion> measured, double c
     if (moments.on_a_line()) return {};
     motion = moments.affine();
     influence = moments.influence_at_origin(points);
-    const ArrayXf squares = points.residuals_sq(motion);
+    squares = points.residuals_sq(motion);
     scatter = scatter_of(squares);
     weights = tricube * points.per_variance * robust_weights(squares, scatter);
   }
@@ -154,7 +154,7 @@ FieldStrain fit_strain(std::span<const dic::PointMotion> measured, const dic::Ri
   if (measured.size() < kFewest) return {};
   const double c = std::cos(rigid.rot_rad) - 1, s = std::sin(rigid.rot_rad);
   const dic::PointColumns points(measured, cx_px, cy_px, {rigid.dx_px, rigid.dy_px, c, s, -s, c});
-  ArrayXf weights = ArrayXf::Ones(points.size());
+  ArrayXf weights = ArrayXf::Ones(points.size()), squares;
   dic::AffineMotion motion;
   float scatter = 0;
   double of_gradient = 0;  // of_gradient: its deviation for a scatter of one
@@ -163,7 +163,7 @@ FieldStrain fit_strain(std::span<const dic::PointMotion> measured, const dic::Ri
     if (moments.on_a_line()) return {};
     const dic::AffineMotion before = std::exchange(motion, moments.affine());
     of_gradient = std::sqrt(std::max(moments.xx, moments.yy) / moments.determinant());
-    const ArrayXf squares = points.residuals_sq(motion);
+    squares = points.residuals_sq(motion);
     scatter = scatter_of(squares);
     if (round > 0 && (motion - before).gradient_length() < kSettled) break;
     weights = robust_weights(squares, scatter);

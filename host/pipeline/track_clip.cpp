@@ -1,10 +1,13 @@
 #include "host/pipeline/track_clip.h"
 
 #include <impactdic/error.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <atomic>
+#include <thread>
 
+#include "host/base/parallel/parallel_for.h"
 #include "host/base/parallel/pipeline.h"
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
@@ -32,6 +35,19 @@ int frames_in_batch(const TrackOptions& options, int bits) {
       std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
   // A short clip is one batch, whose memory need be no larger: to clear it takes long.
   return static_cast<int>(std::min<std::int64_t>(usual, options.frames.count()));
+}
+
+// Of oneTBB, for what is done on the host. The workers of a GPU have threads of their own: with as
+// many of oneTBB as there are cores beside them, all of them take turns.
+int threads_beside(const TrackOptions& options, std::span<opencl::Engine* const> engines) {
+  const auto allowed = static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const bool gpu = options.with_field &&
+                   std::any_of(engines.begin(), engines.end(), [](const opencl::Engine* engine) {
+                     return engine->device().is_gpu;
+                   });
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  return gpu && cores > 0 ? std::min(allowed, cores / 2 + 1) : allowed;
 }
 
 Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
@@ -350,17 +366,19 @@ void track_clip(FrameSource& source, std::span<opencl::Engine* const> engines,
   }
   ClipTracker tracker(source, engines, scouted, size, grid_ready, sink, progress);
   using Read = std::shared_ptr<FrameBatch>;
-  run_pipeline(
-      kBatchesAhead, [&] { return tracker.is_cancelled() ? nullptr : reader.next(); },
-      several_at_once([&](Read batch) {
-        const StageTimes::Scope timed(options.times, tracker.read_stage());
-        reader.decode(*batch);
-        return batch;
-      }),
-      in_order([&](Read batch) { return tracker.locate(std::move(batch)); }),
-      several_at_once([&](Batch batch) { return tracker.complete(std::move(batch)); }),
-      in_order([&](Batch batch) { return tracker.measure(std::move(batch)); }),
-      in_order([&](Batch batch) { tracker.write(std::move(batch)); }));
+  on_threads(threads_beside(options, engines), [&] {
+    run_pipeline(
+        kBatchesAhead, [&] { return tracker.is_cancelled() ? nullptr : reader.next(); },
+        several_at_once([&](Read batch) {
+          const StageTimes::Scope timed(options.times, tracker.read_stage());
+          reader.decode(*batch);
+          return batch;
+        }),
+        in_order([&](Read batch) { return tracker.locate(std::move(batch)); }),
+        several_at_once([&](Batch batch) { return tracker.complete(std::move(batch)); }),
+        in_order([&](Batch batch) { return tracker.measure(std::move(batch)); }),
+        in_order([&](Batch batch) { tracker.write(std::move(batch)); }));
+  });
   tracker.end();
 }
 

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "host/base/process/stand_back.h"
+
 namespace impactdic::run {
 
 namespace {
@@ -105,8 +107,10 @@ nlohmann::json describe_device(const Session& session) {
 DigestBeside::DigestBeside(const ClipRequest& request, const ClipInfo& info, bool wanted)
     : wanted_(wanted && !request.source) {
   if (wanted_) {
-    digest_ =
-        std::async(std::launch::async, video::digest_of, std::cref(info), video::kDigestPiece);
+    digest_ = std::async(std::launch::async, [&info] {
+      stand_back();  // the measurement comes first
+      return video::digest_of(info);
+    });
   }
 }
 

@@ -23,6 +23,7 @@ void SessionOptions::validate() const {
 }
 
 std::vector<opencl::Engine*> Session::Impl::open_engines(const Expects& expects) {
+  begun = true;
   const std::lock_guard<std::mutex> lock(mutex);
   if (engines.empty()) {
     opencl::EngineOptions engine_options;
@@ -39,14 +40,17 @@ std::vector<opencl::Engine*> Session::Impl::open_engines(const Expects& expects)
       }
     }
   }
-  std::vector<opencl::Engine*> opened;
-  for (const auto& engine : engines) opened.push_back(engine.get());
-  return opened;
+  opened.clear();
+  std::vector<opencl::Engine*> all;
+  for (const auto& engine : engines) {
+    opened.push_back(engine->device());
+    all.push_back(engine.get());
+  }
+  return all;
 }
 
 void Session::Impl::open_beside(Expects expects) {
-  const std::lock_guard<std::mutex> lock(mutex);
-  if (!engines.empty() || opening.valid()) return;
+  if (begun.exchange(true)) return;
   opening = std::async(std::launch::async, [this, expects = std::move(expects)] {
     try {
       open_engines(expects);
@@ -54,6 +58,14 @@ void Session::Impl::open_beside(Expects expects) {
       // Who needs a device is told.
     }
   });
+}
+
+void Session::Impl::close_beside() {
+  if (!for_one_run || options.profile) return;
+  const std::lock_guard<std::mutex> lock(mutex);
+  closing = std::async(std::launch::async, [all = std::move(engines)]() mutable { all.clear(); });
+  engines.clear();
+  begun = false;
 }
 
 Session::Session(SessionOptions options) : impl_(std::make_unique<Impl>()) {
@@ -75,9 +87,7 @@ void Session::open() { impl_->open_engines(); }
 
 std::vector<DeviceInfo> Session::devices() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
-  std::vector<DeviceInfo> infos;
-  for (const auto& engine : impl_->engines) infos.push_back(engine->device());
-  return infos;
+  return impl_->opened;
 }
 
 std::string Session::profile() {

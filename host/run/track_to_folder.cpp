@@ -18,6 +18,7 @@
 #include "host/run/open_clip.h"
 #include "host/run/results/kept_points.h"
 #include "host/run/results/result_digests.h"
+#include "host/run/session.h"
 #include "host/run/settings/job_file.h"
 #include "host/run/track_files.h"
 #include "host/run/track_run.h"
@@ -249,6 +250,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   run.take_up(files->take_earlier_rows());
   const run::TrackRun::Outputs outputs = into(*files, request.field.window_px, sink);
   const auto finish = [&] {
+    session.impl().close_beside();
     run.conclude();
     files->finish(run.rows(), result);
     nlohmann::json summary = summarise(request, run.rows(), result, session);

@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/pipeline/track_clip.h"
@@ -225,6 +226,22 @@ TEST(Runs, TheNoiseIsTheClipsOwn) {
   for (const TrackRow& row : result.rows) windows += row.windows;
   EXPECT_EQ(windows, windows_with(result.advice.texture->noise));
   EXPECT_NE(windows, windows_with(0));
+}
+
+// A command gives its devices back before it has ended; whoever goes on gets them again.
+TEST(Runs, DevicesGivenBackBesideARunAreStillNamedAndOpenAgain) {
+  Session own;
+  own.impl().for_one_run = true;
+  TrackFolder into;
+  for (const char* name : {"given_back", "open_again"}) {
+    into.folder = clip().out(name).string();
+    track_to_folder(request_of(clip().path()), into, own);
+    EXPECT_TRUE(own.impl().engines.empty());
+    ASSERT_EQ(own.devices().size(), 1u);
+    nlohmann::json summary;
+    std::ifstream(clip().out(name) / "summary.json") >> summary;
+    EXPECT_EQ(summary["device"]["name"], own.devices().front().name);
+  }
 }
 
 // The clip's ten frames over and over: `count` frames.

@@ -148,6 +148,17 @@ TEST(Batch, ACorrectedTableTakesEffect) {
   EXPECT_EQ(clips().batch("corrected", options + " --resume").status, 2);
 }
 
+// The device opens beside the first looks; no shot is to blame where there is none.
+TEST(Batch, ADeviceThatIsNotThereEndsItAndPutsNoShotAside) {
+  const Outcome outcome = clips().batch("no_device", "--device none_of_this_name");
+  EXPECT_NE(outcome.status, 0);
+  EXPECT_NE(outcome.err.find("none_of_this_name"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(fs::exists(clips().path("no_device") / "quarantine"));
+  for (const auto& entry : fs::directory_iterator(clips().path("no_device") / "shots")) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+}
+
 TEST(Batch, WrongRequestsAreRefused) {
   std::ofstream(clips().path("bad.csv")) << "file\nshot_77.tif\n";
   const Outcome unknown = clips().batch("bad", "--table " + quoted(clips().path("bad.csv")));

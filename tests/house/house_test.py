@@ -40,6 +40,7 @@ THREADS = {
     "host/run/results/folder_lock.cpp": "the clock",
     "host/run/results/folder_lock.h": "the clock",
     "host/run/session.cpp": "devices",
+    "host/video/clip_digest.cpp": "the disk",
     "host/view/run_job.cpp": "a whole run",
     "host/view/run_job.h": "a whole run",
     "host/view/server.cpp": "a socket",

@@ -54,8 +54,7 @@ TEST(Engine, KeepsMemoryForTheNext) {
     const auto worker = engine.beside();
     opencl::Buffer<float> buffer(*worker, count);
     opencl::Staging staging(*worker);
-    std::fill_n(staging.bytes(count).data(), count, std::uint8_t{1});
-    staging.upload(count);
+    staging.upload(1, count, [](std::size_t, std::size_t, unsigned char* to) { *to = 1; });
     buffer.write(*worker, std::span(values).first(count));
     EXPECT_EQ(buffer.to_vector(*worker), std::vector<float>(count, 7.0F));
   };

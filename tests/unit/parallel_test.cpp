@@ -1,5 +1,6 @@
 // Independent pieces of work on several threads.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +12,7 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/parallel/pipeline.h"
+#include "host/base/process/stand_back.h"
 
 namespace impactdic {
 namespace {
@@ -87,6 +89,37 @@ TEST(Parallel, PiecesOnTheCallersThreadsAreDoneOnceAndTheLowestErrorIsThrown) {
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "7");
   }
+}
+
+TEST(Parallel, WhatWorkAsksForIsServedByNoMoreThreadsThanItIsGiven) {
+  std::atomic<int> now = 0, most = 0;
+  on_threads(1, [&] {
+    parallel_for(24, [&](std::size_t) {
+      const int here = ++now;
+      int seen = most;
+      while (here > seen && !most.compare_exchange_weak(seen, here)) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      --now;
+    });
+  });
+  EXPECT_EQ(most, 1);
+  EXPECT_THROW(on_threads(2, [] { throw std::runtime_error("work"); }), std::runtime_error);
+}
+
+// For good, and with it what it begins; not those beside it.
+TEST(Parallel, AThreadThatStandsBackTakesItsOwnAlong) {
+  const auto priority = [] { return ::getpriority(PRIO_PROCESS, 0); };
+  const int before = priority();
+  int own = 0, begun = 0;
+  std::thread([&] {
+    stand_back();
+    own = priority();
+    std::thread([&] { begun = priority(); }).join();
+  }).join();
+  EXPECT_EQ(own, std::min(before + 10, 19));  // the system knows none beyond 19
+  EXPECT_EQ(begun, own);
+  EXPECT_EQ(priority(), before);
 }
 
 // Plain numbers pass from stage to stage: under ThreadSanitizer this also tests that the order that

@@ -73,6 +73,17 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
   pieces.end();
 }
 
+void on_threads(int threads, const std::function<void()>& work) {
+  const char begun = 0, ended = 0;
+  order::pass_on(&begun);
+  tbb::task_arena(threads).execute([&] {
+    order::follow(&begun);
+    work();
+    order::pass_on(&ended);
+  });
+  order::follow(&ended);
+}
+
 std::vector<char> parallel_pieces(std::size_t count, int threads, const char* phase,
                                   const RunControl& control,
                                   const std::function<void(std::size_t)>& work) {

@@ -24,8 +24,12 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
 // work while it waits for the last pieces.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work);
 
-// The first, followed and stopped by `control`, whose progress names `phase`. Returns for each
-// piece whether it was done: those not begun when the caller cancels are left out.
+// Calls work(), which so many of oneTBB's threads serve, the caller's among them; what it throws is
+// thrown again here.
+void on_threads(int threads, const std::function<void()>& work);
+
+// The first of parallel_for, followed and stopped by `control`, whose progress names `phase`.
+// Returns for each piece whether it was done: those not begun when the caller cancels are left out.
 std::vector<char> parallel_pieces(std::size_t count, int threads, const char* phase,
                                   const RunControl& control,
                                   const std::function<void(std::size_t)>& work);

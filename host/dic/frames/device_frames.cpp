@@ -11,19 +11,27 @@
 namespace impactdic::dic {
 namespace {
 
-void copy_part(const FramePart& part, int width, int height, unsigned char* to) {
-  const Frame& frame = *part.frame;
-  const std::size_t depth = frame.type == PixelType::kU8 ? 1 : 2;
-  const std::size_t bytes = depth * static_cast<std::size_t>(width);
-  const std::size_t pitch = depth * static_cast<std::size_t>(frame.width());
-  const auto* from = static_cast<const unsigned char*>(frame.bytes()) +
-                     static_cast<std::size_t>(part.y) * pitch +
-                     static_cast<std::size_t>(part.x) * depth;
-  if (bytes == pitch) {
-    std::memcpy(to, from, bytes * static_cast<std::size_t>(height));
-    return;
+// Rows first … first + count - 1 of all parts, one part behind the other.
+void copy_rows(std::span<const FramePart> parts, std::size_t width, std::size_t height,
+               std::size_t first, std::size_t count, unsigned char* to) {
+  for (std::size_t row = first; row < first + count;) {
+    const FramePart& part = parts[row / height];
+    const Frame& frame = *part.frame;
+    const std::size_t y = row % height, some = std::min(height - y, first + count - row);
+    const std::size_t depth = frame.type == PixelType::kU8 ? 1 : 2;
+    const std::size_t bytes = depth * width;
+    const std::size_t pitch = depth * static_cast<std::size_t>(frame.width());
+    const auto* from = static_cast<const unsigned char*>(frame.bytes()) +
+                       (static_cast<std::size_t>(part.y) + y) * pitch +
+                       static_cast<std::size_t>(part.x) * depth;
+    row += some;
+    if (bytes == pitch) {
+      std::memcpy(to, from, bytes * some);
+      to += bytes * some;
+      continue;
+    }
+    for (std::size_t k = 0; k < some; ++k, from += pitch, to += bytes) std::memcpy(to, from, bytes);
   }
-  for (int y = 0; y < height; ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
 }
 
 }  // namespace
@@ -85,18 +93,19 @@ void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int wid
   for (const FramePart& part : parts) check(part, width, height);
   full_scale_ = parts.back().frame->full_scale();
   const std::size_t pixels = static_cast<std::size_t>(width_) * height_;
-  const std::size_t bytes = pixels * pixel_bytes(), total = bytes * parts.size();
-  const std::span<unsigned char> staged = staging_.bytes(total);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    copy_part(parts[i], width, height, staged.data() + i * bytes);
-  }
   const std::size_t count = pixels * parts.size();
-  opencl::set_arguments(unpack_, staging_.upload(total), images_.get(), pixels_.get(),
+  const auto columns = static_cast<std::size_t>(width), lines = static_cast<std::size_t>(height);
+  const cl::Buffer& uploaded =
+      staging_.upload(lines * parts.size(), columns * pixel_bytes(),
+                      [&](std::size_t first, std::size_t some, unsigned char* to) {
+                        copy_rows(parts, columns, lines, first, some, to);
+                      });
+  opencl::set_arguments(unpack_, uploaded, images_.get(), pixels_.get(),
                         static_cast<cl_ulong>(count),
                         static_cast<cl_ulong>(pixels * static_cast<std::size_t>(first_slot)));
   engine_.launch(engine_.queue(), unpack_,
                  cl::NDRange(opencl::round_up((count + UNPACK_AT_ONCE - 1) / UNPACK_AT_ONCE, 64)),
-                 cl::NDRange(64), {static_cast<double>(2 * total + 4 * count), 0});
+                 cl::NDRange(64), {static_cast<double>((2 * pixel_bytes() + 4) * count), 0});
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ++versions_[static_cast<std::size_t>(first_slot) + i];
   }

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "host/report/shots_csv.h"
@@ -38,6 +39,7 @@ class Batch {
   }
   void measure_all(const std::vector<std::size_t>& waiting);
   void measure(std::size_t index);
+  void require_device(const fs::path& part) const;
   void note(std::size_t index, ShotResult shot);
   void write_table() const;
 
@@ -94,8 +96,9 @@ BatchResult Batch::run() {
 }
 
 void Batch::measure_all(const std::vector<std::size_t>& waiting) {
+  // Beside the looks at the first shots; who needs a device waits for it.
   if (request_.track.with_field) {
-    session_.impl().open_engines(run::expected_programs(request_.track));
+    session_.impl().open_beside(run::expected_programs(request_.track));
   }
   std::atomic<std::size_t> next = 0, done = 0;
   std::exception_ptr failure;
@@ -134,6 +137,7 @@ void Batch::measure(std::size_t index) {
   fs::remove_all(done);
   ShotResult result = result_.shots[index];
   result.reason = runner_.measure(shot, part, result);
+  if (!result.done) require_device(part);
   if (result.done) {
     fs::rename(part, done);
   } else if (!caller_.cancelled()) {
@@ -142,6 +146,18 @@ void Batch::measure(std::size_t index) {
   const std::lock_guard<std::mutex> lock(mutex_);
   note(index, std::move(result));
   write_table();
+}
+
+// Throws where there is none: the shot is not to blame, and leaves no folder with nothing in it.
+void Batch::require_device(const fs::path& part) const {
+  if (!request_.track.with_field) return;
+  try {
+    session_.impl().open_engines();
+  } catch (...) {
+    std::error_code holds_something;
+    fs::remove(part, holds_something);
+    throw;
+  }
 }
 
 void Batch::note(std::size_t index, ShotResult shot) {
