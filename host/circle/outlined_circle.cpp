@@ -37,7 +37,8 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
   for (int pass = 0; pass < kJudge.traces; ++pass) {
     const Rim rim = fit.rim;
     if (least.departures == Departures::kPooled &&
-        trace_pooled_outline(frame, rim, search.blur_px, options.rays / kOutline.of_usual_rays, trace)) {
+        trace_pooled_outline(frame, rim, search.blur_px, options.rays / kOutline.of_usual_rays,
+                             trace)) {
       of_rays = kOutline.of_usual_rays;
     } else {
       trace_outline(frame, rim, search.blur_px, options.rays, trace);
@@ -88,7 +89,8 @@ std::optional<CircleFit> ball_about(const Frame& frame, const CircleFit& fit, Ci
   return by_outline(frame, prior, options, {.support = kBeyond.support}, lines);
 }
 
-// Beside what hid a rim from the first look a part of it may be no rim, and the model does not tell.
+// Beside what hid a rim from the first look a part of it may be no rim, and the model does not
+// tell.
 CircleFit doubted(CircleFit fit) {
   if (!fit.rim_model) return fit;
   auto model = std::make_shared<RimModel>(fit.rim_model->numbers());

@@ -16,8 +16,8 @@ std::optional<CircleFit> outlined_circle(const Frame& frame, const CirclePrior& 
                                          LineTrace& lines);
 
 // A circle outside of which something of a ball shows is not the ball's: the one whose outline lies
-// about it, if less shows outside of that. Where no model of the rim tells, what is left is doubted,
-// and of much there is no circle.
+// about it, if less shows outside of that. Where no model of the rim tells, what is left is
+// doubted, and of much there is no circle.
 CircleFit with_all_inside(CircleFit fit, const Frame& frame, const CirclePrior& prior,
                           const CircleOptions& options, LineTrace& lines);
 

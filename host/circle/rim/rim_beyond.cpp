@@ -154,7 +154,8 @@ bool is_background(const Cell& cell, float level, const Background& back) {
 // texture, in which neighbouring pixels are alike, nothing tells what is the ball's.
 bool is_even(const Cells& cells, const Rings& rings, const Background& back) {
   if (back.variance > kBeyond.alike * back.apart + kBeyond.least_level) return false;
-  if (back.mean_sd > kBeyond.even * std::sqrt(back.variance / (3.0 * rings.samples()))) return false;
+  if (back.mean_sd > kBeyond.even * std::sqrt(back.variance / (3.0 * rings.samples())))
+    return false;
   const auto outermost = static_cast<std::size_t>(rings.outermost());
   int all = 0, other = 0;
   for (int d = 0; d < kWays; ++d) {
@@ -171,9 +172,9 @@ bool is_even(const Cells& cells, const Rings& rings, const Background& back) {
 
 Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
   const Rings rings = rings_of(rim, edge_sigma_px);
-  const Cells cells = with_neighbours(frame.type == PixelType::kU8
-                                          ? cells_beyond(frame.u8.view(), rim, rings)
-                                          : cells_beyond(frame.u16.view(), rim, rings));
+  const Cells cells =
+      with_neighbours(frame.type == PixelType::kU8 ? cells_beyond(frame.u8.view(), rim, rings)
+                                                   : cells_beyond(frame.u16.view(), rim, rings));
   const Background back = background_of(cells, rings);
   if (!is_even(cells, rings, back)) return {};
   int told = 0, beyond = 0;

@@ -7,11 +7,11 @@ struct BeyondSettings {
   double reach_of_r = 0.4, least_reach_px = 12;  // that is looked at, from the rim outwards [hand]
   // Left out beside the rim: px, and widths of the edge, of which one side's tail ends by then.
   double beside_px = 1.5, beside_sigmas = 2;  // [hand]
-  double ring_px = 2, rings = 16;   // width of a ring, at least; of more there are so many [hand]
-  double apart_px = 1;              // samples along a ring [hand]
+  double ring_px = 2, rings = 16;  // width of a ring, at least; of more there are so many [hand]
+  double apart_px = 1;             // samples along a ring [hand]
   int least_samples = 3, most_samples = 12;  // of a ring in one direction [hand]
-  double usual_sigma_px = 1;        // width of an edge that was not measured [hand]
-  int background_rings = 3;         // or a third of all: the outermost are the background [hand]
+  double usual_sigma_px = 1;                 // width of an edge that was not measured [hand]
+  int background_rings = 3;  // or a third of all: the outermost are the background [hand]
   // What is not background: deviations of a mean from it, plus grey levels; deviations by which
   // its scatter exceeds the noise's variance.
   double of_mean = 5, least_level = 0.5, of_scatter = 6;  // [hand]
@@ -21,16 +21,16 @@ struct BeyondSettings {
   // Its variance over half of the mean square of what neighbouring pixels differ by: 0.9 to 1.15 in
   // noise, 1.8 and more before wood, tiles, in compressed film. [measured] light_accuracy random
   double alike = 1.4;
-  int least_told = 8;               // directions [hand]
-  double share = 0.1;               // of them that no chance explains [hand]
+  int least_told = 8;  // directions [hand]
+  double share = 0.1;  // of them that no chance explains [hand]
   // A circle that shows so much of its rim is a rim, whatever lies beside it [hand].
   double whole_rim = 0.8, whole_residual_px = 0.5;
   // What shows outside another rim must be less than so much of it [hand].
   double less = 0.5;
   // A model of a rim that was hidden from the first look may misplace it by so much, px.
   double hidden_sd_px = 0.04;  // [measured] light_accuracy disc_unseen_60
-  double support = 0.3;    // share of the rays that must agree on it [hand]
-  double most_of_r = 0.05;  // share of the radius that a circle may be off [hand]
+  double support = 0.3;        // share of the rays that must agree on it [hand]
+  double most_of_r = 0.05;     // share of the radius that a circle may be off [hand]
   double look_of_r = 0.1;  // scatter of where the ball is looked for, share of the radius [hand]
 };
 inline constexpr BeyondSettings kBeyond;

@@ -27,9 +27,9 @@ struct OutlineSettings {
   // background with an obstacle before it does not reach [hand].
   double other_evidence = 1.5, most_uneven = 0.19;
   // Variance of an even background over half of the mean square of what neighbouring samples differ
-  // by, most: as in beyond.h, but samples of a ray share pixels. Medians of 1.2 to 1.4 in noise, 1.7
-  // to 6 before wood and tiles.
-  double alike = 1.7;  // [measured] light_accuracy random
+  // by, most: as in beyond.h, but samples of a ray share pixels. Medians of 1.2 to 1.4 in
+  // noise, 1.7 to 6 before wood and tiles.
+  double alike = 1.7;       // [measured] light_accuracy random
   int half_level = 4;       // samples inside whose level tells half of the way to it … [hand]
   double clear_noises = 6;  // … where it stands out by so many deviations [hand]
   double support = 0.5;     // share of the rays that must agree [hand]

@@ -121,7 +121,8 @@ int outermost(const Pooled& pooled) {
 double half_way(const Pooled& pooled, int last, double noise) {
   const auto off = [&](int k) { return std::abs(pooled.mean[static_cast<std::size_t>(k)]); };
   double peak = 0;
-  for (int k = std::max(0, last - kOutline.half_level); k <= last; ++k) peak = std::max(peak, off(k));
+  for (int k = std::max(0, last - kOutline.half_level); k <= last; ++k)
+    peak = std::max(peak, off(k));
   if (peak < kOutline.clear_noises * noise / std::sqrt(pooled.samples)) return last + 0.5;
   int k = last + 1;
   while (k > 0 && off(k - 1) < peak / 2) --k;
@@ -139,8 +140,9 @@ bool find_pooled_departures(Profiles& p, const Rim& rim) {
   const double apart_px = 2 * kPi * rim.r / std::max(p.cast, 1);
   Neighbours near;
   near.stride = std::clamp(static_cast<int>(std::ceil(kOutline.apart_px / apart_px)), 1, n / 8 + 1);
-  near.beside = std::max(
-      kOutline.least_beside, static_cast<int>(std::lround(kOutline.pooled_px / (2 * near.stride * apart_px))));
+  near.beside =
+      std::max(kOutline.least_beside,
+               static_cast<int>(std::lround(kOutline.pooled_px / (2 * near.stride * apart_px))));
   Pooled pooled;
   Outside outside;
   for (int i = 0; i < n; ++i) {
@@ -162,7 +164,7 @@ bool find_pooled_departures(Profiles& p, const Rim& rim) {
 }
 
 bool trace_pooled_outline(const Frame& frame, const Rim& rim, double blur_px, int count,
-                         RimTrace& trace) {
+                          RimTrace& trace) {
   thread_local Profiles profiles;  // memory only
   const double outward = std::max(kOutline.around_px, kOutline.around_of_r * rim.r);
   const double inward = std::min(outward, rim.r - 1);

@@ -1,0 +1,80 @@
+// What of a ball shows outside a circle, and the second look that it gives rise to.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "host/circle/rim/rim_beyond.h"
+#include "tests/support/random_scene.h"
+#include "tests/support/tracks/light_tracks.h"
+
+namespace impactdic::testing {
+namespace {
+
+using circle::Beyond;
+using circle::Rim;
+
+// A frame of a disc, and its true rim.
+struct Shown {
+  Frame frame;
+  Rim rim;
+};
+
+Shown shown(const LightScene& scene) {
+  LightClip clip(scene, 3, 1);
+  Shown out;
+  clip.render(0, out.frame);
+  out.rim = {clip.poses()[0].cx_px, clip.poses()[0].cy_px, scene.radius_px, 0, 0};
+  return out;
+}
+
+double share_beyond(const Shown& ball, double x_px, double larger_px) {
+  const Rim rim{ball.rim.cx + x_px, ball.rim.cy, ball.rim.r + larger_px, 0, 0};
+  return beyond_rim(ball.frame, rim, 0.7).share;
+}
+
+TEST(BeyondRim, TellsWhatACircleLeavesOut) {
+  const Shown ball = shown({.name = "disc", .radius_px = 60});
+  EXPECT_EQ(share_beyond(ball, 0, 0), 0);
+  EXPECT_EQ(share_beyond(ball, 0, 4), 0);
+  EXPECT_GT(share_beyond(ball, 0, -6), 0.9);
+  EXPECT_GT(share_beyond(ball, 8, 0), 0.2);
+}
+
+// A bar goes on outwards: it is no part of the ball.
+TEST(BeyondRim, TellsNothingOfABar) {
+  const Shown ball = shown({.name = "bar", .radius_px = 60, .hidden = 0.2, .bar_level = 120});
+  EXPECT_EQ(share_beyond(ball, 0, 0), 0);
+  EXPECT_GT(share_beyond(ball, 8, 0), 0.1);
+}
+
+TEST(BeyondRim, TellsNothingBesideATexture) {
+  for (const Backdrop backdrop : {Backdrop::kWood, Backdrop::kTiles}) {
+    const Shown ball = shown({.name = "texture", .radius_px = 60, .backdrop = backdrop});
+    EXPECT_EQ(share_beyond(ball, 0, 0), 0);
+    EXPECT_EQ(share_beyond(ball, 0, -6), 0);
+  }
+}
+
+// Clips that were drawn at random.
+LightErrors circles_of(std::uint64_t seed) {
+  const LightFilm clip(random_scene(seed), seed, 12);
+  return errors_of(track(clip, false), clip);
+}
+
+// The bar's edge and an arc of a disc of few speckles made a circle 5 px off, in all 12 frames.
+TEST(SecondLook, ABarsEdgeAndAnArcAreNoBall) {
+  const LightErrors errors = circles_of(1132);
+  EXPECT_EQ(errors.circles, 12);
+  EXPECT_EQ(errors.wrong, 0);
+  EXPECT_LT(errors.centre.rms(), 0.05);
+}
+
+// A lamp's dark side hardly differs from the background: seven circles were wrong without it.
+TEST(SecondLook, TheDarkSideIsTheBalls) {
+  const LightErrors errors = circles_of(299);
+  EXPECT_GE(errors.circles, 10);
+  EXPECT_EQ(errors.wrong, 0);
+}
+
+}  // namespace
+}  // namespace impactdic::testing
