@@ -144,7 +144,7 @@ Matrix5 wavy_light(const SectorSums& s, double wider, const Matrix5& covariance)
     const BySector left = (wave - jacobian * (gain * wave)).array() * information;
     seen += std::pow((wave.array() * score).sum(), 2);
     by_chance += wider * (left.square() / information.max(1e-30)).sum();
-    by_waves += variance.dot((all.transpose() * left.matrix()).cwiseAbs2());
+    by_waves += variance.dot(all.transpose().lazyProduct(left.matrix()).cwiseAbs2());
   }
   // The mean of a variance of which so few squares are known.
   constexpr double kFreedom = kTerms - (2 * kFirstSeen - 1);
