@@ -52,7 +52,8 @@ std::optional<Cell> cell(ImageView<const T> picture, const Rim& rim, const Rings
   const Sampler<T> sampler(picture);
   double sum = 0, squares = 0, apart = 0;
   for (int k = 0; k < rings.samples(); ++k) {
-    const double angle = 2 * kPi * (direction + (k / 2 + 0.5) / rings.along) / kWays;
+    const int pair = k / 2;
+    const double angle = 2 * kPi * (direction + (pair + 0.5) / rings.along) / kWays;
     const double c = std::cos(angle), s = std::sin(angle);
     const double across = ring + (k % 2 == 0 ? 0.25 : 0.75);
     const double at =
