@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "host/circle/rim/rim_beyond.h"
+#include "host/circle/second_look/rim_beyond.h"
 #include "tests/support/random_scene.h"
 #include "tests/support/tracks/light_tracks.h"
 

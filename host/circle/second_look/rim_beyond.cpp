@@ -1,4 +1,4 @@
-#include "host/circle/rim/rim_beyond.h"
+#include "host/circle/second_look/rim_beyond.h"
 
 #include <impactdic/units.h>
 

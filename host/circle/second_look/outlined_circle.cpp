@@ -1,4 +1,4 @@
-#include "host/circle/outlined_circle.h"
+#include "host/circle/second_look/outlined_circle.h"
 
 #include <cmath>
 #include <memory>
@@ -8,8 +8,8 @@
 #include "host/circle/follow_circle.h"
 #include "host/circle/model_fit.h"
 #include "host/circle/rim/rim.h"
-#include "host/circle/rim/rim_beyond.h"
 #include "host/circle/rim/rim_model.h"
+#include "host/circle/second_look/rim_beyond.h"
 #include "host/circle/settings/beyond.h"
 #include "host/circle/settings/judgement.h"
 #include "host/circle/settings/outline.h"
