@@ -105,12 +105,12 @@ Cells with_neighbours(const Cells& cells) {
 }
 
 // What lies at the outer ends: a level for each direction, and how cells of it scatter.
-struct Background {
+struct Surroundings {
   std::array<std::optional<float>, kWays> level;
   double mean_sd = 0, variance = 0, variance_sd = 0, apart = 0;
 };
 
-Background background_of(const Cells& cells, const Rings& rings) {
+Surroundings background_of(const Cells& cells, const Rings& rings) {
   const auto outermost = static_cast<std::size_t>(rings.outermost());
   std::array<std::optional<float>, kWays> own;
   std::vector<float> variances, apart, off;
@@ -125,7 +125,7 @@ Background background_of(const Cells& cells, const Rings& rings) {
     own[d] = upper_median(means);
     for (const float mean : means) off.push_back(std::abs(mean - *own[d]));
   }
-  Background back;
+  Surroundings back;
   if (variances.empty()) return back;
   for (int d = 0; d < kWays; ++d) {
     if (!own[d]) continue;
@@ -144,7 +144,7 @@ Background background_of(const Cells& cells, const Rings& rings) {
   return back;
 }
 
-bool is_background(const Cell& cell, float level, const Background& back) {
+bool is_background(const Cell& cell, float level, const Surroundings& back) {
   const double off = std::abs(static_cast<double>(cell.mean) - static_cast<double>(level));
   const double spread = static_cast<double>(cell.variance) - back.variance;
   return off < kBeyond.of_mean * back.mean_sd + kBeyond.least_level &&
@@ -153,7 +153,7 @@ bool is_background(const Cell& cell, float level, const Background& back) {
 
 // Whether what lies at the outer ends is one level in most of each direction, and noise: beside a
 // texture, in which neighbouring pixels are alike, nothing tells what is the ball's.
-bool is_even(const Cells& cells, const Rings& rings, const Background& back) {
+bool is_even(const Cells& cells, const Rings& rings, const Surroundings& back) {
   if (back.variance > kBeyond.alike * back.apart + kBeyond.least_level) return false;
   if (back.mean_sd > kBeyond.even * std::sqrt(back.variance / (3.0 * rings.samples())))
     return false;
@@ -176,7 +176,7 @@ Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
   const Cells cells =
       with_neighbours(frame.type == PixelType::kU8 ? cells_beyond(frame.u8.view(), rim, rings)
                                                    : cells_beyond(frame.u16.view(), rim, rings));
-  const Background back = background_of(cells, rings);
+  const Surroundings back = background_of(cells, rings);
   if (!is_even(cells, rings, back)) return {};
   int told = 0, beyond = 0;
   std::size_t farthest = 0;
