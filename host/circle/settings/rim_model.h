@@ -66,10 +66,7 @@ struct LearningSettings {
   double noise_in_arcs = 2.8;
   double usual_noise = 0.0125;       // noise 2, white 190, background 30 [definition]
   double least_place_sd_px = 0.001;  // [hand]
-  // By less ln σ moves the rim of one in three whole discs, by chance: beside a bar it came out as
-  // a quarter of this, and errors were 6 deviations.
-  double least_moved_px = 0.18;  // [measured] light_accuracy disc, disc_noise, disc_unseen_60
-  double wider = 0.05;           // of ln σ, to see what the width does [definition]: a difference
+  double wider = 0.05;  // of ln σ, to see what the width does [definition]: a difference
 };
 inline constexpr LearningSettings kLearning;
 
