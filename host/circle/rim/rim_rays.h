@@ -87,7 +87,16 @@ void sample_rays(ImageView<const T> picture, const Rim& rim, double inward, doub
   }
 }
 
-// Finds where each ray leaves the background, which is what lies at the rays' outer ends.
+// What lies at the rays' outer ends.
+struct Behind {
+  std::vector<float> level;  // of each ray, with its neighbours
+  float noise = 0;           // of a sample
+};
+// Samples at and behind this one tell a ray's background.
+inline int outer_end(const Profiles& p) { return p.length - p.length / 4; }
+Behind behind(Profiles& p);
+
+// Finds where each ray leaves what lies behind the ball.
 void find_departures(Profiles& p, const Rim& rim);
 // The same where the ball may differ from the background by less than the noise of a sample; false,
 // and nothing found, where the background is not even.

@@ -17,35 +17,17 @@
 namespace impactdic::circle {
 namespace {
 
-struct Behind {
-  std::vector<float> level;  // of each ray
-  double noise = 0;          // of a sample
-  double alike = 1;          // its variance over half the mean square of what neighbours differ by
-};
-
-Behind behind(Profiles& p) {
-  const int n = static_cast<int>(p.rays.size()), from = p.length - p.length / 4;
-  Behind back;
-  std::vector<float> off, apart;
-  for (int i = 0; i < n; ++i) {
-    p.scratch.clear();
-    for (int d = -kOutline.beside; d <= kOutline.beside; ++d) {
-      const int at = (i + d + n) % n;
-      const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(at) * p.length;
-      p.scratch.insert(p.scratch.end(), s + std::min(from, p.valid[at]), s + p.valid[at]);
-    }
-    back.level.push_back(p.scratch.empty() ? 0 : upper_median(p.scratch));
-    const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
-    for (int k = from; k < p.valid[i]; ++k) {
-      off.push_back(std::abs(s[k] - back.level.back()));
-      apart.push_back(std::abs(s[k] - s[k - 1]));
-    }
+// Variance of what lies behind the ball over half the mean square of what neighbouring samples
+// differ by: 1 in noise, more in a texture.
+double alike(const Profiles& p, const Behind& back) {
+  std::vector<float> apart;
+  for (std::size_t i = 0; i < p.rays.size(); ++i) {
+    const float* s = p.samples.data() + i * static_cast<std::size_t>(p.length);
+    for (int k = outer_end(p); k < p.valid[i]; ++k) apart.push_back(std::abs(s[k] - s[k - 1]));
   }
-  if (off.empty()) return back;
-  back.noise = static_cast<double>(kLevels.noise_per_median * upper_median(off));
-  const double step = kLevels.noise_per_median * upper_median(apart);
-  back.alike = 2 * back.noise * back.noise / std::max(step * step, 1e-6);
-  return back;
+  if (apart.empty()) return 1;
+  const double step = kLevels.noise_per_median * upper_median(apart), noise = back.noise;
+  return 2 * noise * noise / std::max(step * step, 1e-6);
 }
 
 // The samples of a ray pooled with its neighbours', less the background.
@@ -66,7 +48,7 @@ void pool(const Profiles& p, int ray, const Neighbours& near, const Behind& back
   out.samples = rays;
   out.mean.assign(static_cast<std::size_t>(valid), 0);
   out.evidence.assign(static_cast<std::size_t>(valid), 0);
-  const double noise_sq = std::max(back.noise * back.noise, 1e-6);
+  const double noise = back.noise, noise_sq = std::max(noise * noise, 1e-6);
   for (int k = 0; k < valid; ++k) {
     double sum = 0, squares = 0;
     for (int d = -near.beside; d <= near.beside; ++d) {
@@ -91,8 +73,8 @@ void pool(const Profiles& p, int ray, const Neighbours& near, const Behind& back
 // Samples at a ray's outer end, and those of them that are not background.
 struct Outside {
   int all = 0, other = 0;
-  void add(const Pooled& pooled, int length) {
-    for (int k = length - length / 4; k < static_cast<int>(pooled.evidence.size()); ++k) {
+  void add(const Pooled& pooled, int from) {
+    for (int k = from; k < static_cast<int>(pooled.evidence.size()); ++k) {
       ++all;
       other += pooled.evidence[static_cast<std::size_t>(k)] > kOutline.other_evidence;
     }
@@ -135,7 +117,7 @@ double half_way(const Pooled& pooled, int last, double noise) {
 
 bool find_pooled_departures(Profiles& p, const Rim& rim) {
   const Behind back = behind(p);
-  if (back.alike > kOutline.alike) return false;
+  if (alike(p, back) > kOutline.alike) return false;
   const int n = static_cast<int>(p.rays.size());
   const double apart_px = 2 * kPi * rim.r / std::max(p.cast, 1);
   Neighbours near;
@@ -149,9 +131,9 @@ bool find_pooled_departures(Profiles& p, const Rim& rim) {
     Ray& ray = p.rays[i];
     ray.edges = 0;
     // The picture ends before the background is seen.
-    if (p.valid[i] <= p.length - p.length / 4) continue;
+    if (p.valid[i] <= outer_end(p)) continue;
     pool(p, i, near, back, pooled);
-    outside.add(pooled, p.length);
+    outside.add(pooled, outer_end(p));
     const int last = outermost(pooled);
     if (last < 1) continue;
     ray.rho[ray.edges++] =

@@ -116,9 +116,10 @@ bool depart(const float* p, float ground, float least, Departure& out) {
 
 }  // namespace
 
-void find_departures(Profiles& p, const Rim& rim) {
-  const int n = static_cast<int>(p.rays.size()), from = p.length - p.length / 4;
-  std::vector<float> grounds, off;
+Behind behind(Profiles& p) {
+  const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
+  Behind back;
+  std::vector<float> off;
   for (int i = 0; i < n; ++i) {
     p.scratch.clear();
     for (int d = -kOutline.beside; d <= kOutline.beside; ++d) {
@@ -126,17 +127,23 @@ void find_departures(Profiles& p, const Rim& rim) {
       const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(at) * p.length;
       p.scratch.insert(p.scratch.end(), s + std::min(from, p.valid[at]), s + p.valid[at]);
     }
-    grounds.push_back(p.scratch.empty() ? 0 : upper_median(p.scratch));
+    back.level.push_back(p.scratch.empty() ? 0 : upper_median(p.scratch));
     const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
-    for (int k = from; k < p.valid[i]; ++k) off.push_back(std::abs(s[k] - grounds.back()));
+    for (int k = from; k < p.valid[i]; ++k) off.push_back(std::abs(s[k] - back.level.back()));
   }
-  const float noise = off.empty() ? 0 : kLevels.noise_per_median * upper_median(off);
-  const float least = kOutline.noises_of_two * noise;
+  if (!off.empty()) back.noise = kLevels.noise_per_median * upper_median(off);
+  return back;
+}
+
+void find_departures(Profiles& p, const Rim& rim) {
+  const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
+  const Behind back = behind(p);
+  const float least = kOutline.noises_of_two * back.noise;
   for (int i = 0; i < n; ++i) {
     Ray& ray = p.rays[i];
     ray.edges = 0;
     const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
-    const auto background = [&](int k) { return std::abs(s[k] - grounds[i]) < least; };
+    const auto background = [&](int k) { return std::abs(s[k] - back.level[i]) < least; };
     if (p.valid[i] <= from) continue;
     int k = p.valid[i] - 1;
     while (k > 1 && (background(k) || background(k - 1))) --k;
