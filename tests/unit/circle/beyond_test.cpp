@@ -1,4 +1,5 @@
-// What of a ball shows outside a circle, and the second look that it gives rise to.
+// What of a ball shows outside a circle, the second look that it gives rise to, and outlines whose
+// rays are pooled.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -69,8 +70,8 @@ TEST(SecondLook, ABarsEdgeAndAnArcAreNoBall) {
   EXPECT_LT(errors.centre.rms(), 0.05);
 }
 
-// A lamp's dark side hardly differs from the background: seven circles were wrong without it.
-TEST(SecondLook, TheDarkSideIsTheBalls) {
+// A lamp's dark side hardly differs from the background: single rays do not tell it.
+TEST(PooledOutline, TheDarkSideIsTheBalls) {
   const LightErrors errors = circles_of(299);
   EXPECT_GE(errors.circles, 10);
   EXPECT_EQ(errors.wrong, 0);
