@@ -173,11 +173,16 @@ class Learner {
                                     {Thoroughness::kFinely, &fit_.rim});
     // By the frame alone: a radius that is known from others would hold it back.
     const double moved = other.ok ? (other.own.r_px - fit_.own.r_px) / kWider : sigma_px_;
+    // Beside what hides a rim the width by chance moves little, and the rim is misplaced all the
+    // same.
+    const bool hidden = fit_.points < kLearning.whole_rim * trace_.in_view;
+    const bool least = surface_ == Surface::kFlat && hidden;
+    const double usual = std::max(std::abs(moved), least ? kLearning.least_moved_px : 0);
     const double noise = std::max(0.0, trace_.noise - kLearning.usual_noise);
     const double ink =
         std::hypot(kLearning.of_noise * noise, kLearning.of_small_px3 * std::pow(from_.r, -3));
     const double error = std::hypot(kLearning.model_error, kLearning.uneven_error * uneven, ink);
-    const double place_sd_px = std::hypot(error * moved, kLearning.least_place_sd_px);
+    const double place_sd_px = std::hypot(error * usual, kLearning.least_place_sd_px);
     // From frame to frame of one ball it comes out three times as large or as small: the rms of a
     // model that is learnt anew and of the one before.
     const double before = prior_.rim_model ? prior_.rim_model->place_sd_px() : place_sd_px;
