@@ -70,7 +70,7 @@ struct LearningSettings {
   // a quarter of this, and errors were 6 deviations. A rim is whole that shows so much of itself:
   // whole discs 0.77 and more, those behind bars of 30 % at most 0.53.
   double least_moved_px = 0.18;  // [measured] light_accuracy disc, disc_noise, disc_unseen_60
-  double whole_rim = 0.7;        // [measured] light_accuracy disc_bar, CircleAccuracy
+  double whole_rim = 0.6;        // [measured] light_accuracy disc_bar, CircleAccuracy
   double wider = 0.05;           // of ln σ, to see what the width does [definition]: a difference
 };
 inline constexpr LearningSettings kLearning;

@@ -117,6 +117,8 @@ double half_way(const Pooled& pooled, int last, double noise) {
 
 bool find_pooled_departures(Profiles& p, const Rim& rim) {
   const Behind back = behind(p);
+  // In so little noise a single sample tells, and blur far outside would be taken for the ball.
+  if (kOutline.noises * back.noise < kOutline.least_level) return false;
   if (alike(p, back) > kOutline.alike) return false;
   const int n = static_cast<int>(p.rays.size());
   const double apart_px = 2 * kPi * rim.r / std::max(p.cast, 1);

@@ -70,6 +70,16 @@ TEST(SecondLook, ABarsEdgeAndAnArcAreNoBall) {
   EXPECT_LT(errors.centre.rms(), 0.05);
 }
 
+// Without noise all of an edge's blur would be the ball's: circles of a filmed shot were 0.15 px
+// off.
+TEST(PooledOutline, WithoutNoiseSingleRaysTell) {
+  for (const double noise : {0.0, 2.0}) {
+    const Shown ball = shown({.name = "disc", .radius_px = 60, .noise = noise});
+    circle::RimTrace trace;
+    EXPECT_EQ(trace_pooled_outline(ball.frame, ball.rim, 0.7, 90, trace), noise > 0) << noise;
+  }
+}
+
 // A lamp's dark side hardly differs from the background: single rays do not tell it.
 TEST(PooledOutline, TheDarkSideIsTheBalls) {
   const LightErrors errors = circles_of(299);
