@@ -10,7 +10,6 @@
 
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
-#include "host/dic/field_columns.h"
 #include "host/motion/ball_shape.h"
 #include "host/motion/field_motion.h"
 #include "host/motion/perspective.h"
@@ -67,7 +66,6 @@ struct PairMotion {
   FieldStrain strain;       // of the ball's picture from frame to frame; asked for by `ball` alone
   std::vector<Window> windows;
   std::vector<WindowMotion> field;
-  dic::FieldColumns columns;  // of the field, where they are asked for: see TrackOptions
 };
 
 class MotionEstimator {

@@ -161,11 +161,8 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
                              std::function<bool()> cancelled, StageTimes* times,
                              const WorkerStages& stages)
     : radius_px_(clip.radius_px),
-      roi_(clip.roi),
-      fields_(clip.fields),
-      window_px_(options.field.window_px),
       cancelled_(std::move(cancelled)),
-      crop_(options, clip.radius_px, clip.roi.width, clip.roi.height),
+      crop_(options, clip.radius_px, clip.width, clip.height),
       times_(times),
       stages_(stages),
       aim_(clip.radius_px, crop_, options),
@@ -340,22 +337,9 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
   }
   for (std::size_t k = 0; k < which.size(); ++k) {
     motion::out_of_crops(pairs[k], origins[which[k]], origins[which[k] + 1]);
-    finish_field(pairs[k]);
     batch.pairs[first + which[k]] = std::move(pairs[k]);
     batch.measured[first + which[k]] = true;
   }
-}
-
-// Into the whole picture's pixels, and into the forms that are wanted.
-void DeviceWorkers::finish_field(motion::PairMotion& pair) const {
-  for (Window& window : pair.windows) {
-    window.x0 += roi_.x;
-    window.y0 += roi_.y;
-  }
-  if (fields_.columns) pair.columns = dic::FieldColumns(pair.windows, pair.field, window_px_);
-  if (fields_.windows) return;
-  pair.windows = {};
-  pair.field = {};
 }
 
 std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch, std::size_t first,

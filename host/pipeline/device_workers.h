@@ -12,11 +12,9 @@
 #include <vector>
 
 #include "host/base/stage_times.h"
-#include "host/clip/roi.h"
 #include "host/dic/frames/device_frames.h"
 #include "host/motion/pose/keyframes.h"
 #include "host/motion/pose/pose_forecast.h"
-#include "host/pipeline/field_forms.h"
 #include "host/pipeline/track_batch.h"
 
 namespace impactdic::pipeline {
@@ -30,14 +28,12 @@ class DeviceWorkers {
  public:
   using Batch = std::shared_ptr<TrackBatch>;
 
-  // What is to be measured: frames of `roi` of a ball of `radius_px`, at most `batch` at a time;
-  // about `batches` of them come. Windows come back in pixels of the whole picture.
+  // What is to be measured: `width` × `height` frames of a ball of `radius_px`, at most `batch` at
+  // a time; about `batches` of them come.
   struct Clip {
     double radius_px = 0;
-    Roi roi;
-    int batch = 0;
+    int width = 0, height = 0, batch = 0;
     std::int64_t batches = 0;
-    FieldForms fields;
   };
   // Engines get as many workers as suit them, or fewer where there is less to do, each with a
   // queue, frames and an estimator of its own. Batches go to the device in as many parts as its
@@ -79,7 +75,6 @@ class DeviceWorkers {
   bool measure_parts(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
   bool is_cancelled();
   void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
-  void finish_field(motion::PairMotion& pair) const;
   // Registers the batch's frames against keyframes as soon as it is known about where they are.
   void register_ahead(Worker& worker, const TrackBatch& batch, motion::Keyframes::Ahead& ahead,
                       Turn& planning, Turn& placing);
@@ -91,9 +86,6 @@ class DeviceWorkers {
   std::int64_t place_in_group(const TrackBatch& batch) const;
 
   double radius_px_;
-  Roi roi_;
-  FieldForms fields_;
-  int window_px_;
   std::function<bool()> cancelled_;
   motion::BallCrop crop_;
   StageTimes* times_;

@@ -148,7 +148,10 @@ class ClipTracker {
     for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
     compare_with_path(batch->rows);
     for (std::size_t i = 0; i < rows; ++i) {
-      emit(*batch, i, is_measured(*batch, i) ? &batch->pairs[i] : nullptr);
+      motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
+      // Not before: what a worker measured is slow to fetch, and is written next.
+      if (pair != nullptr) into_picture(pair->windows);
+      emit(*batch, i, pair);
     }
     const std::int64_t done = batch->first_index + static_cast<std::int64_t>(batch->frames.size());
     last_ = std::move(batch);
@@ -239,8 +242,8 @@ class ClipTracker {
     const int ahead = options_.feed ? 1 : options_.poses_ahead;
     DeviceWorkers::Clip clip;
     clip.radius_px = point_.grid_radius_px.value_or(*seen);
-    clip.roi = options_.roi;
-    clip.fields = options_.fields;
+    clip.width = options_.roi.width;
+    clip.height = options_.roi.height;
     clip.batch = batch_;
     clip.batches = (options_.frames.count() - batch.first_index + batch_ - 1) / batch_;
     workers_ = std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead,
@@ -266,6 +269,13 @@ class ClipTracker {
 
   static bool is_measured(const TrackBatch& batch, std::size_t i) {
     return i < batch.measured.size() && batch.measured[i];
+  }
+
+  void into_picture(std::span<Window> windows) const {
+    for (Window& window : windows) {
+      window.x0 += options_.roi.x;
+      window.y0 += options_.roi.y;
+    }
   }
 
   void fill_row(TrackBatch& batch, std::size_t i) const {

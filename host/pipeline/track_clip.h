@@ -11,7 +11,6 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/motion/motion_estimator.h"
-#include "host/pipeline/field_forms.h"
 #include "host/pipeline/frame_pipeline.h"
 #include "host/pipeline/resume_point.h"
 #include "host/video/frame_source.h"
@@ -32,7 +31,6 @@ struct TrackOptions {
   FrameRange frames;
   Roi roi;                 // in whole-picture pixels, as every result
   bool with_field = true;  // false: circles only, no device needed
-  FieldForms fields;       // in which the sink wants them
   double fps = 0;          // of the stored frames; 0 where unknown
   // Periods of the analysed frames since the first one, of each of them, where the camera lost some
   // in between; empty: none are missing.

@@ -14,28 +14,59 @@
 namespace impactdic::report {
 namespace {
 
+// The windows of a frame.
+struct Rows {
+  std::span<const Window> windows;
+  std::span<const WindowMotion> field;
+  double half;
+};
+
 // One dataset of (time, window) floats: how it is called and what it holds.
 struct Column {
   const char* name;
   const char* units;
   const char* meaning;
+  float WindowMotion::*value = nullptr;
 };
 
-constexpr std::size_t kColumnCount = dic::FieldColumns::kCount;
-constexpr std::array<Column, kColumnCount> kColumns = {{
-    {"x_px", "px", "centre of the window in the frame, x right"},
-    {"y_px", "px", "centre of the window in the frame, y down"},
-    {"u_px", "px", "displacement of the window's centre, x right"},
-    {"v_px", "px", "displacement of the window's centre, y down"},
-    {"u_sd_px", "px", "one standard deviation of u_px"},
-    {"v_sd_px", "px", "one standard deviation of v_px"},
-    {"correlation", "1", "zero-mean normalised cross-correlation (ZNCC)"},
-    {"peak_ratio", "1", "highest correlation peak over the highest one elsewhere"},
-    {"ux", "1", "displacement gradient du/dx"},
-    {"uy", "1", "displacement gradient du/dy"},
-    {"vx", "1", "displacement gradient dv/dx"},
-    {"vy", "1", "displacement gradient dv/dy"},
-}};
+// Where the window stood is known whatever came of it; the rest only where it was measured.
+constexpr std::array kPlaces = {
+    Column{"x_px", "px", "centre of the window in the frame, x right"},
+    Column{"y_px", "px", "centre of the window in the frame, y down"},
+};
+constexpr std::array kMeasured = {
+    Column{"u_px", "px", "displacement of the window's centre, x right", &WindowMotion::u},
+    Column{"v_px", "px", "displacement of the window's centre, y down", &WindowMotion::v},
+    Column{"u_sd_px", "px", "one standard deviation of u_px", &WindowMotion::u_sd},
+    Column{"v_sd_px", "px", "one standard deviation of v_px", &WindowMotion::v_sd},
+    Column{"correlation", "1", "zero-mean normalised cross-correlation (ZNCC)",
+           &WindowMotion::correlation},
+    Column{"peak_ratio", "1", "highest correlation peak over the highest one elsewhere",
+           &WindowMotion::peak_ratio},
+    Column{"ux", "1", "displacement gradient du/dx", &WindowMotion::ux},
+    Column{"uy", "1", "displacement gradient du/dy", &WindowMotion::uy},
+    Column{"vx", "1", "displacement gradient dv/dx", &WindowMotion::vx},
+    Column{"vy", "1", "displacement gradient dv/dy", &WindowMotion::vy},
+};
+constexpr std::size_t kColumnCount = kPlaces.size() + kMeasured.size();
+
+constexpr const Column& column(std::size_t index) {
+  return index < kPlaces.size() ? kPlaces[index] : kMeasured[index - kPlaces.size()];
+}
+
+// Puts a frame's values where each column has its place for them, all in one look at every window:
+// what another thread has measured is slow to fetch.
+template <std::size_t... k>
+void gather(const Rows& rows, const std::array<float*, kColumnCount>& columns,
+            std::index_sequence<k...>) {
+  for (std::size_t i = 0; i < rows.field.size(); ++i) {
+    const WindowMotion& motion = rows.field[i];
+    const bool measured = motion.status == static_cast<std::int32_t>(WindowStatus::kOk);
+    columns[0][i] = static_cast<float>(rows.windows[i].x0 + rows.half);
+    columns[1][i] = static_cast<float>(rows.windows[i].y0 + rows.half);
+    ((columns[kPlaces.size() + k][i] = measured ? motion.*kMeasured[k].value : NAN), ...);
+  }
+}
 
 // In a camera's plane of motion.
 struct PlaneColumn {
@@ -57,12 +88,6 @@ constexpr std::array kPlaneColumns = {
 // Grows where a reader must know of a change; datasets and attributes are only ever added.
 constexpr double kSchemaVersion = 1;
 
-constexpr auto kMasked = static_cast<std::uint8_t>(WindowStatus::kMasked);
-
-[[noreturn]] void throw_other_count() {
-  throw InvalidArgument("the field has another number of windows than its file");
-}
-
 constexpr std::array kCentreNames = {"centre_u_px", "centre_v_px", "centre_u_sd_px",
                                      "centre_v_sd_px"};
 
@@ -70,7 +95,7 @@ constexpr std::array kCentreNames = {"centre_u_px", "centre_v_px", "centre_u_sd_
 
 struct FieldsFile::Impl {
   hdf5::File file;
-  int window_px;
+  double half;
   std::size_t windows = 0;
   std::size_t rows = 0, gathered = 0;  // frames, and those of them that are only in memory
   std::future<void> writing;
@@ -79,7 +104,7 @@ struct FieldsFile::Impl {
   std::array<hdf5::Table, kCentreNames.size()> centre;
   std::vector<hdf5::Table> plane;  // none without a camera
 
-  Impl(hdf5::File opened, int px) : file(std::move(opened)), window_px(px) {}
+  Impl(hdf5::File opened, int window_px) : file(std::move(opened)), half((window_px - 1) / 2.0) {}
 
   template <typename Fn>
   void each_table(Fn&& fn) {
@@ -121,8 +146,8 @@ struct FieldsFile::Impl {
     status = hdf5::Table::create<std::uint8_t>(file, "status", count, 1);
     mask = hdf5::Table::create<std::uint8_t>(file, "mask", count, 0);
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      columns[i] = hdf5::Table::create<float>(file, kColumns[i].name, count, NAN);
-      describe(kColumns[i].name, kColumns[i].units, kColumns[i].meaning);
+      columns[i] = hdf5::Table::create<float>(file, column(i).name, count, NAN);
+      describe(column(i).name, column(i).units, column(i).meaning);
     }
     for (std::size_t i = 0; i < kCentreNames.size(); ++i) {
       centre[i] = hdf5::Table::create<double>(file, kCentreNames[i], 0, kNotMeasured);
@@ -196,7 +221,7 @@ struct FieldsFile::Impl {
     status = hdf5::Table::open(file, "status");
     mask = hdf5::Table::open(file, "mask");
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      columns[i] = hdf5::Table::open(file, kColumns[i].name);
+      columns[i] = hdf5::Table::open(file, column(i).name);
     }
     for (std::size_t i = 0; i < kCentreNames.size(); ++i) {
       centre[i] = hdf5::Table::open(file, kCentreNames[i]);
@@ -257,26 +282,27 @@ FieldsFile FieldsFile::resume(const std::filesystem::path& path, int window_px, 
 void FieldsFile::add(std::int64_t frame, double time_s, std::span<const Window> windows,
                      std::span<const WindowMotion> field, const TrackRow* row,
                      std::span<const PlaneResult> plane) {
-  if (!field.empty() && windows.size() != field.size()) throw_other_count();
-  add(frame, time_s, dic::FieldColumns(windows, field, impl_->window_px), row, plane);
-}
-
-void FieldsFile::add(std::int64_t frame, double time_s, const dic::FieldColumns& field,
-                     const TrackRow* row, std::span<const PlaneResult> plane) {
   Impl& file = *impl_;
   const std::size_t count = file.windows;
-  if (!field.empty() && field.windows() != count) throw_other_count();
+  if (!field.empty() && (field.size() != count || windows.size() != count)) {
+    throw InvalidArgument("the field has another number of windows than its file");
+  }
   *file.time.append<double>() = time_s;
   *file.frame.append<std::int64_t>() = frame;
+  auto* const status = file.status.append<std::uint8_t>();
+  auto* const mask = file.mask.append<std::uint8_t>();
+  std::array<float*, kColumnCount> columns{};
+  for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = file.columns[c].append<float>();
   if (field.empty()) {
-    std::fill_n(file.status.append<std::uint8_t>(), count, kMasked);
-    std::fill_n(file.mask.append<std::uint8_t>(), count, std::uint8_t{0});
-    for (hdf5::Table& column : file.columns) std::fill_n(column.append<float>(), count, NAN);
+    std::fill_n(status, count, static_cast<std::uint8_t>(WindowStatus::kMasked));
+    std::fill_n(mask, count, std::uint8_t{0});
+    for (float* column : columns) std::fill_n(column, count, NAN);
   } else {
-    file.status.append_row(field.status());
-    std::transform(field.status().begin(), field.status().end(), file.mask.append<std::uint8_t>(),
-                   [](std::uint8_t status) { return std::uint8_t{status != kMasked}; });
-    for (std::size_t c = 0; c < kColumnCount; ++c) file.columns[c].append_row(field.column(c));
+    gather({windows, field, file.half}, columns, std::make_index_sequence<kMeasured.size()>());
+    for (std::size_t i = 0; i < count; ++i) {
+      status[i] = static_cast<std::uint8_t>(field[i].status);
+      mask[i] = field[i].status != static_cast<std::int32_t>(WindowStatus::kMasked);
+    }
   }
   for (std::size_t c = 0; c < file.plane.size(); ++c) {
     auto* const values = file.plane[c].append<double>();

@@ -14,7 +14,6 @@
 
 #include "host/clip/track_row.h"
 #include "host/dic/field.h"
-#include "host/dic/field_columns.h"
 #include "host/video/clip_digest.h"
 
 namespace impactdic::report {
@@ -43,9 +42,6 @@ class FieldsFile {
   // window, or empty.
   void add(std::int64_t frame, double time_s, std::span<const Window> windows,
            std::span<const WindowMotion> field, const TrackRow* row,
-           std::span<const PlaneResult> plane = {});
-  // The same of a field whose columns are made already; empty where there is none.
-  void add(std::int64_t frame, double time_s, const dic::FieldColumns& field, const TrackRow* row,
            std::span<const PlaneResult> plane = {});
   // Frames are gathered; this puts all of them on the disk.
   void flush();

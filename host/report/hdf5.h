@@ -108,14 +108,6 @@ class Table {
     type_ = &native_type<T>;
     return static_cast<T*>(append(count, sizeof(T)));
   }
-  // Appends one row, of max(columns, 1) elements.
-  template <typename T>
-  void append_row(std::span<const T> row) {
-    type_ = &native_type<T>;
-    const auto* const first = reinterpret_cast<const unsigned char*>(row.data());
-    gathered_values_.insert(gathered_values_.end(), first, first + row.size_bytes());
-    ++gathered_;
-  }
   // Those gathered and set aside included.
   std::size_t rows() const { return written_ + aside_ + gathered_; }
   std::size_t chunk_rows() const { return chunk_rows_; }

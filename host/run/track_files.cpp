@@ -64,7 +64,7 @@ struct TrackFiles::Impl {
       return;
     }
     if (pair != nullptr) {
-      fields->add(row.frame, row.time_s, pair->columns, &row);
+      fields->add(row.frame, row.time_s, pair->windows, pair->field, &row);
     } else {
       fields->add(row.frame, row.time_s, {}, {}, &row);
     }

@@ -261,7 +261,6 @@ void TrackRun::measure(const Outputs& outputs) {
   StageTimes times;
   if (session_.options().profile) options_.times = &times;
   options_.from = outputs.from;
-  options_.fields = outputs.fields;
   options_.checkpoint = outputs.checkpoint;
   if (outputs.from && outputs.from->grid_radius_px) {
     result_.grid_radius_px = *outputs.from->grid_radius_px;

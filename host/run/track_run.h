@@ -42,7 +42,6 @@ class TrackRun {
   struct Outputs {
     pipeline::GridSink grid;                                       // may be empty
     pipeline::TrackSink frame;                                     // may be empty
-    pipeline::FieldForms fields;                                   // that `frame` gets
     std::function<void(const pipeline::ResumePoint&)> checkpoint;  // may be empty
     std::optional<pipeline::ResumePoint> from;                     // with its rows already taken up
   };

@@ -185,16 +185,13 @@ bool needs_rows(const TrackRequest& request, const TrackFolder& folder) {
 }
 
 // Rows, fields and points into the files; rows to the sink as well, where there is one.
-run::TrackRun::Outputs into(run::TrackFiles& files, const TrackRequest& request, bool overlay,
-                            const TrackSink& sink) {
+run::TrackRun::Outputs into(run::TrackFiles& files, int window_px, const TrackSink& sink) {
   run::TrackRun::Outputs outputs;
   outputs.from = files.resume_point();
-  outputs.fields = {.windows = overlay || sink, .columns = request.with_field};
   outputs.grid = [&files](std::span<const Window> grid, double radius_px) {
     files.set_grid(grid, radius_px);
   };
-  outputs.frame = [&files, &sink,
-                   window_px = request.field.window_px](const pipeline::TrackedFrame& frame) {
+  outputs.frame = [&files, &sink, window_px](const pipeline::TrackedFrame& frame) {
     files.add(frame);
     if (sink) run::hand_on(frame, window_px, sink);
   };
@@ -251,7 +248,7 @@ TrackResult track_to_folder(const TrackRequest& request, const TrackFolder& fold
   RowStore store(path);
   if (!needs_rows(request, folder)) run.keep_rows_in(store);
   run.take_up(files->take_earlier_rows());
-  const run::TrackRun::Outputs outputs = into(*files, request, folder.overlay.wanted, sink);
+  const run::TrackRun::Outputs outputs = into(*files, request.field.window_px, sink);
   const auto finish = [&] {
     session.impl().close_beside();
     run.conclude();
