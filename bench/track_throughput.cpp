@@ -155,7 +155,11 @@ int run(const Request& request) {
   namespace fs = std::filesystem;
   fs::create_directories(request.folder);
   const video::SinkFormat format = video::parse_sink_format(request.format);
-  const std::string stem = request.folder + "/clip", out = request.folder + "/out";
+  // Called by what it shows: another clip that lies there from an earlier run is not this one.
+  const std::string stem = request.folder + "/" + request.body + "_" +
+                           std::to_string(request.frames) + "_of_" +
+                           std::to_string(request.distinct);
+  const std::string out = request.folder + "/out";
   const bool photron =
       format == video::SinkFormat::kMraw || format == video::SinkFormat::kMrawPacked12;
   const std::string path = stem + video::sink_extension(format),
