@@ -1,8 +1,9 @@
 // How exactly pairs of pictures of a sphere are registered, with its radius known, and how many
 // large turns are found without a guess; or, with `distance`, how exactly such pairs tell from
-// where they are seen.
-//   sphere_accuracy [COUNT [SEED [distance]]]
+// where they are seen; or, with a PATTERN, the pairs of another ball than e1 alone.
+//   sphere_accuracy [COUNT [SEED [distance|PATTERN]]]
 #include <cstdlib>
+#include <string>
 
 #include "tests/support/sphere/sphere_distances.h"
 
@@ -29,16 +30,20 @@ int main(int count, char** arguments) {
   using namespace impactdic;
   const int pairs = count > 1 ? std::atoi(arguments[1]) : 100;
   const auto seed = static_cast<unsigned>(count > 2 ? std::atoi(arguments[2]) : 7);
-  if (count > 3) {
+  const std::string what = count > 3 ? arguments[3] : "e1";
+  if (what == "distance") {
     measure_all_distances(pairs, seed);
     return 0;
   }
   for (const double noise : {0.01, 2.0}) {
-    for (const double most_deg : {0.5, 8.0}) testing::measure_pairs(pairs, most_deg, noise, seed);
+    for (const double most_deg : {0.5, 8.0}) {
+      testing::measure_pairs(pairs, most_deg, noise, seed, {.pattern = what});
+    }
   }
+  if (count > 3) return 0;
   for (const double most_deg : {0.5, 2.0, 8.0}) {
     for (const bool told : {false, true}) {
-      for (const testing::PairView view :
+      for (const testing::PairView& view :
            {testing::PairView{25, 0}, testing::PairView{0, 0.05}, testing::PairView{0, 0.1}}) {
         std::printf("seen from %g radii (0: parallel rays), compressed by %g, %s\n  ",
                     view.distance_radii, view.compression, told ? "told" : "not told");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <random>
+#include <string>
 
 #include "host/dic/device/ball.h"
 #include "host/dic/device/sphere_search.h"
@@ -49,6 +50,7 @@ struct Summary {
 struct PairView {
   double distance_radii = 0, compression = 0;
   bool told = true;
+  std::string pattern = "e1";
 };
 
 // The registration of a pair, started beside the truth.
@@ -123,8 +125,8 @@ inline Summary measure_pairs(int count, double most_deg, double noise, unsigned 
     perspective = {1 / (view.distance_radii * kRadiusPx), middle, middle};
   scene.noise_sigma = noise;
   scene.noise_seed = seed;
-  const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
-                                            scene);
+  const sim::speckle::SphereRenderer sphere(
+      sim::speckle::paint_sphere(view.pattern, seed, kRadiusPx), scene);
   const auto render = [&](const SpherePose& pose, std::int64_t index, Frame& frame) {
     BallPose at{pose.cx_px, pose.cy_px};
     at.compression = pose.compression;
