@@ -23,6 +23,9 @@
 #define NEWTON PRODUCTS       /* then: the weights' share of Newton's matrix, see biweight */
 #define CHANGE (PRODUCTS + 1) /* what w r² gains by the logarithm of the scale */
 #define SUMS (PRODUCTS + 2)
+// Bends (bend.h) are taken off where nothing but the motion is asked: what tells the radius, the
+// distance or the centre is a pair that turns by more than their first order holds for.
+#define BENDS (PARAMETERS == SPHERE && MOVES == PARAMETERS)
 #define BINS 256
 #define PART_BINS 16
 #define ROUNDING_VARIANCE (1.0f / 12.0f)
@@ -89,6 +92,7 @@ typedef struct Shared {
 #if PARAMETERS == SPHERE
   float turn[9];  // from the first to the second picture; x right, y down, z to camera
   float scores[TRIANGLE(REGRESSORS, 0)];  // Σ over blocks of their scores' products
+  float bent[REGRESSORS];                 // what bends give to a step's right side
   float inverse[MOVES * REGRESSORS];      // rows of the inverse of the normal matrix
   float radius;                           // of the sphere
   float centre[2];                        // of the sphere in the first picture, px

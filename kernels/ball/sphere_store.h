@@ -5,10 +5,13 @@
 #ifndef IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_
 #define IMPACTDIC_KERNELS_BALL_SPHERE_STORE_H_
 
+#include "kernels/ball/bend.h"
 #include "kernels/ball/pixels.h"
+#include "kernels/ball/step.h"
 #include "kernels/ball/turn.h"
 
-// Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores.
+// Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores; and what bends
+// give to the right side of the last step, into shared->bent.
 BARRIER_INLINE void sum_scores(__global const float* value, __global const float* second,
                                __global const float* mask, const BallTask task, const Box box,
                                const BallLimits limits, __local float* scratch,
@@ -18,6 +21,11 @@ BARRIER_INLINE void sum_scores(__global const float* value, __global const float
   const int down = max(0, (box.y1 - box.y0 + BLOCK_Y - 1) / BLOCK_Y);
   REAL products[TRIANGLE(REGRESSORS, 0)];
   for (int k = 0; k < TRIANGLE(REGRESSORS, 0); ++k) products[k] = 0.0f;
+#if BENDS
+  const float share = bend_share(shared->turn) * shared->light[1];
+  REAL bent[REGRESSORS];
+  for (int i = 0; i < REGRESSORS; ++i) bent[i] = 0.0f;
+#endif
   for (int block = (int)get_local_id(0); block < across * down; block += GROUP) {
     const int x0 = box.x0 + block % across * BLOCK_X, y0 = box.y0 + block / across * BLOCK_Y;
     REAL score[REGRESSORS];
@@ -29,6 +37,13 @@ BARRIER_INLINE void sum_scores(__global const float* value, __global const float
         continue;
       REAL newton;
       if (shared->scale > 0.0f) w *= biweight(column[REGRESSORS], shared->scale, &newton);
+#if BENDS
+      if (share > 0.0f) {
+        const REAL bend = w * bend_change(value, view, task, limits, shared, px, py);
+#pragma unroll
+        for (int i = 0; i < REGRESSORS; ++i) bent[i] += bend * column[i];
+      }
+#endif
       w *= column[REGRESSORS];
 #pragma unroll
       for (int i = 0; i < REGRESSORS; ++i) score[i] += w * column[i];
@@ -44,6 +59,10 @@ BARRIER_INLINE void sum_scores(__global const float* value, __global const float
   }
   for (int k = 0; k < TRIANGLE(REGRESSORS, 0); ++k) products[k] *= 1.0f / VECTOR;
   GROUP_SUMS(products, TRIANGLE(REGRESSORS, 0), scratch, shared->scores)
+#if BENDS
+  for (int i = 0; i < REGRESSORS; ++i) bent[i] *= share;
+  GROUP_SUMS(bent, REGRESSORS, scratch, shared->bent)
+#endif
 }
 
 // a' B b for rows of the inverse and the packed scores.
@@ -57,6 +76,21 @@ BARRIER_INLINE float sandwich(__local const float* scores, __local const float* 
   }
   return sum;
 }
+
+#if BENDS
+// Lane 0: takes off the motion what bends have made of it: one more step, with the last one's
+// weights. shared->inverse is set.
+BARRIER_INLINE void unbend(__local Shared* shared, const float radius) {
+  for (int k = 0; k < MOVES; ++k) {
+    float sum = 0.0f;
+    for (int i = 0; i < REGRESSORS; ++i) {
+      sum += shared->inverse[k * REGRESSORS + i] * shared->bent[i];
+    }
+    shared->solution[LIGHT + k] = -shared->stretch * sum;
+  }
+  move(shared, radius);
+}
+#endif
 
 // Lane 0: the motion and its covariance. `rounding`: variance of a pixel that a residual need not
 // show. shared->sums holds the factor of the last step's normal matrix.
@@ -74,6 +108,9 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
       shared->inverse[k * REGRESSORS + i] = shared->solution[i];
     }
   }
+#if BENDS
+  unbend(shared, radius);
+#endif
 #if FREE_CENTRE
   // The error of what was told of the centre.
   const float told = shared->told * by_gain * centre_sd;

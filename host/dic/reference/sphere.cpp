@@ -23,9 +23,13 @@ constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
 constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
 constexpr double kBlurChange = 4.5;
-constexpr double kSphereTukey = 6;
+constexpr double kSphereTukey = 6, kLongestStretch = 1.3;
+// Bends, as in kernels/ball/bend.h: what blurs, in shares of what blurs second differences, and the
+// sines of the tilt up to which they are taken off wholly and from which on not at all.
+constexpr double kBlurOfBends = 0.9, kFullBend = 0.14, kNoBend = 0.21;
 constexpr double kStep = 1e-4;  // px and rad, of differences
 using Row = Eigen::Matrix<double, kColumns, 1>;
+using Motion = Eigen::Matrix<double, kMotion, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;
 
 // One picture of the ball: x right, y down, z towards the camera, from the ball's centre.
@@ -114,21 +118,22 @@ class SphereRegistration {
         options_(options),
         task_(task),
         centre_(task.cx, task.cy),
-        smallest_scale_(grey_level) {
+        smallest_scale_(grey_level),
+        bends_(first.width(), first.height()) {
     const Vector3d guess(task.guess_rot_x_rad, task.guess_rot_y_rad, task.guess_rot_rad);
     turn_ = quaternion_of(guess);
     shift_ = Vector2d(task.guess_dx, task.guess_dy);
   }
 
-  // Steps of Gauss and Newton until they vanish. False where the regression is singular.
+  // Registers, and takes off what bends have made of the motion. False where the regression is
+  // singular.
   bool run() {
+    if (!settle()) return false;
+    see_bends();
     double moved = 1;
-    for (int k = 0; k < 100; ++k) {
-      if (!step(moved)) return false;
-      ++steps_;
-      if (moved < 1e-9 && (!options_.robust || scale_ > 0)) return true;
-    }
-    return moved < 1e-6;
+    if (!step(moved)) return false;
+    unbend();
+    return true;
   }
 
   BallMotion result() const {
@@ -148,6 +153,17 @@ class SphereRegistration {
   }
 
  private:
+  // Steps of Gauss and Newton until they vanish. False where the regression is singular.
+  bool settle() {
+    double moved = 1;
+    for (int k = 0; k < 100; ++k) {
+      if (!step(moved)) return false;
+      ++steps_;
+      if (moved < 1e-9 && (!options_.robust || scale_ > 0)) return true;
+    }
+    return moved < 1e-6;
+  }
+
   SphereWarp warp(const Vector3d& turned_on = Vector3d::Zero(),
                   const Vector2d& moved_on = Vector2d::Zero()) const {
     const BallSight& s = task_.sight;
@@ -158,16 +174,52 @@ class SphereRegistration {
             {s.by_distance, {s.second_x, s.second_y}, stretch_of(s.second)}};
   }
 
-  // The first picture's second differences; 0 at its border.
-  Eigen::Matrix2d curvature(int x, int y) const {
+  // Second differences of what `of` says of the first picture's pixels; 0 at its border.
+  template <typename Of>
+  Eigen::Matrix2d differences(int x, int y, const Of& of) const {
     if (x < 1 || y < 1 || x >= first_.width() - 1 || y >= first_.height() - 1) {
       return Eigen::Matrix2d::Zero();
     }
-    const auto f = [&](int dx, int dy) { return first_.value(x + dx, y + dy); };
+    const auto f = [&](int dx, int dy) { return of(x + dx, y + dy); };
     const double xy = (f(1, 1) - f(1, -1) - f(-1, 1) + f(-1, -1)) / 4;
     Eigen::Matrix2d second;
     second << f(1, 0) + f(-1, 0) - 2 * f(0, 0), xy, xy, f(0, 1) + f(0, -1) - 2 * f(0, 0);
     return second;
+  }
+
+  Eigen::Matrix2d curvature(int x, int y) const {
+    return differences(x, y, [&](int i, int j) { return first_.value(i, j); });
+  }
+
+  // What bends change of the first picture's pixels, see kernels/ball/bend.h; lines of sight are
+  // taken to be parallel.
+  void see_bends() {
+    const Eigen::Matrix3d turn = in_picture(turn_);
+    const Vector2d q(turn(2, 0), turn(2, 1));
+    if (turn(2, 2) < 0) return;
+    const double share = std::clamp((kNoBend - q.norm()) / (kNoBend - kFullBend), 0.0, 1.0);
+    const double blur = kBlurOfBends * task_.blur, radius = task_.ball_radius;
+    const auto along = [&](int x, int y) {
+      const BSplineImage::Sample f = first_.sample(x, y);
+      return q.dot(Vector2d(f.slope_x, f.slope_y));
+    };
+    for (int y = 0; y < first_.height(); ++y) {
+      for (int x = 0; x < first_.width(); ++x) {
+        const Vector2d p = Vector2d(x, y) - centre_;
+        if (p.squaredNorm() >= task_.radius * task_.radius) continue;
+        const Vector3d then =
+            turn * Vector3d(p.x(), p.y(), std::sqrt(radius * radius - p.squaredNorm()));
+        const double z = std::max(then.z(), kLeastDepth * radius);
+        const Vector2d tilt = then.head<2>() / z;
+        const Eigen::Matrix2d bent =
+            -(Eigen::Matrix2d::Identity() + tilt * tilt.transpose()) / z;  // ∇∇z
+        const Eigen::Matrix2d back = turn.topLeftCorner<2, 2>().transpose() - q * tilt.transpose();
+        const Eigen::Matrix2d skew = back * bent * back.transpose();
+        bends_(x, y) =
+            share * blur / 2 *
+            (bent.trace() * along(x, y) + blur * (skew * differences(x, y, along)).trace());
+      }
+    }
   }
 
   // What moves the second picture there as much as each parameter does, on the first one.
@@ -201,7 +253,8 @@ class SphereRegistration {
     Normal normal = Normal::Zero();
     Row right = Row::Zero();
     std::vector<double> sizes;
-    double gg = 0, g_sum = 0;
+    double gg = 0, g_sum = 0, newton = 0;
+    bent_ = Row::Zero();
     const SphereWarp here = warp();
     const auto moved_on = around();
     const Eigen::Matrix2d round = stretch_of(task_.sight.first).inverse();
@@ -229,8 +282,14 @@ class SphereRegistration {
             shifts(p, here, moved_on).transpose() * Vector2d(f.slope_x, f.slope_y);
         const double r = g - light_.dot(row.head<kLight>());
         sizes.push_back(std::abs(r));
-        if (scale_ > 0)
-          w *= std::pow(std::max(0.0, 1 - std::pow(r / (kSphereTukey * scale_), 2)), 2);
+        if (scale_ > 0) {
+          const double u2 = std::pow(r / (kSphereTukey * scale_), 2), rest = std::max(0.0, 1 - u2);
+          newton += w * rest * (1 - 5 * u2);
+          w *= rest * rest;
+        } else {
+          newton += w;
+        }
+        bent_ += w * light_(1) * bends_(x, y) * row;
         normal += w * row * row.transpose();
         right += w * g * row;
         g_sum += w * g;
@@ -246,16 +305,25 @@ class SphereRegistration {
         (right(1) - carried_ * f_mean * g_mean) / std::sqrt(ff * (gg - carried_ * g_mean * g_mean));
     variance_ = (gg - solution.dot(right)) / (carried_ - kColumns);
     light_ = solution.head<kLight>();
+    bent_ = std::clamp(carried_ / newton, 1.0, kLongestStretch) * solver.solve(bent_);
     if (!(light_(1) > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
-    const Eigen::Matrix<double, kMotion, 1> by = solution.tail<kMotion>() / light_(1);
-    shift_ -= by.head<2>();
-    turn_ = (turn_ * quaternion_of(-by.tail<3>())).normalized();
+    const Motion by = solution.tail<kMotion>() / light_(1);
+    move(-by);
     moved = by.head<2>().norm() + task_.radius * by.tail<3>().norm();
     if (options_.robust && moved < 0.5) {
       scale_ = std::max(kSdOfMad * upper_median(std::move(sizes)), smallest_scale_);
     }
     return true;
   }
+
+  void move(const Motion& by) {
+    shift_ += by.head<2>();
+    turn_ = (turn_ * quaternion_of(by.tail<3>())).normalized();
+  }
+
+  // Bends are in the second picture, so that the motion found is too far by what they give to a
+  // step: taken off with the last one's weights, as long as Newton's step.
+  void unbend() { move(bent_.tail<kMotion>() / light_(1)); }
 
   const BSplineImage &first_, &second_;
   const BallOptions& options_;
@@ -264,6 +332,8 @@ class SphereRegistration {
   Eigen::Quaterniond turn_;
   Eigen::Vector4d light_ = {0, 1, 0, 0};
   double scale_ = 0, smallest_scale_;
+  Image<double> bends_;     // grey levels of the first picture
+  Row bent_ = Row::Zero();  // what they give to a step
   double correlation_ = 0, variance_ = 0, carried_ = 0;
   int steps_ = 0;
 };
