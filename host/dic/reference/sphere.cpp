@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "host/base/statistics.h"
@@ -249,12 +250,24 @@ class SphereRegistration {
             turned(-Vector3d::UnitZ())};
   }
 
-  bool step(double& moved) {
+  // Tukey's biweight w(r), and d(w r)/dr; 1 where there is no scale yet.
+  std::pair<double, double> biweight(double r) const {
+    if (!(scale_ > 0)) return {1, 1};
+    const double u2 = std::pow(r / (kSphereTukey * scale_), 2), rest = std::max(0.0, 1 - u2);
+    return {rest * rest, rest * (1 - 5 * u2)};
+  }
+
+  // What a pass over the disc sums up: of the regression, of Newton's matrix and of bends; and the
+  // sizes of the residuals.
+  struct Sums {
     Normal normal = Normal::Zero();
-    Row right = Row::Zero();
-    std::vector<double> sizes;
+    Row right = Row::Zero(), bent = Row::Zero();
     double gg = 0, g_sum = 0, newton = 0;
-    bent_ = Row::Zero();
+    std::vector<double> sizes;
+  };
+
+  Sums pass() const {
+    Sums sums;
     const SphereWarp here = warp();
     const auto moved_on = around();
     const Eigen::Matrix2d round = stretch_of(task_.sight.first).inverse();
@@ -281,37 +294,38 @@ class SphereRegistration {
         row.tail<kMotion>() =
             shifts(p, here, moved_on).transpose() * Vector2d(f.slope_x, f.slope_y);
         const double r = g - light_.dot(row.head<kLight>());
-        sizes.push_back(std::abs(r));
-        if (scale_ > 0) {
-          const double u2 = std::pow(r / (kSphereTukey * scale_), 2), rest = std::max(0.0, 1 - u2);
-          newton += w * rest * (1 - 5 * u2);
-          w *= rest * rest;
-        } else {
-          newton += w;
-        }
-        bent_ += w * light_(1) * bends_(x, y) * row;
-        normal += w * row * row.transpose();
-        right += w * g * row;
-        g_sum += w * g;
-        gg += w * g * g;
+        sums.sizes.push_back(std::abs(r));
+        const auto [robust, of_newton] = biweight(r);
+        sums.newton += w * of_newton;
+        w *= robust;
+        sums.bent += w * light_(1) * bends_(x, y) * row;
+        sums.normal += w * row * row.transpose();
+        sums.right += w * g * row;
+        sums.g_sum += w * g;
+        sums.gg += w * g * g;
       }
     }
-    const Eigen::LDLT<Normal> solver(normal);
-    const Row solution = solver.solve(right);
-    carried_ = normal(0, 0);
-    const double f_mean = normal(0, 1) / carried_, g_mean = g_sum / carried_;
-    const double ff = normal(1, 1) - carried_ * f_mean * f_mean;
-    correlation_ =
-        (right(1) - carried_ * f_mean * g_mean) / std::sqrt(ff * (gg - carried_ * g_mean * g_mean));
-    variance_ = (gg - solution.dot(right)) / (carried_ - kColumns);
+    return sums;
+  }
+
+  bool step(double& moved) {
+    Sums sums = pass();
+    const Eigen::LDLT<Normal> solver(sums.normal);
+    const Row solution = solver.solve(sums.right);
+    carried_ = sums.normal(0, 0);
+    const double f_mean = sums.normal(0, 1) / carried_, g_mean = sums.g_sum / carried_;
+    const double ff = sums.normal(1, 1) - carried_ * f_mean * f_mean;
+    const double gg = sums.gg - carried_ * g_mean * g_mean;
+    correlation_ = (sums.right(1) - carried_ * f_mean * g_mean) / std::sqrt(ff * gg);
+    variance_ = (sums.gg - solution.dot(sums.right)) / (carried_ - kColumns);
     light_ = solution.head<kLight>();
-    bent_ = std::clamp(carried_ / newton, 1.0, kLongestStretch) * solver.solve(bent_);
+    bent_ = std::clamp(carried_ / sums.newton, 1.0, kLongestStretch) * solver.solve(sums.bent);
     if (!(light_(1) > 0) || !(solver.vectorD().minCoeff() > 0)) return false;
     const Motion by = solution.tail<kMotion>() / light_(1);
     move(-by);
     moved = by.head<2>().norm() + task_.radius * by.tail<3>().norm();
     if (options_.robust && moved < 0.5) {
-      scale_ = std::max(kSdOfMad * upper_median(std::move(sizes)), smallest_scale_);
+      scale_ = std::max(kSdOfMad * upper_median(std::move(sums.sizes)), smallest_scale_);
     }
     return true;
   }
