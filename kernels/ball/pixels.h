@@ -82,7 +82,8 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
                    turn[2] + lean_x * turn[8], turn[5] + lean_y * turn[8]};
   across.x -= across.xx * on.ray_x + across.xy * on.ray_y;
   across.y -= across.yx * on.ray_x + across.yy * on.ray_y;
-  const Blurring change = blurring(across, on.x, on.y, on.slant, by_depth);
+  const REAL slant = on.slant;
+  const Blurring change = blurring(across, on.x, on.y, slant, by_depth);
 #else
   const REAL depth2 = shared->radius * shared->radius - x * x - y * y;
   const REAL z = sqrt(fmax(depth2, zero));
@@ -93,9 +94,17 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   REAL w = seen_share(fmin(z, turned_z) / shared->radius);
   const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));
   const Across across = {turn[0], turn[1], turn[3], turn[4], turn[2], turn[5]};
-  const Blurring change = blurring(across, x, y, z, by_depth);
+  const REAL slant = z;
+  const Blurring change = blurring(across, x, y, slant, by_depth);
 #endif
   w *= blur_share(change, task.blur);
+#if BENDS
+  // Both pictures' noise in an area of the first one, of which the second one shows less: the same
+  // whichever picture is the first, so that noise of a picture cancels along a chain of pairs.
+  w *= 2.0f / (1.0f + slant * by_depth);
+#else
+  (void)slant;
+#endif
   // Behind the rim a position is of no use, but it is read.
   const REAL to_x =
       clamp(view.t_x + lands_x, (REAL)(float)-view.base_x, (REAL)(most_x - (float)view.base_x));

@@ -67,9 +67,15 @@
 // sight on, wholly from the second on, in the first or the second picture, whichever is less:
 // beyond, foreshortening leaves no texture.
 #define LEAST_DEPTH 0.2f
+// SPHERE_SHARE: Σ of those weights over the whole disc, in areas of it. What is near the rim tells
+// most of a motion, and where bends are taken off it counts.
+#if BENDS
+#define FULL_DEPTH 0.35f
+#define SPHERE_SHARE 0.92f
+#else
 #define FULL_DEPTH 0.5f
-// Σ of those weights over the whole disc, in areas of it.
 #define SPHERE_SHARE 0.87f
+#endif
 // And half as much where the change of the blur, its variance times C of blur.h, has this sum of
 // squares, px⁴.
 #define BLUR_CHANGE 4.5f

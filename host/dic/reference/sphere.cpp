@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
-constexpr double kLeastDepth = 0.2, kFullDepth = 0.5;
-constexpr double kFullShare = 0.87;  // of the disc's area, of a sphere that is seen whole
+constexpr double kLeastDepth = 0.2, kFullDepth = 0.35;
+constexpr double kFullShare = 0.92;  // of the disc's area, of a sphere that is seen whole
 constexpr double kBlurChange = 4.5;
 constexpr double kSphereTukey = 6, kLongestStretch = 1.3;
 // Bends, as in kernels/ball/bend.h: what blurs, in shares of what blurs second differences, and the
@@ -102,6 +102,14 @@ struct SphereWarp {
     }
     const Eigen::Matrix2d back = derivative.inverse();
     return back * back.transpose() - Eigen::Matrix2d::Identity();
+  }
+  // How many times as large an area of the surface looks in the first picture as in the second.
+  double narrowing(const Vector2d& p) const {
+    const Vector3d seen = first.on_ball(p, radius), then = turn * seen;
+    const auto slant = [](const Vector3d& q, const Vector2d& ray) {
+      return q.z() - ray.dot(q.head<2>());
+    };
+    return slant(seen, first.leans(p)) / slant(then, moved().leans(moved().picture(then)));
   }
   // The lesser cosine of the surface's angle to the line of sight.
   double facing(const Vector2d& p) const {
@@ -285,6 +293,7 @@ class SphereRegistration {
         }
         const Eigen::Matrix2d changed = here.blurring(p);
         w /= 1 + std::pow(std::pow(task_.blur, 2) * changed.squaredNorm() / kBlurChange, 2);
+        w *= 2 / (1 + here.narrowing(p));  // both pictures' noise
         const double g = second_.value(at.x(), at.y()) -
                          light_(1) * task_.blur / 2 * (changed * curvature(x, y)).trace();
         const BSplineImage::Sample f = first_.sample(x, y);
