@@ -70,8 +70,8 @@
 // SPHERE_SHARE: Σ of those weights over the whole disc, in areas of it. What is near the rim tells
 // most of a motion, and where bends are taken off it counts.
 #if BENDS
-#define FULL_DEPTH 0.35f
-#define SPHERE_SHARE 0.92f
+#define FULL_DEPTH 0.4f
+#define SPHERE_SHARE 0.91f
 #else
 #define FULL_DEPTH 0.5f
 #define SPHERE_SHARE 0.87f

@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr int kLight = 4, kMotion = 5, kColumns = kLight + kMotion;
 // Of the radius, as in the kernel: from where a pixel counts, and from where wholly.
-constexpr double kLeastDepth = 0.2, kFullDepth = 0.35;
-constexpr double kFullShare = 0.92;  // of the disc's area, of a sphere that is seen whole
+constexpr double kLeastDepth = 0.2, kFullDepth = 0.4;
+constexpr double kFullShare = 0.91;  // of the disc's area, of a sphere that is seen whole
 constexpr double kBlurChange = 4.5;
 constexpr double kSphereTukey = 6, kLongestStretch = 1.3;
 // Bends, as in kernels/ball/bend.h: what blurs, in shares of what blurs second differences, and the
