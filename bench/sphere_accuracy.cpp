@@ -2,6 +2,9 @@
 // large turns are found without a guess; or, with `distance`, how exactly such pairs tell from
 // where they are seen; or, with a PATTERN, the pairs of another ball than e1 alone.
 //   sphere_accuracy [COUNT [SEED [distance|PATTERN]]]
+#include <impactdic/error.h>
+
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
@@ -26,7 +29,7 @@ void measure_all_distances(int pairs, unsigned seed) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   using namespace impactdic;
   const int pairs = count > 1 ? std::atoi(arguments[1]) : 100;
   const auto seed = static_cast<unsigned>(count > 2 ? std::atoi(arguments[2]) : 7);
@@ -53,4 +56,7 @@ int main(int count, char** arguments) {
     }
   }
   for (const double step : {20.0, 60.0, 120.0, 180.0}) testing::count_found(pairs, step, 3, seed);
+} catch (const impactdic::Error& error) {
+  std::fprintf(stderr, "sphere_accuracy: %s\n", error.what());
+  return 1;
 }

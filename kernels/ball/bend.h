@@ -35,8 +35,7 @@ BARRIER_INLINE REAL bend_change(__global const float* value, const View view, co
   const float radius = shared->radius, blur = BLUR_OF_BENDS * task.blur;
   const REAL from_x = LANE_NUMBERS + ((float)(px - (int)view.whole_cx) - view.rest_cx);
   const REAL from_y = (REAL)((float)(py - (int)view.whole_cy) - view.rest_cy);
-  const REAL from_z =
-      sqrt(fmax(radius * radius - from_x * from_x - from_y * from_y, (REAL)0.0f));
+  const REAL from_z = sqrt(fmax(radius * radius - from_x * from_x - from_y * from_y, (REAL)0.0f));
   const REAL x = turn[0] * from_x + turn[1] * from_y + turn[2] * from_z;
   const REAL y = turn[3] * from_x + turn[4] * from_y + turn[5] * from_z;
   const REAL z = turn[6] * from_x + turn[7] * from_y + turn[8] * from_z;
@@ -54,10 +53,9 @@ BARRIER_INLINE REAL bend_change(__global const float* value, const View view, co
   skew.yy = -by_depth * (yx * yx + yy * yy + along_y * along_y);
   const REAL shifted =
       -by_depth * (2.0f + tilt2) * (q_x * LOAD_REAL(slope_x) + q_y * LOAD_REAL(slope_y));
-  const REAL skewed = q_x * blur_change(slope_x, limits.plane_pitch, px, py, limits.width,
-                                        limits.height, skew) +
-                      q_y * blur_change(slope_y, limits.plane_pitch, px, py, limits.width,
-                                        limits.height, skew);
+  const REAL skewed =
+      q_x * blur_change(slope_x, limits.plane_pitch, px, py, limits.width, limits.height, skew) +
+      q_y * blur_change(slope_y, limits.plane_pitch, px, py, limits.width, limits.height, skew);
   return 0.5f * blur * shifted + blur * blur * skewed;
 }
 

@@ -10,8 +10,8 @@
 #include "kernels/ball/step.h"
 #include "kernels/ball/turn.h"
 
-// Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores; and what bends
-// give to the right side of the last step, into shared->bent.
+// Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores; and what
+// bends give to the right side of the last step, into shared->bent.
 BARRIER_INLINE void sum_scores(__global const float* value, __global const float* second,
                                __global const float* mask, const BallTask task, const Box box,
                                const BallLimits limits, __local float* scratch,
