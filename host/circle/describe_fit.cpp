@@ -118,6 +118,10 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
   }
+  if (m.rim_model->surface() == Surface::kOutline && arc) {
+    const double sd_px = kSphere.outline_arc_px3 / (result.circle.r_px * result.circle.r_px);
+    widen(result, sd_px, sd_px);
+  }
   if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
   }
@@ -133,6 +137,10 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
 
 CircleFit accepted(CircleFit fit, const Frame& frame, const CircleOptions& options) {
   const Circle& c = fit.circle;
+  // Of a speck, or of a straight edge.
+  if (!(c.r_px > 1 && c.r_px < frame.width() + frame.height())) {
+    return CircleFit{.bright = fit.bright};
+  }
   if (options.radius_range_px &&
       (c.r_px < options.radius_range_px->first || c.r_px > options.radius_range_px->second)) {
     return CircleFit{.bright = fit.bright};

@@ -82,6 +82,12 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   if (crossings.moved_px >= kJudge.retrace_px) moves(crossings.moved_px);
   // A wide edge takes in more ink, and one that is wider along the ball's way is no Gaussian's.
   moves(kJudge.of_blur * std::max(0.0, crossings.edge_sigma_px - kJudge.sharp_px));
+  // Of arcs of several things a circle was made as often as of one.
+  const bool arc = fit.rim_fraction <= kJudge.much_rim;
+  const double most = arc ? kJudge.ragged_arc : kJudge.ragged;
+  if (fit.residual_px > most * std::max(crossings.edge_sigma_px, kJudge.usual_px)) {
+    moves(kJudge.ragged_sd_of_r * fit.circle.r_px);
+  }
   // What no longer shows as an ellipse may still be one.
   if (!fit.ellipse) fit.r_sd_px = std::hypot(fit.r_sd_px, prior.e1_px, prior.e2_px);
 }
@@ -151,6 +157,29 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   return accepted(result, frame, options);
 }
 
+// A wider look about a circle for which no model and little of a rim speaks: beside a bar, or before
+// a texture, the arc that was found may be a part of a larger rim. One elsewhere that shows most of
+// itself is the ball's.
+CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, CircleOptions options,
+                        LineTrace& lines) {
+  if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
+  if (fit.rim_fraction > kJudge.much_rim && fit.residual_px < kJudge.scattered_px) return fit;
+  prior.predicted = fit.circle;
+  prior.e1_px = prior.e2_px = 0;
+  prior.centre_sd_px = kJudge.wider_of_r * fit.circle.r_px;
+  prior.rim_sd_px = prior.centre_sd_px;
+  options.allow_ellipse = false;
+  CircleFit other = measure_anew(frame, prior, options, lines);
+  const auto length = [](const CircleFit& f) { return f.rim_fraction * f.circle.r_px; };
+  const bool shows_more = other.status == CircleStatus::kOk &&
+                          other.rim_fraction > std::max(fit.rim_fraction, kJudge.much_rim) &&
+                          length(other) > kJudge.more_rim * length(fit);
+  const double apart_px = std::hypot(other.circle.cx_px - fit.circle.cx_px,
+                                     other.circle.cy_px - fit.circle.cy_px) +
+                          std::abs(other.circle.r_px - fit.circle.r_px);
+  return shows_more && apart_px > kJudge.another_px ? other : fit;
+}
+
 }  // namespace
 
 const char* to_string(CircleStatus status) {
@@ -182,7 +211,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   if (const auto followed = follow(frame, prior, options, lines)) {
     return accepted(*followed, frame, options);
   }
-  return with_all_inside(measure_anew(frame, prior, options, lines), frame, prior, options, lines);
+  CircleFit fit = measure_anew(frame, prior, options, lines);
+  fit = with_more_rim(std::move(fit), frame, prior, options, lines);
+  return with_all_inside(std::move(fit), frame, prior, options, lines);
 }
 
 }  // namespace impactdic::circle

@@ -22,6 +22,14 @@ struct JudgementSettings {
   double least_search_px = 0.3;  // scatter of a prediction that has to be searched about [hand]
   double on_rim_px = 3;          // crossings so near show the rim [hand]
   double gap_deg = 20;           // gaps that ink makes are narrower [hand]
+  // Where no model of the rim tells. A circle that shows no more than so much of its rim, or whose
+  // clean points scatter by so much, px, is looked for again, in so much of its radius; another one
+  // is the ball's whose rim that shows is so much longer and that lies so far off, px [hand].
+  double much_rim = 0.6, scattered_px = 1, wider_of_r = 0.06, more_rim = 1.1, another_px = 0.5;
+  // Of circles whose clean points scatter by more, widths of the edge, or by so much where little
+  // of the rim shows, half are wrong: what they err by on the mean, share of the radius.
+  // [measured] light_accuracy random 3001 3320
+  double usual_px = 1.3, ragged = 0.75, ragged_arc = 0.23, ragged_sd_of_r = 0.08;
   // By the rim model; steps are those of the lines.
   int follow_traces = 3;        // at most [hand]
   double retrace_steps = 0.2;   // a fit farther from its lines' rim is traced again [hand]
