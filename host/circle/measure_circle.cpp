@@ -157,9 +157,9 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   return accepted(result, frame, options);
 }
 
-// A wider look about a circle for which no model and little of a rim speaks: beside a bar, or before
-// a texture, the arc that was found may be a part of a larger rim. One elsewhere that shows most of
-// itself is the ball's.
+// A wider look about a circle for which no model and little of a rim speaks: beside a bar, or
+// before a texture, the arc that was found may be a part of a larger rim. One elsewhere that shows
+// most of itself is the ball's.
 CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, CircleOptions options,
                         LineTrace& lines) {
   if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
@@ -174,9 +174,9 @@ CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, Ci
   const bool shows_more = other.status == CircleStatus::kOk &&
                           other.rim_fraction > std::max(fit.rim_fraction, kJudge.much_rim) &&
                           length(other) > kJudge.more_rim * length(fit);
-  const double apart_px = std::hypot(other.circle.cx_px - fit.circle.cx_px,
-                                     other.circle.cy_px - fit.circle.cy_px) +
-                          std::abs(other.circle.r_px - fit.circle.r_px);
+  const double apart_px =
+      std::hypot(other.circle.cx_px - fit.circle.cx_px, other.circle.cy_px - fit.circle.cy_px) +
+      std::abs(other.circle.r_px - fit.circle.r_px);
   return shows_more && apart_px > kJudge.another_px ? other : fit;
 }
 

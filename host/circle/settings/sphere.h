@@ -61,8 +61,8 @@ struct SphereSettings {
   double likelier_even = 0.3, even = 0.85;  // in light whose least is so much of its most [hand]
   // A sphere whose rim fades and that keeps less of its lines than this is known by an arc, which
   // may misplace it by so much, px.
-  double most_left = 0.7;         // [hand]
-  double arc_sd_px = 0.12;        // [measured] light_accuracy, seeds 1 to 3
+  double most_left = 0.7;   // [hand]
+  double arc_sd_px = 0.12;  // [measured] light_accuracy, seeds 1 to 3
   // The same of an outline, over the radius squared: its light is learnt of the ball's pixels.
   double outline_arc_px3 = 460;   // [measured] light_accuracy random 3001 3320
   double likelier_known = -0.15;  // of a ball that is known to be a sphere [measured] the same
