@@ -70,15 +70,15 @@ TEST(SecondLook, ABarsEdgeAndAnArcAreNoBall) {
   EXPECT_LT(errors.centre.rms(), 0.05);
 }
 
-// Before tiles arcs of small spheres and of the joints beside them made circles that were 1 to 3 px
-// off: 5 and 12 of 12 were wrong. The rim itself, most of which shows, lay within reach.
+// Before tiles arcs of small spheres and of the joints beside them made circles that were 0.8 and
+// 0.6 px off: 5 and 12 of 12 were wrong. The rim itself, most of which shows, lay within reach.
 TEST(SecondLook, ARimLiesAboutAnArcBesideTiles) {
   for (const std::uint64_t seed : {3218, 4536}) {
     const LightFilm clip(random_scene(seed), seed, 12);
     const LightErrors errors = errors_of(track(clip, false, false), clip);
     EXPECT_EQ(errors.circles, 12) << seed;
     EXPECT_EQ(errors.wrong, 0) << seed;
-    EXPECT_LT(errors.centre.rms(), 0.3) << seed;
+    EXPECT_LT(errors.centre.rms(), 0.5) << seed;
   }
 }
 
