@@ -164,20 +164,13 @@ CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, Ci
                         LineTrace& lines) {
   if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
   if (fit.rim_fraction > kJudge.much_rim && fit.residual_px < kJudge.scattered_px) return fit;
-  prior.predicted = fit.circle;
-  prior.e1_px = prior.e2_px = 0;
-  prior.centre_sd_px = kJudge.wider_of_r * fit.circle.r_px;
-  prior.rim_sd_px = prior.centre_sd_px;
-  options.allow_ellipse = false;
+  look_about(fit, kJudge.wider_of_r, prior, options);
   CircleFit other = measure_anew(frame, prior, options, lines);
   const auto length = [](const CircleFit& f) { return f.rim_fraction * f.circle.r_px; };
   const bool shows_more = other.status == CircleStatus::kOk &&
                           other.rim_fraction > std::max(fit.rim_fraction, kJudge.much_rim) &&
                           length(other) > kJudge.more_rim * length(fit);
-  const double apart_px =
-      std::hypot(other.circle.cx_px - fit.circle.cx_px, other.circle.cy_px - fit.circle.cy_px) +
-      std::abs(other.circle.r_px - fit.circle.r_px);
-  return shows_more && apart_px > kJudge.another_px ? other : fit;
+  return shows_more && distance(rim_of(other), rim_of(prior)) > kJudge.another_px ? other : fit;
 }
 
 }  // namespace

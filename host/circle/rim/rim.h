@@ -34,6 +34,11 @@ inline Rim rim_of(const CirclePrior& prior) {
   return {c.cx_px, c.cy_px, c.r_px, prior.e1_px, prior.e2_px};
 }
 
+inline Rim rim_of(const CircleFit& fit) {
+  const Circle& c = fit.circle;
+  return {c.cx_px, c.cy_px, c.r_px, fit.e1_px, fit.e2_px};
+}
+
 // What may be fitted, and what is.
 enum class Shapes { kCircle, kCircleOrEllipse };
 enum class Shape { kCircle, kEllipse };

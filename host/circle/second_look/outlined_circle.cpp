@@ -72,20 +72,14 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
 
 // What of the ball shows outside a circle.
 Beyond beyond_circle(const Frame& frame, const CircleFit& fit) {
-  const Circle& c = fit.circle;
-  return beyond_rim(frame, {c.cx_px, c.cy_px, c.r_px, fit.e1_px, fit.e2_px},
+  return beyond_rim(frame, rim_of(fit),
                     fit.rim_model ? fit.rim_model->edge_sigma_px() : kBeyond.usual_sigma_px);
 }
 
-// The surroundings of a circle that is not the ball's, in which that lies. A circle: a bar's edge
-// and an arc make a better ellipse than the ball's.
+// The ball in the surroundings of a circle that is not its own.
 std::optional<CircleFit> ball_about(const Frame& frame, const CircleFit& fit, CirclePrior prior,
                                     CircleOptions options, LineTrace& lines) {
-  prior.predicted = fit.circle;
-  prior.e1_px = prior.e2_px = 0;
-  prior.centre_sd_px = kBeyond.look_of_r * fit.circle.r_px;
-  prior.rim_sd_px = prior.centre_sd_px;
-  options.allow_ellipse = false;
+  look_about(fit, kBeyond.look_of_r, prior, options);
   return by_outline(frame, prior, options, {.support = kBeyond.support}, lines);
 }
 
@@ -103,6 +97,14 @@ CircleFit doubted(CircleFit fit) {
 }
 
 }  // namespace
+
+void look_about(const CircleFit& fit, double of_r, CirclePrior& prior, CircleOptions& options) {
+  prior.predicted = fit.circle;
+  prior.e1_px = prior.e2_px = 0;
+  prior.centre_sd_px = of_r * fit.circle.r_px;
+  prior.rim_sd_px = prior.centre_sd_px;
+  options.allow_ellipse = false;
+}
 
 // What an evened texture leaves is not background, and not the ball either: it is not pooled. A bar
 // that is not seen leaves a part of a disc, whose ink tells no radius beside it.

@@ -8,6 +8,10 @@
 
 namespace impactdic::circle {
 
+// Looks for the ball about a circle that may not be its own, as far as such a share of the radius
+// scatters. For a circle: a bar's edge and an arc make a better ellipse than the ball's.
+void look_about(const CircleFit& fit, double of_r, CirclePrior& prior, CircleOptions& options);
+
 // Where the ball is expected, by single rays that leave the background clearly or, before an even
 // background, by rays pooled with their neighbours; of as many points at least as `least_points` of
 // CircleOptions::rays. nullopt where no outline shows.
