@@ -71,7 +71,8 @@ TEST(SecondLook, ABarsEdgeAndAnArcAreNoBall) {
 }
 
 // Before tiles arcs of small spheres and of the joints beside them made circles that were 0.8 and
-// 0.5 px off: 5 of 12 of the first were wrong. The rim itself, most of which shows, lay within reach.
+// 0.5 px off: 5 of 12 of the first were wrong. The rim itself, most of which shows, lay within
+// reach.
 TEST(SecondLook, ARimLiesAboutAnArcBesideTiles) {
   for (const std::uint64_t seed : {3218, 4536}) {
     const LightFilm clip(random_scene(seed), seed, 12);
