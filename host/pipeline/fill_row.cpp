@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "host/dic/sphere/sphere_errors.h"
 
@@ -26,38 +25,6 @@ void set_sphere(TrackRow& row, dic::RigidMotion motion) {
   row.rot_y_sd_deg = motion.rot_y_sd_rad * kDegPerRad;
   row.dx_rot_y_corr = motion.dx_rot_y_corr;
   row.dy_rot_x_corr = motion.dy_rot_x_corr;
-}
-
-// Motions and circles of some frames along one axis.
-struct Way {
-  double moved_px = 0, variance_px2 = 0;  // by the motions; independent from frame to frame
-  bool leads_elsewhere(double from, double from_sd, double to, double to_sd, double steps) const {
-    constexpr double kChance = 6, kLeast_px = 0.02;
-    // The outline of a ball 12 radii away is not about its centre: by so much of the way.
-    constexpr double kAboutCentre = 0.007;
-    const double off = std::abs(moved_px - (to - from)) - kAboutCentre * std::abs(to - from);
-    return off > kLeast_px * steps &&
-           off > kChance * std::sqrt(variance_px2 + from_sd * from_sd + to_sd * to_sd);
-  }
-};
-
-bool is_part_of_path(const TrackRow& row) {
-  return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok;
-}
-
-// The motions of rows `first` to `last`, not included, whose circle ends them.
-bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::size_t last) {
-  Way x, y;
-  for (std::size_t i = first; i < last; ++i) {
-    x.moved_px += rows[i].dx_px;
-    y.moved_px += rows[i].dy_px;
-    x.variance_px2 += rows[i].dx_sd_px * rows[i].dx_sd_px;
-    y.variance_px2 += rows[i].dy_sd_px * rows[i].dy_sd_px;
-  }
-  const TrackRow &from = rows[first], &to = rows[last];
-  const auto steps = static_cast<double>(last - first);
-  return x.leads_elsewhere(from.cx_px, from.cx_sd_px, to.cx_px, to.cx_sd_px, steps) ||
-         y.leads_elsewhere(from.cy_px, from.cy_sd_px, to.cy_px, to.cy_sd_px, steps);
 }
 
 }  // namespace
@@ -149,32 +116,6 @@ void doubt_motion(TrackRow& row, const TrackRow& next) {
   if (!row.motion_ok || !row.circle_ok || !next.circle_ok) return;
   row.dx_sd_px = std::max(row.dx_sd_px, std::hypot(row.cx_sd_px, next.cx_sd_px));
   row.dy_sd_px = std::max(row.dy_sd_px, std::hypot(row.cy_sd_px, next.cy_sd_px));
-}
-
-void compare_with_circles(TrackRow& row, const TrackRow& next) {
-  constexpr double kChance = 6, kLeast_px = 0.1;
-  if (row.status != TrackStatus::kOk || !row.motion_ok || !next.circle_ok) return;
-  const auto differ = [](double motion, double motion_sd, double step, double sd, double next_sd) {
-    const double off = std::abs(motion - step);
-    return off > kLeast_px && off > kChance * std::hypot(motion_sd, sd, next_sd);
-  };
-  if (differ(row.dx_px, row.dx_sd_px, next.cx_px - row.cx_px, row.cx_sd_px, next.cx_sd_px) ||
-      differ(row.dy_px, row.dy_sd_px, next.cy_px - row.cy_px, row.cy_sd_px, next.cy_sd_px)) {
-    row.status = TrackStatus::kInconsistent;
-  }
-}
-
-void compare_with_path(std::span<TrackRow> rows) {
-  constexpr std::size_t kFewest = 3, kMost = 8;
-  std::vector<std::size_t> wrong;
-  for (std::size_t first = 0; first < rows.size(); ++first) {
-    std::size_t last = first;
-    while (last + 1 < rows.size() && last < first + kMost && is_part_of_path(rows[last])) ++last;
-    if (last < first + kFewest || !rows[last].circle_ok) continue;
-    if (!leads_elsewhere(rows, first, last)) continue;
-    for (std::size_t i = first; i < last; ++i) wrong.push_back(i);
-  }
-  for (const std::size_t i : wrong) rows[i].status = TrackStatus::kInconsistent;
 }
 
 }  // namespace impactdic::pipeline

@@ -25,12 +25,5 @@ void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them.
 void doubt_motion(TrackRow& row, const TrackRow& next);
-// Last: a motion that is not the one of the circles' centres, by more than 0.1 px and six
-// deviations of what both state, is kInconsistent.
-void compare_with_circles(TrackRow& row, const TrackRow& next);
-// After that, of frames that follow each other: small errors that every motion has alike add up
-// over some frames, those of the circles do not. Rows among which the motions lead elsewhere than
-// the circles, beyond six deviations and by 0.02 px a frame, are kInconsistent.
-void compare_with_path(std::span<TrackRow> rows);
 
 }  // namespace impactdic::pipeline

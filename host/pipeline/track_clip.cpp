@@ -12,6 +12,7 @@
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
+#include "host/pipeline/compare_rows.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
 #include "host/pipeline/track_batch.h"
@@ -147,6 +148,10 @@ class ClipTracker {
     const std::size_t rows = batch->frames.size() - 1;
     for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
     compare_with_path(batch->rows);
+    const std::vector<bool> changed = state_scatter(batch->rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (changed[i] && is_measured(*batch, i)) state_motion(*batch, i);
+    }
     for (std::size_t i = 0; i < rows; ++i) {
       motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
       // Not before: what a worker measured is slow to fetch, and is written next.
@@ -278,6 +283,15 @@ class ClipTracker {
     }
   }
 
+  // With what its circles state.
+  void state_motion(TrackBatch& batch, std::size_t i) const {
+    TrackRow& row = batch.rows[i];
+    set_motion(row, batch.pairs[i].motion, batch.pairs[i].stretch);
+    if (options_.tilt_is_unknown && !options_.estimator.sphere) {
+      doubt_motion(row, batch.rows[i + 1]);
+    }
+  }
+
   void fill_row(TrackBatch& batch, std::size_t i) const {
     TrackRow& row = batch.rows[i];
     if (!is_measured(batch, i)) {
@@ -286,10 +300,7 @@ class ClipTracker {
       return;
     }
     motion::PairMotion& pair = batch.pairs[i];
-    set_motion(row, pair.motion, pair.stretch);
-    if (options_.tilt_is_unknown && !options_.estimator.sphere) {
-      doubt_motion(row, batch.rows[i + 1]);
-    }
+    state_motion(batch, i);
     if (row.status == TrackStatus::kOk) row.status = pair.status;
     compare_with_circles(row, batch.rows[i + 1]);
     if (pair.centre.ok) {

@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "host/circle/scout_ball.h"
-#include "host/pipeline/fill_row.h"
 #include "host/pipeline/track_clip.h"
 #include "tests/support/cluttered_clip.h"
 
@@ -215,60 +214,6 @@ TEST(FoundBall, TheBallThatWasAskedForIsMeasured) {
   EXPECT_THROW(impactdic::track(third, session), InvalidArgument);
   third.ball = -1;
   EXPECT_THROW(third.validate(), InvalidArgument);
-}
-
-// A circle that steps otherwise than the ink on the ball is another thing, or the ink is.
-TEST(FoundBall, ARowWhoseCircleAndInkGoApartSaysSo) {
-  const auto status = [](double step_px, double sd_px) {
-    TrackRow row, next;
-    row.status = TrackStatus::kOk;
-    row.circle_ok = row.motion_ok = next.circle_ok = true;
-    row.cx_px = row.cy_px = next.cy_px = 100;
-    next.cx_px = 100 + step_px;
-    row.dx_px = 2, row.dy_px = 0;
-    row.dx_sd_px = row.dy_sd_px = 0.001;
-    for (TrackRow* at : {&row, &next}) at->cx_sd_px = at->cy_sd_px = sd_px;
-    pipeline::compare_with_circles(row, next);
-    return row.status;
-  };
-  EXPECT_EQ(status(2, 0.01), TrackStatus::kOk);
-  EXPECT_EQ(status(18, 0.01), TrackStatus::kInconsistent);
-  EXPECT_EQ(status(2.2, 0.01), TrackStatus::kInconsistent);
-  EXPECT_EQ(status(2.2, 0.05), TrackStatus::kOk);    // by chance
-  EXPECT_EQ(status(2.08, 0.001), TrackStatus::kOk);  // of no account
-}
-
-// Twelve frames of a ball that moves by 0.31 px, as circles and motions have it.
-std::vector<TrackRow> steady_rows(double motion_off_px, double circle_sd_px) {
-  std::vector<TrackRow> rows(12);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    TrackRow& row = rows[i];
-    row.status = TrackStatus::kOk;
-    row.circle_ok = row.motion_ok = true;
-    row.cx_px = 50 + 0.31 * static_cast<double>(i);
-    row.cy_px = 40;
-    row.dx_px = 0.31 + motion_off_px;
-    row.dy_px = 0;
-    row.cx_sd_px = row.cy_sd_px = circle_sd_px;
-    row.dx_sd_px = row.dy_sd_px = 0.002;
-  }
-  return rows;
-}
-
-TEST(PathOfCircles, MotionsThatLeadElsewhereAreInconsistent) {
-  const auto inconsistent = [](std::vector<TrackRow> rows) {
-    pipeline::compare_with_path(rows);
-    return std::count_if(rows.begin(), rows.end() - 1, [](const TrackRow& row) {
-      return row.status == TrackStatus::kInconsistent;
-    });
-  };
-  EXPECT_EQ(inconsistent(steady_rows(0, 0.012)), 0);
-  EXPECT_EQ(inconsistent(steady_rows(0.03, 0.012)), 11);  // no row alone shows it
-  EXPECT_EQ(inconsistent(steady_rows(0.03, 0.1)), 0);     // by chance
-  EXPECT_EQ(inconsistent(steady_rows(0.01, 0.001)), 0);   // of no account
-  std::vector<TrackRow> broken = steady_rows(0.03, 0.012);
-  for (const std::size_t i : {2, 5, 8}) broken[i].status = TrackStatus::kNoBall;
-  EXPECT_EQ(inconsistent(broken), 0);  // over two frames it does not show either
 }
 
 }  // namespace
