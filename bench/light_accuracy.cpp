@@ -240,13 +240,14 @@ Judged measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sess
                    static_cast<unsigned long long>(seed), k);
     }
     if (!row.circle_ok) continue;
-    if (table.add_circle(row, poses[k], scene.radius_px)) {
+    const BallPose shown = clip.exposed(k);
+    if (table.add_circle(row, shown, scene.radius_px)) {
       std::fprintf(stderr,
                    "%s %s seed %llu frame %zu: off %+.3f (sd %.3f), %+.3f (%.3f), radius %+.3f "
                    "(%.3f) px\n",
                    scene.name, scene.pattern, static_cast<unsigned long long>(seed), k,
                    row.cx_px - poses[k].cx_px, row.cx_sd_px, row.cy_px - poses[k].cy_px,
-                   row.cy_sd_px, row.r_px - scene.radius_px, row.r_sd_px);
+                   row.cy_sd_px, row.r_px - scene.radius_px * (1 - shown.compression / 2), row.r_sd_px);
     }
     if (row.pose.ok && row.pose.origin < row.frame) {
       const BallPose& origin = poses[static_cast<std::size_t>(row.pose.origin)];

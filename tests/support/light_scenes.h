@@ -81,6 +81,14 @@ class LightClip {
   }
 
   const std::vector<BallPose>& poses() const { return poses_; }
+  // What a frame shows of the ball: its mean compression while the shutter is open.
+  BallPose exposed(std::size_t index) const {
+    const sim::speckle::ShutterPath path = sim::speckle::shutter_path(poses_, index, how_.exposure);
+    BallPose pose = path.middle;
+    pose.compression =
+        (path.open.compression + 2 * path.middle.compression + path.close.compression) / 4;
+    return pose;
+  }
   int width() const { return camera_.width; }
   int height() const { return camera_.height; }
 
