@@ -182,7 +182,12 @@ class Learner {
     const double ink =
         std::hypot(kLearning.of_noise * noise, kLearning.of_small_px3 * std::pow(from_.r, -3));
     const double error = std::hypot(kLearning.model_error, kLearning.uneven_error * uneven, ink);
-    const double place_sd_px = std::hypot(error * usual, kLearning.least_place_sd_px);
+    // Ink as fine as the edge is wide, and much of it, misleads the crossings, and the model a
+    // little.
+    const double apart = std::abs(fit_.own.r_px - known_.rim.r) - kLearning.usual_apart_px;
+    const double fine = surface_ == Surface::kFlat && !hidden ? std::max(apart, 0.0) : 0;
+    const double place_sd_px =
+        std::hypot(error * usual, kLearning.of_apart * fine, kLearning.least_place_sd_px);
     // From frame to frame of one ball it comes out three times as large or as small: the rms of a
     // model that is learnt anew and of the one before.
     const double before = prior_.rim_model ? prior_.rim_model->place_sd_px() : place_sd_px;
