@@ -31,8 +31,21 @@ std::optional<CircleFit> follow(const Frame& frame, const CirclePrior& prior,
   return fit;
 }
 
-std::optional<CircleFit> follow_from(const Rim& found, const Frame& frame, CirclePrior prior,
-                                     const CircleOptions& options, LineTrace& lines) {
+std::optional<CircleFit> follow_disc_from(const Rim& found, const Frame& frame, CirclePrior prior,
+                                          const CircleOptions& options, LineTrace& lines) {
+  if (!prior.rim_model || prior.rim_model->surface() != Surface::kFlat) return std::nullopt;
+  prior.predicted = {found.cx, found.cy, found.r};
+  prior.e1_px = found.e1;
+  prior.e2_px = found.e2;
+  const ModelFit m = follow_rim(frame, prior, options, Approach::kAfterPreview, lines);
+  if (!is_enough(m.fit)) return std::nullopt;
+  CircleFit fit = describe(frame, m, lines, prior, *prior.bright);
+  if (fit.rim_fraction < kJudge.followed_rim * prior.rim_fraction) return std::nullopt;
+  return fit;
+}
+
+std::optional<CircleFit> follow_sphere_from(const Rim& found, const Frame& frame, CirclePrior prior,
+                                            const CircleOptions& options, LineTrace& lines) {
   if (!prior.rim_model || prior.rim_model->surface() == Surface::kFlat) return std::nullopt;
   prior.e1_px = prior.e2_px = 0;
   // The last frame's radius is better known than what was found.

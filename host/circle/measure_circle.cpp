@@ -121,14 +121,16 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
     return result;
   }
   const RimFit& fit = crossings.fit;
+  const bool as_before = search.found && prior.bright && *prior.bright == bright;
   if (!is_enough(fit)) {
-    const auto outlined = outlined_circle(frame, around, options, 0, lines);
-    return outlined ? accepted(*outlined, frame, options) : result;
+    auto told =
+        as_before ? follow_disc_from(search.rim, frame, prior, options, lines) : std::nullopt;
+    if (!told) told = outlined_circle(frame, around, options, 0, lines);
+    return told ? accepted(*told, frame, options) : result;
   }
-
   for (const Rim& found : {fit.rim, search.rim}) {
-    if (!prior.bright || *prior.bright != bright) break;
-    const auto followed = follow_from(found, frame, prior, options, lines);
+    if (!as_before) break;
+    const auto followed = follow_sphere_from(found, frame, prior, options, lines);
     if (followed) return accepted(*followed, frame, options);
   }
   ModelFit learnt;

@@ -51,7 +51,8 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
   if (!is_enough(fit) || fit.points * of_rays < least.points) return std::nullopt;
   const bool bright = search.polarity == Polarity::kBright;
   if (prior.bright && *prior.bright == bright) {
-    if (const auto followed = follow_from(fit.rim, frame, prior, options, lines)) return followed;
+    if (const auto followed = follow_sphere_from(fit.rim, frame, prior, options, lines))
+      return followed;
   }
   ModelFit learnt;
   // A ball that is followed is worth the time: without a model an outline knows little.
