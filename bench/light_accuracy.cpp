@@ -247,7 +247,8 @@ Judged measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sess
                    "(%.3f) px\n",
                    scene.name, scene.pattern, static_cast<unsigned long long>(seed), k,
                    row.cx_px - poses[k].cx_px, row.cx_sd_px, row.cy_px - poses[k].cy_px,
-                   row.cy_sd_px, row.r_px - scene.radius_px * (1 - shown.compression / 2), row.r_sd_px);
+                   row.cy_sd_px, row.r_px - scene.radius_px * (1 - shown.compression / 2),
+                   row.r_sd_px);
     }
     if (row.pose.ok && row.pose.origin < row.frame) {
       const BallPose& origin = poses[static_cast<std::size_t>(row.pose.origin)];

@@ -185,9 +185,10 @@ class Learner {
     // Ink as fine as the edge is wide, and much of it, misleads the crossings, and the model a
     // little.
     const double apart = std::abs(fit_.own.r_px - known_.rim.r) - kLearning.usual_apart_px;
-    const double fine = surface_ == Surface::kFlat && !hidden ? std::max(apart, 0.0) : 0;
-    const double place_sd_px =
-        std::hypot(error * usual, kLearning.of_apart * fine, kLearning.least_place_sd_px);
+    const bool told = surface_ == Surface::kFlat && !hidden && apart > 0;
+    const double uncertain = std::min(fit_.own.r_sd_px / kLearning.uncertain_px, 1.0);
+    const double fine = told ? kLearning.of_apart * uncertain * apart : 0;
+    const double place_sd_px = std::hypot(error * usual, fine, kLearning.least_place_sd_px);
     // From frame to frame of one ball it comes out three times as large or as small: the rms of a
     // model that is learnt anew and of the one before.
     const double before = prior_.rim_model ? prior_.rim_model->place_sd_px() : place_sd_px;
