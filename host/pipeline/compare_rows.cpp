@@ -54,7 +54,7 @@ bool leads_elsewhere(std::span<const TrackRow> rows, std::size_t first, std::siz
 // A figure of frames that follow each other, less what the motions between them add to it: the same
 // in all of them, but for errors.
 struct Figure {
-  std::vector<double> off_px, sd_px;
+  std::vector<double> frame, off_px, sd_px;
   std::vector<double> moved_px2;  // variance of the motions up to here
   double steepest_px = 0;         // what may go on alike from frame to frame is no scatter
 };
@@ -75,7 +75,7 @@ bool is_quiet(const Figure& figure, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     const double moved_px2 = std::abs(figure.moved_px2[i] - middle_px2);
     const double weight = 1 / (figure.sd_px[i] * figure.sd_px[i] + moved_px2);
-    const double step = static_cast<double>(i - begin), off = figure.off_px[i] - from;
+    const double step = figure.frame[i] - figure.frame[begin], off = figure.off_px[i] - from;
     weights.push_back(weight);
     w += weight;
     t += weight * step;
@@ -87,7 +87,7 @@ bool is_quiet(const Figure& figure, std::size_t begin, std::size_t end) {
   const double slope = std::clamp((tx - t * x / w) / (tt - t * t / w), -steepest, steepest);
   double sum = 0, most = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    const double step = static_cast<double>(i - begin);
+    const double step = figure.frame[i] - figure.frame[begin];
     const double off = figure.off_px[i] - from - x / w - slope * (step - t / w);
     const double size = weights[i - begin] * off * off;
     sum += size;
@@ -118,7 +118,7 @@ class Scatter {
     for (std::size_t i = of > kBeside ? of - kBeside : 0; i < end; ++i) {
       const double moved_px2 = std::abs(figure.moved_px2[i] - figure.moved_px2[of]);
       if (i == of) own_ = count_;
-      steps_[count_] = static_cast<double>(i) - static_cast<double>(of);
+      steps_[count_] = figure.frame[i] - figure.frame[of];
       off_px_[count_] = figure.off_px[i];
       weight_[count_] = 1 / (figure.sd_px[i] * figure.sd_px[i] + moved_px2);
       ++count_;
@@ -153,10 +153,10 @@ class Scatter {
   // Between the medians of both halves (Brown and Mood 1951).
   double median_slope() const {
     const std::size_t half = count_ / 2, rest = count_ - half;
-    const auto of = [&](std::size_t begin) {
-      return median({off_px_.begin() + begin, off_px_.begin() + begin + half});
+    const auto of = [&](const auto& figures, std::size_t begin) {
+      return median({figures.begin() + begin, figures.begin() + begin + half});
     };
-    return (of(rest) - of(0)) / static_cast<double>(rest);
+    return (of(off_px_, rest) - of(off_px_, 0)) / (of(steps_, rest) - of(steps_, 0));
   }
   // The median of the others, each by as much as it is exact.
   double middle_of_others() const {
@@ -195,6 +195,7 @@ Figure centres(std::span<const TrackRow> run, double TrackRow::*place, double Tr
   Figure figure;
   double moved_px = 0, moved_px2 = 0;
   for (const TrackRow& row : run) {
+    figure.frame.push_back(static_cast<double>(&row - run.data()));
     figure.off_px.push_back(row.*place - moved_px);
     figure.sd_px.push_back(std::max(row.*sd, kExact_px));
     figure.moved_px2.push_back(moved_px2);
@@ -216,6 +217,7 @@ Figure radii(std::span<const TrackRow> run, std::vector<std::size_t>& rows) {
   for (std::size_t i = 0; i < run.size(); ++i) {
     if (is_ellipse(run[i])) continue;
     rows.push_back(i);
+    figure.frame.push_back(static_cast<double>(i));
     figure.off_px.push_back(run[i].r_px);
     figure.sd_px.push_back(std::max(run[i].r_sd_px, kExact_px));
   }

@@ -61,8 +61,8 @@ struct LearningSettings {
   // 11 to 16 of e1 under noise 8, in 30 % of the light, and of 30 px: docs/log/accuracy.md, "Discs
   // in noise".
   double of_noise = 3.2, of_small_px3 = 2550;
-  // What the crossings' radius differs by from the model's, beyond so much, px, the model errs by to
-  // this share, where ink makes the radius that uncertain, px; to less of it where it does not.
+  // What the crossings' radius differs by from the model's, beyond so much, px, the model errs by
+  // to this share, where ink makes the radius that uncertain, px; to less of it where it does not.
   // [measured] whole discs of the sixteen patterns, seeds 1 to 3, blur 0.6, 0.8, 1.0 and 1.4 px:
   // docs/log/accuracy.md, "Fine and dense ink".
   double usual_apart_px = 0.06, of_apart = 0.4, uncertain_px = 0.01;
