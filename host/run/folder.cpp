@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kAttempts = 50;
+constexpr int kAttempts = 1000;  // against one that takes the new folder away as often as it can
 
 // A run that was killed leaves its lock, and one that several processes share has its tickets:
 // those are no results.
