@@ -31,6 +31,7 @@ struct Condition {
   bool bar = false;
   double compression = 0;  // along the screen's vertical
   double shading = 0;
+  double blur_px = 0.6;
   bool radius_known = false;  // from earlier frames of the clip
   bool tracked = false;       // predicted to a fraction of a pixel from the frame before
 };
@@ -41,6 +42,7 @@ constexpr Condition kConditions[] = {
     {.name = "bar_known", .bar = true, .radius_known = true},
     {.name = "squash", .compression = 0.05},
     {.name = "both_known", .bar = true, .compression = 0.05, .radius_known = true},
+    {.name = "blurred", .blur_px = 1},
     {.name = "shade", .shading = 0.5},
     {.name = "shade_bar", .bar = true, .shading = 0.5, .radius_known = true},
 };
@@ -69,7 +71,7 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
   Frame frame;
   std::ostringstream name;
   name << keep << '/' << pattern << '-' << seed << '-' << condition.bar << '-'
-       << condition.compression << '-' << condition.shading;
+       << condition.compression << '-' << condition.shading << '-' << condition.blur_px;
   if (!keep.empty() && std::filesystem::exists(name.str())) {
     frame.reset(kSide, kSide, 8);
     std::ifstream(name.str(), std::ios::binary)
@@ -82,6 +84,7 @@ Frame picture(const std::string& pattern, int seed, const Condition& condition,
   scene.noise_sigma = 2;
   scene.noise_seed = static_cast<std::uint64_t>(seed) + 1;
   scene.shading = condition.shading;
+  scene.psf_sigma_px = condition.blur_px;
   if (condition.bar) {
     // The lower 30 % of the rim: a bar whose upper edge cuts it at ±54° from straight down.
     scene.bar.emplace();

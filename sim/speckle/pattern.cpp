@@ -18,6 +18,10 @@ namespace {
 constexpr double kLensSigma = 0.6;          // of the pictures in which sizes are stated, px
 constexpr double kLogAreaDeviation = 0.25;  // of ln(area), (a)–(d)
 constexpr int kAttempts = 16;
+// Speckles that are placed lie in layers along the edge of what they are placed on: it is so far
+// beyond the rim that there they lie as inside, px.
+constexpr double kBeyond = 30;
+constexpr double kBlurredIn = 10;  // ink so far beyond the rim is blurred into the ball, px
 
 // Lens and pixel square together, as one Gaussian of the same variance.
 double picture_sigma() { return std::sqrt(kLensSigma * kLensSigma + 1.0 / 12); }
@@ -87,7 +91,7 @@ double half_level_area(const std::vector<InkDisc>& discs, double scale) {
 SpeckleBall paint(const PatternSpec& spec, double radius_px, int count, Random& random) {
   SpeckleBall ball;
   ball.radius_px = radius_px;
-  Placement placement(radius_px);
+  Placement placement(radius_px + kBeyond);
   for (const double area : draw_areas(spec, count, random)) {
     const std::vector<InkDisc> shape = spec.clusters
                                            ? make_cluster(area, random)
@@ -95,7 +99,10 @@ SpeckleBall paint(const PatternSpec& spec, double radius_px, int count, Random& 
     placement.place(shape, random);
   }
   if (!spec.clusters) placement.spread(kSpeckleGap);
-  ball.discs = placement.discs();
+  for (const InkDisc& disc : placement.discs()) {
+    const double rim_px = std::hypot(disc.x_px, disc.y_px) - disc.radius_px;
+    if (rim_px < radius_px + kBlurredIn) ball.discs.push_back(disc);
+  }
   for (int i = 0; i < spec.lines; ++i) {
     // Directions spread evenly with some scatter, so that some line crosses any motion.
     const double away = 0.5 * radius_px * std::sqrt(random.uniform());
@@ -262,8 +269,7 @@ SpeckleBall paint_ball(const std::string& pattern, std::uint64_t seed, double ra
   if (!(radius_px >= 20 && radius_px <= 2000)) {
     throw InvalidArgument("the ball's radius is out of range", "radius", "20 … 2000 px");
   }
-  // Speckles are cut by the rim, so they are spread over a little more than the ball.
-  const double reach = radius_px + std::sqrt(mean_area(spec) / kPi);
+  const double reach = radius_px + kBeyond;
   double count = spec.density * kPi * reach * reach / mean_area(spec);
   SpeckleBall best;
   double best_error = 1e9;

@@ -53,9 +53,9 @@ const sim::speckle::SpeckleBall& painted(const std::string& pattern, int seed) {
   return at->second;
 }
 
-Errors measure_balls(const std::string& pattern, const Condition& condition) {
+Errors measure_balls(const std::string& pattern, const Condition& condition, int balls = kBalls) {
   double squares = 0, radius_squares = 0, normalised = 0, radius_normalised = 0;
-  for (int k = 0; k < kBalls; ++k) {
+  for (int k = 0; k < balls; ++k) {
     const BallPose pose{250 + std::fmod(0.3819660113 * k + 0.13, 1),
                         260 + std::fmod(0.6180339887 * k + 0.41, 1), 17.0 * k,
                         condition.compression, 90};
@@ -84,8 +84,8 @@ Errors measure_balls(const std::string& pattern, const Condition& condition) {
     radius_normalised += std::pow(er / fit.r_sd_px, 2);
     normalised += (std::pow(ex / fit.cx_sd_px, 2) + std::pow(ey / fit.cy_sd_px, 2)) / 2;
   }
-  const Errors errors{std::sqrt(squares / kBalls), std::sqrt(radius_squares / kBalls),
-                      normalised / kBalls, radius_normalised / kBalls};
+  const Errors errors{std::sqrt(squares / balls), std::sqrt(radius_squares / balls),
+                      normalised / balls, radius_normalised / balls};
   ::testing::Test::RecordProperty("rms_px_" + pattern, std::to_string(errors.rms_px));
   std::printf(
       "%s: centre %.4f px rms, radius %.4f px, normalised errors squared %.2f, radius %.2f\n",
@@ -117,13 +117,13 @@ TEST(CircleAccuracy, FineInkAllAlongTheRim) {
   EXPECT_LT(std::sqrt(errors.radius_normalised), 1.6);
 }
 
-// Packed dots as fine as the edge is wide: the radius is 0.13 px too small, which was 3.9 of its
-// deviation.
+// Packed dots as fine as the edge is wide: the radius is 0.05 px too small, 1.6 of what is stated
+// where that is not doubted.
 TEST(CircleAccuracy, DenseInkInABlurredEdge) {
   const Errors errors = measure_balls("f2", {.blur_px = 1});
   EXPECT_LE(errors.rms_px, 0.04);
   EXPECT_LE(errors.normalised, 2);
-  EXPECT_LT(std::sqrt(errors.radius_normalised), 2);
+  EXPECT_LT(std::sqrt(errors.radius_normalised), 1.5);
   EXPECT_GT(std::sqrt(errors.radius_normalised), 0.5);
 }
 
@@ -178,13 +178,13 @@ TEST(CircleAccuracy, NoDeviationIsNothing) {
   }
 }
 
-// Errors over their stated deviations have unit variance. 60 balls make 120 of them, so that their
-// mean square is known to 13 %; neighbouring pictures of a pattern share no noise.
+// Errors over their stated deviations have unit variance. 120 balls make 240 of them, so that their
+// mean square is known to 9 %; neighbouring pictures of a pattern share no noise.
 TEST(CircleAccuracy, DeviationsAreHonest) {
   double sum = 0, radius_sum = 0;
   const std::vector<std::string> patterns = {"a1", "b1", "c1", "d1", "e1"};
   for (const std::string& pattern : patterns) {
-    const Errors errors = measure_balls(pattern, {});
+    const Errors errors = measure_balls(pattern, {}, 24);
     sum += errors.normalised;
     radius_sum += errors.radius_normalised;
   }

@@ -53,7 +53,7 @@ void check_figures(const std::filesystem::path& folder) {
 TEST(StudyPatterns, TableFindingAndFigures) {
   const ScratchFolder folder;
   const Outcome outcome = run_program(
-      "study patterns --patterns e1,a1 --radius-px 40 --pairs 2 "
+      "study patterns --patterns e1,a1 --radius-px 60 --pairs 2 "
       "--estimators published,icgn5,ball -o " +
       quoted(folder / "out"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;

@@ -47,15 +47,19 @@ TEST(FindBall, SpeckledBallOnADarkGround) {
 }
 
 // The transform proposes eight circles about one ball. They are tried by their rim until one proves
-// the ball; the others would only lead to it again.
+// the ball; the others would only lead to it again. How many it takes is chance.
 TEST(FindBall, ABallThatIsProvedIsNotTriedAgain) {
+  int all = 0, balls = 0;
   for (const char* pattern : {"a1", "c3", "d3", "e1"}) {
-    const Frame frame =
-        picture(sim::speckle::paint_ball(pattern, 3, kRadius), small_scene(), {118.3, 101.8});
-    int proofs = 0;
-    EXPECT_EQ(circle::find_balls(frame, {}, nullptr, false, &proofs).size(), 1u) << pattern;
-    EXPECT_LE(proofs, 4) << pattern;  // of eight
+    for (std::uint64_t seed = 1; seed <= 4; ++seed, ++balls) {
+      const Frame frame =
+          picture(sim::speckle::paint_ball(pattern, seed, kRadius), small_scene(), {118.3, 101.8});
+      int proofs = 0;
+      EXPECT_EQ(circle::find_balls(frame, {}, nullptr, false, &proofs).size(), 1u) << pattern;
+      all += proofs;
+    }
   }
+  EXPECT_LE(all, 4 * balls);
 }
 
 TEST(FindBall, DarkBallBeforeALampBesideAPlate) {
