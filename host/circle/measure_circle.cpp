@@ -159,12 +159,20 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   return accepted(result, frame, options);
 }
 
+// An oval as a surface makes it of the ball: its long axis is the free ball's.
+bool is_pressed(const CircleFit& fit, const CirclePrior& prior) {
+  const double oval = std::hypot(fit.e1_px, fit.e2_px), r = prior.radius_px.value_or(0);
+  return fit.ellipse && oval > kJudge.followed_oval * r &&
+         std::abs(fit.circle.r_px + oval - r) < kJudge.pressed_long * r;
+}
+
 // A wider look about a circle for which no model and little of a rim speaks: beside a bar, or
 // before a texture, the arc that was found may be a part of a larger rim. One elsewhere that shows
-// most of itself is the ball's.
+// most of itself is the ball's. That look is for circles: of a ball in contact it finds one that
+// passes over what the surface flattens.
 CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, CircleOptions options,
                         LineTrace& lines) {
-  if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
+  if (fit.status != CircleStatus::kOk || fit.rim_model || is_pressed(fit, prior)) return fit;
   if (fit.rim_fraction > kJudge.much_rim && fit.residual_px < kJudge.scattered_px) return fit;
   look_about(fit, kJudge.wider_of_r, prior, options);
   CircleFit other = measure_anew(frame, prior, options, lines);

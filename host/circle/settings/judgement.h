@@ -26,6 +26,8 @@ struct JudgementSettings {
   // clean points scatter by so much, px, is looked for again, in so much of its radius; another one
   // is the ball's whose rim that shows is so much longer and that lies so far off, px [hand].
   double much_rim = 0.6, scattered_px = 1, wider_of_r = 0.06, more_rim = 1.1, another_px = 1;
+  double pressed_long = 0.02;  // of the radius: how far the long axis of a ball in contact may be
+                               // from it [hand]
   // Of circles whose clean points scatter by more, widths of the edge, or by so much where little
   // of the rim shows, half are wrong: what they err by on the mean, share of the radius.
   // [measured] light_accuracy random 3001 3320
