@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "host/motion/estimators.h"
+#include "host/motion/unseen_tilt.h"
 
 namespace impactdic::motion {
 namespace {
@@ -89,14 +90,15 @@ class BallEstimator : public MotionEstimator {
   }
 
   void take_over(const BallMotion& ball, PairMotion& pair) const {
-    const double tilt_px = 2.0 / 3 * options_.unseen_tilt_rad * radius_px_;
+    const double tilt_rad = options_.unseen_tilt_rad;
+    const double tilt_px = moved_by_tilt_px(tilt_rad, radius_px_);
     pair.motion.ok = true;
     pair.motion.dx_px = ball.dx;
     pair.motion.dy_px = ball.dy;
     pair.motion.rot_rad = ball.rot_rad;
     pair.motion.dx_sd_px = std::hypot(ball.dx_sd, tilt_px);
     pair.motion.dy_sd_px = std::hypot(ball.dy_sd, tilt_px);
-    pair.motion.rot_sd_rad = ball.rot_sd_rad;
+    pair.motion.rot_sd_rad = std::hypot(ball.rot_sd_rad, turned_by_tilt(tilt_rad));
     pair.stretch = {ball.exx, ball.exy, ball.eyy};
     correct_turn(first_shape(pair, ball), ball, pair.motion);
     pair.status = TrackStatus::kOk;

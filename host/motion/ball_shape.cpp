@@ -10,10 +10,14 @@ bool BallShape::is_compressed() const {
 }
 
 BallShape shape_of(const circle::CircleFit& fit) {
-  if (!fit.ellipse || !(fit.circle.r_px > 0)) return {};
-  return {fit.e1_px / fit.circle.r_px, fit.e2_px / fit.circle.r_px,
-          std::hypot(fit.e1_sd_px, fit.e2_sd_px) / std::sqrt(2) / fit.circle.r_px,
-          fit.r_sd_px / fit.circle.r_px};
+  const double r = fit.circle.r_px;
+  if (!(r > 0)) return {};
+  // The wave of an ellipse around a rim is known to √2 of what the mean is known to. A ball that is
+  // pressed along one axis is smaller by as much as its ellipse is long.
+  const double hidden = std::sqrt(2) * fit.own_r_sd_px / r;
+  if (!fit.ellipse) return {0, 0, hidden, hidden};
+  return {fit.e1_px / r, fit.e2_px / r, std::hypot(fit.e1_sd_px, fit.e2_sd_px) / std::sqrt(2) / r,
+          fit.r_sd_px / r};
 }
 
 BallShape shape_before(const BallShape& second, const BallMotion& strain) {

@@ -8,12 +8,13 @@
 namespace impactdic::motion {
 
 // The stretch that makes an ellipse of a round ball, but for its size: [1 + e1, e2; e2, 1 − e1] in
-// image axes. Figures of CircleFit over the radius; 0 of a circle. size_sd: of the ellipse's
-// radius.
+// image axes. Figures of CircleFit over the radius; 0 of a circle, which may be an ellipse that
+// does not show. size_sd: of the outline's radius.
 struct BallShape {
   double e1 = 0, e2 = 0, sd = 0;
   double size_sd = 0;
 
+  bool is_circle() const { return e1 == 0 && e2 == 0; }
   // Plainly no circle: in contact. A ball that is 2 % shorter along one axis.
   bool is_compressed() const;
 };

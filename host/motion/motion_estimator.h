@@ -32,7 +32,7 @@ struct EstimatorOptions {
   int fewest_windows = 3;    // that may carry a motion
   bool sphere = false;       // the ball turns about any axis (kBall alone), else in the picture
   // Of a ball taken for flat: the turn out of the picture's plane, rad a frame, that it may have
-  // all the same. The mean of its visible half, two thirds of the radius deep, moves by it.
+  // all the same (unseen_tilt.h).
   double unseen_tilt_rad = 0;
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;
@@ -53,6 +53,8 @@ struct PairMotion {
   int first_slot = 0, second_slot = 0;
   Circle first, second;  // the ball in both frames
   BallShape shape, second_shape;
+  // An outline of it, or of the frames beside it, is an ellipse, or none was found.
+  bool near_contact = false;
   // Pixel (0, 0) of the parts of the frames in which the circles are.
   int first_left_px = 0, first_top_px = 0, second_left_px = 0, second_top_px = 0;
   // Of a pair before this one; a sphere's is the rotation vector (x, y, and this).

@@ -9,8 +9,8 @@
 
 namespace impactdic::motion {
 
-// A pair of a sphere that was registered with the shapes of its outlines: its task, what came of
-// it, and the shapes in both pictures.
+// A pair of a sphere in or beside a contact, registered with the shapes of its outlines as far as
+// they show: its task, what came of it, and the shapes in both pictures.
 struct ShapedPair {
   BallTask task;
   BallMotion* motion = nullptr;
@@ -18,9 +18,9 @@ struct ShapedPair {
 };
 
 // Outlines err, and an obstacle's edge may look like a compressed ball's: a pair that fits its
-// pictures better as a round ball is taken for that. Of the others the covariance gets what the
-// deviations of their shapes do to the motion, by registering them with each figure of the shapes
-// changed by its deviation.
+// pictures better as a round ball is taken for that. A ball that is pressed a little looks round,
+// too. The covariance gets what the deviations of the shapes do to the motion, by registering the
+// pair with each figure of the shapes changed by its deviation.
 void doubt_shapes(dic::BallRegistration& registration, dic::DeviceFrames& frames,
                   std::span<const ShapedPair> pairs);
 

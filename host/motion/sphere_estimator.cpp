@@ -61,12 +61,6 @@ class SphereEstimator : public MotionEstimator {
     return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
   }
 
-  static bool has_shape(const BallSight& sight) {
-    const auto is_some = [](float stretch) { return stretch != 0; };
-    return std::any_of(std::begin(sight.first), std::end(sight.first), is_some) ||
-           std::any_of(std::begin(sight.second), std::end(sight.second), is_some);
-  }
-
   std::vector<BallMotion> measure_all(std::span<const PairMotion> pairs) {
     std::vector<BallTask> tasks;
     for (const PairMotion& pair : pairs) {
@@ -75,7 +69,7 @@ class SphereEstimator : public MotionEstimator {
     std::vector<BallMotion> motions = sphere_.measure(frames_, tasks);
     std::vector<ShapedPair> shaped;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
-      if (!has_shape(tasks[i].sight)) continue;
+      if (!pairs[i].near_contact) continue;
       shaped.push_back({tasks[i], &motions[i], {pairs[i].shape, pairs[i].second_shape}});
     }
     doubt_shapes(sphere_, frames_, shaped);

@@ -11,6 +11,15 @@
 namespace impactdic::pipeline {
 namespace {
 
+// Whether one of the outlines of pair `i`, or of the frames beside it, is an ellipse, or lost.
+bool near_contact(const TrackBatch& batch, std::size_t i) {
+  const std::size_t end = std::min(i + 3, batch.frames.size());
+  for (std::size_t k = i > 0 ? i - 1 : 0; k < end; ++k) {
+    if (!batch.rows[k].circle_ok || !batch.shapes[k].is_circle()) return true;
+  }
+  return false;
+}
+
 // A GPU copies, computes and waits for the host at once; a CPU that is the device itself gains
 // nothing from more batches in flight.
 constexpr int kWorkersOfGpu = 12, kWorkersOfCpu = 1;
@@ -315,6 +324,7 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
     pair.second = ball(batch, i + 1);
     pair.shape = batch.shapes[i];
     pair.second_shape = batch.shapes[i + 1];
+    pair.near_contact = near_contact(batch, i);
     motion::into_crops(pair, origins[k], origins[k + 1]);
     which.push_back(k);
   }

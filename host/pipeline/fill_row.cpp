@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/dic/sphere/sphere_errors.h"
+#include "host/motion/unseen_tilt.h"
 
 namespace impactdic::pipeline {
 
@@ -114,8 +115,12 @@ void forget_way(TrackRow& row) {
 
 void doubt_motion(TrackRow& row, const TrackRow& next) {
   if (!row.motion_ok || !row.circle_ok || !next.circle_ok) return;
-  row.dx_sd_px = std::max(row.dx_sd_px, std::hypot(row.cx_sd_px, next.cx_sd_px));
-  row.dy_sd_px = std::max(row.dy_sd_px, std::hypot(row.cy_sd_px, next.cy_sd_px));
+  const double x_px = std::hypot(row.cx_sd_px, next.cx_sd_px);
+  const double y_px = std::hypot(row.cy_sd_px, next.cy_sd_px);
+  row.dx_sd_px = std::max(row.dx_sd_px, x_px);
+  row.dy_sd_px = std::max(row.dy_sd_px, y_px);
+  const double tilt_rad = motion::tilt_that_moves(std::hypot(x_px, y_px), row.r_px);
+  row.rot_sd_deg = std::hypot(row.rot_sd_deg, motion::turned_by_tilt(tilt_rad) * kDegPerRad);
 }
 
 }  // namespace impactdic::pipeline

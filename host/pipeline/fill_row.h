@@ -23,7 +23,7 @@ void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
 // Where the pictures' places in the scene are not known: the row keeps its turn alone.
 void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
-// both frames do of the way between them.
+// both frames do of the way between them, and of its turn no less than such a tilt may add.
 void doubt_motion(TrackRow& row, const TrackRow& next);
 
 }  // namespace impactdic::pipeline

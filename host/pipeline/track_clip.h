@@ -24,7 +24,7 @@ namespace impactdic::pipeline {
 struct TrackOptions {
   motion::EstimatorOptions estimator;
   // Of a ball that is measured as a flat one though nothing tells whether it turns out of the
-  // picture's plane: its motions are known no better than its circles.
+  // picture's plane: doubt_motion.
   bool tilt_is_unknown = false;
   circle::BallTrackerOptions ball;
   bool scouted = false;  // the ball was scouted for `ball`; otherwise that is done here
