@@ -32,14 +32,17 @@ bool is_round(const BallTask& task) {
          std::all_of(std::begin(task.sight.second), std::end(task.sight.second), is_none);
 }
 
-// The pairs that were measured, those that fit better as round balls as such.
-std::vector<ShapedPair> as_they_fit(dic::BallRegistration& registration, dic::DeviceFrames& frames,
-                                    std::span<const ShapedPair> pairs) {
-  std::vector<ShapedPair> fitting(pairs.begin(), pairs.end());
+// The pairs that fit better as round balls become such; returns the others.
+std::vector<const ShapedPair*> keep_shaped(dic::BallRegistration& registration,
+                                           dic::DeviceFrames& frames,
+                                           std::span<const ShapedPair> pairs) {
   std::vector<BallTask> tasks;
-  std::vector<ShapedPair*> of;
-  for (ShapedPair& pair : fitting) {
-    if (is_round(pair.task)) continue;
+  std::vector<const ShapedPair*> of, shaped;
+  for (const ShapedPair& pair : pairs) {
+    if (is_round(pair.task)) {
+      if (is_ok(*pair.motion)) shaped.push_back(&pair);
+      continue;
+    }
     tasks.push_back(as_round(pair.task));
     of.push_back(&pair);
   }
@@ -47,12 +50,13 @@ std::vector<ShapedPair> as_they_fit(dic::BallRegistration& registration, dic::De
   if (!tasks.empty()) round = registration.measure(frames, tasks);
   for (std::size_t k = 0; k < round.size(); ++k) {
     BallMotion& motion = *of[k]->motion;
-    if (!is_ok(round[k]) || (is_ok(motion) && motion.residual < round[k].residual)) continue;
-    motion = round[k];
-    of[k]->task = tasks[k];
+    if (is_ok(round[k]) && !(is_ok(motion) && motion.residual < round[k].residual)) {
+      motion = round[k];
+    } else if (is_ok(motion)) {
+      shaped.push_back(of[k]);
+    }
   }
-  std::erase_if(fitting, [](const ShapedPair& pair) { return !is_ok(*pair.motion); });
-  return fitting;
+  return shaped;
 }
 
 // The stretch of a picture, xx, xy, yy, changed by the deviation of e1, e2 or the size.
@@ -83,14 +87,14 @@ void doubt_shapes(dic::BallRegistration& registration, dic::DeviceFrames& frames
   if (pairs.empty()) return;
   std::vector<BallTask> tasks;
   std::vector<BallMotion*> of;
-  for (const ShapedPair& pair : as_they_fit(registration, frames, pairs)) {
+  for (const ShapedPair* pair : keep_shaped(registration, frames, pairs)) {
     for (int picture = 0; picture < 2; ++picture) {
       for (int figure = 0; figure < kFigures; ++figure) {
-        BallTask task = from(pair.task, *pair.motion);
-        change(figure, pair.shapes[static_cast<std::size_t>(picture)],
+        BallTask task = from(pair->task, *pair->motion);
+        change(figure, pair->shapes[static_cast<std::size_t>(picture)],
                picture == 0 ? task.sight.first : task.sight.second);
         tasks.push_back(task);
-        of.push_back(pair.motion);
+        of.push_back(pair->motion);
       }
     }
   }

@@ -83,5 +83,14 @@ TEST(ShapeDoubt, WhatAnOutlineErrsByIsPartOfTheDeviations) {
   EXPECT_LT(std::abs(off.rot_x_rad - kTurn.x()), 3 * std::sqrt(off.covariance[5]));
 }
 
+// Beside a contact an outline looks round that is not: the motion is off by 0.36 px, four deviations.
+TEST(ShapeDoubt, ABallThatLooksRoundMayBePressedALittle) {
+  PressedPair pressed(0, 0.008);
+  const BallMotion sure = pressed.measured(0, 0, 1e-6), doubted = pressed.measured(0, 0, 0.004);
+  EXPECT_EQ(doubted.dy, sure.dy);
+  EXPECT_GT(std::abs(sure.dy + 0.61), 3 * std::sqrt(sure.covariance[2]));
+  EXPECT_LT(std::abs(doubted.dy + 0.61), 2 * std::sqrt(doubted.covariance[2]));
+}
+
 }  // namespace
 }  // namespace impactdic::motion
