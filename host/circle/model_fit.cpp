@@ -14,6 +14,7 @@
 #include "host/circle/settings/outline.h"
 #include "host/circle/settings/rim_model.h"
 #include "host/circle/settings/sphere.h"
+#include "host/circle/sphere/sphere_lines.h"
 
 namespace impactdic::circle {
 namespace {
@@ -98,9 +99,11 @@ class Learner {
 
  private:
   RimTexture texture() const {
-    return texture_.result(surface_ == Surface::kFlat     ? kInk.paint_sd
-                           : surface_ == Surface::kSphere ? kSphere.paint_sd
-                                                          : kSphere.outline_sd);
+    RimTexture texture = texture_.result(surface_ == Surface::kFlat     ? kInk.paint_sd
+                                         : surface_ == Surface::kSphere ? kSphere.paint_sd
+                                                                        : kSphere.outline_sd);
+    if (surface_ == Surface::kSphere) brighten(texture, paint_beside_rim(trace_, texture_));
+    return texture;
   }
 
   // Fits under the present texture and width, from `start` if there is one.

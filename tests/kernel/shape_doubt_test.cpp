@@ -83,7 +83,8 @@ TEST(ShapeDoubt, WhatAnOutlineErrsByIsPartOfTheDeviations) {
   EXPECT_LT(std::abs(off.rot_x_rad - kTurn.x()), 3 * std::sqrt(off.covariance[5]));
 }
 
-// Beside a contact an outline looks round that is not: the motion is off by 0.36 px, four deviations.
+// Beside a contact an outline looks round that is not: the motion is off by 0.36 px, four
+// deviations.
 TEST(ShapeDoubt, ABallThatLooksRoundMayBePressedALittle) {
   PressedPair pressed(0, 0.008);
   const BallMotion sure = pressed.measured(0, 0, 1e-6), doubted = pressed.measured(0, 0, 0.004);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "host/circle/settings/levels.h"
 #include "host/circle/settings/rim_model.h"
 
 namespace impactdic::circle {
@@ -36,15 +37,29 @@ void describe(const double (&sum)[kTexture], const double (&product)[kTexture][k
 
 }  // namespace
 
+void brighten(RimTexture& texture, double by) {
+  for (RimTexture::Kind& kind : texture.kinds) {
+    for (double& mean : kind.mean) mean *= by;
+    for (auto& row : kind.covariance) {
+      for (double& each : row) each *= by * by;
+    }
+  }
+}
+
 void TextureSums::add(const float* samples, float noise) {
   const float tolerance = kInk.bare_noise * noise + kInk.bare_least;
   bool bare = true;
   float b[kTexture];
   for (int k = 0; k < kTexture; ++k) {
     bare = bare && std::abs(samples[k] - 1) < tolerance;
+    bare_ += samples[k] > 1 - tolerance;
     b[k] = std::clamp(samples[k], kInk.least, kInk.most);
   }
   ++windows_;
+  if (std::max({samples[0], samples[1], samples[2]}) > kClear.nothing) {
+    ++shown_;
+    shown_sum_ += static_cast<double>(samples[0]);
+  }
   if (bare) {
     ++kinds_[0].n;
     return;

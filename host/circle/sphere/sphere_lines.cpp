@@ -1,8 +1,11 @@
 #include "host/circle/sphere/sphere_lines.h"
 
+#include <impactdic/units.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "host/circle/rim/blurred_edge.h"
 #include "host/circle/rim/rim_levels.h"
@@ -82,6 +85,40 @@ float outline_scale(const LineTrace::Levels& levels, float c, float s, float gro
   const double paint = levels.sphere.at(x, y, kSphere.rim_z);
   const double most = static_cast<double>(std::max(levels.usual + ground, levels.usual));
   return levels.usual * static_cast<float>(std::sqrt(std::max(paint / most, kSphere.least_light)));
+}
+
+// Mean of what the kept lines show innermost, sector by sector, and its variance.
+struct Inside {
+  double mean = 0, variance = 0;
+};
+std::optional<Inside> inside_of(const RimLines& lines) {
+  std::array<double, kRimSectors> sum{}, count{};
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    sum[lines.sector[i]] += static_cast<double>(lines.profile[i].v[0]);
+    ++count[lines.sector[i]];
+  }
+  double all = 0, squares = 0, sectors = 0;
+  for (int b = 0; b < kRimSectors; ++b) {
+    if (count[b] == 0) continue;
+    const double mean = sum[b] / count[b];
+    all += mean;
+    squares += mean * mean;
+    ++sectors;
+  }
+  if (sectors < 2) return std::nullopt;
+  const double mean = all / sectors;
+  return Inside{mean, (squares / sectors - mean * mean) / (sectors - 1)};
+}
+
+// The light's contrast at the centre over that at the rim.
+double darkening(const LineTrace::Levels& levels) {
+  const double ground = quantile(levels.ground, 0.5);
+  double rim = 0;
+  for (int k = 0; k < kLevelSectors; ++k) {
+    const double angle = 2 * kPi * k / kLevelSectors;
+    rim += levels.sphere.at(std::cos(angle), std::sin(angle), kSphere.rim_z) / kLevelSectors;
+  }
+  return (levels.sphere.at(0, 0, 1) - ground) / std::max(rim - ground, 1e-6);
 }
 
 // How the surface's length goes into the samples of a line, from the rim on inwards.
@@ -300,6 +337,20 @@ bool is_evenly_lit(const LineTrace& trace) {
     most = std::max(most, contrast);
   }
   return least > kSphere.even * most;
+}
+
+double paint_beside_rim(const LineTrace& trace, const TextureSums& texture) {
+  const double told = texture.shown_inside();
+  const std::optional<Inside> shown = inside_of(trace.lines);
+  if (!shown || !(told > 0)) return 1;
+  const double brighter = shown->mean / told - 1;
+  const double chance = std::pow(kSphere.paint_chance / told, 2) * shown->variance;
+  const double beyond = 1 - chance / std::max(brighter * brighter, 1e-12);
+  if (beyond < 0) return 1;
+  const double hidden = (kSphere.paint_seen - texture.bare_share()) / kSphere.paint_seen_over;
+  const double by = 1 + std::clamp(hidden, 0.0, 1.0) * beyond * brighter;
+  const double darker = darkening(trace.levels);
+  return std::clamp(by, std::min(1.0, darker), std::max(1.0, darker));
 }
 
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,

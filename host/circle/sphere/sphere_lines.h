@@ -27,4 +27,10 @@ bool is_evenly_lit(const LineTrace& trace);
 void add_sphere_texture(const Frame& frame, const Rim& rim, const LineRequest& request,
                         const LineTrace& trace);
 
+// How much brighter bare paint is beside the rim than the light has it. The light is an envelope of
+// what is seen: of fine ink, foreshortened, that shows no bare paint there, and the ball seems to
+// darken towards its rim. Its mean level does not: by how much more the lines show inside than
+// the texture, as far as that is beyond chance and the light darkens.
+double paint_beside_rim(const LineTrace& trace, const TextureSums& texture);
+
 }  // namespace impactdic::circle
