@@ -1,13 +1,13 @@
 // How exact and how honest `track` is on balls as cameras show them: lamps, backgrounds, obstacles,
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
 //   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
-// CONDITIONS is a list with commas, or "all", each with the pattern of its ball where that is not
-// to be the usual one: "disc_bar:a2", "all:b3"; FIRST and LAST are seeds. "random" draws a
-// condition of its own from each seed and leaves it to the program what the body is: discs and
-// spheres are told apart in its table, and each seed is described on stderr. Rows that are lost, or
-// wrong with status ok, are listed on stderr. With "circles" the motion is not measured, and no
-// device is needed. Pictures are kept in the folder KEEP and read from there the next time
-// (painting takes longer than all the rest).
+// CONDITIONS is a list with commas, or "all", each with the pattern and the radius of its ball
+// where they are not to be the usual ones: "disc_bar:a2", "all:b3", "sphere:a3:40"; FIRST and LAST
+// are seeds. "random" draws a condition of its own from each seed and leaves it to the program what
+// the body is: discs and spheres are told apart in its table, and each seed is described on stderr.
+// Rows that are lost, or wrong with status ok, are listed on stderr. With "circles" the motion is
+// not measured, and no device is needed. Pictures are kept in the folder KEEP and read from there
+// the next time (painting takes longer than all the rest).
 #include <impactdic/device.h>
 #include <impactdic/error.h>
 #include <impactdic/track.h>
@@ -177,7 +177,8 @@ std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::ui
                                const std::string& keep) {
   std::vector<Frame> pictures(clip.poses().size());
   const std::string name = keep + '/' + scene.name + '-' + scene.pattern + '-' +
-                           std::to_string(seed) + '-' + std::to_string(pictures.size());
+                           std::to_string(seed) + '-' + std::to_string(pictures.size()) + '-' +
+                           std::to_string(scene.radius_px);
   const auto bytes = static_cast<std::streamsize>(clip.width()) * clip.height();
   if (!keep.empty() && std::filesystem::exists(name)) {
     std::ifstream file(name, std::ios::binary);
@@ -296,11 +297,17 @@ int run(int argc, char** argv) {
   const auto argument = [&](int i, const char* usual) {
     return std::string(argc > i ? argv[i] : usual);
   };
-  std::vector<std::pair<std::string, std::string>> wanted;  // condition, pattern
+  struct Wanted {
+    std::string condition, pattern, radius_px;
+  };
+  std::vector<Wanted> wanted;
   std::istringstream names(argument(1, "all"));
   for (std::string name; std::getline(names, name, ',');) {
-    const std::size_t colon = std::min(name.find(':'), name.size());
-    wanted.emplace_back(name.substr(0, colon), name.substr(std::min(colon + 1, name.size())));
+    std::istringstream parts(name);
+    Wanted& one = wanted.emplace_back();
+    std::getline(parts, one.condition, ':');
+    std::getline(parts, one.pattern, ':');
+    std::getline(parts, one.radius_px);
   }
   Way way;
   way.first = std::atoi(argument(2, "1").c_str());
@@ -320,11 +327,12 @@ int run(int argc, char** argv) {
   }
   for (const LightScene& usual : kScenes) {
     const auto asked = std::find_if(wanted.begin(), wanted.end(), [&](const auto& one) {
-      return one.first == "all" || one.first == usual.name;
+      return one.condition == "all" || one.condition == usual.name;
     });
     if (asked == wanted.end()) continue;
     LightScene scene = usual;
-    if (!asked->second.empty()) scene.pattern = asked->second.c_str();
+    if (!asked->pattern.empty()) scene.pattern = asked->pattern.c_str();
+    if (!asked->radius_px.empty()) scene.radius_px = std::stod(asked->radius_px);
     Table table;
     for (int seed = way.first; seed <= way.last; ++seed) {
       measure(scene, static_cast<std::uint64_t>(seed), way, session, table);

@@ -42,14 +42,9 @@ bool agree(const Rim& rim, const RimFit& crossings, double edge_sigma_px, Surfac
 // How much likelier than a disc a sphere must be: more in even light, where a ball with little ink
 // looks the same as either.
 double margin(const SphereLight& light) {
-  double least = 1e300, most = -1e300;
-  for (int k = 0; k < kLevelSectors; ++k) {
-    const double angle = 2 * kPi * k / kLevelSectors;
-    const double level = light.at(std::cos(angle), std::sin(angle), kSphere.rim_z);
-    least = std::min(least, level);
-    most = std::max(most, level);
-  }
-  return std::abs(least / most) > kSphere.even ? kSphere.likelier_even : kSphere.likelier;
+  const auto at_rim = levels_at_rim(light);
+  const auto [least, most] = std::minmax_element(at_rim.begin(), at_rim.end());
+  return std::abs(*least / *most) > kSphere.even ? kSphere.likelier_even : kSphere.likelier;
 }
 
 class Learner {

@@ -14,7 +14,7 @@ bool is_round(const BallShape& shape) {
 }
 
 void put_stretch(const SeenBall& ball, double rim_px, float* stretch) {
-  const double size = ball.shape.e1 != 0 || ball.shape.e2 != 0 ? ball.circle.r_px / rim_px : 1;
+  const double size = ball.shape.is_circle() ? 1 : ball.circle.r_px / rim_px;
   stretch[0] = static_cast<float>(size * (1 + ball.shape.e1) - 1);
   stretch[1] = static_cast<float>(size * ball.shape.e2);
   stretch[2] = static_cast<float>(size * (1 - ball.shape.e1) - 1);

@@ -24,7 +24,7 @@ namespace impactdic::pipeline {
 struct TrackOptions {
   motion::EstimatorOptions estimator;
   // Of a ball that is measured as a flat one though nothing tells whether it turns out of the
-  // picture's plane: doubt_motion.
+  // picture's plane: they state what doubt_motion says.
   bool tilt_is_unknown = false;
   circle::BallTrackerOptions ball;
   bool scouted = false;  // the ball was scouted for `ball`; otherwise that is done here

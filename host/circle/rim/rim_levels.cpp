@@ -295,13 +295,19 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
   return true;
 }
 
-bool fades(const LineTrace::Levels& levels) {
-  const double ground = quantile(levels.ground, 0.5);
-  double least = 1e300;
+std::array<double, kLevelSectors> levels_at_rim(const SphereLight& light) {
+  std::array<double, kLevelSectors> levels;
   for (int k = 0; k < kLevelSectors; ++k) {
     const double angle = 2 * kPi * k / kLevelSectors;
-    least = std::min(least, levels.sphere.at(std::cos(angle), std::sin(angle), kSphere.rim_z));
+    levels[k] = light.at(std::cos(angle), std::sin(angle), kSphere.rim_z);
   }
+  return levels;
+}
+
+bool fades(const LineTrace::Levels& levels) {
+  const double ground = quantile(levels.ground, 0.5);
+  const auto at_rim = levels_at_rim(levels.sphere);
+  const double least = *std::min_element(at_rim.begin(), at_rim.end());
   return least - ground < static_cast<double>(kSphere.least_contrast * levels.usual);
 }
 

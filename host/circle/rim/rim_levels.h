@@ -69,6 +69,8 @@ bool find_levels(CastLines& lines, LineTrace::Levels& levels);
 // The same of a sphere.
 bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& request,
                         const CastLines& lines, LineTrace::Levels& levels);
+// A sphere's light at the rim, in directions evenly around it.
+std::array<double, kLevelSectors> levels_at_rim(const SphereLight& light);
 // Whether a part of the rim is lit so little that its paint cannot be told from the background, or
 // is darker.
 bool fades(const LineTrace::Levels& levels);

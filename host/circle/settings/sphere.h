@@ -56,7 +56,7 @@ struct SphereSettings {
   // bare paint among the texture's samples from which on the light is right, and over which less
   // of it makes it wrong. [measured] spheres of the sixteen patterns, 30, 40 and 60 px: a2, a3, b3,
   // e1, e2, f2 show up to 0.2, of all others f1 and b2 alone as little.
-  double paint_chance = 1.5, paint_seen = 0.25, paint_seen_over = 0.1;
+  double paint_chance = 3, paint_seen = 0.25, paint_seen_over = 0.1;
   // learn_rim.
   double paint_sd = 0.03;    // of the level of bare paint about that of the light [hand]
   double outline_sd = 0.1;   // the same, of an outline [hand]

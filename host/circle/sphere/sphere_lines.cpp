@@ -1,10 +1,9 @@
 #include "host/circle/sphere/sphere_lines.h"
 
-#include <impactdic/units.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "host/circle/rim/blurred_edge.h"
@@ -113,11 +112,8 @@ std::optional<Inside> inside_of(const RimLines& lines) {
 // The light's contrast at the centre over that at the rim.
 double darkening(const LineTrace::Levels& levels) {
   const double ground = quantile(levels.ground, 0.5);
-  double rim = 0;
-  for (int k = 0; k < kLevelSectors; ++k) {
-    const double angle = 2 * kPi * k / kLevelSectors;
-    rim += levels.sphere.at(std::cos(angle), std::sin(angle), kSphere.rim_z) / kLevelSectors;
-  }
+  const auto at_rim = levels_at_rim(levels.sphere);
+  const double rim = std::accumulate(at_rim.begin(), at_rim.end(), 0.0) / kLevelSectors;
   return (levels.sphere.at(0, 0, 1) - ground) / std::max(rim - ground, 1e-6);
 }
 

@@ -3,6 +3,7 @@
 #include "host/motion/ball_shape.h"
 
 #include <gtest/gtest.h>
+#include <impactdic/units.h>
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -88,6 +89,23 @@ TEST(BallShape, AnErrorOfTheCentreIsInTheMotionOfABallThatIsCompressed) {
     EXPECT_NEAR(sd.x(), std::hypot(moved(0, 0) * kSdX_px, moved(0, 1) * kSdY_px), 1e-12);
     EXPECT_NEAR(sd.y(), std::hypot(moved(1, 0) * kSdX_px, moved(1, 1) * kSdY_px), 1e-12);
   }
+}
+
+// Of a sphere taken for a disc, a part of what it turns out of the picture shows as a turn in it.
+TEST(BallShape, AnUnseenTiltIsInTheTurnOfABallThatIsTakenForFlat) {
+  TrackRow row, next;
+  row.motion_ok = row.circle_ok = next.circle_ok = true;
+  row.r_px = 133;
+  row.dx_sd_px = row.dy_sd_px = 0.001;
+  row.rot_sd_deg = 0.003;
+  row.cx_sd_px = 0.4, row.cy_sd_px = 0.5;
+  next.cx_sd_px = 0.3, next.cy_sd_px = 0.5;
+  pipeline::doubt_motion(row, next);
+  EXPECT_NEAR(row.dx_sd_px, 0.5, 1e-12);
+  EXPECT_NEAR(row.dy_sd_px, std::sqrt(0.5), 1e-12);
+  // A tilt of 0.56 degrees moves the picture by as much as the circles leave open.
+  const double tilt_rad = std::hypot(0.5, std::sqrt(0.5)) * 1.5 / row.r_px;
+  EXPECT_NEAR(row.rot_sd_deg, std::hypot(0.003, 0.13 * tilt_rad * kDegPerRad), 1e-12);
 }
 
 }  // namespace
