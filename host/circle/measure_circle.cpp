@@ -168,11 +168,10 @@ bool is_pressed(const CircleFit& fit, const CirclePrior& prior) {
 
 // A wider look about a circle for which no model and little of a rim speaks: beside a bar, or
 // before a texture, the arc that was found may be a part of a larger rim. One elsewhere that shows
-// most of itself is the ball's. That look is for circles: of a ball in contact it finds one that
-// passes over what the surface flattens.
+// most of itself is the ball's.
 CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, CircleOptions options,
                         LineTrace& lines) {
-  if (fit.status != CircleStatus::kOk || fit.rim_model || is_pressed(fit, prior)) return fit;
+  if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
   if (fit.rim_fraction > kJudge.much_rim && fit.residual_px < kJudge.scattered_px) return fit;
   look_about(fit, kJudge.wider_of_r, prior, options);
   CircleFit other = measure_anew(frame, prior, options, lines);
@@ -215,6 +214,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
     return accepted(*followed, frame, options);
   }
   CircleFit fit = measure_anew(frame, prior, options, lines);
+  // Second looks are for circles: of a ball in contact they find one that passes over what the
+  // surface flattens.
+  if (is_pressed(fit, prior)) return fit;
   fit = with_more_rim(std::move(fit), frame, prior, options, lines);
   return with_all_inside(std::move(fit), frame, prior, options, lines);
 }
