@@ -89,7 +89,8 @@ class Learner {
     const bool tells =
         disc_px && by_px < kSphere.most_shift_px && fit_.misfit < kSphere.poor_misfit;
     const double most = kSphere.most_of_usual * usual;
-    model_->set_light_sd_px(tells ? std::min(kSphere.of_correction * by_px, most) : usual);
+    const double share = is_evenly_lit(trace_) ? kSphere.of_even_correction : kSphere.of_correction;
+    model_->set_light_sd_px(tells ? std::min(share * by_px, most) : usual);
   }
 
  private:

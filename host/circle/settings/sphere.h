@@ -41,10 +41,11 @@ struct SphereSettings {
   double seek_px = 1.5;                                          // [hand]
   double crossings_centre_px = 0.1, crossings_radius_px = 0.35;  // [measured] light_accuracy
   // What light and foreshortened ink make of the radius that a disc's model finds is known to this
-  // share of itself.
-  double of_correction = 0.35;  // [measured] light_accuracy, eight patterns
-  double most_of_usual = 1.5;   // and to so much of radius_sd_of_r [measured] the same
-  double poor_misfit = 13;      // as LearningSettings::misfit: nothing is told by such a fit [hand]
+  // share of itself; in even light ink alone makes it. [measured] light_accuracy, eight patterns;
+  // sphere of all sixteen, 30 to 115 px
+  double of_correction = 0.35, of_even_correction = 0.25;
+  double most_of_usual = 1.5;  // and to so much of radius_sd_of_r [measured] the same
+  double poor_misfit = 13;     // as LearningSettings::misfit: nothing is told by such a fit [hand]
   // Of the radius, beside what the model says, where no disc's model tells: how a texture learnt
   // from one frame misplaces it, or a disc's model that fits a sphere; this moves the centre, too.
   double radius_sd_of_r = 9e-4;       // [measured] light_accuracy, seven patterns
