@@ -20,6 +20,17 @@ BallShape shape_of(const circle::CircleFit& fit) {
           fit.r_sd_px / r};
 }
 
+Gradient gradient_of(const Stretch& stretch, double rot_rad) {
+  const double c = std::cos(rot_rad), s = std::sin(rot_rad);
+  const double xx = 1 + stretch.xx, xy = stretch.xy, yy = 1 + stretch.yy;
+  return {c * xx + s * xy, c * xy + s * yy, c * xy - s * xx, c * yy - s * xy};
+}
+
+Gradient inverse(const Gradient& g) {
+  const double det = g.xx * g.yy - g.xy * g.yx;
+  return {g.yy / det, -g.xy / det, -g.yx / det, g.xx / det};
+}
+
 BallShape shape_before(const BallShape& second, const BallMotion& strain) {
   // The second shape in the first frame's axes, where the ball has turned back.
   const double c = std::cos(2.0 * strain.rot_rad), s = std::sin(2.0 * strain.rot_rad);

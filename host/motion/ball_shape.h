@@ -26,6 +26,13 @@ struct Stretch {
   double xx = 0, xy = 0, yy = 0;
 };
 
+// What that and a turn make of a point beside the ball's centre, in image axes: [xx, xy; yx, yy].
+struct Gradient {
+  double xx = 1, xy = 0, yx = 0, yy = 1;
+};
+Gradient gradient_of(const Stretch& stretch, double rot_rad);
+Gradient inverse(const Gradient& gradient);
+
 // The shape in the first frame, as the second frame's outline and a registration from the one to
 // the other have it. An outline may miss that a ball is compressed while its pictures do not.
 BallShape shape_before(const BallShape& second, const BallMotion& strain);

@@ -6,12 +6,10 @@
 #include <utility>
 
 #include "host/base/statistics.h"
+#include "host/pipeline/path.h"
 
 namespace impactdic::pipeline {
 namespace {
-
-// The outline of a ball 12 radii away is not about its centre: by so much of the way.
-constexpr double kAboutCentre = 0.007;
 
 // Motions and circles of some frames along one axis.
 struct Way {
@@ -25,10 +23,6 @@ struct Way {
 };
 
 bool is_ellipse(const TrackRow& row) { return std::isfinite(row.e1_px); }
-
-bool is_part_of_path(const TrackRow& row) {
-  return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok;
-}
 
 // A contradiction is no reason to ask no further who is right.
 bool leads_on(const TrackRow& row) {
@@ -59,10 +53,8 @@ struct Figure {
   double steepest_px = 0;         // what may go on alike from frame to frame is no scatter
 };
 
-// Frames on either side that tell of one, at most; of all of them at least.
-constexpr std::size_t kBeside = 12, kFewestOthers = 4;
-// Nothing is known better than this.
-constexpr double kExact_px = 1e-6;
+// Frames that tell of one, at least.
+constexpr std::size_t kFewestOthers = 4;
 
 // Nothing to look at more closely: the figures `begin` to `end` scatter by what they state, about a
 // straight line.

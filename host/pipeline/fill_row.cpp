@@ -83,13 +83,12 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Str
   // The point that was followed is off the ball's centre by the circle's error, turns about it and
   // is carried towards it where the ball is compressed.
   if (!row.circle_ok) return;
-  const double c = std::cos(motion.rot_rad), s = std::sin(motion.rot_rad);
-  const double xx = 1 + stretch.xx, xy = stretch.xy, yy = 1 + stretch.yy;
+  const motion::Gradient by = motion::gradient_of(stretch, motion.rot_rad);
   const auto with_centre = [&](double sd_px, double by_x, double by_y) {
     return std::hypot(sd_px, by_x * row.cx_sd_px, by_y * row.cy_sd_px);
   };
-  row.dx_sd_px = with_centre(row.dx_sd_px, c * xx + s * xy - 1, c * xy + s * yy);
-  row.dy_sd_px = with_centre(row.dy_sd_px, c * xy - s * xx, c * yy - s * xy - 1);
+  row.dx_sd_px = with_centre(row.dx_sd_px, by.xx - 1, by.xy);
+  row.dy_sd_px = with_centre(row.dy_sd_px, by.yx, by.yy - 1);
 }
 
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion) {
@@ -121,6 +120,13 @@ void doubt_motion(TrackRow& row, const TrackRow& next) {
   row.dy_sd_px = std::max(row.dy_sd_px, y_px);
   const double tilt_rad = motion::tilt_that_moves(std::hypot(x_px, y_px), row.r_px);
   row.rot_sd_deg = std::hypot(row.rot_sd_deg, motion::turned_by_tilt(tilt_rad) * kDegPerRad);
+}
+
+TrackStatus status_behind(const TrackRow& before) {
+  if (!before.circle_ok) return TrackStatus::kNoBall;
+  const bool is_fine =
+      before.status == TrackStatus::kOk || before.status == TrackStatus::kNoTexture;
+  return is_fine ? TrackStatus::kLastFrame : before.status;
 }
 
 }  // namespace impactdic::pipeline

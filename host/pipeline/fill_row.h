@@ -25,5 +25,8 @@ void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of
 // both frames do of the way between them, and of its turn no less than such a tilt may add.
 void doubt_motion(TrackRow& row, const TrackRow& next);
+// Of the last frame, which shows a circle. That alone may be anything, and so may one to which no
+// motion led: with motions measured, all others stand in two frames that follow each other.
+TrackStatus status_behind(const TrackRow& before);
 
 }  // namespace impactdic::pipeline

@@ -15,6 +15,7 @@
 #include "host/pipeline/compare_rows.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
+#include "host/pipeline/place_by_path.h"
 #include "host/pipeline/track_batch.h"
 
 namespace impactdic::pipeline {
@@ -148,10 +149,7 @@ class ClipTracker {
     const std::size_t rows = batch->frames.size() - 1;
     for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
     compare_with_path(batch->rows);
-    const std::vector<bool> changed = state_scatter(batch->rows);
-    for (std::size_t i = 0; i < rows; ++i) {
-      if (changed[i] && is_measured(*batch, i)) state_motion(*batch, i);
-    }
+    state_centres(*batch);
     for (std::size_t i = 0; i < rows; ++i) {
       motion::PairMotion* const pair = is_measured(*batch, i) ? &batch->pairs[i] : nullptr;
       // Not before: what a worker measured is slow to fetch, and is written next.
@@ -260,16 +258,10 @@ class ClipTracker {
     grid_is_new_ = true;
   }
 
-  // A circle in the last frame alone may be anything, and so may one to which no motion led: with
-  // motions measured, all others stand in two frames that follow each other.
   TrackStatus status_of_last(const TrackBatch& batch) const {
     const std::size_t rows = batch.rows.size();
-    if (!options_.with_field || rows < 2) return TrackStatus::kLastFrame;
-    const TrackRow& before = batch.rows[rows - 2];
-    if (!before.circle_ok) return TrackStatus::kNoBall;
-    const bool is_fine =
-        before.status == TrackStatus::kOk || before.status == TrackStatus::kNoTexture;
-    return is_fine ? TrackStatus::kLastFrame : before.status;
+    const bool alone = !options_.with_field || rows < 2;
+    return alone ? TrackStatus::kLastFrame : status_behind(batch.rows[rows - 2]);
   }
 
   static bool is_measured(const TrackBatch& batch, std::size_t i) {
@@ -287,8 +279,20 @@ class ClipTracker {
   void state_motion(TrackBatch& batch, std::size_t i) const {
     TrackRow& row = batch.rows[i];
     set_motion(row, batch.pairs[i].motion, batch.pairs[i].stretch);
-    if (options_.tilt_is_unknown && !options_.estimator.sphere) {
-      doubt_motion(row, batch.rows[i + 1]);
+    if (is_doubted()) doubt_motion(row, batch.rows[i + 1]);
+  }
+  bool is_doubted() const { return options_.tilt_is_unknown && !options_.estimator.sphere; }
+
+  // By what circles and motions say of each other, and with them what motions state.
+  void state_centres(TrackBatch& batch) const {
+    std::vector<bool> changed = state_scatter(batch.rows);
+    // A motion that states no more than circles do tells nothing of them.
+    if (!is_doubted()) {
+      const std::vector<bool> placed = place_by_path(batch.rows, batch.pairs);
+      for (std::size_t i = 0; i < placed.size(); ++i) changed[i] = changed[i] || placed[i];
+    }
+    for (std::size_t i = 0; i + 1 < changed.size(); ++i) {
+      if (changed[i] && is_measured(batch, i)) state_motion(batch, i);
     }
   }
 

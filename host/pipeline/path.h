@@ -1,0 +1,22 @@
+// Rows along the path of a ball: what is asked of them, whoever compares them.
+#pragma once
+
+#include <cstddef>
+
+#include "host/clip/track_row.h"
+
+namespace impactdic::pipeline {
+
+// Frames on either side that tell of one, at most.
+inline constexpr std::size_t kBeside = 12;
+// No circle is known better than this.
+inline constexpr double kExact_px = 1e-6;
+// The outline of a ball 12 radii away is not about its centre: by so much of the way.
+inline constexpr double kAboutCentre = 0.007;
+
+// It leads on to the next row.
+inline bool is_part_of_path(const TrackRow& row) {
+  return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok;
+}
+
+}  // namespace impactdic::pipeline

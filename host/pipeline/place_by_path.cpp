@@ -1,0 +1,142 @@
+#include "host/pipeline/place_by_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/pipeline/path.h"
+
+namespace impactdic::pipeline {
+namespace {
+
+constexpr double kPlainly = 2;
+
+bool is_sphere(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
+
+struct Place {
+  double x_px = 0, y_px = 0, x_sd_px = 0, y_sd_px = 0;
+};
+
+// From a frame to the next: points `about` the circle's centre are carried by a gradient.
+class Step {
+ public:
+  Step(const TrackRow& row, const motion::PairMotion& pair)
+      : about_x_px_(row.cx_px),
+        about_y_px_(row.cy_px),
+        moved_x_px_(pair.motion.dx_px),
+        moved_y_px_(pair.motion.dy_px) {
+    if (is_sphere(row)) {
+      // Its depth hangs on where the centre is thought to be, which the row's deviations hold.
+      x_sd_px_ = row.dx_sd_px + kAboutCentre * std::abs(row.dx_px);
+      y_sd_px_ = row.dy_sd_px + kAboutCentre * std::abs(row.dy_px);
+      return;
+    }
+    gradient_ = motion::gradient_of(pair.stretch, pair.motion.rot_rad);
+    x_sd_px_ = pair.motion.dx_sd_px;
+    y_sd_px_ = pair.motion.dy_sd_px;
+  }
+  Place on(const Place& from) const {
+    const double x = from.x_px - about_x_px_, y = from.y_px - about_y_px_;
+    return doubted({about_x_px_ + moved_x_px_ + gradient_.xx * x + gradient_.xy * y,
+                    about_y_px_ + moved_y_px_ + gradient_.yx * x + gradient_.yy * y, from.x_sd_px,
+                    from.y_sd_px},
+                   gradient_);
+  }
+  Place back(const Place& to) const {
+    const double x = to.x_px - about_x_px_ - moved_x_px_, y = to.y_px - about_y_px_ - moved_y_px_;
+    const motion::Gradient back = motion::inverse(gradient_);
+    return doubted({about_x_px_ + back.xx * x + back.xy * y,
+                    about_y_px_ + back.yx * x + back.yy * y, to.x_sd_px, to.y_sd_px},
+                   back);
+  }
+  // What the motion of a point so far beside the circle's centre is more than the centre's.
+  void move_centre(double x_px, double y_px, dic::RigidMotion& motion) const {
+    motion.dx_px += (gradient_.xx - 1) * x_px + gradient_.xy * y_px;
+    motion.dy_px += gradient_.yx * x_px + (gradient_.yy - 1) * y_px;
+  }
+
+ private:
+  // As if all steps erred alike: a tilt that nobody sees goes on.
+  Place doubted(Place place, const motion::Gradient& by) const {
+    const double x_sd_px = std::hypot(by.xx * place.x_sd_px, by.xy * place.y_sd_px);
+    const double y_sd_px = std::hypot(by.yx * place.x_sd_px, by.yy * place.y_sd_px);
+    place.x_sd_px = x_sd_px + x_sd_px_;
+    place.y_sd_px = y_sd_px + y_sd_px_;
+    return place;
+  }
+
+  double about_x_px_, about_y_px_, moved_x_px_, moved_y_px_;
+  motion::Gradient gradient_;
+  double x_sd_px_, y_sd_px_;
+};
+
+// What several places say of one, along one axis.
+struct Sum {
+  double weight = 0, weighted_px = 0, weighted_sd_px = 0;
+  void add(double px, double sd_px) {
+    const double known_px = std::max(sd_px, kExact_px), by = 1 / (known_px * known_px);
+    weight += by;
+    weighted_px += by * px;
+    weighted_sd_px += by * known_px;
+  }
+  // Whether it took the place of what was known.
+  bool place(double& px, double& sd_px) const {
+    if (!(kPlainly * weighted_sd_px < sd_px * weight)) return false;
+    px = weighted_px / weight;
+    sd_px = weighted_sd_px / weight;
+    return true;
+  }
+};
+
+struct Sums {
+  Sum x, y;
+  void add(const Place& place) {
+    x.add(place.x_px, place.x_sd_px);
+    y.add(place.y_px, place.y_sd_px);
+  }
+};
+
+// Rows that motions lead through from the first to the last.
+std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs) {
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) steps.emplace_back(rows[i], pairs[i]);
+  std::vector<Sums> others(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Place own{rows[i].cx_px, rows[i].cy_px, rows[i].cx_sd_px, rows[i].cy_sd_px};
+    Place place = own;
+    for (std::size_t to = i; to < steps.size() && to < i + kBeside; ++to) {
+      others[to + 1].add(place = steps[to].on(place));
+    }
+    place = own;
+    for (std::size_t to = i; to > 0 && to + kBeside > i; --to) {
+      others[to - 1].add(place = steps[to - 1].back(place));
+    }
+  }
+  std::vector<bool> placed(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    TrackRow& row = rows[i];
+    const double x_px = row.cx_px, y_px = row.cy_px;
+    const bool x_placed = others[i].x.place(row.cx_px, row.cx_sd_px);
+    const bool y_placed = others[i].y.place(row.cy_px, row.cy_sd_px);
+    placed[i] = x_placed || y_placed;
+    if (!placed[i] || i == steps.size()) continue;
+    steps[i].move_centre(row.cx_px - x_px, row.cy_px - y_px, pairs[i].motion);
+  }
+  return placed;
+}
+
+}  // namespace
+
+std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs) {
+  std::vector<bool> placed(rows.size());
+  for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
+    end = first + 1;
+    while (end < rows.size() && is_part_of_path(rows[end - 1]) && rows[end].circle_ok) ++end;
+    if (end - first < 2) continue;
+    const std::vector<bool> of_run =
+        place_run(rows.subspan(first, end - first), pairs.subspan(first, end - first - 1));
+    std::copy(of_run.begin(), of_run.end(), placed.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  return placed;
+}
+
+}  // namespace impactdic::pipeline

@@ -1,0 +1,43 @@
+// Where a ball's centre is while it is pressed and little of its rim shows.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/support/light_scenes.h"
+#include "tests/support/rendered_clip.h"
+
+namespace impactdic::testing {
+namespace {
+
+Errors centres_of(const LightScene& scene, std::uint64_t seed) {
+  constexpr int kFrames = 12;
+  LightClip pictures(scene, seed, kFrames);
+  std::vector<Frame> frames(kFrames);
+  for (std::size_t k = 0; k < frames.size(); ++k) pictures.render(k, frames[k]);
+  MemoryClip clip(frames);
+  const auto rows = track(clip, Estimator::kBall);
+  Errors errors;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    EXPECT_TRUE(rows[k].circle_ok) << scene.name << ' ' << k;
+    errors.add(rows[k].cx_px - pictures.poses()[k].cx_px, rows[k].cx_sd_px);
+    errors.add(rows[k].cy_px - pictures.poses()[k].cy_px, rows[k].cy_sd_px);
+  }
+  return errors;
+}
+
+// The rim of one frame of each tells no more than half a pixel (ball 1) and ten (behind the bar,
+// ball 6).
+TEST(ContactAccuracy, FramesBesideItTellTheCentre) {
+  const LightScene plain{.name = "contact", .compression = 0.1, .contact = true};
+  LightScene bar = plain;
+  bar.name = "bar", bar.hidden = 0.3;
+  for (const Errors& errors : {centres_of(plain, 1), centres_of(bar, 6)}) {
+    std::printf("%.4f px, %.2f\n", errors.rms(), errors.over_sd());
+    EXPECT_LT(errors.rms(), 0.03);
+    EXPECT_LT(errors.over_sd(), 1.5);
+  }
+}
+
+}  // namespace
+}  // namespace impactdic::testing

@@ -1,0 +1,104 @@
+// Centres from the circles and motions of frames beside them.
+#include "host/pipeline/place_by_path.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace impactdic::testing {
+namespace {
+
+constexpr std::size_t kFrames = 24, kContact = 10, kFree = 14;
+constexpr double kTurn_rad = 0.04, kStrain = 0.03, kCircle_px = 0.01, kMotion_px = 0.0005;
+
+bool is_in_contact(std::size_t i) { return i >= kContact && i < kFree; }
+double true_x(std::size_t i) { return 50 + 0.7 * static_cast<double>(i); }
+double true_y(std::size_t i) { return 40 - 0.2 * static_cast<double>(i); }
+
+struct Path {
+  std::vector<TrackRow> rows;
+  std::vector<motion::PairMotion> pairs;
+};
+
+// A flat ball that turns and, in contact, is stretched; there its circles are off by `off_px`. The
+// motions are of the point that a circle takes for the centre, which turns about the true one.
+Path contact(double off_px, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Path path;
+  path.rows.resize(kFrames);
+  path.pairs.resize(kFrames);
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    const double sd_px = is_in_contact(i) ? off_px : kCircle_px;
+    const double x = sd_px * normal(random), y = sd_px * normal(random);
+    TrackRow& row = path.rows[i];
+    row.status = TrackStatus::kOk;
+    row.circle_ok = row.motion_ok = true;
+    row.cx_px = true_x(i) + x, row.cy_px = true_y(i) + y;
+    row.cx_sd_px = row.cy_sd_px = sd_px;
+    motion::PairMotion& pair = path.pairs[i];
+    if (is_in_contact(i)) pair.stretch = {kStrain, 0, -kStrain};
+    const double xx = 1 + pair.stretch.xx, yy = 1 + pair.stretch.yy;
+    const double c = std::cos(kTurn_rad), s = std::sin(kTurn_rad);
+    dic::RigidMotion& motion = pair.motion;
+    motion.ok = true;
+    motion.rot_rad = kTurn_rad;
+    motion.dx_px = 0.7 + (c * xx - 1) * x + s * yy * y + kMotion_px * normal(random);
+    motion.dy_px = -0.2 - s * xx * x + (c * yy - 1) * y + kMotion_px * normal(random);
+    motion.dx_sd_px = motion.dy_sd_px = kMotion_px;
+  }
+  return path;
+}
+
+TEST(PlaceByPath, WhatAContactHidesTheFramesBesideItTell) {
+  double centre = 0, over_sd = 0, worst_px = 0;
+  int count = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Path path = contact(0.5, seed);
+    const std::vector<TrackRow> before = path.rows;
+    const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+    for (std::size_t i = 0; i < kFrames; ++i) {
+      const TrackRow& row = path.rows[i];
+      EXPECT_EQ(placed[i], is_in_contact(i)) << i;
+      if (!is_in_contact(i)) {
+        EXPECT_EQ(row.cx_px, before[i].cx_px);
+        EXPECT_EQ(row.cy_sd_px, before[i].cy_sd_px);
+        continue;
+      }
+      const double x = row.cx_px - true_x(i), y = row.cy_px - true_y(i);
+      centre += x * x + y * y;
+      over_sd += std::pow(x / row.cx_sd_px, 2) + std::pow(y / row.cy_sd_px, 2);
+      count += 2;
+      // The motion is the placed centre's: it is off by what that turns, no more by what half a
+      // pixel does (0.02 px).
+      worst_px = std::fmax(worst_px, std::abs(path.pairs[i].motion.dx_px - 0.7));
+      worst_px = std::fmax(worst_px, std::abs(path.pairs[i].motion.dy_px + 0.2));
+    }
+  }
+  EXPECT_LT(std::sqrt(centre / count), kCircle_px);
+  EXPECT_LT(std::sqrt(over_sd / count), 1.1);
+  EXPECT_LT(worst_px, 4 * kMotion_px);
+}
+
+TEST(PlaceByPath, WhatIsAsExactAsTheOthersStays) {
+  Path path = contact(kCircle_px, 3);
+  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+  for (const bool row : placed) EXPECT_FALSE(row);
+}
+
+// No motion leads across: neither side may tell of the other.
+TEST(PlaceByPath, NothingIsCarriedByAMotionThatIsNotSure) {
+  Path path = contact(0.5, 5);
+  for (const std::size_t i : {kContact - 1, kFree - 1}) {
+    path.rows[i].status = TrackStatus::kInconsistent;
+  }
+  const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
+  for (const bool row : placed) EXPECT_FALSE(row);
+}
+
+}  // namespace
+}  // namespace impactdic::testing
