@@ -100,6 +100,27 @@ bool replaces(const CircleFit& outlined, bool known, bool learn) {
   return surface == Surface::kOutline || (!known && surface == Surface::kSphere);
 }
 
+// An oval as a surface makes it of the ball: its long axis is the free ball's.
+bool is_pressed(const Rim& rim, const CirclePrior& prior) {
+  const double oval = std::hypot(rim.e1, rim.e2), r = prior.radius_px.value_or(0);
+  return oval > kJudge.followed_oval * r && std::abs(rim.r + oval - r) < kJudge.pressed_long * r;
+}
+
+// A sphere's model about where the rim was found, by crossings and by the search. It knows circles
+// alone: of an oval it fits what the circle has in common with it, and lets the rest be dark.
+std::optional<CircleFit> follow_found(const Crossings& crossings, const Rim& searched,
+                                      const Frame& frame, const CirclePrior& prior,
+                                      const CircleOptions& options, LineTrace& lines) {
+  for (const Rim& found : {crossings.fit.rim, searched}) {
+    const auto followed = follow_sphere_from(found, frame, prior, options, lines);
+    if (!followed) continue;
+    const double shown = crossings.fit.points / static_cast<double>(options.rays);
+    const bool pressed = is_pressed(crossings.fit.rim, prior) && shown > followed->rim_fraction;
+    return pressed ? std::nullopt : followed;
+  }
+  return std::nullopt;
+}
+
 // By search and crossings, or by its outline; its rim model learnt.
 CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
                        LineTrace& lines) {
@@ -128,9 +149,8 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
     if (!told) told = outlined_circle(frame, around, options, 0, lines);
     return told ? accepted(*told, frame, options) : result;
   }
-  for (const Rim& found : {fit.rim, search.rim}) {
-    if (!as_before) break;
-    const auto followed = follow_sphere_from(found, frame, prior, options, lines);
+  if (as_before) {
+    const auto followed = follow_found(crossings, search.rim, frame, prior, options, lines);
     if (followed) return accepted(*followed, frame, options);
   }
   ModelFit learnt;
@@ -157,13 +177,6 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   result.inked = fit.inked > kJudge.dense;
   if (!result.rim_model) doubt_crossings(prior, options, crossings, result);
   return accepted(result, frame, options);
-}
-
-// An oval as a surface makes it of the ball: its long axis is the free ball's.
-bool is_pressed(const CircleFit& fit, const CirclePrior& prior) {
-  const double oval = std::hypot(fit.e1_px, fit.e2_px), r = prior.radius_px.value_or(0);
-  return fit.ellipse && oval > kJudge.followed_oval * r &&
-         std::abs(fit.circle.r_px + oval - r) < kJudge.pressed_long * r;
 }
 
 // A wider look about a circle for which no model and little of a rim speaks: beside a bar, or
@@ -216,7 +229,7 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior,
   CircleFit fit = measure_anew(frame, prior, options, lines);
   // Second looks are for circles: of a ball in contact they find one that passes over what the
   // surface flattens.
-  if (is_pressed(fit, prior)) return fit;
+  if (fit.ellipse && is_pressed(rim_of(fit), prior)) return fit;
   fit = with_more_rim(std::move(fit), frame, prior, options, lines);
   return with_all_inside(std::move(fit), frame, prior, options, lines);
 }
