@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kOutlier = 5;   // deviations
 constexpr int kFewestData = 12;  // of two flights, both axes
-constexpr double kLeastSd_px = 1e-7, kLeastNearnessSd = 1e-7;
+constexpr double kLeastNearnessSd = 1e-7;
 // Of a sphere's turn out of the plane, in proportion: blur acts in the picture and foreshortening
 // does not move it along (four patterns of R 115 px, 0.3 to 8 degrees a frame).
 constexpr double kTurnModel = 2.5e-4;
@@ -57,7 +57,7 @@ class FlightSolver {
 
   FlightFit solve() {
     FlightFit fit;
-    equalise();
+    give_usual_deviations(data_);
     for (int round = 0; round < 4; ++round) {
       if (!least_squares()) return fit;
       rescale();
@@ -71,10 +71,13 @@ class FlightSolver {
     if (!series_.sphere)
       scale_[1] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kStep, false));
     if (!least_squares()) return fit;
+    const Matrix alone = covariance_.topLeftCorner(states(), states());
+    if (let_steps_lean() && !least_squares()) return fit;
     fit.ok = true;
     fit.state.head(states()) = solution_.head(states());
-    fit.covariance.topLeftCorner(states(), states()) =
-        covariance_.topLeftCorner(states(), states());
+    fit.covariance.topLeftCorner(states(), states()) = alone;
+    fit.common.topLeftCorner(states(), states()) =
+        covariance_.topLeftCorner(states(), states()) - alone;
     if (series_.sphere) take_sphere(fit);
     take_common_part(fit);
     take_disagreement(fit);
@@ -121,20 +124,6 @@ class FlightSolver {
   }
   // Whether the row counts in the fit.
   static bool counts(const Datum& d) { return d.fitted && d.used; }
-
-  // Data without a stated deviation get the others' median.
-  void equalise() {
-    for (const DatumKind kind : {DatumKind::kCentre, DatumKind::kStep}) {
-      std::vector<double> stated;
-      for (const Datum& d : data_) {
-        if (d.kind == kind && d.sd > kLeastSd_px) stated.push_back(d.sd);
-      }
-      const double usual = stated.empty() ? 1e-2 : upper_median(finite(stated));
-      for (Datum& d : data_) {
-        if (d.kind == kind && !(d.sd > kLeastSd_px)) d.sd = usual;
-      }
-    }
-  }
 
   double gravity() const { return gravity_ ? *gravity_ : solution_[states()]; }
   double radius_error() const { return series_.sphere ? solution_[radius_column()] : 0.0; }
@@ -272,8 +261,22 @@ class FlightSolver {
     return share * usual * usual;
   }
 
+  // A flat ball's steps that state much more than they scatter by may all be off by the rest of
+  // it, as by a turn out of the picture's plane that nobody sees. Centres tell by how much, as
+  // independent as they are of each other. Whether it is so.
+  bool let_steps_lean() {
+    constexpr double kMuchMore = 0.5;
+    const double scatter = scale_[static_cast<std::size_t>(DatumKind::kStep)];
+    if (series_.sphere || !(scatter < kMuchMore)) return false;
+    leaning_px2_ = common_variance(DatumKind::kStep);
+    scale_[0] = std::max(scale_[0], 1.0) *
+                std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
+    lean(data_, DatumKind::kStep, std::sqrt(leaning_px2_), scatter);
+    return leaning_px2_ > 0;
+  }
+
   void take_common_part(FlightFit& fit) const {
-    if (linked_) return;
+    if (linked_ || leaning_px2_ > 0) return;
     const double steps = common_variance(DatumKind::kStep);
     for (const int velocity : kVelocities) fit.common(velocity, velocity) += steps;
     if (!series_.sphere) return;
@@ -333,7 +336,7 @@ class FlightSolver {
     const double of_centres = (w * wxy - wx * wy) / spread;
     // Keyframes tell no velocity apart from all the rest.
     if (linked_) return TwoVelocities{solution_[column], of_centres, w / spread};
-    double chance = 1 / step_weight + w / spread;
+    double chance = 1 / step_weight + leaning_px2_ + w / spread;
     if (series_.sphere) {
       chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2) +
                 std::pow(to_nearness / step_weight * series_.sphere->nearness_sd(), 2);
@@ -364,7 +367,8 @@ class FlightSolver {
   bool across_;  // fits the acceleration across gravity, too
   std::vector<Datum> data_;
   std::array<double, kDatumKinds> scale_ = {1, 1, 1, 1, 1, 1};
-  bool linked_ = false;  // by registrations against keyframes
+  bool linked_ = false;     // by registrations against keyframes
+  double leaning_px2_ = 0;  // variance of what all steps of a flight may be off by
   Vector solution_;
   Vector pull_;  // of gravity on the right-hand side
   Matrix covariance_;

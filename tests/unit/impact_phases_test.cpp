@@ -222,6 +222,29 @@ TEST(ImpactPhases, StepsThatScatterLessThanStatedAreWrongAlike) {
   expect_within(found.after.spin, truth.after.omega_rad_s / filmed.fps, 3);
 }
 
+// A turn out of the picture's plane that nobody sees moves all steps alike. Where much of it may
+// be, circles bound it, and velocities are better known than a step is.
+TEST(ImpactPhases, CirclesTellByHowMuchStepsMayLean) {
+  constexpr double kMayLean_px = 0.02;
+  const FilmedImpact filmed = tennis_on_racket();
+  std::vector<TrackRow> rows;
+  const FilmedTruth truth = film(filmed, rows);
+  for (TrackRow& row : rows) {
+    row.dx_px += kMayLean_px / 2;
+    row.dx_sd_px = row.dy_sd_px = kMayLean_px;
+  }
+  const ImpactAnalysis found = impact::analyse_impact(rows, filmed.options());
+  EXPECT_EQ(found.disagreement, 0);
+  for (const Measured& velocity :
+       {found.before.vt, found.before.vn, found.after.vt, found.after.vn}) {
+    EXPECT_LT(velocity.sd, kMayLean_px / 5);
+  }
+  expect_within(found.before.vt, filmed.speed(truth.before.vt_m_s), 3);
+  expect_within(found.after.vt, filmed.speed(truth.after.vt_m_s), 3);
+  expect_within(found.after.vn, filmed.speed(truth.after.vn_m_s), 3);
+  expect_within(found.restitution, truth.restitution, 3);
+}
+
 TEST(ImpactPhases, NoImpactIsSaid) {
   // A ball that crosses the picture, one that is thrown up, one whose normal velocity is noise.
   for (const double vn : {-1.5, 0.9, 0.0}) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "host/base/statistics.h"
+
 namespace impactdic::impact {
 namespace {
 
@@ -117,6 +119,20 @@ void take_off(Datum& row, double factor, const Datum& other) {
   row.radius_slope -= factor * other.radius_slope;
   row.nearness_slope -= factor * other.nearness_slope;
   row.value -= factor * other.value;
+}
+
+void give_usual_deviations(std::vector<Datum>& data) {
+  constexpr double kLeastSd_px = 1e-7, kUsualSd_px = 1e-2;
+  for (const DatumKind kind : {DatumKind::kCentre, DatumKind::kStep}) {
+    std::vector<double> stated;
+    for (const Datum& d : data) {
+      if (d.kind == kind && d.sd > kLeastSd_px) stated.push_back(d.sd);
+    }
+    const double usual = stated.empty() ? kUsualSd_px : upper_median(finite(stated));
+    for (Datum& d : data) {
+      if (d.kind == kind && !(d.sd > kLeastSd_px)) d.sd = usual;
+    }
+  }
 }
 
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,

@@ -48,4 +48,7 @@ void take_off(Datum& row, double factor, const Datum& other);
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
                                const FlightRange& range, int flight);
 
+// Centres and steps without a stated deviation get the others' median.
+void give_usual_deviations(std::vector<Datum>& data);
+
 }  // namespace impactdic::impact

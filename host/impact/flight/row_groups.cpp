@@ -22,6 +22,14 @@ void remove_line(std::vector<double>& values) {
 
 }  // namespace
 
+void lean(std::vector<Datum>& data, DatumKind kind, double px, double scale) {
+  for (Datum& d : data) {
+    if (d.kind != kind) continue;
+    d.group = 2 * d.flight + (d.normal ? 1 : 0);
+    d.loose = px / (d.sd * scale);
+  }
+}
+
 std::vector<double> own_residuals(const std::vector<Datum>& data,
                                   const std::vector<double>& residuals) {
   struct Sums {

@@ -46,6 +46,10 @@ class RowGroups {
   std::map<int, Sums> groups_;
 };
 
+// Rows of one kind, along one axis of one flight, may all be off by `px` alike beside their own
+// deviations, which count `scale` times: each such is a group.
+void lean(std::vector<Datum>& data, DatumKind kind, double px, double scale);
+
 // Residuals over deviations, less what the rows of a group share: their product with `residuals` is
 // their chi square.
 std::vector<double> own_residuals(const std::vector<Datum>& data,
