@@ -53,9 +53,6 @@ struct Figure {
   double steepest_px = 0;         // what may go on alike from frame to frame is no scatter
 };
 
-// Frames that tell of one, at least.
-constexpr std::size_t kFewestOthers = 4;
-
 // Nothing to look at more closely: the figures `begin` to `end` scatter by what they state, about a
 // straight line.
 bool is_quiet(const Figure& figure, std::size_t begin, std::size_t end) {

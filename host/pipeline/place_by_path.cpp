@@ -8,7 +8,8 @@
 namespace impactdic::pipeline {
 namespace {
 
-constexpr double kPlainly = 2;
+// Times as exact; deviations.
+constexpr double kPlainly = 2, kChance = 5;
 
 bool is_sphere(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
 
@@ -69,31 +70,52 @@ class Step {
   double x_sd_px_, y_sd_px_;
 };
 
-// What several places say of one, along one axis.
-struct Sum {
-  double weight = 0, weighted_px = 0, weighted_sd_px = 0;
-  void add(double px, double sd_px) {
+// What several places say of one, along one axis, less where its own circle has it.
+class Sum {
+ public:
+  void add(double off_px, double sd_px) {
     const double known_px = std::max(sd_px, kExact_px), by = 1 / (known_px * known_px);
-    weight += by;
-    weighted_px += by * px;
-    weighted_sd_px += by * known_px;
+    weight_ += by;
+    off_ += by * off_px;
+    squares_ += by * off_px * off_px;
+    sd_ += by * known_px;
+    ++count_;
   }
-  // Whether it took the place of what was known.
+  // Whether it took the place of what was known. Where motions lead elsewhere than circles, as
+  // through a lens, places scatter by more than they state; what contradicts the circle moves none.
   bool place(double& px, double& sd_px) const {
-    if (!(kPlainly * weighted_sd_px < sd_px * weight)) return false;
-    px = weighted_px / weight;
-    sd_px = weighted_sd_px / weight;
+    if (count_ < kFewestOthers) return false;
+    const double mean_px = off_ / weight_;
+    const double scatter = (squares_ - off_ * mean_px) / static_cast<double>(count_ - 1);
+    const double mean_sd_px = std::sqrt(std::max(1.0, scatter)) * sd_ / weight_;
+    if (!(kPlainly * mean_sd_px < sd_px && std::abs(mean_px) < kChance * sd_px)) return false;
+    px += mean_px;
+    sd_px = mean_sd_px;
     return true;
   }
+
+ private:
+  double weight_ = 0, off_ = 0, squares_ = 0, sd_ = 0;
+  std::size_t count_ = 0;
 };
 
 struct Sums {
   Sum x, y;
-  void add(const Place& place) {
-    x.add(place.x_px, place.x_sd_px);
-    y.add(place.y_px, place.y_sd_px);
+  void add(const Place& place, const TrackRow& row) {
+    x.add(place.x_px - row.cx_px, place.x_sd_px);
+    y.add(place.y_px - row.cy_px, place.y_sd_px);
   }
 };
+
+// Whether some circle is so much less exact than another; mostly all are alike.
+bool differ(std::span<const TrackRow> rows) {
+  double least = rows[0].cx_sd_px, most = least;
+  for (const TrackRow& row : rows) {
+    least = std::min({least, row.cx_sd_px, row.cy_sd_px});
+    most = std::max({most, row.cx_sd_px, row.cy_sd_px});
+  }
+  return most > kPlainly * least;
+}
 
 // Rows that motions lead through from the first to the last.
 std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMotion> pairs) {
@@ -104,16 +126,17 @@ std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMoti
     const Place own{rows[i].cx_px, rows[i].cy_px, rows[i].cx_sd_px, rows[i].cy_sd_px};
     Place place = own;
     for (std::size_t to = i; to < steps.size() && to < i + kBeside; ++to) {
-      others[to + 1].add(place = steps[to].on(place));
+      others[to + 1].add(place = steps[to].on(place), rows[to + 1]);
     }
     place = own;
     for (std::size_t to = i; to > 0 && to + kBeside > i; --to) {
-      others[to - 1].add(place = steps[to - 1].back(place));
+      others[to - 1].add(place = steps[to - 1].back(place), rows[to - 1]);
     }
   }
   std::vector<bool> placed(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     TrackRow& row = rows[i];
+    if (row.by_hand != ByHand::kNo) continue;  // somebody has looked at it
     const double x_px = row.cx_px, y_px = row.cy_px;
     const bool x_placed = others[i].x.place(row.cx_px, row.cx_sd_px);
     const bool y_placed = others[i].y.place(row.cy_px, row.cy_sd_px);
@@ -131,7 +154,7 @@ std::vector<bool> place_by_path(std::span<TrackRow> rows, std::span<motion::Pair
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     end = first + 1;
     while (end < rows.size() && is_part_of_path(rows[end - 1]) && rows[end].circle_ok) ++end;
-    if (end - first < 2) continue;
+    if (end - first < 2 || !differ(rows.subspan(first, end - first))) continue;
     const std::vector<bool> of_run =
         place_run(rows.subspan(first, end - first), pairs.subspan(first, end - first - 1));
     std::copy(of_run.begin(), of_run.end(), placed.begin() + static_cast<std::ptrdiff_t>(first));
