@@ -9,7 +9,7 @@ namespace impactdic::pipeline {
 namespace {
 
 // Times as exact; deviations.
-constexpr double kPlainly = 2, kChance = 5;
+constexpr double kPlainly = 2, kChance = 5, kSlope = 2.5;
 
 bool is_sphere(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
 
@@ -73,18 +73,21 @@ class Step {
 // What several places say of one, along one axis, less where its own circle has it.
 class Sum {
  public:
-  void add(double off_px, double sd_px) {
+  // From `steps` frames away.
+  void add(double off_px, double sd_px, double steps) {
     const double known_px = std::max(sd_px, kExact_px), by = 1 / (known_px * known_px);
     weight_ += by;
     off_ += by * off_px;
     squares_ += by * off_px * off_px;
     sd_ += by * known_px;
+    steps_ += by * steps;
+    steps2_ += by * steps * steps;
+    off_by_step_ += by * steps * off_px;
     ++count_;
   }
-  // Whether it took the place of what was known. Where motions lead elsewhere than circles, as
-  // through a lens, places scatter by more than they state; what contradicts the circle moves none.
+  // Whether it took the place of what was known; not where that contradicts it.
   bool place(double& px, double& sd_px) const {
-    if (count_ < kFewestOthers) return false;
+    if (count_ < kFewestOthers || leads_elsewhere()) return false;
     const double mean_px = off_ / weight_;
     const double scatter = (squares_ - off_ * mean_px) / static_cast<double>(count_ - 1);
     const double mean_sd_px = std::sqrt(std::max(1.0, scatter)) * sd_ / weight_;
@@ -95,15 +98,23 @@ class Sum {
   }
 
  private:
+  // Places from farther away lie farther off: motions go elsewhere than circles, as through a lens.
+  bool leads_elsewhere() const {
+    const double spread = steps2_ - steps_ * steps_ / weight_;
+    const double slope = off_by_step_ - steps_ * off_ / weight_;
+    return slope * slope > kSlope * kSlope * spread;
+  }
+
   double weight_ = 0, off_ = 0, squares_ = 0, sd_ = 0;
+  double steps_ = 0, steps2_ = 0, off_by_step_ = 0;
   std::size_t count_ = 0;
 };
 
 struct Sums {
   Sum x, y;
-  void add(const Place& place, const TrackRow& row) {
-    x.add(place.x_px - row.cx_px, place.x_sd_px);
-    y.add(place.y_px - row.cy_px, place.y_sd_px);
+  void add(const Place& place, const TrackRow& row, double steps) {
+    x.add(place.x_px - row.cx_px, place.x_sd_px, steps);
+    y.add(place.y_px - row.cy_px, place.y_sd_px, steps);
   }
 };
 
@@ -122,15 +133,18 @@ std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMoti
   std::vector<Step> steps;
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) steps.emplace_back(rows[i], pairs[i]);
   std::vector<Sums> others(rows.size());
+  const auto away = [](std::size_t from, std::size_t to) {
+    return static_cast<double>(to) - static_cast<double>(from);
+  };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Place own{rows[i].cx_px, rows[i].cy_px, rows[i].cx_sd_px, rows[i].cy_sd_px};
     Place place = own;
     for (std::size_t to = i; to < steps.size() && to < i + kBeside; ++to) {
-      others[to + 1].add(place = steps[to].on(place), rows[to + 1]);
+      others[to + 1].add(place = steps[to].on(place), rows[to + 1], away(i, to + 1));
     }
     place = own;
     for (std::size_t to = i; to > 0 && to + kBeside > i; --to) {
-      others[to - 1].add(place = steps[to - 1].back(place), rows[to - 1]);
+      others[to - 1].add(place = steps[to - 1].back(place), rows[to - 1], away(i, to - 1));
     }
   }
   std::vector<bool> placed(rows.size());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -98,6 +99,15 @@ TEST(PlaceByPath, NothingIsCarriedByAMotionThatIsNotSure) {
   }
   const std::vector<bool> placed = pipeline::place_by_path(path.rows, path.pairs);
   for (const bool row : placed) EXPECT_FALSE(row);
+}
+
+// As through a lens that is not known: by a little more in every frame than circles go.
+TEST(PlaceByPath, NothingIsCarriedByMotionsThatLeadElsewhere) {
+  Path path = contact(0.5, 7);
+  for (motion::PairMotion& pair : path.pairs) pair.motion.dx_px += kCircle_px;
+  const std::vector<TrackRow> before = path.rows;
+  pipeline::place_by_path(path.rows, path.pairs);
+  for (std::size_t i = 0; i < kFrames; ++i) EXPECT_EQ(path.rows[i].cx_px, before[i].cx_px) << i;
 }
 
 }  // namespace
