@@ -65,7 +65,17 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
   return m;
 }
 
-// What no model of the ink took off, and what the crossings may misplace the rim of a sphere by:
+// What no model of the ink took off. A texture behind the ball scatters points by more than ink
+// does, and deviations are made of that.
+void doubt_ink(CircleFit& fit) {
+  const double part = std::min(1.0, std::pow(kJudge.inked_px / fit.residual_px, 4));
+  const auto times = [&](double most) { return std::sqrt(1 + part * (most * most - 1)); };
+  fit.cx_sd_px *= times(kJudge.inked_centre);
+  fit.cy_sd_px *= times(kJudge.inked_centre);
+  fit.r_sd_px *= times(kJudge.inked_radius);
+}
+
+// What the crossings may misplace the rim of a sphere by:
 // more where its radius is another than in the frame before. Ink in most edges and no model of it
 // may be a sphere's, too. A fit that still moves as often as it is traced again is known no better
 // than it moves.
@@ -74,11 +84,7 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   const auto moves = [&](double by_px) {
     for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, by_px);
   };
-  if (fit.inked) {
-    fit.cx_sd_px *= kJudge.inked_centre;
-    fit.cy_sd_px *= kJudge.inked_centre;
-    fit.r_sd_px *= kJudge.inked_radius;
-  }
+  if (fit.inked) doubt_ink(fit);
   const bool sphere = prior.rim_model && prior.rim_model->surface() != Surface::kFlat;
   if (options.sphere.value_or(true) && (sphere || fit.inked)) {
     const double off = sphere ? fit.circle.r_px - prior.predicted.r_px : 0;

@@ -36,6 +36,7 @@ struct JudgementSettings {
   // px, also behind a bar, in noise and before tiles, rms of 29: 1.2 and 1.7; the worst 2.1 and 2.5
   // (e2, f2)
   double inked_centre = 1.3, inked_radius = 1.7;
+  double inked_px = 0.1;  // scatter from which on it is a texture's: before wood they lack nothing
   // By the rim model; steps are those of the lines.
   int follow_traces = 3;        // at most [hand]
   double retrace_steps = 0.2;   // a fit farther from its lines' rim is traced again [hand]
