@@ -75,10 +75,9 @@ void doubt_ink(CircleFit& fit) {
   fit.r_sd_px *= times(kJudge.inked_radius);
 }
 
-// What the crossings may misplace the rim of a sphere by:
-// more where its radius is another than in the frame before. Ink in most edges and no model of it
-// may be a sphere's, too. A fit that still moves as often as it is traced again is known no better
-// than it moves.
+// What the crossings may misplace the rim of a sphere by: more where its radius is another than in
+// the frame before. Ink in most edges and no model of it may be a sphere's, too. A fit that still
+// moves as often as it is traced again is known no better than it moves.
 void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
                      const Crossings& crossings, CircleFit& fit) {
   const auto moves = [&](double by_px) {

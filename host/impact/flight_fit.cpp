@@ -269,10 +269,11 @@ class FlightSolver {
     const double scatter = scale_[static_cast<std::size_t>(DatumKind::kStep)];
     if (series_.sphere || !(scatter < kMuchMore)) return false;
     leaning_px2_ = common_variance(DatumKind::kStep);
+    if (!(leaning_px2_ > 0)) return false;
     scale_[0] = std::max(scale_[0], 1.0) *
                 std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
     lean(data_, DatumKind::kStep, std::sqrt(leaning_px2_), scatter);
-    return leaning_px2_ > 0;
+    return true;
   }
 
   void take_common_part(FlightFit& fit) const {

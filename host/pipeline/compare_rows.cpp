@@ -192,7 +192,7 @@ Figure centres(std::span<const TrackRow> run, double TrackRow::*place, double Tr
     moved_px += row.*move;
     moved_px2 += row.*move_sd * (row.*move_sd);
   }
-  const bool sphere = std::isfinite(run.front().rot_x_deg);
+  const bool sphere = turns_in_space(run.front());
   const double steps = static_cast<double>(run.size());
   figure.steepest_px = sphere ? kAboutCentre * std::abs(moved_px) / steps : 0;
   return figure;

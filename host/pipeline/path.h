@@ -1,6 +1,7 @@
 // Rows along the path of a ball: what is asked of them, whoever compares them.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 
 #include "host/clip/track_row.h"
@@ -14,6 +15,8 @@ inline constexpr double kExact_px = 1e-6;
 // The outline of a ball 12 radii away is not about its centre: by so much of the way.
 inline constexpr double kAboutCentre = 0.007;
 
+// Its motion was measured about three axes.
+inline bool turns_in_space(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
 // It leads on to the next row.
 inline bool is_part_of_path(const TrackRow& row) {
   return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok;

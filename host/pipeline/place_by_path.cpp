@@ -11,8 +11,6 @@ namespace {
 // Times as exact; deviations.
 constexpr double kPlainly = 2, kChance = 5, kSlope = 2.5;
 
-bool is_sphere(const TrackRow& row) { return std::isfinite(row.rot_x_deg); }
-
 struct Place {
   double x_px = 0, y_px = 0, x_sd_px = 0, y_sd_px = 0;
 };
@@ -25,7 +23,7 @@ class Step {
         about_y_px_(row.cy_px),
         moved_x_px_(pair.motion.dx_px),
         moved_y_px_(pair.motion.dy_px) {
-    if (is_sphere(row)) {
+    if (turns_in_space(row)) {
       // Its depth hangs on where the centre is thought to be, which the row's deviations hold.
       x_sd_px_ = row.dx_sd_px + kAboutCentre * std::abs(row.dx_px);
       y_sd_px_ = row.dy_sd_px + kAboutCentre * std::abs(row.dy_px);
