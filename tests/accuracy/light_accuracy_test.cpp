@@ -8,14 +8,12 @@
 #include <optional>
 #include <vector>
 
-#include "host/circle/ball_tracker.h"
 #include "host/circle/circle.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/circle/scene/still_scene.h"
 #include "host/circle/scout_backdrop.h"
 #include "tests/support/light_scenes.h"
 #include "tests/support/motion_truth.h"
-#include "tests/support/random_scene.h"
 
 namespace impactdic::testing {
 namespace {
@@ -105,28 +103,6 @@ TEST(LightAccuracy, ASphereOfFineInkIsNotDarkTowardsItsRim) {
     EXPECT_LT(errors.radius.rms(), 0.045) << pattern;
     EXPECT_LT(errors.radius.over_sd(), 1.4) << pattern;
   }
-}
-
-// The sphere's model knows circles alone. Of a ball in contact it took the half that a circle has
-// in common with it, and the rest for dark: 3 px too large, with 0.06 px stated.
-TEST(LightAccuracy, APressedSphereIsNotHalfACircle) {
-  constexpr std::uint64_t kSeed = 4989;  // a contact of 10 % compression
-  const LightScene scene = random_scene(kSeed);
-  circle::BallTrackerOptions options;
-  options.circle.sphere = true;
-  circle::BallTracker tracker(options);
-  LightClip clip(scene, kSeed, 12);
-  int ovals = 0;
-  for (std::size_t k = 0; k < clip.poses().size(); ++k) {
-    Frame frame;
-    clip.render(k, frame);
-    const circle::CircleFit fit = tracker.track(frame, static_cast<std::int64_t>(k));
-    ASSERT_EQ(fit.status, circle::CircleStatus::kOk) << k;
-    const double radius_px = scene.radius_px * (1 - clip.poses()[k].compression / 2);
-    EXPECT_NEAR(fit.circle.r_px, radius_px, 5 * fit.r_sd_px) << k;
-    ovals += fit.ellipse;
-  }
-  EXPECT_GE(ovals, 4);
 }
 
 // Small discs of which no model is learnt: ink misplaced radii by 2.2 of what crossings stated.
