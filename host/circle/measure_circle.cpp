@@ -33,6 +33,32 @@ void validate(const Frame& frame, const CirclePrior& prior, const CircleOptions&
   }
 }
 
+// An oval as a surface makes it of the ball: its long axis is the free ball's.
+bool is_pressed(const Rim& rim, const CirclePrior& prior) {
+  const double oval = std::hypot(rim.e1, rim.e2), r = prior.radius_px.value_or(0);
+  return oval > kJudge.followed_oval * r && std::abs(rim.r + oval - r) < kJudge.pressed_long * r;
+}
+
+// In contact a ball changes its shape by more than a search looks about its last one: then it is
+// looked for in all shapes from the free ball's to one that is pressed more, along the same axis.
+RimSearch search_shapes(const Frame& frame, const CirclePrior& prior,
+                        const CircleOptions& options) {
+  RimSearch best = search_rim(frame, prior, options);
+  const double oval = std::hypot(prior.e1_px, prior.e2_px), r = prior.predicted.r_px;
+  if (!(oval > kJudge.followed_oval * r)) return best;
+  const double free_px = r + oval, step_px = kJudge.shapes_apart * free_px;
+  const double most_px = oval + kJudge.pressed_more * free_px;
+  for (double pressed_px = 0; pressed_px < most_px; pressed_px += step_px) {
+    CirclePrior shape = prior;
+    shape.predicted.r_px = free_px - pressed_px;
+    shape.e1_px *= pressed_px / oval;
+    shape.e2_px *= pressed_px / oval;
+    const RimSearch other = search_rim(frame, shape, options);
+    if (other.found && other.support > best.support) best = other;
+  }
+  return best;
+}
+
 // Crossings of the half level about the rim that the search found, and the fit through them.
 struct Crossings {
   RimFit fit;
@@ -111,12 +137,6 @@ bool replaces(const CircleFit& outlined, bool known, bool learn) {
   return surface == Surface::kOutline || (!known && surface == Surface::kSphere);
 }
 
-// An oval as a surface makes it of the ball: its long axis is the free ball's.
-bool is_pressed(const Rim& rim, const CirclePrior& prior) {
-  const double oval = std::hypot(rim.e1, rim.e2), r = prior.radius_px.value_or(0);
-  return oval > kJudge.followed_oval * r && std::abs(rim.r + oval - r) < kJudge.pressed_long * r;
-}
-
 // A sphere's model about where the rim was found, by crossings and by the search. It knows circles
 // alone: of an oval it fits what the circle has in common with it, and lets the rest be dark.
 std::optional<CircleFit> follow_found(const Crossings& crossings, const Rim& searched,
@@ -138,7 +158,7 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   thread_local RimTrace trace;  // memory only
   CirclePrior around = prior;
   around.centre_sd_px = std::max(prior.centre_sd_px, kJudge.least_search_px);
-  const RimSearch search = search_rim(frame, around, options);
+  const RimSearch search = search_shapes(frame, around, options);
   const bool bright = search.polarity == Polarity::kBright;
   CircleFit result;
   result.bright = bright;

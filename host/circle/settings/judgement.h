@@ -28,6 +28,9 @@ struct JudgementSettings {
   double much_rim = 0.6, scattered_px = 1, wider_of_r = 0.06, more_rim = 1.1, another_px = 1;
   double pressed_long = 0.02;  // of the radius: how far the long axis of a ball in contact may be
                                // from it [hand]
+  // Shapes of a ball in contact that are looked for, as e/R: so far apart, and so much beyond the
+  // last one [hand].
+  double shapes_apart = 0.02, pressed_more = 0.06;
   // Of circles whose clean points scatter by more, widths of the edge, or by so much where little
   // of the rim shows, half are wrong: what they err by on the mean, share of the radius.
   // [measured] light_accuracy random 3001 3320
