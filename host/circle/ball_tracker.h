@@ -102,9 +102,7 @@ class BallTracker {
   CircleFit search(const Frame& frame, std::int64_t index, const Radius& radius) const;
   // Of a circle that the search has found.
   CirclePrior prior_found(const Circle& found, const Radius& radius) const;
-  CircleFit measure(const Frame& frame, const CirclePrior& prior) const {
-    return measure_circle(frame, prior, options_.circle, options_.backdrop.get());
-  }
+  CircleFit measure(const Frame& frame, const CirclePrior& prior) const;
   // The correction of frame `index`; nullptr where there is none.
   const BallByHand* correction(std::int64_t index) const;
   CircleFit measure_by_hand(const Frame& frame, const BallByHand& given);

@@ -126,7 +126,9 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
   }
   // What lies just outside the rim is guessed from what lies beside it.
-  if (trace.breaks > kJudge.texture_breaks) widen(result, kJudge.texture_px, kJudge.texture_px);
+  if (trace.breaks > kJudge.texture_breaks) {
+    widen(result, kJudge.texture_px, kJudge.texture_radius_px);
+  }
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;

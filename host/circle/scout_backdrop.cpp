@@ -33,8 +33,10 @@ CirclePrior prior_at(const Backdrop::Outline& ball) {
   return prior;
 }
 
-// Whether the views show discs: their rims show all around, and a texture behind them does no harm.
+// Whether the views show discs: their rims show all around, and a texture behind them does less
+// harm than what is left where it was taken away.
 bool are_discs(const std::vector<View>& views, const CircleOptions& options) {
+  if (options.sphere) return !*options.sphere;
   std::vector<char> flat(views.size(), 0);
   parallel_for(views.size(), [&](std::size_t k) {
     const CircleFit fit =

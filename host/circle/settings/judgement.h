@@ -61,7 +61,7 @@ struct JudgementSettings {
   // Runs of lines that show something else outside: obstacles make few, a background with a texture
   // more [measured] (bars at most 2, wood and tiles 14 to 32); what that misplaces a rim by.
   int texture_breaks = 6;
-  double texture_px = 0.035;
+  double texture_px = 0.03, texture_radius_px = 0.015;
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;
