@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "host/circle/rim/rim.h"
@@ -24,9 +26,12 @@ struct Rays {
   std::vector<int> ray;                             // number of the ray, 0 … count − 1
   std::vector<float> profile;                       // (rays, kLength), from inside to outside
   std::array<std::vector<float>, kSectors> ground;  // samples 2 … 4 steps outside, by sector
+  std::vector<float> ball, outside;                 // levels at each ray
   std::vector<float> scratch;
 
   void resize(int n) {
+    ball.resize(n);
+    outside.resize(n);
     cos.resize(n);
     sin.resize(n);
     ray.resize(n);
@@ -51,6 +56,19 @@ float sample_noise(Rays& rays, int n) {
     rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i - 3)[kLength - 1]));
   }
   return noise_of_steps(rays.scratch);
+}
+
+// The same where that is what the background's texture changes by: what bends from ray to ray.
+float camera_noise(Rays& rays, int n, double per_ray_px, float noise) {
+  const int apart = std::max(1, static_cast<int>(std::lround(kUnevenGround.apart_px / per_ray_px)));
+  rays.scratch.clear();
+  for (int i = apart; i + apart < n; ++i) {
+    rays.scratch.push_back(std::abs(rays.row(i - apart)[kLength - 1] -
+                                    2 * rays.row(i)[kLength - 1] +
+                                    rays.row(i + apart)[kLength - 1]));
+  }
+  const float bends = noise_of_steps(rays.scratch) / std::sqrt(3.0f);
+  return bends < kUnevenGround.bends * noise ? bends : noise;
 }
 
 // The background's level by sector: the median of what lies 2 … 4 steps outside, over three
@@ -289,25 +307,89 @@ float profile_at(const float* p, float at) {
   return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
+// A background that changes from pixel to pixel: its level at each edge.
+class UnevenGround {
+ public:
+  // nullopt where it changes within sectors by no more than noise does.
+  static std::optional<UnevenGround> find(Rays& rays, int n, float noise) {
+    rays.scratch.clear();
+    for (int i = 0; i < n; ++i) {
+      rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.outside[i]));
+    }
+    const float scatter = kLevels.noise_per_median * quantile(rays.scratch, 0.5);
+    if (!(scatter > kUnevenGround.noises * noise)) return std::nullopt;
+    return UnevenGround(rays, n, usual_fall(rays, n));
+  }
+  // Just outside the edge of ray `i`, along the line through what it and the rays beside it show
+  // farther out.
+  float beside(int i) const {
+    constexpr float kOut = static_cast<float>(kHalf) - kUnevenGround.outside_steps;
+    float sum = 0;
+    int count = 0;
+    for (int k = std::max(0, i - kUnevenGround.beside);
+         k <= std::min(n_ - 1, i + kUnevenGround.beside); ++k) {
+      if (rays_->ray[k] - rays_->ray[i] != k - i) continue;
+      const float* p = rays_->row(k);
+      sum += p[kLength - 1] + kOut * (fall(p) - usual_fall_);
+      ++count;
+    }
+    return sum / static_cast<float>(count);
+  }
+
+ private:
+  UnevenGround(const Rays& rays, int n, float usual_fall)
+      : rays_(&rays), n_(n), usual_fall_(usual_fall) {}
+  static float fall(const float* p) { return p[kLength - 2] - p[kLength - 1]; }
+
+  // A blurred edge reaches to the nearer of the two samples outside; not where ink has moved it
+  // inwards.
+  static float usual_fall(Rays& rays, int n) {
+    std::vector<std::pair<float, float>> falls;  // with where the edge is
+    for (int i = 0; i < n; ++i) {
+      const float* p = rays.row(i);
+      float at = 0;
+      if (cross(p, 0.5f * (rays.ball[i] + rays.outside[i]), at)) falls.emplace_back(at, fall(p));
+    }
+    rays.scratch.clear();
+    for (const auto& [at, fall] : falls) rays.scratch.push_back(at);
+    if (falls.empty()) return 0;
+    const float middle = quantile(rays.scratch, 0.5);
+    rays.scratch.clear();
+    for (const auto& [at, fall] : falls) {
+      if (at >= middle) rays.scratch.push_back(fall);
+    }
+    return quantile(rays.scratch, 0.5);
+  }
+
+  const Rays* rays_;
+  int n_;
+  float usual_fall_;
+};
+
 // The crossings of the rays that show the background outside as their neighbourhood has it: drops
 // the bar and whatever else hides the ball or the background. `relative_noise` gets the noise of a
 // sample over the contrast.
-void find_edges(Rays& rays, RayLight& light, int n, int count, std::vector<Edge>& edges,
-                float& relative_noise) {
+void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px,
+                std::vector<Edge>& edges, float& relative_noise) {
   constexpr int kBeside = kClear.beside;
   edges.clear();
   const float noise = sample_noise(rays, n);
+  const float of_camera = camera_noise(rays, n, 2 * kPi * r_px / count, noise);
   const auto grounds = ground_levels(rays);
   const float ground = quantile(grounds, 0.5);
-  light.fit(ground, noise, count, rays.scratch);
+  light.fit(ground, of_camera, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
-  relative_noise = noise / std::max(usual, 1e-6f);
+  relative_noise = of_camera / std::max(usual, 1e-6f);
+  for (int i = 0; i < n; ++i) {
+    rays.ball[i] = light.at(rays.cos[i], rays.sin[i]);
+    const float seen = rays.row(i)[kLength - 1];
+    rays.outside[i] = ground_at(grounds, rays.ray[i], count, seen, std::max(usual, 1e-6f));
+  }
+  const auto uneven = UnevenGround::find(rays, n, of_camera);
   int blocked = -kBeside - 1;  // the last ray with something else outside
   for (int i = 0; i < n; ++i) {
     const float* p = rays.row(i);
-    const float ball = light.at(rays.cos[i], rays.sin[i]);
-    const float outside =
-        ground_at(grounds, rays.ray[i], count, p[kLength - 1], std::max(usual, 1e-6f));
+    const float ball = rays.ball[i], outside = rays.outside[i];
     const float contrast = ball - outside;
     Edge edge{i, 0, 0, contrast / usual};
     if (!is_clear(contrast, usual, p[kLength - 1], outside, noise)) {
@@ -315,7 +397,9 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, std::vector<Edge>
       while (!edges.empty() && edges.back().index >= i - kBeside) edges.pop_back();
       continue;
     }
-    if (i - blocked <= kBeside || !cross(p, outside + 0.5f * contrast, edge.at)) continue;
+    if (i - blocked <= kBeside) continue;
+    const float beside = uneven ? uneven->beside(i) : outside;
+    if (!cross(p, 0.5f * (ball + beside), edge.at)) continue;
     const float beyond = profile_at(p, edge.at + kCrossing.beyond_steps) - outside;
     if (std::abs(beyond) > kClear.ground_tolerance * contrast + kCrossing.beyond_noise * noise) {
       continue;
@@ -361,7 +445,7 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   trace.edge_sigma_px = 0;
   if (n < kCrossing.least_rays) return;
   float relative_noise = 0;
-  find_edges(rays, light, n, count, edges, relative_noise);
+  find_edges(rays, light, n, count, rim.r, edges, relative_noise);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
   const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.

@@ -26,6 +26,20 @@ struct CrossingSettings {
 };
 inline constexpr CrossingSettings kCrossing;
 
+// trace_rim before a background with a texture.
+struct UnevenGroundSettings {
+  float noises = 2;  // of its scatter within sectors, or it is even [hand]
+  int beside = 2;    // rays on either side that tell of a ray's ground [hand]
+  // Rays so far apart bend by noise, not by a texture, of which less than so much of their
+  // differences is left [hand].
+  double apart_px = 1.5;
+  float bends = 0.55f;
+  // How far outside the edge a slope of the ground is as high as the blur makes it at the edge,
+  // steps: twice the mean of a half normal. [definition]
+  float outside_steps = 0.6f;
+};
+inline constexpr UnevenGroundSettings kUnevenGround;
+
 // fit_rim: robust circle or ellipse through the crossings under a mixture of clean, inked and stray
 // points.
 struct CrossingFitSettings {
