@@ -18,16 +18,6 @@
 namespace impactdic::testing {
 namespace {
 
-struct CircleErrors {
-  Errors centre, radius;
-  int failed = 0;
-  void add(const CircleErrors& other) {
-    centre.add(other.centre);
-    radius.add(other.radius);
-    failed += other.failed;
-  }
-};
-
 // Circles of a few frames, each found by itself from a prediction a pixel off.
 CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1,
                         const circle::CircleOptions& options = {}, bool learn = true) {
@@ -42,13 +32,7 @@ CircleErrors circles_of(const LightScene& scene, std::uint64_t first_seed = 1,
       prior.predicted = {pose.cx_px + 1.1, pose.cy_px - 0.8, scene.radius_px + 0.6};
       prior.learn = learn;
       const circle::CircleFit fit = circle::measure_circle(frame, prior, options);
-      if (fit.status != circle::CircleStatus::kOk) {
-        ++errors.failed;
-        continue;
-      }
-      errors.centre.add(fit.circle.cx_px - pose.cx_px, fit.cx_sd_px);
-      errors.centre.add(fit.circle.cy_px - pose.cy_px, fit.cy_sd_px);
-      errors.radius.add(fit.circle.r_px - scene.radius_px, fit.r_sd_px);
+      errors.add(fit, pose, scene.radius_px);
     }
   }
   return errors;

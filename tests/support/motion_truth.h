@@ -47,6 +47,26 @@ struct Errors {
   double over_bound() const { return std::sqrt(over_bound_sq / count); }
 };
 
+// Of measured circles.
+struct CircleErrors {
+  Errors centre, radius;
+  int failed = 0;
+  void add(const circle::CircleFit& fit, const BallPose& pose, double radius_px) {
+    if (fit.status != circle::CircleStatus::kOk) {
+      ++failed;
+      return;
+    }
+    centre.add(fit.circle.cx_px - pose.cx_px, fit.cx_sd_px);
+    centre.add(fit.circle.cy_px - pose.cy_px, fit.cy_sd_px);
+    radius.add(fit.circle.r_px - radius_px, fit.r_sd_px);
+  }
+  void add(const CircleErrors& other) {
+    centre.add(other.centre);
+    radius.add(other.radius);
+    failed += other.failed;
+  }
+};
+
 struct MotionErrors {
   Errors x, y, rotation_deg;
   int failed = 0;
