@@ -178,21 +178,6 @@ void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   learn_radius(fit);
 }
 
-// Of a disc the rim shows all around before any texture, and taking that away leaves more than it
-// hides; but where little of the rim shows, as of few large speckles.
-CircleFit BallTracker::measure(const Frame& frame, const CirclePrior& prior) const {
-  const Backdrop* const backdrop = options_.backdrop.get();
-  const auto with_backdrop = [&] {
-    return measure_circle(frame, prior, options_.circle, backdrop);
-  };
-  if (backdrop == nullptr || options_.circle.sphere != false) return with_backdrop();
-  const CircleFit plain = measure_circle(frame, prior, options_.circle);
-  if (!plausible(plain, options_.scouted_radius_px)) return with_backdrop();
-  if (plain.rim_model || plain.rim_fraction > kTracking.whole_rim) return plain;
-  const CircleFit evened = with_backdrop();
-  return evened.rim_fraction > plain.rim_fraction ? evened : plain;
-}
-
 CircleFit BallTracker::search(const Frame& frame, std::int64_t index, const Radius& radius) const {
   CircleOptions options = options_.circle;
   if (radius.rough_px && !options.radius_range_px) {

@@ -45,7 +45,7 @@ RimSearch search_shapes(const Frame& frame, const CirclePrior& prior,
                         const CircleOptions& options) {
   RimSearch best = search_rim(frame, prior, options);
   const double oval = std::hypot(prior.e1_px, prior.e2_px), r = prior.predicted.r_px;
-  if (!(oval > kJudge.followed_oval * r)) return best;
+  if (!is_pressed(rim_of(prior), prior)) return best;
   const double free_px = r + oval, step_px = kJudge.shapes_apart * free_px;
   const double most_px = oval + kJudge.pressed_more * free_px;
   for (double pressed_px = 0; pressed_px < most_px; pressed_px += step_px) {
@@ -72,13 +72,15 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
   Crossings m;
   m.fit.rim = search.rim;
   // Ink leaves the search too far off for a single trace: then the first one is a preview.
+  // Nobody else knows that it is the ball before a texture, and not a thing among others.
+  const bool textured = options.sphere == false && !options.evened;
   bool sharp = prior.inked, preview = prior.inked;
   for (int pass = 0; pass < kJudge.traces; ++pass) {
     const Rim rim = m.fit.rim;
     m.rays = preview ? std::max(options.rays / kJudge.preview_of_rays, kJudge.preview_rays)
                      : options.rays;
     const Kernel kernel = sharp ? Kernel::kSharp : Kernel::kSmooth;
-    trace_rim(frame, rim, {search.polarity, search.blur_px, kernel, m.rays}, trace);
+    trace_rim(frame, rim, {search.polarity, search.blur_px, kernel, m.rays, textured}, trace);
     m.fit = fit_rim(trace, rim, prior, shapes_of(options));
     if (!m.fit.ok) break;
     m.moved_px = distance(m.fit.rim, rim);

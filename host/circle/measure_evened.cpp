@@ -3,9 +3,11 @@
 #include <cmath>
 #include <utility>
 
+#include "host/circle/ball_tracker.h"
 #include "host/circle/circle.h"
 #include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/backdrop.h"
+#include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
 namespace {
@@ -47,6 +49,21 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
       std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));
   for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, off_px);
   return fit;
+}
+
+// Of a disc the rim shows all around before any texture, and taking that away leaves more than it
+// hides; but where little of the rim shows, as of few large speckles.
+CircleFit BallTracker::measure(const Frame& frame, const CirclePrior& prior) const {
+  const Backdrop* const backdrop = options_.backdrop.get();
+  CircleFit plain;
+  if (options_.circle.sphere == false) {
+    plain = measure_circle(frame, prior, options_.circle);
+    const bool shows = plain.rim_model || plain.rim_fraction > kTracking.whole_rim;
+    if (backdrop == nullptr || (plain.status == CircleStatus::kOk && shows)) return plain;
+  }
+  CircleFit evened = measure_circle(frame, prior, options_.circle, backdrop);
+  const bool better = evened.rim_fraction > plain.rim_fraction;
+  return better || plain.status != CircleStatus::kOk ? evened : plain;
 }
 
 }  // namespace impactdic::circle

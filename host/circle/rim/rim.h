@@ -169,6 +169,9 @@ struct RayRequest {
   double blur_px = 1;  // of the edge, as in RimSearch
   Kernel kernel = Kernel::kSmooth;
   int rays = 720;  // all around the rim
+  // The background may change from pixel to pixel: its level is told at each edge. What hides the
+  // ball looks like such a background.
+  bool textured = false;
 };
 // Casts rays across `rim` and keeps the clean edges: ball inside, background outside,
 // and the usual shape between them. `trace` keeps its memory from call to call.

@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <utility>
 #include <vector>
 
+#include "host/circle/rays/ray_light.h"
+#include "host/circle/rays/rays.h"
+#include "host/circle/rays/uneven_ground.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/settings/crossings.h"
@@ -17,29 +19,8 @@
 namespace impactdic::circle {
 namespace {
 
+constexpr int kHalf = Rays::kHalf, kLength = Rays::kLength;
 constexpr int kSectors = kLevelSectors;
-constexpr int kHalf = 3;  // a profile is 2·kHalf + 1 samples about the expected rim
-constexpr int kLength = 2 * kHalf + 1;
-
-struct Rays {
-  std::vector<float> cos, sin;                      // all rays in view
-  std::vector<int> ray;                             // number of the ray, 0 … count − 1
-  std::vector<float> profile;                       // (rays, kLength), from inside to outside
-  std::array<std::vector<float>, kSectors> ground;  // samples 2 … 4 steps outside, by sector
-  std::vector<float> ball, outside;                 // levels at each ray
-  std::vector<float> scratch;
-
-  void resize(int n) {
-    ball.resize(n);
-    outside.resize(n);
-    cos.resize(n);
-    sin.resize(n);
-    ray.resize(n);
-    profile.resize(static_cast<std::size_t>(n) * kLength);
-    for (auto& sector : ground) sector.clear();
-  }
-  const float* row(int i) const { return profile.data() + static_cast<std::size_t>(i) * kLength; }
-};
 
 // A crossing of the half level.
 struct Edge {
@@ -48,28 +29,6 @@ struct Edge {
   float fall;      // of the contrast, from one step inside the crossing to one outside
   float contrast;  // of the usual
 };
-
-// Noise of one profile sample: from ray to ray outside the ball, where nothing else changes.
-float sample_noise(Rays& rays, int n) {
-  rays.scratch.clear();
-  for (int i = 3; i < n; i += 3) {
-    rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.row(i - 3)[kLength - 1]));
-  }
-  return noise_of_steps(rays.scratch);
-}
-
-// The same where that is what the background's texture changes by: what bends from ray to ray.
-float camera_noise(Rays& rays, int n, double per_ray_px, float noise) {
-  const int apart = std::max(1, static_cast<int>(std::lround(kUnevenGround.apart_px / per_ray_px)));
-  rays.scratch.clear();
-  for (int i = apart; i + apart < n; ++i) {
-    rays.scratch.push_back(std::abs(rays.row(i - apart)[kLength - 1] -
-                                    2 * rays.row(i)[kLength - 1] +
-                                    rays.row(i + apart)[kLength - 1]));
-  }
-  const float bends = noise_of_steps(rays.scratch) / std::sqrt(3.0f);
-  return bends < kUnevenGround.bends * noise ? bends : noise;
-}
 
 // The background's level by sector: the median of what lies 2 … 4 steps outside, over three
 // sectors.
@@ -85,111 +44,6 @@ std::array<float, kSectors> ground_levels(Rays& rays) {
   }
   return levels;
 }
-
-// The paint's level (see rim_levels.h) through the upper crowd of samples 3 … 13 steps inside. It
-// starts from what one sample in twenty exceeds in each sector, and settles on what lies within a
-// window about it that shrinks to the noise.
-class RayLight {
- public:
-  static constexpr int kDepths = 6;
-  // Samples of one ray, 3, 5 … 13 steps inside; (x, y) is the place of their middle, in radii from
-  // the centre, and `step` a step in the same unit.
-  struct Column {
-    float x, y, step;
-    float per_distance;  // one over that of the place from the centre
-    int ray;
-    std::array<float, kDepths> level;
-  };
-  static float depth(int k) { return static_cast<float>(3 + 2 * k); }
-  static constexpr float kMiddle = 8;
-
-  void clear() { columns_.clear(); }
-  void add(const Column& column) { columns_.push_back(column); }
-
-  // `ground` is the background's level.
-  void fit(float ground, float noise, int rays, std::vector<float>& scratch) {
-    find_bright(rays, scratch);
-    find_envelope(ground);
-    const float contrast = static_cast<float>(w_[0]) - ground;
-    for (const float window : settling_windows(contrast, noise)) settle(window);
-  }
-  float at(float c, float s) const { return static_cast<float>(w_.dot(basis(c, s))); }
-
- private:
-  using Vector5 = Eigen::Matrix<double, 5, 1>;
-  using Matrix5 = Eigen::Matrix<double, 5, 5>;
-  struct Bright {
-    float x, y, level;
-  };
-  static Vector5 basis(double x, double y) { return {1, x, y, x * x - y * y, 2 * x * y}; }
-
-  // What one sample in twenty exceeds, by sector.
-  void find_bright(int rays, std::vector<float>& scratch) {
-    sectors_ = 0;
-    std::size_t first = 0;
-    for (int sector = 0; sector < kSectors; ++sector) {  // columns come in the order of the rays
-      scratch.clear();
-      const std::size_t begin = first;
-      while (first < columns_.size() && columns_[first].ray * kSectors / rays == sector) {
-        const auto& level = columns_[first++].level;
-        scratch.insert(scratch.end(), level.begin(), level.end());
-      }
-      if (scratch.size() < kCrossing.sector_samples) continue;
-      const Column& middle = columns_[(begin + first) / 2];
-      bright_[sectors_++] = {middle.x, middle.y, quantile(scratch, kLevels.bright)};
-    }
-  }
-
-  // Upper envelope of the sectors.
-  void find_envelope(float ground) {
-    w_.setZero();
-    for (int pass = 0; pass < kLevels.envelope_passes; ++pass) {
-      Matrix5 a = Matrix5::Zero();
-      for (int m = 0; m < 5; ++m) a(m, m) = no_shading(m);
-      Vector5 b = Vector5::Zero();
-      for (int k = 0; k < sectors_; ++k) {
-        const Vector5 j = basis(bright_[k].x, bright_[k].y);
-        const double off = bright_[k].level - w_.dot(j);
-        const bool above = pass == 0 || off > -kLevels.below * (w_[0] - ground);
-        const double weight = above ? 1 : kLevels.below_weight;
-        a.noalias() += weight * j * j.transpose();
-        b.noalias() += weight * bright_[k].level * j;
-      }
-      w_ = a.ldlt().solve(b);
-    }
-  }
-
-  void settle(float window) {
-    Matrix5 a = Matrix5::Zero();
-    for (int m = 0; m < 5; ++m) a(m, m) = kLevels.held;
-    Vector5 b = a * w_;
-    for (const Column& column : columns_) {
-      const Vector5 j = basis(column.x, column.y);
-      const float expected = static_cast<float>(w_.dot(j));
-      // The light changes along the ray as the place does.
-      const float slope =
-          (expected - static_cast<float>(w_[0])) * column.step * column.per_distance;
-      float sum = 0;
-      int n = 0;
-      for (int k = 0; k < kDepths; ++k) {
-        const float level = column.level[k] - slope * (kMiddle - depth(k));
-        const bool near = std::abs(level - expected) <= window;
-        sum += near ? level : 0;
-        n += near;
-      }
-      for (int p = 0; p < 5; ++p) {
-        for (int q = 0; q <= p; ++q) a(p, q) += n * j[p] * j[q];
-        b[p] += j[p] * sum;
-      }
-    }
-    w_ = a.ldlt().solve(b);  // reads the lower triangle
-  }
-
-  std::vector<Column> columns_;
-  std::array<Bright, kSectors> bright_;
-  int sectors_ = 0;
-  Vector5 w_ = Vector5::Zero();
-};
 
 // A ray that crosses the expected rim at (x, y) in the direction (ux, uy), `radius` px from the
 // centre; samples lie `step` px apart.
@@ -275,30 +129,6 @@ float ground_at(const std::array<float, kSectors>& levels, int ray, int count, f
   return ground_between(a, c, t, seen, contrast);
 }
 
-// Where the profile falls through `level`, in steps from the expected rim; outermost, within two
-// steps. Cubic through the four samples about it.
-bool cross(const float* p, float level, float& at) {
-  for (int k = kHalf + 2; k > kHalf - 2; --k) {
-    if (p[k - 1] < level || p[k] >= level) continue;
-    // On [k−1, k] with t in [0, 1], Lagrange's cubic through k−2 … k+1.
-    const float a = p[k - 2], b = p[k - 1], c = p[k], d = p[k + 1];
-    const float c1 = -a / 3 - b / 2 + c - d / 6;
-    const float c2 = a / 2 - b + c / 2;
-    const float c3 = -a / 6 + b / 2 - c / 2 + d / 6;
-    float t = (b - level) / (b - c);
-    for (int pass = 0; pass < kCrossing.newton; ++pass) {
-      const float f = b - level + t * (c1 + t * (c2 + t * c3));
-      const float slope = c1 + t * (2 * c2 + t * 3 * c3);
-      if (!(slope < 0)) return false;
-      t -= f / slope;
-    }
-    if (t < -0.5f || t > 1.5f) return false;
-    at = static_cast<float>(k - 1 - kHalf) + t;
-    return true;
-  }
-  return false;
-}
-
 float profile_at(const float* p, float at) {
   const float u = at + kHalf;
   const int k = std::clamp(static_cast<int>(u), 1, kLength - 3);
@@ -307,74 +137,16 @@ float profile_at(const float* p, float at) {
   return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
-// A background that changes from pixel to pixel: its level at each edge.
-class UnevenGround {
- public:
-  // nullopt where it changes within sectors by no more than noise does.
-  static std::optional<UnevenGround> find(Rays& rays, int n, float noise) {
-    rays.scratch.clear();
-    for (int i = 0; i < n; ++i) {
-      rays.scratch.push_back(std::abs(rays.row(i)[kLength - 1] - rays.outside[i]));
-    }
-    const float scatter = kLevels.noise_per_median * quantile(rays.scratch, 0.5);
-    if (!(scatter > kUnevenGround.noises * noise)) return std::nullopt;
-    return UnevenGround(rays, n, usual_fall(rays, n));
-  }
-  // Just outside the edge of ray `i`, along the line through what it and the rays beside it show
-  // farther out.
-  float beside(int i) const {
-    constexpr float kOut = static_cast<float>(kHalf) - kUnevenGround.outside_steps;
-    float sum = 0;
-    int count = 0;
-    for (int k = std::max(0, i - kUnevenGround.beside);
-         k <= std::min(n_ - 1, i + kUnevenGround.beside); ++k) {
-      if (rays_->ray[k] - rays_->ray[i] != k - i) continue;
-      const float* p = rays_->row(k);
-      sum += p[kLength - 1] + kOut * (fall(p) - usual_fall_);
-      ++count;
-    }
-    return sum / static_cast<float>(count);
-  }
-
- private:
-  UnevenGround(const Rays& rays, int n, float usual_fall)
-      : rays_(&rays), n_(n), usual_fall_(usual_fall) {}
-  static float fall(const float* p) { return p[kLength - 2] - p[kLength - 1]; }
-
-  // A blurred edge reaches to the nearer of the two samples outside; not where ink has moved it
-  // inwards.
-  static float usual_fall(Rays& rays, int n) {
-    std::vector<std::pair<float, float>> falls;  // with where the edge is
-    for (int i = 0; i < n; ++i) {
-      const float* p = rays.row(i);
-      float at = 0;
-      if (cross(p, 0.5f * (rays.ball[i] + rays.outside[i]), at)) falls.emplace_back(at, fall(p));
-    }
-    rays.scratch.clear();
-    for (const auto& [at, fall] : falls) rays.scratch.push_back(at);
-    if (falls.empty()) return 0;
-    const float middle = quantile(rays.scratch, 0.5);
-    rays.scratch.clear();
-    for (const auto& [at, fall] : falls) {
-      if (at >= middle) rays.scratch.push_back(fall);
-    }
-    return quantile(rays.scratch, 0.5);
-  }
-
-  const Rays* rays_;
-  int n_;
-  float usual_fall_;
-};
-
 // The crossings of the rays that show the background outside as their neighbourhood has it: drops
-// the bar and whatever else hides the ball or the background. `relative_noise` gets the noise of a
-// sample over the contrast.
-void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px,
+// the bar and whatever else hides the ball or the background. `textured`: RayRequest::textured.
+// `relative_noise` gets the noise of a sample over the contrast.
+void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool textured,
                 std::vector<Edge>& edges, float& relative_noise) {
   constexpr int kBeside = kClear.beside;
   edges.clear();
   const float noise = sample_noise(rays, n);
-  const float of_camera = camera_noise(rays, n, 2 * kPi * r_px / count, noise);
+  const double per_ray_px = 2 * kPi * r_px / count;
+  const float of_camera = textured ? camera_noise(rays, n, per_ray_px, noise) : noise;
   const auto grounds = ground_levels(rays);
   const float ground = quantile(grounds, 0.5);
   light.fit(ground, of_camera, count, rays.scratch);
@@ -385,7 +157,8 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px,
     const float seen = rays.row(i)[kLength - 1];
     rays.outside[i] = ground_at(grounds, rays.ray[i], count, seen, std::max(usual, 1e-6f));
   }
-  const auto uneven = UnevenGround::find(rays, n, of_camera);
+  std::optional<UnevenGround> uneven;
+  if (textured) uneven = UnevenGround::find(rays, n, per_ray_px, of_camera);
   int blocked = -kBeside - 1;  // the last ray with something else outside
   for (int i = 0; i < n; ++i) {
     const float* p = rays.row(i);
@@ -399,7 +172,7 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px,
     }
     if (i - blocked <= kBeside) continue;
     const float beside = uneven ? uneven->beside(i) : outside;
-    if (!cross(p, 0.5f * (ball + beside), edge.at)) continue;
+    if (!falls_through(p, 0.5f * (ball + beside), edge.at)) continue;
     const float beyond = profile_at(p, edge.at + kCrossing.beyond_steps) - outside;
     if (std::abs(beyond) > kClear.ground_tolerance * contrast + kCrossing.beyond_noise * noise) {
       continue;
@@ -445,7 +218,7 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   trace.edge_sigma_px = 0;
   if (n < kCrossing.least_rays) return;
   float relative_noise = 0;
-  find_edges(rays, light, n, count, rim.r, edges, relative_noise);
+  find_edges(rays, light, n, count, rim.r, request.textured, edges, relative_noise);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
   const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.

@@ -28,8 +28,8 @@ inline constexpr CrossingSettings kCrossing;
 
 // trace_rim before a background with a texture.
 struct UnevenGroundSettings {
-  float noises = 2;  // of its scatter within sectors, or it is even [hand]
-  int beside = 2;    // rays on either side that tell of a ray's ground [hand]
+  float noises = 2;      // of its scatter within sectors, or it is even [hand]
+  double beside_px = 2;  // so far on either side rays tell of a ray's ground [hand]
   // Rays so far apart bend by noise, not by a texture, of which less than so much of their
   // differences is left [hand].
   double apart_px = 1.5;
