@@ -54,7 +54,8 @@ class RayLight {
   void find_bright(int rays, std::vector<float>& scratch) {
     sectors_ = 0;
     std::size_t first = 0;
-    for (int sector = 0; sector < kLevelSectors; ++sector) {  // columns come in the order of the rays
+    for (int sector = 0; sector < kLevelSectors;
+         ++sector) {  // columns come in the order of the rays
       scratch.clear();
       const std::size_t begin = first;
       while (first < columns_.size() && columns_[first].ray * kLevelSectors / rays == sector) {

@@ -35,7 +35,8 @@ bool falls_through(const float* p, float level, float& at) {
 float sample_noise(Rays& rays, int n) {
   rays.scratch.clear();
   for (int i = 3; i < n; i += 3) {
-    rays.scratch.push_back(std::abs(rays.row(i)[Rays::kLength - 1] - rays.row(i - 3)[Rays::kLength - 1]));
+    rays.scratch.push_back(
+        std::abs(rays.row(i)[Rays::kLength - 1] - rays.row(i - 3)[Rays::kLength - 1]));
   }
   return noise_of_steps(rays.scratch);
 }

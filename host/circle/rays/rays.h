@@ -14,11 +14,11 @@ struct Rays {
   static constexpr int kHalf = 3;  // a profile is 2·kHalf + 1 samples about the expected rim
   static constexpr int kLength = 2 * kHalf + 1;
 
-  std::vector<float> cos, sin;                      // all rays in view
-  std::vector<int> ray;                             // number of the ray, 0 … count − 1
-  std::vector<float> profile;                       // (rays, kLength), from inside to outside
+  std::vector<float> cos, sin;                           // all rays in view
+  std::vector<int> ray;                                  // number of the ray, 0 … count − 1
+  std::vector<float> profile;                            // (rays, kLength), from inside to outside
   std::array<std::vector<float>, kLevelSectors> ground;  // samples 2 … 4 steps outside, by sector
-  std::vector<float> ball, outside;                 // levels at each ray
+  std::vector<float> ball, outside;                      // levels at each ray
   std::vector<float> scratch;
 
   void resize(int n) {
