@@ -41,11 +41,12 @@ bool is_pressed(const Rim& rim, const CirclePrior& prior) {
 
 // In contact a ball changes its shape by more than a search looks about its last one: then it is
 // looked for in all shapes from the free ball's to one that is pressed more, along the same axis.
+// Only a known disc: other things beside a ball make ovals, too.
 RimSearch search_shapes(const Frame& frame, const CirclePrior& prior,
                         const CircleOptions& options) {
   RimSearch best = search_rim(frame, prior, options);
   const double oval = std::hypot(prior.e1_px, prior.e2_px), r = prior.predicted.r_px;
-  if (!is_pressed(rim_of(prior), prior)) return best;
+  if (options.sphere != false || !is_pressed(rim_of(prior), prior)) return best;
   const double free_px = r + oval, step_px = kJudge.shapes_apart * free_px;
   const double most_px = oval + kJudge.pressed_more * free_px;
   for (double pressed_px = 0; pressed_px < most_px; pressed_px += step_px) {

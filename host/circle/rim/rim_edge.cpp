@@ -171,8 +171,8 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool
       continue;
     }
     if (i - blocked <= kBeside) continue;
-    const float beside = uneven ? uneven->beside(i) : outside;
-    if (!falls_through(p, 0.5f * (ball + beside), edge.at)) continue;
+    const float half = uneven ? 0.5f * (ball + uneven->beside(i)) : outside + 0.5f * contrast;
+    if (!falls_through(p, half, edge.at)) continue;
     const float beyond = profile_at(p, edge.at + kCrossing.beyond_steps) - outside;
     if (std::abs(beyond) > kClear.ground_tolerance * contrast + kCrossing.beyond_noise * noise) {
       continue;
