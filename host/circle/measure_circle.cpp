@@ -72,9 +72,9 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
                           const CircleOptions& options, RimTrace& trace) {
   Crossings m;
   m.fit.rim = search.rim;
-  // Ink leaves the search too far off for a single trace: then the first one is a preview.
-  // Nobody else knows that it is the ball before a texture, and not a thing among others.
+  // Of other balls nobody knows that it is one before a texture, and not a thing among others.
   const bool textured = options.sphere == false && !options.evened;
+  // Ink leaves the search too far off for a single trace: then the first one is a preview.
   bool sharp = prior.inked, preview = prior.inked;
   for (int pass = 0; pass < kJudge.traces; ++pass) {
     const Rim rim = m.fit.rim;

@@ -13,11 +13,17 @@
 namespace impactdic::testing {
 namespace {
 
-Errors centres_of(const LightScene& scene, std::uint64_t seed) {
-  constexpr int kFrames = 12;
-  LightClip pictures(scene, seed, kFrames);
-  std::vector<Frame> frames(kFrames);
+constexpr int kFrames = 12;
+
+std::vector<Frame> rendered(LightClip& pictures) {
+  std::vector<Frame> frames(pictures.poses().size());
   for (std::size_t k = 0; k < frames.size(); ++k) pictures.render(k, frames[k]);
+  return frames;
+}
+
+Errors centres_of(const LightScene& scene, std::uint64_t seed) {
+  LightClip pictures(scene, seed, kFrames);
+  const std::vector<Frame> frames = rendered(pictures);
   MemoryClip clip(frames);
   const auto rows = track(clip, Estimator::kBall);
   Errors errors;
@@ -66,10 +72,8 @@ TEST(ContactAccuracy, APressedSphereIsNotHalfACircle) {
 
 // Errors of a disc's circles, by its rim alone.
 CircleErrors disc_errors(const LightScene& scene, std::uint64_t seed) {
-  constexpr int kFrames = 12;
   LightClip pictures(scene, seed, kFrames);
-  std::vector<Frame> frames(kFrames);
-  for (std::size_t k = 0; k < frames.size(); ++k) pictures.render(k, frames[k]);
+  const std::vector<Frame> frames = rendered(pictures);
   MemoryClip clip(frames);
   circle::BallTrackerOptions options;
   options.circle.sphere = false;
