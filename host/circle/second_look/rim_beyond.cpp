@@ -147,8 +147,9 @@ Surroundings background_of(const Cells& cells, const Rings& rings) {
 bool is_background(const Cell& cell, float level, const Surroundings& back) {
   const double off = std::abs(static_cast<double>(cell.mean) - static_cast<double>(level));
   const double spread = static_cast<double>(cell.variance) - back.variance;
-  return off < kBeyond.of_mean * back.mean_sd + kBeyond.least_level &&
-         spread < kBeyond.of_scatter * back.variance_sd + kBeyond.least_level;
+  const double least = back.apart < kBeyond.smoothed ? kBeyond.coders_level : kBeyond.least_level;
+  return off < kBeyond.of_mean * back.mean_sd + least &&
+         spread < kBeyond.of_scatter * back.variance_sd + least * least;
 }
 
 // Whether what lies at the outer ends is one level in most of each direction, and noise: beside a
