@@ -19,7 +19,7 @@ constexpr double kTilt_deg = 25;     // farther, too little is seen in both pict
 constexpr std::int64_t kFewest = 2;  // frames; one is what the pair itself shows
 // Beside chance, what a free radius is off by: foreshortened texture, and what the pictures are
 // displaced by alike, over the turn in rad (four patterns, R 115 px, 9 to 27 degrees).
-constexpr double kFreeSd_px = 0.015, kFreeShift_px = 0.0035;
+constexpr double kFreeSd_px = 0.012, kFreeShift_px = 0.0035;
 // What light leaves of the pictures beside noise errs alike over more of the ball than the blocks
 // that the registration takes to be independent: it counts so many times.
 constexpr double kMisfitCounts = 2;

@@ -67,9 +67,10 @@ bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool brig
 }
 
 // How much more than all of the rim noise misplaces single arcs, and with them centre and shape:
-// the paint's level and the ink that is learnt beside it err from place to place.
-double of_arcs(const RimModel& model) {
-  if (model.surface() != Surface::kFlat) return 1;
+// the paint's level and the ink that is learnt beside it err from place to place. A sphere's
+// foreshortened ink misplaces its rim alike all around.
+double of_arcs(const RimModel& model, const LineTrace& trace) {
+  if (model.surface() != Surface::kFlat) return is_evenly_lit(trace) ? kSphere.even_arcs : 1;
   const double ink = kLearning.of_noise * std::max(0.0, model.noise() - kLearning.usual_noise);
   return std::hypot(kLearning.model_error, kLearning.noise_in_arcs * ink) /
          std::hypot(kLearning.model_error, ink);
@@ -96,7 +97,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   CircleFit result;
   const double sigma = m.rim_model->edge_sigma_px();
   LineFit fit = m.fit;
-  const double place = m.rim_model->place_sd_px(), arcs = place * of_arcs(*m.rim_model);
+  const double place = m.rim_model->place_sd_px(), arcs = place * of_arcs(*m.rim_model, trace);
   const auto of_model = [&](int i) {
     return (i == 2 ? place : arcs) * std::sqrt(fit.misplaced[i]);
   };
@@ -108,7 +109,11 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   if (m.rim_model->surface() != Surface::kFlat) {
     // Ink misplaces the rim alike all around; light does not, and bends it. What is darker than the
     // background may be the dark side of a ball.
-    if (bright && is_evenly_lit(trace)) result.cx_with_r = result.cy_with_r = 0;
+    const bool even = bright && is_evenly_lit(trace);
+    for (double* with_r : {&result.cx_with_r, &result.cy_with_r}) {
+      *with_r *= even ? 0 : kSphere.bent_with_radius;
+    }
+    if (!even) widen(result, kSphere.lit_centre_sd_of_r * result.circle.r_px, 0);
     const double usual = arc ? kSphere.radius_sd_of_r * result.circle.r_px : 0;
     widen(result, 0, std::max(m.rim_model->light_sd_px(), usual));
   }
@@ -126,9 +131,8 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
   }
   // What lies just outside the rim is guessed from what lies beside it.
-  if (trace.breaks > kJudge.texture_breaks) {
-    widen(result, kJudge.texture_px, kJudge.texture_radius_px);
-  }
+  const double texture = std::min(1.0, trace.breaks / (1.0 + kJudge.texture_breaks));
+  widen(result, texture * kJudge.texture_px, texture * kJudge.texture_radius_px);
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;

@@ -121,7 +121,10 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   }
   if (crossings.moved_px >= kJudge.retrace_px) moves(crossings.moved_px);
   // A wide edge takes in more ink, and one that is wider along the ball's way is no Gaussian's.
-  moves(kJudge.of_blur * std::max(0.0, crossings.edge_sigma_px - kJudge.sharp_px));
+  const double wider_px = std::max(0.0, crossings.edge_sigma_px - kJudge.sharp_px);
+  fit.cx_sd_px = std::hypot(fit.cx_sd_px, kJudge.of_blur_centre * wider_px);
+  fit.cy_sd_px = std::hypot(fit.cy_sd_px, kJudge.of_blur_centre * wider_px);
+  fit.r_sd_px = std::hypot(fit.r_sd_px, kJudge.of_blur * wider_px);
   // Of arcs of several things a circle was made as often as of one.
   const bool arc = fit.rim_fraction <= kJudge.much_rim;
   const double most = arc ? kJudge.ragged_arc : kJudge.ragged;

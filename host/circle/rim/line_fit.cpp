@@ -5,11 +5,8 @@
 // farther away). What each line says of its own excess is in rim_model.
 #include "host/circle/settings/line_fit.h"
 
-#include <impactdic/units.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -18,6 +15,7 @@
 #include "host/circle/rim/rim_lines.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/circle/rim/rim_prior.h"
+#include "host/circle/sphere/sphere_lines.h"
 
 namespace impactdic::circle {
 namespace {
@@ -376,8 +374,10 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   Matrix5 covariance = best.covariance;
-  const bool lit = model.surface() != Surface::kFlat;
-  if (lit) covariance += wavy_light(best.sums.sectors, best.wider, best.covariance);
+  if (const Surface of = model.surface(); of != Surface::kFlat) {
+    const bool ink = of == Surface::kOutline || is_evenly_lit(trace);
+    covariance += wavy_light(best.sums.sectors, best.wider, best.covariance, ink);
+  }
   for (int i = 0; i < 5; ++i) {
     fit.sd[i] = std::sqrt(std::max(0.0, covariance(i, i)));
     fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));

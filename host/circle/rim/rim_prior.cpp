@@ -115,22 +115,22 @@ const Waves& waves() {
   return all;
 }
 
-// Variances of the waves' terms, of 1 px² at each place in all: the finer, the less.
-Eigen::Matrix<double, kTerms, 1> variances() {
+// Variances of the waves' terms, of 1 px² at each place in all: of light the less, the finer.
+Eigen::Matrix<double, kTerms, 1> variances(bool ink) {
   Eigen::Matrix<double, kTerms, 1> v;
   v[0] = 1;
   for (int m = 1; m < kTerms; ++m) {
     const int wave = (m + 1) / 2;
-    v[m] = 2.0 / wave;
+    v[m] = ink ? 2.0 : 2.0 / wave;
   }
   return v / (1 + v.tail<kTerms - 1>().sum() / 2);
 }
 
 }  // namespace
 
-Matrix5 wavy_light(const SectorSums& s, double wider, const Matrix5& covariance) {
+Matrix5 wavy_light(const SectorSums& s, double wider, const Matrix5& covariance, bool ink) {
   const Waves& all = waves();
-  const Eigen::Matrix<double, kTerms, 1> variance = variances();
+  const Eigen::Matrix<double, kTerms, 1> variance = variances(ink);
   const BySector score = BySector::Map(s.score.data());
   const BySector information = BySector::Map(s.information.data()).max(0);
   Eigen::Matrix<double, kRimSectors, 5> jacobian;

@@ -59,8 +59,9 @@ double inflation(const SectorSums& sums, double information, double common_px, i
 // Covariance of the corrections that light which is not the model's adds: it misplaces the rim in
 // waves around it. How much is seen in the waves 2 to 5 of the sums over sectors, beyond what
 // chance leaves there (`wider`: what `inflation` says). Waves 0 and 1, which the fit has taken for
-// radius and centre, are taken to have as much. `covariance`: of the fit at whose maximum the sums
-// are.
-Matrix5 wavy_light(const SectorSums& sums, double wider, const Matrix5& covariance);
+// radius and centre, are taken to have as much. `ink`: not light makes the waves, but ink, as of an
+// outline and in even light; fine ones are then as strong as long ones. `covariance`: of the fit at
+// whose maximum the sums are.
+Matrix5 wavy_light(const SectorSums& sums, double wider, const Matrix5& covariance, bool ink);
 
 }  // namespace impactdic::circle

@@ -108,6 +108,7 @@ Cells with_neighbours(const Cells& cells) {
 struct Surroundings {
   std::array<std::optional<float>, kWays> level;
   double mean_sd = 0, variance = 0, variance_sd = 0, apart = 0;
+  double least_level = kBeyond.least_level;  // grey levels that tell something else
 };
 
 Surroundings background_of(const Cells& cells, const Rings& rings) {
@@ -144,12 +145,39 @@ Surroundings background_of(const Cells& cells, const Rings& rings) {
   return back;
 }
 
+// How far on the mean what lies inside the rim is from the background.
+template <typename T>
+double contrast(ImageView<const T> picture, const Rim& rim, const Surroundings& back) {
+  const Sampler<T> sampler(picture);
+  double sum = 0;
+  int count = 0;
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    const double angle = 2 * kPi * (d + 0.5) / kWays;
+    for (const double share : kBeyond.inside) {
+      const double x = rim.cx + share * rim.r * std::cos(angle);
+      const double y = rim.cy + share * rim.r * std::sin(angle);
+      if (!sampler.inside(static_cast<float>(x), static_cast<float>(y), 1)) continue;
+      const auto level = static_cast<double>(
+          picture(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y))));
+      sum += std::abs(level - static_cast<double>(*back.level[d]));
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+double contrast(const Frame& frame, const Rim& rim, const Surroundings& back) {
+  return frame.type == PixelType::kU8 ? contrast(frame.u8.view(), rim, back)
+                                      : contrast(frame.u16.view(), rim, back);
+}
+
 bool is_background(const Cell& cell, float level, const Surroundings& back) {
   const double off = std::abs(static_cast<double>(cell.mean) - static_cast<double>(level));
   const double spread = static_cast<double>(cell.variance) - back.variance;
-  const double least = back.apart < kBeyond.smoothed ? kBeyond.coders_level : kBeyond.least_level;
+  const double least = back.least_level;
   return off < kBeyond.of_mean * back.mean_sd + least &&
-         spread < kBeyond.of_scatter * back.variance_sd + least * least;
+         spread < kBeyond.of_scatter * back.variance_sd + std::max(least, least * least);
 }
 
 // Whether what lies at the outer ends is one level in most of each direction, and noise: beside a
@@ -177,7 +205,10 @@ Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
   const Cells cells =
       with_neighbours(frame.type == PixelType::kU8 ? cells_beyond(frame.u8.view(), rim, rings)
                                                    : cells_beyond(frame.u16.view(), rim, rings));
-  const Surroundings back = background_of(cells, rings);
+  Surroundings back = background_of(cells, rings);
+  if (back.apart < kBeyond.smoothed && back.variance < kBeyond.plain) {
+    back.least_level = std::max(back.least_level, kBeyond.of_contrast * contrast(frame, rim, back));
+  }
   if (!is_even(cells, rings, back)) return {};
   int told = 0, beyond = 0;
   std::size_t farthest = 0;

@@ -15,9 +15,12 @@ struct BeyondSettings {
   // What is not background: deviations of a mean from it, plus grey levels; deviations by which
   // its scatter exceeds the noise's variance.
   double of_mean = 5, least_level = 0.5, of_scatter = 6;  // [hand]
-  // A coder of video smooths noise away, so that half of the mean square of what neighbouring
-  // pixels differ by is less than this, and leaves patches of other levels about what moves.
-  double smoothed = 0.25, coders_level = 4;  // grey levels [measured] bench/coded_film.py
+  // A coder of video smooths noise away: half of the mean square of what neighbouring pixels differ
+  // by is less than the first of these, and the variance about the ball less than the second. About
+  // what moves it leaves patches of other levels, up to such a share of the ball's contrast, which
+  // is told so deep inside. [measured] bench/coded_film.py
+  double smoothed = 0.25, plain = 0.7, of_contrast = 0.04;
+  double inside[3] = {0.6, 0.75, 0.9};  // of the radius [hand]
   // An even background: its means scatter by no more than so many times what its noise makes of
   // them, and no more of it than this differs from its level, as beside an obstacle's edge.
   double even = 3, most_uneven = 0.19;  // [hand]

@@ -57,11 +57,11 @@ struct JudgementSettings {
                                // search confirms it [hand]
   // What crossings of an edge that is wider than this misplace the rim by, as a share of what it is
   // wider by. [measured]: docs/log/accuracy.md, "Discs that are known to be discs"
-  double sharp_px = 1, of_blur = 0.1;
+  double sharp_px = 1, of_blur = 0.1, of_blur_centre = 0.065;
   // Runs of lines that show something else outside: obstacles make few, a background with a texture
   // more [measured] (bars at most 2, wood and tiles 14 to 32); what that misplaces a rim by.
   int texture_breaks = 6;
-  double texture_px = 0.03, texture_radius_px = 0.015;
+  double texture_px = 0.022, texture_radius_px = 0.009;
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;

@@ -44,6 +44,12 @@ struct SphereSettings {
   // share of itself; in even light ink alone makes it. [measured] light_accuracy, eight patterns;
   // sphere of all sixteen, 30 to 115 px
   double of_correction = 0.35, of_even_correction = 0.25;
+  // What light that is not the model's moves the centre by where most of the rim shows, share of
+  // the radius; and how far it goes with the radius, of what an arc would make of that.
+  double lit_centre_sd_of_r = 6e-5, bent_with_radius = 0.7;  // [measured] light_accuracy, 11 to 40
+  // In even light, how much of what misplaces the radius misplaces single arcs. [measured] the
+  // same, six patterns: centres 1.05 of their deviations
+  double even_arcs = 0.5;
   double most_of_usual = 1.5;  // and to so much of radius_sd_of_r [measured] the same
   double poor_misfit = 13;     // as LearningSettings::misfit: nothing is told by such a fit [hand]
   // Of the radius, beside what the model says, where no disc's model tells: how a texture learnt

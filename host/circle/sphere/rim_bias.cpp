@@ -43,7 +43,10 @@ std::optional<RimBias> rim_bias(std::span<const double> radii_px, const CircleFi
       std::hypot(by_turns.sd, scatter / std::sqrt(static_cast<double>(radii_px.size())));
   bias.lit = is_lit(like);
   const double allowed = kSphere.bias_sds * std::hypot(bias.shared_sd_px, bias.chance_sd_px);
-  return std::abs(bias.off_px) < allowed ? std::optional(bias) : std::nullopt;
+  // Either may be wrong: half of the way, known to be one of its ends.
+  if (std::abs(bias.off_px) > allowed)
+    bias.shared_sd_px = bias.chance_sd_px = std::abs(bias.off_px);
+  return bias;
 }
 
 void take_off(const RimBias& bias, CircleFit& fit) {

@@ -28,8 +28,8 @@ struct RimBias {
 };
 
 // From radii of frames that share a rim model, one of their fits, and the outline's radius by the
-// ball's turns. nullopt where the fit is none by a rim model, and where the two differ by more than
-// both state: either may be wrong.
+// ball's turns. nullopt where the fit is none by a rim model. Where the two differ by more than
+// both state either may be wrong, and both are taken to be known to no more than that.
 std::optional<RimBias> rim_bias(std::span<const double> radii_px, const CircleFit& like,
                                 const Measured& by_turns);
 

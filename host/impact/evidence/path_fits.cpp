@@ -13,7 +13,7 @@ namespace impactdic::impact {
 namespace {
 
 constexpr double kOff = 8;  // deviations of the noise beyond which a single frame is bad
-constexpr double kLeastScatter = 1e-7;  // px
+constexpr double kLeastScatter = 0.03;  // px
 
 // The sum of the residuals' correlations, at least 1: by pairs of lags as long as these are
 // positive beyond chance (Geyer 1992, section 3.3), since coders err in turns from frame to frame.

@@ -72,8 +72,16 @@ TEST(RimBias, ItIsThatOfOneKindOfRimModel) {
   EXPECT_FALSE(circle::rim_bias(kRadii, crossings, kByTurns));
 }
 
-TEST(RimBias, RadiiThatContradictEachOtherTellNothing) {
-  EXPECT_FALSE(circle::rim_bias(kRadii, fit(115.13, 0.01, 0.1), {114.5, 0.05}));
+// Before wood circles were 0.7 px too large, five deviations, where the turns told better.
+TEST(RimBias, OfRadiiThatContradictEachOtherEitherMayBeRight) {
+  CircleFit circle = fit(115.13, 0.01, 0.1);
+  const auto bias = circle::rim_bias(kRadii, circle, {114.5, 0.05});
+  ASSERT_TRUE(bias);
+  const double off = circle.circle.r_px - 114.5;
+  take_off(*bias, circle);
+  EXPECT_NEAR(circle.circle.r_px, 115.13 - off / 2, 0.03);
+  EXPECT_GT(circle.r_sd_px, off / 2);
+  EXPECT_LT(circle.r_sd_px, off);
   EXPECT_FALSE(circle::rim_bias({}, fit(115.13, 0.01, 0.1), kByTurns));
 }
 
