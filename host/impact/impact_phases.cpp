@@ -112,7 +112,8 @@ bool Analysis::is_evident(bool with_flights, double odds) const {
   PathSpan span = {guess_.first, guess_.last, guess_.first - std::min(guess_.first, longest),
                    std::min(guess_.last + longest, series_.size() - 1)};
   if (with_flights) span.begin = before_.first, span.end = after_.last;
-  return odds_of_contact(series_, span) > (options_.impact_is_expected ? kAsLikely : odds);
+  return odds_of_contact(series_, span, options_.path_sd_px) >
+         (options_.impact_is_expected ? kAsLikely : odds);
 }
 
 // The surface's impulse must stand out of what gravity alone would show.

@@ -32,6 +32,9 @@ struct ImpactOptions {
   std::array<double, 2> axis_px{};
   // Of the camera from the ball, px; nullopt: not known, and so no velocity towards it.
   std::optional<Measured> distance_px;
+  // What the film itself may displace the ball by, px, beside what scatters: a path that bends by
+  // no more is smooth.
+  double path_sd_px = 0;
   // Known from elsewhere: evidence for it is not weighed. Expected, as of a shot that is to be
   // fitted: it need be no more than as likely as none.
   bool impact_is_known = false, impact_is_expected = false;

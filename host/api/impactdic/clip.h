@@ -37,6 +37,9 @@ struct ClipInfo {
   // Of a sequence: pictures of different sizes, whose places in the scene are not known. What moved
   // from one to the next is not measured then.
   bool sizes_differ = false;
+  // A coder made the pictures: grey levels are not exact, and what moves is shown where the coder
+  // took it to be.
+  bool lossy = false;
   std::vector<std::string> warnings;  // facts a person should check (one line each)
   std::vector<std::pair<std::string, std::string>> extra;  // further facts for `info`, in order
 };

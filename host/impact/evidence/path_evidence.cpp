@@ -177,9 +177,9 @@ double odds_of(PathFits& fits, const PathSpan& span, Search search) {
 
 }  // namespace
 
-double odds_of_contact(const ImpactSeries& series, const PathSpan& whole) {
+double odds_of_contact(const ImpactSeries& series, const PathSpan& whole, double least_px) {
   const PathSpan span = near_contact(whole);
-  PathFits fits(series, span);
+  PathFits fits(series, span, least_px);
   if (fits.size() < kFewestSamples) return 0;
   // Beyond these odds nothing that a thorough search finds turns the verdict.
   constexpr double kClear = 25;

@@ -21,8 +21,9 @@ struct PathSpan {
 // one. Broken: an acceleration alike before and after, and in the contact any, in even pieces, or a
 // pulse between ends that are sought where the odds are not clear. Smooth: polynomials, a circle
 // seen from its side with up to six harmonics, a release, cubic splines on even knots. The scatter
-// is what the paths leave, not what the track states; frames that err alike count for fewer.
-double odds_of_contact(const ImpactSeries& series, const PathSpan& span);
+// is what the paths leave, at least `least_px`, not what the track states; frames that err alike
+// count for fewer.
+double odds_of_contact(const ImpactSeries& series, const PathSpan& span, double least_px);
 
 // `guess` with a contact as long as the pulse of force that describes the path best, where that is
 // shorter: where noise hides the force, a guess is far longer than the contact.

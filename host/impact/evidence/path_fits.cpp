@@ -13,7 +13,7 @@ namespace impactdic::impact {
 namespace {
 
 constexpr double kOff = 8;  // deviations of the noise beyond which a single frame is bad
-constexpr double kLeastScatter = 0.03;  // px
+constexpr double kLeastScatter = 1e-7;  // px
 
 // The sum of the residuals' correlations, at least 1: by pairs of lags as long as these are
 // positive beyond chance (Geyer 1992, section 3.3), since coders err in turns from frame to frame.
@@ -52,13 +52,14 @@ void PathFits::add(const std::vector<double>& all, const PathSpan& span, Kind ki
   }
 }
 
-PathFits::PathFits(const ImpactSeries& series, const PathSpan& span) {
+PathFits::PathFits(const ImpactSeries& series, const PathSpan& span, double least_px)
+    : least_px_(std::max(least_px, kLeastScatter)) {
   add(series.position_n, span, kPlace);
   if (!series.from_circle) add(series.step_n, span, kStep);
   for (const Sample& s : samples_) ++count_[s.kind];
   scale_[kPlace] = noise_of(series.position_n);
   scale_[kStep] = noise_of(series.step_n);
-  for (double& scale : scale_) scale = scale > kLeastScatter ? scale : kLeastScatter;
+  for (double& scale : scale_) scale = scale > least_px_ ? scale : least_px_;
   for (std::size_t i = span.begin; i <= span.end; ++i) {
     instants_.push_back(static_cast<double>(i));
   }
@@ -102,7 +103,7 @@ void PathFits::take_scatter(const PathFit& fit, const PathSpan& span) {
     if (left.size() < 6) continue;
     double squares = 0;
     for (const double r : left) squares += r * r;
-    scale_[kind] = std::max(std::sqrt(squares / static_cast<double>(left.size())), kLeastScatter);
+    scale_[kind] = std::max(std::sqrt(squares / static_cast<double>(left.size())), least_px_);
     alike_[kind] = alike(left, squares);
   }
 }

@@ -21,8 +21,9 @@ struct PathFit {
 
 class PathFits {
  public:
-  // Centres and steps in `span`, less single frames that lie far from those about them.
-  PathFits(const ImpactSeries& series, const PathSpan& span);
+  // Centres and steps in `span`, less single frames that lie far from those about them; none is
+  // taken to scatter by less than `least_px`.
+  PathFits(const ImpactSeries& series, const PathSpan& span, double least_px = 0);
 
   std::size_t size() const { return samples_.size(); }
 
@@ -59,6 +60,7 @@ class PathFits {
   double sd(Kind kind) const;
   double score(double squares, std::size_t factors, int more) const;
 
+  double least_px_;
   std::vector<Sample> samples_;
   std::vector<double> instants_;  // of all samples, ascending
   std::array<double, kKinds> count_{}, scale_{}, alike_ = {1, 1};

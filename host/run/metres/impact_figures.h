@@ -14,10 +14,12 @@ namespace impactdic::run {
 
 inline constexpr double kGravity_m_s2 = 9.81;
 
-// The free ball's radius, where its rim is not what tells it, and how a sphere was seen.
-struct SphereSeen {
+// The free ball's radius, where its rim is not what tells it, how a sphere was seen, and whether
+// through a coder of video.
+struct FilmedBall {
   std::optional<Measured> radius_px;
   motion::Perspective perspective;
+  bool lossy = false;
 };
 
 // Whether there are impacts at all is asked of the rows, or known: then one is measured, what else
@@ -27,13 +29,13 @@ enum class Impacts { kLookedFor, kKnown };
 // The analysis of the impact in `rows`, which are evenly spaced in time (frame_clock.h). Gravity's
 // strength is known where scale and rate are.
 ImpactAnalysis analyse_impact(const TrackRequest& request, const TrackRows& rows,
-                              const SiScale& scale, const SphereSeen& sphere,
+                              const SiScale& scale, const FilmedBall& ball,
                               Impacts impacts = Impacts::kLookedFor);
 
 // The other impacts in `rows`, beside the one that was `found` with the same arguments, in order of
 // time.
 std::vector<ImpactAnalysis> other_impacts(const TrackRequest& request, const TrackRows& rows,
-                                          const SiScale& scale, const SphereSeen& sphere,
+                                          const SiScale& scale, const FilmedBall& ball,
                                           const ImpactAnalysis& found);
 
 // The figures that have a budget, indexed by ImpactFigure.

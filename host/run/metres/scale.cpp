@@ -41,11 +41,11 @@ SiScale no_scale(const TrackResult& result) {
 
 // A surface far from the one that was given shows no impact, or one that turns the wrong way.
 void look_for_another_surface(const TrackRequest& request, const TrackRows& rows,
-                              const SphereSeen& sphere, TrackResult& result) {
+                              const FilmedBall& ball, TrackResult& result) {
   for (const double off_deg : {45.0, -45.0, 90.0, -90.0, 135.0, -135.0}) {
     SiScale scale = result.scale;
     scale.surface_angle_rad += off_deg * kRadPerDeg;
-    const ImpactAnalysis other = analyse_impact(request, rows, scale, sphere);
+    const ImpactAnalysis other = analyse_impact(request, rows, scale, ball);
     if (other.status != ImpactStatus::kFound) continue;
     note_other_surface(request, other, request.surface_angle_deg + off_deg, result.impact_si);
     return;
@@ -62,15 +62,15 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
   // The flights are found with gravity in px/frame^2, for which about the scale will do.
   const auto about = median_radius_px(measured);
   set_scale(request, {about.value_or(kNotMeasured), 0}, result.scale);
-  ImpactAnalysis first =
-      analyse_impact(request, rows, result.scale, {sphere_radius_px, perspective}, impacts);
+  ImpactAnalysis first = analyse_impact(
+      request, rows, result.scale, {sphere_radius_px, perspective, result.clip.lossy}, impacts);
   const double first_metre_per_px = result.scale.metre_per_px;
   std::optional<Measured> radius = sphere_radius_px;
   if (result.body == Body::kSphere && !radius) {
     radius = first.radius_px;
     radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
   }
-  const SphereSeen sphere = {radius, perspective};
+  const FilmedBall ball = {radius, perspective, result.clip.lossy};
   set_scale(request, radius.value_or(first.radius_px), result.scale);
   // `with`: the scale that gave the analysis its gravity.
   const auto conclude = [&](ImpactAnalysis impact, const SiScale& with) {
@@ -79,23 +79,22 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
     find_contradictions(request, result.impact, result.impact_si);
     result.more_impacts_si.clear();
     if (impacts == Impacts::kKnown) return;
-    for (const ImpactAnalysis& other : other_impacts(request, rows, with, sphere, result.impact)) {
+    for (const ImpactAnalysis& other : other_impacts(request, rows, with, ball, result.impact)) {
       result.more_impacts_si.push_back(convert_impact(request, rows, result.scale, other));
     }
   };
   // Where scale and radius are given, the first analysis had them.
   const bool as_first = result.scale.metre_per_px == first_metre_per_px &&
                         radius.has_value() == sphere_radius_px.has_value();
-  conclude(
-      as_first ? std::move(first) : analyse_impact(request, rows, result.scale, sphere, impacts),
-      result.scale);
+  conclude(as_first ? std::move(first) : analyse_impact(request, rows, result.scale, ball, impacts),
+           result.scale);
   if (is_found(result.impact) && !contradicts(result.impact_si, "gravity")) return;
   // With a scale or rate that is far off, so is gravity, and bends the flights.
   const SiScale without = no_scale(result);
-  ImpactAnalysis free = analyse_impact(request, rows, without, sphere, impacts);
+  ImpactAnalysis free = analyse_impact(request, rows, without, ball, impacts);
   if (!is_found(free)) {
     if (impacts == Impacts::kLookedFor) {
-      look_for_another_surface(request, rows, sphere, result);
+      look_for_another_surface(request, rows, ball, result);
     }
     return;
   }

@@ -114,7 +114,8 @@ class ContainerSource : public FrameSource {
       info_.warnings.push_back("the pictures are turned by " + std::to_string(90 * *turns_) +
                                " degrees clockwise, as the film says it is to be shown");
     }
-    if (!is_lossless(code)) {
+    info_.lossy = !is_lossless(code);
+    if (info_.lossy) {
       info_.warnings.push_back("lossy compression (" + code + "): grey levels are not exact");
     }
     const double fps = capture_.get(cv::CAP_PROP_FPS);

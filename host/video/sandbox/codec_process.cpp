@@ -192,6 +192,7 @@ class SandboxedClip : public FrameSource {
     if (std::isfinite(exposure_s) && exposure_s > 0) info_.exposure_s = exposure_s;
     info_.camera = told.text();
     info_.sizes_differ = told.number() != 0;
+    info_.lossy = told.number() != 0;
     const std::int64_t warnings = told.number();
     for (std::int64_t i = 0; i < std::min(warnings, kMostWarnings); ++i) {
       info_.warnings.push_back(told.text());

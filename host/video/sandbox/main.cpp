@@ -102,7 +102,7 @@ class Decoder {
     told.add(std::int64_t{info.width}).add(std::int64_t{info.height}).add(std::int64_t{info.bits});
     told.add(info.frame_count).add(info.fps.value_or(0)).add(info.exposure_s.value_or(0));
     told.add(info.camera.substr(0, 500));
-    told.add(std::int64_t{info.sizes_differ});
+    told.add(std::int64_t{info.sizes_differ}).add(std::int64_t{info.lossy});
     told.add(static_cast<std::int64_t>(info.warnings.size()));
     for (const std::string& warning : info.warnings) told.add(warning.substr(0, 500));
     told.send(kSocket);
