@@ -56,14 +56,11 @@ void fill_from(const Fit& fit, double edge_sigma_px, double radius_bias_sd_px, C
   result.rim_points = fit.points;
 }
 
-// Paint of a bright ball, or the background of a dark one, at the end of the camera's scale. How
-// bright it would be is not known, nor then where half of that is.
-bool is_over_exposed(const LineTrace::Levels& levels, Surface surface, bool bright, double scale) {
-  const double paint =
-      surface != Surface::kFlat ? levels.sphere.at(0, 0, 1) : static_cast<double>(levels.light[0]);
-  const double most =
-      bright ? paint : -*std::min_element(levels.ground.begin(), levels.ground.end());
-  return most > kJudge.over_exposed * scale;
+// Grey level of the paint of a bright ball, or of what lies behind a dark one.
+double brightest(const LineTrace::Levels& levels, Surface surface, bool bright) {
+  if (!bright) return -*std::min_element(levels.ground.begin(), levels.ground.end());
+  return surface != Surface::kFlat ? levels.sphere.at(0, 0, 1)
+                                   : static_cast<double>(levels.light[0]);
 }
 
 // How much more than all of the rim noise misplaces single arcs, and with them centre and shape:
@@ -77,6 +74,10 @@ double of_arcs(const RimModel& model, const LineTrace& trace) {
 }
 
 }  // namespace
+
+bool is_over_exposed(double brightest, const Frame& frame) {
+  return brightest > kJudge.over_exposed * frame.full_scale();
+}
 
 void fill(const RimFit& fit, double edge_sigma_px, double radius_bias_sd_px, CircleFit& result) {
   fill_from(fit, edge_sigma_px, radius_bias_sd_px, result);
@@ -127,7 +128,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     const double sd_px = kSphere.outline_arc_px3 / (result.circle.r_px * result.circle.r_px);
     widen(result, sd_px, sd_px);
   }
-  if (is_over_exposed(trace.levels, m.rim_model->surface(), bright, frame.full_scale())) {
+  if (is_over_exposed(brightest(trace.levels, m.rim_model->surface(), bright), frame)) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
   }
   // What lies just outside the rim is guessed from what lies beside it.

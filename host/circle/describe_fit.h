@@ -15,6 +15,10 @@ bool is_enough(const Fit& fit) {
   return fit.ok && fit.points >= kJudge.least_points && fit.arc >= kJudge.least_arc;
 }
 
+// Whether the brightest that lies beside the rim is at the end of the camera's scale. How bright it
+// would be is not known, nor then where half of that is.
+bool is_over_exposed(double brightest, const Frame& frame);
+
 // Rim, radius and their deviations as the fit has them; `radius_bias_sd_px` as in CirclePrior.
 void fill(const RimFit& fit, double edge_sigma_px, double radius_bias_sd_px, CircleFit& result);
 

@@ -66,6 +66,7 @@ struct Crossings {
   int rays = 0;         // of the last trace
   double moved_px = 0;  // from the rim that this was cast about
   double edge_sigma_px = 0;
+  bool over_exposed = false;
 };
 
 Crossings trace_crossings(const Frame& frame, const RimSearch& search, const CirclePrior& prior,
@@ -91,6 +92,7 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     sharp |= sharpen;
   }
   m.edge_sigma_px = trace.edge_sigma_px;
+  m.over_exposed = is_over_exposed(trace.brightest, frame);
   return m;
 }
 
@@ -125,6 +127,9 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   fit.cx_sd_px = std::hypot(fit.cx_sd_px, kJudge.of_blur_centre * wider_px);
   fit.cy_sd_px = std::hypot(fit.cy_sd_px, kJudge.of_blur_centre * wider_px);
   fit.r_sd_px = std::hypot(fit.r_sd_px, kJudge.of_blur * wider_px);
+  if (crossings.over_exposed) {
+    fit.r_sd_px = std::hypot(fit.r_sd_px, kJudge.over_exposed_sd * crossings.edge_sigma_px);
+  }
   // Of arcs of several things a circle was made as often as of one.
   const bool arc = fit.rim_fraction <= kJudge.much_rim;
   const double most = arc ? kJudge.ragged_arc : kJudge.ragged;

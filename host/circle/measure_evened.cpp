@@ -45,11 +45,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
   if (!fit.rim_model && fit.rim_fraction < kBackdrop.least_rim) {
     return CircleFit{.bright = fit.bright};
   }
-  const double guessed_px = kBackdrop.guessed_sd_px * backdrop->guessed_share(about);
-  for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px}) {
-    *sd = std::hypot(*sd, kBackdrop.evened_centre_sd_px, guessed_px);
-  }
-  fit.r_sd_px = std::hypot(fit.r_sd_px, kBackdrop.evened_sd_px, guessed_px);
+  const double off_px =
+      std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));
+  for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, off_px);
   return fit;
 }
 

@@ -163,6 +163,7 @@ struct RimTrace {
   int rays_in_view = 0;
   double noise_px = 0;       // what the camera noise alone would scatter a crossing
   double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
+  double brightest = 0;  // grey level of a bright ball's paint, or of what lies behind a dark one
 };
 struct RayRequest {
   Polarity polarity = Polarity::kBright;

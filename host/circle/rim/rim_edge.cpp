@@ -137,11 +137,15 @@ float profile_at(const float* p, float at) {
   return b + 0.5f * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }
 
+struct EdgeLevels {
+  float relative_noise = 0;     // of a sample, over the contrast
+  float paint = 0, ground = 0;  // negative of a dark ball
+};
+
 // The crossings of the rays that show the background outside as their neighbourhood has it: drops
 // the bar and whatever else hides the ball or the background. `textured`: RayRequest::textured.
-// `relative_noise` gets the noise of a sample over the contrast.
-void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool textured,
-                std::vector<Edge>& edges, float& relative_noise) {
+EdgeLevels find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool textured,
+                      std::vector<Edge>& edges) {
   constexpr int kBeside = kClear.beside;
   edges.clear();
   const float noise = sample_noise(rays, n);
@@ -151,7 +155,7 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool
   const float ground = quantile(grounds, 0.5);
   light.fit(ground, of_camera, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
-  relative_noise = of_camera / std::max(usual, 1e-6f);
+  const EdgeLevels levels{of_camera / std::max(usual, 1e-6f), light.at(0, 0), ground};
   for (int i = 0; i < n; ++i) {
     rays.ball[i] = light.at(rays.cos[i], rays.sin[i]);
     const float seen = rays.row(i)[kLength - 1];
@@ -180,6 +184,7 @@ void find_edges(Rays& rays, RayLight& light, int n, int count, double r_px, bool
     edge.fall = (profile_at(p, edge.at - 1) - profile_at(p, edge.at + 1)) / contrast;
     edges.push_back(edge);
   }
+  return levels;
 }
 
 // Width of the edge as a Gaussian's σ: the level falls by Φ(1/σ) − Φ(−1/σ) over two steps.
@@ -217,10 +222,10 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   trace.rays_in_view = n;
   trace.edge_sigma_px = 0;
   if (n < kCrossing.least_rays) return;
-  float relative_noise = 0;
-  find_edges(rays, light, n, count, rim.r, request.textured, edges, relative_noise);
+  const EdgeLevels levels = find_edges(rays, light, n, count, rim.r, request.textured, edges);
+  trace.brightest = static_cast<double>(sign > 0 ? levels.paint : -levels.ground);
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
-  const double noise = relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
+  const double noise = levels.relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.
   const auto error = [&](double contrast) {
     return std::hypot(noise / contrast, kCrossing.phase_px[sharp]);

@@ -46,8 +46,7 @@ struct BackdropSettings {
   // What a learnt background misplaces the circle by, and one that is guessed all around, px.
   // [measured]: docs/log/accuracy.md, "Before wood and tiles".
   double evened_sd_px = 0.06, guessed_sd_px = 0.12;
-  double evened_centre_sd_px = 0.05;  // the same of the centre
-  int rounds = 3;                     // of measuring, at most [hand]
+  int rounds = 3;  // of measuring, at most [hand]
 };
 inline constexpr BackdropSettings kBackdrop;
 
