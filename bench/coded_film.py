@@ -21,6 +21,7 @@ import json
 import math
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -180,6 +181,9 @@ def clips_of(arguments):
 
 
 def main():
+    if shutil.which('ffmpeg') is None:
+        print('skipped: no ffmpeg')
+        sys.exit(77)
     clips, workers = clips_of(sys.argv[2:])
     statuses, errors, wrong = {}, [], 0
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:

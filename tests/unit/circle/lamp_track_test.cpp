@@ -21,6 +21,16 @@ TEST(LampTrack, AMotionUnderAHardLampIsAsUnsureAsItsRadius) {
   EXPECT_LT(errors.shift.over_sds(), 1.4);
 }
 
+// White that is cut off at the end of the camera's scale leaves half of it unknown: circles were
+// 0.155 px too large, with 0.013 px stated where crossings alone told them.
+TEST(LampTrack, AnOverExposedBallIsNotSureOfItsRadius) {
+  const LightFilm clip({.name = "over", .gain = 1.5}, 39, 12);
+  const LightErrors errors = errors_of(track(clip, false), clip);
+  EXPECT_EQ(errors.circles, 12);
+  EXPECT_EQ(errors.wrong, 0);
+  EXPECT_LT(errors.radius.over_sds(), 1.4);
+}
+
 // Rims of this ball are 0.08 px too large, and stated to 0.12 px. What its turns tell takes half of
 // it off, in every frame alike: they scatter as before.
 TEST(LampTrack, ASpheresRadiusIsTheOneThatItsTurnsTell) {
