@@ -67,7 +67,7 @@ double brightest(const LineTrace::Levels& levels, Surface surface, bool bright) 
 // the paint's level and the ink that is learnt beside it err from place to place. A sphere's
 // foreshortened ink misplaces its rim alike all around.
 double of_arcs(const RimModel& model, const LineTrace& trace) {
-  if (model.surface() != Surface::kFlat) return is_evenly_lit(trace) ? kSphere.even_arcs : 1;
+  if (model.surface() != Surface::kFlat) return is_plainly_lit(trace) ? kSphere.even_arcs : 1;
   const double ink = kLearning.of_noise * std::max(0.0, model.noise() - kLearning.usual_noise);
   return std::hypot(kLearning.model_error, kLearning.noise_in_arcs * ink) /
          std::hypot(kLearning.model_error, ink);

@@ -375,7 +375,7 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
              fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
   Matrix5 covariance = best.covariance;
   if (const Surface of = model.surface(); of != Surface::kFlat) {
-    const bool ink = of == Surface::kOutline || is_evenly_lit(trace);
+    const bool ink = of == Surface::kOutline || is_plainly_lit(trace);
     covariance += wavy_light(best.sums.sectors, best.wider, best.covariance, ink);
   }
   for (int i = 0; i < 5; ++i) {

@@ -58,9 +58,9 @@ struct LearningSettings {
                               // 10 of light_accuracy's disc_blur
   // Ink that is learnt from a picture noisier than those, by the noise as a share of the contrast,
   // and from the few pixels of a small ball, over its radius cubed, likewise. [measured] on balls
-  // 11 to 16 of e1 under noise 8, in 30 % of the light, and of 30 px: docs/log/accuracy.md, "Discs
-  // in noise".
-  double of_noise = 3.2, of_small_px3 = 2550;
+  // 1 to 40 of e1 under noise 8 and in 30 % of the light, and on 11 to 16 of 30 px:
+  // docs/log/accuracy.md, "Discs in noise".
+  double of_noise = 3.7, of_small_px3 = 2550;
   // What the crossings' radius differs by from the model's, beyond so much, px, the model errs by
   // to this share, where ink makes the radius that uncertain, px; to less of it where it does not.
   // [measured] whole discs of the sixteen patterns, seeds 1 to 3, blur 0.6, 0.8, 1.0 and 1.4 px:

@@ -50,6 +50,9 @@ struct SphereSettings {
   // In even light, how much of what misplaces the radius misplaces single arcs. [measured] the
   // same, six patterns: centres 1.05 of their deviations
   double even_arcs = 0.5;
+  // Light at the middle over that at the rim from which on a sphere is darker towards its limb
+  // [hand].
+  double darker_limb = 1.3;
   double most_of_usual = 1.5;  // and to so much of radius_sd_of_r [measured] the same
   double poor_misfit = 13;     // as LearningSettings::misfit: nothing is told by such a fit [hand]
   // Of the radius, beside what the model says, where no disc's model tells: how a texture learnt

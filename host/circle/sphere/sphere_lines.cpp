@@ -335,6 +335,10 @@ bool is_evenly_lit(const LineTrace& trace) {
   return least > kSphere.even * most;
 }
 
+bool is_plainly_lit(const LineTrace& trace) {
+  return is_evenly_lit(trace) && darkening(trace.levels) < kSphere.darker_limb;
+}
+
 double paint_beside_rim(const LineTrace& trace, const TextureSums& texture) {
   const double told = texture.shown_inside();
   const std::optional<Inside> shown = inside_of(trace.lines);

@@ -21,6 +21,8 @@ void keep_outline_lines(const CastLines& lines, const std::vector<float>& ground
 
 // Whether the sphere stands out of the background by about as much at each of the kept lines.
 bool is_evenly_lit(const LineTrace& trace);
+// The same, and no darker towards its limb: what is wrong with its rim is its ink.
+bool is_plainly_lit(const LineTrace& trace);
 
 // What the ink looks like along lines across the rim, from strips of the surface that face the
 // camera, foreshortened as they would be at the rim: gives them to the request's texture.
