@@ -220,7 +220,7 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   const int n = frame.type == PixelType::kU8 ? cast_on(frame.u8.view()) : cast_on(frame.u16.view());
   trace.points.clear();
   trace.rays_in_view = n;
-  trace.edge_sigma_px = 0;
+  trace.edge_sigma_px = trace.brightest = 0;
   if (n < kCrossing.least_rays) return;
   const EdgeLevels levels = find_edges(rays, light, n, count, rim.r, request.textured, edges);
   trace.brightest = static_cast<double>(sign > 0 ? levels.paint : -levels.ground);
