@@ -5,7 +5,7 @@ Paints clips, codes them as H.264 (libx264, CRF 10 to 30), tracks them without o
 the ball's diameter and the surface's inclination, and compares what is said of an impact with what
 was painted. Half of the clips have an impact: contacts of 1 to 15 frames at 500 to 20 000 frames/s,
 restitution 0.5 to 0.95, surfaces of +-40 degrees. The others are circles, throws, rolling balls,
-pendulums, hands, releases and lines. Discs and spheres, radius 24 to 60 px, ten patterns, noise 0.5
+pendulums, hands, releases and lines. Flat discs, radius 24 to 60 px, ten patterns, noise 0.5
 to 4. Every clip is made of its number alone.
 
     bench/coded_film.py build/release/impactdic 1 400 [WORKERS]          # clips 1 to 400 of either kind
@@ -174,7 +174,14 @@ def one(kind, number):
 def clips_of(arguments):
     """The clips that are asked for, (kind, number), and how many at a time."""
     if ':' in arguments[0]:
-        return [(kind, int(n)) for kind, n in (name.split(':') for name in arguments)], 2
+        named = [name.partition(':')[::2] for name in arguments]
+        for kind, number in named:
+            if kind not in ('impact', *FREE) or not number.isdigit():
+                sys.exit(f"no clip is called '{kind}:{number}': impact or one of {', '.join(FREE)}, "
+                         'a colon and a number')
+        return [(kind, int(number)) for kind, number in named], 2
+    if len(arguments) < 2 or not all(number.isdigit() for number in arguments):
+        sys.exit(__doc__)
     numbers = range(int(arguments[0]), int(arguments[1]) + 1)
     clips = [('impact', n) for n in numbers] + [(FREE[n % len(FREE)], n) for n in numbers]
     return clips, int(arguments[2]) if len(arguments) > 2 else 2
@@ -211,7 +218,7 @@ def main():
     sys.exit(1 if wrong else 0)
 
 
-PROGRAM = str(pathlib.Path(sys.argv[1]).resolve()) if len(sys.argv) > 3 else sys.exit(__doc__)
+PROGRAM = str(pathlib.Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else sys.exit(__doc__)
 
 if __name__ == '__main__':
     main()
