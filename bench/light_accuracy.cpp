@@ -1,13 +1,14 @@
 // How exact and how honest `track` is on balls as cameras show them: lamps, backgrounds, obstacles,
 // blur, compression, small and large balls; clips with exactly known poses, through the library.
-//   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion [KEEP]]]]]
+//   light_accuracy [CONDITIONS [FIRST LAST [FRAMES [circles|motion|rows [KEEP]]]]]
 // CONDITIONS is a list with commas, or "all", each with the pattern and the radius of its ball
 // where they are not to be the usual ones: "disc_bar:a2", "all:b3", "sphere:a3:40"; FIRST and LAST
 // are seeds. "random" draws a condition of its own from each seed and leaves it to the program what
 // the body is: discs and spheres are told apart in its table, and each seed is described on stderr.
 // Rows that are lost, or wrong with status ok, are listed on stderr. With "circles" the motion is
-// not measured, and no device is needed. Pictures are kept in the folder KEEP and read from there
-// the next time (painting takes longer than all the rest).
+// not measured, and no device is needed; "rows" is "motion" with the errors of every row on stdout,
+// so that runs side by side can be put together. Pictures are kept in the folder KEEP and read from
+// there the next time (painting takes longer than all the rest).
 #include <impactdic/device.h>
 #include <impactdic/error.h>
 #include <impactdic/track.h>
@@ -200,10 +201,30 @@ std::vector<Frame> pictures_of(const LightScene& scene, LightClip& clip, std::ui
 
 struct Way {
   int first = 1, last = 3, frames = 12;
-  bool circles = false;
+  bool circles = false, rows = false;
   bool told = true;  // what the body is
   std::string keep;
 };
+
+// "ROW condition ball frame status", then each error beside its deviation: centre x, y and radius
+// (px), and of a motion that was measured dx, dy (px), turns about x, y and z (degrees).
+void print_row(const LightScene& scene, std::uint64_t seed, const TrackRow& row,
+               const BallPose& shown, const BallPose* next) {
+  std::printf("ROW %s %llu %lld %d", scene.name, static_cast<unsigned long long>(seed),
+              static_cast<long long>(row.frame), static_cast<int>(row.status));
+  const auto figure = [](double error, double sd) { std::printf(" %.6f %.6f", error, sd); };
+  figure(row.cx_px - shown.cx_px, row.cx_sd_px);
+  figure(row.cy_px - shown.cy_px, row.cy_sd_px);
+  figure(row.r_px - scene.radius_px * (1 - shown.compression / 2), row.r_sd_px);
+  if (next != nullptr && row.motion_ok && row.status == TrackStatus::kOk) {
+    figure(row.dx_px - (next->cx_px - shown.cx_px), row.dx_sd_px);
+    figure(row.dy_px - (next->cy_px - shown.cy_px), row.dy_sd_px);
+    figure(row.rot_x_deg - scene.spin_x_deg, row.rot_x_sd_deg);
+    figure(row.rot_y_deg - scene.spin_y_deg, row.rot_y_sd_deg);
+    figure(row.rot_deg - scene.rotation_deg, row.rot_sd_deg);
+  }
+  std::printf("\n");
+}
 
 Body body_of(const LightScene& scene) { return scene.sphere ? Body::kSphere : Body::kDisc; }
 
@@ -242,6 +263,9 @@ Judged measure(const LightScene& scene, std::uint64_t seed, const Way& way, Sess
     }
     if (!row.circle_ok) continue;
     const BallPose shown = clip.exposed(k);
+    if (way.rows) {
+      print_row(scene, seed, row, shown, k + 1 < poses.size() ? &poses[k + 1] : nullptr);
+    }
     if (table.add_circle(row, shown, scene.radius_px)) {
       std::fprintf(stderr,
                    "%s %s seed %llu frame %zu: off %+.3f (sd %.3f), %+.3f (%.3f), radius %+.3f "
@@ -313,7 +337,9 @@ int run(int argc, char** argv) {
   way.first = std::atoi(argument(2, "1").c_str());
   way.last = std::atoi(argument(3, "3").c_str());
   way.frames = std::atoi(argument(4, "12").c_str());
-  way.circles = argument(5, "motion") == "circles";
+  const std::string what = argument(5, "motion");
+  way.circles = what == "circles";
+  way.rows = what == "rows";
   way.keep = argument(6, "");
   if (!way.keep.empty()) std::filesystem::create_directories(way.keep);
   Session session;
