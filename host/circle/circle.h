@@ -94,6 +94,7 @@ struct FoundBall {
   double rim_fraction = 0;  // as CircleFit
   double score = 0;         // length of rim that carried the fit: of two concentric ones the larger
   bool bright = true;       // as CircleFit
+  double residual_px = 0;   // as CircleFit
 };
 
 // Finds balls anywhere in a frame (Hough transform on prepared pictures, dissertation,

@@ -80,7 +80,8 @@ FoundBall prove(const Frame& frame, const Circle& candidate, CircleOptions optio
   prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
   if (fit.status != CircleStatus::kOk) return {};
-  return {fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright};
+  return {fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright,
+          fit.residual_px};
 }
 
 bool seen(const std::vector<Circle>& tried, const Circle& circle) {
@@ -176,14 +177,18 @@ class Search {
     return scene_ != nullptr && scene_->is_still(moved_, circle);
   }
 
-  // Whether the candidate would only lead to a ball that is proved already.
+  // Whether the candidate would only lead to a ball that is proved already: it is that ball, or it
+  // touches that ball's rim from one side, so that an arc of that rim proposed it.
   bool is_known(const Circle& candidate) const {
     return std::any_of(found_.begin(), found_.end(), [&](const FoundBall& ball) {
-      const double near = kBallSearch.known_of_r * ball.circle.r_px;
-      return ball.rim_fraction >= kBallSearch.proved &&
-             std::abs(ball.circle.r_px - candidate.r_px) < near &&
-             std::hypot(ball.circle.cx_px - candidate.cx_px, ball.circle.cy_px - candidate.cy_px) <
-                 near;
+      if (ball.rim_fraction < kBallSearch.proved) return false;
+      const Circle& circle = ball.circle;
+      const double larger = std::abs(circle.r_px - candidate.r_px);
+      const double off = std::hypot(circle.cx_px - candidate.cx_px, circle.cy_px - candidate.cy_px);
+      const double near = kBallSearch.known_of_r * circle.r_px;
+      const bool touches = std::abs(off - larger) < kBallSearch.touches_of_r * circle.r_px;
+      return (larger < near && off < near) ||
+             (touches && off < kBallSearch.touching_of_r * circle.r_px);
     });
   }
 

@@ -95,7 +95,8 @@ std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOption
   const bool plain = fit.status == CircleStatus::kOk && fit.rim_fraction >= kBackdrop.plain_rim &&
                      std::hypot(fit.e1_px, fit.e2_px) <= kBackdrop.plain_oval * fit.circle.r_px;
   if (!plain) return std::nullopt;
-  return FoundBall{fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright};
+  return FoundBall{fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright,
+                   fit.residual_px};
 }
 
 }  // namespace

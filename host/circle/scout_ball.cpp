@@ -30,6 +30,8 @@ std::vector<FoundBall> balls_in(const Frame& frame, const CircleOptions& options
                                 const StillScene* scene) {
   std::vector<FoundBall> balls = find_balls(frame, options, scene, true);
   for (FoundBall& ball : balls) {
+    // A plain rim's proof is a measurement.
+    if (ball.rim_fraction >= kScout.plain_rim && ball.residual_px < kScout.plain_px) continue;
     CirclePrior prior;
     prior.predicted = ball.circle;
     prior.centre_sd_px = kScout.found_sd_px;

@@ -45,22 +45,37 @@ Rings rings_of(const Rim& rim, double edge_sigma_px) {
   return rings;
 }
 
+// A ray outwards, and how far from the centre it leaves the rim.
+struct Outward {
+  double cos = 1, sin = 0, rim_px = 0;
+};
+using Fan = std::array<Outward, kBeyond.most_samples>;
+
+// The rays along which the cells of one direction are sampled, the same in every ring.
+Fan fan_of(const Rim& rim, const Rings& rings, int direction) {
+  Fan fan;
+  for (int i = 0; i < rings.along; ++i) {
+    const double angle = 2 * kPi * (direction + (i + 0.5) / rings.along) / kWays;
+    const double c = std::cos(angle), s = std::sin(angle);
+    fan[i] = {c, s, rim.radius_at(c * c - s * s, 2 * c * s)};
+  }
+  return fan;
+}
+
 // nullopt where it does not lie in the picture.
 template <typename T>
 std::optional<Cell> cell(ImageView<const T> picture, const Rim& rim, const Rings& rings,
-                         int direction, int ring) {
+                         const Fan& fan, int ring) {
   const Sampler<T> sampler(picture);
   double sum = 0, squares = 0, apart = 0;
   for (int k = 0; k < rings.samples(); ++k) {
-    const int pair = k / 2;
-    const double angle = 2 * kPi * (direction + (pair + 0.5) / rings.along) / kWays;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const Outward& ray = fan[k / 2];
     const double across = ring + (k % 2 == 0 ? 0.25 : 0.75);
-    const double at =
-        rim.radius_at(c * c - s * s, 2 * c * s) + rings.first_px + across * rings.width_px;
-    const double x = rim.cx + at * c, y = rim.cy + at * s;
+    const double at = ray.rim_px + rings.first_px + across * rings.width_px;
+    const double x = rim.cx + at * ray.cos, y = rim.cy + at * ray.sin;
     if (!sampler.inside(static_cast<float>(x), static_cast<float>(y), 1)) return std::nullopt;
-    const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
+    // Rounded: they lie in the picture, so that none is negative.
+    const int column = static_cast<int>(x + 0.5), row = static_cast<int>(y + 0.5);
     const auto level = static_cast<double>(picture(column, row));
     const double step = level - static_cast<double>(picture(column + 1, row));
     apart += step * step / 2;
@@ -79,8 +94,9 @@ template <typename T>
 Cells cells_beyond(ImageView<const T> picture, const Rim& rim, const Rings& rings) {
   Cells cells;
   for (int d = 0; d < kWays; ++d) {
+    const Fan fan = fan_of(rim, rings, d);
     for (int ring = 0; ring < rings.count; ++ring) {
-      const std::optional<Cell> next = cell(picture, rim, rings, d, ring);
+      const std::optional<Cell> next = cell(picture, rim, rings, fan, ring);
       if (!next) break;
       cells[d].push_back(*next);
     }

@@ -35,6 +35,8 @@ struct BallSearchSettings {
   // A candidate so near a ball that is proved, in place and radius, is that ball: share of its
   // radius.
   double known_of_r = 0.15;  // [hand]
+  // One whose circle touches that ball's rim, so nearly, its centre within so much of the ball's.
+  double touches_of_r = 0.05, touching_of_r = 0.3;  // [hand]
   // By what moves.
   int moved_disc_px[2] = {1, 3};  // radii of the discs that close and open what moved [hand]
   double explained_of_r = 1.3;    // so far about a ball what moved belongs to it [hand]
@@ -66,7 +68,9 @@ struct ScoutSettings {
   std::int64_t first_frames = 12, most_frames = 48;  // doubled until they agree [hand]
   double same_radius = 0.05;  // radii that agree lie so near, share of the radius [hand]
   double well_seen = 0.3;     // share of the rim that a frame must show to count [hand]
-  int agree = 3;              // frames that settle the question [hand]
+  // A rim of which so much shows, and whose clean points scatter by less, px, is measured once.
+  double plain_rim = 0.5, plain_px = 0.1;  // [hand]
+  int agree = 3;                           // frames that settle the question [hand]
   // A candidate is believed that so many frames show, or half of fewer; and so much of its rim, on
   // the mean, where it does not move by so much: px, share of the radius.
   double resting_rim = 0.4, moved_px = 1, moved_of_r = 0.02;  // [hand]
