@@ -228,6 +228,7 @@ CircleFit with_more_rim(CircleFit fit, const Frame& frame, CirclePrior prior, Ci
                         LineTrace& lines) {
   if (fit.status != CircleStatus::kOk || fit.rim_model) return fit;
   if (fit.rim_fraction > kJudge.much_rim && fit.residual_px < kJudge.scattered_px) return fit;
+  if (fit.rim_fraction > kJudge.clean_rim && fit.residual_px < kJudge.clean_px) return fit;
   look_about(fit, kJudge.wider_of_r, prior, options);
   CircleFit other = measure_anew(frame, prior, options, lines);
   const auto length = [](const CircleFit& f) { return f.rim_fraction * f.circle.r_px; };
