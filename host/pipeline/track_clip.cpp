@@ -15,7 +15,7 @@
 #include "host/pipeline/compare_rows.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
-#include "host/pipeline/place_by_path.h"
+#include "host/pipeline/settle_centres.h"
 #include "host/pipeline/track_batch.h"
 
 namespace impactdic::pipeline {
@@ -285,12 +285,8 @@ class ClipTracker {
 
   // By what circles and motions say of each other, and with them what motions state.
   void state_centres(TrackBatch& batch) const {
-    std::vector<bool> changed = state_scatter(batch.rows);
     // A motion that states no more than circles do tells nothing of them.
-    if (!is_doubted()) {
-      const std::vector<bool> placed = place_by_path(batch.rows, batch.pairs);
-      for (std::size_t i = 0; i < placed.size(); ++i) changed[i] = changed[i] || placed[i];
-    }
+    const std::vector<bool> changed = settle_centres(batch.rows, batch.pairs, !is_doubted());
     for (std::size_t i = 0; i + 1 < changed.size(); ++i) {
       if (changed[i] && is_measured(batch, i)) state_motion(batch, i);
     }
