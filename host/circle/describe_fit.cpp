@@ -117,6 +117,9 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     if (!even) widen(result, kSphere.lit_centre_sd_of_r * result.circle.r_px, 0);
     const double usual = arc ? kSphere.radius_sd_of_r * result.circle.r_px : 0;
     widen(result, 0, std::max(m.rim_model->light_sd_px(), usual));
+  } else if (arc) {
+    const double per_r2 = 1 / (result.circle.r_px * result.circle.r_px);
+    widen(result, kLearning.arc_centre_px3 * per_r2, kLearning.arc_radius_px3 * per_r2);
   }
   // What is left of a rim that fades is an arc: a light that is a little wrong moves its centre.
   if (m.rim_model->surface() == Surface::kSphere && fades(trace.levels) && arc) {

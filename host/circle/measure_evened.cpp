@@ -45,7 +45,9 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
   if (!fit.rim_model && fit.rim_fraction < kBackdrop.least_rim) {
     return CircleFit{.bright = fit.bright};
   }
+  // What is left of a texture misplaces single pieces of the rim, and a longer one by less.
   const double off_px =
+      std::sqrt(kBackdrop.evened_of_r_px / fit.circle.r_px) *
       std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));
   for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, off_px);
   return fit;

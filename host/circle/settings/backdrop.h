@@ -43,9 +43,10 @@ struct BackdropSettings {
   double settled_px = 1;   // [hand]
   double less_rim = 0.7;   // of the rim that carried the fit before: it was the better one [hand]
   double least_rim = 0.3;  // share of the rim that must carry a fit without a model of it [hand]
-  // What a learnt background misplaces the circle by, and one that is guessed all around, px.
-  // [measured]: docs/log/accuracy.md, "Before wood and tiles".
-  double evened_sd_px = 0.06, guessed_sd_px = 0.12;
+  // What a learnt background misplaces the circle by, and one that is guessed all around, px, of a
+  // ball of such a radius; larger ones by the root less. [measured]: docs/log/accuracy.md, "Before
+  // wood and tiles", and light_accuracy sphere_wood and sphere_wood_far, balls 1 to 60.
+  double evened_sd_px = 0.06, guessed_sd_px = 0.12, evened_of_r_px = 60;
   int rounds = 3;  // of measuring, at most [hand]
 };
 inline constexpr BackdropSettings kBackdrop;

@@ -66,6 +66,10 @@ struct LearningSettings {
   // [measured] whole discs of the sixteen patterns, seeds 1 to 3, blur 0.6, 0.8, 1.0 and 1.4 px:
   // docs/log/accuracy.md, "Fine and dense ink".
   double usual_apart_px = 0.06, of_apart = 0.4, uncertain_px = 0.01;
+  // Of a disc of whose rim a part is hidden or lies before a texture, over the radius squared: its
+  // ink is learnt from what is left, and what adjoins the gap is no rim. [measured] light_accuracy
+  // disc_unseen and disc_unseen_60, balls 1 to 60
+  double arc_centre_px3 = 90, arc_radius_px3 = 140;
   // By how much more noise does so to single arcs. [measured] on balls 1 to 6 of e1 under noise 8
   // and in 30 % of the light.
   double noise_in_arcs = 2.8;
