@@ -69,7 +69,7 @@ struct LearningSettings {
   // Of a disc of whose rim a part is hidden or lies before a texture, over the radius squared: its
   // ink is learnt from what is left, and what adjoins the gap is no rim. [measured] light_accuracy
   // disc_unseen and disc_unseen_60, balls 1 to 60
-  double arc_centre_px3 = 90, arc_radius_px3 = 140;
+  double arc_centre_px3 = 75, arc_radius_px3 = 120;
   // By how much more noise does so to single arcs. [measured] on balls 1 to 6 of e1 under noise 8
   // and in 30 % of the light.
   double noise_in_arcs = 2.8;
