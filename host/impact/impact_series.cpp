@@ -123,6 +123,7 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
 
 void ImpactSeries::use_centres() {
   from_circle = true;
+  sphere.reset();  // whose turns come with its steps
   for (std::size_t i = 0; i + 1 < size(); ++i) step_n[i] = position_n[i + 1] - position_n[i];
 }
 

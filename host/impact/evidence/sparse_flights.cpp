@@ -13,6 +13,8 @@ constexpr std::size_t kFewestCentres = 4;
 constexpr std::size_t kLongestGap = 3;    // frames between two centres of a flight
 constexpr double kLeastBend = 2;          // px/frame^2: less is no film of this kind
 constexpr double kOffPath = 0.1;          // of the bend: centres on the path lie so near
+constexpr double kOffBlurred = 0.03;      // of a frame's way: or so near, for the ball is blurred
+constexpr std::size_t kMostOff = 1;       // centres in a row that do not, which another then does
 constexpr double kNear = 0.5;             // the same where no fit holds them there
 constexpr double kBlurred = 0.15;         // of a frame's way: a blurred ball lies so near
 constexpr double kSameBend = 0.15;        // by which the bends of two flights may differ
@@ -30,29 +32,67 @@ struct Arc {
   Parabola path;
 };
 
-Parabola fit(const std::vector<double>& heights, const std::vector<std::size_t>& rows) {
+// How near to the path a centre lies that is on it, px.
+double near_path(const Parabola& path, double t) {
+  return std::max(kOffPath * std::abs(path.bend), kOffBlurred * std::abs(path.speed_at(t)));
+}
+
+// Of rows by how near each lies to a path like `about`.
+Parabola fit(const std::vector<double>& heights, const std::vector<std::size_t>& rows,
+             const Parabola* about) {
   Parabola path;
   path.from = static_cast<double>(rows.front() + rows.back()) / 2;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const std::size_t row : rows) {
     const double t = static_cast<double>(row) - path.from;
-    const Eigen::Vector3d slopes(1, t, t * t / 2);
+    const double near = about == nullptr ? 1 : near_path(*about, static_cast<double>(row));
+    const Eigen::Vector3d slopes = Eigen::Vector3d(1, t, t * t / 2) / near;
     normal += slopes * slopes.transpose();
-    right += heights[row] * slopes;
+    right += heights[row] / near * slopes;
   }
   const Eigen::Vector3d found = normal.ldlt().solve(right);
   path.at = found[0], path.speed = found[1], path.bend = found[2];
   return path;
 }
 
+Parabola fit(const std::vector<double>& heights, const std::vector<std::size_t>& rows) {
+  const Parabola rough = fit(heights, rows, nullptr);
+  return fit(heights, rows, &rough);
+}
+
 // Whether all centres lie on the path, and it bends enough, as gravity would have it.
 bool holds(const Arc& arc, const std::vector<double>& heights) {
   if (!(arc.path.bend < -kLeastBend)) return false;
   return std::all_of(arc.rows.begin(), arc.rows.end(), [&](std::size_t row) {
-    const double off = heights[row] - arc.path.height(static_cast<double>(row));
-    return std::abs(off) <= kOffPath * -arc.path.bend;
+    const auto t = static_cast<double>(row);
+    return std::abs(heights[row] - arc.path.height(t)) <= near_path(arc.path, t);
   });
+}
+
+// The longest flight from the centre `seen[first]` on; empty where there is none. Centres that lie
+// off it are left out.
+Arc flight_from(const std::vector<std::size_t>& seen, std::size_t first,
+                const std::vector<double>& heights) {
+  Arc longest, arc;
+  std::size_t off = 0;  // in a row
+  for (std::size_t k = first; k < seen.size(); ++k) {
+    // Three centres beside a gap lie on a parabola with any one behind it.
+    const std::size_t gap = arc.rows.size() < kFewestCentres ? 1 : kLongestGap;
+    if (!arc.rows.empty() && seen[k] - arc.rows.back() > gap) break;
+    arc.rows.push_back(seen[k]);
+    if (arc.rows.size() < kFewestCentres) continue;
+    arc.path = fit(heights, arc.rows);
+    if (holds(arc, heights)) {
+      longest = arc;
+      off = 0;
+    } else if (longest.rows.empty() || ++off > kMostOff) {
+      break;
+    } else {
+      arc = longest;
+    }
+  }
+  return longest;
 }
 
 // The flights in order of time, each as long as it can be.
@@ -63,20 +103,13 @@ std::vector<Arc> flights(const std::vector<double>& heights) {
   }
   std::vector<Arc> arcs;
   for (std::size_t first = 0; first + kFewestCentres <= seen.size();) {
-    Arc longest;
-    Arc arc;
-    for (std::size_t k = first; k < seen.size(); ++k) {
-      // Three centres beside a gap lie on a parabola with any one behind it.
-      const std::size_t gap = arc.rows.size() < kFewestCentres ? 1 : kLongestGap;
-      if (k > first && seen[k] - seen[k - 1] > gap) break;
-      arc.rows.push_back(seen[k]);
-      if (arc.rows.size() < kFewestCentres) continue;
-      arc.path = fit(heights, arc.rows);
-      if (!holds(arc, heights)) break;
-      longest = arc;
+    Arc flight = flight_from(seen, first, heights);
+    if (flight.rows.empty()) {
+      ++first;
+      continue;
     }
-    first += std::max<std::size_t>(longest.rows.size(), 1);
-    if (!longest.rows.empty()) arcs.push_back(std::move(longest));
+    while (first < seen.size() && seen[first] <= flight.rows.back()) ++first;
+    arcs.push_back(std::move(flight));
   }
   return arcs;
 }
