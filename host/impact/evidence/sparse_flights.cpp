@@ -95,22 +95,28 @@ Arc flight_from(const std::vector<std::size_t>& seen, std::size_t first,
   return longest;
 }
 
-// The flights in order of time, each as long as it can be.
+// The flights in order of time. Of those that share centres the longest is one.
 std::vector<Arc> flights(const std::vector<double>& heights) {
   std::vector<std::size_t> seen;
   for (std::size_t i = 0; i < heights.size(); ++i) {
     if (std::isfinite(heights[i])) seen.push_back(i);
   }
-  std::vector<Arc> arcs;
-  for (std::size_t first = 0; first + kFewestCentres <= seen.size();) {
+  std::vector<Arc> found;
+  for (std::size_t first = 0; first + kFewestCentres <= seen.size(); ++first) {
     Arc flight = flight_from(seen, first, heights);
-    if (flight.rows.empty()) {
-      ++first;
-      continue;
-    }
-    while (first < seen.size() && seen[first] <= flight.rows.back()) ++first;
-    arcs.push_back(std::move(flight));
+    if (!flight.rows.empty()) found.push_back(std::move(flight));
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Arc& a, const Arc& b) { return a.rows.size() > b.rows.size(); });
+  std::vector<Arc> arcs;
+  for (Arc& flight : found) {
+    const bool apart = std::all_of(arcs.begin(), arcs.end(), [&](const Arc& other) {
+      return flight.rows.back() < other.rows.front() || other.rows.back() < flight.rows.front();
+    });
+    if (apart) arcs.push_back(std::move(flight));
+  }
+  std::sort(arcs.begin(), arcs.end(),
+            [](const Arc& a, const Arc& b) { return a.rows.front() < b.rows.front(); });
   return arcs;
 }
 
