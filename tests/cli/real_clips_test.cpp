@@ -146,6 +146,21 @@ TEST(RealClips, BouncesOfABallInARoom) {
   }
 }
 
+// From its seventh frame on, where blurred circles come out elsewhere and the ball is taken for a
+// sphere.
+TEST(RealClips, BouncesOfThatBallInACutOfTheFilm) {
+  IMPACTDIC_NEED_DATA("real/bounceAmeen.avi");
+  const ScratchFolder folder;
+  track("real/bounceAmeen.avi", "--frames 6:216", folder);
+  const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+  ASSERT_EQ(summary["impact"]["status"], "not_resolved");
+  EXPECT_NEAR(summary["impact"]["t_max_compression"]["frame"].get<double>(), 91.6, 0.7);
+  const auto& restitution = summary["impact"]["restitution"];
+  EXPECT_NEAR(restitution["value"].get<double>(), std::sqrt((980 - 797) / (980 - 596.0)),
+              3 * restitution["sd"].get<double>());
+  ASSERT_GE(summary["more_impacts"].size(), 1u);
+}
+
 // Speckle fields, a beam and a wheel hold circles, but no ball.
 TEST(RealClips, NoBallIsInventedWhereThereIsNone) {
   for (const char* clip : {"speckle/sample14", "mraw/beam.mraw", "wheel"}) {
