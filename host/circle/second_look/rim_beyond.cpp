@@ -74,8 +74,7 @@ std::optional<Cell> cell(ImageView<const T> picture, const Rim& rim, const Rings
     const double at = ray.rim_px + rings.first_px + across * rings.width_px;
     const double x = rim.cx + at * ray.cos, y = rim.cy + at * ray.sin;
     if (!sampler.inside(static_cast<float>(x), static_cast<float>(y), 1)) return std::nullopt;
-    // Rounded: they lie in the picture, so that none is negative.
-    const int column = static_cast<int>(x + 0.5), row = static_cast<int>(y + 0.5);
+    const int column = static_cast<int>(std::lround(x)), row = static_cast<int>(std::lround(y));
     const auto level = static_cast<double>(picture(column, row));
     const double step = level - static_cast<double>(picture(column + 1, row));
     apart += step * step / 2;
