@@ -183,11 +183,11 @@ class Search {
     return std::any_of(found_.begin(), found_.end(), [&](const FoundBall& ball) {
       if (ball.rim_fraction < kBallSearch.proved) return false;
       const Circle& circle = ball.circle;
-      const double larger = std::abs(circle.r_px - candidate.r_px);
+      const double by = std::abs(circle.r_px - candidate.r_px);
       const double off = std::hypot(circle.cx_px - candidate.cx_px, circle.cy_px - candidate.cy_px);
       const double near = kBallSearch.known_of_r * circle.r_px;
-      const bool touches = std::abs(off - larger) < kBallSearch.touches_of_r * circle.r_px;
-      return (larger < near && off < near) ||
+      const bool touches = std::abs(off - by) < kBallSearch.touches_of_r * circle.r_px;
+      return (by < near && off < near) ||
              (touches && off < kBallSearch.touching_of_r * circle.r_px);
     });
   }

@@ -11,6 +11,7 @@
 #include "host/circle/scene/still_scene.h"
 #include "host/circle/scout_backdrop.h"
 #include "host/circle/settings/backdrop.h"
+#include "host/circle/settings/judgement.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -30,8 +31,8 @@ std::vector<FoundBall> balls_in(const Frame& frame, const CircleOptions& options
                                 const StillScene* scene) {
   std::vector<FoundBall> balls = find_balls(frame, options, scene, true);
   for (FoundBall& ball : balls) {
-    // A plain rim's proof is a measurement.
-    if (ball.rim_fraction >= kScout.plain_rim && ball.residual_px < kScout.plain_px) continue;
+    // A clean rim's proof is a measurement.
+    if (ball.rim_fraction > kJudge.clean_rim && ball.residual_px < kJudge.clean_px) continue;
     CirclePrior prior;
     prior.predicted = ball.circle;
     prior.centre_sd_px = kScout.found_sd_px;

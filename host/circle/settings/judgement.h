@@ -25,8 +25,10 @@ struct JudgementSettings {
   // Where no model of the rim tells. A circle that shows no more than so much of its rim, or whose
   // clean points scatter by so much, px, is looked for again, in so much of its radius; another one
   // is the ball's whose rim that shows is so much longer and that lies so far off, px [hand].
-  double clean_rim = 0.5, clean_px = 0.1;  // but for one that is as clean as this [hand]
   double much_rim = 0.6, scattered_px = 1, wider_of_r = 0.06, more_rim = 1.1, another_px = 1;
+  // A rim of which more shows, and whose clean points scatter by less, px, is not looked for again,
+  // nor measured again where a proof has found it [hand].
+  double clean_rim = 0.5, clean_px = 0.1;
   double pressed_long = 0.02;  // of the radius: how far the long axis of a ball in contact may be
                                // from it [hand]
   // Shapes of a ball in contact that are looked for, as e/R: so far apart, and so much beyond the

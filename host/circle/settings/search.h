@@ -68,9 +68,7 @@ struct ScoutSettings {
   std::int64_t first_frames = 12, most_frames = 48;  // doubled until they agree [hand]
   double same_radius = 0.05;  // radii that agree lie so near, share of the radius [hand]
   double well_seen = 0.3;     // share of the rim that a frame must show to count [hand]
-  // A rim of which so much shows, and whose clean points scatter by less, px, is measured once.
-  double plain_rim = 0.5, plain_px = 0.1;  // [hand]
-  int agree = 3;                           // frames that settle the question [hand]
+  int agree = 3;              // frames that settle the question [hand]
   // A candidate is believed that so many frames show, or half of fewer; and so much of its rim, on
   // the mean, where it does not move by so much: px, share of the radius.
   double resting_rim = 0.4, moved_px = 1, moved_of_r = 0.02;  // [hand]

@@ -109,11 +109,15 @@ std::vector<Arc> flights(const std::vector<double>& heights) {
   std::stable_sort(found.begin(), found.end(),
                    [](const Arc& a, const Arc& b) { return a.rows.size() > b.rows.size(); });
   std::vector<Arc> arcs;
+  std::vector<bool> taken(heights.size());
   for (Arc& flight : found) {
-    const bool apart = std::all_of(arcs.begin(), arcs.end(), [&](const Arc& other) {
-      return flight.rows.back() < other.rows.front() || other.rows.back() < flight.rows.front();
-    });
-    if (apart) arcs.push_back(std::move(flight));
+    const auto at = [&](std::size_t row) {
+      return taken.begin() + static_cast<std::ptrdiff_t>(row);
+    };
+    const auto first = at(flight.rows.front()), end = at(flight.rows.back() + 1);
+    if (std::find(first, end, true) != end) continue;
+    std::fill(first, end, true);
+    arcs.push_back(std::move(flight));
   }
   std::sort(arcs.begin(), arcs.end(),
             [](const Arc& a, const Arc& b) { return a.rows.front() < b.rows.front(); });
