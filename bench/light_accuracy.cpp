@@ -340,6 +340,11 @@ int run(int argc, char** argv) {
   const std::string what = argument(5, "motion");
   way.circles = what == "circles";
   way.rows = what == "rows";
+  if (!way.circles && !way.rows && what != "motion") {
+    std::fprintf(stderr, "light_accuracy: '%s' is none of circles, motion and rows\n",
+                 what.c_str());
+    return 2;
+  }
   way.keep = argument(6, "");
   if (!way.keep.empty()) std::filesystem::create_directories(way.keep);
   Session session;

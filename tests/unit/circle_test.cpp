@@ -47,7 +47,8 @@ TEST(FindBall, SpeckledBallOnADarkGround) {
 }
 
 // The transform proposes eight circles about one ball. They are tried by their rim until one proves
-// the ball; the others would only lead to it again. How many it takes is chance.
+// the ball; the others, and those that touch its rim, would only lead to it again. How many it
+// takes is chance: 31 of 16 balls, 48 with those that touch it.
 TEST(FindBall, ABallThatIsProvedIsNotTriedAgain) {
   int all = 0, balls = 0;
   for (const char* pattern : {"a1", "c3", "d3", "e1"}) {
@@ -59,7 +60,7 @@ TEST(FindBall, ABallThatIsProvedIsNotTriedAgain) {
       all += proofs;
     }
   }
-  EXPECT_LE(all, 4 * balls);
+  EXPECT_LE(all, 2 * balls);
 }
 
 TEST(FindBall, DarkBallBeforeALampBesideAPlate) {
