@@ -42,6 +42,9 @@ struct JudgementSettings {
   // px, also behind a bar, in noise and before tiles, rms of 29: 1.2 and 1.7; the worst 2.1 and 2.5
   // (e2, f2)
   double inked_centre = 1.3, inked_radius = 1.7;
+  // What crossings err by beside that where no rim model holds, and more where an arc is cut from
+  // the rim, by the radius. [measured] discs of sixteen patterns, 30 to 115 px, 30 % hidden
+  double crossed_px3 = 60, cut_arc_px = 0.12, cut_arc_px3 = 100;
   double inked_px = 0.1;  // scatter from which on it is a texture's: before wood they lack nothing
   // By the rim model; steps are those of the lines.
   int follow_traces = 3;        // at most [hand]
