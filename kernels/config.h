@@ -73,6 +73,11 @@
 #define FREE_DISTANCE 0
 #endif
 
+// 1 where the light on it is known.
+#ifndef LIT
+#define LIT 0
+#endif
+
 // And its centre in the first picture.
 #ifndef FREE_CENTRE
 #define FREE_CENTRE 0

@@ -78,11 +78,19 @@ typedef struct BallSight {
   float first[3], second[3];
 } BallSight;
 
+// The light on a sphere, fixed to the camera: the level of bare paint where the surface has the
+// normal (x, y, z), x right, y down, z towards the camera,
+//   ambient + max(0, lamp . n)
+// and at least `least`, > 0. In any unit: only ratios count. All 0 where it is not known.
+typedef struct BallLight {
+  float ambient, lamp[3], least;
+} BallLight;
+
 // One ball to be followed from frame slot `first` to frame slot `second`: its centre (cx, cy) and
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
 // sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
 // up, Z towards the camera, whose last component is guess_rot_rad; and the variance of what blurs
-// both pictures, px² (kernels/ball/blur.h). centre_sd: deviation of cx and of cy, px, where the centre is
+// both pictures, px² (kernels/ball/blur.h), and the light on it, where that is known. centre_sd: deviation of cx and of cy, px, where the centre is
 // to be found along with the motion.
 typedef struct BallTask {
   idic_int first, second;
@@ -91,6 +99,7 @@ typedef struct BallTask {
   float ball_radius, blur, centre_sd;
   float guess_rot_x_rad, guess_rot_y_rad;
   BallSight sight;
+  BallLight light;
 } BallTask;
 
 // The ball's motion from the first to the second frame; NaN where it could not be measured.

@@ -238,6 +238,7 @@ class Verdict {
       advice.radius_by_turns_px = {by_turns_.value(), advice.radius_sd_px};
     }
     if (blur_.count() > 0) advice.blur_px2 = blur_.value();
+    advice.light = light_;
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
     }
@@ -254,6 +255,7 @@ class Verdict {
     best_radius_sd_px_ =
         std::min(best_radius_sd_px_.value_or(told->radius_px.sd), told->radius_px.sd);
     blur_.add(told->blur_px2, 1);
+    if (told->light && told->radius_px.sd <= *best_radius_sd_px_) light_ = *told->light;
     if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
     return true;
   }
@@ -300,6 +302,7 @@ class Verdict {
   bool out_of_plane_ = false;
   double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
   WeightedMean radius_, by_turns_, nearness_, blur_;
+  BallLight light_{};                                               // by the best far pair
   double weights_ = 0;                                              // of by_turns_
   std::optional<double> best_radius_sd_px_;                         // of one far pair
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by

@@ -21,6 +21,7 @@ struct BodyAdvice {
   // The same by far turns alone, where two of them or more agree; NaN otherwise.
   Measured radius_by_turns_px;
   double blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
+  BallLight light{};                         // on it; all 0 where its turns do not show it
   // This over the camera's distance; NaN where that was known, or the pictures do not tell.
   Measured nearness;
   // Of a disc: the turn out of the picture's plane, rad a frame, that there may be without showing;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/advice/turned_paint.h"
 #include "host/base/weighted_mean.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/sphere/rotation.h"
@@ -52,11 +53,15 @@ class FarRegistration {
  public:
   FarRegistration(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
                   const motion::Perspective& perspective)
-      : outline_(pair.first_ball),
+      : engine_(engine),
+        first_(pair.first),
+        outline_(pair.first_ball),
         perspective_(perspective),
         frames_(engine, 2),
-        free_(engine, free_options(field, perspective)),
-        given_(engine, motion::ball_options(field, dic::BallModel::kSphere)) {
+        free_options_(free_options(field, perspective)),
+        given_options_(motion::ball_options(field, dic::BallModel::kSphere)),
+        free_(std::in_place, engine, free_options_),
+        given_(std::in_place, engine, given_options_) {
     frames_.set(0, pair.first);
   }
 
@@ -79,6 +84,7 @@ class FarRegistration {
     Circle first = motion::about_centre(outline_, seen);
     auto found = registered(free_, first, outline_.r_px, expected(far.ball, turn, seen), seen);
     if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+    learn_light(far.picture, *found, seen);
     learn_blur(*found, seen);
     dic::RigidMotion near = motion::sphere_motion(*found);
     if (perspective_.is_unknown()) {
@@ -90,8 +96,15 @@ class FarRegistration {
     }
     found = registered(free_, first, found->ball_radius, near, seen);
     if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+    if (light_) {
+      // Its first guess came from a turn that took light for depth.
+      learn_light(far.picture, *found, seen);
+      found = registered(free_, first, found->ball_radius, motion::sphere_motion(*found), seen);
+      if (!found || !(found->ball_radius_sd > 0)) return std::nullopt;
+    }
     SphereTold told;
     told.blur_px2 = blur_px2_;
+    told.light = light_;
     if (perspective_.is_unknown()) {
       if (!is_ambiguous(*found)) told.nearness = nearness_of(*found);
       seen.by_distance_per_px = found->by_distance;
@@ -178,6 +191,18 @@ class FarRegistration {
     return motion;
   }
 
+  // Looks at what the turn shows of the light; from then on registrations know it.
+  void learn_light(const Frame& second, const BallMotion& found, const motion::Perspective& seen) {
+    const double noise = of_noise_ > 0 ? of_noise_ : found.residual;
+    const auto told = sphere::light_on_paint(turned_paint(first_, second, found, seen), noise);
+    if (!told) return;
+    light_ = told;
+    if (free_options_.lit) return;
+    free_options_.lit = given_options_.lit = true;
+    free_.emplace(engine_, free_options_);
+    given_.emplace(engine_, given_options_);
+  }
+
   // What blurs the pictures is what leaves the least of them: the vertex of the parabola that the
   // squares left over make with it.
   void learn_blur(const BallMotion& found, const motion::Perspective& seen) {
@@ -195,14 +220,16 @@ class FarRegistration {
   }
 
   // From the ball in `first`, about its centre.
-  std::optional<BallMotion> registered(dic::BallRegistration& registration, const Circle& first,
-                                       double radius_px, const dic::RigidMotion& start,
+  std::optional<BallMotion> registered(std::optional<dic::BallRegistration>& registration,
+                                       const Circle& first, double radius_px,
+                                       const dic::RigidMotion& start,
                                        const motion::Perspective& seen) {
     BallTask task = motion::sphere_task(first, radius_px, blur_px2_, start);
     task.second = 1;
     task.centre_sd = static_cast<float>(circle_sd_px(outline_));
     task.sight = motion::sight_of(seen, outline_.r_px, {first, {}}, {}, first.cx_px, first.cy_px);
-    const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
+    if (light_) task.light = *light_;
+    const BallMotion motion = registration->measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
     return motion;
   }
@@ -222,12 +249,16 @@ class FarRegistration {
   }
 
   static constexpr double kUsual = sphere::kUsualBlur_px2;
+  opencl::Engine& engine_;
+  const Frame& first_;
   FoundBall outline_;
+  std::optional<BallLight> light_;
   double blur_px2_ = kUsual;
   double of_noise_ = 0;  // rms, grey levels; 0: not known
   motion::Perspective perspective_;
   dic::DeviceFrames frames_;
-  dic::BallRegistration free_, given_;
+  dic::BallOptions free_options_, given_options_;
+  std::optional<dic::BallRegistration> free_, given_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "host/dic/rigid_fit.h"
 #include "host/motion/perspective.h"
 #include "host/sphere/picture_blur.h"
+#include "kernels/types.h"
 
 namespace impactdic::opencl {
 class Engine;
@@ -31,6 +32,7 @@ struct SphereTold {
   Measured radius_px;
   std::optional<Measured> nearness;
   double blur_px2 = sphere::kUsualBlur_px2;  // of the pictures, see BallTask
+  std::optional<BallLight> light;            // where it changes what the turn shows
 };
 
 // An error of the radius shows in proportion to the turn, and one of the distance. The first
@@ -39,7 +41,8 @@ struct SphereTold {
 // or nearer ones where that fails: at an impact it does not go on. The displacement that the radius
 // makes of such a turn must also be that of the circles. So is the distance free where it is not
 // known: what is nearer moves by more in the picture than the turn makes it, and less than a larger
-// radius would. nullopt where no picture a few frames away could be registered.
+// radius would. Light that does not turn looks like depth: what the turn shows of the lamp is taken
+// into account. nullopt where no picture a few frames away could be registered.
 std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
                                            const dic::RigidMotion& step, const FieldOptions& field,
                                            const motion::Perspective& perspective,

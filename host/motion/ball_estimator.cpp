@@ -130,6 +130,13 @@ dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model) {
   return options;
 }
 
+dic::BallOptions body_options(const EstimatorOptions& options) {
+  const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
+  dic::BallOptions body = ball_options(options.field, model);
+  body.lit = options.is_lit();
+  return body;
+}
+
 std::unique_ptr<MotionEstimator> make_ball_estimator(opencl::Engine& engine,
                                                      const EstimatorOptions& options,
                                                      double radius_px, dic::DeviceFrames& frames) {

@@ -37,6 +37,8 @@ struct EstimatorOptions {
   double sphere_radius_px = 0;  // of its surface; 0: as its rim
   double sphere_radius_sd_px = 0.5;
   double sphere_blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
+  BallLight sphere_light{};  // on it, the same in all pictures; all 0 where it is not known
+  bool is_lit() const { return sphere && sphere_light.least > 0; }
   Perspective perspective;  // of the sphere; its pairs' circles are about its centre
   // Of the sphere, where its rim has this radius.
   double sphere_radius(double rim_px) const {

@@ -19,10 +19,11 @@ class SphereEstimator : public MotionEstimator {
         radius_sd_px_(options.sphere_radius_sd_px),
         rim_px_(radius_px),
         blur_px2_(options.sphere_blur_px2),
+        light_(options.sphere_light),
         perspective_(options.perspective),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
-        sphere_(engine, ball_options(options.field, dic::BallModel::kSphere)),
+        sphere_(engine, body_options(options)),
         search_(engine) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
@@ -124,6 +125,7 @@ class SphereEstimator : public MotionEstimator {
 
   BallTask task_of(const PairMotion& pair, const dic::RigidMotion& start) const {
     BallTask task = sphere_task(pair.first, radius_px_, blur_px2_, start);
+    task.light = light_;
     task.first = pair.first_slot;
     task.second = pair.second_slot;
     task.sight = pair_sight(pair, perspective_, rim_px_);
@@ -135,6 +137,7 @@ class SphereEstimator : public MotionEstimator {
     dic::SphereSource source;
     source.radius_sd_px = radius_sd_px_;
     source.nearness_sd = perspective_.nearness_sd;
+    source.light = light_;
     const double x_px = pair.first.cx_px, y_px = pair.first.cy_px;
     source.aside_px = perspective_.aside_px(x_px + pair.first_left_px, y_px + pair.first_top_px);
     source.later_aside_px = perspective_.aside_px(x_px + ball.dx + pair.second_left_px,
@@ -145,6 +148,7 @@ class SphereEstimator : public MotionEstimator {
   }
 
   double radius_px_, radius_sd_px_, rim_px_, blur_px2_;
+  BallLight light_;
   Perspective perspective_;
   std::unique_ptr<MotionEstimator> field_;
   dic::DeviceFrames& frames_;

@@ -97,8 +97,7 @@ struct DeviceWorkers::Worker {
         frames(*engine, count + motion::kKeyframePlaces),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
     if (options.estimator != Estimator::kBall) return;
-    const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
-    keyframes.emplace(*engine, frames, count, motion::ball_options(options.field, model));
+    keyframes.emplace(*engine, frames, count, motion::body_options(options));
   }
 };
 

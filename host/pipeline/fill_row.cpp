@@ -13,9 +13,11 @@ namespace {
 bool is_sphere(const dic::RigidMotion& motion) { return motion.rot_x_sd_rad > 0; }
 
 // The motion was taken to be that of a sphere about the circle's centre.
-void set_sphere(TrackRow& row, dic::RigidMotion motion) {
+void set_sphere(TrackRow& row, dic::RigidMotion motion, const BallLight& light) {
   if (row.circle_ok) {
-    dic::add_source_errors(motion, {row.r_px, 0, row.cx_sd_px, row.cy_sd_px});
+    dic::SphereSource circle{row.r_px, 0, row.cx_sd_px, row.cy_sd_px};
+    circle.light = light;
+    dic::add_source_errors(motion, circle);
   }
   row.dx_sd_px = motion.dx_sd_px;
   row.dy_sd_px = motion.dy_sd_px;
@@ -66,7 +68,8 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit) {
   row.e2_sd_px = fit.e2_sd_px;
 }
 
-void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch) {
+void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch,
+                const BallLight& light) {
   row.motion_ok = motion.ok;
   row.windows = motion.used;
   if (!motion.ok) return;
@@ -77,7 +80,7 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Str
   row.dy_sd_px = motion.dy_sd_px;
   row.rot_sd_deg = motion.rot_sd_rad * kDegPerRad;
   if (is_sphere(motion)) {
-    set_sphere(row, motion);
+    set_sphere(row, motion, light);
     return;
   }
   // The point that was followed is off the ball's centre by the circle's error, turns about it and

@@ -16,8 +16,10 @@ TrackRow row_without_ball(const FrameRange& frames, double fps,
                           std::span<const std::int64_t> periods, std::int64_t index);
 void set_circle(TrackRow& row, const circle::CircleFit& fit);
 // After set_circle: the circle's deviations are a part of the motion's, which is the centre's,
-// while the ball turns about it and its picture is stretched by `stretch`.
-void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch);
+// while the ball turns about it and its picture is stretched by `stretch`. `light`: on a sphere,
+// where it is known.
+void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch,
+                const BallLight& light = {});
 // The turn of a body that is no sphere, and the way from one of its outlines to the next.
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
 // Where the pictures' places in the scene are not known: the row keeps its turn alone.

@@ -278,7 +278,7 @@ class ClipTracker {
   // With what its circles state.
   void state_motion(TrackBatch& batch, std::size_t i) const {
     TrackRow& row = batch.rows[i];
-    set_motion(row, batch.pairs[i].motion, batch.pairs[i].stretch);
+    set_motion(row, batch.pairs[i].motion, batch.pairs[i].stretch, options_.estimator.sphere_light);
     if (is_doubted()) doubt_motion(row, batch.rows[i + 1]);
   }
   bool is_doubted() const { return options_.tilt_is_unknown && !options_.estimator.sphere; }

@@ -200,6 +200,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
       options_.estimator.sphere_radius_px = judged.radius_px;
       options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
       options_.estimator.sphere_blur_px2 = judged.blur_px2;
+      options_.estimator.sphere_light = judged.light;
       by_turns = judged.radius_by_turns_px;
     }
     shown = judged.nearness;

@@ -29,6 +29,14 @@ const std::vector<Eigen::Vector3d>& points() {
   return all;
 }
 
+// The square of the light at a point, which goes with what its texture tells.
+double worth(const BallLight& light, const Eigen::Vector3d& at) {
+  if (!(light.least > 0)) return 1;
+  const double facing = light.lamp[0] * at.x() - light.lamp[1] * at.y() + light.lamp[2] * at.z();
+  const double level = light.ambient + std::max(facing, 0.0);
+  return level * level;
+}
+
 // With B the motions' Jacobian of where a pixel of the first picture goes, pulled back into it by
 // L⁻¹ (L: how the second picture's pixels follow the first one's), B = L⁻¹ (1, q × at): the sums of
 // BᵀB and BᵀE, where E are the errors' own shifts.
@@ -36,13 +44,14 @@ const std::vector<Eigen::Vector3d>& points() {
 // pixel's distance from the optical axis, and shows the turned point as much farther off it.
 // `aside`: the centre's in the first picture, `later` in the second one.
 Response response_of(const Eigen::Matrix3d& q, const Eigen::Vector2d& aside,
-                     const Eigen::Vector2d& later) {
+                     const Eigen::Vector2d& later, const BallLight& light) {
   Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
   Response right = Response::Zero();
   const Eigen::Matrix<double, 2, 3> top = q.topRows<2>();
   for (const Eigen::Vector3d& at : points()) {
     const double depth = std::min(at.z(), q.row(2).dot(at));
-    const double weight = std::clamp((depth - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
+    const double weight =
+        worth(light, at) * std::clamp((depth - kLeastDepth) / (kFullDepth - kLeastDepth), 0.0, 1.0);
     if (weight == 0) continue;
     // Along the sphere where the first picture's pixel moves.
     Eigen::Matrix2d local;
@@ -82,7 +91,8 @@ SourceResponse source_response(const SphereMove& move) {
   const auto in_radii = [&](const std::array<double, 2>& aside_px) -> Eigen::Vector2d {
     return Eigen::Vector2d(aside_px[0], -aside_px[1]) / move.radius_px;
   };
-  const Response up = response_of(q, in_radii(move.aside_px), in_radii(move.later_aside_px));
+  const Response up =
+      response_of(q, in_radii(move.aside_px), in_radii(move.later_aside_px), move.light);
   SourceResponse response;
   for (std::size_t k = 0; k < 4; ++k) {
     const auto column = static_cast<Eigen::Index>(k);

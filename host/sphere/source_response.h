@@ -7,6 +7,8 @@
 #include <array>
 #include <cstddef>
 
+#include "kernels/types.h"
+
 namespace impactdic::sphere {
 
 // By how much more a motion is measured for each px by which the first picture's centre is told too
@@ -19,12 +21,14 @@ struct SourceResponse {
 };
 inline constexpr std::size_t kToRadius = 2, kToNearness = 3;
 
-// A sphere's motion: a rotation vector in those axes, rad, and its centre in both pictures from the
-// optical axis, image axes, px.
+// A sphere's motion: a rotation vector in those axes, rad, its centre in both pictures from the
+// optical axis, image axes, px, and the light on it, in proportion to which its texture stands out;
+// all 0: alike everywhere.
 struct SphereMove {
   std::array<double, 3> turn{};
   double radius_px = 0;
   std::array<double, 2> aside_px{}, later_aside_px{};
+  BallLight light{};
 };
 
 // NaN where too little is seen in both pictures.

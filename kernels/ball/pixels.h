@@ -51,6 +51,7 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL x = LANE_NUMBERS + ((float)(px - (int)view.whole_cx) - view.rest_cx);
   const REAL y = (REAL)((float)(py - (int)view.whole_cy) - view.rest_cy);
   const REAL zero = 0.0f, one = 1.0f;
+  REAL lit = one;  // light where the second picture shows the surface, over that of the first one
 #if PARAMETERS == SPHERE
   __local const float* turn = shared->turn;
 #if SHAPED
@@ -83,6 +84,7 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   across.x -= across.xx * on.ray_x + across.xy * on.ray_y;
   across.y -= across.yx * on.ray_x + across.yy * on.ray_y;
   const REAL slant = on.slant;
+  const REAL from_x = on.x, from_y = on.y;
   const Blurring change = blurring(across, on.x, on.y, slant, by_depth);
 #else
   const REAL depth2 = shared->radius * shared->radius - x * x - y * y;
@@ -95,7 +97,17 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL by_depth = one / fmax(turned_z, (REAL)(LEAST_DEPTH * shared->radius));
   const Across across = {turn[0], turn[1], turn[3], turn[4], turn[2], turn[5]};
   const REAL slant = z;
+  const REAL from_x = x, from_y = y;
   const Blurring change = blurring(across, x, y, slant, by_depth);
+#endif
+#if LIT
+  const float by_ball = 1.0f / shared->radius;
+  lit = light_at(&shared->lamp, turned_x * by_ball, turned_y * by_ball,
+                 turned_z * by_ball) /
+        light_at(&shared->lamp, from_x * by_ball, from_y * by_ball, z * by_ball);
+  w *= 2.0f / (1.0f + lit * lit);  // the noise of f goes with the light
+#else
+  (void)from_x, (void)from_y;
 #endif
   w *= blur_share(change, task.blur);
 #if BENDS
@@ -136,11 +148,11 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #endif
   __global const float* at = value + (size_t)py * limits.plane_pitch + px;
   __global const float* origin = second + view.base_y * limits.pitch + view.base_x;
-  const REAL f = LOAD_REAL(at) - shared->origin;
+  const REAL f = lit * LOAD_REAL(at) - shared->origin;
   // Light is a factor: its gradients go with the grey level itself.
   const REAL along_x = (f + shared->origin) * x * by_radius;
   const REAL along_y = (f + shared->origin) * y * by_radius;
-  const REAL slope_x = LOAD_REAL(at + plane), slope_y = LOAD_REAL(at + 2 * plane);
+  const REAL slope_x = lit * LOAD_REAL(at + plane), slope_y = lit * LOAD_REAL(at + 2 * plane);
   const REAL g = spline_sample(origin, limits.pitch, to_x, to_y) - shared->origin;
   *weight = w;
   column[0] = one;
@@ -235,7 +247,7 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #endif
 #endif
   // Like the slopes, in grey levels of the first picture.
-  const REAL blurred = task.blur * blur_change(at, limits.plane_pitch, px, py, limits.width,
+  const REAL blurred = lit * task.blur * blur_change(at, limits.plane_pitch, px, py, limits.width,
                                                limits.height, change);
 #else
   const REAL blurred = zero;

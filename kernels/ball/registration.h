@@ -10,6 +10,9 @@
 #include "kernels/status.h"
 #include "kernels/types.h"
 #include "kernels/warp.h"
+#if LIT
+#include "kernels/ball/light.h"
+#endif
 #if SHAPED
 #include "kernels/ball/sight.h"
 #endif
@@ -103,6 +106,9 @@ typedef struct Shared {
   float radius;                           // of the sphere
   float centre[2];                        // of the sphere in the first picture, px
   float told;                             // weight of the centre that was told, see tell_centre
+#if LIT
+  BallLight lamp;
+#endif
 #if SHAPED
   Seen seen[2];  // in the first and the second picture
 #if FREE_DISTANCE

@@ -11,8 +11,9 @@
 //   D δ = P δd + (Z, δθ), P a shift of the second picture as it looks on the first one's sphere.
 // Its motions are composed as Q exp(−δθ), d − δd. FREE_CENTRE 1: a centre that is told by δc too
 // far off is found as (P − 1) δc, with what was told of it. SHAPED 1: in perspective, or compressed
-// (sight.h). The scale of the weights is the median of |r| of
-// the step before (a histogram's).
+// (sight.h). LIT 1: f is what the light makes of the
+// first picture where the second one shows it (light.h). The scale of the weights is the median of
+// |r| of the step before (a histogram's).
 #include "kernels/ball/pass.h"
 #include "kernels/ball/step.h"
 #include "kernels/ball/store.h"
@@ -49,6 +50,9 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     shared.radius = task.ball_radius;
     shared.centre[0] = task.cx;
     shared.centre[1] = task.cy;
+#if LIT
+    shared.lamp = task.light;
+#endif
 #if SHAPED
     shared.seen[0] =
         seen_with(task.sight.by_distance, task.sight.first_x, task.sight.first_y, task.sight.first);

@@ -28,6 +28,7 @@ struct Case {
   std::optional<dic::Tiling> tiling = {};  // other than this device's own
   double distance_radii = 0;               // 0: parallel rays
   double compression = 0;                  // along y in the first picture, and half as much more
+  bool lit = false;                        // by a lamp that leaves a side in shadow
 };
 constexpr auto kRigid = dic::BallModel::kRigid, kAffine = dic::BallModel::kAffine,
                kSphere = dic::BallModel::kSphere;
@@ -122,6 +123,23 @@ BallSight see(const Case& param, testing::SpherePose& first, testing::SpherePose
   return sight;
 }
 
+// A lamp that leaves the ball's left side in shadow.
+constexpr BallLight kLamp = {0.2F, {0.7F, -0.2F, 0.3F}, 0.02F};
+
+// What it makes of a picture of a round ball seen by parallel rays.
+Frame lit_by_lamp(Frame picture, const testing::SpherePose& pose) {
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const double nx = (x - pose.cx_px) / kRadiusPx, ny = (y - pose.cy_px) / kRadiusPx;
+      const double nz = std::sqrt(std::max(0.0, 1 - nx * nx - ny * ny));
+      const double facing = kLamp.lamp[0] * nx + kLamp.lamp[1] * ny + kLamp.lamp[2] * nz;
+      const double level = kLamp.ambient + std::max(0.0, facing);
+      picture.u8(x, y) = static_cast<std::uint8_t>(std::lround(picture.u8(x, y) * level));
+    }
+  }
+  return picture;
+}
+
 TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   const Case param = GetParam();
   const testing::SpherePictures sphere(6, kRadiusPx);
@@ -129,9 +147,14 @@ TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   testing::SpherePose first{param.x_px, 74.4, dic::quaternion_of({0.3, -1, 2})};
   testing::SpherePose second{param.x_px + 1.37, 73.79, dic::quaternion_of(turn) * first.turn};
   const BallSight sight = see(param, first, second);
-  const Frame pictures[] = {sphere.render(first, kWidth, kHeight, 2, 1),
-                            sphere.render(second, kWidth, kHeight, 2, 2)};
+  Frame pictures[] = {sphere.render(first, kWidth, kHeight, 2, 1),
+                      sphere.render(second, kWidth, kHeight, 2, 2)};
+  if (param.lit) {
+    pictures[0] = lit_by_lamp(std::move(pictures[0]), first);
+    pictures[1] = lit_by_lamp(std::move(pictures[1]), second);
+  }
   dic::BallOptions options;
+  options.lit = param.lit;
   options.spline_degree = param.degree;
   options.model = param.model;
   options.robust = param.robust;
@@ -145,6 +168,7 @@ TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   task.ball_radius = static_cast<float>(kRadiusPx);
   task.blur = static_cast<float>(sphere::kUsualBlur_px2);
   task.sight = sight;
+  task.light = kLamp;
   task.guess_dx = 1.2F;
   task.guess_dy = -0.8F;
   task.guess_rot_x_rad = static_cast<float>(turn.x() + 0.008);
@@ -170,7 +194,7 @@ TEST_P(SphereKernel, GivesWhatTheReferenceGives) {
   EXPECT_NEAR(got.rot_x_rad, turn.x(), 5 * sd_x);
   EXPECT_NEAR(got.rot_y_rad, turn.y(), 5 * sd_y);
   EXPECT_NEAR(got.rot_rad, turn.z(), 5 * got.rot_sd_rad);
-  EXPECT_LT(sd_x, 2e-4);
+  EXPECT_LT(sd_x, param.lit ? 5e-4 : 2e-4);  // in shadow little is told
 }
 INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
                          ::testing::Values(Case{7, kSphere, true, false, 76.3},
@@ -180,6 +204,8 @@ INSTANTIATE_TEST_SUITE_P(Cases, SphereKernel,
                                            Case{7, kSphere, true, false, 76.3, dic::Tiling{4, 2}},
                                            Case{7, kSphere, true, false, 76.3, {}, 12},
                                            Case{7, kSphere, true, false, 76.3, {}, 0, 0.08},
+                                           Case{7, kSphere, true, false, 76.3, {}, 0, 0, true},
+                                           Case{7, kSphere, true, false, 76.3, {}, 12, 0, true},
                                            Case{7, kSphere, true, false, 76.3, {}, 12, 0.08}));
 
 // A pair of pictures of a turned ball whose radius is guessed half a pixel too small; what is told

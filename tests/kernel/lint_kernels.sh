@@ -22,7 +22,8 @@ for size in 16 32 64; do
   lint -DFFT_PX=$size -DCHAIN=8 kernels/equal/equal.cl
 done
 lint -DMASKED=1 kernels/ball/rigid.cl
-lint -DPARAMETERS=5 -DSHAPED=1 -DFREE_RADIUS=1 kernels/ball/rigid.cl
+lint -DPARAMETERS=5 -DLIT=1 kernels/ball/rigid.cl
+lint -DPARAMETERS=5 -DSHAPED=1 -DLIT=1 -DFREE_RADIUS=1 kernels/ball/rigid.cl
 lint -DPARAMETERS=5 -DSHAPED=1 -DFREE_RADIUS=1 -DFREE_DISTANCE=1 kernels/ball/rigid.cl
 # What only NVIDIA's compiler sees otherwise; clang knows `asm` by another name.
 for size in 15,8 31,16; do
@@ -38,6 +39,6 @@ for vector in 4 8 16; do
     lint_built -DVECTOR=$vector -DLANES=1 -DFFT_PX=$size kernels/equal/equal.cl
   done
   for file in frames/prefilter icgn/icgn ball/rigid; do lint_built -DVECTOR=$vector -DGROUP=1 kernels/$file.cl; done
-  lint_built -DVECTOR=$vector -DGROUP=1 -DPARAMETERS=5 -DSHAPED=1 kernels/ball/rigid.cl
+  lint_built -DVECTOR=$vector -DGROUP=1 -DPARAMETERS=5 -DSHAPED=1 -DLIT=1 kernels/ball/rigid.cl
 done
 exit $bad

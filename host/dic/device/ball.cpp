@@ -46,6 +46,7 @@ void BallOptions::validate() const {
   }
   if (free_centre && !is_sphere(model))
     throw InvalidArgument("only a sphere's turn tells its centre");
+  if (lit && !is_sphere(model)) throw InvalidArgument("only a sphere's light is known");
   if (!(min_texture >= 0)) throw InvalidArgument("the smallest texture must not be negative");
 }
 
@@ -78,6 +79,7 @@ opencl::ProgramRequest BallRegistration::program(const opencl::Engine& engine,
            {"FREE_DISTANCE", flag(distance)},
            {"FREE_CENTRE", flag(options.free_centre)},
            {"SHAPED", flag(shaped)},
+           {"LIT", flag(options.lit)},
            {"SMOOTH_RADIUS", std::to_string(smooth_radius)},
            {"MASKED", flag(options.mask.size() > 0)}}};
 }
@@ -151,6 +153,9 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
     }
     if (options_.free_centre && !(task.centre_sd > 0)) {
       throw InvalidArgument("a centre that is to be found needs a deviation");
+    }
+    if (options_.lit && !(task.light.least > 0)) {
+      throw InvalidArgument("a sphere's light must be positive");
     }
     pixels += std::numbers::pi * task.radius * task.radius;
   }

@@ -26,8 +26,9 @@ struct BallOptions {
   // pictures and BallTask.centre_sd say. A turn shows it: a point beside the centre it is thought
   // to have lies at another depth.
   bool free_centre = false;
-  bool robust = true;               // Tukey's biweight against what does not move with the ball
-  int spline_degree = 7;            // 3, 5 or 7
+  bool lit = false;       // of a sphere: the light that its tasks tell of (BallTask.light) counts
+  bool robust = true;     // Tukey's biweight against what does not move with the ball
+  int spline_degree = 7;  // 3, 5 or 7
   double presmooth_sigma_px = 0.5;  // Gaussian over both frames: halves the interpolation's bias
   int max_steps = 30;
   double min_correlation = 0.6;  // ZNCC below which a ball is low_correlation

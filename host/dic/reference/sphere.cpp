@@ -12,6 +12,7 @@
 #include "host/base/statistics.h"
 #include "host/dic/frames/bspline.h"
 #include "host/dic/sphere/rotation.h"
+#include "host/dic/sphere/sphere_sight.h"
 
 namespace impactdic::dic {
 namespace {
@@ -33,38 +34,16 @@ using Row = Eigen::Matrix<double, kColumns, 1>;
 using Motion = Eigen::Matrix<double, kMotion, 1>;
 using Normal = Eigen::Matrix<double, kColumns, kColumns>;
 
-// One picture of the ball: x right, y down, z towards the camera, from the ball's centre.
-struct Sight {
-  double by_distance;
-  Vector2d aside;  // of the centre from the optical axis, over the distance
-  Eigen::Matrix2d stretch = Eigen::Matrix2d::Identity();
-
-  // The point of the round ball that is seen at `p`: where the line from there to the eye meets the
-  // compressed ball on the near side.
-  Vector3d on_ball(const Vector2d& p, double radius) const {
-    const Eigen::Matrix2d back = stretch.inverse();
-    const Vector2d through = back * p, along = -leans(p);
-    const double a = along.squaredNorm() + 1, b = through.dot(along);
-    const double c = through.squaredNorm() - radius * radius;
-    const double z = (-b + std::sqrt(std::max(0.0, b * b - a * c))) / a;
-    const Vector2d at = through + z * along;
-    return {at.x(), at.y(), z};
-  }
-  // By how much the line of sight through `p` leans, along the round ball's axes.
-  Vector2d leans(const Vector2d& p) const { return stretch.inverse() * (aside + by_distance * p); }
-  Vector2d picture(const Vector3d& q) const {
-    return (stretch * q.head<2>() + aside * q.z()) / (1 - by_distance * q.z());
-  }
-  double facing(const Vector3d& q, double radius) const {
-    const double along = q.z() - aside.dot(q.head<2>()) - by_distance * radius * radius;
-    return along / (radius * (1 - by_distance * q.z()));
-  }
-};
-
 Eigen::Matrix2d stretch_of(const float* strain) {
   Eigen::Matrix2d stretch;
   stretch << 1 + strain[0], strain[1], strain[1], 1 + strain[2];
   return stretch;
+}
+
+// What bare paint shows at the normal `n`.
+double light_at(const BallLight& light, const Vector3d& n) {
+  const double facing = light.lamp[0] * n.x() + light.lamp[1] * n.y() + light.lamp[2] * n.z();
+  return std::max<double>(light.ambient + std::max(facing, 0.0), light.least);
 }
 
 // Where the sphere's motion takes a pixel: x right, y down, from the centre in the first picture.
@@ -72,10 +51,10 @@ struct SphereWarp {
   Vector2d shift;
   Eigen::Matrix3d turn;
   double radius;
-  Sight first, second;  // the latter of a ball that has not moved
+  SphereSight first, second;  // the latter of a ball that has not moved
 
-  Sight moved() const {
-    Sight sight = second;
+  SphereSight moved() const {
+    SphereSight sight = second;
     sight.aside += sight.by_distance * shift;
     return sight;
   }
@@ -231,6 +210,13 @@ class SphereRegistration {
     }
   }
 
+  // Light where the second picture shows what the first one shows at `p`, over that there.
+  double brightening(const Vector2d& p, const SphereWarp& here) const {
+    if (!options_.lit) return 1;
+    return light_at(task_.light, here.turned(p) / here.radius) /
+           light_at(task_.light, here.first.on_ball(p, here.radius) / here.radius);
+  }
+
   // What moves the second picture there as much as each parameter does, on the first one.
   Eigen::Matrix<double, 2, kMotion> shifts(
       const Vector2d& p, const SphereWarp& here,
@@ -294,9 +280,12 @@ class SphereRegistration {
         const Eigen::Matrix2d changed = here.blurring(p);
         w /= 1 + std::pow(std::pow(task_.blur, 2) * changed.squaredNorm() / kBlurChange, 2);
         w *= 2 / (1 + here.narrowing(p));  // both pictures' noise
+        const double lit = brightening(p, here);
+        w *= 2 / (1 + lit * lit);
         const double g = second_.value(at.x(), at.y()) -
-                         light_(1) * task_.blur / 2 * (changed * curvature(x, y)).trace();
-        const BSplineImage::Sample f = first_.sample(x, y);
+                         light_(1) * lit * task_.blur / 2 * (changed * curvature(x, y)).trace();
+        BSplineImage::Sample f = first_.sample(x, y);
+        for (double* part : {&f.value, &f.slope_x, &f.slope_y}) *part *= lit;
         Row row;
         row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,
             f.value * p.y() / task_.radius;

@@ -12,7 +12,8 @@ void add_source_errors(RigidMotion& motion, const SphereSource& source) {
       sphere::source_response({{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
                                source.radius_px,
                                source.aside_px,
-                               source.later_aside_px});
+                               source.later_aside_px,
+                               source.light});
   if (!std::isfinite(response.rot_z[sphere::kToRadius])) return;
   const std::array<double, 4> sd = {source.cx_sd_px, source.cy_sd_px, source.radius_sd_px,
                                     source.nearness_sd};

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "host/dic/rigid_fit.h"
+#include "kernels/types.h"
 
 namespace impactdic::dic {
 
@@ -16,6 +17,7 @@ struct SphereSource {
   double nearness_sd = 0;
   // The centre in both pictures from the optical axis, image axes.
   std::array<double, 2> aside_px{}, later_aside_px{};
+  BallLight light{};  // on the sphere
 };
 
 // Widens the deviations of `motion`, and corrects their correlations, by what errors of the centre,

@@ -33,7 +33,8 @@ Effects effects_on(const dic::RigidMotion& motion, const Circle& circle,
       {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
        radius.px,
        seen.aside_px(circle.cx_px, circle.cy_px),
-       seen.aside_px(circle.cx_px + motion.dx_px, circle.cy_px + motion.dy_px)});
+       seen.aside_px(circle.cx_px + motion.dx_px, circle.cy_px + motion.dy_px),
+       radius.light});
   const auto of = [&](std::size_t source) {
     const auto by = [&](const sphere::SourceResponse::ToSources& to) {
       return std::isfinite(to[source]) ? to[source] : 0.0;

@@ -28,7 +28,8 @@ ChainLinkMaker::Errors ChainLinkMaker::errors_of(const ChainStep& step) const {
       {{turn.x(), turn.y(), turn.z()},
        radius_.px,
        seen.aside_px(at.cx_px, at.cy_px),
-       seen.aside_px(at.cx_px + step.motion.dx_px, at.cy_px + step.motion.dy_px)});
+       seen.aside_px(at.cx_px + step.motion.dx_px, at.cy_px + step.motion.dy_px),
+       radius_.light});
   const auto of = [&](std::size_t source) {
     Eigen::Matrix<double, 5, 1> by;
     by << response.dx[source], response.dy[source], response.rot_x[source], response.rot_y[source],

@@ -87,6 +87,7 @@ BallTask KeyframeAim::task_of(const ChainedFrame& frame, const BodyPose& near,
     start.rot_y_rad = vector.y();
     start.rot_rad = vector.z();
     task = sphere_task(cut, radius_px_, blur_px2_, start);
+    task.light = light_;
     task.sight =
         sight_of(perspective_, rim_px_, {key.circle, key.shape}, {frame.circle, frame.shape},
                  cut.cx_px + frame.origin.x, cut.cy_px + frame.origin.y);

@@ -69,6 +69,7 @@ class KeyframeAim {
       : radius_px_(options.sphere ? options.sphere_radius(radius_px) : radius_px),
         rim_px_(radius_px),
         blur_px2_(options.sphere_blur_px2),
+        light_(options.sphere_light),
         crop_(crop),
         sphere_(options.sphere),
         perspective_(options.perspective) {}
@@ -76,6 +77,7 @@ class KeyframeAim {
   double radius_px() const { return radius_px_; }
   bool sphere() const { return sphere_; }
   const Perspective& perspective() const { return perspective_; }
+  const BallLight& light() const { return light_; }
   const BallCrop& crop() const { return crop_; }
 
   // The part of a keyframe's picture that goes to devices.
@@ -100,6 +102,7 @@ class KeyframeAim {
                        double reach_rad) const;
 
   double radius_px_, rim_px_, blur_px2_;
+  BallLight light_;
   BallCrop crop_;
   bool sphere_;
   Perspective perspective_;

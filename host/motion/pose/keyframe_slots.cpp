@@ -7,6 +7,7 @@ namespace {
 
 dic::BallOptions affine(dic::BallOptions options) {
   options.model = dic::BallModel::kAffine;
+  options.lit = false;
   return options;
 }
 

@@ -35,6 +35,7 @@ bool is_linked(const ChainedFrame& frame) { return frame.next != nullptr && fram
 void Keyframes::restore(Memory memory, const std::function<Frame(std::int64_t)>& read) {
   if (memory.radius.px == 0) memory.radius = memory_.radius;  // of an older version
   memory.radius.perspective = memory_.radius.perspective;
+  memory.radius.light = memory_.radius.light;
   memory_ = std::move(memory);
   for (Keyframe& key : memory_.keyframes) {
     key.picture = aim_.picture_of(key.circle, read(key.pose.keyframe));

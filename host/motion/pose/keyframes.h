@@ -38,6 +38,7 @@ class Keyframes {
   // `radius_sd_px`: of a sphere's radius, its deviation.
   Keyframes(const KeyframeAim& aim, double radius_sd_px) : aim_(aim) {
     memory_.radius = {aim.radius_px(), radius_sd_px, 0, radius_sd_px, aim.perspective()};
+    memory_.radius.light = aim.light();
   }
 
   // All that is known of the frames before.

@@ -18,6 +18,7 @@ struct SphereRadius {
   double error_px = 0, sd_px = told_sd_px;
   Perspective perspective;
   double nearness_error = 0, nearness_share = 1, correlation = 0;
+  BallLight light{};  // on the sphere; all 0: not known
 
   double nearness_sd() const { return nearness_share * perspective.nearness_sd; }
 };

@@ -1,0 +1,17 @@
+// The light on a sphere, fixed to the camera: paint that a turn carries from one normal of the
+// surface to another changes its grey level by what the light there is over what it was. Beside a
+// lamp's shadow that is far from linear in the place, which is all that the free gains follow.
+#ifndef IMPACTDIC_KERNELS_BALL_LIGHT_H_
+#define IMPACTDIC_KERNELS_BALL_LIGHT_H_
+
+#include "kernels/types.h"
+#include "kernels/vector.h"
+
+// What bare paint shows at the normal (x, y, z): see BallLight.
+static inline REAL light_at(__local const BallLight* light, const REAL x, const REAL y,
+                            const REAL z) {
+  const REAL lit = light->lamp[0] * x + light->lamp[1] * y + light->lamp[2] * z;
+  return fmax(light->ambient + fmax(lit, (REAL)0.0f), (REAL)light->least);
+}
+
+#endif  // IMPACTDIC_KERNELS_BALL_LIGHT_H_
