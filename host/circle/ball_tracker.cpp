@@ -41,6 +41,7 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.rim_model = b.rim_model;
   prior.rim_fraction = std::min(a.rim_fraction, b.rim_fraction);
   prior.learn = false;
+  prior.unlearnt = !b.rim_model;
   prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * off_px);
   prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * prior.predicted.r_px);
   return prior;
@@ -103,6 +104,7 @@ CirclePrior BallTracker::prior_ahead(std::int64_t index) const {
   prior.rim_model = last.fit.rim_model;
   prior.rim_fraction = last.fit.rim_fraction;
   prior.learn = index >= memory_.next_learning;
+  prior.unlearnt = !prior.learn && !prior.rim_model;
   prior.e1_px = last.fit.e1_px;
   prior.e2_px = last.fit.e2_px;
   const double r = last.fit.circle.r_px;

@@ -82,6 +82,7 @@ struct CirclePrior {
   bool inked = false;                             // as in CircleFit: spares a trace
   std::shared_ptr<const RimModel> rim_model;      // as in CircleFit: spares the learning
   bool learn = true;                              // a rim model, where there is none
+  bool unlearnt = false;                          // an earlier frame has shown none that holds
   double rim_fraction = 0;                        // as in CircleFit; 0: not known
   std::optional<double> radius_px, radius_sd_px;  // of the uncompressed ball
   double radius_bias_sd_px = 0;  // of an error that radius_px and this frame have in common

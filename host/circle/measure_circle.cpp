@@ -106,13 +106,13 @@ void doubt_ink(CircleFit& fit) {
   fit.r_sd_px *= times(kJudge.inked_radius);
 }
 
-// What hides a part of the rim ends where crossings look like the rim's, and no model tells them
-// apart: that turns the arc that is left. A few speckles are much of a small ball's rim.
-void doubt_arc(CircleFit& fit) {
+// Of a rim that no model was found to hold for. What hides a part of it ends where crossings look
+// like the rim's, which turns the arc that is left. A few speckles are much of a small ball's rim.
+void doubt_unlearnt(CircleFit& fit) {
   const double per_r2 = 1 / (fit.circle.r_px * fit.circle.r_px);
-  const double arc = std::min(1.0, std::hypot(fit.cx_with_r, fit.cy_with_r));
+  const bool cut = std::hypot(fit.cx_with_r, fit.cy_with_r) > kJudge.cut_with_r;
   const double by_ink_px = kJudge.crossed_px3 * per_r2;
-  widen(fit, by_ink_px, by_ink_px + arc * (kJudge.cut_arc_px + kJudge.cut_arc_px3 * per_r2));
+  widen(fit, by_ink_px, by_ink_px + (cut ? kJudge.cut_arc_px + kJudge.cut_arc_px3 * per_r2 : 0));
 }
 
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in
@@ -139,7 +139,7 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   if (crossings.over_exposed) {
     fit.r_sd_px = std::hypot(fit.r_sd_px, kJudge.over_exposed_sd * crossings.edge_sigma_px);
   }
-  doubt_arc(fit);
+  if (prior.learn || prior.unlearnt) doubt_unlearnt(fit);
   // Of arcs of several things a circle was made as often as of one.
   const bool arc = fit.rim_fraction <= kJudge.much_rim;
   const double most = arc ? kJudge.ragged_arc : kJudge.ragged;

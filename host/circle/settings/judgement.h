@@ -43,8 +43,10 @@ struct JudgementSettings {
   // (e2, f2)
   double inked_centre = 1.3, inked_radius = 1.7;
   // What crossings err by beside that where no rim model holds, and more where an arc is cut from
-  // the rim, by the radius. [measured] discs of sixteen patterns, 30 to 115 px, 30 % hidden
-  double crossed_px3 = 60, cut_arc_px = 0.12, cut_arc_px3 = 100;
+  // the rim, by the radius; the centre goes with the radius by so much there (0.9 to 1.9; before
+  // textures and of inked rims by 0.7 at most). [measured] discs of sixteen patterns, 30 to 115 px,
+  // 30 % hidden
+  double crossed_px3 = 45, cut_arc_px = 0.12, cut_arc_px3 = 100, cut_with_r = 0.8;
   double inked_px = 0.1;  // scatter from which on it is a texture's: before wood they lack nothing
   // By the rim model; steps are those of the lines.
   int follow_traces = 3;        // at most [hand]
