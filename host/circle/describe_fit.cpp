@@ -127,9 +127,10 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     result.cy_sd_px = std::hypot(result.cy_sd_px, kSphere.arc_sd_px);
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
   }
-  if (m.rim_model->surface() == Surface::kOutline && arc) {
-    const double sd_px = kSphere.outline_arc_px3 / (result.circle.r_px * result.circle.r_px);
-    widen(result, sd_px, sd_px);
+  if (m.rim_model->surface() == Surface::kOutline) {
+    widen(result, kSphere.outline_centre_px, kSphere.outline_radius_px);
+    const double r2 = result.circle.r_px * result.circle.r_px;
+    if (arc) widen(result, kSphere.outline_arc_px3 / r2, kSphere.outline_arc_px3 / r2);
   }
   if (is_over_exposed(brightest(trace.levels, m.rim_model->surface(), bright), frame)) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);

@@ -110,9 +110,9 @@ void doubt_ink(CircleFit& fit) {
 // like the rim's, which turns the arc that is left. A few speckles are much of a small ball's rim.
 void doubt_unlearnt(CircleFit& fit) {
   const double per_r2 = 1 / (fit.circle.r_px * fit.circle.r_px);
-  const bool cut = std::hypot(fit.cx_with_r, fit.cy_with_r) > kJudge.cut_with_r;
   const double by_ink_px = kJudge.crossed_px3 * per_r2;
-  widen(fit, by_ink_px, by_ink_px + (cut ? kJudge.cut_arc_px + kJudge.cut_arc_px3 * per_r2 : 0));
+  widen(fit, by_ink_px,
+        by_ink_px + (is_cut(fit) ? kJudge.cut_arc_px + kJudge.cut_arc_px3 * per_r2 : 0));
 }
 
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in

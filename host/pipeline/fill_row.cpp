@@ -127,9 +127,7 @@ void doubt_motion(TrackRow& row, const TrackRow& next) {
 
 TrackStatus status_behind(const TrackRow& before) {
   if (!before.circle_ok) return TrackStatus::kNoBall;
-  const bool is_fine =
-      before.status == TrackStatus::kOk || before.status == TrackStatus::kNoTexture;
-  return is_fine ? TrackStatus::kLastFrame : before.status;
+  return before.status == TrackStatus::kOk ? TrackStatus::kLastFrame : before.status;
 }
 
 }  // namespace impactdic::pipeline

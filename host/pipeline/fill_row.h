@@ -28,7 +28,8 @@ void forget_way(TrackRow& row);
 // both frames do of the way between them, and of its turn no less than such a tilt may add.
 void doubt_motion(TrackRow& row, const TrackRow& next);
 // Of the last frame, which shows a circle. That alone may be anything, and so may one to which no
-// motion led: with motions measured, all others stand in two frames that follow each other.
+// motion led, or one without a texture: with motions measured, all others stand in two frames that
+// follow each other.
 TrackStatus status_behind(const TrackRow& before);
 
 }  // namespace impactdic::pipeline

@@ -10,10 +10,13 @@ namespace impactdic::circle {
 // radius and the centre by; the centre of an arc goes with its radius (CircleFit::cx_with_r).
 void widen(CircleFit& fit, double centre_px, double radius_px);
 
+// Whether what was measured is an arc, whose centre goes along with its radius.
+bool is_cut(const CircleFit& fit);
+
 // Of a ball that is known to be a sphere, by its turns or by what was asked for: where the rim was
 // measured by a disc's model or by crossings, which know neither its light nor that its ink is
-// foreshortened, what that may misplace it by joins the deviations. By hand and by other models:
-// nothing.
+// foreshortened and may show its lit side alone, what that may misplace it by joins the deviations.
+// By hand and by other models: nothing.
 void doubt_disc(CircleFit& fit);
 
 }  // namespace impactdic::circle
