@@ -128,9 +128,9 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     result.r_sd_px = std::hypot(result.r_sd_px, kSphere.arc_sd_px);
   }
   if (m.rim_model->surface() == Surface::kOutline) {
-    widen(result, kSphere.outline_centre_px, kSphere.outline_radius_px);
-    const double r2 = result.circle.r_px * result.circle.r_px;
-    if (arc) widen(result, kSphere.outline_arc_px3 / r2, kSphere.outline_arc_px3 / r2);
+    const double r = result.circle.r_px, arc_px = arc ? kSphere.outline_arc_px3 / (r * r) : 0;
+    widen(result, kSphere.outline_centre_px2 / r, kSphere.outline_radius_px2 / r);
+    widen(result, arc_px, arc_px);
   }
   if (is_over_exposed(brightest(trace.levels, m.rim_model->surface(), bright), frame)) {
     result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);

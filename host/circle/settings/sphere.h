@@ -80,9 +80,9 @@ struct SphereSettings {
   double arc_sd_px = 0.12;  // [measured] light_accuracy, seeds 1 to 3
   // The same of an outline, over the radius squared: its light is learnt of the ball's pixels.
   double outline_arc_px3 = 460;  // [measured] light_accuracy random 3001 3320
-  // What light misplaces an outline by whose rim fades, wherever it shows. [measured] spheres of
-  // light_accuracy random 5001 5800
-  double outline_centre_px = 0.06, outline_radius_px = 0.1;
+  // What light misplaces an outline by whose rim fades, over the radius, wherever it shows.
+  // [measured] spheres of light_accuracy random 5001 5800
+  double outline_centre_px2 = 3, outline_radius_px2 = 5;
   // Of the radius, what a disc's model or crossings misplace it by of which an arc shows: the lit
   // side of a ball. [measured] the same
   double lit_arc_of_r = 0.012;
