@@ -2,6 +2,9 @@
 // are found.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/support/sphere/sphere_distances.h"
 #include "tests/support/sphere/sphere_told.h"
 
@@ -61,6 +64,25 @@ TEST(SphereAccuracy, PicturesTellTheirBlurAndRadius) {
     EXPECT_NEAR(told->radius_px.value, kRadiusPx, 0.05);
     last_px2 = told->blur_px2;
   }
+}
+
+// Light that does not turn with the ball looks like depth: taken to do so, a lamp of 90 % makes the
+// radius 0.1 to 0.3 px wrong.
+TEST(SphereAccuracy, PicturesTellTheLampAndTheRadiusUnderIt) {
+  for (const double share : {0.5, 0.9}) {
+    const auto told = told_by_turns({.lamp_share = share}, 3);
+    ASSERT_TRUE(told && told->light);
+    const BallLight& light = *told->light;
+    const double lamp = std::hypot(light.lamp[0], light.lamp[1], light.lamp[2]);
+    std::printf("lamp of %g: told %.3f, radius %.4f +- %.4f px\n", share,
+                lamp / (lamp + light.ambient), told->radius_px.value, told->radius_px.sd);
+    EXPECT_NEAR(lamp / (lamp + light.ambient), share, 0.02);
+    EXPECT_NEAR(light.lamp[2] / lamp, std::sin(20 * kRadPerDeg), 0.02);
+    EXPECT_NEAR(told->radius_px.value, kRadiusPx, std::min(3 * told->radius_px.sd, 0.1));
+  }
+  const auto even = told_by_turns({}, 3);
+  ASSERT_TRUE(even);
+  EXPECT_FALSE(even->light);
 }
 
 // A circle a tenth of a pixel off its ball made the radius wrong by as much and more.

@@ -9,10 +9,12 @@
 
 namespace impactdic::testing {
 
-// How the ball is seen, and how far its first circle lies to the right of it and as much above it.
+// How the ball is seen, how far its first circle lies to the right of it and as much above it, and
+// the share of a lamp that stands 20 degrees towards the camera.
 struct FarView {
   double psf_sigma_px = 0.6;
   double off_px = 0;
+  double lamp_share = 0;
 };
 
 // What sphere_from_turn tells of a ball of 115 px that turns by 5 degrees a frame about an axis in
@@ -24,6 +26,8 @@ inline std::optional<advice::SphereTold> told_by_turns(const FarView& view, unsi
   scene.psf_sigma_px = view.psf_sigma_px;
   scene.noise_sigma = 2;
   scene.noise_seed = seed;
+  scene.lamp_share = view.lamp_share;
+  scene.lamp_elevation_deg = 20;
   const sim::speckle::SphereRenderer sphere(sim::speckle::paint_sphere("e1", seed, kRadiusPx),
                                             scene);
   const Eigen::Vector3d turn = Eigen::Vector3d(0.6, 0.8, 0) * 5 * kRadPerDeg;
