@@ -71,7 +71,8 @@ typedef struct EqualPeak {
 // the sphere at its centre. first_x, first_y: from the optical axis to the centre in the first
 // picture over the distance, x right, y down; second_x, second_y: the same in the second one, of a
 // ball that has not moved: dx, dy times by_distance are added. first, second: the stretch in the
-// picture's plane that makes the compressed ball of a round one of ball_radius, less one: xx, xy, yy.
+// picture's plane that makes the compressed ball of a round one of ball_radius, less one: xx, xy,
+// yy.
 typedef struct BallSight {
   float by_distance;
   float first_x, first_y, second_x, second_y;
@@ -90,8 +91,8 @@ typedef struct BallLight {
 // the radius of the disc to be compared, px, in the first frame, and a guess of its motion. Of a
 // sphere also its radius, px, and the guess is a rotation vector in the camera's axes, X right, Y
 // up, Z towards the camera, whose last component is guess_rot_rad; and the variance of what blurs
-// both pictures, px² (kernels/ball/blur.h), and the light on it, where that is known. centre_sd: deviation of cx and of cy, px, where the centre is
-// to be found along with the motion.
+// both pictures, px² (kernels/ball/blur.h), and the light on it, where that is known. centre_sd:
+// deviation of cx and of cy, px, where the centre is to be found along with the motion.
 typedef struct BallTask {
   idic_int first, second;
   float cx, cy, radius;
@@ -111,8 +112,8 @@ typedef struct BallTask {
 // Of a sphere (rot_x_rad, rot_y_rad, rot_rad) is the rotation vector, at most pi long, in the
 // camera's axes (X right, Y up, Z towards the camera), and `covariance` the lower triangle, row by
 // row, of dx, dy and the small turns about X, Y and Z of the first picture; 0 of a flat ball. Its
-// radius, px, one over the camera's distance, 1/px, and its centre in the first picture, px, as given
-// (deviation 0) or found.
+// radius, px, one over the camera's distance, 1/px, and its centre in the first picture, px, as
+// given (deviation 0) or found.
 typedef struct BallMotion {
   float dx, dy, rot_rad;
   float exx, exy, eyy;

@@ -67,10 +67,9 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL closer = one / (one - near * turned_z);
   const REAL lands_x = (then->xx * turned_x + then->xy * turned_y + aside_x * turned_z) * closer;
   const REAL lands_y = (then->xy * turned_x + then->yy * turned_y + aside_y * turned_z) * closer;
-  REAL w = seen_share(fmin(facing(near, shared->seen[0].aside_x, shared->seen[0].aside_y,
-                                  shared->radius, on.x, on.y, z),
-                           facing(near, aside_x, aside_y, shared->radius, turned_x, turned_y,
-                                  turned_z)));
+  REAL w = seen_share(fmin(
+      facing(near, shared->seen[0].aside_x, shared->seen[0].aside_y, shared->radius, on.x, on.y, z),
+      facing(near, aside_x, aside_y, shared->radius, turned_x, turned_y, turned_z)));
   w = on.within2 < task.radius * task.radius ? w : zero;
   // Lines of sight lean by T in the first picture and by lean_x, lean_y in the second.
   const REAL bent_x = aside_x + near * lands_x, bent_y = aside_y + near * lands_y;
@@ -102,8 +101,7 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #endif
 #if LIT
   const float by_ball = 1.0f / shared->radius;
-  lit = light_at(&shared->lamp, turned_x * by_ball, turned_y * by_ball,
-                 turned_z * by_ball) /
+  lit = light_at(&shared->lamp, turned_x * by_ball, turned_y * by_ball, turned_z * by_ball) /
         light_at(&shared->lamp, from_x * by_ball, from_y * by_ball, z * by_ball);
   w *= 2.0f / (1.0f + lit * lit);  // the noise of f goes with the light
 #else
@@ -168,8 +166,8 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   const REAL first_closer = one / (one - near * z);
   REAL moved[3];  // by a px of the turned ball along each axis
   for (int k = 0; k < 3; ++k) {
-    moved[k] = first_closer * (turn[3 * k] * slant_x + turn[3 * k + 1] * slant_y +
-                               turn[3 * k + 2] * slant_z);
+    moved[k] = first_closer *
+               (turn[3 * k] * slant_x + turn[3 * k + 1] * slant_y + turn[3 * k + 2] * slant_z);
   }
   const REAL in_depth = by_depth * (lean_x * moved[0] + lean_y * moved[1] - moved[2]);
   const REAL across_x = moved[0] + turned_x * in_depth;
@@ -247,8 +245,9 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #endif
 #endif
   // Like the slopes, in grey levels of the first picture.
-  const REAL blurred = lit * task.blur * blur_change(at, limits.plane_pitch, px, py, limits.width,
-                                               limits.height, change);
+  const REAL blurred =
+      lit * task.blur *
+      blur_change(at, limits.plane_pitch, px, py, limits.width, limits.height, change);
 #else
   const REAL blurred = zero;
 #endif

@@ -11,9 +11,8 @@
 //   D δ = P δd + (Z, δθ), P a shift of the second picture as it looks on the first one's sphere.
 // Its motions are composed as Q exp(−δθ), d − δd. FREE_CENTRE 1: a centre that is told by δc too
 // far off is found as (P − 1) δc, with what was told of it. SHAPED 1: in perspective, or compressed
-// (sight.h). LIT 1: f is what the light makes of the
-// first picture where the second one shows it (light.h). The scale of the weights is the median of
-// |r| of the step before (a histogram's).
+// (sight.h). LIT 1: f is what the light makes of the first picture where the second one shows it
+// (light.h). The scale of the weights is the median of |r| of the step before (a histogram's).
 #include "kernels/ball/pass.h"
 #include "kernels/ball/step.h"
 #include "kernels/ball/store.h"
