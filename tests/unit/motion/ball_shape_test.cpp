@@ -91,6 +91,19 @@ TEST(BallShape, AnErrorOfTheCentreIsInTheMotionOfABallThatIsCompressed) {
   }
 }
 
+// A thing without texture is as doubtful in its last frame as before.
+TEST(BallShape, TheLastRowGoesWithTheOneBeforeIt) {
+  TrackRow before;
+  EXPECT_EQ(pipeline::status_behind(before), TrackStatus::kNoBall);
+  before.circle_ok = true;
+  before.status = TrackStatus::kOk;
+  EXPECT_EQ(pipeline::status_behind(before), TrackStatus::kLastFrame);
+  for (const TrackStatus status : {TrackStatus::kNoTexture, TrackStatus::kLowCorrelation}) {
+    before.status = status;
+    EXPECT_EQ(pipeline::status_behind(before), status);
+  }
+}
+
 // Of a sphere taken for a disc, a part of what it turns out of the picture shows as a turn in it.
 TEST(BallShape, AnUnseenTiltIsInTheTurnOfABallThatIsTakenForFlat) {
   TrackRow row, next;
