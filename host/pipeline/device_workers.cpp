@@ -7,6 +7,7 @@
 #include "host/motion/estimators.h"
 #include "host/motion/measure_pairs.h"
 #include "host/opencl/engine.h"
+#include "host/pipeline/place_by_turns.h"
 
 namespace impactdic::pipeline {
 namespace {
@@ -89,15 +90,17 @@ struct DeviceWorkers::Worker {
   dic::DeviceFrames frames;
   std::unique_ptr<motion::MotionEstimator> estimator;
   std::optional<motion::KeyframeSlots> keyframes;  // with the ball estimator
+  std::optional<motion::TurnedCentres> centres;    // of a sphere
 
   Worker(std::unique_ptr<opencl::Engine> own, const motion::EstimatorOptions& options,
-         double radius_px, int count)
+         const motion::KeyframeAim& aim, double radius_px, int count)
       : engine(std::move(own)),
         slots(count),
         frames(*engine, count + motion::kKeyframePlaces),
         estimator(motion::make_motion_estimator(*engine, options, radius_px, frames)) {
     if (options.estimator != Estimator::kBall) return;
     keyframes.emplace(*engine, frames, count, motion::body_options(options));
+    if (options.sphere) centres.emplace(*engine, frames, aim, motion::body_options(options));
   }
 };
 
@@ -174,7 +177,7 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
       times_(times),
       stages_(stages),
       aim_(clip.radius_px, crop_, options),
-      perspective_(options.perspective),
+      options_(options),
       batch_(clip.batch),
       ahead_(ahead) {
   if (ahead_ == 0) {
@@ -196,7 +199,7 @@ DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
     opening.push_back(std::async(std::launch::async, [&, own = std::move(own)]() mutable {
       const int slots = slots_of(own.device->device(), workers_of(*own.device), crop_.width(),
                                  crop_.height(), batch_);
-      return std::make_unique<Worker>(std::move(own.engine), options, radius_px_, slots);
+      return std::make_unique<Worker>(std::move(own.engine), options, aim_, radius_px_, slots);
     }));
   }
   for (auto& worker : opening) {
@@ -267,6 +270,7 @@ bool DeviceWorkers::measure_parts(Worker& worker, TrackBatch& batch, Turn& plann
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
   const auto slots = static_cast<std::size_t>(worker.slots);
+  std::vector<motion::TurnedCentre> told;
   // A part begins with the last frame of the one before.
   for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
     const std::size_t frames = std::min(slots, count - first);
@@ -277,10 +281,18 @@ bool DeviceWorkers::measure_parts(Worker& worker, TrackBatch& batch, Turn& plann
     motion::Keyframes::Ahead ahead;
     ahead.frames = chained(batch, first, frames);
     if (ahead_ > 1) register_ahead(worker, batch, ahead, planning, placing);
+    if (worker.centres) {
+      for (motion::TurnedCentre centre : worker.centres->measure(ahead.frames)) {
+        centre.frame += first;
+        told.push_back(centre);
+      }
+    }
     placing.wait();
     if (is_cancelled()) return false;
     place_part(worker, batch, first, ahead);
   }
+  if (keyframes_) placing.end();  // its turn has come by now
+  place_by_turns(batch.rows, batch.pairs, told, options_);
   return true;
 }
 
@@ -300,7 +312,7 @@ void DeviceWorkers::register_ahead(Worker& worker, const TrackBatch& batch,
 }
 
 Circle DeviceWorkers::ball(const TrackBatch& batch, std::size_t i) const {
-  return motion::about_centre(batch.circles[i], perspective_);
+  return motion::about_centre(batch.circles[i], options_.perspective);
 }
 
 void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t first,

@@ -101,7 +101,7 @@ class DeviceWorkers {
   std::optional<motion::Keyframes> keyframes_;
   std::optional<motion::PoseForecast> forecast_;
   motion::KeyframeAim aim_;
-  motion::Perspective perspective_;
+  motion::EstimatorOptions options_;
   int batch_, ahead_;
   std::int64_t submitted_ = 0;
   std::mutex mutex_;  // of what follows
