@@ -14,6 +14,9 @@ namespace {
 constexpr double kStepsAlike = 0.5;
 // What is told of frames a few apart shares their pictures.
 constexpr double kLeastShare = 0.7;
+// What is told by more is told by few pixels, or by pixels of something else; what scatters by so
+// much more than it states is not told at all.
+constexpr double kMostSd_px = 0.1, kMostScatter = 3;
 // Deviations, and px, by which a circle may lie off what is told.
 constexpr double kContradicts = 5, kLeastOff_px = 0.1;
 // No centre is told to be better known than this.
@@ -31,13 +34,13 @@ class Steps {
       : rows_(rows), pairs_(pairs) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const dic::RigidMotion& motion = pairs[i].motion;
-      by_.push_back(
-          leads_on(i) ? sphere::source_response({{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
-                                                 options.sphere_radius(rows[i].r_px),
-                                                 {},
-                                                 {},
-                                                 options.sphere_light})
-                      : sphere::SourceResponse{});
+      by_.push_back(leads_on(i) ? sphere::source_response(
+                                      {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
+                                       options.sphere_radius(rows[i].r_px),
+                                       {},
+                                       {},
+                                       options.sphere_light})
+                                : sphere::SourceResponse{});
     }
   }
   bool leads_on(std::size_t i) const {
@@ -45,7 +48,9 @@ class Steps {
            pairs_[i].motion.ok && pairs_[i].motion.rot_x_sd_rad > 0;
   }
   // From the centre in row i to that in the next one, and back.
-  Centre on(std::size_t i, const Centre& at) const { return {at.x_px + dx(i, at), at.y_px + dy(i, at)}; }
+  Centre on(std::size_t i, const Centre& at) const {
+    return {at.x_px + dx(i, at), at.y_px + dy(i, at)};
+  }
   Centre back(std::size_t i, const Centre& next) const {
     Centre at{next.x_px - pairs_[i].motion.dx_px, next.y_px - pairs_[i].motion.dy_px};
     for (int pass = 0; pass < 3; ++pass) at = {next.x_px - dx(i, at), next.y_px - dy(i, at)};
@@ -87,14 +92,19 @@ class Told {
  public:
   void add(double at_px, double sd_px) {
     const double weight = 1 / (sd_px * sd_px);
+    if (count_ == 0) first_px_ = at_px;
+    const double off_px = at_px - first_px_;
     weight_ += weight;
-    at_ += weight * at_px;
+    off_ += weight * off_px;
+    squares_ += weight * off_px * off_px;
     best_px_ = count_++ == 0 ? sd_px : std::min(best_px_, sd_px);
   }
-  bool is_told() const { return count_ > 0; }
-  double at_px() const { return at_ / weight_; }
+  // By several frames that agree.
+  bool is_told() const { return count_ > 1 && times_stated() < kMostScatter; }
+  double at_px() const { return first_px_ + off_ / weight_; }
   double sd_px() const {
-    return std::max({std::sqrt(1 / weight_), kLeastShare * best_px_, kLeastSd_px});
+    const double by_chance = std::max(std::sqrt(1 / weight_), kLeastShare * best_px_);
+    return std::max(std::max(1.0, times_stated()) * by_chance, kLeastSd_px);
   }
   bool contradicts(double px, double sd) const {
     const double off = std::abs(px - at_px());
@@ -108,7 +118,13 @@ class Told {
   }
 
  private:
-  double weight_ = 0, at_ = 0, best_px_ = 0;
+  // By how much they scatter, over what they state.
+  double times_stated() const {
+    const double scatter = std::max(0.0, squares_ - off_ * off_ / weight_);
+    return std::sqrt(scatter / static_cast<double>(count_ - 1));
+  }
+
+  double weight_ = 0, first_px_ = 0, off_ = 0, squares_ = 0, best_px_ = 0;
   int count_ = 0;
 };
 
@@ -152,11 +168,13 @@ void place_by_turns(std::span<TrackRow> rows, std::span<motion::PairMotion> pair
   if (told.empty()) return;
   const Steps steps(rows, pairs.first(rows.size() - 1), options);
   std::vector<ToldOfRow> sums(rows.size());
-  for (const motion::TurnedCentre& centre : told) spread(centre, rows, steps, sums);
+  for (const motion::TurnedCentre& centre : told) {
+    if (std::max(centre.x_sd_px, centre.y_sd_px) < kMostSd_px) spread(centre, rows, steps, sums);
+  }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     TrackRow& row = rows[i];
     const Told &x = sums[i].x, &y = sums[i].y;
-    if (!x.is_told() || row.by_hand != ByHand::kNo) continue;
+    if (!x.is_told() || !y.is_told() || row.by_hand != ByHand::kNo) continue;
     if (x.contradicts(row.cx_px, row.cx_sd_px) || y.contradicts(row.cy_px, row.cy_sd_px)) {
       row.status = TrackStatus::kInconsistent;
       continue;
