@@ -4,6 +4,7 @@
 
 #include "host/dic/window_correlator.h"
 #include "host/motion/estimators.h"
+#include "host/motion/pose/turned_centres.h"
 
 namespace impactdic::motion {
 
@@ -17,6 +18,8 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
   };
   dic::BallOptions far = ball_options(options.field, kSphereRadiusAndDistance);
   far.free_centre = true;
+  const dic::BallOptions turned =
+      TurnedCentres::with_free_centre(ball_options(options.field, kSphere));
   const bool is_ball = options.estimator == Estimator::kBall;
   const bool looks = is_ball && (any_body || options.sphere);
   std::vector<opencl::ProgramRequest> all;
@@ -33,8 +36,9 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
   }
   // What unpacks pictures is asked for at once, and takes no time.
   if (looks) {
-    for (opencl::ProgramRequest perhaps : {dic::BallRegistration::program(engine, far, true),
-                                           ball(kSphere, true), ball(kSphereAndRadius, false)}) {
+    for (opencl::ProgramRequest perhaps :
+         {dic::BallRegistration::program(engine, far, true), ball(kSphere, true),
+          ball(kSphereAndRadius, false), dic::BallRegistration::program(engine, turned, false)}) {
       perhaps.is_sure = options.sphere;
       all.push_back(std::move(perhaps));
     }

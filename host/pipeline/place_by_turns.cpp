@@ -1,9 +1,7 @@
 #include "host/pipeline/place_by_turns.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
 
 #include "host/sphere/source_response.h"
 
@@ -32,15 +30,14 @@ class Steps {
   Steps(std::span<const TrackRow> rows, std::span<const motion::PairMotion> pairs,
         const motion::EstimatorOptions& options)
       : rows_(rows), pairs_(pairs) {
+    std::size_t like = pairs.size();  // the pair that the last response is of
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const dic::RigidMotion& motion = pairs[i].motion;
-      by_.push_back(leads_on(i) ? sphere::source_response(
-                                      {{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
-                                       options.sphere_radius(rows[i].r_px),
-                                       {},
-                                       {},
-                                       options.sphere_light})
-                                : sphere::SourceResponse{});
+      if (leads_on(i) && like < pairs.size() && is_alike(pairs[i].motion, pairs[like].motion)) {
+        by_.push_back(by_[like]);
+        continue;
+      }
+      by_.push_back(leads_on(i) ? response(i, options) : sphere::SourceResponse{});
+      if (leads_on(i)) like = i;
     }
   }
   bool leads_on(std::size_t i) const {
@@ -71,6 +68,21 @@ class Steps {
   }
 
  private:
+  // A response is slow to find, and the same turn has the same one.
+  static bool is_alike(const dic::RigidMotion& a, const dic::RigidMotion& b) {
+    constexpr double kAlikeTurns = 0.03;
+    const double x = a.rot_x_rad - b.rot_x_rad, y = a.rot_y_rad - b.rot_y_rad;
+    return std::hypot(x, y, a.rot_rad - b.rot_rad) <
+           kAlikeTurns * std::hypot(b.rot_x_rad, b.rot_y_rad, b.rot_rad);
+  }
+  sphere::SourceResponse response(std::size_t i, const motion::EstimatorOptions& options) const {
+    const dic::RigidMotion& motion = pairs_[i].motion;
+    return sphere::source_response({{motion.rot_x_rad, motion.rot_y_rad, motion.rot_rad},
+                                    options.sphere_radius(rows_[i].r_px),
+                                    {},
+                                    {},
+                                    options.sphere_light});
+  }
   // A compressed sphere has no model.
   static bool is_round(const TrackRow& row) { return row.circle_ok && !std::isfinite(row.e1_px); }
   double dx(std::size_t i, const Centre& at) const {
