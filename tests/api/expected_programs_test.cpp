@@ -75,7 +75,7 @@ TEST(ExpectedPrograms, ATrackAsksForTheProgramsThatAreExpected) {
   std::set<std::string> asked = programs_in(cache.string());
   EXPECT_EQ(asked.erase("\"kernels/frames/unpack.cl\"-cl-std=CL1.2 -DPIXEL=uchar"), 1U);
   EXPECT_EQ(asked, expected(true));
-  EXPECT_EQ(expected(false).size(), 3U);
+  EXPECT_EQ(expected(false).size(), 4U);
 }
 
 }  // namespace
