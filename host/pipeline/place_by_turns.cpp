@@ -10,6 +10,8 @@ namespace {
 
 // Steps err by chance, and by this share of what they state all alike.
 constexpr double kStepsAlike = 0.5;
+// Tilted farther, two pictures share too little to tell what a centre does to a motion.
+constexpr double kMostTilt_rad = 1;
 // What is told of frames a few apart shares their pictures.
 constexpr double kLeastShare = 0.7;
 // What is told by more is told by few pixels, or by pixels of something else; what scatters by so
@@ -32,17 +34,18 @@ class Steps {
       : rows_(rows), pairs_(pairs) {
     std::size_t like = pairs.size();  // the pair that the last response is of
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (leads_on(i) && like < pairs.size() && is_alike(pairs[i].motion, pairs[like].motion)) {
+      if (!is_linked(i)) {
+        by_.emplace_back();
+      } else if (like < pairs.size() && is_alike(pairs[i].motion, pairs[like].motion)) {
         by_.push_back(by_[like]);
-        continue;
+      } else {
+        by_.push_back(response(i, options));
+        like = i;
       }
-      by_.push_back(leads_on(i) ? response(i, options) : sphere::SourceResponse{});
-      if (leads_on(i)) like = i;
     }
   }
   bool leads_on(std::size_t i) const {
-    return i < pairs_.size() && is_round(rows_[i]) && is_round(rows_[i + 1]) &&
-           pairs_[i].motion.ok && pairs_[i].motion.rot_x_sd_rad > 0;
+    return i < pairs_.size() && is_linked(i) && std::isfinite(by_[i].rot_z[sphere::kToRadius]);
   }
   // From the centre in row i to that in the next one, and back.
   Centre on(std::size_t i, const Centre& at) const {
@@ -82,6 +85,11 @@ class Steps {
                                     {},
                                     {},
                                     options.sphere_light});
+  }
+  bool is_linked(std::size_t i) const {
+    return is_round(rows_[i]) && is_round(rows_[i + 1]) && pairs_[i].motion.ok &&
+           pairs_[i].motion.rot_x_sd_rad > 0 &&
+           std::hypot(pairs_[i].motion.rot_x_rad, pairs_[i].motion.rot_y_rad) < kMostTilt_rad;
   }
   // A compressed sphere has no model.
   static bool is_round(const TrackRow& row) { return row.circle_ok && !std::isfinite(row.e1_px); }
@@ -187,6 +195,7 @@ void place_by_turns(std::span<TrackRow> rows, std::span<motion::PairMotion> pair
     TrackRow& row = rows[i];
     const Told &x = sums[i].x, &y = sums[i].y;
     if (!x.is_told() || !y.is_told() || row.by_hand != ByHand::kNo) continue;
+    if (!(row.cx_sd_px > 0) || !(row.cy_sd_px > 0)) continue;
     if (x.contradicts(row.cx_px, row.cx_sd_px) || y.contradicts(row.cy_px, row.cy_sd_px)) {
       row.status = TrackStatus::kInconsistent;
       continue;

@@ -130,5 +130,16 @@ TEST(PlaceByTurns, NeitherACorrectedCircleNorOneBehindACompressedBallIsPlaced) {
   }
 }
 
+// Of a turn by a third of a circle too little is seen to tell what a centre does to it.
+TEST(PlaceByTurns, NothingIsCarriedOverATurnThatHidesWhatWasSeen) {
+  Clip clip;
+  dic::RigidMotion& motion = clip.pairs[7].motion;
+  motion.rot_y_rad = 2.1;
+  clip.place({told(1), told(5)});
+  EXPECT_NEAR(clip.rows[7].cx_px, true_x(7), 0.006);
+  EXPECT_EQ(motion.rot_y_rad, 2.1);
+  for (std::size_t i = 8; i < kFrames; ++i) EXPECT_EQ(clip.rows[i].cx_px, true_x(i) + kOff_x) << i;
+}
+
 }  // namespace
 }  // namespace impactdic::testing
