@@ -19,6 +19,8 @@
 namespace impactdic::motion {
 
 inline constexpr double kUsualCircleSd_px = 0.015;
+// Of a sphere, the share of its surface that both pictures must see.
+inline constexpr double kLeastSeen = 0.45;
 
 // One frame in order, its circle, and the motion to the next one. `slot`: of its part on the
 // device, whose corner is `origin`.

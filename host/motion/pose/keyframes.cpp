@@ -20,8 +20,6 @@ constexpr double kMisfit = 1.5;
 constexpr double kSamePicture = 0.5;
 // Frames that are registered together behind one that did not fit: likely the next does not either.
 constexpr std::size_t kFewAtOnce = 4;
-// Of a sphere, the share of its surface that both pictures must see.
-constexpr double kLeastSeen = 0.45;
 // A keyframe is used up to this share of the tilt at which one no longer fitted, and at least to
 // this tilt: nearer, it was something else than foreshortening. Wherever all frames fit, the reach
 // grows by the last of these.

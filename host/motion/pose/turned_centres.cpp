@@ -18,8 +18,6 @@ constexpr double kFarthest_deg = 25, kNearest_deg = 2;
 // By how much a circle may lie off the ball, share of the radius: circles have no part in what is
 // told.
 constexpr double kWide_of_r = 0.02;
-// Share of the disc that both pictures must show.
-constexpr double kLeastSeenTwice = 0.45;
 // Foreshortened texture displaces pictures by more than noise does, and what light leaves of them
 // errs alike over more of the ball than the blocks that are taken to be independent.
 constexpr double kMoreThanNoise = 1.4, kMisfitCounts = 2;
@@ -80,7 +78,7 @@ std::size_t farthest(const std::vector<BodyPose>& poses, std::size_t i) {
 }
 
 bool is_good(const BallMotion& motion) {
-  return motion.status == static_cast<idic_int>(WindowStatus::kOk) && motion.used > kLeastSeenTwice;
+  return motion.status == static_cast<idic_int>(WindowStatus::kOk) && motion.used > kLeastSeen;
 }
 
 }  // namespace
