@@ -86,7 +86,7 @@ def make(options, folder, pattern, seed, speed, most_px, size):
             '--radius-px', str(options.radius_px), '--frames', str(options.frames), '--noise',
             str(options.noise), '--size', f'{size}x{size}', '--format', 'raw',
             '--velocity-px', f'{velocity[0]},{velocity[1]}',
-            '--spin-deg', ','.join(map(str, spin)))
+            '--spin-deg', ','.join(map(str, spin)), *options.synth.split())
     run('track', 'clip/video.raw', '--raw', f'{size}x{size}x8', '--fps', '10000', '--force', '-o',
         'track', '--no-checksum', *options.track)
     return spin, velocity
@@ -172,6 +172,7 @@ def main():
     parser.add_argument('--radius-px', type=float, default=115)
     parser.add_argument('--noise', type=float, default=2)
     parser.add_argument('--keep', help='folder for clips and results; clips that it holds are used')
+    parser.add_argument('--synth', default='', help='more options of synth, as one word')
     parser.add_argument('track', nargs='*', help='behind --: more options of track')
     options = parser.parse_args()
     options.program = str(pathlib.Path(options.program).resolve())

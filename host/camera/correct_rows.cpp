@@ -42,9 +42,17 @@ CircleInPicture RowCorrection::followed(const TrackRow& row, const BallInPlane& 
 
 void RowCorrection::correct_circle(const BallInPlane& ball, TrackRow& row) const {
   Matrix2d slope;
-  plane_.to_plane({row.cx_px, row.cy_px}, 0, &slope);
+  const Vector2d seen(row.cx_px, row.cy_px);
+  const Vector2d world = plane_.to_plane(seen, 0, &slope);
   slope /= metre_per_px_;
   const Vector2d centre = to_corrected(ball.centre);
+  if (std::isfinite(row.rim_off_x_px)) {
+    const Vector2d rim = plane_.to_plane(seen + Vector2d(row.rim_off_x_px, row.rim_off_y_px));
+    const Vector2d off = to_corrected(rim) - to_corrected(world);
+    row.rim_off_x_px = off.x();
+    row.rim_off_y_px = off.y();
+    spread(slope, row.rim_x_sd_px, row.rim_y_sd_px);
+  }
   row.cx_px = centre.x();
   row.cy_px = centre.y();
   row.r_px = ball.radius / metre_per_px_;

@@ -74,12 +74,15 @@ class ImpactSeries {
   // Whether most of the rows first … last - 1 have no motion.
   bool is_motion_lost(std::size_t first, std::size_t last) const;
 
-  std::vector<double> position_n, step_n;  // of the circle's centre; its motion from i to i + 1
+  std::vector<double> position_n, step_n;  // of the rim's centre; the ball's motion from i to i + 1
   std::optional<SphereSteps> sphere;       // nullopt: a flat ball
   bool from_circle = false;                // no motion is used: steps are differences of positions
 
   double position_t(std::size_t i) const;
   double position_sd(std::size_t i) const;
+  // How far along t and n the rim's centre lies beside the ball's in the rows first … last, on the
+  // mean of those that say so; 0 where none does.
+  std::array<double, 2> rim_off(std::size_t first, std::size_t last) const;
   double step_t(std::size_t i) const;
   double step_sd(std::size_t i) const;
   double turn(std::size_t i) const;  // rad, from i to i + 1

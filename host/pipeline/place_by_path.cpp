@@ -153,6 +153,8 @@ std::vector<bool> place_run(std::span<TrackRow> rows, std::span<motion::PairMoti
     const bool x_placed = others[i].x.place(row.cx_px, row.cx_sd_px);
     const bool y_placed = others[i].y.place(row.cy_px, row.cy_sd_px);
     placed[i] = x_placed || y_placed;
+    row.rim_off_x_px -= row.cx_px - x_px;  // which stays where it is
+    row.rim_off_y_px -= row.cy_px - y_px;
     if (!placed[i] || i == steps.size()) continue;
     steps[i].move_centre(row.cx_px - x_px, row.cy_px - y_px, pairs[i].motion);
   }

@@ -205,6 +205,10 @@ void place_by_turns(std::span<TrackRow> rows, std::span<motion::PairMotion> pair
     x.place(at.x_px, x_sd_px);
     y.place(at.y_px, y_sd_px);
     if (steps.leads_on(i)) steps.correct(i, at, pairs[i].motion);
+    row.rim_off_x_px = row.cx_px - at.x_px;
+    row.rim_off_y_px = row.cy_px - at.y_px;
+    row.rim_x_sd_px = row.cx_sd_px;
+    row.rim_y_sd_px = row.cy_sd_px;
     row.cx_px = at.x_px;
     row.cy_px = at.y_px;
     row.cx_sd_px = x_sd_px;

@@ -31,12 +31,22 @@ nb::dict row_of(const TrackRow& row) {
   values["frame"] = row.frame;
   values["time_s"] = row.time_s;
   values["status"] = to_string(row.status);
-  const std::pair<const char*, double> numbers[] = {
-      {"cx_px", row.cx_px},         {"cy_px", row.cy_px},        {"r_px", row.r_px},
-      {"cx_sd_px", row.cx_sd_px},   {"cy_sd_px", row.cy_sd_px},  {"r_sd_px", row.r_sd_px},
-      {"dx_px", row.dx_px},         {"dy_px", row.dy_px},        {"rot_deg", row.rot_deg},
-      {"dx_sd_px", row.dx_sd_px},   {"dy_sd_px", row.dy_sd_px},  {"rot_sd_deg", row.rot_sd_deg},
-      {"rot_x_deg", row.rot_x_deg}, {"rot_y_deg", row.rot_y_deg}};
+  const std::pair<const char*, double> numbers[] = {{"cx_px", row.cx_px},
+                                                    {"cy_px", row.cy_px},
+                                                    {"r_px", row.r_px},
+                                                    {"cx_sd_px", row.cx_sd_px},
+                                                    {"cy_sd_px", row.cy_sd_px},
+                                                    {"r_sd_px", row.r_sd_px},
+                                                    {"dx_px", row.dx_px},
+                                                    {"dy_px", row.dy_px},
+                                                    {"rot_deg", row.rot_deg},
+                                                    {"dx_sd_px", row.dx_sd_px},
+                                                    {"dy_sd_px", row.dy_sd_px},
+                                                    {"rot_sd_deg", row.rot_sd_deg},
+                                                    {"rot_x_deg", row.rot_x_deg},
+                                                    {"rot_y_deg", row.rot_y_deg},
+                                                    {"rim_off_x_px", row.rim_off_x_px},
+                                                    {"rim_off_y_px", row.rim_off_y_px}};
   for (const auto& [name, value] : numbers) values[name] = value;
   values["windows"] = row.windows;
   return values;

@@ -17,7 +17,7 @@ const char* const kTrackCsvHeader =
     "dy_sd_px,rot_sd_deg,windows,x_m,y_m,vx_m_s,vy_m_s,vt_m_s,vn_m_s,omega_rad_s,vx_sd_m_s,"
     "vy_sd_m_s,omega_sd_rad_s,rot_x_deg,rot_y_deg,rot_x_sd_deg,rot_y_sd_deg,dx_rot_y_corr,"
     "dy_rot_x_corr,omega_t_rad_s,omega_n_rad_s,omega_t_sd_rad_s,omega_n_sd_rad_s,vz_m_s,vz_sd_m_s,"
-    "e1_px,e2_px,e1_sd_px,e2_sd_px,by_hand";
+    "e1_px,e2_px,e1_sd_px,e2_sd_px,by_hand,rim_off_x_px,rim_off_y_px,rim_x_sd_px,rim_y_sd_px";
 const char* const kMotionCsvHeader =
     "frame,time_s,status,dx_px,dy_px,rot_deg,dx_sd_px,dy_sd_px,rot_sd_deg,windows,dx_m,dy_m,"
     "plane_rot_deg,dx_sd_m,dy_sd_m,plane_rot_sd_deg";
@@ -96,6 +96,10 @@ TrackRow parse_row(const std::vector<std::string>& cells, const std::string& whe
   row.e1_sd_px = number(40);
   row.e2_sd_px = number(41);
   row.by_hand = parse_by_hand(cells[42], where);
+  row.rim_off_x_px = number(43);
+  row.rim_off_y_px = number(44);
+  row.rim_x_sd_px = number(45);
+  row.rim_y_sd_px = number(46);
   row.circle_ok = !std::isnan(row.cx_px);
   row.motion_ok = !std::isnan(row.dx_px);
   return row;
@@ -165,6 +169,7 @@ std::string line_of(const TrackRow& row, const SiRow& si) {
   line.add(si.vz_m_s, si.vz_sd_m_s);
   line.add(row.e1_px, row.e2_px, row.e1_sd_px, row.e2_sd_px);
   line.add_text(std::to_string(static_cast<int>(row.by_hand)));
+  line.add(row.rim_off_x_px, row.rim_off_y_px, row.rim_x_sd_px, row.rim_y_sd_px);
   return line.text();
 }
 

@@ -69,6 +69,8 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   TrackRow oval = example_row(0);
   oval.e1_px = 1.25, oval.e2_px = -0.5, oval.e1_sd_px = 0.01, oval.e2_sd_px = 0.02;
   oval.by_hand = ByHand::kGuided;
+  oval.rim_off_x_px = 0.1 / 3, oval.rim_off_y_px = -0.07, oval.rim_x_sd_px = 0.02,
+  oval.rim_y_sd_px = 0.03;
   report::TrackCsv csv(folder / "track.csv", {}, 0);
   csv.add(std::vector{example_row(0), lost});
   TrackResult result;
@@ -82,6 +84,10 @@ TEST(TrackCsv, ReadsBackToTheLastBit) {
   EXPECT_EQ(rows[2].e1_sd_px, 0.01);
   EXPECT_EQ(rows[2].e2_sd_px, 0.02);
   EXPECT_EQ(rows[2].by_hand, ByHand::kGuided);
+  EXPECT_EQ(rows[2].rim_off_x_px, 0.1 / 3);
+  EXPECT_EQ(rows[2].rim_off_y_px, -0.07);
+  EXPECT_EQ(rows[2].rim_x_sd_px, 0.02);
+  EXPECT_EQ(rows[2].rim_y_sd_px, 0.03);
   EXPECT_TRUE(std::isnan(rows[0].e1_px));
   EXPECT_EQ(rows[0].by_hand, ByHand::kNo);
   EXPECT_EQ(rows[0].cx_px, 100.123456789);

@@ -230,6 +230,40 @@ TEST(SphereFlight, KeyframesKnowTheFlightBetterThanSteps) {
   EXPECT_LT(keyed, 0.5 * stepped);
 }
 
+// Centres by turns err alike, here along a path of their own, and know a lamp's part of the rims.
+TEST(SphereFlight, RimsTellThePathAndTurnsHowFarRimsLieOff) {
+  constexpr double kLamp_px = 0.09, kDrift_px = 5e-4, kPlaced_px = 0.005;
+  const Flight truth;
+  double squares = 0;
+  int figures = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto rows = rows_of(truth, seed, 0.02);
+    for (TrackRow& row : rows) row.cx_px += kLamp_px, row.cy_px -= kLamp_px;
+    add_keyframes(truth, 100 + seed, rows);  // about these
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      TrackRow& row = rows[i];
+      const double at = static_cast<double>(i), drift_px = kDrift_px * (at - 29.5);
+      row.rim_off_x_px = row.cx_px - (200 + truth.vx * at + drift_px);
+      row.rim_off_y_px = row.cy_px - (250 - truth.vy * at + drift_px);
+      row.cx_px -= row.rim_off_x_px;
+      row.cy_px -= row.rim_off_y_px;
+      row.rim_x_sd_px = row.rim_y_sd_px = row.cx_sd_px;
+      row.cx_sd_px = row.cy_sd_px = kPlaced_px;
+    }
+    const FlightMotion flight = impact::analyse_impact(rows, options_of(0.02)).flight;
+    ASSERT_EQ(flight.last, rows.size() - 1);
+    const auto score = [&](const Measured& found, double wanted) {
+      squares += std::pow((found.value - wanted) / found.sd, 2);
+      ++figures;
+    };
+    score(flight.vx, truth.vx);
+    score(flight.vy, truth.vy);
+    score(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
+    score(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
+  }
+  EXPECT_LT(std::sqrt(squares / figures), 1.2);
+}
+
 // A circle that lies off the ball turns every pair's motion a little about the line of sight; the
 // keyframes' are held against the path.
 TEST(SphereFlight, TheSpinTowardsTheCameraIsThatOfKeyframes) {

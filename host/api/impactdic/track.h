@@ -88,6 +88,10 @@ struct TrackRow {
   // the long one at atan2(e2, e1) / 2.
   double e1_px = kNotMeasured, e2_px = kNotMeasured;
   double e1_sd_px = kNotMeasured, e2_sd_px = kNotMeasured;
+  // Of a sphere that its turns place: how far beside its centre its rim's own centre lies, which
+  // errs by itself where the centres of neighbours err alike; NaN where the rim's is the centre.
+  double rim_off_x_px = kNotMeasured, rim_off_y_px = kNotMeasured;
+  double rim_x_sd_px = kNotMeasured, rim_y_sd_px = kNotMeasured;
   ByHand by_hand = ByHand::kNo;
   double dx_px = kNotMeasured, dy_px = kNotMeasured, rot_deg = kNotMeasured;
   double dx_sd_px = kNotMeasured, dy_sd_px = kNotMeasured, rot_sd_deg = kNotMeasured;

@@ -21,8 +21,12 @@ std::array<double, 2> moved_offset(double from, double to, bool normal) {
 
 class FlightData {
  public:
-  FlightData(const ImpactSeries& series, const GravityDirection& direction, int flight)
-      : series_(series), direction_(direction), flight_(flight) {}
+  FlightData(const ImpactSeries& series, const GravityDirection& direction,
+             const FlightRange& range, int flight)
+      : series_(series),
+        direction_(direction),
+        flight_(flight),
+        rim_off_(series.rim_off(range.first, range.last)) {}
 
   // Instant `i`, so many frames after the flight's own; the last one's motion leads out of it.
   void add(std::size_t i, double from, bool last) {
@@ -61,7 +65,7 @@ class FlightData {
     seen.slope[column(normal) + 1] = from;
     seen.gravity_slope = pull(normal) * from * from / 2;
     seen.across_slope = across(normal) * from * from / 2;
-    seen.value = normal ? series_.position_n[i] : series_.position_t(i);
+    seen.value = normal ? series_.position_n[i] - rim_off_[1] : series_.position_t(i) - rim_off_[0];
     seen.sd = series_.position_sd(i);
     if (series_.sphere) seen.offset_slope = turned_offset(turned_, normal);
     keep(seen);
@@ -106,6 +110,7 @@ class FlightData {
   const ImpactSeries& series_;
   GravityDirection direction_;
   int flight_;
+  std::array<double, 2> rim_off_;
   double turned_ = 0;  // rad in the picture's plane since the first row
 };
 
@@ -137,7 +142,7 @@ void give_usual_deviations(std::vector<Datum>& data) {
 
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
                                const FlightRange& range, int flight) {
-  FlightData rows(series, direction, flight);
+  FlightData rows(series, direction, range, flight);
   for (std::size_t i = range.first; i <= range.last; ++i) {
     rows.add(i, static_cast<double>(i) - range.at, i == range.last);
   }

@@ -14,6 +14,7 @@ const ROWS = [
   ["spin n, rad/s", "omega_n_rad_s", "omega_n_sd_rad_s"],
   ["vz, m/s", "vz_m_s", "vz_sd_m_s"], ["windows", "windows"],
   ["ellipse e1, px", "e1_px", "e1_sd_px"], ["ellipse e2, px", "e2_px", "e2_sd_px"], ["by hand", "by_hand"],
+  ["rim beside it x, px", "rim_off_x_px"], ["rim beside it y, px", "rim_off_y_px"],
 ];
 const BY_HAND = ["no", "measured from the circle given", "the circle given", "said to show no ball"];
 const EMPTY = {by_hand: "0"};  // what stands where there is nothing to say; else ""

@@ -79,6 +79,11 @@ TEST(PlaceByTurns, WhatTwoFramesTellAllRowsTakeUp) {
     EXPECT_NEAR(row.cy_px, true_y(i), 0.006) << i;
     EXPECT_LT(row.cx_sd_px, 0.02);
     EXPECT_GT(row.cx_sd_px, 0.006);
+    // The rim stays where it was.
+    EXPECT_NEAR(row.cx_px + row.rim_off_x_px, true_x(i) + kOff_x, 1e-12);
+    EXPECT_NEAR(row.cy_px + row.rim_off_y_px, true_y(i) + kOff_y, 1e-12);
+    EXPECT_EQ(row.rim_x_sd_px, kCircle_px);
+    EXPECT_EQ(row.rim_y_sd_px, kCircle_px);
     if (i + 1 == kFrames) continue;
     const dic::RigidMotion& motion = clip.pairs[i].motion;
     EXPECT_NEAR(motion.dx_px, 0.9, 5e-4);
@@ -96,6 +101,7 @@ TEST(PlaceByTurns, OneFrameOrFramesThatDisagreeTellNothing) {
     Clip clip;
     clip.place(given);
     EXPECT_TRUE(clip.stays()) << given.size();
+    EXPECT_TRUE(std::isnan(clip.rows[3].rim_off_x_px));
     EXPECT_EQ(clip.rows[3].status, TrackStatus::kOk);
   }
 }
