@@ -96,6 +96,14 @@ SiRow to_si(const TrackResult& result, const TrackRow& row, std::size_t i) {
   return si;
 }
 
+RimCentre rim_centre(const TrackRow& row) {
+  if (!std::isfinite(row.rim_off_x_px)) {
+    return {row.cx_px, row.cy_px, row.cx_sd_px, row.cy_sd_px};
+  }
+  return {row.cx_px + row.rim_off_x_px, row.cy_px + row.rim_off_y_px, row.rim_x_sd_px,
+          row.rim_y_sd_px};
+}
+
 std::optional<double> median_radius_px(const TrackRows& rows) {
   std::vector<double> radii;
   radii.reserve(rows.size());

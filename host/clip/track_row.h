@@ -14,6 +14,13 @@ namespace impactdic {
 // its flight. to_si(result, i) where `result` does not hold its rows.
 SiRow to_si(const TrackResult& result, const TrackRow& row, std::size_t i);
 
+// Where a row's rim has its centre, px, with the deviations. It errs by itself in every row, where
+// centres by a sphere's turns err alike in many: paths are fitted to it.
+struct RimCentre {
+  double x_px, y_px, x_sd_px, y_sd_px;
+};
+RimCentre rim_centre(const TrackRow& row);
+
 // Median radius of the rows with a circle; nullopt where there is none.
 std::optional<double> median_radius_px(const TrackRows& rows);
 

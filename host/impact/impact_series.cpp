@@ -36,12 +36,6 @@ Matrix4 without(const Matrix4& stated, const Vector4& effect) {
   return is_covariance ? own : stated;
 }
 
-// Of the circle that the rim tells: centres by turns err alike in many rows.
-Eigen::Vector2d rim_centre(const TrackRow& row) {
-  const bool beside = std::isfinite(row.rim_off_x_px);
-  return {row.cx_px + (beside ? row.rim_off_x_px : 0), row.cy_px + (beside ? row.rim_off_y_px : 0)};
-}
-
 bool has_motion(const TrackRow& row) {
   return row.motion_ok && row.status != TrackStatus::kInconsistent;
 }
@@ -120,8 +114,8 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
     any_motion |= motion;
     any_turn |= motion && std::isfinite(row.rot_x_deg);
     // Image axes have y down.
-    const Eigen::Vector2d rim = rim_centre(row);
-    position_n.push_back(row.circle_ok ? -s_ * rim.x() - c_ * rim.y() : kNotMeasured);
+    const RimCentre rim = rim_centre(row);
+    position_n.push_back(row.circle_ok ? -s_ * rim.x_px - c_ * rim.y_px : kNotMeasured);
     step_n.push_back(motion ? -s_ * row.dx_px - c_ * row.dy_px : kNotMeasured);
   }
   if (any_turn) sphere.emplace(rows, surface_angle_rad, known);
@@ -142,16 +136,13 @@ bool ImpactSeries::is_motion_lost(std::size_t first, std::size_t last) const {
 
 double ImpactSeries::position_t(std::size_t i) const {
   const TrackRow row = rows_[i];
-  const Eigen::Vector2d rim = rim_centre(row);
-  return row.circle_ok ? c_ * rim.x() - s_ * rim.y() : kNotMeasured;
+  const RimCentre rim = rim_centre(row);
+  return row.circle_ok ? c_ * rim.x_px - s_ * rim.y_px : kNotMeasured;
 }
 
 double ImpactSeries::position_sd(std::size_t i) const {
-  const TrackRow row = rows_[i];
-  if (std::isfinite(row.rim_off_x_px)) {
-    return std::hypot(row.rim_x_sd_px, row.rim_y_sd_px) / std::sqrt(2.0);
-  }
-  return std::hypot(row.cx_sd_px, row.cy_sd_px) / std::sqrt(2.0);
+  const RimCentre rim = rim_centre(rows_[i]);
+  return std::hypot(rim.x_sd_px, rim.y_sd_px) / std::sqrt(2.0);
 }
 
 std::array<double, 2> ImpactSeries::rim_off(std::size_t first, std::size_t last) const {

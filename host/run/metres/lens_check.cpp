@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/clip/track_row.h"
 
 namespace impactdic::run {
 namespace {
@@ -92,12 +93,13 @@ class Equations {
   template <typename Use>
   void each_of_row(const TrackRow& row, double t, Eigen::Index at, const Use& use) const {
     if (!row.circle_ok || (motions_ && !row.motion_ok)) return;
-    const Vector2d centre(row.cx_px, row.cy_px), motion(row.dx_px, row.dy_px);
+    const RimCentre rim = rim_centre(row);
+    const Vector2d centre(rim.x_px, rim.y_px), motion(row.dx_px, row.dy_px);
     const Vector2d value = motions_ ? motion : centre;
     const Vector2d bend =
         motions_ ? bending_.step(centre + motion / 2, motion) : bending_.place(centre);
     const Vector2d sd =
-        motions_ ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(row.cx_sd_px, row.cy_sd_px);
+        motions_ ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(rim.x_sd_px, rim.y_sd_px);
     const Eigen::Vector3d path =
         motions_ ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
     for (int axis = 0; axis < 2; ++axis) {
