@@ -136,7 +136,8 @@ typedef struct BallLimits {
   float grey_level;       // of 255, in grey levels of the file
   float min_contrast;     // rms, grey levels of the file
   float min_correlation;  // ZNCC
-  float mask_area;        // px; 0: no mask
+  float mask_area;        // of a mask that is the body, px; else 0
+  idic_int mask_pitch;    // of the mask's rows; 0: no mask
 } BallLimits;
 
 // One ball whose turn is sought between frame slots `first` and `second`: its centre in each, and

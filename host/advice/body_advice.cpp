@@ -207,6 +207,7 @@ class Verdict {
   void look_at(const BallPair& pair) {
     const std::optional<Tilt> tilt = PairLook(engine_, pair, field_, perspective_).tilt();
     if (!tilt) return;
+    if (tilt->motion.ok) moved_.push_back({&pair, tilt->motion});
     measured_ += tilt->is_known ? 1 : 0;
     radius_.add(pair.first_ball.r_px, kRimRadiusSd_px);
     const bool free = tilt->radius_sd_px > 0;
@@ -239,6 +240,7 @@ class Verdict {
     }
     if (blur_.count() > 0) advice.blur_px2 = blur_.value();
     advice.light = light_;
+    advice.moved = moved_;
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
     }
@@ -302,6 +304,7 @@ class Verdict {
   bool out_of_plane_ = false;
   double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
   WeightedMean radius_, by_turns_, nearness_, blur_;
+  std::vector<MovedBall> moved_;
   BallLight light_{};                                               // by the best far pair
   double weights_ = 0;                                              // of by_turns_
   std::optional<double> best_radius_sd_px_;                         // of one far pair
@@ -317,7 +320,10 @@ BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
   for (const BallPair& pair : pairs) verdict.look_at(pair);
   const double changes = out_of_round(pairs);
   if (!verdict.is_measured() && !(verdict.may_be_told() && changes <= kOutOfRound)) {
-    return {Body::kDisc, unmeasured(changes), false};
+    BodyAdvice none;
+    none.reason = unmeasured(changes);
+    none.is_measured = false;
+    return none;
   }
   return verdict.advice();
 }

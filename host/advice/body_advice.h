@@ -7,6 +7,7 @@
 
 #include "host/advice/clip_advice.h"
 #include "host/advice/sphere_radius.h"
+#include "host/advice/still_edges.h"
 #include "host/sphere/picture_blur.h"
 
 namespace impactdic::advice {
@@ -24,6 +25,7 @@ struct BodyAdvice {
   BallLight light{};                         // on it; all 0 where its turns do not show it
   // This over the camera's distance; NaN where that was known, or the pictures do not tell.
   Measured nearness;
+  std::vector<MovedBall> moved;  // pairs whose motion was measured
   // Of a disc: the turn out of the picture's plane, rad a frame, that there may be without showing;
   // NaN where nothing tells.
   double unseen_tilt_rad = kNotMeasured;

@@ -17,8 +17,8 @@ class BallEstimator : public MotionEstimator {
         radius_px_(radius_px),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
-        rigid_(engine, ball_options(options.field, dic::BallModel::kRigid)),
-        affine_(engine, ball_options(options.field, dic::BallModel::kAffine)) {}
+        rigid_(engine, whole_options(options, dic::BallModel::kRigid)),
+        affine_(engine, whole_options(options, dic::BallModel::kAffine)) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
@@ -35,6 +35,12 @@ class BallEstimator : public MotionEstimator {
   }
 
  private:
+  static dic::BallOptions whole_options(const EstimatorOptions& options, dic::BallModel model) {
+    dic::BallOptions whole = ball_options(options.field, model);
+    whole.mask = options.moving;
+    return whole;
+  }
+
   // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
   static bool is_strained(const PairMotion& pair) {
     constexpr double kSignificant = 5, kSmallest = 2e-4;
@@ -134,6 +140,7 @@ dic::BallOptions body_options(const EstimatorOptions& options) {
   const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
   dic::BallOptions body = ball_options(options.field, model);
   body.lit = options.is_lit();
+  body.mask = options.moving;
   return body;
 }
 

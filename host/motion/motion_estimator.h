@@ -38,6 +38,9 @@ struct EstimatorOptions {
   double sphere_radius_sd_px = 0.5;
   double sphere_blur_px2 = sphere::kUsualBlur_px2;  // of its pictures, see BallTask
   BallLight sphere_light{};  // on it, the same in all pictures; all 0 where it is not known
+  // Of the pictures: 0 where something that stands still before the ball, or on it, shows; nullptr:
+  // nowhere.
+  std::shared_ptr<const Image<std::uint8_t>> moving;
   bool is_lit() const { return sphere && sphere_light.least > 0; }
   Perspective perspective;  // of the sphere; its pairs' circles are about its centre
   // Of the sphere, where its rim has this radius.

@@ -44,13 +44,15 @@ dic::BallOptions region_options(const CorrelateOptions& options, const ClipInfo&
   dic::BallOptions region;
   region.min_correlation = options.field.min_correlation;
   region.min_texture = options.field.min_texture;
-  region.mask = Image<std::uint8_t>(clip.width, clip.height, 0);
+  auto mask = std::make_shared<Image<std::uint8_t>>(clip.width, clip.height, 0);
   const Roi& roi = options.roi;
   for (int y = roi.y; y < roi.y + roi.height; ++y) {
     for (int x = roi.x; x < roi.x + roi.width; ++x) {
-      region.mask(x, y) = options.mask.size() == 0 || options.mask(x, y) != 0 ? 1 : 0;
+      (*mask)(x, y) = options.mask.size() == 0 || options.mask(x, y) != 0 ? 1 : 0;
     }
   }
+  region.mask = std::move(mask);
+  region.mask_is_body = true;
   return region;
 }
 

@@ -204,6 +204,9 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
       by_turns = judged.radius_by_turns_px;
     }
     shown = judged.nearness;
+    if (std::getenv("STILL_DEBUG")) std::fprintf(stderr, "rim %.3f\n", scouted_->balls.empty() ? -1 : scouted_->balls.front().rim_fraction);
+    if (!std::getenv("STILL_NO")) options_.estimator.moving = advice::still_edges(judged.moved, result_.advice.texture ? result_.advice.texture->noise : 1,
+                              advice::far_frames(*source_, looked));
   }
   if (looks_at_body() && !is_measured) look_for_round_body();
   options_.estimator.sphere = result_.body == Body::kSphere;

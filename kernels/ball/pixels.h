@@ -137,7 +137,7 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   w = fmin(view_x, most_x - view_x) >= 0.0f ? w : zero;
   w = fmin(view_y, most_y - view_y) >= 0.0f ? w : zero;
 #if MASKED
-  w *= LOAD_REAL(mask + (size_t)py * limits.plane_pitch + px);
+  w *= LOAD_REAL(mask + (size_t)py * limits.mask_pitch + px);
 #endif
 #if VECTOR == 1
   if (w == 0.0f) return 0;

@@ -22,18 +22,25 @@
 
 // coefficients, planes: of SplineFrames (prefilter.cl), the former from element `offset` on.
 // smooth_taps: (SMOOTH_RADIUS + 1) weights of the pre-smoothing. noise: see warp_noise, and
-// in its last element the noise variance of the first picture. mask: weights of the first picture's
-// pixels, rows as the planes' (MASKED 1; else not read). One group of GROUP a task.
+// in its last element the noise variance of the first picture. mask: weights of the pixels of the
+// pictures that the frames are parts of, with these `corners`, one a slot (MASKED 1; else not read).
+// One group of GROUP a task.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     __global const float* coefficients, const int offset, __global const float* planes,
     __global const BallTask* tasks, __global BallMotion* motions, const BallLimits limits,
-    __constant float* smooth_taps, const float4 noise, __global const float* mask) {
+    __constant float* smooth_taps, const float4 noise, __global const float* mask,
+    __global const int2* corners) {
   __local float scratch[REDUCE_SCRATCH];
   __local Shared shared;
   const int item = (int)get_local_id(0);
   BallTask task = tasks[get_group_id(0)];
 #if FREE_CENTRE
   const BallTask told = task;
+#endif
+#if MASKED
+  mask += corners[task.first].y * limits.mask_pitch + corners[task.first].x;
+#else
+  (void)corners;
 #endif
   const int cx = clamp((int)rint(task.cx), 0, limits.width - 1);
   const int cy = clamp((int)rint(task.cy), 0, limits.height - 1);

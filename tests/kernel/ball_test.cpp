@@ -321,10 +321,12 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
   frames.set(1, second);
   for (const bool left : {true, false}) {
     dic::BallOptions options;
-    options.mask = Image<std::uint8_t>(kWidth, kHeight, 0);
+    auto mask = std::make_shared<Image<std::uint8_t>>(kWidth, kHeight, 0);
     for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) options.mask(x, y) = left ? x < 68 : x > 84;
+      for (int x = 0; x < kWidth; ++x) (*mask)(x, y) = left ? x < 68 : x > 84;
     }
+    options.mask = mask;
+    options.mask_is_body = true;
     const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0, {}};
     const BallMotion motion =
         dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1})[0];
@@ -334,7 +336,7 @@ TEST(BallKernel, OnlyPixelsOfTheMaskCount) {
     EXPECT_NEAR(motion.rot_rad * 180 / M_PI, left ? 2 : -1.5, 0.02) << left;
   }
   dic::BallOptions options;
-  options.mask = Image<std::uint8_t>(kWidth + 1, kHeight, 1);
+  options.mask = std::make_shared<Image<std::uint8_t>>(kWidth - 1, kHeight, 1);
   const BallTask task{0, 1, 76, 74, kRadiusPx - 4, 0, 0, 0, 0, 0, 0, {}};
   EXPECT_THROW(dic::BallRegistration(shared_engine(), options).measure(frames, {&task, 1}),
                InvalidArgument);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <numbers>
+#include <numeric>
 
 #include "host/dic/frames/spline_taps.h"
 #include "host/opencl/arguments.h"
@@ -81,7 +82,7 @@ opencl::ProgramRequest BallRegistration::program(const opencl::Engine& engine,
            {"SHAPED", flag(shaped)},
            {"LIT", flag(options.lit)},
            {"SMOOTH_RADIUS", std::to_string(smooth_radius)},
-           {"MASKED", flag(options.mask.size() > 0)}}};
+           {"MASKED", flag(options.mask != nullptr)}}};
 }
 
 cl::Kernel& BallRegistration::kernel(bool shaped) {
@@ -92,25 +93,34 @@ cl::Kernel& BallRegistration::kernel(bool shaped) {
   return kernel;
 }
 
-void BallRegistration::write_mask(const SplineFrames& splines) {
-  const Image<std::uint8_t>& mask = options_.mask;
-  if (mask.size() == 0) {
+void BallRegistration::write_mask() {
+  if (!is_masked()) {
     mask_ = opencl::Buffer<float>(engine_, 1);
+    corners_ = opencl::Buffer<cl_int2>(engine_, 1);
     return;
   }
-  if (mask.width() != splines.width() || mask.height() != splines.height()) {
-    throw InvalidArgument("the mask has another size than the frames");
-  }
-  const auto pitch = static_cast<std::size_t>(splines.plane_pitch());
-  std::vector<float> weights(pitch * static_cast<std::size_t>(mask.height()) + pitch);
-  for (int y = 0; y < mask.height(); ++y) {
-    for (int x = 0; x < mask.width(); ++x) {
-      const float weight = mask(x, y) != 0 ? 1.0F : 0.0F;
-      weights[static_cast<std::size_t>(y) * pitch + static_cast<std::size_t>(x)] = weight;
-      mask_area_ += weight;
-    }
+  const Image<std::uint8_t>& mask = *options_.mask;
+  // Kernels may read some pixels more than there are in a row.
+  std::vector<float> weights(mask.size() + kBytesBehind);
+  std::transform(mask.data(), mask.data() + mask.size(), weights.begin(),
+                 [](std::uint8_t pixel) { return pixel != 0 ? 1.0F : 0.0F; });
+  if (options_.mask_is_body) {
+    mask_area_ = std::accumulate(weights.begin(), weights.end(), 0.0F);
   }
   mask_ = opencl::make_buffer<float>(engine_, weights);
+}
+
+std::vector<cl_int2> BallRegistration::corners_of(const DeviceFrames& frames) const {
+  std::vector<cl_int2> corners;
+  if (!is_masked()) return corners;
+  const Image<std::uint8_t>& mask = *options_.mask;
+  for (const PartCorner& corner : frames.corners()) {
+    if (corner.x + frames.width() > mask.width() || corner.y + frames.height() > mask.height()) {
+      throw InvalidArgument("the mask is smaller than the pictures");
+    }
+    corners.push_back({{corner.x, corner.y}});
+  }
+  return corners;
 }
 
 std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
@@ -161,9 +171,11 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
   }
   const SplineFrames& splines =
       frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
-  if (mask_.size() == 0) write_mask(splines);
+  if (mask_.size() == 0) write_mask();
   const double each = pixels / static_cast<double>(tasks.size());
   const std::size_t most = engine_.at_once(tasks.size(), each);
+  const std::vector<cl_int2> corners = corners_of(frames);
+  corners_.reserve(engine_, corners.size());
   tasks_.reserve(engine_, most);
   motions_.reserve(engine_, most);
   BallLimits limits{};
@@ -177,9 +189,10 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
   limits.min_contrast = static_cast<float>(options_.min_texture * frames.full_scale() / 255);
   limits.min_correlation = static_cast<float>(options_.min_correlation);
   limits.mask_area = mask_area_;
+  limits.mask_pitch = is_masked() ? options_.mask->width() : 0;
   opencl::set_arguments(compiled, splines.coefficients().get(), splines.coefficient_offset(),
                         splines.planes().get(), tasks_.get(), motions_.get(), limits,
-                        smooth_taps_.get(), noise_, mask_.get());
+                        smooth_taps_.get(), noise_, mask_.get(), corners_.get());
   const auto group = static_cast<std::size_t>(tiling_.group);
   const double taps = options_.spline_degree + 1.0, columns = 5.0 + parameters(options_.model);
   std::vector<BallMotion> motions(tasks.size());
@@ -188,6 +201,7 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
     const double area = each * static_cast<double>(count);
     opencl::Settled settled(engine_);
     tasks_.write_later(engine_, tasks.subspan(first, count));
+    if (is_masked()) corners_.write_later(engine_, std::span<const cl_int2>(corners));
     // Four steps are typical.
     engine_.launch(engine_.queue(), compiled, cl::NDRange(count * group), cl::NDRange(group),
                    {area * 16, area * 4 * (2 * taps * taps + columns * (columns + 1) + 80)});

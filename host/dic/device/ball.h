@@ -5,6 +5,7 @@
 #include <impactdic/image.h>
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -33,8 +34,11 @@ struct BallOptions {
   int max_steps = 30;
   double min_correlation = 0.6;  // ZNCC below which a ball is low_correlation
   double min_texture = 1.0;      // rms contrast, grey levels of 255, below which it is no_texture
-  // Which pixels of the first frame count (not 0), of the frames' size; empty: all of the disc.
-  Image<std::uint8_t> mask;
+  // Which pixels of the first picture count (not 0): an image of the whole pictures, of which the
+  // frames may be parts; nullptr: all of the disc. A mask may be the body, so that shares
+  // are of its pixels, or say what hides a part of the disc.
+  std::shared_ptr<const Image<std::uint8_t>> mask;
+  bool mask_is_body = false;
   void validate() const;  // throws InvalidArgument
 };
 
@@ -67,9 +71,13 @@ class BallRegistration {
   // Balls of one kind.
   std::vector<BallMotion> launch(DeviceFrames& frames, std::span<const BallTask> tasks,
                                  bool shaped);
-  void write_mask(const SplineFrames& splines);
+  bool is_masked() const { return options_.mask != nullptr; }
+  void write_mask();
+  // Of what the slots hold, of masked registrations.
+  std::vector<cl_int2> corners_of(const DeviceFrames& frames) const;
   opencl::Buffer<float> smooth_taps_, mask_;
   float mask_area_ = 0;
+  opencl::Buffer<cl_int2> corners_;
   opencl::Buffer<BallTask> tasks_;
   opencl::Buffer<BallMotion> motions_;
   cl_float4 noise_;

@@ -37,7 +37,9 @@ void copy_rows(std::span<const FramePart> parts, std::size_t width, std::size_t 
 }  // namespace
 
 DeviceFrames::DeviceFrames(opencl::Engine& engine, int slots)
-    : engine_(engine), versions_(static_cast<std::size_t>(slots), 0), staging_(engine) {}
+    : engine_(engine), versions_(static_cast<std::size_t>(slots), 0),
+      corners_(static_cast<std::size_t>(slots)),
+      staging_(engine) {}
 
 DeviceFrames::~DeviceFrames() = default;
 
@@ -107,7 +109,9 @@ void DeviceFrames::set(int first_slot, std::span<const FramePart> parts, int wid
                  cl::NDRange(opencl::round_up((count + UNPACK_AT_ONCE - 1) / UNPACK_AT_ONCE, 64)),
                  cl::NDRange(64), {static_cast<double>((2 * pixel_bytes() + 4) * count), 0});
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    ++versions_[static_cast<std::size_t>(first_slot) + i];
+    const std::size_t slot = static_cast<std::size_t>(first_slot) + i;
+    ++versions_[slot];
+    corners_[slot] = {parts[i].frame_at.x + parts[i].x, parts[i].frame_at.y + parts[i].y};
   }
 }
 

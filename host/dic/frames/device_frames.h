@@ -21,10 +21,16 @@ class SplineFrames;
 // Bytes behind stored pictures on the device: kernels may read more of a row than they use.
 inline constexpr std::size_t kBytesBehind = 64;
 
+// Pixel (0, 0) of a part, in the picture that it is a part of.
+struct PartCorner {
+  int x = 0, y = 0;
+};
+
 // A rectangle of a frame: its corner at the top left.
 struct FramePart {
   const Frame* frame = nullptr;
   int x = 0, y = 0;
+  PartCorner frame_at = {};  // pixel (0, 0) of the frame, where it is a part of a picture itself
 };
 
 class DeviceFrames {
@@ -51,6 +57,8 @@ class DeviceFrames {
   // Counts the pictures that came into `slot`; 0: it holds none. Throws InvalidArgument for a slot
   // that is not there.
   std::uint64_t version(int slot) const;
+  // Of what the slots hold, one a slot.
+  const std::vector<PartCorner>& corners() const { return corners_; }
   // (slots, height, width) floats in grey levels of the file; slot s begins at s·height·width.
   const opencl::Buffer<float>& images() const { return images_; }
   // The same at their stored depth.
@@ -71,6 +79,7 @@ class DeviceFrames {
   int width_ = 0, height_ = 0;
   double full_scale_ = 255;
   std::vector<std::uint64_t> versions_;
+  std::vector<PartCorner> corners_;
   opencl::Buffer<float> images_;
   opencl::Buffer<unsigned char> pixels_;
   opencl::Staging staging_;

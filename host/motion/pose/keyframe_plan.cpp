@@ -25,8 +25,8 @@ std::shared_ptr<const Frame> KeyframeAim::picture_of(const Circle& circle,
   return picture;
 }
 
-int hold(const Keyframe& key, KeyframeSlots& slots) {
-  return slots.hold(key.pose.keyframe, *key.picture);
+int KeyframeAim::hold(const Keyframe& key, KeyframeSlots& slots) const {
+  return slots.hold(key.pose.keyframe, *key.picture, crop_.about(key.circle));
 }
 
 bool KeyframeAim::reaches(const Keyframe& key, const BodyPose& pose, double reach_rad) const {

@@ -84,6 +84,8 @@ class KeyframeAim {
 
   // The part of a keyframe's picture that goes to devices.
   std::shared_ptr<const Frame> picture_of(const Circle& circle, const Frame& frame) const;
+  // Puts that on the device; returns its slot there.
+  int hold(const Keyframe& key, KeyframeSlots& slots) const;
   // Gives every frame one of the targets. Where none reaches the pose expected of it (`near`), the
   // frame before it is to become a keyframe, as far as those poses tell, so that all can be
   // registered at once; it joins the targets. `reach_rad`: the farthest tilt of a sphere.
@@ -109,8 +111,5 @@ class KeyframeAim {
   bool sphere_;
   Perspective perspective_;
 };
-
-// Puts a keyframe's picture on the device; returns its slot there.
-int hold(const Keyframe& key, KeyframeSlots& slots);
 
 }  // namespace impactdic::motion

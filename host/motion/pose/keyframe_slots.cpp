@@ -22,14 +22,16 @@ KeyframeSlots::KeyframeSlots(opencl::Engine& engine, dic::DeviceFrames& frames, 
       ring_(engine, {}),
       search_(engine) {}
 
-int KeyframeSlots::hold(std::int64_t index, const Frame& picture) {
+int KeyframeSlots::hold(std::int64_t index, const Frame& picture, const CropOrigin& corner) {
   auto place = std::find_if(places_.begin(), places_.end(),
                             [&](const Place& held) { return held.index == index; });
   if (place == places_.end()) {
     place = std::min_element(places_.begin(), places_.end(),
                              [](const Place& a, const Place& b) { return a.asked < b.asked; });
     place->index = index;
-    frames_.set(first_slot_ + static_cast<int>(place - places_.begin()), picture);
+    const dic::FramePart whole = {&picture, 0, 0, {corner.x, corner.y}};
+    frames_.set(first_slot_ + static_cast<int>(place - places_.begin()), std::span(&whole, 1),
+                picture.width(), picture.height());
   }
   place->asked = ++asked_;
   return first_slot_ + static_cast<int>(place - places_.begin());

@@ -10,6 +10,7 @@
 #include "host/dic/device/ring.h"
 #include "host/dic/device/sphere_search.h"
 #include "host/dic/frames/device_frames.h"
+#include "host/motion/ball_crop.h"
 #include "host/opencl/engine.h"
 
 namespace impactdic::motion {
@@ -28,7 +29,8 @@ class KeyframeSlots {
 
   // The slot of keyframe `index`; puts its picture there unless it is there, in place of the one
   // that has not been asked for longest. Good until kKeyframePlaces others were asked for.
-  int hold(std::int64_t index, const Frame& picture);
+  // `picture` is the part of its frame from `corner` on.
+  int hold(std::int64_t index, const Frame& picture, const CropOrigin& corner);
   std::vector<BallMotion> measure(std::span<const BallTask> tasks, bool affine);
   dic::RingMotion turn(const RingTask& task);
   // Turns of a sphere, likeliest first.

@@ -245,7 +245,7 @@ std::optional<LinkedPose> Keyframes::find_again(const ChainedFrame& frame, Keyfr
 std::vector<dic::RigidMotion> Keyframes::sought(const Keyframe& key, const ChainedFrame& frame,
                                                 KeyframeSlots& slots) {
   PairMotion pair;
-  pair.first_slot = hold(key, slots);
+  pair.first_slot = aim_.hold(key, slots);
   pair.second_slot = frame.slot;
   pair.first = key.circle;
   pair.second = frame.circle;

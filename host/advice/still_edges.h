@@ -1,0 +1,31 @@
+// Edges that stand still before a ball that moves, or on it: those of a bar, a racket, a glint.
+#pragma once
+
+#include <impactdic/image.h>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "host/advice/clip_advice.h"
+#include "host/advice/sphere_radius.h"
+#include "host/dic/rigid_fit.h"
+
+namespace impactdic::advice {
+
+// A pair of frames, and what its ball moved by.
+struct MovedBall {
+  const BallPair* pair = nullptr;
+  dic::RigidMotion step;
+};
+
+// An image of the pictures: 0 on such edges and beside them, 255 elsewhere; nullptr where there are
+// none, or nothing tells. About each pair some frames are read between which the ball, if it goes on
+// as it does, moves its texture by some pixels. What stays as it was in them, though the ball would
+// have carried the edge on, is no part of the ball: beside the ball's own edges it holds a
+// registration back, by too little in a pair to be told from noise. `noise`: deviation of a pixel,
+// grey levels of the file.
+std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
+                                                       double noise, const FarFrames& frames);
+
+}  // namespace impactdic::advice
