@@ -66,6 +66,8 @@ class PairLook {
     frames_.set(1, pair.second);
   }
 
+  dic::RigidMotion flat_motion() { return measured(false).motion; }
+
   // nullopt where the pair shows no motion of a sphere.
   std::optional<Tilt> tilt() {
     const motion::PairMotion flat = measured(false);
@@ -312,6 +314,16 @@ class Verdict {
 };
 
 }  // namespace
+
+std::vector<MovedBall> discs_moved(opencl::Engine& engine, std::span<const BallPair> pairs,
+                                   const FieldOptions& field) {
+  std::vector<MovedBall> moved;
+  for (const BallPair& pair : pairs) {
+    const dic::RigidMotion step = PairLook(engine, pair, field, {}).flat_motion();
+    if (step.ok) moved.push_back({&pair, step});
+  }
+  return moved;
+}
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
                       const FieldOptions& field, const motion::Perspective& perspective,

@@ -31,6 +31,10 @@ struct BodyAdvice {
   double unseen_tilt_rad = kNotMeasured;
 };
 
+// The pairs that are measured as flat balls'.
+std::vector<MovedBall> discs_moved(opencl::Engine& engine, std::span<const BallPair> pairs,
+                                   const FieldOptions& field);
+
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
 // and the registration of a sphere fits the pictures better than that of a disc, or where such a
 // turn adds up over many frames (slow_tilt). Else a disc: what it measures is then the same, and

@@ -52,6 +52,9 @@ struct BallPicture {
   Frame picture;
   FoundBall ball;
 };
+// The frame `index` among the analysed ones, cut likewise; nullopt where it cannot be read.
+std::optional<Frame> read_picture(FrameSource& source, const AdviceRequest& request,
+                                  std::int64_t index);
 // Of the frame `index` among the analysed ones, the ball looked for near `near` first; nullopt
 // where there is none or the frame cannot be read.
 std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,

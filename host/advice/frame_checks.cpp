@@ -8,19 +8,11 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "host/advice/frame_floats.h"
 #include "host/base/statistics.h"
 
 namespace impactdic::advice {
 namespace {
-
-cv::Mat as_floats(const Frame& frame) {
-  const cv::Mat stored(frame.height(), frame.width(),
-                       frame.type == PixelType::kU8 ? CV_8UC1 : CV_16UC1,
-                       const_cast<void*>(frame.bytes()));
-  cv::Mat floats;
-  stored.convertTo(floats, CV_32F);
-  return floats;
-}
 
 cv::Rect as_rect(const Roi& region) { return {region.x, region.y, region.width, region.height}; }
 

@@ -183,20 +183,25 @@ std::int64_t last_looked_at(FrameSource& source, const FrameRange& frames) {
   return (container ? std::min(frames.count(), kOfContainer) : frames.count()) - 1;
 }
 
-std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,
-                                         std::int64_t index, const Circle& near) {
-  BallPicture found;
+std::optional<Frame> read_picture(FrameSource& source, const AdviceRequest& request,
+                                  std::int64_t index) {
+  Frame whole, picture;
   try {
-    Frame whole;
     source.read(request.frames.at(index), whole);
-    crop(whole, request.roi, found.picture);
   } catch (const Error&) {
     return std::nullopt;
   }
-  const std::optional<FoundBall> ball = find_next(found.picture, index, near, request);
+  crop(whole, request.roi, picture);
+  return picture;
+}
+
+std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,
+                                         std::int64_t index, const Circle& near) {
+  std::optional<Frame> picture = read_picture(source, request, index);
+  if (!picture) return std::nullopt;
+  const std::optional<FoundBall> ball = find_next(*picture, index, near, request);
   if (!ball) return std::nullopt;
-  found.ball = *ball;
-  return found;
+  return BallPicture{std::move(*picture), *ball};
 }
 
 }  // namespace impactdic::advice

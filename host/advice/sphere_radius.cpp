@@ -267,7 +267,8 @@ FarFrames far_frames(FrameSource& source, const AdviceRequest& request) {
   return {last_looked_at(source, request.frames) + 1,
           [&source, &request](std::int64_t index, const Circle& near) {
             return look_for_ball(source, request, index, near);
-          }};
+          },
+          [&source, &request](std::int64_t index) { return read_picture(source, request, index); }};
 }
 
 std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,

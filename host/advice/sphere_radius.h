@@ -22,6 +22,8 @@ struct FarFrames {
   std::int64_t count = 0;
   // The ball in frame `index`, looked for near a circle; nullopt where it is not found.
   std::function<std::optional<BallPicture>(std::int64_t index, const Circle& near)> find;
+  // Frame `index`, cut to the region of interest; nullopt where it cannot be read.
+  std::function<std::optional<Frame>(std::int64_t index)> picture;
 };
 // Both must outlive what is returned.
 FarFrames far_frames(FrameSource& source, const AdviceRequest& request);

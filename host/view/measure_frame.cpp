@@ -13,7 +13,7 @@
 #include "host/report/csv.h"
 #include "host/run/control.h"
 #include "host/run/settings/job_file.h"
-#include "host/run/track_run.h"
+#include "host/run/track/track_run.h"
 #include "host/view/field_frames.h"
 
 namespace impactdic::view {

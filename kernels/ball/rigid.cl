@@ -23,8 +23,8 @@
 // coefficients, planes: of SplineFrames (prefilter.cl), the former from element `offset` on.
 // smooth_taps: (SMOOTH_RADIUS + 1) weights of the pre-smoothing. noise: see warp_noise, and
 // in its last element the noise variance of the first picture. mask: weights of the pixels of the
-// pictures that the frames are parts of, with these `corners`, one a slot (MASKED 1; else not read).
-// One group of GROUP a task.
+// pictures that the frames are parts of, with these `corners`, one a slot (MASKED 1; else not
+// read). One group of GROUP a task.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void register_balls(
     __global const float* coefficients, const int offset, __global const float* planes,
     __global const BallTask* tasks, __global BallMotion* motions, const BallLimits limits,

@@ -148,10 +148,9 @@ std::vector<BallMotion> BallRegistration::measure(DeviceFrames& frames,
   return motions;
 }
 
-std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
-                                                 std::span<const BallTask> tasks, bool shaped) {
-  if (tasks.empty()) return {};
-  cl::Kernel& compiled = kernel(shaped);
+// Pixels of all tasks' discs. Throws InvalidArgument for a task that cannot be measured.
+double BallRegistration::checked_pixels(const DeviceFrames& frames,
+                                        std::span<const BallTask> tasks) const {
   double pixels = 0;
   for (const BallTask& task : tasks) {
     for (const int slot : {task.first, task.second}) {
@@ -169,6 +168,14 @@ std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
     }
     pixels += std::numbers::pi * task.radius * task.radius;
   }
+  return pixels;
+}
+
+std::vector<BallMotion> BallRegistration::launch(DeviceFrames& frames,
+                                                 std::span<const BallTask> tasks, bool shaped) {
+  if (tasks.empty()) return {};
+  cl::Kernel& compiled = kernel(shaped);
+  const double pixels = checked_pixels(frames, tasks);
   const SplineFrames& splines =
       frames.splines(options_.spline_degree, options_.presmooth_sigma_px, tiling_);
   if (mask_.size() == 0) write_mask();

@@ -73,6 +73,7 @@ class BallRegistration {
                                  bool shaped);
   bool is_masked() const { return options_.mask != nullptr; }
   void write_mask();
+  double checked_pixels(const DeviceFrames& frames, std::span<const BallTask> tasks) const;
   // Of what the slots hold, of masked registrations.
   std::vector<cl_int2> corners_of(const DeviceFrames& frames) const;
   opencl::Buffer<float> smooth_taps_, mask_;

@@ -37,7 +37,8 @@ void copy_rows(std::span<const FramePart> parts, std::size_t width, std::size_t 
 }  // namespace
 
 DeviceFrames::DeviceFrames(opencl::Engine& engine, int slots)
-    : engine_(engine), versions_(static_cast<std::size_t>(slots), 0),
+    : engine_(engine),
+      versions_(static_cast<std::size_t>(slots), 0),
       corners_(static_cast<std::size_t>(slots)),
       staging_(engine) {}
 

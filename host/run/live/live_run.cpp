@@ -18,7 +18,7 @@
 #include "host/run/expected_programs.h"
 #include "host/run/live/first_frames.h"
 #include "host/run/session.h"
-#include "host/run/track_run.h"
+#include "host/run/track/track_run.h"
 #include "host/video/live/frame_queue.h"
 
 namespace impactdic {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/advice/clip_advice.h"
+#include "host/advice/still_edges.h"
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/row_store.h"
@@ -69,13 +70,17 @@ class TrackRun {
   void scout(advice::AdviceRequest& request);
   // Looks for the surface's edge, and compares it with the angle that was given.
   void look_for_surface();
-  // Sphere or disc, by the pairs of frames that the look found.
-  void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
-  // Whether the pictures are to tell what turns, or more of it.
-  bool looks_at_body() const {
-    return options_.with_field && request_.body != Body::kDisc &&
-           options_.estimator.estimator == Estimator::kBall;
+  // Sphere or disc, by the pairs of frames that the look found; which of them are measured.
+  std::vector<advice::MovedBall> choose_body(const std::vector<advice::BallPair>& pairs,
+                                             const advice::AdviceRequest& looked);
+  bool registers_ball() const {
+    return options_.with_field && options_.estimator.estimator == Estimator::kBall;
   }
+  // Whether the pictures are to tell what turns, or more of it.
+  bool looks_at_body() const { return registers_ball() && request_.body != Body::kDisc; }
+  // Of a bar before the ball, or a glint on it: registrations do without.
+  void leave_out_still_edges(const std::vector<advice::MovedBall>& moved,
+                             const advice::AdviceRequest& looked);
   // Where no pair shows a ball's motion: whether what turns is no sphere.
   void look_for_round_body();
 

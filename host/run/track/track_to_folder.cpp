@@ -20,8 +20,8 @@
 #include "host/run/results/result_digests.h"
 #include "host/run/session.h"
 #include "host/run/settings/job_file.h"
-#include "host/run/track_files.h"
-#include "host/run/track_run.h"
+#include "host/run/track/track_files.h"
+#include "host/run/track/track_run.h"
 
 namespace impactdic {
 namespace {

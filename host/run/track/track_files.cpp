@@ -1,4 +1,4 @@
-#include "host/run/track_files.h"
+#include "host/run/track/track_files.h"
 
 #include <impactdic/error.h>
 
