@@ -91,6 +91,10 @@ void TrackRun::leave_out_still_edges(const std::vector<advice::MovedBall>& moved
   if (!result_.advice.texture) return;
   options_.estimator.moving = advice::still_edges(moved, result_.advice.texture->noise,
                                                   advice::far_frames(*source_, looked));
+  if (!options_.estimator.moving) return;
+  caller_.say(MessageKind::kNote,
+              "something stands still before the ball, or shines on it: its edges are left out of "
+              "the ball's registration");
 }
 
 }  // namespace impactdic::run
