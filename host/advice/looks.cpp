@@ -188,10 +188,10 @@ std::optional<Frame> read_picture(FrameSource& source, const AdviceRequest& requ
   Frame whole, picture;
   try {
     source.read(request.frames.at(index), whole);
+    crop(whole, request.roi, picture);
   } catch (const Error&) {
     return std::nullopt;
   }
-  crop(whole, request.roi, picture);
   return picture;
 }
 

@@ -6,6 +6,13 @@
 namespace impactdic::motion {
 namespace {
 
+// Of a clip's ball: without what stands still before it.
+dic::BallOptions whole_options(const EstimatorOptions& options, dic::BallModel model) {
+  dic::BallOptions whole = ball_options(options.field, model);
+  whole.mask = options.moving;
+  return whole;
+}
+
 // One registration of the whole ball, started from the field, or from circle and the rings' turn
 // where the field has too little texture. Rigid, unless the field or the circle says that the ball
 // is compressed.
@@ -35,12 +42,6 @@ class BallEstimator : public MotionEstimator {
   }
 
  private:
-  static dic::BallOptions whole_options(const EstimatorOptions& options, dic::BallModel model) {
-    dic::BallOptions whole = ball_options(options.field, model);
-    whole.mask = options.moving;
-    return whole;
-  }
-
   // Strain beyond what noise makes, and beyond what a rigid registration would not notice.
   static bool is_strained(const PairMotion& pair) {
     constexpr double kSignificant = 5, kSmallest = 2e-4;
@@ -138,9 +139,8 @@ dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model) {
 
 dic::BallOptions body_options(const EstimatorOptions& options) {
   const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
-  dic::BallOptions body = ball_options(options.field, model);
+  dic::BallOptions body = whole_options(options, model);
   body.lit = options.is_lit();
-  body.mask = options.moving;
   return body;
 }
 

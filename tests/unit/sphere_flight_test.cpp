@@ -96,30 +96,39 @@ impact::ImpactOptions options_of(double radius_sd_px) {
   return options;
 }
 
+// Errors over what is stated of them.
+class Scores {
+ public:
+  void add(const Measured& found, double wanted) {
+    squares_ += std::pow((found.value - wanted) / found.sd, 2);
+    ++count_;
+  }
+  double rms() const { return std::sqrt(squares_ / count_); }
+
+ private:
+  double squares_ = 0;
+  int count_ = 0;
+};
+
 TEST(SphereFlight, CentresShowWhatTheRadiusDoesToStepsAndTurns) {
   constexpr double kRadiusSd_px = 0.1;
   Flight truth;
   truth.radius_error_px = 0.15;  // 0.3 % of each turn
-  double squares = 0;
-  int figures = 0;
+  Scores scores;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const auto rows = rows_of(truth, seed, kRadiusSd_px);
     const FlightMotion flight = impact::analyse_impact(rows, options_of(kRadiusSd_px)).flight;
     ASSERT_EQ(flight.last, rows.size() - 1);
-    const auto score = [&](const Measured& found, double wanted) {
-      squares += std::pow((found.value - wanted) / found.sd, 2);
-      ++figures;
-    };
-    score(flight.vx, truth.vx);
-    score(flight.vy, truth.vy);
-    score(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
-    score(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
-    score(flight.spin, truth.rot_deg * kRadPerDeg);
+    scores.add(flight.vx, truth.vx);
+    scores.add(flight.vy, truth.vy);
+    scores.add(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
+    scores.add(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
+    scores.add(flight.spin, truth.rot_deg * kRadPerDeg);
     // A third of what the steps alone would be wrong by.
     EXPECT_NEAR(flight.spin_t.value * kDegPerRad, truth.rot_x_deg, 0.0012);
   }
-  EXPECT_LT(std::sqrt(squares / figures), 1.2);
-  EXPECT_GT(std::sqrt(squares / figures), 0.4);  // the model's own part is here no error
+  EXPECT_LT(scores.rms(), 1.2);
+  EXPECT_GT(scores.rms(), 0.4);  // the model's own part is here no error
 }
 
 // What is not known of the distance is the same in all rows: no number of them makes it smaller.
@@ -234,8 +243,7 @@ TEST(SphereFlight, KeyframesKnowTheFlightBetterThanSteps) {
 TEST(SphereFlight, RimsTellThePathAndTurnsHowFarRimsLieOff) {
   constexpr double kLamp_px = 0.09, kDrift_px = 5e-4, kPlaced_px = 0.005;
   const Flight truth;
-  double squares = 0;
-  int figures = 0;
+  Scores scores;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     auto rows = rows_of(truth, seed, 0.02);
     for (TrackRow& row : rows) row.cx_px += kLamp_px, row.cy_px -= kLamp_px;
@@ -252,16 +260,12 @@ TEST(SphereFlight, RimsTellThePathAndTurnsHowFarRimsLieOff) {
     }
     const FlightMotion flight = impact::analyse_impact(rows, options_of(0.02)).flight;
     ASSERT_EQ(flight.last, rows.size() - 1);
-    const auto score = [&](const Measured& found, double wanted) {
-      squares += std::pow((found.value - wanted) / found.sd, 2);
-      ++figures;
-    };
-    score(flight.vx, truth.vx);
-    score(flight.vy, truth.vy);
-    score(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
-    score(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
+    scores.add(flight.vx, truth.vx);
+    scores.add(flight.vy, truth.vy);
+    scores.add(flight.spin_t, truth.rot_x_deg * kRadPerDeg);
+    scores.add(flight.spin_n, truth.rot_y_deg * kRadPerDeg);
   }
-  EXPECT_LT(std::sqrt(squares / figures), 1.2);
+  EXPECT_LT(scores.rms(), 1.2);
 }
 
 // A circle that lies off the ball turns every pair's motion a little about the line of sight; the

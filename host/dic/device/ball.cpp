@@ -101,7 +101,7 @@ void BallRegistration::write_mask() {
   }
   const Image<std::uint8_t>& mask = *options_.mask;
   // Kernels may read some pixels more than there are in a row.
-  std::vector<float> weights(mask.size() + kBytesBehind);
+  std::vector<float> weights(mask.size() + kBytesBehind / sizeof(float));
   std::transform(mask.data(), mask.data() + mask.size(), weights.begin(),
                  [](std::uint8_t pixel) { return pixel != 0 ? 1.0F : 0.0F; });
   if (options_.mask_is_body) {
