@@ -58,9 +58,10 @@ class ViewsAbout {
         shift_(ball.step.dx_px, ball.step.dy_px) {
     const double by_step_px = shift_.norm() + turn_.norm() * first_.r_px;
     if (!(by_step_px > 0)) return;
-    const auto most = static_cast<double>((frames.count - 1) / (kViews - 1));
+    const std::int64_t most = std::max<std::int64_t>((frames.count - 1) / (kViews - 1), 1);
     const double wanted = std::ceil(kWay_px / (by_step_px * (kViews - 1)));
-    const auto apart = static_cast<std::int64_t>(std::clamp(wanted, 1.0, std::max(most, 1.0)));
+    const auto apart =
+        static_cast<std::int64_t>(std::clamp(wanted, 1.0, static_cast<double>(most)));
     const std::int64_t way = std::min(apart * (kViews - 1), frames.count - 1);
     if (static_cast<double>(way) * by_step_px < kLeastWay_px) return;
     const std::int64_t start =
