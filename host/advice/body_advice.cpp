@@ -209,7 +209,7 @@ class Verdict {
   void look_at(const BallPair& pair) {
     const std::optional<Tilt> tilt = PairLook(engine_, pair, field_, perspective_).tilt();
     if (!tilt) return;
-    if (tilt->motion.ok) moved_.push_back({&pair, tilt->motion});
+    if (tilt->motion.ok) moved_.push_back({pair.index, pair.first_ball, tilt->motion});
     measured_ += tilt->is_known ? 1 : 0;
     radius_.add(pair.first_ball.r_px, kRimRadiusSd_px);
     const bool free = tilt->radius_sd_px > 0;
@@ -320,7 +320,7 @@ std::vector<MovedBall> discs_moved(opencl::Engine& engine, std::span<const BallP
   std::vector<MovedBall> moved;
   for (const BallPair& pair : pairs) {
     const dic::RigidMotion step = PairLook(engine, pair, field, {}).flat_motion();
-    if (step.ok) moved.push_back({&pair, step});
+    if (step.ok) moved.push_back({pair.index, pair.first_ball, step});
   }
   return moved;
 }

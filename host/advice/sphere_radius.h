@@ -17,9 +17,10 @@ class Engine;
 
 namespace impactdic::advice {
 
-// The analysed frames, read one by one.
+// The analysed frames, read one by one. Several threads may read at a time.
 struct FarFrames {
   std::int64_t count = 0;
+  int width = 0, height = 0;  // of the region of interest, px
   // The ball in frame `index`, looked for near a circle; nullopt where it is not found.
   std::function<std::optional<BallPicture>(std::int64_t index, const Circle& near)> find;
   // Frame `index`, cut to the region of interest; nullopt where it cannot be read.

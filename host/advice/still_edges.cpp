@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/advice/frame_floats.h"
+#include "host/base/parallel/parallel_for.h"
 #include "host/dic/sphere/rotation.h"
 
 namespace impactdic::advice {
@@ -18,7 +19,7 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 // Chosen on a dozen clips of discs behind bars, drawn at random (docs/accuracy/light.md).
 
-// Frames about a pair, fewest of which must show the ball at a pixel; way of the rim between the
+// Frames about a ball's, fewest of which must show the ball at a pixel; way of the rim between the
 // first and the last, px: what is wanted, and the least that tells.
 constexpr int kViews = 12, kFewestViews = 5;
 constexpr double kWay_px = 6, kLeastWay_px = 1.5;
@@ -41,19 +42,19 @@ constexpr double kMostShare = 0.6;
 // show that hardly pass the noise.
 constexpr double kSmoothedNoise = 0.28;
 
-// The ball in one frame if it has moved as it does between the pair's: where its centre is, and how
-// its material has turned and moved since the pair's first frame.
+// The ball in one frame if it has moved as it does from frame to frame: where its centre is, and how
+// its material has turned and moved since the one that is looked about.
 struct TexturedView {
   cv::Mat levels;  // of the frames' common part, smoothed
   Eigen::Matrix3d turn;
   Vector2d centre;
 };
 
-// About a pair's first frame.
+// About a ball's frame.
 class ViewsAbout {
  public:
   ViewsAbout(const MovedBall& ball, const FarFrames& frames)
-      : first_(ball.pair->first_ball),
+      : first_(ball.ball),
         turn_(ball.step.rot_x_rad, ball.step.rot_y_rad, ball.step.rot_rad),
         shift_(ball.step.dx_px, ball.step.dy_px) {
     const double by_step_px = shift_.norm() + turn_.norm() * first_.r_px;
@@ -65,10 +66,10 @@ class ViewsAbout {
     const std::int64_t way = std::min(apart * (kViews - 1), frames.count - 1);
     if (static_cast<double>(way) * by_step_px < kLeastWay_px) return;
     const std::int64_t start =
-        std::clamp<std::int64_t>(ball.pair->index - way / 2, 0, frames.count - 1 - way);
-    set_part(ball.pair->first, start - ball.pair->index, start + way - ball.pair->index);
+        std::clamp<std::int64_t>(ball.index - way / 2, 0, frames.count - 1 - way);
+    set_part({frames.width, frames.height}, start - ball.index, start + way - ball.index);
     for (std::int64_t index = start; index <= start + way && part_.area() > 0; index += apart) {
-      add(index - ball.pair->index, frames.picture(index));
+      add(index - ball.index, frames.picture(index));
     }
   }
   bool are_enough() const { return static_cast<int>(all_.size()) >= kFewestViews; }
@@ -88,23 +89,23 @@ class ViewsAbout {
     return Vector2d(first_.cx_px, first_.cy_px) + static_cast<double>(steps) * shift_;
   }
   // What holds the ball from some steps to others.
-  void set_part(const Frame& frame, std::int64_t from, std::int64_t to) {
+  void set_part(const cv::Size& picture, std::int64_t from, std::int64_t to) {
     const Vector2d a = centre_after(from), b = centre_after(to), r(first_.r_px, first_.r_px);
     const Vector2d low = a.cwiseMin(b) - r, high = a.cwiseMax(b) + r;
     const cv::Point corner(static_cast<int>(low.x()), static_cast<int>(low.y()));
     const cv::Point end(static_cast<int>(high.x()) + 1, static_cast<int>(high.y()) + 1);
-    part_ = cv::Rect(corner, end) & cv::Rect(0, 0, frame.width(), frame.height());
+    part_ = cv::Rect(corner, end) & cv::Rect({}, picture);
   }
   void add(std::int64_t steps, const std::optional<Frame>& frame) {
     if (!frame) return;
     TexturedView view;
-    cv::GaussianBlur(as_floats(*frame)(part_), view.levels, {7, 7}, 1.0);
+    cv::GaussianBlur(as_floats(*frame, part_), view.levels, {7, 7}, 1.0);
     view.turn = dic::quaternion_of(static_cast<double>(steps) * turn_).toRotationMatrix();
     view.centre = centre_after(steps);
     all_.push_back(std::move(view));
   }
 
-  FoundBall first_;
+  Circle first_;
   Vector3d turn_;
   Vector2d shift_;
   cv::Rect part_;
@@ -194,11 +195,12 @@ class Stack {
   cv::Mat mean_;
 };
 
-// The edges about one pair that stand still.
+// The edges about one ball that stand still.
 class StillEdges {
  public:
-  StillEdges(const Stack& stack, double noise)
-      : width_(stack.width()), height_(stack.height()), still_(width_, height_, 0) {
+  // `corner`: of the part in the pictures.
+  StillEdges(const Stack& stack, const cv::Point& corner, double noise)
+      : corner_(corner), width_(stack.width()), height_(stack.height()), still_(width_, height_, 0) {
     edges_.reserve(still_.size());
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
@@ -213,14 +215,13 @@ class StillEdges {
     const auto count = static_cast<int>(begins_.size());
     return count >= kLeastPixels && count < kMostShare * (count + moving_);
   }
-  // `corner`: of the part, in the picture `moving`.
-  void take_out_of(Image<std::uint8_t>& moving, const cv::Point& corner) {
+  void take_out_of(Image<std::uint8_t>& moving) {
     for (const int begin : begins_) {
       if (together(begin) >= kTogether) follow(begin);
     }
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        if (still_(x, y) != 0) blank_about(x + corner.x, y + corner.y, moving);
+        if (still_(x, y) != 0) blank_about(x + corner_.x, y + corner_.y, moving);
       }
     }
   }
@@ -266,6 +267,7 @@ class StillEdges {
     }
   }
 
+  cv::Point corner_;
   int width_, height_;
   std::vector<Stack::Edge> edges_;
   std::vector<int> begins_;  // that the ball would carry on
@@ -277,17 +279,20 @@ class StillEdges {
 
 std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
                                                        double noise, const FarFrames& frames) {
+  std::vector<std::optional<StillEdges>> found(balls.size());
+  parallel_for(balls.size(), [&](std::size_t k) {
+    const ViewsAbout views(balls[k], frames);
+    if (!views.are_enough()) return;
+    StillEdges edges(Stack(views), views.part().tl(), kSmoothedNoise * noise);
+    if (edges.are_told()) found[k] = std::move(edges);
+  });
   std::shared_ptr<Image<std::uint8_t>> moving;
-  for (const MovedBall& ball : balls) {
-    const ViewsAbout views(ball, frames);
-    if (!views.are_enough()) continue;
-    StillEdges edges(Stack(views), kSmoothedNoise * noise);
-    if (!edges.are_told()) continue;
+  for (std::optional<StillEdges>& edges : found) {
+    if (!edges) continue;
     if (!moving) {
-      const Frame& picture = ball.pair->first;
-      moving = std::make_shared<Image<std::uint8_t>>(picture.width(), picture.height(), 255);
+      moving = std::make_shared<Image<std::uint8_t>>(frames.width, frames.height, 255);
     }
-    edges.take_out_of(*moving, views.part().tl());
+    edges->take_out_of(*moving);
   }
   return moving;
 }

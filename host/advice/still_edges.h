@@ -13,17 +13,18 @@
 
 namespace impactdic::advice {
 
-// A pair of frames, and what its ball moved by.
+// The ball in a frame, and what it moves by to the next one.
 struct MovedBall {
-  const BallPair* pair = nullptr;
+  std::int64_t index = 0;  // of the frame among the analysed ones
+  Circle ball;
   dic::RigidMotion step;
 };
 
 // An image of the pictures: 0 on such edges and beside them, 255 elsewhere; nullptr where there are
-// none, or nothing tells. About each pair some frames are read between which the ball, if it goes
+// none, or nothing tells. About each ball some frames are read between which it, if it goes
 // on as it does, moves its texture by some pixels. What stays as it was in them, though the ball
 // would have carried the edge on, is no part of the ball: beside the ball's own edges it holds a
-// registration back, by too little in a pair to be told from noise. `noise`: deviation of a pixel,
+// registration back, by too little in a pair of frames to be told from noise. `noise`: deviation of a pixel,
 // grey levels of the file.
 std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
                                                        double noise, const FarFrames& frames);

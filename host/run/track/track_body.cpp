@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/advice/along_path.h"
 #include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
 #include "host/advice/round_advice.h"
@@ -89,8 +90,10 @@ void TrackRun::see_from_near(double radius_px, const Measured& shown) {
 void TrackRun::leave_out_still_edges(const std::vector<advice::MovedBall>& moved,
                                      const advice::AdviceRequest& looked) {
   if (!result_.advice.texture) return;
-  options_.estimator.moving = advice::still_edges(moved, result_.advice.texture->noise,
-                                                  advice::far_frames(*source_, looked));
+  const advice::FarFrames frames = advice::far_frames(*source_, looked);
+  options_.estimator.moving =
+      advice::still_edges(advice::along_path(moved, looked.spare_sightings, frames),
+                          result_.advice.texture->noise, frames);
   if (!options_.estimator.moving) return;
   caller_.say(MessageKind::kNote,
               "something stands still before the ball, or shines on it: its edges are left out of "

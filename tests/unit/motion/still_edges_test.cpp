@@ -46,18 +46,16 @@ Mask edges_of(const LightScene& scene, bool still = false, int levels = 1) {
       frame.u16.data()[k] = static_cast<std::uint16_t>(levels * bytes.u8.data()[k]);
     }
   }
-  advice::BallPair pair;
-  pair.index = 4;
-  pair.first = film.frames[4];
   const BallPose& pose = film.poses[4];
-  static_cast<Circle&>(pair.first_ball) = {pose.cx_px, pose.cy_px, scene.radius_px};
-  advice::MovedBall ball{&pair, {}};
+  advice::MovedBall ball{4, {pose.cx_px, pose.cy_px, scene.radius_px}, {}};
   ball.step.ok = true;
   ball.step.dx_px = scene.dx_px;
   ball.step.dy_px = scene.dy_px;
   ball.step.rot_rad = scene.rotation_deg * kRadPerDeg;
   advice::FarFrames frames;
   frames.count = kFrames;
+  frames.width = film.frames[4].width();
+  frames.height = film.frames[4].height();
   frames.picture = [&](std::int64_t index) { return std::optional(film.frames.at(index)); };
   return advice::still_edges(std::span(&ball, 1), 2.0 * levels, frames);
 }
