@@ -34,16 +34,18 @@ constexpr double kChance = 2;
 constexpr int kTogether = 3, kBlur_px = 3;
 // The cosine of the angle by which an edge turns from pixel to pixel at most.
 constexpr double kStraight = 0.97;
+// Longest gap in a straight edge over which it is believed to go on.
+constexpr int kMostGap_px = 32;
 // Pixels, and of all that would change, the share above which it is the ball that stands still.
-constexpr int kLeastPixels = 20;
+constexpr std::size_t kLeastPixels = 20;
 constexpr double kMostShare = 0.6;
 
 // What is left of the noise of a picture that was smoothed by a Gaussian of 1 px, so that edges
 // show that hardly pass the noise.
 constexpr double kSmoothedNoise = 0.28;
 
-// The ball in one frame if it has moved as it does from frame to frame: where its centre is, and how
-// its material has turned and moved since the one that is looked about.
+// The ball in one frame if it has moved as it does from frame to frame: where its centre is, and
+// how its material has turned and moved since the one that is looked about.
 struct TexturedView {
   cv::Mat levels;  // of the frames' common part, smoothed
   Eigen::Matrix3d turn;
@@ -195,12 +197,74 @@ class Stack {
   cv::Mat mean_;
 };
 
+// Those of whole pictures.
+class EdgeMap {
+ public:
+  EdgeMap(int width, int height) : across_(height, width, cv::Vec2f(0, 0)) {}
+
+  // `across`: a unit vector.
+  void add(int x, int y, const Vector2d& across) {
+    cv::Vec2f& here = across_(y, x);
+    if (here == cv::Vec2f(0, 0)) found_.emplace_back(x, y);
+    here = cv::Vec2f(static_cast<float>(across.x()), static_cast<float>(across.y()));
+  }
+  bool is_empty() const { return found_.empty(); }
+  // Whether an edge through a place would be part of a straight one that is there already.
+  bool continue_to(int x, int y, const Vector2d& across) const {
+    const cv::Vec2f here(static_cast<float>(across.x()), static_cast<float>(across.y()));
+    const cv::Vec2f along(-here[1], here[0]);
+    for (int d = -kMostGap_px; d <= kMostGap_px; ++d) {
+      if (goes_on(cv::Point(x, y) + step(along, d), here)) return true;
+    }
+    return false;
+  }
+
+  // 0 on the edges and beside them, 255 elsewhere. Where the ball's speckles pass along an edge it
+  // changes, and is one all the same: between two pieces of a straight one it goes on.
+  std::shared_ptr<const Image<std::uint8_t>> mask() const {
+    auto moving = std::make_shared<Image<std::uint8_t>>(across_.cols, across_.rows, 255);
+    for (const cv::Point& at : found_) {
+      blank_about(at, *moving);
+      const cv::Vec2f across = across_(at);
+      const cv::Vec2f along(-across[1], across[0]);
+      for (int d = kMostGap_px; d > 2; --d) {
+        if (!goes_on(at + step(along, d), across)) continue;
+        for (int k = 1; k < d; ++k) blank_about(at + step(along, k), *moving);
+        break;
+      }
+    }
+    return moving;
+  }
+
+ private:
+  static cv::Point step(const cv::Vec2f& along, int d) {
+    return {cvRound(along[0] * static_cast<float>(d)), cvRound(along[1] * static_cast<float>(d))};
+  }
+  bool goes_on(const cv::Point& at, const cv::Vec2f& across) const {
+    if (!cv::Rect({}, across_.size()).contains(at)) return false;
+    return across_(at).dot(across) > static_cast<float>(kStraight);
+  }
+  static void blank_about(const cv::Point& at, Image<std::uint8_t>& moving) {
+    const int right = std::min(moving.width() - 1, at.x + kBlur_px);
+    const int bottom = std::min(moving.height() - 1, at.y + kBlur_px);
+    for (int v = std::max(0, at.y - kBlur_px); v <= bottom; ++v) {
+      for (int u = std::max(0, at.x - kBlur_px); u <= right; ++u) moving(u, v) = 0;
+    }
+  }
+
+  cv::Mat_<cv::Vec2f> across_;    // 0 where there is none
+  std::vector<cv::Point> found_;  // where there is one
+};
+
 // The edges about one ball that stand still.
 class StillEdges {
  public:
-  // `corner`: of the part in the pictures.
+  // `corner`: of the stack's part in the pictures.
   StillEdges(const Stack& stack, const cv::Point& corner, double noise)
-      : corner_(corner), width_(stack.width()), height_(stack.height()), still_(width_, height_, 0) {
+      : corner_(corner),
+        width_(stack.width()),
+        height_(stack.height()),
+        still_(width_, height_, 0) {
     edges_.reserve(still_.size());
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
@@ -210,23 +274,33 @@ class StillEdges {
       }
     }
   }
-  // Or it is the ball that stands still.
-  bool are_told() const {
-    const auto count = static_cast<int>(begins_.size());
-    return count >= kLeastPixels && count < kMostShare * (count + moving_);
+  // Otherwise it is the ball that stands still.
+  bool may_be() const {
+    const auto count = static_cast<double>(begins_.size());
+    return count < kMostShare * (count + moving_);
   }
-  void take_out_of(Image<std::uint8_t>& moving) {
+  bool are_told() const { return may_be() && begins_.size() >= kLeastPixels; }
+  void add_to(EdgeMap& all) {
     for (const int begin : begins_) {
-      if (together(begin) >= kTogether) follow(begin);
+      if (together(begin) >= kTogether) follow(begin, all);
     }
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        if (still_(x, y) != 0) blank_about(x + corner_.x, y + corner_.y, moving);
-      }
-    }
+  }
+  // Adds those that continue edges which are there already; returns whether there are any.
+  bool continue_in(EdgeMap& all) {
+    const std::size_t before = begins_.size();
+    std::erase_if(begins_, [&](int begin) {
+      const Vector2d across = edge_at(begin).slope.normalized();
+      const bool continues =
+          together(begin) >= kTogether &&
+          all.continue_to(begin % width_ + corner_.x, begin / width_ + corner_.y, across);
+      if (continues) follow(begin, all);
+      return continues;
+    });
+    return begins_.size() < before;
   }
 
  private:
+  const Stack::Edge& edge_at(int at) const { return edges_[static_cast<std::size_t>(at)]; }
   template <typename Use>
   void for_each_beside(int at, const Use& use) const {
     const int x = at % width_, y = at / width_;
@@ -236,12 +310,11 @@ class StillEdges {
   }
   int together(int at) const {
     int count = 0;
-    for_each_beside(at,
-                    [&](int other) { count += edges_[static_cast<std::size_t>(other)].is_still; });
+    for_each_beside(at, [&](int other) { count += edge_at(other).is_still; });
     return count;
   }
-  // On along the edge, where the ball would hardly move it too.
-  void follow(int begin) {
+  // On along the edge, where the ball would hardly move it too; adds it to `all`.
+  void follow(int begin, EdgeMap& all) {
     std::vector<int> open = {begin};
     while (!open.empty()) {
       const int at = open.back();
@@ -249,21 +322,15 @@ class StillEdges {
       std::uint8_t& seen = still_.data()[at];
       if (seen != 0) continue;
       seen = 1;
-      const Vector2d along = edges_[static_cast<std::size_t>(at)].slope.normalized();
+      const Vector2d across = edge_at(at).slope.normalized();
+      all.add(at % width_ + corner_.x, at / width_ + corner_.y, across);
       for_each_beside(at, [&](int next) {
-        const Stack::Edge& edge = edges_[static_cast<std::size_t>(next)];
+        const Stack::Edge& edge = edge_at(next);
         if (edge.stays && still_.data()[next] == 0 &&
-            edge.slope.normalized().dot(along) > kStraight) {
+            edge.slope.normalized().dot(across) > kStraight) {
           open.push_back(next);
         }
       });
-    }
-  }
-  static void blank_about(int x, int y, Image<std::uint8_t>& moving) {
-    const int right = std::min(moving.width() - 1, x + kBlur_px);
-    const int bottom = std::min(moving.height() - 1, y + kBlur_px);
-    for (int v = std::max(0, y - kBlur_px); v <= bottom; ++v) {
-      for (int u = std::max(0, x - kBlur_px); u <= right; ++u) moving(u, v) = 0;
     }
   }
 
@@ -284,17 +351,18 @@ std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall
     const ViewsAbout views(balls[k], frames);
     if (!views.are_enough()) return;
     StillEdges edges(Stack(views), views.part().tl(), kSmoothedNoise * noise);
-    if (edges.are_told()) found[k] = std::move(edges);
+    if (edges.may_be()) found[k] = std::move(edges);
   });
-  std::shared_ptr<Image<std::uint8_t>> moving;
+  EdgeMap all(frames.width, frames.height);
   for (std::optional<StillEdges>& edges : found) {
-    if (!edges) continue;
-    if (!moving) {
-      moving = std::make_shared<Image<std::uint8_t>>(frames.width, frames.height, 255);
-    }
-    edges->take_out_of(*moving);
+    if (edges && edges->are_told()) edges->add_to(all);
   }
-  return moving;
+  for (bool more = !all.is_empty(); more;) {
+    more = false;
+    for (std::optional<StillEdges>& edges : found) more |= edges && edges->continue_in(all);
+  }
+  if (all.is_empty()) return nullptr;
+  return all.mask();
 }
 
 }  // namespace impactdic::advice

@@ -24,8 +24,8 @@ struct MovedBall {
 // none, or nothing tells. About each ball some frames are read between which it, if it goes
 // on as it does, moves its texture by some pixels. What stays as it was in them, though the ball
 // would have carried the edge on, is no part of the ball: beside the ball's own edges it holds a
-// registration back, by too little in a pair of frames to be told from noise. `noise`: deviation of a pixel,
-// grey levels of the file.
+// registration back, by too little in a pair of frames to be told from noise. `noise`: deviation of
+// a pixel, grey levels of the file.
 std::shared_ptr<const Image<std::uint8_t>> still_edges(std::span<const MovedBall> balls,
                                                        double noise, const FarFrames& frames);
 

@@ -37,6 +37,7 @@ struct LightScene {
   Backdrop backdrop = Backdrop::kEven;
   double dx_px = 0.73, dy_px = -0.41, spin_x_deg = 0.4, spin_y_deg = 0.6, rotation_deg = 1.1;
   bool enters = false;  // from outside the picture, and leaves it
+  int wider_px = 0;     // than a picture that holds the ball with something about it
 };
 
 // Level of a background at a point; it is smooth enough that the lens need not blur it.
@@ -63,7 +64,8 @@ inline double backdrop_level(Backdrop kind, std::uint64_t seed, double x, double
 class LightClip {
  public:
   LightClip(const LightScene& scene, std::uint64_t seed, int frames) : how_(scene), seed_(seed) {
-    camera_.width = camera_.height = static_cast<int>(2.4 * scene.radius_px) + 40;
+    camera_.height = static_cast<int>(2.4 * scene.radius_px) + 40;
+    camera_.width = camera_.height + scene.wider_px;
     camera_.psf_sigma_px = scene.blur_px;
     camera_.noise_sigma = scene.noise;
     camera_.noise_seed = seed + 1;
@@ -117,7 +119,8 @@ class LightClip {
   static constexpr double kDark = 30, kBright = 100;
 
   void lay_path(int frames) {
-    const double a = static_cast<double>(seed_), middle = 0.5 * (camera_.width - 1);
+    const double a = static_cast<double>(seed_);
+    const double middle_x = 0.5 * (camera_.width - 1), middle_y = 0.5 * (camera_.height - 1);
     ConstantMotion motion;
     motion.dx_px = how_.enters ? 2.0 * camera_.width / frames : how_.dx_px;
     motion.dy_px = how_.enters ? 0.3 : how_.dy_px;
@@ -126,8 +129,10 @@ class LightClip {
       motion.spin_x_deg = how_.spin_x_deg;
       motion.spin_y_deg = how_.spin_y_deg;
     }
-    motion.start.cx_px = middle + std::fmod(0.3819660113 * a + 0.13, 1) - motion.dx_px * frames / 2;
-    motion.start.cy_px = middle + std::fmod(0.6180339887 * a + 0.41, 1) - motion.dy_px * frames / 2;
+    motion.start.cx_px =
+        middle_x + std::fmod(0.3819660113 * a + 0.13, 1) - motion.dx_px * frames / 2;
+    motion.start.cy_px =
+        middle_y + std::fmod(0.6180339887 * a + 0.41, 1) - motion.dy_px * frames / 2;
     motion.start.angle_deg = 17 * a;
     motion.start.compression = how_.compression;
     motion.start.compression_axis_deg = 90;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <impactdic/track.h>
+#include <impactdic/units.h>
 
 #include <cmath>
 #include <memory>
@@ -44,25 +45,29 @@ struct LightFilm {
 };
 
 // Of the circles and the motions that were measured: the rms error an axis, the same over the
-// stated deviations, and how many err by more than five deviations and 0.02 px.
+// stated deviations, and how many err by more than five deviations and 0.02 px, at the rim where
+// they are turns.
 struct LightErrors {
   struct Axis {
-    double squares = 0, over_sd = 0;
+    double sum = 0, squares = 0, over_sd = 0;
     int count = 0;
     void add(double off, double sd) {
+      sum += off;
       squares += off * off;
       over_sd += off * off / (sd * sd);
       ++count;
     }
     void add(const Axis& other) {
+      sum += other.sum;
       squares += other.squares;
       over_sd += other.over_sd;
       count += other.count;
     }
+    double mean() const { return sum / count; }
     double rms() const { return std::sqrt(squares / count); }
     double over_sds() const { return std::sqrt(over_sd / count); }
   };
-  Axis centre, radius, shift, turn;
+  Axis centre, radius, shift, turn, tilt;  // tilt: of spheres, about X and Y
   int circles = 0, motions = 0, wrong = 0;
 
   void add(const TrackRow& row, const LightFilm& clip) {
@@ -79,22 +84,28 @@ struct LightErrors {
     const BallPose& next = clip.poses[k + 1];
     add(shift, row.dx_px - (next.cx_px - truth.cx_px), row.dx_sd_px);
     add(shift, row.dy_px - (next.cy_px - truth.cy_px), row.dy_sd_px);
-    turn.add(row.rot_deg - clip.scene.rotation_deg, row.rot_sd_deg);
+    const double matters_deg = kMatters_px / clip.scene.radius_px * kDegPerRad;
+    add(turn, row.rot_deg - clip.scene.rotation_deg, row.rot_sd_deg, matters_deg);
+    if (!clip.scene.sphere || !std::isfinite(row.rot_x_deg)) return;
+    add(tilt, row.rot_x_deg - clip.scene.spin_x_deg, row.rot_x_sd_deg, matters_deg);
+    add(tilt, row.rot_y_deg - clip.scene.spin_y_deg, row.rot_y_sd_deg, matters_deg);
   }
   void add(const LightErrors& other) {
     centre.add(other.centre);
     radius.add(other.radius);
     shift.add(other.shift);
     turn.add(other.turn);
+    tilt.add(other.tilt);
     circles += other.circles;
     motions += other.motions;
     wrong += other.wrong;
   }
 
  private:
-  void add(Axis& axis, double off, double sd) {
+  static constexpr double kMatters_px = 0.02;
+  void add(Axis& axis, double off, double sd, double matters = kMatters_px) {
     axis.add(off, sd);
-    wrong += !(std::abs(off) <= 0.02 || std::abs(off) <= 5 * sd);
+    wrong += !(std::abs(off) <= matters || std::abs(off) <= 5 * sd);
   }
 };
 
