@@ -45,8 +45,9 @@ inline std::optional<advice::SphereTold> told_by_turns(const FarView& view, unsi
   first.ball.cy_px -= view.off_px;
   first.ball.centre_sd_px = std::max(first.ball.centre_sd_px, view.off_px);
   const advice::BallPair pair{0, first.picture, second.picture, first.ball, second.ball};
-  const advice::FarFrames frames{
-      kFrames, [&](std::int64_t index, const Circle&) { return std::optional(seen(index)); }};
+  advice::FarFrames frames;
+  frames.count = kFrames;
+  frames.find = [&](std::int64_t index, const Circle&) { return std::optional(seen(index)); };
   dic::RigidMotion step;
   step.dx_px = 0.4;
   step.dy_px = -0.3;
