@@ -67,7 +67,9 @@ struct LightErrors {
     double rms() const { return std::sqrt(squares / count); }
     double over_sds() const { return std::sqrt(over_sd / count); }
   };
-  Axis centre, radius, shift, turn, tilt;  // tilt: of spheres, about X and Y
+  Axis centre, radius, shift, turn;
+  Axis tilt;  // of spheres, about X and Y
+  Axis pose;  // of discs, their angle since the first frame
   int circles = 0, motions = 0, wrong = 0;
 
   void add(const TrackRow& row, const LightFilm& clip) {
@@ -78,6 +80,11 @@ struct LightErrors {
       add(centre, row.cx_px - truth.cx_px, row.cx_sd_px);
       add(centre, row.cy_px - truth.cy_px, row.cy_sd_px);
       add(radius, row.r_px - clip.scene.radius_px * (1 - truth.compression / 2), row.r_sd_px);
+    }
+    if (row.pose.ok && row.pose.origin < row.frame && std::isfinite(row.pose.angle_rad)) {
+      const double turned_deg =
+          truth.angle_deg - clip.poses[static_cast<std::size_t>(row.pose.origin)].angle_deg;
+      pose.add(row.pose.angle_rad * kDegPerRad - turned_deg, row.pose.angle_sd_rad * kDegPerRad);
     }
     if (!row.motion_ok || k + 1 == clip.poses.size()) return;
     ++motions;
@@ -96,6 +103,7 @@ struct LightErrors {
     shift.add(other.shift);
     turn.add(other.turn);
     tilt.add(other.tilt);
+    pose.add(other.pose);
     circles += other.circles;
     motions += other.motions;
     wrong += other.wrong;
