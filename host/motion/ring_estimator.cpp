@@ -59,7 +59,8 @@ class RingEstimator : public MotionEstimator {
 RingTask ring_task(const PairMotion& pair, double radius_px) {
   // Near the centre a ring has few pixels; near the rim lies what is not the ball.
   constexpr double kInnerShare = 0.17, kRimPx = 5, kFreePx = 3;
-  const double inner = kInnerShare * radius_px, rim = radius_px - kRimPx;
+  const double inner = kInnerShare * radius_px;
+  const double rim = std::max(radius_px - kRimPx, 0.5 * radius_px);  // of a ball of some pixels
   // What hides a part of the ball does not turn with it: the rings shrink with the free part
   // (section 2.4.1), as long as enough of them is left.
   const double free = std::min(pair.first.free_px, pair.second.free_px) - kFreePx;

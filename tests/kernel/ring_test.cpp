@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "host/motion/estimators.h"
 #include "tests/support/engine.h"
 #include "tests/support/speckle_frames.h"
 
@@ -78,6 +79,15 @@ TEST(RingKernel, RefusesImpossibleTasks) {
   dic::RingOptions options;
   options.angles = 17 * 61;
   EXPECT_THROW(dic::RingRotation(engine, options), InvalidArgument);
+}
+
+// A blob of the first frames of a ball that enters: its run ended with an error.
+TEST(RingTask, OfABallOfSomePixelsHasAWidth) {
+  for (const double radius_px : {2.0, 5.0, 6.0, 10.0, 40.0}) {
+    const RingTask task = motion::ring_task({}, radius_px);
+    EXPECT_GT(task.outer, task.inner) << radius_px;
+    EXPECT_LT(task.outer, radius_px);
+  }
 }
 
 }  // namespace
