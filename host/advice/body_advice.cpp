@@ -59,9 +59,8 @@ struct Tilt {
 
 class PairLook {
  public:
-  PairLook(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
-           const motion::Perspective& perspective)
-      : engine_(engine), pair_(pair), field_(field), perspective_(perspective), frames_(engine, 2) {
+  PairLook(opencl::Engine& engine, const BallPair& pair, const motion::EstimatorOptions& known)
+      : engine_(engine), pair_(pair), known_(known), frames_(engine, 2) {
     frames_.set(0, pair.first);
     frames_.set(1, pair.second);
   }
@@ -128,7 +127,7 @@ class PairLook {
     guess.shift_sd_px = 0.05;
     guess.turn = dic::quaternion_of({0, 0, flat.motion.rot_rad});
     const dic::SphereFit fit = dic::fit_sphere_motion(
-        motion::field_points(flat.windows, flat.field, field_.window_px), guess);
+        motion::field_points(flat.windows, flat.field, known_.field.window_px), guess);
     Tilt unknown;
     unknown.beyond_chance = std::numeric_limits<double>::infinity();
     if (!flat.motion.ok || !fit.ok || fit.share < kAgreeing) return unknown;
@@ -141,16 +140,17 @@ class PairLook {
   motion::PairMotion measured(bool sphere) {
     motion::EstimatorOptions options;
     options.estimator = Estimator::kBall;
-    options.field = field_;
+    options.field = known_.field;
+    options.moving = known_.moving;
     options.sphere = sphere;
-    if (sphere) options.perspective = perspective_;
+    if (sphere) options.perspective = known_.perspective;
     motion::PairMotion pair;
     pair.second_slot = 1;
     pair.first = pair_.first_ball;
     pair.second = pair_.second_ball;
     if (sphere) {
       for (Circle* ball : {&pair.first, &pair.second}) {
-        *ball = motion::about_centre(*ball, perspective_);
+        *ball = motion::about_centre(*ball, known_.perspective);
       }
     }
     motion::make_motion_estimator(engine_, options, pair_.first_ball.r_px, frames_)
@@ -165,9 +165,9 @@ class PairLook {
         motion::sphere_task(pair.first, pair.first.r_px, sphere::kUsualBlur_px2, pair.motion);
     task.second = 1;
     if (model != dic::BallModel::kAffine) {
-      task.sight = motion::pair_sight(pair, perspective_, pair.first.r_px);
+      task.sight = motion::pair_sight(pair, known_.perspective, pair.first.r_px);
     }
-    dic::BallRegistration registration(engine_, motion::ball_options(field_, model));
+    dic::BallRegistration registration(engine_, motion::ball_options(known_, model));
     const BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     if (motion.status != static_cast<idic_int>(WindowStatus::kOk)) return std::nullopt;
     return motion;
@@ -175,8 +175,7 @@ class PairLook {
 
   opencl::Engine& engine_;
   const BallPair& pair_;
-  FieldOptions field_;
-  motion::Perspective perspective_;
+  const motion::EstimatorOptions& known_;
   dic::DeviceFrames frames_;
 };
 
@@ -202,12 +201,11 @@ std::string unmeasured(double out_of_round) {
 // What all pairs tell.
 class Verdict {
  public:
-  Verdict(opencl::Engine& engine, const FieldOptions& field, const motion::Perspective& perspective,
-          const FarFrames& far)
-      : engine_(engine), field_(field), perspective_(perspective), far_(far) {}
+  Verdict(opencl::Engine& engine, const motion::EstimatorOptions& known, const FarFrames& far)
+      : engine_(engine), known_(known), far_(far) {}
 
   void look_at(const BallPair& pair) {
-    const std::optional<Tilt> tilt = PairLook(engine_, pair, field_, perspective_).tilt();
+    const std::optional<Tilt> tilt = PairLook(engine_, pair, known_).tilt();
     if (!tilt) return;
     if (tilt->motion.ok) moved_.push_back({pair.index, pair.first_ball, tilt->motion});
     measured_ += tilt->is_known ? 1 : 0;
@@ -236,7 +234,7 @@ class Verdict {
     advice.radius_px = radius_.value();
     // Far pairs of a short clip share their pictures, and with them their noise.
     advice.radius_sd_px =
-        std::max({radius_.sd(), best_radius_sd_px_.value_or(0), kTurnRadiusSd_px});
+        std::max({radius_.sd(), by_turns_.count() > 0 ? best_radius_sd_px_ : 0, kTurnRadiusSd_px});
     if (by_turns_.count() > 1 && by_turns_.sd() < kAlikeRadii * std::sqrt(1 / weights_)) {
       advice.radius_by_turns_px = {by_turns_.value(), advice.radius_sd_px};
     }
@@ -251,15 +249,14 @@ class Verdict {
 
  private:
   bool learn_from(const BallPair& pair, const dic::RigidMotion& step) {
-    const auto told = sphere_from_turn(engine_, pair, step, field_, perspective_, far_);
+    const auto told = sphere_from_turn(engine_, pair, step, known_, far_);
     if (!told) return false;
     radius_.add(told->radius_px.value, told->radius_px.sd);
     by_turns_.add(told->radius_px.value, told->radius_px.sd);
     weights_ += 1 / (told->radius_px.sd * told->radius_px.sd);
-    best_radius_sd_px_ =
-        std::min(best_radius_sd_px_.value_or(told->radius_px.sd), told->radius_px.sd);
+    best_radius_sd_px_ = std::min(best_radius_sd_px_, told->radius_px.sd);
     blur_.add(told->blur_px2, 1);
-    if (told->light && told->radius_px.sd <= *best_radius_sd_px_) light_ = *told->light;
+    if (told->light && told->radius_px.sd <= best_radius_sd_px_) light_ = *told->light;
     if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
     return true;
   }
@@ -275,7 +272,7 @@ class Verdict {
       return text;
     }
     for (const auto& [pair, step] : flat_) {
-      const SlowTilt slow = slow_tilt(engine_, *pair, step, field_, far_);
+      const SlowTilt slow = slow_tilt(engine_, *pair, step, known_, far_);
       if (!slow.motion) {
         unseen_tilt_rad_ = std::fmax(unseen_tilt_rad_, slow.unseen_rad);
         continue;
@@ -298,8 +295,7 @@ class Verdict {
   }
 
   opencl::Engine& engine_;
-  FieldOptions field_;
-  motion::Perspective perspective_;
+  const motion::EstimatorOptions& known_;
   const FarFrames& far_;
   double most_deg_ = 0, significant_ = 0;
   int measured_ = 0;
@@ -307,28 +303,27 @@ class Verdict {
   double unseen_tilt_rad_ = kNotMeasured;  // the most that some pair's surroundings leave open
   WeightedMean radius_, by_turns_, nearness_, blur_;
   std::vector<MovedBall> moved_;
-  BallLight light_{};                                               // by the best far pair
-  double weights_ = 0;                                              // of by_turns_
-  std::optional<double> best_radius_sd_px_;                         // of one far pair
-  std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;  // and what they moved by
+  BallLight light_{};                                                   // by the best far pair
+  double weights_ = 0;                                                  // of by_turns_
+  double best_radius_sd_px_ = std::numeric_limits<double>::infinity();  // of one far pair
+  std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;      // and what they moved by
 };
 
 }  // namespace
 
 std::vector<MovedBall> discs_moved(opencl::Engine& engine, std::span<const BallPair> pairs,
-                                   const FieldOptions& field) {
+                                   const motion::EstimatorOptions& known) {
   std::vector<MovedBall> moved;
   for (const BallPair& pair : pairs) {
-    const dic::RigidMotion step = PairLook(engine, pair, field, {}).flat_motion();
+    const dic::RigidMotion step = PairLook(engine, pair, known).flat_motion();
     if (step.ok) moved.push_back({pair.index, pair.first_ball, step});
   }
   return moved;
 }
 
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field, const motion::Perspective& perspective,
-                      const FarFrames& far) {
-  Verdict verdict(engine, field, perspective, far);
+                      const motion::EstimatorOptions& known, const FarFrames& far) {
+  Verdict verdict(engine, known, far);
   for (const BallPair& pair : pairs) verdict.look_at(pair);
   const double changes = out_of_round(pairs);
   if (!verdict.is_measured() && !(verdict.may_be_told() && changes <= kOutOfRound)) {

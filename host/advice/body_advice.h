@@ -31,17 +31,18 @@ struct BodyAdvice {
   double unseen_tilt_rad = kNotMeasured;
 };
 
+// Of `known` below, field, perspective and what stands still before the ball are used.
+
 // The pairs that are measured as flat balls'.
 std::vector<MovedBall> discs_moved(opencl::Engine& engine, std::span<const BallPair> pairs,
-                                   const FieldOptions& field);
+                                   const motion::EstimatorOptions& known);
 
 // A sphere where in one pair at least the turn out of the picture's plane is there beyond chance
 // and the registration of a sphere fits the pictures better than that of a disc, or where such a
 // turn adds up over many frames (slow_tilt). Else a disc: what it measures is then the same, and
 // more exact in each pair. `far`: frames from which radius and distance can be had
-// (sphere_from_turn). `perspective`: of the pairs' frames.
+// (sphere_from_turn). The perspective is that of the pairs' frames.
 BodyAdvice judge_body(opencl::Engine& engine, std::span<const BallPair> pairs,
-                      const FieldOptions& field, const motion::Perspective& perspective,
-                      const FarFrames& far);
+                      const motion::EstimatorOptions& known, const FarFrames& far);
 
 }  // namespace impactdic::advice

@@ -43,12 +43,12 @@ struct TiltAFrame {
 class FarLook {
  public:
   FarLook(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
-          const FieldOptions& field)
+          const motion::EstimatorOptions& options)
       : first_(pair.first_ball),
         step_(step),
         frames_(engine, 2),
-        sphere_(engine, motion::ball_options(field, dic::BallModel::kSphere)),
-        flat_(engine, motion::ball_options(field, dic::BallModel::kAffine)) {
+        sphere_(engine, motion::ball_options(options, dic::BallModel::kSphere)),
+        flat_(engine, motion::ball_options(options, dic::BallModel::kAffine)) {
     frames_.set(0, pair.first);
   }
 
@@ -117,12 +117,12 @@ bool are_alike(const TiltAFrame& a, const TiltAFrame& b) {
 class Surroundings {
  public:
   Surroundings(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
-               const FieldOptions& field, const FarFrames& frames)
+               const motion::EstimatorOptions& options, const FarFrames& frames)
       : pair_(pair),
         step_(step),
         frames_(frames),
         ahead_(frames.count - 1 - pair.index),
-        look_(engine, pair, step, field) {}
+        look_(engine, pair, step, options) {}
 
   // How far there are pictures in which the ball has not turned too far in the picture's plane.
   std::int64_t farthest() const {
@@ -182,8 +182,8 @@ Seen look_far(Surroundings& around, const TiltAFrame& told) {
 }  // namespace
 
 SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
-                   const FieldOptions& field, const FarFrames& frames) {
-  Surroundings around(engine, pair, step, field, frames);
+                   const motion::EstimatorOptions& options, const FarFrames& frames) {
+  Surroundings around(engine, pair, step, options, frames);
   TiltAFrame told;
   told.x_rad = step.rot_x_rad;
   told.y_rad = step.rot_y_rad;

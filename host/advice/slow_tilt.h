@@ -21,6 +21,6 @@ struct SlowTilt {
 // tilt is there where two of them show the same a frame, beyond chance, and the farther one fits
 // better than a flat ball.
 SlowTilt slow_tilt(opencl::Engine& engine, const BallPair& pair, const dic::RigidMotion& step,
-                   const FieldOptions& field, const FarFrames& frames);
+                   const motion::EstimatorOptions& options, const FarFrames& frames);
 
 }  // namespace impactdic::advice

@@ -51,15 +51,15 @@ std::int64_t frames_to_tilt(const Eigen::Vector3d& step, std::int64_t most) {
 
 class FarRegistration {
  public:
-  FarRegistration(opencl::Engine& engine, const BallPair& pair, const FieldOptions& field,
-                  const motion::Perspective& perspective)
+  FarRegistration(opencl::Engine& engine, const BallPair& pair,
+                  const motion::EstimatorOptions& options)
       : engine_(engine),
         first_(pair.first),
         outline_(pair.first_ball),
-        perspective_(perspective),
+        perspective_(options.perspective),
         frames_(engine, 2),
-        free_options_(free_options(field, perspective)),
-        given_options_(motion::ball_options(field, dic::BallModel::kSphere)),
+        free_options_(free_options(options)),
+        given_options_(motion::ball_options(options, dic::BallModel::kSphere)),
         free_(std::in_place, engine, free_options_),
         given_(std::in_place, engine, given_options_) {
     frames_.set(0, pair.first);
@@ -129,13 +129,12 @@ class FarRegistration {
   }
 
  private:
-  static dic::BallOptions free_options(const FieldOptions& field,
-                                       const motion::Perspective& perspective) {
-    dic::BallOptions options = motion::ball_options(
-        field, perspective.is_unknown() ? dic::BallModel::kSphereRadiusAndDistance
-                                        : dic::BallModel::kSphereAndRadius);
-    options.free_centre = true;
-    return options;
+  static dic::BallOptions free_options(const motion::EstimatorOptions& options) {
+    dic::BallOptions free = motion::ball_options(
+        options, options.perspective.is_unknown() ? dic::BallModel::kSphereRadiusAndDistance
+                                                  : dic::BallModel::kSphereAndRadius);
+    free.free_centre = true;
+    return free;
   }
 
   // Of what is left of the pictures, the variance that is not noise, over that of noise.
@@ -272,16 +271,16 @@ FarFrames far_frames(FrameSource& source, const AdviceRequest& request) {
 }
 
 std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
-                                           const dic::RigidMotion& step, const FieldOptions& field,
-                                           const motion::Perspective& perspective,
+                                           const dic::RigidMotion& step,
+                                           const motion::EstimatorOptions& options,
                                            const FarFrames& frames) {
   const Eigen::Vector3d turn(step.rot_x_rad, step.rot_y_rad, step.rot_rad);
   const std::int64_t ahead = frames.count - 1 - pair.index;
   std::int64_t n = frames_to_tilt(turn, std::max(ahead, pair.index));
   const int side = n <= ahead || ahead >= pair.index ? 1 : -1;
-  FarRegistration registration(engine, pair, field, perspective);
+  FarRegistration registration(engine, pair, options);
   registration.look_at_next(pair, turn);
-  const std::int64_t fewest = perspective.is_unknown() ? 1 : kFewest;
+  const std::int64_t fewest = options.perspective.is_unknown() ? 1 : kFewest;
   for (; n >= fewest; n /= 2) {
     const double steps = side * static_cast<double>(n);
     Circle near = pair.first_ball;

@@ -47,8 +47,8 @@ struct SphereTold {
 // radius would. Light that does not turn looks like depth: what the turn shows of the lamp is taken
 // into account. nullopt where no picture a few frames away could be registered.
 std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
-                                           const dic::RigidMotion& step, const FieldOptions& field,
-                                           const motion::Perspective& perspective,
+                                           const dic::RigidMotion& step,
+                                           const motion::EstimatorOptions& options,
                                            const FarFrames& frames);
 
 }  // namespace impactdic::advice

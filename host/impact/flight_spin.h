@@ -12,7 +12,10 @@ struct FlightSpin {
   double common_sd = kNotMeasured;  // what they may have in common
 };
 
-// Weighted mean of a flight's turns; those off by more than five deviations are left out.
+// Of a flat ball whose frames lean on keyframes, the slope of its angles: they err independently
+// where turns that follow each other add up what they have alike, as a pattern that stands still on
+// the sensor, or a bar's edge. Else the weighted mean of a flight's turns. What is off by more than
+// five deviations is left out.
 FlightSpin flight_spin(const ImpactSeries& series, const FlightRange& range);
 
 }  // namespace impactdic::impact

@@ -87,6 +87,8 @@ class ImpactSeries {
   double step_sd(std::size_t i) const;
   double turn(std::size_t i) const;  // rad, from i to i + 1
   double turn_sd(std::size_t i) const;
+  // Of a flat ball against a keyframe; angle_rad is NaN where it was not placed.
+  BodyPose pose(std::size_t i) const { return rows_[i].pose; }
   std::size_t size() const { return position_n.size(); }
 
  private:

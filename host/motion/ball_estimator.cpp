@@ -6,13 +6,6 @@
 namespace impactdic::motion {
 namespace {
 
-// Of a clip's ball: without what stands still before it.
-dic::BallOptions whole_options(const EstimatorOptions& options, dic::BallModel model) {
-  dic::BallOptions whole = ball_options(options.field, model);
-  whole.mask = options.moving;
-  return whole;
-}
-
 // One registration of the whole ball, started from the field, or from circle and the rings' turn
 // where the field has too little texture. Rigid, unless the field or the circle says that the ball
 // is compressed.
@@ -24,8 +17,8 @@ class BallEstimator : public MotionEstimator {
         radius_px_(radius_px),
         field_(make_field_estimator(engine, options, radius_px, frames)),
         frames_(frames),
-        rigid_(engine, whole_options(options, dic::BallModel::kRigid)),
-        affine_(engine, whole_options(options, dic::BallModel::kAffine)) {}
+        rigid_(engine, ball_options(options, dic::BallModel::kRigid)),
+        affine_(engine, ball_options(options, dic::BallModel::kAffine)) {}
 
   std::span<const Window> grid() const override { return field_->grid(); }
   double fit_seconds() const override { return field_->fit_seconds(); }
@@ -137,9 +130,15 @@ dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model) {
   return options;
 }
 
+dic::BallOptions ball_options(const EstimatorOptions& options, dic::BallModel model) {
+  dic::BallOptions whole = ball_options(options.field, model);
+  whole.mask = options.moving;
+  return whole;
+}
+
 dic::BallOptions body_options(const EstimatorOptions& options) {
   const auto model = options.sphere ? dic::BallModel::kSphere : dic::BallModel::kRigid;
-  dic::BallOptions body = whole_options(options, model);
+  dic::BallOptions body = ball_options(options, model);
   body.lit = options.is_lit();
   return body;
 }

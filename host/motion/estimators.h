@@ -41,6 +41,8 @@ dic::RigidMotion sphere_motion(const BallMotion& ball, dic::SphereSource source 
 
 // How the whole ball is registered where windows are measured with `field`.
 dic::BallOptions ball_options(const FieldOptions& field, dic::BallModel model);
+// The same without what stands still before the clip's ball.
+dic::BallOptions ball_options(const EstimatorOptions& options, dic::BallModel model);
 // The same of the body that it is taken for: a sphere in its light, or a rigid disc.
 dic::BallOptions body_options(const EstimatorOptions& options);
 

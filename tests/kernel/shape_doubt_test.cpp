@@ -46,7 +46,8 @@ class PressedPair {
     task.second = 1;
     task.sight.first[2] = static_cast<float>(-first);
     task.sight.second[2] = static_cast<float>(-second);
-    dic::BallRegistration registration(shared_engine(), ball_options({}, dic::BallModel::kSphere));
+    dic::BallRegistration registration(shared_engine(),
+                                       ball_options(FieldOptions{}, dic::BallModel::kSphere));
     BallMotion motion = registration.measure(frames_, {&task, 1})[0];
     const ShapedPair pair{
         task, &motion, {BallShape{first / 2, 0, sd}, BallShape{second / 2, 0, sd}}};

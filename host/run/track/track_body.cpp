@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "host/advice/along_path.h"
-#include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
 #include "host/advice/round_advice.h"
 #include "host/report/words.h"
@@ -13,64 +12,69 @@
 
 namespace impactdic::run {
 
-std::vector<advice::MovedBall> TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
-                                                     const advice::AdviceRequest& looked) {
-  result_.body = request_.body;
-  result_.body_reason = "as was asked for";
-  if (request_.body == Body::kAuto) {
-    result_.body = Body::kDisc;
-    result_.body_reason = "no pair of frames is registered that could tell (--estimator ball)";
-    options_.tilt_is_unknown = options_.estimator.estimator == Estimator::kBall;
-  }
-  bool is_measured = false;
-  Measured shown, by_turns;  // the radius over the camera's distance; the radius
-  std::vector<advice::MovedBall> moved;
-  if (!looks_at_body() && !pairs.empty()) {
-    moved = advice::discs_moved(*session_.impl().open_engines().front(), pairs,
-                                options_.estimator.field);
-  } else if (!pairs.empty()) {  // also of a ball that is said to be a sphere: its radius
-    see_from_near(pairs.front().first_ball.r_px);
-    const advice::BodyAdvice judged =
-        advice::judge_body(*session_.impl().open_engines().front(), pairs, options_.estimator.field,
-                           options_.estimator.perspective, advice::far_frames(*source_, looked));
-    is_measured = judged.is_measured;
-    if (request_.body == Body::kAuto) {
-      result_.body = judged.body;
-      result_.body_reason = judged.reason;
-      if (std::isfinite(judged.unseen_tilt_rad)) {
-        options_.estimator.unseen_tilt_rad = judged.unseen_tilt_rad;
-        options_.tilt_is_unknown = false;
-      }
-    }
-    if (judged.radius_px > 0) {
-      options_.estimator.sphere_radius_px = judged.radius_px;
-      options_.estimator.sphere_radius_sd_px = judged.radius_sd_px;
-      options_.estimator.sphere_blur_px2 = judged.blur_px2;
-      options_.estimator.sphere_light = judged.light;
-      by_turns = judged.radius_by_turns_px;
-    }
-    shown = judged.nearness;
-    moved = judged.moved;
-  }
-  if (looks_at_body() && !is_measured) look_for_round_body();
-  options_.estimator.sphere = result_.body == Body::kSphere;
-  if (options_.estimator.sphere) options_.ball.circle.sphere = true;  // a disc is only not refuted
+void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
+                           const advice::AdviceRequest& looked) {
+  advice::BodyAdvice judged = judge_body(pairs, looked);
+  leave_out_still_edges(judged.moved, looked);
+  // Such edges look like a turn, or hide one.
+  if (options_.estimator.moving && looks_at_body()) judged = judge_body(pairs, looked);
+  const bool is_asked = request_.body != Body::kAuto;
+  result_.body = is_asked ? request_.body : judged.body;
+  result_.body_reason = is_asked ? "as was asked for" : judged.reason;
+  if (looks_at_body() && !judged.is_measured) look_for_round_body();
+  take_up(judged);
   if (options_.with_field) {
     caller_.say(MessageKind::kNote,
                 std::string("body: ") + to_string(result_.body) + ", " + result_.body_reason);
   }
-  const double radius_px = options_.estimator.sphere_radius_px;
-  perspective_ = options_.estimator.perspective = {};
-  if (!options_.estimator.sphere) return moved;
-  see_from_near(radius_px > 0 ? radius_px : options_.ball.scouted_radius_px.value_or(0), shown);
-  if (!(radius_px > 0)) return moved;
-  result_.sphere_radius_px = {radius_px, options_.estimator.sphere_radius_sd_px};
-  if (std::isfinite(by_turns.value)) {
-    options_.ball.radius_by_turns = outline_radius(by_turns, perspective_);
+  if (result_.sphere_radius_px.value > 0) {
+    caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
   }
-  state_nearness(camera_, perspective_, shown, result_);
-  caller_.say(MessageKind::kNote, sphere_in_words(result_.sphere_radius_px, perspective_));
-  return moved;
+}
+
+advice::BodyAdvice TrackRun::judge_body(const std::vector<advice::BallPair>& pairs,
+                                        const advice::AdviceRequest& looked) {
+  advice::BodyAdvice judged;
+  judged.is_measured = false;
+  judged.reason = "no pair of frames is registered that could tell (--estimator ball)";
+  if (pairs.empty()) return judged;
+  opencl::Engine& engine = *session_.impl().open_engines().front();
+  if (!looks_at_body()) {
+    judged.moved = advice::discs_moved(engine, pairs, options_.estimator);
+    return judged;
+  }
+  // Also of a ball that is said to be a sphere: its radius.
+  see_from_near(pairs.front().first_ball.r_px);
+  return advice::judge_body(engine, pairs, options_.estimator,
+                            advice::far_frames(*source_, looked));
+}
+
+void TrackRun::take_up(const advice::BodyAdvice& judged) {
+  motion::EstimatorOptions& estimator = options_.estimator;
+  if (request_.body == Body::kAuto) {
+    const bool is_known = std::isfinite(judged.unseen_tilt_rad);
+    if (is_known) estimator.unseen_tilt_rad = judged.unseen_tilt_rad;
+    options_.tilt_is_unknown = estimator.estimator == Estimator::kBall && !is_known;
+  }
+  if (judged.radius_px > 0) {
+    estimator.sphere_radius_px = judged.radius_px;
+    estimator.sphere_radius_sd_px = judged.radius_sd_px;
+    estimator.sphere_blur_px2 = judged.blur_px2;
+    estimator.sphere_light = judged.light;
+  }
+  perspective_ = estimator.perspective = {};
+  estimator.sphere = result_.body == Body::kSphere;
+  if (!estimator.sphere) return;
+  options_.ball.circle.sphere = true;  // a disc is only not refuted
+  const double radius_px = estimator.sphere_radius_px;
+  see_from_near(radius_px > 0 ? radius_px : options_.ball.scouted_radius_px.value_or(0),
+                judged.nearness);
+  if (!(radius_px > 0)) return;
+  result_.sphere_radius_px = {radius_px, estimator.sphere_radius_sd_px};
+  if (std::isfinite(judged.radius_by_turns_px.value)) {
+    options_.ball.radius_by_turns = outline_radius(judged.radius_by_turns_px, perspective_);
+  }
+  state_nearness(camera_, perspective_, judged.nearness, result_);
 }
 
 void TrackRun::look_for_round_body() {

@@ -101,7 +101,7 @@ void TrackRun::look() {
   }
   if (result_.advice.texture) options_.estimator.field.noise = result_.advice.texture->noise;
   if (options_.with_field) session_.open();
-  leave_out_still_edges(choose_body(pairs, request), request);
+  choose_body(pairs, request);
   result_.warnings = all_warnings(request_.clip, info(), result_.advice);
   result_.warnings.insert(result_.warnings.end(), clock_warnings_.begin(), clock_warnings_.end());
   if (!second_ball_warning_.empty()) result_.warnings.push_back(second_ball_warning_);

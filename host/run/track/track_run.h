@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "host/advice/body_advice.h"
 #include "host/advice/clip_advice.h"
-#include "host/advice/still_edges.h"
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/row_store.h"
@@ -70,9 +70,12 @@ class TrackRun {
   void scout(advice::AdviceRequest& request);
   // Looks for the surface's edge, and compares it with the angle that was given.
   void look_for_surface();
-  // Sphere or disc, by the pairs of frames that the look found; which of them are measured.
-  std::vector<advice::MovedBall> choose_body(const std::vector<advice::BallPair>& pairs,
-                                             const advice::AdviceRequest& looked);
+  // Sphere or disc, and what is known of it, by the pairs of frames that the look found.
+  void choose_body(const std::vector<advice::BallPair>& pairs, const advice::AdviceRequest& looked);
+  advice::BodyAdvice judge_body(const std::vector<advice::BallPair>& pairs,
+                                const advice::AdviceRequest& looked);
+  // What the look at the body tells the estimators and the circles.
+  void take_up(const advice::BodyAdvice& judged);
   bool registers_ball() const {
     return options_.with_field && options_.estimator.estimator == Estimator::kBall;
   }

@@ -53,7 +53,7 @@ inline std::optional<advice::SphereTold> told_by_turns(const FarView& view, unsi
   step.dy_px = -0.3;
   step.rot_x_rad = turn.x();
   step.rot_y_rad = turn.y();
-  return advice::sphere_from_turn(shared_engine(), pair, step, {}, {}, frames);
+  return advice::sphere_from_turn(shared_engine(), pair, step, {}, frames);
 }
 
 }  // namespace impactdic::testing
