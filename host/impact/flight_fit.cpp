@@ -10,6 +10,7 @@
 #include "host/impact/flight/flight_data.h"
 #include "host/impact/flight/flight_links.h"
 #include "host/impact/flight/row_groups.h"
+#include "host/impact/flight/unknowns.h"
 
 namespace impactdic::impact {
 namespace {
@@ -26,6 +27,10 @@ constexpr double kLinkedTurnModel = 1.4e-4, kLinkedRollModel = 1e-4, kLinkedCent
 // How far from a sphere's centre its circle lies by the texture under its rim. It turns along with
 // the ball, and neither centres nor motions, which are about that place, tell it from a path.
 constexpr double kOffsetSd_px = 0.05;
+// How far a flat ball's places on its keyframes may drift over a flight, deviations of one.
+constexpr double kDrift = 0.5;
+// A flat ball's steps that scatter by less than this share of what they state have much alike.
+constexpr double kMuchMore = 0.5;
 constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 
 using Vector = Eigen::VectorXd;
@@ -39,52 +44,55 @@ class FlightSolver {
       : series_(series),
         direction_(direction),
         gravity_(gravity),
+        ranges_(ranges),
         flights_(static_cast<int>(ranges.size())),
-        across_(across) {
+        unknowns_(flights_, series.sphere.has_value(), !gravity || across, across) {
     for (int flight = 0; flight < flights_; ++flight) {
       const FlightRange& range = ranges[static_cast<std::size_t>(flight)];
       const std::vector<Datum> more = flight_data(series_, direction_, range, flight);
       data_.insert(data_.end(), more.begin(), more.end());
     }
-    add_links(ranges);
+    if (series_.sphere) add_links();
   }
 
   // Of the acceleration across the direction of gravity, with `gravity` along it.
   Measured solve_across() {
     if (!solve().ok) return {};
-    return {solution_[states()], std::sqrt(covariance_(states(), states()))};
+    return {solution_[unknowns_.states()],
+            std::sqrt(covariance_(unknowns_.states(), unknowns_.states()))};
   }
 
   FlightFit solve() {
     FlightFit fit;
     give_usual_deviations(data_);
-    for (int round = 0; round < 4; ++round) {
-      if (!least_squares()) return fit;
-      rescale();
-      if (!reject() && round > 0) break;
+    if (!settle()) return fit;
+    // A flat ball's poses, too, would add up a turn out of the picture's plane that nobody sees.
+    if (!series_.sphere && scale(DatumKind::kStep) > kMuchMore) {
+      add_links();
+      if (unknowns_.is_linked() && !settle()) return fit;
     }
     const double position_scale = scale_[0];
     // What centres scatter less than is stated may turn along with the texture under the rim.
-    if (linked_) scale_[0] = std::max(scale_[0], 1.0);
-    if (series_.sphere)
+    if (unknowns_.is_linked()) scale_[0] = std::max(scale_[0], 1.0);
+    if (series_.sphere || unknowns_.is_linked())
       scale_[0] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
     if (!series_.sphere)
       scale_[1] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kStep, false));
     if (!least_squares()) return fit;
-    const Matrix alone = covariance_.topLeftCorner(states(), states());
+    const int n = unknowns_.states();
+    const Matrix alone = covariance_.topLeftCorner(n, n);
     if (let_steps_lean() && !least_squares()) return fit;
     fit.ok = true;
-    fit.state.head(states()) = solution_.head(states());
-    fit.covariance.topLeftCorner(states(), states()) = alone;
-    fit.common.topLeftCorner(states(), states()) =
-        covariance_.topLeftCorner(states(), states()) - alone;
+    fit.state.head(n) = solution_.head(n);
+    fit.covariance.topLeftCorner(n, n) = alone;
+    fit.common.topLeftCorner(n, n) = covariance_.topLeftCorner(n, n) - alone;
     if (series_.sphere) take_sphere(fit);
     take_common_part(fit);
     take_disagreement(fit);
     fit.covariance += fit.common;
-    if (gravity_) fit.per_gravity.head(states()) = (-covariance_ * pull_).head(states());
+    if (gravity_) fit.per_gravity.head(n) = (-covariance_ * pull_).head(n);
     fit.gravity = gravity();
-    fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(states(), states()));
+    fit.gravity_sd = gravity_ ? 0 : std::sqrt(covariance_(n, n));
     fit.position_scale = position_scale;
     fit.step_scale = scale_[1];
     for (const Datum& datum : data_) {
@@ -94,69 +102,46 @@ class FlightSolver {
   }
 
  private:
+  // Fits, learns what the data scatter by and leaves out what lies far off, in turns.
+  bool settle() {
+    for (int round = 0; round < 4; ++round) {
+      if (!least_squares()) return false;
+      rescale();
+      if (!reject() && round > 0) break;
+    }
+    return true;
+  }
+  double scale(DatumKind kind) const { return scale_[static_cast<std::size_t>(kind)]; }
+
   // Registrations against keyframes take the place of steps and turns where all flights have them.
-  void add_links(const std::vector<FlightRange>& ranges) {
+  void add_links() {
     std::vector<Datum> links;
     for (int flight = 0; flight < flights_; ++flight) {
       const std::vector<Datum> more =
-          flight_links(series_, direction_, ranges[static_cast<std::size_t>(flight)], flight,
+          flight_links(series_, direction_, ranges_[static_cast<std::size_t>(flight)], flight,
                        static_cast<int>(links.size()));
       if (more.empty()) return;
       links.insert(links.end(), more.begin(), more.end());
     }
-    linked_ = true;
+    unknowns_.link();
     for (Datum& d : data_) d.fitted = d.kind == DatumKind::kCentre;
     data_.insert(data_.end(), links.begin(), links.end());
   }
 
-  // The unknowns: states, gravity where it is not given, and of a sphere its radius, this over the
-  // camera's distance, the circles' offsets and its spins.
-  int states() const { return flights_ * kStatesOfOne; }
-  int radius_column() const { return states() + (gravity_ && !across_ ? 0 : 1); }
-  int nearness_column() const { return radius_column() + 1; }
-  int offset_column(int flight) const { return nearness_column() + 1 + 2 * flight; }
-  int spins() const { return linked_ ? 3 : 2; }  // of a flight
-  int spin_column(int flight) const { return offset_column(flights_) + spins() * flight; }
-  int model_column(int flight) const { return spin_column(flights_) + 2 * flight; }
-  int unknowns() const {
-    if (!series_.sphere) return radius_column();
-    return linked_ ? model_column(flights_) : spin_column(flights_);
-  }
   // Whether the row counts in the fit.
   static bool counts(const Datum& d) { return d.fitted && d.used; }
 
-  double gravity() const { return gravity_ ? *gravity_ : solution_[states()]; }
-  double radius_error() const { return series_.sphere ? solution_[radius_column()] : 0.0; }
-  double sd(const Datum& d) const { return d.sd * scale_[static_cast<std::size_t>(d.kind)]; }
+  double gravity() const { return gravity_ ? *gravity_ : solution_[unknowns_.states()]; }
+  double radius_error() const { return series_.sphere ? solution_[unknowns_.radius()] : 0.0; }
+  double sd(const Datum& d) const { return d.sd * scale(d.kind); }
 
   double value(const Datum& d) const {
     return d.value - (gravity_ ? d.gravity_slope * *gravity_ : 0.0);
   }
-  double residual(const Datum& d) const { return value(d) - row_of(d).dot(solution_); }
-
-  Vector row_of(const Datum& d) const {
-    Vector row = Vector::Zero(unknowns());
-    for (int k = 0; k < kStatesOfOne; ++k) {
-      row[kStatesOfOne * d.flight + k] = d.slope[static_cast<std::size_t>(k)];
-    }
-    if (across_) {
-      row[states()] = d.across_slope;
-    } else if (!gravity_) {
-      row[states()] = d.gravity_slope;
-    }
-    if (!series_.sphere) return row;
-    row[radius_column()] = d.radius_slope;
-    row[nearness_column()] = d.nearness_slope;
-    row.segment<2>(offset_column(d.flight)) << d.offset_slope[0], d.offset_slope[1];
-    for (int k = 0; k < spins(); ++k) {
-      row[spin_column(d.flight) + k] = d.spin_slope[static_cast<std::size_t>(k)];
-    }
-    if (linked_) row.segment<2>(model_column(d.flight)) << d.tilted_slope, d.rolled_slope;
-    return row;
-  }
+  double residual(const Datum& d) const { return value(d) - unknowns_.row_of(d).dot(solution_); }
 
   bool least_squares() {
-    const int size = unknowns();
+    const int size = unknowns_.count();
     Matrix normal = Matrix::Zero(size, size);
     Vector right = Vector::Zero(size);
     pull_ = Vector::Zero(size);
@@ -164,7 +149,7 @@ class FlightSolver {
     RowGroups groups;
     for (const Datum& d : data_) {
       if (!counts(d)) continue;
-      const Vector row = row_of(d) / sd(d);
+      const Vector row = unknowns_.row_of(d) / sd(d);
       const double seen = value(d) / sd(d), gravity = d.gravity_slope / sd(d);
       normal += row * row.transpose();
       right += seen * row;
@@ -174,14 +159,21 @@ class FlightSolver {
     }
     groups.take_off(normal, right, pull_);
     if (used < kFewestData) return false;
-    if (series_.sphere) {
-      normal(radius_column(), radius_column()) += 1 / std::pow(series_.sphere->radius_sd_px(), 2);
-      normal(nearness_column(), nearness_column()) +=
-          1 / std::pow(std::max(series_.sphere->nearness_sd(), kLeastNearnessSd), 2);
-      normal.diagonal().segment(offset_column(0), 2 * flights_).array() +=
+    if (unknowns_.has_offsets()) {
+      normal.diagonal().segment(unknowns_.offset(0), 2 * flights_).array() +=
           1 / (kOffsetSd_px * kOffsetSd_px);
-      for (int flight = 0; linked_ && flight < flights_; ++flight) {
-        normal.diagonal().segment<2>(model_column(flight)) +=
+    }
+    if (unknowns_.has_rims()) {
+      normal.diagonal().segment(unknowns_.rim(0), 2 * flights_).array() +=
+          1 / std::pow(usual_deviation(data_, DatumKind::kCentre), 2);
+    }
+    if (series_.sphere) {
+      normal(unknowns_.radius(), unknowns_.radius()) +=
+          1 / std::pow(series_.sphere->radius_sd_px(), 2);
+      normal(unknowns_.nearness(), unknowns_.nearness()) +=
+          1 / std::pow(std::max(series_.sphere->nearness_sd(), kLeastNearnessSd), 2);
+      for (int flight = 0; unknowns_.is_linked() && flight < flights_; ++flight) {
+        normal.diagonal().segment<2>(unknowns_.model(flight)) +=
             Eigen::Vector2d(kLinkedTurnModel, kLinkedRollModel).cwiseAbs2().cwiseInverse();
       }
     }
@@ -224,16 +216,16 @@ class FlightSolver {
   }
 
   void take_sphere(FlightFit& fit) const {
-    const int radius = radius_column();
+    const int radius = unknowns_.radius();
     for (int flight = 0; flight < flights_; ++flight) {
-      const int from = spin_column(flight), to = 2 * flight;
+      const int from = unknowns_.spin(flight), to = 2 * flight;
       fit.spin.segment<2>(to) = solution_.segment<2>(from);
       for (int other = 0; other < flights_; ++other) {
         fit.spin_covariance.block<2, 2>(to, 2 * other) =
-            covariance_.block<2, 2>(from, spin_column(other));
+            covariance_.block<2, 2>(from, unknowns_.spin(other));
       }
       const double tilting = fit.spin.segment<2>(to).norm();
-      if (!linked_) {
+      if (!unknowns_.is_linked()) {
         fit.spin_covariance.diagonal().segment<2>(to).array() += std::pow(kTurnModel * tilting, 2);
         continue;
       }
@@ -251,23 +243,20 @@ class FlightSolver {
   // Data of one kind that scatter less than their deviations say are wrong by the rest of it all
   // alike: its square.
   double common_variance(DatumKind kind) const {
-    std::vector<double> stated;
-    for (const Datum& d : data_) {
-      if (d.used && d.kind == kind) stated.push_back(d.sd);
-    }
-    if (series_.from_circle || stated.empty()) return 0;
-    const double share = common_share(scale_[static_cast<std::size_t>(kind)], stated.size());
-    const double usual = upper_median(finite(stated));
-    return share * usual * usual;
+    if (series_.from_circle) return 0;
+    const auto count = std::count_if(data_.begin(), data_.end(),
+                                     [&](const Datum& d) { return d.used && d.kind == kind; });
+    if (count == 0) return 0;
+    const double share = common_share(scale(kind), static_cast<std::size_t>(count));
+    return share * std::pow(usual_deviation(data_, kind), 2);
   }
 
   // A flat ball's steps that state much more than they scatter by may all be off by the rest of
   // it, as by a turn out of the picture's plane that nobody sees. Centres tell by how much, as
   // independent as they are of each other. Whether it is so.
   bool let_steps_lean() {
-    constexpr double kMuchMore = 0.5;
-    const double scatter = scale_[static_cast<std::size_t>(DatumKind::kStep)];
-    if (series_.sphere || !(scatter < kMuchMore)) return false;
+    const double scatter = scale(DatumKind::kStep);
+    if (series_.sphere || unknowns_.is_linked() || !(scatter < kMuchMore)) return false;
     leaning_px2_ = common_variance(DatumKind::kStep);
     if (!(leaning_px2_ > 0)) return false;
     scale_[0] = std::max(scale_[0], 1.0) *
@@ -277,11 +266,26 @@ class FlightSolver {
   }
 
   void take_common_part(FlightFit& fit) const {
-    if (linked_ || leaning_px2_ > 0) return;
+    if (unknowns_.is_linked() && !series_.sphere) take_drift(fit);
+    if (unknowns_.is_linked() || leaning_px2_ > 0) return;
     const double steps = common_variance(DatumKind::kStep);
     for (const int velocity : kVelocities) fit.common(velocity, velocity) += steps;
     if (!series_.sphere) return;
     fit.spin_covariance.diagonal().array() += common_variance(DatumKind::kTurn);
+  }
+
+  // The bias of the interpolation goes along with the fraction of a pixel, and with the ball's
+  // turn.
+  void take_drift(FlightFit& fit) const {
+    const double drift_px = usual_deviation(data_, DatumKind::kShift) * scale(DatumKind::kShift);
+    for (int flight = 0; flight < flights_; ++flight) {
+      const FlightRange& range = ranges_[static_cast<std::size_t>(flight)];
+      const double by_frame = kDrift * drift_px / static_cast<double>(range.last - range.first);
+      for (const int velocity : {kVn0, kVt0}) {
+        const int column = kStatesOfOne * flight + velocity;
+        fit.common(column, column) += by_frame * by_frame;
+      }
+    }
   }
 
   // Scatter cannot show what is wrong in every frame alike: a drift of the circle, a bias of the
@@ -293,7 +297,7 @@ class FlightSolver {
     double chi_square = 0, squares = 0;
     std::array<double, kVelocities.size()> farther{};
     for (std::size_t i = 0; i < kVelocities.size(); ++i) {
-      if (kVelocities[i] >= states()) break;
+      if (kVelocities[i] >= unknowns_.states()) break;
       const std::optional<TwoVelocities> two = two_velocities(kVelocities[i]);
       if (!two) return;
       const double off = two->of_steps - two->of_centres, both = solution_[kVelocities[i]];
@@ -336,7 +340,7 @@ class FlightSolver {
     if (!(step_weight > 0) || !(spread > 0)) return std::nullopt;
     const double of_centres = (w * wxy - wx * wy) / spread;
     // Keyframes tell no velocity apart from all the rest.
-    if (linked_) return TwoVelocities{solution_[column], of_centres, w / spread};
+    if (unknowns_.is_linked()) return TwoVelocities{solution_[column], of_centres, w / spread};
     double chance = 1 / step_weight + leaning_px2_ + w / spread;
     if (series_.sphere) {
       chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2) +
@@ -349,7 +353,7 @@ class FlightSolver {
     std::vector<double> sizes;
     const std::vector<double> own = own_residuals(data_, residuals());
     for (std::size_t i = 0; i < data_.size(); ++i) {
-      sizes.push_back(std::abs(own[i]) / scale_[static_cast<std::size_t>(data_[i].kind)]);
+      sizes.push_back(std::abs(own[i]) / scale(data_[i].kind));
     }
     const double limit = kOutlier * std::max(kSdOfMad * upper_median(finite(sizes)), 1e-9);
     bool changed = false;
@@ -364,11 +368,11 @@ class FlightSolver {
   const ImpactSeries& series_;
   GravityDirection direction_;
   std::optional<double> gravity_;
+  std::vector<FlightRange> ranges_;
   int flights_;
-  bool across_;  // fits the acceleration across gravity, too
+  Unknowns unknowns_;
   std::vector<Datum> data_;
   std::array<double, kDatumKinds> scale_ = {1, 1, 1, 1, 1, 1};
-  bool linked_ = false;     // by registrations against keyframes
   double leaning_px2_ = 0;  // variance of what all steps of a flight may be off by
   Vector solution_;
   Vector pull_;  // of gravity on the right-hand side

@@ -59,12 +59,13 @@ class SpinOfPoses {
     }
     if (!fit()) return std::nullopt;
     return FlightSpin{usual_ + slope_, std::max(scatter_, 1.0) / std::sqrt(spread_),
-                      usual_sd_ / std::sqrt(spans_)};
+                      kDrift * usual_sd_ / std::sqrt(spans_)};
   }
 
  private:
   static constexpr double kFewest = 0.8;  // of a flight's frames
   static constexpr double kOutlier = 5;   // deviations
+  static constexpr double kDrift = 0.5;   // over all frames on one keyframe, deviations of one
   struct Angle {
     double frame, off_rad, sd_rad;
   };

@@ -87,6 +87,10 @@ class ImpactSeries {
   double step_sd(std::size_t i) const;
   double turn(std::size_t i) const;  // rad, from i to i + 1
   double turn_sd(std::size_t i) const;
+  // Along t and n, px, of a place of the picture.
+  std::array<double, 2> local(double x_px, double y_px) const {
+    return {c_ * x_px - s_ * y_px, -s_ * x_px - c_ * y_px};
+  }
   // Of a flat ball against a keyframe; angle_rad is NaN where it was not placed.
   BodyPose pose(std::size_t i) const { return rows_[i].pose; }
   std::size_t size() const { return position_n.size(); }

@@ -67,7 +67,12 @@ class FlightData {
     seen.across_slope = across(normal) * from * from / 2;
     seen.value = normal ? series_.position_n[i] - rim_off_[1] : series_.position_t(i) - rim_off_[0];
     seen.sd = series_.position_sd(i);
-    if (series_.sphere) seen.offset_slope = turned_offset(turned_, normal);
+    if (series_.sphere) {
+      seen.offset_slope = turned_offset(turned_, normal);
+    } else {
+      const double c = std::cos(turned_), s = std::sin(turned_);
+      seen.rim_slope = normal ? std::array{s, c} : std::array{c, -s};
+    }
     keep(seen);
   }
 
@@ -124,6 +129,14 @@ void take_off(Datum& row, double factor, const Datum& other) {
   row.radius_slope -= factor * other.radius_slope;
   row.nearness_slope -= factor * other.nearness_slope;
   row.value -= factor * other.value;
+}
+
+double usual_deviation(const std::vector<Datum>& data, DatumKind kind) {
+  std::vector<double> stated;
+  for (const Datum& d : data) {
+    if (d.used && d.kind == kind) stated.push_back(d.sd);
+  }
+  return stated.empty() ? 0.0 : upper_median(finite(stated));
 }
 
 void give_usual_deviations(std::vector<Datum>& data) {

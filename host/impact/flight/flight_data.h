@@ -28,6 +28,8 @@ struct Datum {
   // Of a sphere, and how the place on it that is taken for its centre turns along.
   double radius_slope = 0, nearness_slope = 0;
   std::array<double, 2> offset_slope{};
+  // Of a flat ball's circle, how what its texture misplaces it by turns along.
+  std::array<double, 2> rim_slope{};
   // Of a registration against a keyframe: how far the ball has turned out of the picture's plane
   // since, about the row's axis, and for a turn in the plane in all.
   double tilted_slope = 0, rolled_slope = 0;
@@ -47,6 +49,9 @@ void take_off(Datum& row, double factor, const Datum& other);
 // measured is left out.
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
                                const FlightRange& range, int flight);
+
+// The median of what data of one kind state, of those that are used; 0 where there are none.
+double usual_deviation(const std::vector<Datum>& data, DatumKind kind);
 
 // Centres and steps without a stated deviation get the others' median.
 void give_usual_deviations(std::vector<Datum>& data);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/base/statistics.h"
+#include "host/impact/flight/flat_links.h"
 
 namespace impactdic::impact {
 namespace {
@@ -261,7 +262,7 @@ class FlightLinks {
 
 std::vector<Datum> flight_links(const ImpactSeries& series, const GravityDirection& direction,
                                 const FlightRange& range, int flight, int first_group) {
-  if (!series.sphere) return {};
+  if (!series.sphere) return flat_links(series, direction, range, flight, first_group);
   return FlightLinks(series, direction, range, flight, first_group).data();
 }
 

@@ -13,7 +13,8 @@ namespace impactdic::impact {
 // three groups of its own from `first_group` on. Of a keyframe in the flight the path itself says
 // how far from the ball's centre it was registered, and what that does to the motion
 // (sphere::source_response); of one before the flight nothing but how the frames that lean on it
-// moved among themselves is used. Empty where too few of the flight's frames were registered.
+// moved among themselves is used. Of a flat ball: flat_links. Empty where too few of the flight's
+// frames were registered.
 std::vector<Datum> flight_links(const ImpactSeries& series, const GravityDirection& direction,
                                 const FlightRange& range, int flight, int first_group);
 

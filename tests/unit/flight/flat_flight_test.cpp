@@ -1,0 +1,113 @@
+// A flat ball's flight by its places on keyframes, on rows made of an exact motion.
+#include <gtest/gtest.h>
+#include <impactdic/units.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "host/impact/impact_phases.h"
+
+namespace impactdic::testing {
+namespace {
+
+struct Flight {
+  double vx = 0.31, vy = 0.17, spin_deg = 0.4;  // px and degrees a frame, y up
+  // What its ink misplaces a circle by, turning along; of the point that is followed, likewise.
+  double rim_px = 0.02, offset_px = 0.02;
+  double alike = 0;  // share of a step that something which stands still takes away
+  int frames = 100;
+  bool poses = true;
+};
+
+constexpr double kCircle_px = 0.004, kStep_px = 0.002, kTurn_deg = 0.002;
+
+std::vector<TrackRow> rows_of(const Flight& f, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 1);
+  const auto deviate = [&] { return normal(random); };
+  const double rim_x = f.rim_px * deviate(), rim_y = f.rim_px * deviate();
+  const double off_x = f.offset_px * deviate(), off_y = f.offset_px * deviate();
+  std::vector<TrackRow> rows;
+  for (int i = 0; i < f.frames; ++i) {
+    TrackRow row;
+    const double turned = f.spin_deg * i * kRadPerDeg, c = std::cos(turned), s = std::sin(turned);
+    row.frame = i;
+    row.status = TrackStatus::kOk;
+    row.circle_ok = true;
+    const double x = 200 + f.vx * i, y = 250 - f.vy * i;  // y down
+    row.cx_px = x + c * rim_x + s * rim_y + kCircle_px * deviate();
+    row.cy_px = y - s * rim_x + c * rim_y + kCircle_px * deviate();
+    row.cx_sd_px = row.cy_sd_px = f.rim_px;
+    row.r_px = 80;
+    row.r_sd_px = 0.02;
+    row.motion_ok = i + 1 < f.frames;
+    row.dx_px = (1 - f.alike) * f.vx + kStep_px * deviate();
+    row.dy_px = -(1 - f.alike) * f.vy + kStep_px * deviate();
+    row.rot_deg = (1 - f.alike) * f.spin_deg + kTurn_deg * deviate();
+    row.dx_sd_px = row.dy_sd_px = kStep_px;
+    row.rot_sd_deg = kTurn_deg;
+    if (f.poses) {
+      BodyPose& pose = row.pose;
+      pose.ok = true;
+      pose.origin = pose.keyframe = 0;
+      pose.x_px = x + c * off_x + s * off_y + 0.7 * kStep_px * deviate();
+      pose.y_px = y - s * off_x + c * off_y + 0.7 * kStep_px * deviate();
+      pose.angle_rad = turned + 0.7 * kTurn_deg * kRadPerDeg * deviate();
+      pose.x_sd_px = pose.y_sd_px = kStep_px;
+      pose.angle_sd_rad = kTurn_deg * kRadPerDeg;
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Errors over deviations of both velocities and of the spin, rms over so many flights.
+struct OverSds {
+  double velocity = 0, spin = 0;
+};
+
+OverSds over_sds(const Flight& f, int flights = 40) {
+  double velocity = 0, spin = 0;
+  for (int seed = 1; seed <= flights; ++seed) {
+    const ImpactAnalysis found =
+        impact::analyse_impact(rows_of(f, static_cast<unsigned>(seed)), {});
+    EXPECT_EQ(found.status, ImpactStatus::kNone);
+    const FlightMotion& flight = found.flight;
+    velocity += std::pow((flight.vt.value - f.vx) / flight.vt.sd, 2) +
+                std::pow((flight.vn.value - f.vy) / flight.vn.sd, 2);
+    spin += std::pow((flight.spin.value * kDegPerRad - f.spin_deg) / (flight.spin.sd * kDegPerRad), 2);
+  }
+  return {std::sqrt(velocity / (2 * flights)), std::sqrt(spin / flights)};
+}
+
+TEST(FlatFlight, VelocityAndSpinAreAsSureAsTheyAre) {
+  for (const double spin_deg : {0.05, 0.4, 3.0}) {
+    for (const int frames : {12, 40, 200}) {
+      Flight flight;
+      flight.spin_deg = spin_deg;
+      flight.frames = frames;
+      const OverSds errors = over_sds(flight);
+      std::printf("%.2f deg, %d frames: %.2f %.2f\n", spin_deg, frames, errors.velocity, errors.spin);
+      EXPECT_LT(errors.velocity, 1.3) << spin_deg << " deg, " << frames;
+      EXPECT_GT(errors.velocity, 0.15) << spin_deg << " deg, " << frames;
+      EXPECT_LT(errors.spin, 1.3) << spin_deg << " deg, " << frames;
+      EXPECT_GT(errors.spin, 0.15) << spin_deg << " deg, " << frames;
+    }
+  }
+}
+
+// A pattern that stands still on the sensor, or a bar's edge: steps are too small by the same share
+// in every frame.
+TEST(FlatFlight, WhatStepsHaveAlikeDoesNotAddUp) {
+  Flight flight;
+  flight.alike = 0.003;
+  const OverSds by_poses = over_sds(flight);
+  EXPECT_LT(by_poses.velocity, 1.5);
+  EXPECT_LT(by_poses.spin, 1.5);
+  flight.poses = false;
+  EXPECT_GT(over_sds(flight).spin, 4);
+}
+
+}  // namespace
+}  // namespace impactdic::testing
