@@ -17,6 +17,7 @@ namespace {
 void read_scene(OptionReader& reader, SynthRequest& request) {
   SynthScene& scene = request.scene;
   reader("noise", scene.noise_sigma);
+  reader("fixed_noise", scene.fixed_noise_sigma);
   reader("blur", scene.psf_sigma_px);
   reader("exposure", request.exposure);
   reader("shading", scene.shading);

@@ -17,6 +17,8 @@ void SynthScene::validate() const {
           "a standard deviation of 0.3 … 50 px");
   require(noise_sigma >= 0 && noise_sigma <= 255, "the noise is out of range",
           "a standard deviation of 0 … 255 grey levels");
+  require(fixed_noise_sigma >= 0 && fixed_noise_sigma <= 255, "the fixed noise is out of range",
+          "a standard deviation of 0 … 255 grey levels");
   require(shading >= 0 && shading <= 1, "the shading is out of range", "0 … 1");
   require(lamp_share >= 0 && lamp_share <= 1, "the lamp's share of the light is out of range",
           "0 … 1");
@@ -96,6 +98,10 @@ void develop(Image<double>& grey, const SynthScene& scene, std::int64_t frame_in
     const auto width = static_cast<std::size_t>(scene.width);
     if (scene.noise_sigma > 0) {
       add_row_noise({row, width}, scene.noise_sigma, scene.noise_seed, frame_index, y);
+    }
+    if (scene.fixed_noise_sigma > 0) {
+      constexpr std::int64_t kNoFrame = -1;
+      add_row_noise({row, width}, scene.fixed_noise_sigma, scene.noise_seed, kNoFrame, y);
     }
     for (int x = 0; x < scene.width; ++x) {
       const double level = std::clamp(std::floor(row[x] * (top / 255) + 0.5), 0.0, top);

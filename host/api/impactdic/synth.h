@@ -81,6 +81,8 @@ struct SynthScene {
   double white = 200, ink = 40, background = 30;
   double psf_sigma_px = 0.6;  // the lens; 0.3 or more
   double noise_sigma = 0;     // grey levels, independent in every pixel
+  // Likewise, but the same in every frame: what a sensor adds to its pixels.
+  double fixed_noise_sigma = 0;
   std::uint64_t noise_seed = 1;
   // Light on the ball falls linearly from 1 at the rim facing the lamp to 1 - shading at the rim
   // opposite. Fixed to the lamp: it follows the centre and does not turn with the ball.

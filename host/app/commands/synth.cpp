@@ -116,6 +116,9 @@ void add_camera_options(CLI::App& command, SynthRequest& request) {
   };
   number("--noise", scene.noise_sigma, "Camera noise, standard deviation in grey levels of 255", 0,
          255);
+  number("--fixed-noise", scene.fixed_noise_sigma,
+         "The same of noise that stands still: what the sensor adds to each pixel in every frame",
+         0, 255);
   number("--blur", scene.psf_sigma_px, "Lens blur, standard deviation in px", 0.3, 50);
   number("--exposure", request.exposure,
          "Share of the frame interval that the shutter is open; the truth is at its middle", 0, 1);

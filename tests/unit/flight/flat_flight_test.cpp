@@ -76,7 +76,8 @@ OverSds over_sds(const Flight& f, int flights = 40) {
     const FlightMotion& flight = found.flight;
     velocity += std::pow((flight.vt.value - f.vx) / flight.vt.sd, 2) +
                 std::pow((flight.vn.value - f.vy) / flight.vn.sd, 2);
-    spin += std::pow((flight.spin.value * kDegPerRad - f.spin_deg) / (flight.spin.sd * kDegPerRad), 2);
+    spin +=
+        std::pow((flight.spin.value * kDegPerRad - f.spin_deg) / (flight.spin.sd * kDegPerRad), 2);
   }
   return {std::sqrt(velocity / (2 * flights)), std::sqrt(spin / flights)};
 }
@@ -88,7 +89,8 @@ TEST(FlatFlight, VelocityAndSpinAreAsSureAsTheyAre) {
       flight.spin_deg = spin_deg;
       flight.frames = frames;
       const OverSds errors = over_sds(flight);
-      std::printf("%.2f deg, %d frames: %.2f %.2f\n", spin_deg, frames, errors.velocity, errors.spin);
+      std::printf("%.2f deg, %d frames: %.2f %.2f\n", spin_deg, frames, errors.velocity,
+                  errors.spin);
       EXPECT_LT(errors.velocity, 1.3) << spin_deg << " deg, " << frames;
       EXPECT_GT(errors.velocity, 0.15) << spin_deg << " deg, " << frames;
       EXPECT_LT(errors.spin, 1.3) << spin_deg << " deg, " << frames;

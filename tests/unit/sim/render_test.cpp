@@ -386,6 +386,7 @@ TEST(Render, RefusesImpossibleScenes) {
   refused([](SynthScene& s) { s.shading = 1.5; });
   refused([](SynthScene& s) { s.white = 300; });
   refused([](SynthScene& s) { s.noise_sigma = -1; });
+  refused([](SynthScene& s) { s.fixed_noise_sigma = -1; });
   const sim::speckle::BallRenderer renderer(sim::speckle::SpeckleBall{}, SynthScene{});
   EXPECT_THROW(renderer.exact(BallPose{256, 256, 0, 0.7}), InvalidArgument);
   EXPECT_THROW(sim::speckle::bar_hiding(1.2, BallPose{}, 100), InvalidArgument);

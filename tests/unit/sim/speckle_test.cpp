@@ -13,6 +13,7 @@
 #include "sim/speckle/motion.h"
 #include "sim/speckle/noise.h"
 #include "sim/speckle/pattern.h"
+#include "sim/speckle/render.h"
 #include "tests/support/scratch.h"
 
 namespace impactdic {
@@ -233,6 +234,27 @@ TEST(Motion, TruthIsThePoseAtMidExposure) {
     EXPECT_DOUBLE_EQ(path.close.cy_px, poses[k].cy_px - 1);
     EXPECT_DOUBLE_EQ(path.close.angle_deg, poses[k].angle_deg + 1.5);
   }
+}
+
+// What a sensor adds to its pixels is the same in every frame.
+TEST(Render, FixedNoiseStandsStill) {
+  SynthScene scene;
+  scene.width = scene.height = 120;
+  scene.fixed_noise_sigma = 3;
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("a1", 4, 30), scene);
+  Frame first, second;
+  renderer.render(BallPose{60, 60}, 0, first);
+  renderer.render(BallPose{60, 60, 5}, 1, second);
+  double squares = 0;
+  int count = 0;
+  for (int y = 0; y < 20; ++y) {  // beside the ball
+    for (int x = 0; x < 120; ++x) {
+      EXPECT_EQ(first.u8(x, y), second.u8(x, y));
+      squares += std::pow(first.u8(x, y) - scene.background, 2);
+      ++count;
+    }
+  }
+  EXPECT_NEAR(std::sqrt(squares / count), 3, 0.15);
 }
 
 }  // namespace

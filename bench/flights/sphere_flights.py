@@ -3,8 +3,8 @@
 
 Makes clips with `synth`, measures them with `track`, and compares with the truth:
 
-    bench/sphere_flights.py build/release/impactdic flights   60 frames each: velocity and spin
-    bench/sphere_flights.py build/release/impactdic turns     2000 frames each: poses
+    bench/flights/sphere_flights.py build/release/impactdic flights   60 frames each: velocity and spin
+    bench/flights/sphere_flights.py build/release/impactdic turns     2000 frames each: poses
 
 A clip a pattern, seed and speed; the seed paints the ball and chooses its axis and path. Prints, a
 figure: the rms and the median error, the rms of errors over what was stated, and how many lie in
@@ -31,11 +31,11 @@ class Figure:
     def add(self, error, stated):
         self.rows.append((error, stated))
 
-    def line(self):
+    def line(self, digits=5):
         errors = sorted(abs(error) for error, _ in self.rows)
         over = [error / stated for error, stated in self.rows if stated > 0]
-        return (f'rms {rms(errors):.5f}, median {errors[len(errors) // 2]:.5f}, largest '
-                f'{errors[-1]:.5f}, over stated {rms(over):.2f}, inside '
+        return (f'rms {rms(errors):.{digits}f}, median {errors[len(errors) // 2]:.{digits}f}, largest '
+                f'{errors[-1]:.{digits}f}, over stated {rms(over):.2f}, inside '
                 f'{sum(abs(value) < 1.96 for value in over)} of {len(over)}')
 
 
