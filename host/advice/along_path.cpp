@@ -35,8 +35,8 @@ std::vector<Place> known_places(const std::vector<MovedBall>& moved,
     if (one.index < count) known.push_back({one.index, one.ball.circle});
   }
   std::ranges::stable_sort(known, {}, &Place::index);
-  const auto again = std::ranges::unique(known, {}, &Place::index);
-  known.erase(again.begin(), again.end());
+  const auto same = [](const Place& a, const Place& b) { return a.index == b.index; };
+  known.erase(std::unique(known.begin(), known.end(), same), known.end());
   return known;
 }
 
@@ -49,9 +49,10 @@ void add_way(const Place& from, const Place& to, double apart_px, std::vector<Pl
     const std::int64_t index = from.index + k * (to.index - from.index) / parts;
     const double share =
         static_cast<double>(index - from.index) / static_cast<double>(to.index - from.index);
-    Place& place = way.emplace_back(index, from.ball);
+    Place place{index, from.ball};
     place.ball.cx_px += share * (to.ball.cx_px - from.ball.cx_px);
     place.ball.cy_px += share * (to.ball.cy_px - from.ball.cy_px);
+    way.push_back(place);
   }
 }
 

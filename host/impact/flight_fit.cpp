@@ -17,16 +17,11 @@ namespace {
 
 constexpr double kOutlier = 5;   // deviations
 constexpr int kFewestData = 12;  // of two flights, both axes
-constexpr double kLeastNearnessSd = 1e-7;
 // Of a sphere's turn out of the plane, in proportion: blur acts in the picture and foreshortening
 // does not move it along (four patterns of R 115 px, 0.3 to 8 degrees a frame).
 constexpr double kTurnModel = 2.5e-4;
-// The same of a pose against its keyframe and of its turn in the picture's plane; of the centre in
-// proportion to the rim's speed (sixteen flights of four patterns, R 115 px).
-constexpr double kLinkedTurnModel = 1.4e-4, kLinkedRollModel = 1e-4, kLinkedCentreModel = 6e-6;
-// How far from a sphere's centre its circle lies by the texture under its rim. It turns along with
-// the ball, and neither centres nor motions, which are about that place, tell it from a path.
-constexpr double kOffsetSd_px = 0.05;
+// Of the centre, in proportion to the rim's speed (sixteen flights of four patterns, R 115 px).
+constexpr double kLinkedCentreModel = 6e-6;
 // How far a flat ball's places on its keyframes may drift over a flight, deviations of one.
 constexpr double kDrift = 0.5;
 // A flat ball's steps that scatter by less than this share of what they state have much alike.
@@ -72,12 +67,7 @@ class FlightSolver {
       if (unknowns_.is_linked() && !settle()) return fit;
     }
     const double position_scale = scale_[0];
-    // What centres scatter less than is stated may turn along with the texture under the rim.
-    if (unknowns_.is_linked()) scale_[0] = std::max(scale_[0], 1.0);
-    if (series_.sphere || unknowns_.is_linked())
-      scale_[0] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
-    if (!series_.sphere)
-      scale_[1] *= std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kStep, false));
+    count_alike();
     if (!least_squares()) return fit;
     const int n = unknowns_.states();
     const Matrix alone = covariance_.topLeftCorner(n, n);
@@ -112,6 +102,22 @@ class FlightSolver {
     return true;
   }
   double scale(DatumKind kind) const { return scale_[static_cast<std::size_t>(kind)]; }
+
+  // What errs alike in frames that follow each other counts for fewer. What centres scatter less
+  // than is stated may turn along with the texture under the rim.
+  void count_alike() {
+    const bool linked = unknowns_.is_linked();
+    if (linked) scale_[0] = std::max(scale_[0], 1.0);
+    const std::vector<double> all = residuals();
+    if (series_.sphere || linked) count_alike(DatumKind::kCentre, all, true);
+    if (series_.sphere) return;
+    count_alike(DatumKind::kStep, all, false);
+    if (linked) count_alike(DatumKind::kShift, own_residuals(data_, all), false);
+  }
+  void count_alike(DatumKind kind, const std::vector<double>& residuals, bool sphere) {
+    scale_[static_cast<std::size_t>(kind)] *=
+        std::sqrt(alike_in_a_row(data_, residuals, kind, sphere));
+  }
 
   // Registrations against keyframes take the place of steps and turns where all flights have them.
   void add_links() {
@@ -159,24 +165,7 @@ class FlightSolver {
     }
     groups.take_off(normal, right, pull_);
     if (used < kFewestData) return false;
-    if (unknowns_.has_offsets()) {
-      normal.diagonal().segment(unknowns_.offset(0), 2 * flights_).array() +=
-          1 / (kOffsetSd_px * kOffsetSd_px);
-    }
-    if (unknowns_.has_rims()) {
-      normal.diagonal().segment(unknowns_.rim(0), 2 * flights_).array() +=
-          1 / std::pow(usual_deviation(data_, DatumKind::kCentre), 2);
-    }
-    if (series_.sphere) {
-      normal(unknowns_.radius(), unknowns_.radius()) +=
-          1 / std::pow(series_.sphere->radius_sd_px(), 2);
-      normal(unknowns_.nearness(), unknowns_.nearness()) +=
-          1 / std::pow(std::max(series_.sphere->nearness_sd(), kLeastNearnessSd), 2);
-      for (int flight = 0; unknowns_.is_linked() && flight < flights_; ++flight) {
-        normal.diagonal().segment<2>(unknowns_.model(flight)) +=
-            Eigen::Vector2d(kLinkedTurnModel, kLinkedRollModel).cwiseAbs2().cwiseInverse();
-      }
-    }
+    unknowns_.add_priors(series_, usual_deviation(data_, DatumKind::kCentre), normal);
     const Vector diagonal = normal.diagonal().cwiseSqrt();
     if (!(diagonal.minCoeff() > 0)) return false;
     const Matrix scaled =

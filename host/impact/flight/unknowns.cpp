@@ -1,6 +1,20 @@
 #include "host/impact/flight/unknowns.h"
 
+#include <algorithm>
+
 namespace impactdic::impact {
+namespace {
+
+constexpr double kLeastNearnessSd = 1e-7;
+// How far off the centre the point lies that is followed. It is a circle's centre, which the
+// texture under the rim misplaces. It turns along with the ball, and neither centres nor motions,
+// which are about that place, tell it from a path.
+constexpr double kOffsetSd_px = 0.05;
+// What foreshortening makes of a pose against its keyframe and of its turn in the picture's plane,
+// in proportion (sixteen flights of four patterns, R 115 px).
+constexpr double kLinkedTurnModel = 1.4e-4, kLinkedRollModel = 1e-4;
+
+}  // namespace
 
 Eigen::VectorXd Unknowns::row_of(const Datum& d) const {
   Eigen::VectorXd row = Eigen::VectorXd::Zero(count());
@@ -18,6 +32,22 @@ Eigen::VectorXd Unknowns::row_of(const Datum& d) const {
   }
   if (linked_) row.segment<2>(model(d.flight)) << d.tilted_slope, d.rolled_slope;
   return row;
+}
+
+void Unknowns::add_priors(const ImpactSeries& series, double circle_sd_px,
+                          Eigen::MatrixXd& normal) const {
+  const auto add = [&normal](int column, int count, double sd) {
+    normal.diagonal().segment(column, count).array() += 1 / (sd * sd);
+  };
+  if (has_offsets()) add(offset(0), 2 * flights_, kOffsetSd_px);
+  if (has_rims()) add(rim(0), 2 * flights_, circle_sd_px);
+  if (!sphere_) return;
+  add(radius(), 1, series.sphere->radius_sd_px());
+  add(nearness(), 1, std::max(series.sphere->nearness_sd(), kLeastNearnessSd));
+  for (int flight = 0; linked_ && flight < flights_; ++flight) {
+    add(model(flight), 1, kLinkedTurnModel);
+    add(model(flight) + 1, 1, kLinkedRollModel);
+  }
 }
 
 }  // namespace impactdic::impact

@@ -35,6 +35,8 @@ class Unknowns {
   }
 
   Eigen::VectorXd row_of(const Datum& d) const;
+  // What is known of them before, into the normal equations. `circle_sd_px`: what a circle states.
+  void add_priors(const ImpactSeries& series, double circle_sd_px, Eigen::MatrixXd& normal) const;
 
  private:
   int flights_;
