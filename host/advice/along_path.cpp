@@ -77,7 +77,7 @@ std::optional<MovedBall> moved_at(const Place& place, const std::vector<MovedBal
                                   const FarFrames& frames) {
   const auto away = [&](const MovedBall& one) { return std::abs(one.index - place.index); };
   const MovedBall& nearest = *std::ranges::min_element(moved, {}, away);
-  const std::optional<BallPicture> here = frames.find(place.index, place.ball);
+  const std::optional<FoundBall> here = frames.find_near(place.index, place.ball);
   if (!here) return std::nullopt;
   const dic::RigidMotion& step = nearest.step;
   const double by_step_px = std::hypot(step.dx_px, step.dy_px);
@@ -86,14 +86,14 @@ std::optional<MovedBall> moved_at(const Place& place, const std::vector<MovedBal
   const std::int64_t most = std::max(ahead, place.index);
   const auto way = static_cast<std::int64_t>(std::min(wanted, static_cast<double>(most)));
   const std::int64_t to = way <= ahead ? way : -way;
-  Circle guess = here->ball;
+  Circle guess = *here;
   guess.cx_px += static_cast<double>(to) * step.dx_px;
   guess.cy_px += static_cast<double>(to) * step.dy_px;
-  const std::optional<BallPicture> there = frames.find(place.index + to, guess);
+  const std::optional<FoundBall> there = frames.find_near(place.index + to, guess);
   if (!there) return std::nullopt;
-  MovedBall ball{place.index, here->ball, step};
-  ball.step.dx_px = (there->ball.cx_px - here->ball.cx_px) / static_cast<double>(to);
-  ball.step.dy_px = (there->ball.cy_px - here->ball.cy_px) / static_cast<double>(to);
+  MovedBall ball{place.index, *here, step};
+  ball.step.dx_px = (there->cx_px - here->cx_px) / static_cast<double>(to);
+  ball.step.dy_px = (there->cy_px - here->cy_px) / static_cast<double>(to);
   return ball;
 }
 

@@ -55,6 +55,9 @@ struct BallPicture {
 // The frame `index` among the analysed ones, cut likewise; nullopt where it cannot be read.
 std::optional<Frame> read_picture(FrameSource& source, const AdviceRequest& request,
                                   std::int64_t index);
+// The ball in that frame, within some pixels of `guess`; nullopt where it is not there.
+std::optional<FoundBall> look_near(FrameSource& source, const AdviceRequest& request,
+                                   std::int64_t index, const Circle& guess);
 // Of the frame `index` among the analysed ones, the ball looked for near `near` first; nullopt
 // where there is none or the frame cannot be read.
 std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,

@@ -84,13 +84,20 @@ std::optional<FoundBall> find_known(const Frame& frame, std::int64_t index,
   return std::nullopt;
 }
 
+// In a frame that should show it near `guess`.
+std::optional<FoundBall> find_near(const Frame& frame, const Circle& guess,
+                                   const AdviceRequest& request) {
+  constexpr double kMovedPx = 6;
+  const auto near = measured(frame, guess, kMovedPx, request);
+  if (near && std::abs(near->r_px - guess.r_px) < 0.03 * guess.r_px) return near;
+  return std::nullopt;
+}
+
 // In the frame after one with the ball at `before`.
 std::optional<FoundBall> find_next(const Frame& frame, std::int64_t index, const Circle& before,
                                    const AdviceRequest& request) {
-  constexpr double kMovedPx = 6;
-  const auto near = measured(frame, before, kMovedPx, request);
-  if (near && std::abs(near->r_px - before.r_px) < 0.03 * before.r_px) return near;
-  return find(frame, index, request);
+  const auto near = find_near(frame, before, request);
+  return near ? near : find(frame, index, request);
 }
 
 // The rectangle about the ball, within the frame; all of the frame without one.
@@ -193,6 +200,12 @@ std::optional<Frame> read_picture(FrameSource& source, const AdviceRequest& requ
     return std::nullopt;
   }
   return picture;
+}
+
+std::optional<FoundBall> look_near(FrameSource& source, const AdviceRequest& request,
+                                   std::int64_t index, const Circle& guess) {
+  const std::optional<Frame> picture = read_picture(source, request, index);
+  return picture ? find_near(*picture, guess, request) : std::nullopt;
 }
 
 std::optional<BallPicture> look_for_ball(FrameSource& source, const AdviceRequest& request,

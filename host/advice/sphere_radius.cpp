@@ -263,9 +263,14 @@ class FarRegistration {
 }  // namespace
 
 FarFrames far_frames(FrameSource& source, const AdviceRequest& request) {
-  return {last_looked_at(source, request.frames) + 1, request.roi.width, request.roi.height,
+  return {last_looked_at(source, request.frames) + 1,
+          request.roi.width,
+          request.roi.height,
           [&source, &request](std::int64_t index, const Circle& near) {
             return look_for_ball(source, request, index, near);
+          },
+          [&source, &request](std::int64_t index, const Circle& guess) {
+            return look_near(source, request, index, guess);
           },
           [&source, &request](std::int64_t index) { return read_picture(source, request, index); }};
 }

@@ -23,6 +23,8 @@ struct FarFrames {
   int width = 0, height = 0;  // of the region of interest, px
   // The ball in frame `index`, looked for near a circle; nullopt where it is not found.
   std::function<std::optional<BallPicture>(std::int64_t index, const Circle& near)> find;
+  // The same within some pixels of a circle alone.
+  std::function<std::optional<FoundBall>(std::int64_t index, const Circle& guess)> find_near;
   // Frame `index`, cut to the region of interest; nullopt where it cannot be read.
   std::function<std::optional<Frame>(std::int64_t index)> picture;
 };

@@ -33,7 +33,7 @@ constexpr double kChance = 2;
 // Of 3 x 3 pixels, those that must stand still; how far an edge's blur reaches.
 constexpr int kTogether = 3, kBlur_px = 3;
 // The cosine of the angle by which an edge turns from pixel to pixel at most.
-constexpr double kStraight = 0.97;
+constexpr float kStraight = 0.97F;
 // Longest gap in a straight edge over which it is believed to go on.
 constexpr int kMostGap_px = 32;
 // Pixels, and of all that would change, the share above which it is the ball that stands still.
@@ -132,7 +132,7 @@ class Stack {
 
   // What a pixel shows of an edge.
   struct Edge {
-    Vector2d slope{0, 0};  // of the mean picture; 0 where it is hardly one
+    Eigen::Vector2f slope{0, 0};  // of the mean picture; 0 where it is hardly one
     bool stays = false;
     bool is_still = false;  // it stays, though the ball would have carried it on
   };
@@ -146,7 +146,7 @@ class Stack {
                          0.5 * (at(mean_, x, y + 1) - at(mean_, x, y - 1)));
     const double least = kChanges * noise, most = kMostWay_px * slope.norm();
     if (most < least) return edge;
-    edge.slope = slope;
+    edge.slope = slope.cast<float>();
     const double count = at(count_, x, y), sum = at(sum_, x, y);
     const double variance = (at(squares_, x, y) - sum * sum / count) / (count - 1);
     edge.stays = variance < noise * noise * (1 + kChance * std::sqrt(2 / (count - 1)));
@@ -203,15 +203,15 @@ class EdgeMap {
   EdgeMap(int width, int height) : across_(height, width, cv::Vec2f(0, 0)) {}
 
   // `across`: a unit vector.
-  void add(int x, int y, const Vector2d& across) {
+  void add(int x, int y, const Eigen::Vector2f& across) {
     cv::Vec2f& here = across_(y, x);
     if (here == cv::Vec2f(0, 0)) found_.emplace_back(x, y);
-    here = cv::Vec2f(static_cast<float>(across.x()), static_cast<float>(across.y()));
+    here = cv::Vec2f(across.x(), across.y());
   }
   bool is_empty() const { return found_.empty(); }
   // Whether an edge through a place would be part of a straight one that is there already.
-  bool continue_to(int x, int y, const Vector2d& across) const {
-    const cv::Vec2f here(static_cast<float>(across.x()), static_cast<float>(across.y()));
+  bool continue_to(int x, int y, const Eigen::Vector2f& across) const {
+    const cv::Vec2f here(across.x(), across.y());
     const cv::Vec2f along(-here[1], here[0]);
     for (int d = -kMostGap_px; d <= kMostGap_px; ++d) {
       if (goes_on(cv::Point(x, y) + step(along, d), here)) return true;
@@ -242,7 +242,7 @@ class EdgeMap {
   }
   bool goes_on(const cv::Point& at, const cv::Vec2f& across) const {
     if (!cv::Rect({}, across_.size()).contains(at)) return false;
-    return across_(at).dot(across) > static_cast<float>(kStraight);
+    return across_(at).dot(across) > kStraight;
   }
   static void blank_about(const cv::Point& at, Image<std::uint8_t>& moving) {
     const int right = std::min(moving.width() - 1, at.x + kBlur_px);
@@ -289,7 +289,7 @@ class StillEdges {
   bool continue_in(EdgeMap& all) {
     const std::size_t before = begins_.size();
     std::erase_if(begins_, [&](int begin) {
-      const Vector2d across = edge_at(begin).slope.normalized();
+      const Eigen::Vector2f across = edge_at(begin).slope.normalized();
       const bool continues =
           together(begin) >= kTogether &&
           all.continue_to(begin % width_ + corner_.x, begin / width_ + corner_.y, across);
@@ -322,7 +322,7 @@ class StillEdges {
       std::uint8_t& seen = still_.data()[at];
       if (seen != 0) continue;
       seen = 1;
-      const Vector2d across = edge_at(at).slope.normalized();
+      const Eigen::Vector2f across = edge_at(at).slope.normalized();
       all.add(at % width_ + corner_.x, at / width_ + corner_.y, across);
       for_each_beside(at, [&](int next) {
         const Stack::Edge& edge = edge_at(next);
