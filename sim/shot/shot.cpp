@@ -40,6 +40,7 @@ class TrackImpact {
 
  private:
   void fill_rows();
+  BodyPose pose(const TrackPose& placed) const;
   void refuse() const;
   MeasuredShot shot() const;
   void time(MeasuredShot& shot) const;
@@ -88,7 +89,18 @@ void TrackImpact::fill_rows() {
     row.dx_sd_px = row.dy_sd_px = track_.motion_sd_m[i] / unit_m_;
     row.rot_deg = track_.turn_rad[i] * kDegPerRad;
     row.rot_sd_deg = track_.turn_sd_rad[i] * kDegPerRad;
+    if (i < track_.poses.size()) row.pose = pose(track_.poses[i]);
   }
+}
+
+BodyPose TrackImpact::pose(const TrackPose& placed) const {
+  BodyPose pose;
+  pose.ok = std::isfinite(placed.angle_rad);
+  pose.x_px = placed.x_m / unit_m_, pose.y_px = -placed.y_m / unit_m_;
+  pose.x_sd_px = pose.y_sd_px = placed.place_sd_m / unit_m_;
+  pose.angle_rad = placed.angle_rad, pose.angle_sd_rad = placed.angle_sd_rad;
+  pose.origin = placed.origin, pose.keyframe = placed.keyframe;
+  return pose;
 }
 
 void TrackImpact::refuse() const {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "host/base/csv_table.h"
 #include "host/base/parse.h"
@@ -90,6 +92,49 @@ void leave_out_contradicted(const CsvTable& table, MeasuredTrack& track) {
   }
 }
 
+// What a length in px times the scale lacks of its place in metres, the same in every row; nullopt
+// where it is not, as of a calibrated camera.
+std::optional<double> origin_m(const std::vector<double>& px, double scale,
+                               const std::vector<double>& metres) {
+  constexpr double kSame_px = 1e-4;
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < px.size(); ++i) {
+    const double off = metres[i] - scale * px[i];
+    if (!std::isnan(off)) sum += off, ++count;
+  }
+  const double mean = sum / count;
+  for (std::size_t i = 0; i < px.size(); ++i) {
+    if (std::abs(metres[i] - scale * px[i] - mean) > kSame_px * std::abs(scale))
+      return std::nullopt;
+  }
+  return mean;
+}
+
+// A flat ball's places and angles on keyframes, out of the pose.csv beside the table.
+void read_poses(const std::filesystem::path& file, const std::vector<double>& cx,
+                const std::vector<double>& cy, MeasuredTrack& track) {
+  const double scale = track.metre_per_px;
+  const auto x0 = origin_m(cx, scale, track.x_m), y0 = origin_m(cy, -scale, track.y_m);
+  if (!x0 || !y0 || !std::filesystem::exists(file)) return;
+  const CsvTable table = CsvTable::read(file);
+  const auto x = table.numbers("x_px"), y = table.numbers("y_px");
+  if (x.size() != track.time_s.size()) return;
+  const auto sd = joint_sd(table, "x_sd_px", "y_sd_px", scale);
+  const auto angle = table.numbers("angle_deg"), angle_sd = table.numbers("angle_sd_deg");
+  const auto origin = table.numbers("origin"), key = table.numbers("keyframe");
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    TrackPose& pose = track.poses.emplace_back();
+    if (std::isnan(angle[i]) || std::isnan(origin[i]) || std::isnan(key[i])) continue;
+    pose = {*x0 + scale * x[i],
+            *y0 - scale * y[i],
+            sd[i],
+            angle[i] * kRadPerDeg,
+            angle_sd[i] * kRadPerDeg,
+            static_cast<std::int64_t>(origin[i]),
+            static_cast<std::int64_t>(key[i])};
+  }
+}
+
 }  // namespace
 
 MeasuredTrack read_track(const std::filesystem::path& file) {
@@ -131,6 +176,7 @@ MeasuredTrack read_track(const std::filesystem::path& file) {
   track.turn_sd_rad = times(joint_sd(table, "rot_sd_deg", "rot_sd_deg", 1), kRadPerDeg);
   leave_out_contradicted(table, track);
   track.surface_angle_deg = surface_angle_deg(table);
+  read_poses(file.parent_path() / "pose.csv", cx, cy, track);
   return track;
 }
 

@@ -152,8 +152,28 @@ TEST(CorrelateClip, ASmallTurnOfAlikePartsIsNoLargerOne) {
   }
 }
 
-// Another piece of the same surface, farther off than is searched: what few windows agree on by
-// chance is not its motion.
+// A surface that has moved on by more than is searched, 160 px: it was stated to have moved by 28
+// px.
+TEST(CorrelateClip, AShiftBeyondTheSearchIsNotStated) {
+  SynthScene scene;
+  scene.width = 420;
+  scene.height = 200;
+  scene.noise_sigma = 1;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::vector<Frame> wide =
+        render_frames(quick_ball(seed, 260), scene, {pose(210, 100, 0)});
+    std::vector<Frame> frames(2);
+    crop(wide[0], {0, 0, 200, 200}, frames[0]);
+    crop(wide[0], {160, 0, 200, 200}, frames[1]);
+    MemoryClip clip(std::move(frames));
+    const std::vector<Row> rows = correlate(clip, ReferenceFrame::kFirst, 1, kParts);
+    ASSERT_EQ(rows.size(), 2u);
+    const bool is_right = std::abs(rows[1].dx_px + 160) < 0.1;
+    EXPECT_TRUE(rows[1].status != TrackStatus::kOk || is_right) << seed << ' ' << rows[1].dx_px;
+  }
+}
+
+// Another surface: what few windows agree on by chance is not a motion.
 TEST(CorrelateClip, WhatFewWindowsAgreeOnByChanceIsNotStated) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     MemoryClip clip({three_parts(1, seed)[0], three_parts(1, seed + 100)[0]});

@@ -18,6 +18,14 @@
 
 namespace IMPACTDIC_PUBLIC impactdic {
 
+// A flat ball against a keyframe, as BodyPose: where the point is that was the centre in frame
+// `origin`, and how far the ball has turned since. NaN where it was not placed.
+struct TrackPose {
+  double x_m = kNotMeasured, y_m = kNotMeasured, place_sd_m = kNotMeasured;
+  double angle_rad = kNotMeasured, angle_sd_rad = kNotMeasured;
+  std::int64_t origin = -1, keyframe = -1;
+};
+
 // A measured track as a calibration reads it. Uncertainties are one standard deviation. Motion k
 // leads from frame k to frame k + 1; every list has one entry a frame.
 struct MeasuredTrack {
@@ -26,6 +34,7 @@ struct MeasuredTrack {
   std::vector<double> x_m, y_m, position_sd_m;  // of the centre
   std::vector<double> dx_m, dy_m, motion_sd_m;  // rigid motion of the surface pattern
   std::vector<double> turn_rad, turn_sd_rad;    // rotation of that motion
+  std::vector<TrackPose> poses;                 // empty where none are known
   double interval_s = 0;
   double metre_per_px = 0;  // of the pictures; must be given
   // Relative standard deviations of metre_per_px and of the rate (1 / interval_s): errors that all

@@ -118,8 +118,10 @@ struct LightErrors {
 };
 
 // A clip's rows, its ball looked for within a sixth of its radius, or whatever its size.
-inline TrackResult track(const LightFilm& clip, bool with_field = true, bool size_told = true) {
+inline TrackResult track(const LightFilm& clip, bool with_field = true, bool size_told = true,
+                         Estimator estimator = Estimator::kBall) {
   TrackRequest request;
+  request.estimator = estimator;
   request.clip.source = clip.source();
   request.with_field = with_field;
   request.body = clip.scene.sphere ? Body::kSphere : Body::kDisc;

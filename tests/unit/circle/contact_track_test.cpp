@@ -44,7 +44,7 @@ TEST(ContactTrack, TheRimsModelShowsAShapeOfWhichNoCrossingsTell) {
 // took it for round, 1.5 px off with a deviation of 0.045 px.
 TEST(ContactTrack, ASlowlyPressedBallIsNoCircle) {
   constexpr int kBefore = 24, kPressed = 40, kFrames = 72;
-  const LightScene scene{.name = "slow", .radius_px = 45};
+  const LightScene scene{.name = "slow", .radius_px = 45, .rotation_deg = 0};
   LightFilm clip(scene, 1, kFrames, 0, 0);
   SynthScene synth;
   synth.width = clip.info.width;
