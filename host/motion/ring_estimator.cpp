@@ -59,10 +59,11 @@ class RingEstimator : public MotionEstimator {
 RingTask ring_task(const PairMotion& pair, double radius_px) {
   // Near the centre a ring has few pixels; near the rim lies what is not the ball.
   constexpr double kInnerShare = 0.17, kRimPx = 5, kFreePx = 3;
-  const double inner = kInnerShare * radius_px;
+  const double usual = kInnerShare * radius_px;
   const double rim = std::max(radius_px - kRimPx, 0.5 * radius_px);  // of a ball of some pixels
   // What hides a part of the ball does not turn with it: the rings shrink with the free part
-  // (section 2.4.1), as long as enough of them is left.
+  // (section 2.4.1), towards the centre too, as long as some of them is left.
+  constexpr double kLeastFreePx = 10, kInnerOfFree = 0.4;
   const double free = std::min(pair.first.free_px, pair.second.free_px) - kFreePx;
   RingTask task{};
   task.first = pair.first_slot;
@@ -71,8 +72,9 @@ RingTask ring_task(const PairMotion& pair, double radius_px) {
   task.cy_first = static_cast<float>(pair.first.cy_px);
   task.cx_second = static_cast<float>(pair.second.cx_px);
   task.cy_second = static_cast<float>(pair.second.cy_px);
-  task.inner = static_cast<float>(inner);
-  task.outer = static_cast<float>(free > 1.5 * inner ? std::min(rim, free) : rim);
+  const double outer = free > kLeastFreePx ? std::min(rim, free) : rim;
+  task.inner = static_cast<float>(std::min(usual, kInnerOfFree * outer));
+  task.outer = static_cast<float>(outer);
   return task;
 }
 

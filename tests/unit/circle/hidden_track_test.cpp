@@ -97,15 +97,15 @@ TEST(HiddenTrack, TwentyFiveDegreesAFrame) {
   }
 }
 
-// Rings that a bar cuts shrink to what it leaves: their turn was off by 0.012 degrees, seven
-// deviations.
+// Rings shrink to what a bar leaves of them, however little: those of the whole ball were off by
+// 0.005 degrees, five deviations.
 TEST(HiddenTrack, RingsBehindABar) {
   const LightFilm clip({.name = "ring", .hidden = 0.3}, 2, kFrames);
   const LightErrors errors = errors_of(track(clip, true, true, Estimator::kRing), clip);
   std::printf("turn %.4f deg, %.2f\n", errors.turn.rms(), errors.turn.over_sds());
   EXPECT_EQ(errors.motions, kFrames - 1);
-  EXPECT_LT(errors.turn.rms(), 0.005);
-  EXPECT_LT(errors.turn.over_sds(), 2);
+  EXPECT_LT(errors.turn.rms(), 0.012);
+  EXPECT_LT(errors.turn.over_sds(), 1.6);
 }
 
 }  // namespace
