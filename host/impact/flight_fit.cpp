@@ -22,8 +22,6 @@ constexpr int kFewestData = 12;  // of two flights, both axes
 constexpr double kTurnModel = 2.5e-4;
 // Of the centre, in proportion to the rim's speed (sixteen flights of four patterns, R 115 px).
 constexpr double kLinkedCentreModel = 6e-6;
-// How far a flat ball's places on its keyframes may drift over a flight, deviations of one.
-constexpr double kDrift = 0.5;
 // A flat ball's steps that scatter by less than this share of what they state have much alike.
 constexpr double kMuchMore = 0.5;
 constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
@@ -269,7 +267,7 @@ class FlightSolver {
     const double drift_px = usual_deviation(data_, DatumKind::kShift) * scale(DatumKind::kShift);
     for (int flight = 0; flight < flights_; ++flight) {
       const FlightRange& range = ranges_[static_cast<std::size_t>(flight)];
-      const double by_frame = kDrift * drift_px / static_cast<double>(range.last - range.first);
+      const double by_frame = kLinkDrift * drift_px / static_cast<double>(range.last - range.first);
       for (const int velocity : {kVn0, kVt0}) {
         const int column = kStatesOfOne * flight + velocity;
         fit.common(column, column) += by_frame * by_frame;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/impact/flight/flight_data.h"
 
 namespace impactdic::impact {
 
@@ -50,7 +51,7 @@ class SpinOfPoses {
 
   // nullopt where too few frames lean on keyframes.
   std::optional<FlightSpin> spin() {
-    if (static_cast<double>(placed_) < kFewest * frames_ || !fit()) return std::nullopt;
+    if (static_cast<double>(placed_) < kFewestLinked * frames_ || !fit()) return std::nullopt;
     const double limit = kOutlier * kSdOfMad * upper_median(finite(residuals())) + 1e-9;
     for (auto& [key, group] : groups_) {
       std::erase_if(group.angles, [&group = group, limit, this](const Angle& angle) {
@@ -59,13 +60,11 @@ class SpinOfPoses {
     }
     if (!fit()) return std::nullopt;
     return FlightSpin{usual_ + slope_, std::max(scatter_, 1.0) / std::sqrt(spread_),
-                      kDrift * usual_sd_ / std::sqrt(spans_)};
+                      kLinkDrift * usual_sd_ / std::sqrt(spans_)};
   }
 
  private:
-  static constexpr double kFewest = 0.8;  // of a flight's frames
-  static constexpr double kOutlier = 5;   // deviations
-  static constexpr double kDrift = 0.5;   // over all frames on one keyframe, deviations of one
+  static constexpr double kOutlier = 5;  // deviations
   struct Angle {
     double frame, off_rad, sd_rad;
   };

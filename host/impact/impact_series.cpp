@@ -115,7 +115,7 @@ ImpactSeries::ImpactSeries(const TrackRows& rows, double surface_angle_rad,
     any_turn |= motion && std::isfinite(row.rot_x_deg);
     // Image axes have y down.
     const RimCentre rim = rim_centre(row);
-    position_n.push_back(row.circle_ok ? -s_ * rim.x_px - c_ * rim.y_px : kNotMeasured);
+    position_n.push_back(row.circle_ok ? local(rim.x_px, rim.y_px)[1] : kNotMeasured);
     step_n.push_back(motion ? -s_ * row.dx_px - c_ * row.dy_px : kNotMeasured);
   }
   if (any_turn) sphere.emplace(rows, surface_angle_rad, known);
@@ -137,7 +137,7 @@ bool ImpactSeries::is_motion_lost(std::size_t first, std::size_t last) const {
 double ImpactSeries::position_t(std::size_t i) const {
   const TrackRow row = rows_[i];
   const RimCentre rim = rim_centre(row);
-  return row.circle_ok ? c_ * rim.x_px - s_ * rim.y_px : kNotMeasured;
+  return row.circle_ok ? local(rim.x_px, rim.y_px)[0] : kNotMeasured;
 }
 
 double ImpactSeries::position_sd(std::size_t i) const {
@@ -155,7 +155,7 @@ std::array<double, 2> ImpactSeries::rim_off(std::size_t first, std::size_t last)
     ++count;
   }
   const Eigen::Vector2d off = sum / std::max(count, 1);
-  return {c_ * off.x() - s_ * off.y(), -s_ * off.x() - c_ * off.y()};
+  return local(off.x(), off.y());
 }
 
 double ImpactSeries::step_t(std::size_t i) const {

@@ -9,8 +9,6 @@
 namespace impactdic::impact {
 namespace {
 
-constexpr double kFewestPlaced = 0.8;  // of a flight's frames that must lean on keyframes
-
 // Of the place in frame `i`, so many frames after the flight's own, along one axis. `group`: of the
 // rows that lean on the same keyframe.
 Datum place(const ImpactSeries& series, const GravityDirection& direction, std::size_t i,
@@ -18,7 +16,6 @@ Datum place(const ImpactSeries& series, const GravityDirection& direction, std::
   const BodyPose pose = series.pose(i);
   const auto [t, n] = series.local(pose.x_px, pose.y_px);
   const std::size_t column = normal ? kN0 : kT0;
-  const double c = std::cos(pose.angle_rad), s = std::sin(pose.angle_rad);
   Datum row;
   row.kind = DatumKind::kShift;
   row.normal = normal;
@@ -27,7 +24,7 @@ Datum place(const ImpactSeries& series, const GravityDirection& direction, std::
   row.slope[column + 1] = from;
   row.gravity_slope = (normal ? direction.n : direction.t) * from * from / 2;
   row.across_slope = (normal ? direction.t : -direction.n) * from * from / 2;
-  row.offset_slope = normal ? std::array{s, c} : std::array{c, -s};
+  row.offset_slope = turned_place(pose.angle_rad, normal);
   // Its noise is that of the step into it, of which two frames make one half each; the rest of what
   // it states is its keyframe's.
   row.sd = series.step_sd(i - 1) / std::sqrt(2.0);
@@ -55,7 +52,7 @@ std::vector<Datum> flat_links(const ImpactSeries& series, const GravityDirection
     }
   }
   const auto frames = static_cast<double>(range.last - range.first);
-  if (static_cast<double>(rows.size()) < 2 * kFewestPlaced * frames) return {};
+  if (static_cast<double>(rows.size()) < 2 * kFewestLinked * frames) return {};
   return rows;
 }
 

@@ -7,11 +7,11 @@
 namespace impactdic::impact {
 namespace {
 
-// Where a place on the ball, one px along t or n from its centre at the beginning, is seen along
-// n (`normal`) or t after a turn in the picture's plane, less where it was.
+// turned_place less where it was.
 std::array<double, 2> turned_offset(double turned, bool normal) {
-  const double c = std::cos(turned), s = std::sin(turned);
-  return normal ? std::array{s, c - 1} : std::array{c - 1, -s};
+  std::array<double, 2> place = turned_place(turned, normal);
+  place[normal ? 1 : 0] -= 1;
+  return place;
 }
 
 std::array<double, 2> moved_offset(double from, double to, bool normal) {
@@ -70,8 +70,7 @@ class FlightData {
     if (series_.sphere) {
       seen.offset_slope = turned_offset(turned_, normal);
     } else {
-      const double c = std::cos(turned_), s = std::sin(turned_);
-      seen.rim_slope = normal ? std::array{s, c} : std::array{c, -s};
+      seen.rim_slope = turned_place(turned_, normal);
     }
     keep(seen);
   }
@@ -120,6 +119,11 @@ class FlightData {
 };
 
 }  // namespace
+
+std::array<double, 2> turned_place(double turned, bool normal) {
+  const double c = std::cos(turned), s = std::sin(turned);
+  return normal ? std::array{s, c} : std::array{c, -s};
+}
 
 void take_off(Datum& row, double factor, const Datum& other) {
   for (std::size_t k = 0; k < row.slope.size(); ++k) row.slope[k] -= factor * other.slope[k];

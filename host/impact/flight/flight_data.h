@@ -42,6 +42,15 @@ struct Datum {
   bool used = true;
 };
 
+// Of a flight's frames that must lean on keyframes if these are to take the place of steps.
+inline constexpr double kFewestLinked = 0.8;
+// How far a flat ball's places and angles on a keyframe may drift over a flight, deviations of one.
+inline constexpr double kLinkDrift = 0.5;
+
+// Where a place on the ball, one px along t or n from its centre at the beginning, is along n
+// (`normal`) or t after a turn in the picture's plane, rad.
+std::array<double, 2> turned_place(double turned, bool normal);
+
 // Takes `factor` times the row `other` off `row`.
 void take_off(Datum& row, double factor, const Datum& other);
 

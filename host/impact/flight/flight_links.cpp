@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Matrix3d, Eigen::Quaterniond, Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double kFewest = 0.8;  // of a flight's frames that must have been registered
 // Where a keyframe's picture has turned away by this much, foreshortening makes frames that lean on
 // it err alike by as much as noise does (four patterns of R 115 px).
 constexpr double kReach_rad = 10 * kRadPerDeg;
@@ -82,7 +81,7 @@ class FlightLinks {
       if (add(i)) ++linked;
     }
     const auto frames = static_cast<double>(range_.last - range_.first);
-    if (static_cast<double>(linked) < kFewest * frames) return {};
+    if (static_cast<double>(linked) < kFewestLinked * frames) return {};
     return std::move(data_);
   }
 
