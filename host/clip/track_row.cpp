@@ -11,8 +11,8 @@
 namespace impactdic {
 
 namespace {
-constexpr std::array kWords = {"ok",          "no_ball",    "no_texture",  "low_correlation",
-                               "out_of_view", "last_frame", "inconsistent"};
+constexpr std::array kWords = {"ok",          "no_ball",    "no_texture",   "low_correlation",
+                               "out_of_view", "last_frame", "inconsistent", "repeated"};
 constexpr std::array kBodies = {"auto", "sphere", "disc", "spheroid"};
 constexpr std::size_t kAsked = 3;  // of them, by a person
 }  // namespace

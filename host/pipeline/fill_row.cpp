@@ -115,6 +115,13 @@ void forget_way(TrackRow& row) {
   row.dx_rot_y_corr = row.dy_rot_x_corr = kNotMeasured;
 }
 
+void forget_motion(TrackRow& row) {
+  forget_way(row);
+  row.windows = 0;
+  row.rot_deg = row.rot_sd_deg = kNotMeasured;
+  row.rot_x_deg = row.rot_y_deg = row.rot_x_sd_deg = row.rot_y_sd_deg = kNotMeasured;
+}
+
 void doubt_motion(TrackRow& row, const TrackRow& next) {
   if (!row.motion_ok || !row.circle_ok || !next.circle_ok) return;
   const double x_px = std::hypot(row.cx_sd_px, next.cx_sd_px);
@@ -126,6 +133,7 @@ void doubt_motion(TrackRow& row, const TrackRow& next) {
 }
 
 TrackStatus status_behind(const TrackRow& before) {
+  if (before.status == TrackStatus::kRepeated) return TrackStatus::kLastFrame;
   if (!before.circle_ok) return TrackStatus::kNoBall;
   return before.status == TrackStatus::kOk ? TrackStatus::kLastFrame : before.status;
 }

@@ -22,6 +22,8 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Str
                 const BallLight& light = {});
 // The turn of a body that is no sphere, and the way from one of its outlines to the next.
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
+// Where there is no frame to move to.
+void forget_motion(TrackRow& row);
 // Where the pictures' places in the scene are not known: the row keeps its turn alone.
 void forget_way(TrackRow& row);
 // A motion that may be a turn out of the picture's plane: it states no less than the circles of

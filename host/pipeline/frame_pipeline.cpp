@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/base/parallel/pipeline.h"
+#include "host/pipeline/repeated_frames.h"
 
 namespace impactdic::pipeline {
 
@@ -47,6 +48,14 @@ void BatchReader::decode(FrameBatch& batch) {
       break;
     }
     if (!whole_) crop(full, roi_, batch.frames[i]);
+  }
+  note_repeats(batch);
+}
+
+void note_repeats(FrameBatch& batch) {
+  batch.repeats.assign(batch.frames.size(), false);
+  for (std::size_t i = 1; i < batch.frames.size(); ++i) {
+    batch.repeats[i] = is_same_picture(batch.frames[i - 1], batch.frames[i]);
   }
 }
 

@@ -18,8 +18,12 @@ namespace impactdic::pipeline {
 struct FrameBatch {
   std::int64_t first_index = 0;  // of frames[0] among the analysed frames
   std::vector<Frame> frames;     // cropped to the region of interest
+  std::vector<bool> repeats;     // whether a frame is the picture of the one before it once more
   std::exception_ptr error;      // why the frame after these could not be read
 };
+
+// Fills in `repeats`; of the first frame nothing is known here.
+void note_repeats(FrameBatch& batch);
 
 // Hands out the batches of a clip in order. Batches that nobody holds any more lend their memory
 // to the next ones.

@@ -14,6 +14,7 @@ struct ResumePoint {
   // Rows before this one are finished; the first that is given out again. Indices here count the
   // analysed frames.
   std::int64_t next_row = 0;
+  bool repeated = false;                // whether frame next_row shows the picture before it
   circle::CircleFit circle;             // of frame next_row
   circle::BallTracker::Memory tracker;  // behind that frame
   // Of the windows' grid; absent before the first ball.

@@ -17,6 +17,8 @@ struct TrackBatch {
   std::int64_t first_index = 0;  // of frames[0] among the analysed frames
   // The last frame of the batch before, where there is one, and this batch's own.
   std::vector<const Frame*> frames;
+  // Whether a frame is the picture of the one before it; when written, whether it is left out.
+  std::vector<bool> repeats;
   std::vector<TrackRow> rows;  // of `frames`; the last one is finished with the next batch
   std::vector<Circle> circles;
   std::vector<motion::BallShape> shapes;

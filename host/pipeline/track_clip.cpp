@@ -15,6 +15,7 @@
 #include "host/pipeline/compare_rows.h"
 #include "host/pipeline/device_workers.h"
 #include "host/pipeline/fill_row.h"
+#include "host/pipeline/repeated_frames.h"
 #include "host/pipeline/settle_centres.h"
 #include "host/pipeline/track_batch.h"
 
@@ -103,7 +104,12 @@ class ClipTracker {
     const StageTimes::Scope timed(options_.times, lead_stage_);
     auto batch = std::make_shared<TrackBatch>();
     batch->first_index = own->first_index - (last_frames_ ? 1 : 0);
-    if (last_frames_) add_frame(*batch, last_frames_->frames.back(), last_fit_, batch->first_index);
+    if (last_frames_) {
+      add_frame(*batch, last_frames_->frames.back(), last_fit_, batch->first_index);
+      batch->repeats.push_back(false);
+      own->repeats.front() = is_same_picture(last_frames_->frames.back(), own->frames.front());
+    }
+    batch->repeats.insert(batch->repeats.end(), own->repeats.begin(), own->repeats.end());
     batch->fits.resize(own->frames.size());
     batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
     batch->tracker = tracker_.memory();
@@ -148,6 +154,9 @@ class ClipTracker {
     }
     const std::size_t rows = batch->frames.size() - 1;
     for (std::size_t i = 0; i < rows; ++i) fill_row(*batch, i);
+    const bool leads_here = last_ && last_->rows.size() > 1;
+    leave_out_repeats(*batch, leads_here ? &last_->rows[last_->rows.size() - 2] : nullptr,
+                      last_ ? last_->repeats.back() : point_.repeated);
     compare_with_path(batch->rows);
     state_centres(*batch);
     for (std::size_t i = 0; i < rows; ++i) {
@@ -197,6 +206,7 @@ class ClipTracker {
     last_frames_ = std::make_shared<FrameBatch>();
     last_frames_->first_index = from.next_row;
     last_frames_->frames.push_back(read_frame(source_, options_, from.next_row));
+    note_repeats(*last_frames_);
   }
 
   // Behind a whole batch, so that the next one begins where it would have.
@@ -209,6 +219,7 @@ class ClipTracker {
     point_.next_row = done - 1;
     point_.circle =
         stated(batch.fits.back(), batch.tracker);  // once: its model of the rim is not kept
+    point_.repeated = batch.repeats.back();
     point_.tracker = batch.tracker;
     if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);

@@ -116,6 +116,7 @@ pipeline::ResumePoint point_of(const json& described) {
     point.grid_radius_px = number_of(described.at("grid_radius_px"));
   }
   if (described.contains("keyframes")) point.keyframes = keyframes_of(described.at("keyframes"));
+  if (described.contains("repeated")) point.repeated = described.at("repeated").get<bool>();
   return point;
 }
 
@@ -183,6 +184,7 @@ void write_resume_point(const std::filesystem::path& path, const pipeline::Resum
   described["tracker"] = describe(point.tracker);
   if (point.grid_radius_px) described["grid_radius_px"] = exact_number(*point.grid_radius_px);
   if (point.keyframes) described["keyframes"] = describe(*point.keyframes);
+  if (point.repeated) described["repeated"] = true;
   write_point(path, std::move(described));
 }
 

@@ -215,6 +215,7 @@ std::shared_ptr<pipeline::FrameBatch> LiveRun::feed() {
     crop(arrived.frame, roi_, batch->frames.emplace_back());
     queue_.give_back(std::move(arrived.frame));
   }
+  note_repeats(*batch);
   fed_ += static_cast<std::int64_t>(frames.size());
   return batch;
 }

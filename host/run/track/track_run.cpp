@@ -20,6 +20,7 @@
 #include "host/run/metres/frame_clock.h"
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/lens_check.h"
+#include "host/run/metres/lost_frames.h"
 #include "host/run/metres/scale.h"
 #include "host/run/metres/sphere_sight.h"
 #include "host/run/metres/surface_edge.h"
@@ -246,6 +247,10 @@ void TrackRun::count_rows() {
 
 void TrackRun::conclude() {
   count_rows();
+  for (const std::string& text : frame_warnings(rows())) {
+    result_.warnings.push_back(text);
+    caller_.say(MessageKind::kWarning, text);
+  }
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};

@@ -1,0 +1,127 @@
+#include "host/pipeline/repeated_frames.h"
+
+#include <impactdic/units.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "host/pipeline/fill_row.h"
+
+namespace impactdic::pipeline {
+namespace {
+
+// A ball moves plainly that goes so far a step, and by so many deviations.
+constexpr double kPlain_px = 0.1, kPlainSds = 10;
+// It stands that goes no farther, or by no more deviations, and by no more of the steps beside.
+constexpr double kStands_px = 0.02, kStandsSds = 5, kStandsOfStep = 0.05;
+
+template <typename T>
+bool is_same(ImageView<const T> a, ImageView<const T> b) {
+  if (a.width != b.width || a.height != b.height) return false;
+  // From the middle on, where the ball may be: a black ground is the same in many pictures.
+  for (int k = 0; k < a.height; ++k) {
+    const int y = (a.height / 2 + k) % a.height;
+    if (!std::equal(a.row(y), a.row(y) + a.width, b.row(y))) return false;
+  }
+  return true;
+}
+
+// How far the ball's surface goes, px: its centre, and its rim as it turns.
+struct SurfaceStep {
+  double x_px = 0, y_px = 0, turn_px = 0, sd_px = 0;
+  explicit SurfaceStep(const TrackRow& row)
+      : x_px(row.dx_px),
+        y_px(row.dy_px),
+        turn_px(row.rot_deg * kRadPerDeg * row.r_px),
+        sd_px(std::hypot(row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg * kRadPerDeg * row.r_px)) {}
+  double length() const { return std::hypot(x_px, y_px, turn_px); }
+  bool is_plain() const { return length() > std::max(kPlain_px, kPlainSds * sd_px); }
+  bool is_none_beside(const SurfaceStep& other) const {
+    return length() <
+           std::min(std::max(kStands_px, kStandsSds * sd_px), kStandsOfStep * other.length());
+  }
+  bool leads_as(const SurfaceStep& other) const {
+    return x_px * other.x_px + y_px * other.y_px + turn_px * other.turn_px >
+           0.5 * length() * other.length();
+  }
+};
+
+// The nearest rows with a motion that lead to no picture that is the same, on either side of `of`.
+struct Beside {
+  const TrackRow *before, *after = nullptr;
+};
+Beside beside(const TrackBatch& batch, std::size_t of, const TrackRow* before_batch) {
+  const auto leads = [&](std::size_t i) {
+    return batch.rows[i].motion_ok && batch.rows[i].circle_ok && !batch.repeats[i + 1];
+  };
+  Beside rows{before_batch != nullptr && before_batch->motion_ok ? before_batch : nullptr};
+  for (std::size_t i = of; i-- > 0;) {
+    if (!leads(i)) continue;
+    rows.before = &batch.rows[i];
+    break;
+  }
+  for (std::size_t i = of + 1; i + 1 < batch.rows.size() && rows.after == nullptr; ++i) {
+    if (leads(i)) rows.after = &batch.rows[i];
+  }
+  return rows;
+}
+
+// Whether row `from` leads to a frame that repeats its picture.
+bool leads_to_repeat(const TrackBatch& batch, std::size_t from, const TrackRow* before_batch) {
+  const TrackRow& row = batch.rows[from];
+  const bool same = batch.repeats[from + 1];
+  if (!same && !(row.motion_ok && row.circle_ok)) return false;
+  if (!same && SurfaceStep(row).is_plain()) return false;  // as nearly all rows do
+  const auto [before, after] = beside(batch, from, before_batch);
+  const bool moves = (before == nullptr || SurfaceStep(*before).is_plain()) &&
+                     (after == nullptr || SurfaceStep(*after).is_plain());
+  if (same) return moves && (before != nullptr || after != nullptr);
+  return moves && before != nullptr && after != nullptr &&
+         SurfaceStep(row).is_none_beside(SurfaceStep(*before)) &&
+         SurfaceStep(row).is_none_beside(SurfaceStep(*after)) &&
+         SurfaceStep(*before).leads_as(SurfaceStep(*after));
+}
+
+void forget_all(TrackRow& row) {
+  TrackRow empty;
+  empty.frame = row.frame;
+  empty.time_s = row.time_s;
+  empty.periods = row.periods;
+  empty.status = TrackStatus::kRepeated;
+  row = empty;
+}
+
+// Of a frame that is left out, and the motions that lead to it and away from it.
+void leave_out(TrackBatch& batch, std::size_t frame) {
+  forget_all(batch.rows[frame]);
+  if (frame < batch.measured.size()) batch.measured[frame] = false;
+  if (frame == 0) return;
+  TrackRow& row = batch.rows[frame - 1];
+  forget_motion(row);
+  row.status = TrackStatus::kRepeated;
+  if (frame - 1 < batch.measured.size()) batch.measured[frame - 1] = false;
+}
+
+}  // namespace
+
+bool is_same_picture(const Frame& a, const Frame& b) {
+  if (a.type != b.type) return false;
+  return a.type == PixelType::kU8 ? is_same(a.u8.view(), b.u8.view())
+                                  : is_same(a.u16.view(), b.u16.view());
+}
+
+void leave_out_repeats(TrackBatch& batch, const TrackRow* before, bool first) {
+  const std::size_t rows = batch.rows.size();
+  std::vector<bool> left_out(rows);
+  left_out[0] = first;
+  for (std::size_t i = 0; i + 1 < rows; ++i) left_out[i + 1] = leads_to_repeat(batch, i, before);
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (left_out[i]) leave_out(batch, i);
+  }
+  batch.repeats = std::move(left_out);
+}
+
+}  // namespace impactdic::pipeline
