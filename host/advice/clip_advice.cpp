@@ -106,11 +106,25 @@ void warn_of_texture(const AdviceRequest& request, const TextureAdvice& texture,
                      hint + kBetterPattern);
 }
 
+// Rms, in grey levels of 255.
+double contrast_of(const Frame& frame) {
+  const Image<float> picture = frame.to_float();
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const double level = picture.data()[i];
+    sum += level, squares += level * level;
+  }
+  const auto count = static_cast<double>(picture.size());
+  const double variance = squares / count - sum / count * (sum / count);
+  return std::sqrt(std::max(0.0, variance)) * 255 / frame.full_scale();
+}
+
 // Whether all squares at these places, as shares of what lies between the picture's sides, are full
-// of texture: where there is no background, there is no rim either.
+// of texture, and of as much contrast as the picture has: where there is no background, there is no
+// rim either. Noise that is alike in pixels that touch (a colour camera's) looks like a faint one.
 bool is_textured_at(const Frame& frame, const FieldOptions& field,
                     std::initializer_list<std::pair<double, double>> places) {
-  constexpr double kAllOver = 0.9;
+  constexpr double kAllOver = 0.9, kOfPicture = 0.1;
   const int side = std::max(field.window_px, std::min(frame.width(), frame.height()) / 5);
   if (side > std::min(frame.width(), frame.height())) return false;
   TextureRequest request;
@@ -118,10 +132,12 @@ bool is_textured_at(const Frame& frame, const FieldOptions& field,
   request.min_texture = field.min_texture;
   request.max_sd_px = field.max_sd_px;
   request.asked_alone = true;
+  const double least = kOfPicture * contrast_of(frame);
   return std::all_of(places.begin(), places.end(), [&](const auto& place) {
     request.region = {static_cast<int>(place.first * (frame.width() - side)),
                       static_cast<int>(place.second * (frame.height() - side)), side, side};
-    return advise_texture(frame, request).asked.usable_share() >= kAllOver;
+    const SizeAdvice texture = advise_texture(frame, request).asked;
+    return texture.usable_share() >= kAllOver && texture.contrast > least;
   });
 }
 

@@ -22,6 +22,7 @@ std::map<std::string, CLI::Validator> checks() {
       {"arrow-scale", non_negative_number()},
       {"compress", CLI::Range(0, 9)},
       {"fps", positive_number()},
+      {"gamma", CLI::Range(0.2, 5.0)},
       {"max-megapixels", positive_number()},
   };
 }

@@ -7,7 +7,7 @@
 #include "host/motion/estimators.h"
 #include "host/motion/measure_pairs.h"
 #include "host/opencl/engine.h"
-#include "host/pipeline/place_by_turns.h"
+#include "host/pipeline/rows/place_by_turns.h"
 
 namespace impactdic::pipeline {
 namespace {

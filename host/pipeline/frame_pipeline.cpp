@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "host/base/parallel/pipeline.h"
-#include "host/pipeline/repeated_frames.h"
+#include "host/pipeline/rows/repeated_frames.h"
 
 namespace impactdic::pipeline {
 

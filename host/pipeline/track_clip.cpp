@@ -12,46 +12,21 @@
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
-#include "host/pipeline/compare_rows.h"
 #include "host/pipeline/device_workers.h"
-#include "host/pipeline/fill_row.h"
-#include "host/pipeline/repeated_frames.h"
-#include "host/pipeline/settle_centres.h"
+#include "host/pipeline/rows/compare_rows.h"
+#include "host/pipeline/rows/fill_row.h"
+#include "host/pipeline/rows/repeated_frames.h"
+#include "host/pipeline/rows/settle_centres.h"
+#include "host/pipeline/run_size.h"
 #include "host/pipeline/track_batch.h"
 
 namespace impactdic::pipeline {
 namespace {
 
-// Frames are handed on in batches of this size.
-constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
-constexpr int kFewest = 8, kMost = 64;
 // Batches being read or waiting, beside those on the devices.
 constexpr int kBatchesAhead = 8;
 
 using Batch = std::shared_ptr<TrackBatch>;
-
-int frames_in_batch(const TrackOptions& options, int bits) {
-  if (options.batch > 0) return options.batch;
-  const std::size_t bytes =
-      static_cast<std::size_t>(options.roi.width) * options.roi.height * (bits > 8 ? 2 : 1);
-  const int usual = static_cast<int>(
-      std::clamp<std::size_t>(kBatchBytes / std::max<std::size_t>(bytes, 1), kFewest, kMost));
-  // A short clip is one batch, whose memory need be no larger: to clear it takes long.
-  return static_cast<int>(std::min<std::int64_t>(usual, options.frames.count()));
-}
-
-// Of oneTBB, for what is done on the host. The workers of a GPU have threads of their own: with as
-// many of oneTBB as there are cores beside them, all of them take turns.
-int threads_beside(const TrackOptions& options, std::span<opencl::Engine* const> engines) {
-  const auto allowed = static_cast<int>(
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  const bool gpu = options.with_field &&
-                   std::any_of(engines.begin(), engines.end(), [](const opencl::Engine* engine) {
-                     return engine->device().is_gpu;
-                   });
-  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-  return gpu && cores > 0 ? std::min(allowed, cores / 2 + 1) : allowed;
-}
 
 Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
   Frame whole, frame;

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host/motion/round/round_turn.h"
-#include "host/pipeline/fill_row.h"
+#include "host/pipeline/rows/fill_row.h"
 
 namespace impactdic::pipeline {
 namespace {

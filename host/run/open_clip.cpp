@@ -8,12 +8,15 @@
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
 #include "host/video/frame_source.h"
+#include "host/video/linear_light.h"
 
 namespace impactdic {
 
 std::unique_ptr<FrameSource> open_clip(const std::vector<std::string>& paths,
                                        const OpenOptions& options) {
-  return video::open_video(paths, options);
+  auto clip = video::open_video(paths, options);
+  const bool is_light = options.gamma == 0 || options.gamma == 1;
+  return is_light ? std::move(clip) : video::in_linear_light(std::move(clip), options.gamma);
 }
 
 void ClipRequest::validate() const {

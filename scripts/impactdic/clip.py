@@ -112,7 +112,8 @@ def open(source, *, fps=None, bits=None, **options):  # noqa: A001
     read by blocks; or an iterator of pictures that ends (all of them are kept).
     fps: rate of the stored frames, 1/s; overrides the file's.
     bits: effective bits of the pixels of an array (8 for uint8, 16 for uint16).
-    options: raw=(width, height, bits) of headerless pixels; max_megapixels.
+    options: raw=(width, height, bits) of headerless pixels; gamma of the grey levels (2.2 for most
+    film), which are turned back to light; max_megapixels.
 
     Arrays whose rows have no gaps are measured where they lie, and must not change meanwhile.
     Raises InvalidArgument, FileError, FormatError.

@@ -98,6 +98,10 @@ struct OpenOptions {
   // with SIGBUS, unless the program handles that signal, as the command does. Without it such a
   // file is a FormatError.
   bool lend_file_memory = false;
+  // Grey levels of the file go as the light to the power of 1 / gamma, as film is coded for
+  // screens: they are turned back to light, in 16 bits. 1: they are light; 0: nobody says, and they
+  // are taken for it.
+  double gamma = 0;
   // A picture that its header says to be larger is refused before memory is taken for it, as a
   // FormatError: few bytes can stand for very many pixels.
   double max_megapixels = 40;

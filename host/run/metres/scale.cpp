@@ -15,6 +15,21 @@ namespace {
 // (docs/accuracy/sphere.md): that much a radius by the rim alone is in doubt.
 constexpr double kSphereRimSd_px = 0.25;
 
+// What film that is coded for screens shows of a radius that is not its light's: half of the light
+// is not half of the grey level. [measured] docs/accuracy/light.md: 0.10 to 0.73 px
+constexpr double kCodedLightSd_px = 0.35;
+
+bool is_light_in_doubt(const TrackRequest& request, const ClipInfo& clip) {
+  return clip.lossy && request.clip.open.gamma == 0;
+}
+
+Measured as_light(const TrackRequest& request, const ClipInfo& clip, Measured radius_px) {
+  if (is_light_in_doubt(request, clip)) {
+    radius_px.sd = std::hypot(radius_px.sd, kCodedLightSd_px);
+  }
+  return radius_px;
+}
+
 void set_scale(const TrackRequest& request, const Measured& radius_px, SiScale& scale) {
   if (request.mm_per_px > 0) {
     scale.metre_per_px = request.mm_per_px * 1e-3;
@@ -54,6 +69,14 @@ void look_for_another_surface(const TrackRequest& request, const TrackRows& rows
 
 }  // namespace
 
+std::string light_warning(const TrackRequest& request, const ClipInfo& clip) {
+  const bool by_radius = request.ball_diameter_mm > 0 && !(request.mm_per_px > 0);
+  if (!by_radius || !is_light_in_doubt(request, clip)) return "";
+  return "the grey levels of film are seldom in proportion to the light, which shifts the ball's "
+         "rim: the scale holds 0.35 px for that; --gamma 2.2 (most film) turns them back to "
+         "light, --gamma 1 says that they are";
+}
+
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
                      const TrackRows& measured, TrackResult& result,
                      const motion::Perspective& perspective, Impacts impacts) {
@@ -71,7 +94,8 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
     radius->sd = std::hypot(radius->sd, kSphereRimSd_px);
   }
   const FilmedBall ball = {radius, perspective, result.clip.lossy};
-  set_scale(request, radius.value_or(first.radius_px), result.scale);
+  set_scale(request, as_light(request, result.clip, radius.value_or(first.radius_px)),
+            result.scale);
   // `with`: the scale that gave the analysis its gravity.
   const auto conclude = [&](ImpactAnalysis impact, const SiScale& with) {
     result.impact = std::move(impact);
@@ -98,7 +122,7 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
     }
     return;
   }
-  set_scale(request, radius.value_or(free.radius_px), result.scale);
+  set_scale(request, as_light(request, result.clip, radius.value_or(free.radius_px)), result.scale);
   conclude(std::move(free), without);
 }
 

@@ -4,6 +4,7 @@
 #include <impactdic/track.h>
 
 #include <optional>
+#include <string>
 
 #include "host/clip/track_rows.h"
 #include "host/motion/perspective.h"
@@ -24,5 +25,8 @@ void conclude_metres(const TrackRequest& request, const std::optional<Measured>&
 // The same from the rows that the result holds.
 void conclude_metres(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
                      TrackResult& result);
+
+// What makes a scale by the ball's diameter doubtful in a film of this kind; "" where nothing does.
+std::string light_warning(const TrackRequest& request, const ClipInfo& clip);
 
 }  // namespace impactdic::run

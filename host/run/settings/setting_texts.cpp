@@ -69,6 +69,9 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
      "glob of pictures, several pictures, or raw pixels with --raw"},
     {"raw", "WIDTHxHEIGHTxBITS: the file is bare pixels"},
     {"fps", "Frames a second; overrides the file's own rate"},
+    {"gamma",
+     "Grey levels go as light to the power of 1 / gamma, and are turned back to light: 2.2 for "
+     "most film, 1 where they are light"},
     {"max-megapixels", "Largest picture that is read, 10^6 pixels"},
     {"reference", "Measure against: first or previous"},
     {"mask", "Picture: only its non-zero pixels are measured"},

@@ -247,10 +247,12 @@ void TrackRun::count_rows() {
 
 void TrackRun::conclude() {
   count_rows();
-  for (const std::string& text : frame_warnings(rows())) {
+  const auto warn = [&](const std::string& text) {
+    if (text.empty()) return;
     result_.warnings.push_back(text);
     caller_.say(MessageKind::kWarning, text);
-  }
+  };
+  for (const std::string& text : frame_warnings(rows())) warn(text);
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
@@ -259,6 +261,7 @@ void TrackRun::conclude() {
     conclude_through_camera(*camera_, request_, sphere, result_, perspective_);
   } else {
     conclude_metres(request_, sphere, rows(), result_, perspective_);
+    warn(light_warning(request_, result_.clip));
   }
   look_for_surface();
   const EvenRows seen(camera_ ? TrackRows(result_.camera->rows) : rows());
@@ -276,14 +279,8 @@ void TrackRun::conclude() {
     bend = outline_warning(corner_by_outline(seen, result_.impact, width, height), width, height,
                            camera_.has_value());
   }
-  if (!bend.empty()) {
-    result_.warnings.push_back(bend);
-    caller_.say(MessageKind::kWarning, bend);
-  }
-  for (const Contradiction& found : result_.impact_si.contradictions) {
-    result_.warnings.push_back(found.message);
-    caller_.say(MessageKind::kWarning, found.message);
-  }
+  warn(bend);
+  for (const Contradiction& found : result_.impact_si.contradictions) warn(found.message);
 }
 
 void TrackRun::look_for_surface() {

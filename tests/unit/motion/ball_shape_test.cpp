@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "host/pipeline/fill_row.h"
+#include "host/pipeline/rows/fill_row.h"
 
 namespace impactdic::testing {
 namespace {

@@ -1,5 +1,5 @@
 // What circles and motions of frames that follow each other say of each other.
-#include "host/pipeline/compare_rows.h"
+#include "host/pipeline/rows/compare_rows.h"
 
 #include <gtest/gtest.h>
 

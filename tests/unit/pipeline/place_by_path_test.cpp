@@ -1,5 +1,5 @@
 // Centres from the circles and motions of frames beside them.
-#include "host/pipeline/place_by_path.h"
+#include "host/pipeline/rows/place_by_path.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Centres of a sphere by what its turns tell, carried on by its motions.
-#include "host/pipeline/place_by_turns.h"
+#include "host/pipeline/rows/place_by_turns.h"
 
 #include <gtest/gtest.h>
 

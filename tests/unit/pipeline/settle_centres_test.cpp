@@ -1,5 +1,5 @@
 // What the centres of frames that follow each other state.
-#include "host/pipeline/settle_centres.h"
+#include "host/pipeline/rows/settle_centres.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "host/pipeline/compare_rows.h"
+#include "host/pipeline/rows/compare_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host/base/statistics.h"
-#include "host/pipeline/path.h"
+#include "host/pipeline/rows/path.h"
 
 namespace impactdic::pipeline {
 namespace {

@@ -1,9 +1,9 @@
-#include "host/pipeline/place_by_path.h"
+#include "host/pipeline/rows/place_by_path.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/pipeline/path.h"
+#include "host/pipeline/rows/path.h"
 
 namespace impactdic::pipeline {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/pipeline/repeated_frames.h"
+#include "host/pipeline/rows/repeated_frames.h"
 
 #include <impactdic/units.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/pipeline/fill_row.h"
+#include "host/pipeline/rows/fill_row.h"
 
 namespace impactdic::pipeline {
 namespace {
@@ -43,9 +43,9 @@ struct SurfaceStep {
     return length() <
            std::min(std::max(kStands_px, kStandsSds * sd_px), kStandsOfStep * other.length());
   }
-  bool leads_as(const SurfaceStep& other) const {
-    return x_px * other.x_px + y_px * other.y_px + turn_px * other.turn_px >
-           0.5 * length() * other.length();
+  bool leads_back_from(const SurfaceStep& other) const {
+    return x_px * other.x_px + y_px * other.y_px + turn_px * other.turn_px <
+           -0.5 * length() * other.length();
   }
 };
 
@@ -76,13 +76,14 @@ bool leads_to_repeat(const TrackBatch& batch, std::size_t from, const TrackRow* 
   if (!same && !(row.motion_ok && row.circle_ok)) return false;
   if (!same && SurfaceStep(row).is_plain()) return false;  // as nearly all rows do
   const auto [before, after] = beside(batch, from, before_batch);
-  const bool moves = (before == nullptr || SurfaceStep(*before).is_plain()) &&
-                     (after == nullptr || SurfaceStep(*after).is_plain());
-  if (same) return moves && (before != nullptr || after != nullptr);
-  return moves && before != nullptr && after != nullptr &&
-         SurfaceStep(row).is_none_beside(SurfaceStep(*before)) &&
-         SurfaceStep(row).is_none_beside(SurfaceStep(*after)) &&
-         SurfaceStep(*before).leads_as(SurfaceStep(*after));
+  if (before == nullptr && after == nullptr) return false;
+  for (const TrackRow* other : {before, after}) {
+    if (other == nullptr) continue;
+    const SurfaceStep step(*other);
+    if (!step.is_plain() || !(same || SurfaceStep(row).is_none_beside(step))) return false;
+  }
+  const bool both = before != nullptr && after != nullptr;
+  return same || !both || !SurfaceStep(*after).leads_back_from(SurfaceStep(*before));
 }
 
 void forget_all(TrackRow& row) {

@@ -1,4 +1,4 @@
-#include "host/pipeline/fill_row.h"
+#include "host/pipeline/rows/fill_row.h"
 
 #include <algorithm>
 #include <cmath>

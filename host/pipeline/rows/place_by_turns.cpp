@@ -1,4 +1,4 @@
-#include "host/pipeline/place_by_turns.h"
+#include "host/pipeline/rows/place_by_turns.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "host/pipeline/settle_centres.h"
+#include "host/pipeline/rows/settle_centres.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "host/base/statistics.h"
-#include "host/pipeline/compare_rows.h"
-#include "host/pipeline/place_by_path.h"
+#include "host/pipeline/rows/compare_rows.h"
+#include "host/pipeline/rows/place_by_path.h"
 
 namespace impactdic::pipeline {
 namespace {

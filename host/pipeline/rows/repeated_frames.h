@@ -14,7 +14,8 @@ bool is_same_picture(const Frame& a, const Frame& b);
 // Marks the rows of repeated frames and those that lead to them, whose motions are filled in, and
 // empties what was not measured. A frame is repeated whose picture is the same while the ball moves
 // before and after (of one at rest a coder makes the same pictures); or, where a coder has changed
-// the picture, in which the ball stands still between two steps the same way, as no ball does.
+// the picture, in which the ball neither moves nor turns between two plain steps, as no ball does
+// but where it turns back.
 // `before`: the row before the batch's first, or nullptr; `first`: that one was found to be
 // repeated, by the batch before. Leaves in TrackBatch::repeats which were.
 void leave_out_repeats(TrackBatch& batch, const TrackRow* before, bool first);
