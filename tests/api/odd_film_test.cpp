@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/report/csv.h"
 #include "host/video/frame_sink.h"
 #include "tests/support/program.h"
 #include "tests/support/rendered_clip.h"
@@ -228,6 +229,51 @@ TEST(OddFilm, NoiseOfPixelsThatTouchIsNoTexture) {
     }
   }
   EXPECT_FALSE(says(track_film(std::move(frames)), "from side to side"));
+}
+
+// Wires before the ball hold every step back by less than the pictures' noise shows; the flight,
+// whose places are told by keyframes, shows it.
+TEST(OddFilm, StepsStateWhatTheFlightShowsThemToErrBy) {
+  std::vector<Frame> frames = film(evenly(40), 0, "c3");
+  std::mt19937 random(4);
+  std::normal_distribution<double> noise(0, 1.5);
+  for (Frame& frame : frames) {
+    for (int y = 0; y < frame.height(); ++y) {
+      for (int x = 0; x < frame.width(); ++x) {
+        const double level = (x % 30 < 2 || y % 30 < 2 ? 120.0 : frame.u8(x, y)) + noise(random);
+        frame.u8(x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(level), 0L, 255L));
+      }
+    }
+  }
+  const TrackResult result = track_film(frames);
+  EXPECT_TRUE(says(result, "motions scatter by more"));
+  double squares = 0, count = 0;
+  for (const TrackRow& row : result.rows) {
+    if (row.status != TrackStatus::kOk) continue;
+    squares += std::pow((row.dx_px - kStepX) / row.dx_sd_px, 2), ++count;
+    squares += std::pow((row.dy_px - kStepY) / row.dy_sd_px, 2), ++count;
+  }
+  EXPECT_GT(count, 60);
+  EXPECT_LT(std::sqrt(squares / count), 1.5);
+  EXPECT_GT(std::sqrt(squares / count), 0.6);
+
+  // In files as in memory.
+  ScratchFolder folder;
+  Session session;
+  TrackRequest request;
+  request.clip.source = std::make_shared<MemoryClip>(std::move(frames));
+  request.clip.fps = 10000;
+  track_to_folder(request, {.folder = (folder / "track").string()}, session);
+  const std::vector<TrackRow> written = report::read_track_csv(folder / "track/track.csv");
+  ASSERT_EQ(written.size(), result.rows.size());
+  for (std::size_t i = 0; i + 1 < written.size(); ++i) {
+    EXPECT_EQ(written[i].rot_sd_deg, result.rows[i].rot_sd_deg) << i;
+    EXPECT_EQ(written[i].dx_sd_px, result.rows[i].dx_sd_px) << i;
+  }
+}
+
+TEST(OddFilm, StepsOfAnEvenFilmStateWhatTheyErrBy) {
+  EXPECT_FALSE(says(track_film(film(evenly(40))), "motions scatter"));
 }
 
 }  // namespace

@@ -19,6 +19,14 @@ std::array<double, 2> moved_offset(double from, double to, bool normal) {
   return {b[0] - a[0], b[1] - a[1]};
 }
 
+// 0 where no row has one.
+double usual_turn(const ImpactSeries& series, const FlightRange& range) {
+  std::vector<double> turns;
+  for (std::size_t i = range.first; i < range.last; ++i) turns.push_back(series.turn(i));
+  turns = finite(turns);
+  return turns.empty() ? 0 : upper_median(std::move(turns));
+}
+
 class FlightData {
  public:
   FlightData(const ImpactSeries& series, const GravityDirection& direction,
@@ -26,7 +34,8 @@ class FlightData {
       : series_(series),
         direction_(direction),
         flight_(flight),
-        rim_off_(series.rim_off(range.first, range.last)) {}
+        rim_off_(series.rim_off(range.first, range.last)),
+        usual_turn_(usual_turn(series, range)) {}
 
   // Instant `i`, so many frames after the flight's own; the last one's motion leads out of it.
   void add(std::size_t i, double from, bool last) {
@@ -37,7 +46,8 @@ class FlightData {
       if (moves) add_step(sphere, i, from, normal);
     }
     if (sphere.ok) add_turns(sphere, i, from);
-    if (!last && std::isfinite(series_.turn(i))) turned_ += series_.turn(i);
+    const double turn = last ? 0 : series_.turn(i);
+    turned_ += std::isfinite(turn) ? turn : usual_turn_;
   }
 
   std::vector<Datum> data;
@@ -115,6 +125,7 @@ class FlightData {
   GravityDirection direction_;
   int flight_;
   std::array<double, 2> rim_off_;
+  double usual_turn_;  // rad a frame, for rows without one
   double turned_ = 0;  // rad in the picture's plane since the first row
 };
 

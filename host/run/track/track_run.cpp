@@ -26,6 +26,7 @@
 #include "host/run/metres/surface_edge.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
+#include "host/run/track/step_scatter.h"
 
 namespace impactdic {
 namespace run {
@@ -281,6 +282,20 @@ void TrackRun::conclude() {
   }
   warn(bend);
   for (const Contradiction& found : result_.impact_si.contradictions) warn(found.message);
+  restate_motions(seen);
+}
+
+void TrackRun::restate_motions(const TrackRows& even) {
+  const StepScatter scatter =
+      scatter_of_steps(even, result_.impact, result_.scale.surface_angle_rad);
+  if (!scatter.is_more()) return;
+  result_.warnings.push_back(scatter.warning());
+  caller_.say(MessageKind::kWarning, result_.warnings.back());
+  for (TrackRow& row : result_.rows) scatter.widen(row);
+  if (result_.camera) {
+    for (TrackRow& row : result_.camera->rows) scatter.widen(row);
+  }
+  if (store_ != nullptr) restated_ = restated(*store_, scatter);
 }
 
 void TrackRun::look_for_surface() {

@@ -52,6 +52,7 @@ class TrackRun {
   void take_up(std::vector<TrackRow> rows);
   // All rows so far.
   TrackRows rows() const {
+    if (restated_) return *restated_;
     return store_ != nullptr ? TrackRows(*store_) : TrackRows(result_.rows);
   }
   // Measures. What was measured before an error is in the result.
@@ -76,6 +77,8 @@ class TrackRun {
                                 const advice::AdviceRequest& looked);
   // What the look at the body tells the estimators and the circles.
   void take_up(const advice::BodyAdvice& judged);
+  // Where the flights show that motions err by more than they state.
+  void restate_motions(const TrackRows& even);
   bool registers_ball() const {
     return options_.with_field && options_.estimator.estimator == Estimator::kBall;
   }
@@ -99,6 +102,7 @@ class TrackRun {
   Caller& caller_;
   TrackResult& result_;
   RowStore* store_ = nullptr;
+  std::unique_ptr<RowSource> restated_;  // the rows there, as the flights show them
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
