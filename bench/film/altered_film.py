@@ -25,6 +25,7 @@ import tempfile
 import numpy as np
 
 WIDTH, HEIGHT, RADIUS, FRAMES, NOISE = 360, 240, 60, 40, 1.5
+BACKGROUND, BLUR = 60, math.hypot(0.6, 12**-0.5)  # the lens's of synth, and a pixel's
 PATTERNS = ('a1', 'b1', 'b2', 'c1', 'c3', 'd1', 'd3', 'e1', 'f1')
 Y, X = np.mgrid[0:HEIGHT, 0:WIDTH]
 
@@ -40,6 +41,11 @@ def blurred(picture, sigma):
         picture = sum(weight * padded.take(range(k, k + shape), axis)
                       for k, weight in enumerate(kernel))
     return picture
+
+
+def covered(distance):
+    """By the ball, so far from its centre."""
+    return 0.5 * np.vectorize(math.erfc)((distance - RADIUS) / (math.sqrt(2) * BLUR))
 
 
 def around(picture, side=3):
@@ -95,8 +101,7 @@ def shadow(film):
     """The ball's own, soft, on a wall behind it."""
     def cast(picture, x, y):
         dark = blurred(np.clip(RADIUS - np.hypot(X - x - 33, Y - y - 24), 0, 1), 5) * 0.6
-        ball = np.clip(RADIUS + 0.5 - np.hypot(X - x, Y - y), 0, 1)
-        return picture * (1 - dark * (1 - ball))
+        return picture - BACKGROUND * dark * (1 - covered(np.hypot(X - x, Y - y)))
     return film.each(cast)
 
 
@@ -227,7 +232,7 @@ def synth(body, seed, folder):
     else:
         options += [f'--rotation-deg={random.uniform(-1.2, 1.2):.3f}']
     subprocess.run([PROGRAM, 'synth', '-o', folder, '--size', f'{WIDTH}x{HEIGHT}', '--radius-px',
-                    str(RADIUS), '--frames', str(FRAMES), '--format', 'mraw', '--background', '60',
+                    str(RADIUS), '--frames', str(FRAMES), '--format', 'mraw', '--background', str(BACKGROUND),
                     '-q', *options], check=True)
 
 

@@ -3,6 +3,7 @@
 #include <impactdic/units.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -98,21 +99,28 @@ double saturated_share(const Frame& frame, const Roi& region, const std::optiona
 }
 
 std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
-  constexpr int kRays = 120, kPerPx = 8;
-  constexpr std::size_t kFewest = 8;
+  constexpr int kRays = 120, kPerPx = 8, kAxes = 4;
+  constexpr std::size_t kFewest = 4;   // of an axis
   constexpr double kLeastStep = 0.08;  // of white
   const double reach_px = std::min(16.0, 0.3 * ball.r_px);
   const cv::Mat picture = as_floats(frame);
-  std::vector<double> widths;
+  std::array<std::vector<double>, kAxes> widths;
   for (int i = 0; i < kRays; ++i) {
     const auto values = profile(picture, ball, 2 * kPi * i / kRays, reach_px, kPerPx);
     if (values.empty()) continue;
     if (const auto width = step_width_px(values, kPerPx, kLeastStep * frame.full_scale())) {
-      widths.push_back(*width);
+      widths[static_cast<std::size_t>(2 * kAxes * i / kRays % kAxes)].push_back(*width);
     }
   }
-  if (widths.size() < kFewest) return std::nullopt;
-  return upper_median(widths);
+  // Ink at the rim makes an edge wider, and never sharper; motion blurs it along one axis.
+  std::optional<double> widest;
+  for (std::vector<double>& of_axis : widths) {
+    if (of_axis.size() < kFewest) continue;
+    const auto quarter = of_axis.begin() + static_cast<std::ptrdiff_t>(of_axis.size() / 4);
+    std::nth_element(of_axis.begin(), quarter, of_axis.end());
+    widest = std::max(widest.value_or(0), *quarter);
+  }
+  return widest;
 }
 
 bool is_interlaced(const Frame& frame, const Roi& region) {

@@ -60,14 +60,25 @@ IMPACTDIC_WIDE float near_quantile(float* values, std::size_t n, float q, float 
   return 0.5f * (low + high);
 }
 
-// Noise of one sample: from line to line outside the ball, where nothing else changes.
-float sample_noise(const std::vector<float>& outermost) {
+// Noise of one sample: from one line to another, so many farther, outside the ball.
+float noise_between(const std::vector<float>& outermost, std::size_t lines_apart) {
   thread_local std::vector<float> steps;  // memory only
   steps.clear();
-  for (std::size_t i = 1; i < outermost.size(); i += 2) {
-    steps.push_back(std::abs(outermost[i] - outermost[i - 1]));
+  for (std::size_t i = lines_apart; i < outermost.size(); i += 2) {
+    steps.push_back(std::abs(outermost[i] - outermost[i - lines_apart]));
   }
   return noise_of_steps(steps);
+}
+
+// Of lines side by side, where nothing else changes. Some cameras and recorders make noise that is
+// alike in pixels that touch: there it is that of lines some pixels apart, if those farther apart
+// differ by no more, as what lies behind the ball does.
+float sample_noise(const std::vector<float>& outermost) {
+  const float near = noise_between(outermost, 1);
+  const float far = noise_between(outermost, kLineLevels.noise_apart);
+  if (!(far > kLineLevels.noise_alike * near)) return near;
+  const float farther = noise_between(outermost, 2 * kLineLevels.noise_apart);
+  return farther < kLineLevels.noise_even * far ? far : near;
 }
 
 // Sum and number of the values near a middle.

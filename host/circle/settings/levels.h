@@ -52,6 +52,10 @@ struct LineLevelSettings {
                                                 // noise, plus grey levels [hand]
   float ground_tolerance = 0.125f;              // of that half window [hand]
   float least_contrast = 1e-6f;                 // grey levels: nothing is divided by 0 [definition]
+  // Lines so far apart differ by so much more than those side by side where the noise of pixels
+  // that touch is alike, and by so little less than those twice as far apart [hand].
+  std::size_t noise_apart = 4;
+  float noise_alike = 1.4f, noise_even = 1.1f;
 };
 inline constexpr LineLevelSettings kLineLevels;
 

@@ -73,7 +73,7 @@ Beside beside(const TrackBatch& batch, std::size_t of, const TrackRow* before_ba
 bool leads_to_repeat(const TrackBatch& batch, std::size_t from, const TrackRow* before_batch) {
   const TrackRow& row = batch.rows[from];
   const bool same = batch.repeats[from + 1];
-  if (!same && !(row.motion_ok && row.circle_ok)) return false;
+  if (!row.circle_ok || !(same || row.motion_ok)) return false;
   if (!same && SurfaceStep(row).is_plain()) return false;  // as nearly all rows do
   const auto [before, after] = beside(batch, from, before_batch);
   if (before == nullptr && after == nullptr) return false;
