@@ -105,7 +105,7 @@ class FlightSolver {
   // than is stated may turn along with the texture under the rim.
   void count_alike() {
     const bool linked = unknowns_.is_linked();
-    if (linked) scale_[0] = std::max(scale_[0], 1.0);
+    if (series_.sphere || linked) scale_[0] = std::max(scale_[0], 1.0);
     const std::vector<double> all = residuals();
     if (series_.sphere || linked) count_alike(DatumKind::kCentre, all, true);
     if (series_.sphere) return;
