@@ -288,7 +288,7 @@ void BallTracker::follow(std::span<const Frame> frames, std::int64_t first_index
 }
 
 BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t first_index,
-                                    std::span<CircleFit> fits) {
+                                    std::span<CircleFit> fits, const std::vector<bool>& repeats) {
   Plan plan;
   plan.first_index = first_index;
   for (std::size_t begin = 0; begin < frames.size(); begin += kTracking.run) {
@@ -296,9 +296,10 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
     std::size_t from = begin;
     for (std::size_t i = begin; i < end; ++i) {
       const std::int64_t index = first_index + static_cast<std::int64_t>(i);
-      if (correction(index) == nullptr) continue;
+      const bool again = i > 0 && !repeats.empty() && repeats[i];
+      if (correction(index) == nullptr && !again) continue;
       if (from < i) lead_run(frames, from, i, fits, plan);
-      fits[i] = track(frames[i], index);
+      fits[i] = again && correction(index) == nullptr ? fits[i - 1] : track(frames[i], index);
       from = i + 1;
     }
     if (from < end) lead_run(frames, from, end, fits, plan);

@@ -70,8 +70,11 @@ class BallTracker {
 
   // Measures the ball in consecutive frames from number `first_index` on. Where it moves steadily a
   // frame some way ahead is measured, and where it lies as predicted the frames up to it are left
-  // to `complete`. `fits` gets one fit for every other frame, the last one among them.
-  Plan lead(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
+  // to `complete`. `fits` gets one fit for every other frame, the last one among them. `repeats`
+  // (may be empty): whether a frame is the picture before it once more. Such a one has the fit of
+  // that, and tells nothing of where the ball goes.
+  Plan lead(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits,
+            const std::vector<bool>& repeats = {});
   // Measures the frames that `lead` left, in parallel; safe beside anything, on several batches at
   // once. The fits are the same on any number of threads.
   void complete(const Plan& plan, std::span<const Frame> frames, std::span<CircleFit> fits) const;

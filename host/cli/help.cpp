@@ -36,6 +36,7 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"frames", {"Clip", true}},
     {"fps", {"Clip", true}},
     {"raw", {"Clip", false}},
+    {"channel", {"Clip", false}},
     {"gamma", {"Clip", false}},
     {"max-megapixels", {"Clip", false}},
     {"sandbox", {"Clip", false}},

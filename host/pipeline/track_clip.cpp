@@ -86,7 +86,7 @@ class ClipTracker {
     }
     batch->repeats.insert(batch->repeats.end(), own->repeats.begin(), own->repeats.end());
     batch->fits.resize(own->frames.size());
-    batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits);
+    batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits, own->repeats);
     batch->tracker = tracker_.memory();
     last_fit_ = stated(batch->fits.back(), batch->tracker);
     batch->before = std::move(last_frames_);

@@ -25,7 +25,8 @@ std::unique_ptr<FrameSource> open_file(const std::string& path, const OpenOption
       return open_seq(path, options.lend_file_memory);
     case FileKind::kTiff:
       // Without the codecs there is no such process either, and who asked for it is told so.
-      return has_picture_sandbox() ? sandbox::open_tiff(path, options) : open_tiff(path);
+      return has_picture_sandbox() ? sandbox::open_tiff(path, options)
+                                   : open_tiff(path, options.channel);
     case FileKind::kPicture:
       return open_image_sequence({path}, options);
     case FileKind::kContainer:

@@ -113,7 +113,8 @@ def open(source, *, fps=None, bits=None, **options):  # noqa: A001
     fps: rate of the stored frames, 1/s; overrides the file's.
     bits: effective bits of the pixels of an array (8 for uint8, 16 for uint16).
     options: raw=(width, height, bits) of headerless pixels; gamma of the grey levels (2.2 for most
-    film), which are turned back to light; max_megapixels.
+    film), which are turned back to light; channel ("red", "green", "blue") of pictures in colour,
+    instead of their luminance; max_megapixels.
 
     Arrays whose rows have no gaps are measured where they lie, and must not change meanwhile.
     Raises InvalidArgument, FileError, FormatError.

@@ -64,7 +64,7 @@ def _options_for(clip, options):
 
 
 def _clip_of(source, options):
-    made = {key: options.pop(key) for key in ("fps", "bits", "raw", "max_megapixels", "gamma")
+    made = {key: options.pop(key) for key in ("fps", "bits", "raw", "max_megapixels", "gamma", "channel")
             if options.get(key) is not None}
     if isinstance(source, Clip) and not made:
         return source

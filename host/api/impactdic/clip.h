@@ -69,6 +69,11 @@ struct RawLayout {
   int width = 0, height = 0, bits = 8;  // 8, 10 (packed), 12 (packed), 16 (little-endian)
 };
 
+// What of a colour picture is measured: ITU-R BT.601 luminance, or one of its planes.
+enum class Channel { kLuminance, kRed, kGreen, kBlue };
+const char* to_string(Channel channel);
+Channel parse_channel(const std::string& name);  // throws InvalidArgument
+
 // A rectangle of the picture, px; (x, y) is its first pixel.
 struct Roi {
   int x = 0, y = 0, width = 0, height = 0;
@@ -102,6 +107,7 @@ struct OpenOptions {
   // screens: they are turned back to light, in 16 bits. 1: they are light; 0: nobody says, and they
   // are taken for it.
   double gamma = 0;
+  Channel channel = Channel::kLuminance;
   // A picture that its header says to be larger is refused before memory is taken for it, as a
   // FormatError: few bytes can stand for very many pixels.
   double max_megapixels = 40;

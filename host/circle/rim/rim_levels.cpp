@@ -285,7 +285,7 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
   thread_local SphereSamples samples;         // memory only
   outermost.clear();
   for (const Eight& level : lines.level) outermost.push_back(level.v[kSamples - 1]);
-  levels.noise = sample_noise(outermost);
+  levels.noise = noise_between(outermost, 1);
   levels.ground = ground_levels(lines, outermost, levels.noise);
   const float ground = quantile(levels.ground, 0.5);
   if (request.surface == Surface::kOutline && request.light) {

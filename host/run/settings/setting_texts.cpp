@@ -69,6 +69,10 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
      "glob of pictures, several pictures, or raw pixels with --raw"},
     {"raw", "WIDTHxHEIGHTxBITS: the file is bare pixels"},
     {"fps", "Frames a second; overrides the file's own rate"},
+    {"channel",
+     "Of a colour picture: red, green or blue, instead of its luminance. A ball of the "
+     "background's "
+     "grey may differ in its colour"},
     {"gamma",
      "Grey levels go as light to the power of 1 / gamma, and are turned back to light: 2.2 for "
      "most film, 1 where they are light"},

@@ -31,6 +31,7 @@ SettingValue value_of(Body value);
 SettingValue value_of(ReferenceFrame value);
 SettingValue value_of(RegionMotion value);
 // Those of which "" stands for nothing asked for.
+SettingValue value_of(Channel value);
 SettingValue value_of(const FrameRange& value);
 SettingValue value_of(const std::optional<Roi>& value);
 SettingValue value_of(const std::optional<RadiusRange>& value);
@@ -47,6 +48,7 @@ void assign(const SettingValue& from, std::vector<std::string>& to, const std::s
 void assign(const SettingValue& from, FieldMethod& to, const std::string& where);
 void assign(const SettingValue& from, Estimator& to, const std::string& where);
 void assign(const SettingValue& from, Body& to, const std::string& where);
+void assign(const SettingValue& from, Channel& to, const std::string& where);
 void assign(const SettingValue& from, ReferenceFrame& to, const std::string& where);
 void assign(const SettingValue& from, RegionMotion& to, const std::string& where);
 void assign(const SettingValue& from, FrameRange& to, const std::string& where);

@@ -40,6 +40,7 @@ template <typename Visitor, typename Request>
 void visit_reading(Visitor&& visit, Request& clip) {
   visit(Setting{"raw", kEmptyUnset}, clip.open.raw);
   visit(Setting{"fps", kZeroUnset}, clip.fps);
+  visit(Setting{"channel", kEmptyUnset, "option_channel"}, clip.open.channel);
   visit(Setting{"gamma", kZeroUnset, "option_gamma"}, clip.open.gamma);
   visit(Setting{"max-megapixels", kMayChange}, clip.open.max_megapixels);
 }

@@ -10,7 +10,8 @@
 
 namespace impactdic::video {
 
-// One container (.avi .mp4 .mov .mkv) or picture (.png .bmp .jpg .pgm). Colour becomes luminance.
+// One container (.avi .mp4 .mov .mkv) or picture (.png .bmp .jpg .pgm). Of colour is read
+// what OpenOptions::channel says.
 // Containers give 8 bits; reads in order are fast, going back in a clip with inter-frame
 // compression decodes it again from its start. Throws FileError, FormatError, the latter also for a
 // picture above OpenOptions::max_megapixels.

@@ -12,6 +12,7 @@
 
 #include "host/base/parse.h"
 #include "host/video/byte_file.h"
+#include "host/video/channel.h"
 #include "host/video/codec/display_turn.h"
 #include "host/video/codec/grey.h"
 #include "host/video/file_kind.h"
@@ -50,8 +51,8 @@ bool is_lossless(const std::string& code) {
 // frames nearly but not exactly in order.
 class ContainerSource : public FrameSource {
  public:
-  ContainerSource(const std::string& path, double max_megapixels)
-      : max_megapixels_(max_megapixels) {
+  ContainerSource(const std::string& path, const OpenOptions& options)
+      : max_megapixels_(options.max_megapixels), channel_(options.channel) {
     info_.path = path;
     turns_ = display_quarter_turns(ByteFile(path));
     open_decoder();
@@ -128,7 +129,7 @@ class ContainerSource : public FrameSource {
           "the camera's rate with --fps");
     }
     const cv::Mat first = grab_next();
-    if (is_colored(first)) info_.warnings.push_back("colour pictures: read as luminance");
+    if (is_colored(first)) info_.warnings.push_back(colour_warning(channel_));
     keep(first);
   }
 
@@ -175,7 +176,7 @@ class ContainerSource : public FrameSource {
       kept_.pop_front();
     }
     entry.index = next_++;
-    to_frame(picture, info_.path, entry.frame);
+    to_frame(picture, info_.path, channel_, entry.frame);
     kept_.push_back(std::move(entry));
     return kept_.back().frame;
   }
@@ -207,6 +208,7 @@ class ContainerSource : public FrameSource {
   }
 
   double max_megapixels_;
+  Channel channel_;
   ClipInfo info_;
   std::mutex mutex_;
   cv::VideoCapture capture_;
@@ -218,8 +220,8 @@ class ContainerSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_container(const std::string& path, double max_megapixels) {
-  return std::make_unique<ContainerSource>(path, max_megapixels);
+std::unique_ptr<FrameSource> open_container(const std::string& path, const OpenOptions& options) {
+  return std::make_unique<ContainerSource>(path, options);
 }
 
 }  // namespace impactdic::video

@@ -8,6 +8,6 @@
 
 namespace impactdic::video {
 
-std::unique_ptr<FrameSource> open_container(const std::string& path, double max_megapixels);
+std::unique_ptr<FrameSource> open_container(const std::string& path, const OpenOptions& options);
 
 }  // namespace impactdic::video

@@ -10,7 +10,7 @@
 
 namespace impactdic::video {
 
-void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame) {
+void to_frame(const cv::Mat& picture, const std::string& path, Channel channel, Frame& frame) {
   const int depth = picture.depth(), channels = picture.channels();
   if ((depth != CV_8U && depth != CV_16U) || (channels != 1 && channels != 3 && channels != 4)) {
     throw FormatError(path, -1, "unsupported pixels", "8 or 16 bits, grey or RGB are read");
@@ -20,6 +20,10 @@ void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame) {
                  const_cast<void*>(frame.bytes()));
   if (channels == 1) {
     picture.copyTo(target);
+  } else if (channel != Channel::kLuminance) {
+    // OpenCV has blue first.
+    const int plane = channel == Channel::kRed ? 2 : channel == Channel::kGreen ? 1 : 0;
+    cv::extractChannel(picture, target, plane);
   } else {
     cv::cvtColor(picture, target, channels == 3 ? cv::COLOR_BGR2GRAY : cv::COLOR_BGRA2GRAY);
   }

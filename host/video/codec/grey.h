@@ -1,6 +1,7 @@
 // OpenCV pictures to frames and back. Only for the sources of this folder.
 #pragma once
 
+#include <impactdic/clip.h>
 #include <impactdic/image.h>
 
 #include <opencv2/core.hpp>
@@ -8,9 +9,9 @@
 
 namespace impactdic::video {
 
-// Grey or colour, 8 or 16 bits, to a grey frame (ITU-R BT.601 luminance).
+// Grey or colour, 8 or 16 bits, to a grey frame.
 // Throws FormatError for other kinds.
-void to_frame(const cv::Mat& picture, const std::string& path, Frame& frame);
+void to_frame(const cv::Mat& picture, const std::string& path, Channel channel, Frame& frame);
 // True where red, green and blue differ somewhere.
 bool is_colored(const cv::Mat& picture);
 // The frame's own memory as a picture; valid as long as the frame.

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host/video/byte_file.h"
+#include "host/video/channel.h"
 #include "host/video/codec/codec.h"
 #include "host/video/codec/container.h"
 #include "host/video/codec/grey.h"
@@ -75,9 +76,9 @@ cv::Mat load_picture(const std::string& path, double max_megapixels) {
 // One picture, decoded when it is opened.
 class PictureSource : public FrameSource {
  public:
-  PictureSource(const std::string& path, double max_megapixels) {
-    const cv::Mat picture = load_picture(path, max_megapixels);
-    to_frame(picture, path, frame_);
+  PictureSource(const std::string& path, const OpenOptions& options) {
+    const cv::Mat picture = load_picture(path, options.max_megapixels);
+    to_frame(picture, path, options.channel, frame_);
     info_.path = path;
     info_.format = lower_extension(path).empty() ? "picture" : lower_extension(path).substr(1);
     info_.storage = std::to_string(frame_.bits) + "-bit";
@@ -85,7 +86,7 @@ class PictureSource : public FrameSource {
     info_.height = frame_.height();
     info_.bits = frame_.bits;
     info_.frame_count = 1;
-    if (is_colored(picture)) info_.warnings.push_back("colour pictures: read as luminance");
+    if (is_colored(picture)) info_.warnings.push_back(colour_warning(options.channel));
   }
   const ClipInfo& info() const override { return info_; }
   void read(std::int64_t index, Frame& frame) override {
@@ -101,9 +102,8 @@ class PictureSource : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_codec(const std::string& path, const OpenOptions& options) {
-  const double most = options.max_megapixels;
-  if (tell_file_kind(path) == FileKind::kContainer) return open_container(path, most);
-  return std::make_unique<PictureSource>(path, most);
+  if (tell_file_kind(path) == FileKind::kContainer) return open_container(path, options);
+  return std::make_unique<PictureSource>(path, options);
 }
 
 }  // namespace impactdic::video

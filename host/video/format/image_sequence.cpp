@@ -21,7 +21,7 @@ namespace {
 
 std::unique_ptr<FrameSource> open_picture(const std::string& path, const OpenOptions& options) {
   const FileKind kind = tell_file_kind(path);
-  if (kind == FileKind::kTiff) return open_tiff(path);
+  if (kind == FileKind::kTiff) return open_tiff(path, options.channel);
   if (kind != FileKind::kPicture) {
     throw InvalidArgument("not a picture file", path,
                           "several files form a sequence only if all are pictures");

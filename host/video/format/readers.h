@@ -17,7 +17,8 @@ std::unique_ptr<FrameSource> open_cine(const std::string& path, bool phantom_cod
 std::unique_ptr<FrameSource> open_mraw(const std::string& path, bool lend = false);
 std::unique_ptr<FrameSource> open_seq(const std::string& path, bool lend = false);
 // Multi-page TIFF: one page, one frame.
-std::unique_ptr<FrameSource> open_tiff(const std::string& path);
+std::unique_ptr<FrameSource> open_tiff(const std::string& path,
+                                       Channel channel = Channel::kLuminance);
 std::unique_ptr<FrameSource> open_raw(const std::string& path, const RawLayout& layout,
                                       bool lend = false);
 // Pictures in the given order, one frame each.

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "host/base/parse.h"
+#include "host/video/channel.h"
 #include "host/video/description.h"
 #include "host/video/format/readers.h"
 #include "host/video/format/tiff_file.h"
@@ -13,7 +14,7 @@ namespace {
 
 class TiffSource : public FrameSource {
  public:
-  explicit TiffSource(const std::string& path) {
+  TiffSource(const std::string& path, Channel channel) : channel_(channel) {
     const ByteFile file(path);
     size_ = file.size();
     offsets_ = tiff_page_offsets(file);
@@ -28,12 +29,13 @@ class TiffSource : public FrameSource {
   void read(std::int64_t index, Frame& frame) override {
     check_frame_index(info_.path, index, info_.frame_count);
     auto file = take();
-    const TiffPage page = file->go_to(offsets_[static_cast<std::size_t>(index)]);
+    TiffPage page = file->go_to(offsets_[static_cast<std::size_t>(index)]);
     if (page.width != page_.width || page.height != page_.height || page.depth != page_.depth) {
       throw FormatError(info_.path, -1,
                         "page " + std::to_string(index) + " has another size than page 0",
                         "frames of a clip must be alike");
     }
+    page.channel = channel_;
     file->decode(page, frame);
     frame.bits = info_.bits;
     give_back(std::move(file));
@@ -66,7 +68,7 @@ class TiffSource : public FrameSource {
     info_.height = static_cast<int>(page_.height);
     info_.bits = page_.depth;
     info_.frame_count = static_cast<std::int64_t>(offsets_.size());
-    if (page_.samples >= 3) info_.warnings.push_back("colour pictures: read as luminance");
+    if (page_.samples >= 3) info_.warnings.push_back(colour_warning(channel_));
     read_description(page_.description, info_);
     note_bare_stack();
   }
@@ -82,6 +84,7 @@ class TiffSource : public FrameSource {
                              " pictures, the file has one page");
   }
 
+  Channel channel_;
   ClipInfo info_;
   TiffPage page_;
   std::int64_t size_ = 0;
@@ -92,8 +95,8 @@ class TiffSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_tiff(const std::string& path) {
-  return std::make_unique<TiffSource>(path);
+std::unique_ptr<FrameSource> open_tiff(const std::string& path, Channel channel) {
+  return std::make_unique<TiffSource>(path, channel);
 }
 
 }  // namespace impactdic::video

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <unordered_set>
 
+#include "host/video/channel.h"
 #include "host/video/unpack.h"
 
 namespace impactdic::video {
@@ -72,37 +73,29 @@ std::string why_not(TIFF* handle, const TiffPage& page, std::uint16_t compressio
   }
 }
 
-// ITU-R BT.601 luminance, rounded; weights in 1/65536, which sum to one exactly.
-template <typename T>
-T luminance(std::uint32_t red, std::uint32_t green, std::uint32_t blue) {
-  const std::uint64_t sum = std::uint64_t{19595} * red + std::uint64_t{38470} * green +
-                            std::uint64_t{7471} * blue + 32768;
-  return static_cast<T>(sum >> 16);
-}
-
-// A palette's luminance table; 8-bit, one entry a code.
-std::vector<std::uint8_t> palette_table(TIFF* handle, const std::string& path) {
+// A palette's grey levels; 8-bit, one entry a code.
+std::vector<std::uint8_t> palette_table(TIFF* handle, const std::string& path, Channel channel) {
   std::uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
   if (TIFFGetField(handle, TIFFTAG_COLORMAP, &red, &green, &blue) != 1) {
     throw FormatError(path, -1, "a palette picture without a palette");
   }
   std::vector<std::uint8_t> table(256);
   for (std::size_t i = 0; i < table.size(); ++i) {
-    table[i] = luminance<std::uint8_t>(red[i] >> 8, green[i] >> 8, blue[i] >> 8);
+    table[i] = grey_of<std::uint8_t>(channel, red[i] >> 8, green[i] >> 8, blue[i] >> 8);
   }
   return table;
 }
 
 // One stored row of interleaved samples to grey.
 template <typename T>
-void grey_row(const T* in, std::size_t samples, std::size_t count, T* out) {
+void grey_row(const T* in, std::size_t samples, Channel channel, std::size_t count, T* out) {
   if (samples < 3) {  // a second sample is transparency
     for (std::size_t x = 0; x < count; ++x) out[x] = in[x * samples];
     return;
   }
   for (std::size_t x = 0; x < count; ++x) {
     const T* p = in + x * samples;
-    out[x] = luminance<T>(p[0], p[1], p[2]);
+    out[x] = grey_of<T>(channel, p[0], p[1], p[2]);
   }
 }
 
@@ -177,10 +170,10 @@ class PageDecoder {
       const auto* in = reinterpret_cast<const T*>(buffer_.data() + r * row_bytes_);
       if (planes_ == 3) {
         for (std::uint32_t c = 0; c < columns; ++c) {
-          out[c] = luminance<T>(in[c], in[c + plane], in[c + 2 * plane]);
+          out[c] = grey_of<T>(page_.channel, in[c], in[c + plane], in[c + 2 * plane]);
         }
       } else {
-        grey_row(in, page_.planar ? 1 : page_.samples, columns, out);
+        grey_row(in, page_.planar ? 1 : page_.samples, page_.channel, columns, out);
       }
       if (page_.photometric == PHOTOMETRIC_MINISWHITE) {
         std::transform(out, out + columns, out, [](T value) { return static_cast<T>(~value); });
@@ -286,7 +279,7 @@ void TiffFile::decode(const TiffPage& page, Frame& frame) {
   if (frame.type == PixelType::kU8) {
     decoded = PageDecoder<std::uint8_t>(handle_.get(), page, rows_).decode(frame.u8);
     if (decoded && page.photometric == PHOTOMETRIC_PALETTE) {
-      const auto table = palette_table(handle_.get(), path_);
+      const auto table = palette_table(handle_.get(), path_, page.channel);
       std::transform(frame.u8.data(), frame.u8.data() + frame.u8.size(), frame.u8.data(),
                      [&table](std::uint8_t code) { return table[code]; });
     }

@@ -1,6 +1,7 @@
 // One open TIFF through libtiff, and how its pages become grey frames.
 #pragma once
 
+#include <impactdic/clip.h>
 #include <impactdic/image.h>
 
 #include <cstdint>
@@ -24,6 +25,7 @@ struct TiffPage {
   bool tiled = false;
   bool flip_rows = false, flip_columns = false;  // orientation tag
   std::string compression, description, camera;
+  Channel channel = Channel::kLuminance;  // of a picture in colour: what is decoded
 };
 
 // The file offsets of all pages, in order, by walking the chain of directories.
@@ -42,7 +44,7 @@ class TiffFile {
   // Goes to the page at this offset and says what it holds. Throws FormatError for a kind of
   // picture that is not supported.
   TiffPage go_to(std::uint64_t offset);
-  // Decodes the current page as grey: colour becomes luminance (ITU-R BT.601).
+  // Decodes the current page as grey: of colour what TiffPage::channel says.
   void decode(const TiffPage& page, Frame& frame);
 
  private:

@@ -243,16 +243,18 @@ class SandboxedClip : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> open(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(Request{Content::kContainer, {path}}, options);
+  return std::make_unique<SandboxedClip>(Request{Content::kContainer, {path}, options.channel},
+                                         options);
 }
 
 std::unique_ptr<FrameSource> open_pictures(const std::vector<std::string>& paths,
                                            const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(Request{Content::kPictures, paths}, options);
+  return std::make_unique<SandboxedClip>(Request{Content::kPictures, paths, options.channel},
+                                         options);
 }
 
 std::unique_ptr<FrameSource> open_tiff(const std::string& path, const OpenOptions& options) {
-  return std::make_unique<SandboxedClip>(Request{Content::kTiff, {path}}, options);
+  return std::make_unique<SandboxedClip>(Request{Content::kTiff, {path}, options.channel}, options);
 }
 
 }  // namespace impactdic::video::sandbox

@@ -80,12 +80,13 @@ class Decoder {
   Decoder(const Request& request, double max_megapixels) {
     OpenOptions options;
     options.max_megapixels = max_megapixels;
+    options.channel = request.channel;
     const std::string& first = request.paths.at(0);
     const CodecModule* codecs =
         request.content == Content::kTiff ? nullptr : &codec_module(first, "");
     confine(request.paths);  // the libraries are loaded, of the clip nothing is read yet
     if (codecs == nullptr) {
-      clip_ = open_tiff(first);
+      clip_ = open_tiff(first, request.channel);
     } else if (request.content == Content::kPictures) {
       clip_ = open_image_sequence(request.paths, options);
     } else {

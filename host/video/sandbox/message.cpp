@@ -89,7 +89,8 @@ std::optional<Message> Message::receive(int socket, int longest_ms, bool& late) 
 
 bool Request::send(int socket) const {
   Message message;
-  message.add(static_cast<std::int64_t>(content)).add(static_cast<std::int64_t>(paths.size()));
+  message.add(static_cast<std::int64_t>(content)).add(static_cast<std::int64_t>(channel));
+  message.add(static_cast<std::int64_t>(paths.size()));
   std::size_t bytes = 0;
   for (const std::string& path : paths) {
     if (bytes + path.size() > kLongestMessage / 2) {
@@ -109,6 +110,7 @@ std::optional<Request> Request::receive(int socket) {
   if (!message) return std::nullopt;
   Request request;
   request.content = static_cast<Content>(message->number());
+  request.channel = static_cast<Channel>(message->number());
   for (std::int64_t left = message->number(); left > 0; --left) {
     if (message->at_end()) message = Message::receive(socket, -1, late);
     if (!message) return std::nullopt;

@@ -2,6 +2,8 @@
 // The process is not trusted: whoever reads what it says checks every length.
 #pragma once
 
+#include <impactdic/clip.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -50,6 +52,7 @@ enum class Content : std::int64_t { kContainer, kPictures, kTiff };
 struct Request {
   Content content = Content::kContainer;
   std::vector<std::string> paths;
+  Channel channel = Channel::kLuminance;
 
   // False where the other side is gone.
   bool send(int socket) const;

@@ -239,6 +239,12 @@ TEST(CodecSinks, ColourMp4) {
   Frame frame;
   clip->read(1, frame);
   EXPECT_NEAR(frame.u8(32, 24), 76, 4);  // luminance of pure red: 0.299 · 255; lossy
+  for (const Channel channel : {Channel::kRed, Channel::kBlue}) {
+    OpenOptions options;
+    options.channel = channel;
+    video::open_video({folder.file("a.mp4")}, options)->read(1, frame);
+    EXPECT_NEAR(frame.u8(32, 24), channel == Channel::kRed ? 255 : 0, 6);
+  }
   // Of a kind that browsers play, where this FFmpeg can write one.
   const std::string bytes = testing::read_text(folder.file("a.mp4"));
   const bool played = bytes.find("avc1") != std::string::npos ||  //

@@ -160,6 +160,32 @@ TEST(Tiff, EveryLosslessCompression) {
   expect_reads_back({.compression = COMPRESSION_ADOBE_DEFLATE, .predictor = 2}, 0);
 }
 
+TEST(Tiff, OneColourAlone) {
+  const ScratchFolder folder;
+  const std::string path = folder.file("a.tif");
+  for (const int bits : {8, 16}) {
+    for (const int planar : {PLANARCONFIG_CONTIG, PLANARCONFIG_SEPARATE}) {
+      const Kind kind{.bits = bits, .samples = 3, .photometric = PHOTOMETRIC_RGB, .planar = planar};
+      write_tiff(path, kind);
+      int plane = 0;
+      for (const Channel channel : {Channel::kRed, Channel::kGreen, Channel::kBlue}) {
+        OpenOptions options;
+        options.channel = channel;
+        const auto clip = video::open_video({path}, options);
+        ASSERT_EQ(clip->info().warnings.size(), 1u);
+        EXPECT_NE(clip->info().warnings[0].find(to_string(channel)), std::string::npos);
+        Frame frame;
+        clip->read(0, frame);
+        for (int x = 0; x < kWidth; ++x) {
+          const int level = bits == 8 ? frame.u8(x, 5) : frame.u16(x, 5);
+          ASSERT_EQ(level, sample(kind, x, 5, plane)) << bits << " " << planar << " " << x;
+        }
+        ++plane;
+      }
+    }
+  }
+}
+
 TEST(Tiff, ColoursBecomeLuminance) {
   // Half a level of rounding, and the largest error of a weight of 16 bits (38470/65536 for 0.587:
   // 5.6e-6) times the full scale.
