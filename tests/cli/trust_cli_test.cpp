@@ -38,7 +38,8 @@ class LongClip {
   }
   fs::path path(const std::string& name) const { return folder_ / name; }
   // Starts the run, waits until it has written where it could be gone on with, and does `then` to
-  // its process `$pid`; what the shell says of it goes to the file `said`.
+  // its process `$pid`, which stands still meanwhile; what the shell says of it goes to the file
+  // `said`.
   int interrupt(const std::string& what, const std::string& out, const std::string& then) const {
     constexpr int kEnded = 99;
     const std::string point = quoted(path(out) / "resume.json");
@@ -46,7 +47,7 @@ class LongClip {
     const std::string at_work =
         "kill -STOP $pid; while kill -0 $pid && ! grep -q '^State:.[TZ]' /proc/$pid/status; do "
         "sleep 0.01; done; grep -q '^State:.T' /proc/$pid/status || exit " +
-        std::to_string(kEnded) + "; kill -CONT $pid; ";
+        std::to_string(kEnded) + "; ";
     const std::string script = std::string(IMPACTDIC_PROGRAM) + " " + command(what, out) + " 2> " +
                                quoted(path("said")) + " & pid=$!; while kill -0 $pid && [ ! -e " +
                                point + " ]; do sleep 0.01; done; " + at_work + then;
@@ -74,7 +75,9 @@ std::int64_t next_row(const fs::path& folder) {
 
 TEST(Interrupts, SigtermEndsARunThatCanBeGoneOnWith) {
   ASSERT_EQ(run_program(clip().command("track", "whole")).status, 0);
-  ASSERT_EQ(clip().interrupt("track", "term", "kill -TERM $pid; wait $pid; exit $?"), 128 + 15);
+  ASSERT_EQ(
+      clip().interrupt("track", "term", "kill -TERM $pid; kill -CONT $pid; wait $pid; exit $?"),
+      128 + 15);
   EXPECT_NE(read_text(clip().path("said")).find("--resume goes on"), std::string::npos);
   const auto summary = nlohmann::json::parse(read_text(clip().path("term/summary.json")));
   // What was on its way when the signal came may have been the rest.
@@ -193,10 +196,9 @@ TEST(Resume, ADamagedPointIsRefused) {
 
 TEST(Locks, TheSecondRunSaysWhoHoldsTheFolder) {
   // The second one while the first is at work: it is stopped, so that it does not end before.
-  const std::string second = "kill -STOP $pid; " + std::string(IMPACTDIC_PROGRAM) + " " +
-                             clip().command("track", "shared", "--force") + " 2> " +
-                             quoted(clip().path("second")) +
-                             "; said=$?; kill -CONT $pid; wait $pid && [ $said = 1 ]";
+  const std::string second =
+      std::string(IMPACTDIC_PROGRAM) + " " + clip().command("track", "shared", "--force") + " 2> " +
+      quoted(clip().path("second")) + "; said=$?; kill -CONT $pid; wait $pid && [ $said = 1 ]";
   ASSERT_EQ(clip().interrupt("track", "shared", second), 0);
   EXPECT_NE(read_text(clip().path("second")).find("impactdic: error: process "), std::string::npos)
       << read_text(clip().path("second"));
