@@ -162,6 +162,7 @@ TEST(RealClips, BouncesOfABallInARoom) {
   expect_green_ball(table);
   EXPECT_GE(std::count_if(cy.begin(), cy.end(), [](double y) { return std::isfinite(y); }), 130);
   const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+  EXPECT_EQ(summary["warnings"].dump().find("missing there"), std::string::npos);
   // When, and the restitution by the heights from which it falls and to which it rises.
   std::map<double, double> bounces;  // restitution's error over stated
   const auto add = [&](const nlohmann::json& impact, double restitution) {

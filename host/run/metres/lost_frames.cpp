@@ -15,9 +15,9 @@ namespace {
 constexpr std::size_t kBeside = 2;
 // A ball that moves by less shows no gap.
 constexpr double kLeast_px = 0.2;
-// How far steps may lie from the mean of those beside, or from a multiple of it: of that mean.
-constexpr double kEven = 0.1;
-constexpr double kSds = 5;
+// How far steps may lie from the mean of those beside, or from a multiple of it: of that mean. They
+// must be known so well that so many deviations are no more.
+constexpr double kEven = 0.1, kSds = 5;
 constexpr double kMostMissing = 9;
 
 struct Place {
@@ -51,7 +51,7 @@ int missing_behind(const std::array<TrackRow, 2 * kBeside + 1>& rows) {
   const double usual = length(mean);
   if (!(usual > kLeast_px)) return 0;
   const auto is_near = [&](const TrackRow& row, double times) {
-    return length(step_of(row) - times * mean) < kEven * usual + kSds * sd_of(row);
+    return kSds * sd_of(row) < kEven * usual && length(step_of(row) - times * mean) < kEven * usual;
   };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (i != kBeside && !is_near(rows[i], 1)) return 0;
