@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 #include <sstream>
 
 #include "tests/support/data.h"
@@ -180,6 +181,21 @@ TEST(RealClips, BouncesOfABallInARoom) {
     EXPECT_LT(std::abs(bounce->second), 3) << frame;
     ++bounce;
   }
+}
+
+// Before the floor the ball is as grey as that, and not as red.
+TEST(RealClips, TheFourthBounceShowsInRed) {
+  IMPACTDIC_NEED_DATA("real/bounceAmeen.avi");
+  const ScratchFolder folder;
+  track("real/bounceAmeen.avi", "--channel red --frames 84:140", folder);
+  const auto summary = nlohmann::json::parse(read_text(folder / "out/summary.json"));
+  std::set<double> bounces = {summary["impact"]["t_max_compression"]["frame"].get<double>()};
+  for (const auto& impact : summary["more_impacts"]) {
+    bounces.insert(impact["t_max_compression"]["frame"].get<double>());
+  }
+  ASSERT_EQ(bounces.size(), 3u);
+  auto bounce = bounces.begin();
+  for (const double frame : {91.6, 102.4, 110.0}) EXPECT_NEAR(*bounce++, frame, 0.7);
 }
 
 // From its seventh frame on, where blurred circles come out elsewhere and the ball is taken for a
