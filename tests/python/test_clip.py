@@ -163,6 +163,11 @@ def test_files(film, tmp_path):
     raw = tmp_path / "pixels.raw"
     raw.write_bytes(film[0].tobytes())
     assert np.array_equal(pixels(idic.open(raw, raw=(128, 128, 8))), film[0])
+    light = pixels(idic.open(raw, raw=(128, 128, 8), gamma=2.2))
+    assert light.dtype == np.uint16
+    assert np.abs(light - 65535.0 * (film[0] / 255.0) ** 2.2).max() <= 0.51
+    with pytest.raises(idic.InvalidArgument, match="red, green and blue"):
+        idic.open(raw, raw=(128, 128, 8), channel="purple")
 
 
 def test_the_array_lives_as_long_as_the_clip(film):
