@@ -101,8 +101,11 @@ class Flights {
   void add_whole(const FlightMotion& flight) {
     const std::vector<TrackRow> rows = whole_rows(flight);
     if (rows.size() < kFewestOfAll) return;
-    const double middle =
-        0.5 * static_cast<double>(rows_[flight.first].frame + rows_[flight.last].frame - 1);
+    // A motion leads from its frame to the next one: it is that half a step later.
+    const auto first = static_cast<double>(rows_[flight.first].frame);
+    const auto last = static_cast<double>(rows_[flight.last].frame);
+    const double step = (last - first) / static_cast<double>(flight.last - flight.first);
+    const double middle = 0.5 * (first + last - step);
     bias_ = {bias_of(rows, kX, middle, flight.vx.value, flight.vx.sd),
              bias_of(rows, kY, middle, -flight.vy.value, flight.vy.sd)};
     add(flight);
