@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "host/advice/frame_checks.h"
 #include "host/advice/looks.h"
 #include "host/advice/reflex.h"
 
@@ -104,19 +105,6 @@ void warn_of_texture(const AdviceRequest& request, const TextureAdvice& texture,
   warnings.push_back(say("only %.0f %% of the %d-px windows have texture enough: ",
                          100 * texture.asked.usable_share(), texture.asked.window_px) +
                      hint + kBetterPattern);
-}
-
-// Rms, in grey levels of 255.
-double contrast_of(const Frame& frame) {
-  const Image<float> picture = frame.to_float();
-  double sum = 0, squares = 0;
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const double level = picture.data()[i];
-    sum += level, squares += level * level;
-  }
-  const auto count = static_cast<double>(picture.size());
-  const double variance = squares / count - sum / count * (sum / count);
-  return std::sqrt(std::max(0.0, variance)) * 255 / frame.full_scale();
 }
 
 // Whether all squares at these places, as shares of what lies between the picture's sides, are full

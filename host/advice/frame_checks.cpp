@@ -98,6 +98,12 @@ double saturated_share(const Frame& frame, const Roi& region, const std::optiona
   return all > 0 ? static_cast<double>(full) / static_cast<double>(all) : 0;
 }
 
+double contrast_of(const Frame& frame) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(as_floats(frame), mean, deviation);
+  return deviation[0] * 255 / frame.full_scale();
+}
+
 std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
   constexpr int kRays = 120, kPerPx = 8, kAxes = 4;
   constexpr std::size_t kFewest = 4;   // of an axis

@@ -12,6 +12,9 @@ namespace impactdic::advice {
 // level that the file can hold.
 double saturated_share(const Frame& frame, const Roi& region, const std::optional<Circle>& ball);
 
+// Of the whole picture: rms, grey levels of 255.
+double contrast_of(const Frame& frame);
+
 // How many pixels the ball's edge takes from 10 to 90 % of its step, along the axis where it is
 // widest: the lower quartile of rays on which neither ink nor anything behind disturbs it plainly.
 // A sharp lens gives about 2. nullopt where there are too few such rays.

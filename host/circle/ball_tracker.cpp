@@ -296,10 +296,11 @@ BallTracker::Plan BallTracker::lead(std::span<const Frame> frames, std::int64_t 
     std::size_t from = begin;
     for (std::size_t i = begin; i < end; ++i) {
       const std::int64_t index = first_index + static_cast<std::int64_t>(i);
-      const bool again = i > 0 && !repeats.empty() && repeats[i];
-      if (correction(index) == nullptr && !again) continue;
+      const bool by_hand = correction(index) != nullptr;
+      const bool again = !by_hand && i > 0 && !repeats.empty() && repeats[i];
+      if (!by_hand && !again) continue;
       if (from < i) lead_run(frames, from, i, fits, plan);
-      fits[i] = again && correction(index) == nullptr ? fits[i - 1] : track(frames[i], index);
+      fits[i] = again ? fits[i - 1] : track(frames[i], index);
       from = i + 1;
     }
     if (from < end) lead_run(frames, from, end, fits, plan);

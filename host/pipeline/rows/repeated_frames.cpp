@@ -1,13 +1,12 @@
 #include "host/pipeline/rows/repeated_frames.h"
 
-#include <impactdic/units.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
+#include "host/clip/surface_step.h"
 #include "host/pipeline/rows/fill_row.h"
 
 namespace impactdic::pipeline {
@@ -29,25 +28,18 @@ bool is_same(ImageView<const T> a, ImageView<const T> b) {
   return true;
 }
 
-// How far the ball's surface goes, px: its centre, and its rim as it turns.
-struct SurfaceStep {
-  double x_px = 0, y_px = 0, turn_px = 0, sd_px = 0;
-  explicit SurfaceStep(const TrackRow& row)
-      : x_px(row.dx_px),
-        y_px(row.dy_px),
-        turn_px(row.rot_deg * kRadPerDeg * row.r_px),
-        sd_px(std::hypot(row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg * kRadPerDeg * row.r_px)) {}
-  double length() const { return std::hypot(x_px, y_px, turn_px); }
-  bool is_plain() const { return length() > std::max(kPlain_px, kPlainSds * sd_px); }
-  bool is_none_beside(const SurfaceStep& other) const {
-    return length() <
-           std::min(std::max(kStands_px, kStandsSds * sd_px), kStandsOfStep * other.length());
-  }
-  bool leads_back_from(const SurfaceStep& other) const {
-    return x_px * other.x_px + y_px * other.y_px + turn_px * other.turn_px <
-           -0.5 * length() * other.length();
-  }
-};
+bool is_plain(const TrackRow& row) {
+  return SurfaceStep(row).length() > std::max(kPlain_px, kPlainSds * SurfaceStep::sd_px(row));
+}
+bool is_none_beside(const TrackRow& row, const TrackRow& other) {
+  const double stands_px = std::max(kStands_px, kStandsSds * SurfaceStep::sd_px(row));
+  return SurfaceStep(row).length() <
+         std::min(stands_px, kStandsOfStep * SurfaceStep(other).length());
+}
+bool lead_back(const TrackRow& before, const TrackRow& after) {
+  const SurfaceStep a(before), b(after);
+  return a.dot(b) < -0.5 * a.length() * b.length();
+}
 
 // The nearest rows with a motion that lead to no picture that is the same, on either side of `of`.
 struct Beside {
@@ -74,16 +66,15 @@ bool leads_to_repeat(const TrackBatch& batch, std::size_t from, const TrackRow* 
   const TrackRow& row = batch.rows[from];
   const bool same = batch.repeats[from + 1];
   if (!row.circle_ok || !(same || row.motion_ok)) return false;
-  if (!same && SurfaceStep(row).is_plain()) return false;  // as nearly all rows do
+  if (!same && is_plain(row)) return false;  // as nearly all rows do
   const auto [before, after] = beside(batch, from, before_batch);
   if (before == nullptr && after == nullptr) return false;
   for (const TrackRow* other : {before, after}) {
     if (other == nullptr) continue;
-    const SurfaceStep step(*other);
-    if (!step.is_plain() || !(same || SurfaceStep(row).is_none_beside(step))) return false;
+    if (!is_plain(*other) || !(same || is_none_beside(row, *other))) return false;
   }
   const bool both = before != nullptr && after != nullptr;
-  return same || !both || !SurfaceStep(*after).leads_back_from(SurfaceStep(*before));
+  return same || !both || !lead_back(*before, *after);
 }
 
 void forget_all(TrackRow& row) {

@@ -1,12 +1,10 @@
 #include "host/run/metres/lost_frames.h"
 
-#include <impactdic/units.h>
-
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "host/base/statistics.h"
+#include "host/clip/surface_step.h"
 
 namespace impactdic::run {
 namespace {
@@ -20,43 +18,28 @@ constexpr double kLeast_px = 0.2;
 constexpr double kEven = 0.1, kSds = 5;
 constexpr double kMostMissing = 9;
 
-struct Place {
-  double x, y, turn;
-};
-Place operator-(const Place& a, const Place& b) { return {a.x - b.x, a.y - b.y, a.turn - b.turn}; }
-Place operator*(double by, const Place& a) { return {by * a.x, by * a.y, by * a.turn}; }
-double length(const Place& a) { return std::hypot(a.x, a.y, a.turn); }
-
-// How far centre and rim go, px.
-Place step_of(const TrackRow& row) {
-  return {row.dx_px, row.dy_px, row.rot_deg * kRadPerDeg * row.r_px};
-}
-double sd_of(const TrackRow& row) {
-  return std::hypot(row.dx_sd_px, row.dy_sd_px, row.rot_sd_deg * kRadPerDeg * row.r_px);
-}
 bool is_whole(const TrackRow& row) {
   return row.status == TrackStatus::kOk && row.motion_ok && row.circle_ok && row.periods == 1;
 }
 
 // How many frames are missing behind the middle one of some rows; 0 where that cannot be said.
 int missing_behind(const std::array<TrackRow, 2 * kBeside + 1>& rows) {
-  Place mean{};
+  SurfaceStep mean;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!is_whole(rows[i])) return 0;
-    if (i == kBeside) continue;
-    const Place step = step_of(rows[i]);
-    mean = {mean.x + step.x / (2 * kBeside), mean.y + step.y / (2 * kBeside),
-            mean.turn + step.turn / (2 * kBeside)};
+    if (i != kBeside) mean.add(SurfaceStep(rows[i]), 1.0 / (2 * kBeside));
   }
-  const double usual = length(mean);
+  const double usual = mean.length();
   if (!(usual > kLeast_px)) return 0;
   const auto is_near = [&](const TrackRow& row, double times) {
-    return kSds * sd_of(row) < kEven * usual && length(step_of(row) - times * mean) < kEven * usual;
+    SurfaceStep off(row);
+    off.add(mean, -times);
+    return kSds * SurfaceStep::sd_px(row) < kEven * usual && off.length() < kEven * usual;
   };
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (i != kBeside && !is_near(rows[i], 1)) return 0;
   }
-  const double times = std::round(length(step_of(rows[kBeside])) / usual);
+  const double times = std::round(SurfaceStep(rows[kBeside]).length() / usual);
   if (times < 2 || times > 1 + kMostMissing || !is_near(rows[kBeside], times)) return 0;
   return static_cast<int>(times) - 1;
 }
@@ -68,9 +51,9 @@ std::string of_repeats(const TrackRows& rows) {
   for (const TrackRow& row : rows) {
     if (row.status == TrackStatus::kRepeated && !row.circle_ok && count++ == 0) first = row.frame;
     if (!row.circle_ok) continue;
-    const Place way = {row.cx_px - last.cx_px, row.cy_px - last.cy_px, 0};
+    const double way_px = std::hypot(row.cx_px - last.cx_px, row.cy_px - last.cy_px);
     if (last.status == TrackStatus::kRepeated && row.frame > last.frame + 1) {
-      steps.push_back(std::hypot(way.x, way.y) / std::hypot(before.dx_px, before.dy_px));
+      steps.push_back(way_px / std::hypot(before.dx_px, before.dy_px));
     }
     if (row.motion_ok) before = row;
     last = row;

@@ -70,9 +70,8 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
     {"raw", "WIDTHxHEIGHTxBITS: the file is bare pixels"},
     {"fps", "Frames a second; overrides the file's own rate"},
     {"channel",
-     "Of a colour picture: red, green or blue, instead of its luminance. A ball of the "
-     "background's "
-     "grey may differ in its colour"},
+     "Of a colour picture: red, green or blue, instead of its luminance. A ball as grey as the "
+     "background may differ in its colour"},
     {"gamma",
      "Grey levels go as light to the power of 1 / gamma, and are turned back to light: 2.2 for "
      "most film, 1 where they are light"},
