@@ -131,17 +131,33 @@ std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
 
 bool is_interlaced(const Frame& frame, const Roi& region) {
   constexpr int kSmallest = 8;
-  constexpr double kWoven = 1.2;
+  constexpr double kLeast_px = 0.1, kSds = 8;
   if (region.width < kSmallest || region.height < kSmallest) return false;
   const cv::Mat part = as_floats(frame)(as_rect(region));
-  const auto difference = [&](int dx, int dy) {
-    const cv::Mat a = part(cv::Rect(0, 0, part.cols - dx, part.rows - dy));
-    const cv::Mat b = part(cv::Rect(dx, dy, part.cols - dx, part.rows - dy));
-    return cv::norm(a, b, cv::NORM_L2SQR) / static_cast<double>(a.total());
-  };
-  const double rows = difference(0, 1), field_rows = difference(0, 2);
-  const double columns = difference(1, 0), next_columns = difference(2, 0);
-  return rows > kWoven * field_rows && rows * next_columns > kWoven * columns * field_rows;
+  // Least squares: what odd rows lie off the mean of the rows beside, by the picture's slopes.
+  double xx = 0, xy = 0, yy = 0, x_off = 0, y_off = 0, off_sq = 0;
+  int count = 0;
+  for (int y = 2; y + 2 < part.rows; ++y) {
+    const float *above = part.ptr<float>(y - 1), *row = part.ptr<float>(y),
+                *below = part.ptr<float>(y + 1);
+    const double sign = y % 2 == 0 ? 1 : -1;
+    for (int x = 1; x + 1 < part.cols; ++x) {
+      // Slopes of the rows beside alone: the row's own noise is in what it lies off by.
+      const double sx = 0.25 * (above[x + 1] - above[x - 1] + below[x + 1] - below[x - 1]);
+      const double sy = 0.5 * (below[x] - above[x]);
+      const double off = sign * (row[x] - 0.5 * (above[x] + below[x]));
+      xx += sx * sx, xy += sx * sy, yy += sy * sy;
+      x_off += sx * off, y_off += sy * off, off_sq += off * off;
+      ++count;
+    }
+  }
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > 0)) return false;
+  const double x = (yy * x_off - xy * y_off) / determinant;
+  const double y = (xx * y_off - xy * x_off) / determinant;
+  const double variance = off_sq / count;
+  const double far = std::hypot(x, y), sd = std::sqrt(variance * (xx + yy) / determinant);
+  return far > kLeast_px && far > kSds * sd;
 }
 
 std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,

@@ -20,8 +20,8 @@ double contrast_of(const Frame& frame);
 // A sharp lens gives about 2. nullopt where there are too few such rays.
 std::optional<double> edge_width_px(const Frame& frame, const Circle& ball);
 
-// Whether the frame is woven from two fields of different times: neighbouring rows differ more than
-// rows of one field do, which neighbouring columns do not.
+// Whether the frame is woven from two fields of different times: what moves lies elsewhere in odd
+// rows than in even ones.
 bool is_interlaced(const Frame& frame, const Roi& region);
 
 // How far the ball turned between two frames, either way, to about half a degree: rings about the

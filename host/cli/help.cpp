@@ -46,6 +46,7 @@ constexpr std::pair<const char*, Place> kPlaces[] = {
     {"surface-angle-deg", {"Scale and axes", true}},
     {"inertia-factor", {"Scale and axes", true}},
     {"camera", {"Scale and axes", false}},
+    {"camera-motion", {"Scale and axes", false}},
     {"ball-diameter-sd-mm", {"Scale and axes", false}},
     {"mm-per-px-sd", {"Scale and axes", false}},
     {"surface-angle-sd-deg", {"Scale and axes", false}},

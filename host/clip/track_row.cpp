@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/base/statistics.h"
+#include "host/clip/steady_rows.h"
 
 namespace impactdic {
 
@@ -24,6 +25,18 @@ Body parse_body(const std::string& name) {
     if (name == kBodies[i]) return static_cast<Body>(i);
   }
   throw InvalidArgument("'" + name + "' is no body", "--body", "there are auto, sphere and disc");
+}
+
+const char* to_string(CameraMotionUse use) {
+  return use == CameraMotionUse::kCorrect ? "correct" : "ignore";
+}
+
+CameraMotionUse parse_camera_motion(const std::string& name) {
+  for (const CameraMotionUse use : {CameraMotionUse::kCorrect, CameraMotionUse::kIgnore}) {
+    if (name == to_string(use)) return use;
+  }
+  throw InvalidArgument("'" + name + "' is nothing to do", "--camera-motion",
+                        "there are correct and ignore");
 }
 
 const char* to_string(TrackStatus status) { return kWords[static_cast<std::size_t>(status)]; }
@@ -85,7 +98,9 @@ SiRow to_si(const TrackResult& result, std::size_t row) {
 }
 
 SiRow to_si(const TrackResult& result, const TrackRow& row, std::size_t i) {
-  const TrackRow& seen = result.camera ? result.camera->rows[i] : row;
+  const TrackRow seen = result.camera          ? result.camera->rows[i]
+                        : result.camera_motion ? steadied(row, i, *result.camera_motion)
+                                               : row;
   SiRow si = to_si(seen, result.scale);
   add_depth(result.impact_si, seen.frame, si);
   if (!result.camera) return si;

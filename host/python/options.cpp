@@ -107,6 +107,9 @@ void assign(nb::handle value, Body& to, const std::string& where) {
 void assign(nb::handle value, Channel& to, const std::string& where) {
   to = parse_channel(text_of(value, where));
 }
+void assign(nb::handle value, CameraMotionUse& to, const std::string& where) {
+  to = parse_camera_motion(text_of(value, where));
+}
 void assign(nb::handle value, ReferenceFrame& to, const std::string& where) {
   to = parse_reference(text_of(value, where));
 }

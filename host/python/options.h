@@ -29,6 +29,7 @@ void assign(nanobind::handle value, FieldMethod& to, const std::string& where);
 void assign(nanobind::handle value, Estimator& to, const std::string& where);
 void assign(nanobind::handle value, Body& to, const std::string& where);
 void assign(nanobind::handle value, Channel& to, const std::string& where);
+void assign(nanobind::handle value, CameraMotionUse& to, const std::string& where);
 void assign(nanobind::handle value, ReferenceFrame& to, const std::string& where);
 void assign(nanobind::handle value, RegionMotion& to, const std::string& where);
 // (first, end, step)

@@ -222,6 +222,27 @@ void TrackCsv::finish(const TrackRows& rows, const TrackResult& result) {
   if (error) throw FileError("cannot replace the file: " + error.message(), path_.string());
 }
 
+void write_camera_motion_csv(const std::filesystem::path& path, const TrackRows& rows,
+                             const CameraMotion& motion) {
+  std::ofstream file = open_for_writing(path, std::ios::trunc);
+  file << "frame,time_s,x_px,y_px,roll_deg,x_sd_px,y_sd_px,roll_sd_deg\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const TrackRow row = rows[i];
+    const PictureShift& at = motion.of_rows[i];
+    Line line(std::to_string(row.frame));
+    line.add(row.time_s);
+    if (at.known) {
+      line.add(at.x_px, at.y_px, at.roll_rad * kDegPerRad, at.x_sd_px, at.y_sd_px,
+               at.roll_sd_rad * kDegPerRad);
+    } else {
+      line.add(kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured);
+    }
+    file << line.text() << '\n';
+  }
+  file.flush();
+  check(file, path);
+}
+
 std::vector<TrackRow> read_track_csv(const std::filesystem::path& path) {
   return read_rows<TrackRow>(path, kTrackCsvHeader, parse_row);
 }

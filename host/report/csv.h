@@ -37,6 +37,11 @@ class TrackCsv {
   std::ofstream file_;
 };
 
+// camera_motion.csv: where the background lies in each row's picture. `rows`: those of the run.
+// Throws FileError.
+void write_camera_motion_csv(const std::filesystem::path& path, const TrackRows& rows,
+                             const CameraMotion& motion);
+
 // Reads a track.csv back, as far as its pixels go. A last line that was cut off is dropped.
 // Throws FileError, FormatError.
 std::vector<TrackRow> read_track_csv(const std::filesystem::path& path);

@@ -133,16 +133,25 @@ TEST(FrameChecks, TurnOfABallThatThePictureCutsIsNotTold) {
   EXPECT_FALSE(advice::turn_between_deg(frames[1], cut, frames[0], whole).has_value());
 }
 
-TEST(FrameChecks, WovenFieldsAreInterlaced) {
-  const auto frames = testing::render_frames(testing::quick_ball(3, 80), scene(2),
-                                             {pose(98, 101, 0), pose(101, 101, 0)});
-  const Roi region{20, 20, 160, 160};
-  EXPECT_FALSE(advice::is_interlaced(frames[0], region));
-  Frame woven = frames[0];
-  for (int y = 1; y < 200; y += 2) {
-    std::copy_n(frames[1].u8.row(y), 200, woven.u8.row(y));
+Frame woven(const Frame& even, const Frame& odd) {
+  Frame frame = even;
+  for (int y = 1; y < frame.height(); y += 2) {
+    std::copy_n(odd.u8.row(y), frame.width(), frame.u8.row(y));
   }
-  EXPECT_TRUE(advice::is_interlaced(woven, region));
+  return frame;
+}
+
+// Fields of one time show the ball at one place, and a turn alone shifts nothing.
+TEST(FrameChecks, WovenFieldsAreInterlaced) {
+  const Roi region{20, 20, 160, 160};
+  for (const unsigned seed : {3U, 4U, 5U}) {
+    const auto frames =
+        testing::render_frames(testing::quick_ball(seed, 80), scene(2),
+                               {pose(98, 101, 0), pose(101, 101, 0), pose(98.3, 100.8, 0.2)});
+    EXPECT_FALSE(advice::is_interlaced(frames[0], region)) << seed;
+    EXPECT_TRUE(advice::is_interlaced(woven(frames[0], frames[1]), region)) << seed;
+    EXPECT_TRUE(advice::is_interlaced(woven(frames[0], frames[2]), region)) << seed;
+  }
 }
 
 }  // namespace

@@ -158,6 +158,11 @@ struct RadiusRange {
 };
 
 // Everything that decides a number of the result.
+// What is made of a background that moves in the pictures: of a camera that shakes.
+enum class CameraMotionUse { kCorrect, kIgnore };
+const char* to_string(CameraMotionUse use);
+CameraMotionUse parse_camera_motion(const std::string& name);  // throws InvalidArgument
+
 struct TrackRequest {
   ClipRequest clip;
   FrameRange frames = {0, kToTheEnd, 1};  // of the stored file; the part that it has
@@ -185,6 +190,7 @@ struct TrackRequest {
   // it, never pictures. It gives the scale of its plane of motion; where the diameter is given as
   // well, the ball's own size does, wherever it flies.
   std::string camera;
+  CameraMotionUse camera_motion = CameraMotionUse::kCorrect;
   // Both counter-clockwise from image-right: the surface's inclination, and where gravity points.
   double surface_angle_deg = 0, gravity_angle_deg = -90;
   double surface_angle_sd_deg = 0;  // standard deviation of the surface's inclination
@@ -205,6 +211,21 @@ struct FrameTimes {
   std::int64_t missing_after = -1;  // the stored frame before the first of them
 };
 
+// Where the still background lies in a picture, against the first picture with a ball: so far from
+// there at the picture's middle, and rolled by so much about it, from x towards y.
+struct PictureShift {
+  bool known = false;
+  double x_px = 0, y_px = 0, roll_rad = 0;
+  double x_sd_px = kNotMeasured, y_sd_px = kNotMeasured, roll_sd_rad = kNotMeasured;
+};
+
+// Of a camera that shakes or pans: its motion as the background shows it.
+struct CameraMotion {
+  std::vector<PictureShift> of_rows;  // one a row
+  std::int64_t frame_step = 1;        // stored frames from one row to the next
+  double middle_x_px = 0, middle_y_px = 0;
+};
+
 struct TrackResult {
   ClipInfo clip;
   FrameRange frames;           // analysed
@@ -223,8 +244,11 @@ struct TrackResult {
   double grid_radius_px = 0;  // of the ball that the windows' grid was made for; 0: no grid
   std::size_t windows = 0;    // of that grid
   std::optional<CameraFigures> camera;  // where one was given
-  ImpactAnalysis impact;                // in px and frames; corrected px where a camera was given
-  ImpactFigures impact_si;              // the same in SI
+  // Where the background shows that the camera moved: rows are what the pictures show, all that
+  // follows from them (to_si, impacts, flights) is against the background.
+  std::optional<CameraMotion> camera_motion;
+  ImpactAnalysis impact;    // in px and frames; corrected px where a camera was given
+  ImpactFigures impact_si;  // the same in SI
   // Of a ball that bounces several times: the other impacts, in order of time. `impact` is the
   // sharpest.
   std::vector<ImpactFigures> more_impacts_si;

@@ -42,21 +42,22 @@ struct Conclusion {
 
 class ThroughCamera {
  public:
-  ThroughCamera(const TrackRequest& request, const std::optional<Measured>& sphere_radius_px,
-                const motion::Perspective& seen, const TrackResult& measured, double metre_per_px)
+  ThroughCamera(const TrackRequest& request, const std::vector<TrackRow>& rows,
+                const std::optional<Measured>& sphere_radius_px, const motion::Perspective& seen,
+                const TrackResult& measured, double metre_per_px)
       : request_(request),
+        rows_(rows),
         sphere_radius_px_(sphere_radius_px),
         seen_(seen),
         measured_(measured),
         metre_per_px_(metre_per_px),
-        seen_radius_px_(median_radius_px(measured.rows)) {}
+        seen_radius_px_(median_radius_px(rows)) {}
 
   Conclusion operator()(const Camera& camera, Impacts impacts, bool keep_rows) const {
     Conclusion found;
     const bool sphere = measured_.body == Body::kSphere;
     TrackResult& result = found.result;
-    result.rows =
-        RowCorrection(camera, sphere, metre_per_px_, dic::kRimMarginPx).correct(measured_.rows);
+    result.rows = RowCorrection(camera, sphere, metre_per_px_, dic::kRimMarginPx).correct(rows_);
     result.scale = measured_.scale;
     result.body = measured_.body;
     std::optional<Measured> radius = sphere_radius_px_;
@@ -84,6 +85,7 @@ class ThroughCamera {
 
  private:
   const TrackRequest& request_;
+  const std::vector<TrackRow>& rows_;
   const std::optional<Measured>& sphere_radius_px_;
   const motion::Perspective& seen_;
   const TrackResult& measured_;
@@ -113,7 +115,7 @@ void add_camera_parts(const std::vector<Conclusion>& plus, const std::vector<Con
   ImpactFigures& figures = result.impact_si;
   const std::vector<Measured*> stated = measured_figures(figures);
   std::vector<double> parts(stated.size(), 0.0);
-  std::vector<CameraRowSd>& rows = result.camera->row_sd;
+  std::vector<CameraRowSd>& row_sd = result.camera->row_sd;
   for (std::size_t s = 0; s < steps.size(); ++s) {
     const double width = 2 * steps[s].deviations;
     ImpactFigures up = plus[s].result.impact_si, down = minus[s].result.impact_si;
@@ -121,11 +123,11 @@ void add_camera_parts(const std::vector<Conclusion>& plus, const std::vector<Con
     for (std::size_t i = 0; i < parts.size(); ++i) {
       add((high[i]->value - low[i]->value) / width, parts[i]);
     }
-    for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t i = 0; i < row_sd.size(); ++i) {
       const auto &a = plus[s].rates[i], &b = minus[s].rates[i];
-      add((a[0] - b[0]) / width, rows[i].vx_m_s);
-      add((a[1] - b[1]) / width, rows[i].vy_m_s);
-      add((a[2] - b[2]) / width, rows[i].omega_rad_s);
+      add((a[0] - b[0]) / width, row_sd[i].vx_m_s);
+      add((a[1] - b[1]) / width, row_sd[i].vy_m_s);
+      add((a[2] - b[2]) / width, row_sd[i].omega_rad_s);
     }
   }
   for (std::size_t i = 0; i < stated.size(); ++i) {
@@ -149,11 +151,12 @@ void check_camera_fits(const Camera& camera, const ClipInfo& clip, const std::st
 }
 
 void conclude_through_camera(const Camera& camera, const TrackRequest& request,
+                             const std::vector<TrackRow>& rows,
                              const std::optional<Measured>& sphere_radius_px, TrackResult& result,
                              const motion::Perspective& perspective) {
   const PlaneView view(camera);
   const Measured scale = camera::scale_at_middle(camera);
-  const ThroughCamera through(request, sphere_radius_px, perspective, result, scale.value);
+  const ThroughCamera through(request, rows, sphere_radius_px, perspective, result, scale.value);
   Conclusion found = through(camera, Impacts::kLookedFor, true);
   const std::vector<camera::CameraStep> steps = camera::principal_steps(camera);
   std::vector<Conclusion> plus(steps.size()), minus(steps.size());

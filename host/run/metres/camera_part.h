@@ -6,15 +6,18 @@
 #include <impactdic/track.h>
 
 #include <optional>
+#include <vector>
 
 #include "host/motion/perspective.h"
 
 namespace impactdic::run {
 
-// Sets camera, corrected rows, scale and impact of `result` from its rows. The camera's part of
+// Sets camera, corrected rows, scale and impact of `result` from `rows`, which a camera that stands
+// still has seen. The camera's part of
 // every deviation is found by differences of the whole way from rows to figures, along the
 // principal axes of its covariance. `perspective`: in which a sphere was registered.
 void conclude_through_camera(const Camera& camera, const TrackRequest& request,
+                             const std::vector<TrackRow>& rows,
                              const std::optional<Measured>& sphere_radius_px, TrackResult& result,
                              const motion::Perspective& perspective = {});
 

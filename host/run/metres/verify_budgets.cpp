@@ -36,7 +36,7 @@ struct Shot {
   ImpactFigures conclude() {
     result.scale.surface_angle_rad = request.surface_angle_deg * kRadPerDeg;
     if (camera) {
-      conclude_through_camera(*camera, request, std::nullopt, result);
+      conclude_through_camera(*camera, request, result.rows, std::nullopt, result);
     } else {
       conclude_metres(request, std::nullopt, result);
     }

@@ -15,6 +15,10 @@ constexpr std::pair<const char*, const char*> kTexts[] = {
      "Camera that `calibrate` wrote: coordinates are corrected; gives the scale unless the "
      "diameter "
      "is given"},
+    {"camera-motion",
+     "What is made of a background that moves, as before a camera that shakes: correct "
+     "(velocities, "
+     "impacts and metres are against it) or ignore (they are as the picture shows them)"},
     {"surface-angle-deg", "Inclination of the surface, counter-clockwise from image-right"},
     {"surface-angle-sd-deg", "Standard deviation of the inclination"},
     {"gravity-angle-deg", "Direction of gravity, counter-clockwise from image-right"},

@@ -47,6 +47,7 @@ SettingValue value_of(Body value) { return std::string(to_string(value)); }
 SettingValue value_of(Channel value) {
   return std::string(value == Channel::kLuminance ? "" : to_string(value));
 }
+SettingValue value_of(CameraMotionUse value) { return std::string(to_string(value)); }
 SettingValue value_of(Estimator value) { return std::string(to_string(value)); }
 SettingValue value_of(ReferenceFrame value) { return std::string(to_string(value)); }
 SettingValue value_of(RegionMotion value) { return std::string(to_string(value)); }
@@ -103,6 +104,9 @@ void assign(const SettingValue& from, Body& to, const std::string&) {
 void assign(const SettingValue& from, Channel& to, const std::string&) {
   const std::string name = to_text(from);
   to = name.empty() ? Channel::kLuminance : parse_channel(name);
+}
+void assign(const SettingValue& from, CameraMotionUse& to, const std::string&) {
+  to = parse_camera_motion(to_text(from));
 }
 void assign(const SettingValue& from, ReferenceFrame& to, const std::string&) {
   to = parse_reference(to_text(from));

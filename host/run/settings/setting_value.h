@@ -32,6 +32,7 @@ SettingValue value_of(ReferenceFrame value);
 SettingValue value_of(RegionMotion value);
 // Those of which "" stands for nothing asked for.
 SettingValue value_of(Channel value);
+SettingValue value_of(CameraMotionUse value);
 SettingValue value_of(const FrameRange& value);
 SettingValue value_of(const std::optional<Roi>& value);
 SettingValue value_of(const std::optional<RadiusRange>& value);
@@ -49,6 +50,7 @@ void assign(const SettingValue& from, FieldMethod& to, const std::string& where)
 void assign(const SettingValue& from, Estimator& to, const std::string& where);
 void assign(const SettingValue& from, Body& to, const std::string& where);
 void assign(const SettingValue& from, Channel& to, const std::string& where);
+void assign(const SettingValue& from, CameraMotionUse& to, const std::string& where);
 void assign(const SettingValue& from, ReferenceFrame& to, const std::string& where);
 void assign(const SettingValue& from, RegionMotion& to, const std::string& where);
 void assign(const SettingValue& from, FrameRange& to, const std::string& where);

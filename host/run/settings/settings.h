@@ -74,6 +74,7 @@ void visit_track_settings(Visitor&& visit, Request& request, Folder& folder) {
   visit(Setting{"mm-per-px", kAfterwards | kZeroUnset}, request.mm_per_px);
   visit(Setting{"mm-per-px-sd", kAfterwards | kZeroUnset}, request.mm_per_px_sd);
   visit(Setting{"camera", kAfterwards | kEmptyUnset | kPath}, request.camera);
+  visit(Setting{"camera-motion", kAfterwards}, request.camera_motion);
   visit(Setting{"surface-angle-deg", kAfterwards}, request.surface_angle_deg);
   visit(Setting{"surface-angle-sd-deg", kAfterwards | kZeroUnset}, request.surface_angle_sd_deg);
   visit(Setting{"gravity-angle-deg", kAfterwards}, request.gravity_angle_deg);

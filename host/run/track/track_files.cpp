@@ -160,6 +160,12 @@ void TrackFiles::finish(const TrackRows& rows, const TrackResult& result) {
                              result.scale.surface_angle_rad * kDegPerRad, impl_->options.camera);
   }
   impl_->csv->finish(rows, result);
+  const std::filesystem::path motion = impl_->options.folder / "camera_motion.csv";
+  if (result.camera_motion) {
+    report::write_camera_motion_csv(motion, rows, *result.camera_motion);
+  } else {
+    std::filesystem::remove(motion);  // of an earlier run that this one went on with
+  }
   if (impl_->overlay) impl_->overlay->finish(result);
 }
 

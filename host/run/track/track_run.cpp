@@ -27,6 +27,7 @@
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
 #include "host/run/track/step_scatter.h"
+#include "host/shake/camera_motion.h"
 
 namespace impactdic {
 namespace run {
@@ -254,18 +255,22 @@ void TrackRun::conclude() {
     caller_.say(MessageKind::kWarning, text);
   };
   for (const std::string& text : frame_warnings(rows())) warn(text);
+  look_at_camera_motion();
+  if (result_.camera_motion) warn(shake::in_words(*result_.camera_motion));
+  const TrackRows measured = steady_ ? TrackRows(*steady_) : rows();
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
     sphere = {options_.estimator.sphere_radius_px, options_.estimator.sphere_radius_sd_px};
   }
   if (camera_) {
-    conclude_through_camera(*camera_, request_, sphere, result_, perspective_);
+    conclude_through_camera(*camera_, request_, {measured.begin(), measured.end()}, sphere, result_,
+                            perspective_);
   } else {
-    conclude_metres(request_, sphere, rows(), result_, perspective_);
+    conclude_metres(request_, sphere, measured, result_, perspective_);
     warn(light_warning(request_, result_.clip));
   }
   look_for_surface();
-  const EvenRows seen(camera_ ? TrackRows(result_.camera->rows) : rows());
+  const EvenRows seen(camera_ ? TrackRows(result_.camera->rows) : measured);
   std::optional<FallInPicture> gravity;
   const SiScale& scale = result_.scale;
   if (scale.metre_per_px > 0 && scale.fps > 0) {
@@ -283,6 +288,14 @@ void TrackRun::conclude() {
   warn(bend);
   for (const Contradiction& found : result_.impact_si.contradictions) warn(found.message);
   restate_motions(seen);
+}
+
+void TrackRun::look_at_camera_motion() {
+  const bool wanted = request_.camera_motion == CameraMotionUse::kCorrect && !round_body_;
+  if (!wanted || info().sizes_differ) return;
+  result_.camera_motion =
+      shake::measure_camera_motion(*source_, rows(), [this] { return caller_.cancelled(); });
+  if (result_.camera_motion) steady_.emplace(rows(), *result_.camera_motion);
 }
 
 void TrackRun::restate_motions(const TrackRows& even) {

@@ -13,6 +13,7 @@
 #include "host/base/stage_times.h"
 #include "host/circle/scout_ball.h"
 #include "host/clip/row_store.h"
+#include "host/clip/steady_rows.h"
 #include "host/motion/round/round_body.h"
 #include "host/pipeline/track_clip.h"
 #include "host/run/control.h"
@@ -77,6 +78,8 @@ class TrackRun {
                                 const advice::AdviceRequest& looked);
   // What the look at the body tells the estimators and the circles.
   void take_up(const advice::BodyAdvice& judged);
+  // Whether the background shows that the camera moved.
+  void look_at_camera_motion();
   // Where the flights show that motions err by more than they state.
   void restate_motions(const TrackRows& even);
   bool registers_ball() const {
@@ -103,6 +106,7 @@ class TrackRun {
   TrackResult& result_;
   RowStore* store_ = nullptr;
   std::unique_ptr<RowSource> restated_;  // the rows there, as the flights show them
+  std::optional<SteadyRows> steady_;     // where the camera moved
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;

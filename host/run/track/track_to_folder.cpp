@@ -22,6 +22,7 @@
 #include "host/run/settings/job_file.h"
 #include "host/run/track/track_files.h"
 #include "host/run/track/track_run.h"
+#include "host/shake/camera_motion.h"
 
 namespace impactdic {
 namespace {
@@ -107,6 +108,15 @@ nlohmann::json describe(const std::optional<Measured>& figure) {
   return {{"value", figure->value}, {"sd", figure->sd}};
 }
 
+nlohmann::json describe(const std::optional<CameraMotion>& motion) {
+  if (!motion) return nullptr;
+  const shake::MotionExtent extent = shake::extent_of(*motion);
+  return {{"farthest_px", extent.farthest_px},
+          {"largest_step_px", extent.largest_step_px},
+          {"frames_unknown", extent.unknown},
+          {"file", "camera_motion.csv"}};
+}
+
 nlohmann::json summarise(const TrackRequest& request, const TrackRows& rows,
                          const TrackResult& result, const Session& session) {
   nlohmann::json summary = report::summarise_track(rows, result);
@@ -115,6 +125,7 @@ nlohmann::json summarise(const TrackRequest& request, const TrackRows& rows,
   summary["frame_times"] = describe_times(result.times);
   summary["scale"] = describe_scale(request, result);
   summary["camera"] = describe_camera(request, result);
+  summary["camera_motion"] = describe(result.camera_motion);
   summary["impact"] = report::describe_impact(result.impact_si);
   summary["more_impacts"] = nlohmann::json::array();
   for (const ImpactFigures& other : result.more_impacts_si) {

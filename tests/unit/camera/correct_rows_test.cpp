@@ -180,7 +180,8 @@ TEST(CameraPart, AShotThroughTheLensHasTheSameFigures) {
     FilmedShot bent = made.shot;
     bent.request.mm_per_px = bent.request.mm_per_px_sd = 0;
     bent.result.rows = through_lens(made.camera, made.shot.result.rows, bent.filmed.metre_per_px);
-    run::conclude_through_camera(made.camera, bent.request, std::nullopt, bent.result);
+    run::conclude_through_camera(made.camera, bent.request, bent.result.rows, std::nullopt,
+                                 bent.result);
     const ImpactFigures &a = straight.result.impact_si, &b = bent.result.impact_si;
     ASSERT_EQ(b.status, ImpactStatus::kFound);
     // Weights differ a little: a deviation is a little larger where the lens enlarges less.
@@ -246,7 +247,7 @@ const Measured& figure(const ImpactFigures& figures, ImpactFigure which) {
 TEST(CameraPart, IsTheScatterOfTheFiguresOverCameras) {
   const ShotInCamera made = shot_in_uncertain_camera();
   TrackResult found = made.shot.result;
-  run::conclude_through_camera(made.camera, made.shot.request, std::nullopt, found);
+  run::conclude_through_camera(made.camera, made.shot.request, found.rows, std::nullopt, found);
   ASSERT_EQ(found.impact_si.status, ImpactStatus::kFound);
   constexpr int kCameras = 80;  // a deviation of them is known to 8 %
   const auto drawn = drawn_figures(made, kCameras, found.camera->metre_per_px.value);
@@ -282,7 +283,8 @@ TEST(CameraPart, TheBallsSizeTellsItsDepth) {
   constexpr double kNearer = 0.05;
   for (TrackRow& row : shot.result.rows) row.r_px /= 1 - kNearer;
   shot.result.rows = through_lens(made.camera, shot.result.rows, shot.filmed.metre_per_px);
-  run::conclude_through_camera(made.camera, shot.request, std::nullopt, shot.result);
+  run::conclude_through_camera(made.camera, shot.request, shot.result.rows, std::nullopt,
+                               shot.result);
   const Measured& before = shot.result.camera->before_plane_m;
   EXPECT_NEAR(before.value, kNearer * distance, 4 * before.sd);
   EXPECT_LT(before.sd, 0.01 * distance);
