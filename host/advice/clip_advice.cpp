@@ -62,6 +62,12 @@ void warn_of_light(const std::vector<Look>& looks, std::vector<std::string>& war
         "the frames are interlaced, every other row of another time: de-interlace the clip into "
         "its fields, or film progressively");
   }
+  const int repeating = count_of(looks, [](const Look& l) { return l.repeats_pixels; });
+  if (2 * repeating > all) {
+    warnings.push_back(
+        "every pixel is shown more than once: the pictures were enlarged, and motions are wrong by "
+        "more than they state; give the film as it was recorded");
+  }
 }
 
 void warn_of_motion(const AdviceRequest& request, const ClipAdvice& advice,

@@ -60,6 +60,56 @@ std::optional<double> step_width_px(const std::vector<double>& values, int per_p
   return static_cast<double>(first_out - last_in) / per_px;
 }
 
+// How far odd rows lie off even ones by what they show, px; (0, 0) within chance. Least squares:
+// what a row lies off the mean of those beside, by the picture's slopes there.
+cv::Point2d field_shift(const cv::Mat& rows) {
+  constexpr double kLeast_px = 0.1, kSds = 6;
+  double xx = 0, xy = 0, yy = 0, x_off = 0, y_off = 0, off_sq = 0;
+  int count = 0;
+  for (int y = 1; y + 1 < rows.rows; ++y) {
+    const float *above = rows.ptr<float>(y - 1), *row = rows.ptr<float>(y),
+                *below = rows.ptr<float>(y + 1);
+    const double sign = y % 2 == 0 ? 1 : -1;
+    for (int x = 1; x + 1 < rows.cols; ++x) {
+      // Slopes of the rows beside alone: the row's own noise is in what it lies off by.
+      const double sx = 0.25 * (above[x + 1] - above[x - 1] + below[x + 1] - below[x - 1]);
+      const double sy = 0.5 * (below[x] - above[x]);
+      const double off = sign * (row[x] - 0.5 * (above[x] + below[x]));
+      xx += sx * sx, xy += sx * sy, yy += sy * sy;
+      x_off += sx * off, y_off += sy * off, off_sq += off * off;
+      ++count;
+    }
+  }
+  const double determinant = xx * yy - xy * xy;
+  if (!(determinant > 0)) return {};
+  const cv::Point2d shift((yy * x_off - xy * y_off) / determinant,
+                          (xx * y_off - xy * x_off) / determinant);
+  const double sd = std::sqrt(off_sq / count * (xx + yy) / determinant);
+  return cv::norm(shift) > std::max(kLeast_px, kSds * sd) ? shift : cv::Point2d();
+}
+
+// Whether odd rows show another time, or place, than even ones: most bands of rows say so, by the
+// same shift. A sharp edge that lies along the rows says so of its own band alone.
+bool is_woven(const cv::Mat& picture) {
+  constexpr int kBands = 6, kFewestRows = 8;
+  constexpr double kAlike = 0.5;
+  const int height = picture.rows / kBands / 2 * 2;
+  if (height < kFewestRows || picture.cols < kFewestRows) return false;
+  std::vector<cv::Point2d> shifts;
+  cv::Point2d mean;
+  for (int k = 0; k < kBands; ++k) {
+    const cv::Point2d shift = field_shift(picture.rowRange(k * height, (k + 1) * height));
+    if (shift == cv::Point2d()) continue;
+    shifts.push_back(shift);
+    mean += shift;
+  }
+  mean /= std::max<double>(1, static_cast<double>(shifts.size()));
+  const auto alike = std::count_if(shifts.begin(), shifts.end(), [&](const cv::Point2d& shift) {
+    return cv::norm(shift - mean) < kAlike * cv::norm(mean);
+  });
+  return 3 * alike >= 2 * kBands;
+}
+
 constexpr double kInner = 0.25, kOuter = 0.92;  // rings that are compared, of the radius
 
 bool rings_are_in_view(const Frame& frame, const Circle& ball) {
@@ -130,34 +180,13 @@ std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
 }
 
 bool is_interlaced(const Frame& frame, const Roi& region) {
-  constexpr int kSmallest = 8;
-  constexpr double kLeast_px = 0.1, kSds = 8;
-  if (region.width < kSmallest || region.height < kSmallest) return false;
   const cv::Mat part = as_floats(frame)(as_rect(region));
-  // Least squares: what odd rows lie off the mean of the rows beside, by the picture's slopes.
-  double xx = 0, xy = 0, yy = 0, x_off = 0, y_off = 0, off_sq = 0;
-  int count = 0;
-  for (int y = 2; y + 2 < part.rows; ++y) {
-    const float *above = part.ptr<float>(y - 1), *row = part.ptr<float>(y),
-                *below = part.ptr<float>(y + 1);
-    const double sign = y % 2 == 0 ? 1 : -1;
-    for (int x = 1; x + 1 < part.cols; ++x) {
-      // Slopes of the rows beside alone: the row's own noise is in what it lies off by.
-      const double sx = 0.25 * (above[x + 1] - above[x - 1] + below[x + 1] - below[x - 1]);
-      const double sy = 0.5 * (below[x] - above[x]);
-      const double off = sign * (row[x] - 0.5 * (above[x] + below[x]));
-      xx += sx * sx, xy += sx * sy, yy += sy * sy;
-      x_off += sx * off, y_off += sy * off, off_sq += off * off;
-      ++count;
-    }
-  }
-  const double determinant = xx * yy - xy * xy;
-  if (!(determinant > 0)) return false;
-  const double x = (yy * x_off - xy * y_off) / determinant;
-  const double y = (xx * y_off - xy * x_off) / determinant;
-  const double variance = off_sq / count;
-  const double far = std::hypot(x, y), sd = std::sqrt(variance * (xx + yy) / determinant);
-  return far > kLeast_px && far > kSds * sd;
+  return is_woven(part) && !is_woven(part.t());
+}
+
+bool repeats_pixels(const Frame& frame, const Roi& region) {
+  const cv::Mat part = as_floats(frame)(as_rect(region));
+  return is_woven(part) && is_woven(part.t());
 }
 
 std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,

@@ -24,6 +24,9 @@ std::optional<double> edge_width_px(const Frame& frame, const Circle& ball);
 // rows than in even ones.
 bool is_interlaced(const Frame& frame, const Roi& region);
 
+// Whether it was enlarged by showing pixels twice: columns differ from those beside as rows do.
+bool repeats_pixels(const Frame& frame, const Roi& region);
+
 // How far the ball turned between two frames, either way, to about half a degree: rings about the
 // centres, compared along the angle. nullopt where they do not resemble each other.
 std::optional<double> turn_between_deg(const Frame& first, const Circle& first_ball,

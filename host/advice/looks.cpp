@@ -134,6 +134,7 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
   }
   const Roi region = about(look.first, look.first_ball);
   look.interlaced = is_interlaced(look.first, region);
+  look.repeats_pixels = repeats_pixels(look.first, region);
   if (!request.ball || look.first_ball) {
     look.saturated = saturated_share(look.first, region, look.first_ball);
   }

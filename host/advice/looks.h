@@ -16,7 +16,7 @@ struct Look {
   std::optional<FoundBall> first_ball, second_ball;
   double saturated = 0;
   std::optional<double> edge_px, turn_deg, shift_px;
-  bool interlaced = false;
+  bool interlaced = false, repeats_pixels = false;
 };
 
 // The start, the middle and the end of the range, as advise_clip says; where none of these shows

@@ -151,7 +151,25 @@ TEST(FrameChecks, WovenFieldsAreInterlaced) {
     EXPECT_FALSE(advice::is_interlaced(frames[0], region)) << seed;
     EXPECT_TRUE(advice::is_interlaced(woven(frames[0], frames[1]), region)) << seed;
     EXPECT_TRUE(advice::is_interlaced(woven(frames[0], frames[2]), region)) << seed;
+    EXPECT_FALSE(advice::repeats_pixels(frames[0], region)) << seed;
+    EXPECT_FALSE(advice::repeats_pixels(woven(frames[0], frames[1]), region)) << seed;
+    // Black bars, as of film in another format, have sharp edges along the rows.
+    Frame barred = frames[0];
+    for (int y = 0; y < 73; ++y) std::fill_n(barred.u8.row(y), 200, 0);
+    EXPECT_FALSE(advice::is_interlaced(barred, region)) << seed;
   }
+}
+
+TEST(FrameChecks, EnlargedPicturesRepeatPixels) {
+  const Roi region{20, 20, 160, 160};
+  const Frame frame =
+      testing::render_frames(testing::quick_ball(3, 80), scene(2), {pose(98, 101, 0)})[0];
+  Frame enlarged = frame;
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) enlarged.u8(x, y) = frame.u8(50 + x / 2, 50 + y / 2);
+  }
+  EXPECT_TRUE(advice::repeats_pixels(enlarged, region));
+  EXPECT_FALSE(advice::is_interlaced(enlarged, region));
 }
 
 }  // namespace
