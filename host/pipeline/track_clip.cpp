@@ -104,6 +104,7 @@ class ClipTracker {
       add_frame(*batch, own.frames[i], stated(batch->fits[i], batch->tracker),
                 own.first_index + static_cast<std::int64_t>(i));
     }
+    if (!source_.info().lossy) note_torn(*batch);
     return batch;
   }
 

@@ -103,9 +103,25 @@ TEST(OddFilm, FramesThatComeTwiceAreLeftOut) {
   expect_left_out(result, {5, 12, 13, 29});
   EXPECT_EQ(result.rows.back().status, TrackStatus::kRepeated);
   expect_flight(result);
-  EXPECT_TRUE(
-      says(result, "4 frames show the picture before them once more, the first is frame 5"));
+  EXPECT_TRUE(says(
+      result,
+      "4 frames show the picture before them, or a part of it, once more, the first is frame 5"));
   EXPECT_FALSE(says(result, "put in"));
+}
+
+// The lower part of the ball is that of the frame before.
+TEST(OddFilm, TornFramesAreLeftOut) {
+  std::vector<Frame> frames = film(evenly(30));
+  const std::vector<Frame> whole = frames;
+  int row = 52;
+  for (const std::size_t k : {4, 11, 19, 26}) {
+    std::copy(whole[k - 1].u8.row(row), whole[k - 1].u8.row(0) + whole[k - 1].u8.size(),
+              frames[k].u8.row(row));
+    row += 8;
+  }
+  const TrackResult result = track_film(std::move(frames));
+  expect_left_out(result, {4, 11, 19, 26});
+  expect_flight(result);
 }
 
 // A coder gives the same picture other small errors.

@@ -47,7 +47,7 @@ enum class TrackStatus {
   kOutOfView,       // the ball has left the picture
   kLastFrame,       // the circle is measured; there is no next frame to move to
   kInconsistent,    // the measured motion is not that of the circle's centre, beyond chance
-  kRepeated,        // this frame, or the next one, is the picture before it once more
+  kRepeated,        // this frame, or the next one, is the picture before it, or a part of it
 };
 const char* to_string(TrackStatus status);
 // Throws InvalidArgument for a word that is no status.

@@ -28,6 +28,39 @@ bool is_same(ImageView<const T> a, ImageView<const T> b) {
   return true;
 }
 
+// Whether two neighbouring rows of some that cross the ball are the same, and show so much that no
+// two exposures would.
+template <typename T>
+bool shares_rows(ImageView<const T> a, ImageView<const T> b, const Circle& ball) {
+  constexpr int kRows = 18, kLeastChanges = 16;
+  constexpr double kOfRadius = 0.85;
+  bool one_before = false;
+  for (int k = 0; k < kRows; ++k) {
+    const double off = kOfRadius * ball.r_px * (2.0 * k / (kRows - 1) - 1);
+    const double half = kOfRadius * std::sqrt(std::max(ball.r_px * ball.r_px - off * off, 0.0));
+    const int y = static_cast<int>(std::lround(ball.cy_px + off));
+    const int left = std::max(0, static_cast<int>(ball.cx_px - half));
+    const int right = std::min(a.width, static_cast<int>(ball.cx_px + half) + 1);
+    bool same = y >= 0 && y < a.height && left < right &&
+                std::equal(a.row(y) + left, a.row(y) + right, b.row(y) + left);
+    if (same) {
+      int changes = 0;
+      for (int x = left + 1; x < right; ++x) changes += a(x, y) != a(x - 1, y);
+      same = changes >= kLeastChanges;
+    }
+    if (same && one_before) return true;
+    one_before = same;
+  }
+  return false;
+}
+
+bool is_torn(const Frame& a, const Frame& b, const Circle& ball) {
+  const bool alike = a.type == b.type && a.width() == b.width() && a.height() == b.height();
+  if (!alike || !(ball.r_px > 0)) return false;
+  return a.type == PixelType::kU8 ? shares_rows(a.u8.view(), b.u8.view(), ball)
+                                  : shares_rows(a.u16.view(), b.u16.view(), ball);
+}
+
 bool is_plain(const TrackRow& row) {
   return SurfaceStep(row).length() > std::max(kPlain_px, kPlainSds * SurfaceStep::sd_px(row));
 }
@@ -103,6 +136,13 @@ bool is_same_picture(const Frame& a, const Frame& b) {
   if (a.type != b.type) return false;
   return a.type == PixelType::kU8 ? is_same(a.u8.view(), b.u8.view())
                                   : is_same(a.u16.view(), b.u16.view());
+}
+
+void note_torn(TrackBatch& batch) {
+  for (std::size_t i = 1; i < batch.frames.size(); ++i) {
+    if (batch.repeats[i] || !batch.rows[i - 1].circle_ok) continue;
+    batch.repeats[i] = is_torn(*batch.frames[i - 1], *batch.frames[i], batch.circles[i - 1]);
+  }
 }
 
 void leave_out_repeats(TrackBatch& batch, const TrackRow* before, bool first) {

@@ -61,8 +61,10 @@ std::string of_repeats(const TrackRows& rows) {
   if (count == 0) return "";
   std::string text =
       std::to_string(count) +
-      (count == 1 ? " frame shows the picture before it once more, frame "
-                  : " frames show the picture before them once more, the first is frame ") +
+      (count == 1
+           ? " frame shows the picture before it, or a part of it, once more, frame "
+           : " frames show the picture before them, or a part of it, once more, the first is "
+             "frame ") +
       std::to_string(first) + ": left out";
   constexpr double kHalfWay = 1.5;  // between none of the time and all of it
   if (!steps.empty() && median(steps) < kHalfWay) {
