@@ -115,11 +115,12 @@ Shake trembling(double k) {
   return {0.3 * std::sin(0.8 * k), 0.4 * std::cos(0.55 * k), 0.0015 * std::sin(0.31 * k)};
 }
 
-bool says_that_it_moves(const TrackResult& result) {
-  return std::any_of(result.warnings.begin(), result.warnings.end(), [](const std::string& text) {
-    return text.find("the background moves") != std::string::npos;
+bool says(const TrackResult& result, const std::string& words) {
+  return std::any_of(result.warnings.begin(), result.warnings.end(), [&](const std::string& text) {
+    return text.find(words) != std::string::npos;
   });
 }
+bool says_that_it_moves(const TrackResult& result) { return says(result, "the background moves"); }
 
 void expect_flight(const TrackResult& result) {
   const FlightMotion& flight = result.impact.flight;
@@ -162,6 +163,16 @@ TEST(ShakenCamera, ItCanBeIgnored) {
   EXPECT_FALSE(result.camera_motion);
   EXPECT_FALSE(says_that_it_moves(result));
   EXPECT_NEAR(to_si(result, 5).vx_m_s, result.rows[5].dx_px * 1e4, 1e-6);
+}
+
+// Nothing shows that it is the camera; but that something is wrong.
+TEST(ShakenCamera, BeforeAnEvenBackgroundThePathIsRough) {
+  const auto is_rough = [](const TrackResult& result) {
+    return says(result, "the ball's steps differ from those beside");
+  };
+  EXPECT_TRUE(is_rough(tracked({.camera = trembling, .textured = false})));
+  EXPECT_FALSE(is_rough(tracked({.camera = trembling})));
+  EXPECT_FALSE(is_rough(tracked({.textured = false})));
 }
 
 TEST(ShakenCamera, ItPansWithTheBall) {

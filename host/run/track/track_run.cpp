@@ -26,6 +26,7 @@
 #include "host/run/metres/surface_edge.h"
 #include "host/run/open_clip.h"
 #include "host/run/session.h"
+#include "host/run/track/rough_path.h"
 #include "host/run/track/step_scatter.h"
 #include "host/shake/camera_motion.h"
 
@@ -288,6 +289,8 @@ void TrackRun::conclude() {
   warn(bend);
   for (const Contradiction& found : result_.impact_si.contradictions) warn(found.message);
   restate_motions(seen);
+  const bool explained = result_.impact_si.found() || result_.impact.flight.last > 0;
+  if (!explained && !round_body_) warn(rough_path_warning(seen));
 }
 
 void TrackRun::look_at_camera_motion() {
