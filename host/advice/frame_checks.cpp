@@ -110,6 +110,22 @@ bool is_woven(const cv::Mat& picture) {
   return 3 * alike >= 2 * kBands;
 }
 
+// Whether neighbouring rows differ more than every other row does, which columns do not: fields
+// that lie far apart, in which nothing is alike.
+bool rows_differ_more(const cv::Mat& picture) {
+  constexpr int kSmallest = 8;
+  constexpr double kMore = 1.2;
+  if (picture.cols < kSmallest || picture.rows < kSmallest) return false;
+  const auto difference = [&](int dx, int dy) {
+    const cv::Mat a = picture(cv::Rect(0, 0, picture.cols - dx, picture.rows - dy));
+    const cv::Mat b = picture(cv::Rect(dx, dy, picture.cols - dx, picture.rows - dy));
+    return cv::norm(a, b, cv::NORM_L2SQR) / static_cast<double>(a.total());
+  };
+  const double rows = difference(0, 1), field_rows = difference(0, 2);
+  const double columns = difference(1, 0), next_columns = difference(2, 0);
+  return rows > kMore * field_rows && rows * next_columns > kMore * columns * field_rows;
+}
+
 constexpr double kInner = 0.25, kOuter = 0.92;  // rings that are compared, of the radius
 
 bool rings_are_in_view(const Frame& frame, const Circle& ball) {
@@ -181,7 +197,7 @@ std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
 
 bool is_interlaced(const Frame& frame, const Roi& region) {
   const cv::Mat part = as_floats(frame)(as_rect(region));
-  return is_woven(part) && !is_woven(part.t());
+  return rows_differ_more(part) || (is_woven(part) && !is_woven(part.t()));
 }
 
 bool repeats_pixels(const Frame& frame, const Roi& region) {

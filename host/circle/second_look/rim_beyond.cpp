@@ -2,6 +2,7 @@
 
 #include <impactdic/units.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -122,14 +123,49 @@ Cells with_neighbours(const Cells& cells) {
 // What lies at the outer ends: a level for each direction, and how cells of it scatter.
 struct Surroundings {
   std::array<std::optional<float>, kWays> level;
+  // By which it changes from ring to ring, and the ring that has that level.
+  std::array<double, kWays> slope{}, at_ring{};
   double mean_sd = 0, variance = 0, variance_sd = 0, apart = 0;
   double least_level = kBeyond.least_level;  // grey levels that tell something else
 };
 
+float level_at(const Surroundings& back, int direction, std::size_t ring) {
+  const double from = static_cast<double>(ring) - back.at_ring[direction];
+  return *back.level[direction] + static_cast<float>(back.slope[direction] * from);
+}
+
+// How much brighter the background is farther out, ring by ring: what a lens that darkens the
+// picture's corners, or light from one side, makes of it. Least squares over all directions' outer
+// ends, even about the rim but for a first wave.
+void find_slopes(const Cells& cells, const Rings& rings, Surroundings& back) {
+  const auto outermost = static_cast<std::size_t>(rings.outermost());
+  Eigen::Matrix3d square = Eigen::Matrix3d::Identity() * 1e-9;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const auto wave = [](int d) {
+    const double angle = 2 * kPi * (d + 0.5) / kWays;
+    return Eigen::Vector3d(1, std::cos(angle), std::sin(angle));
+  };
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    const std::size_t first = cells[d].size() - outermost;
+    back.at_ring[d] = static_cast<double>(first) + 0.5 * static_cast<double>(outermost - 1);
+    double mean = 0;
+    for (std::size_t i = first; i < cells[d].size(); ++i) mean += cells[d][i].mean;
+    mean /= static_cast<double>(outermost);
+    for (std::size_t i = first; i < cells[d].size(); ++i) {
+      const double from = static_cast<double>(i) - back.at_ring[d];
+      square += from * from * wave(d) * wave(d).transpose();
+      sum += from * (static_cast<double>(cells[d][i].mean) - mean) * wave(d);
+    }
+  }
+  const Eigen::Vector3d slopes = square.ldlt().solve(sum);
+  for (int d = 0; d < kWays; ++d) back.slope[d] = slopes.dot(wave(d));
+}
+
 Surroundings background_of(const Cells& cells, const Rings& rings) {
   const auto outermost = static_cast<std::size_t>(rings.outermost());
   std::array<std::optional<float>, kWays> own;
-  std::vector<float> variances, apart, off;
+  std::vector<float> variances, apart;
   for (int d = 0; d < kWays; ++d) {
     if (cells[d].size() < 2 * outermost) continue;
     std::vector<float> means;
@@ -139,7 +175,6 @@ Surroundings background_of(const Cells& cells, const Rings& rings) {
       apart.push_back(cells[d][i].apart);
     }
     own[d] = upper_median(means);
-    for (const float mean : means) off.push_back(std::abs(mean - *own[d]));
   }
   Surroundings back;
   if (variances.empty()) return back;
@@ -153,11 +188,42 @@ Surroundings background_of(const Cells& cells, const Rings& rings) {
   }
   back.variance = upper_median(variances);
   back.apart = upper_median(apart);
-  const double samples = 3.0 * rings.samples();
-  back.variance_sd = back.variance * std::sqrt(2 / samples);
-  back.mean_sd = std::max(std::sqrt(back.variance / samples),
-                          static_cast<double>(kLevels.noise_per_median * upper_median(off)));
+  back.variance_sd = back.variance * std::sqrt(2 / (3.0 * rings.samples()));
+  find_slopes(cells, rings, back);
   return back;
+}
+
+double scatter_about(const Surroundings& back, const Cells& cells, const Rings& rings) {
+  const auto outermost = static_cast<std::size_t>(rings.outermost());
+  std::vector<float> off;
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    std::vector<float> levels;
+    for (std::size_t i = cells[d].size() - outermost; i < cells[d].size(); ++i) {
+      const double from = static_cast<double>(i) - back.at_ring[d];
+      levels.push_back(cells[d][i].mean - static_cast<float>(back.slope[d] * from));
+    }
+    const float own = upper_median(levels);
+    for (const float level : levels) off.push_back(std::abs(level - own));
+  }
+  return static_cast<double>(kLevels.noise_per_median * upper_median(std::move(off)));
+}
+
+// How cells scatter about the background. Slopes that are too steep, or leave them scattered as
+// widely, are not the background's.
+void state_scatter(const Cells& cells, const Rings& rings, double contrast, Surroundings& back) {
+  for (double& slope : back.slope) {
+    if (std::abs(slope) * rings.count > kBeyond.most_slope * contrast) slope = 0;
+  }
+  Surroundings level = back;
+  level.slope = {};
+  double scatter = scatter_about(back, cells, rings);
+  const double of_level = scatter_about(level, cells, rings);
+  if (of_level <= scatter) {
+    scatter = of_level;
+    back.slope = {};
+  }
+  back.mean_sd = std::max(std::sqrt(back.variance / (3.0 * rings.samples())), scatter);
 }
 
 // How far on the mean what lies inside the rim is from the background.
@@ -207,7 +273,7 @@ bool is_even(const Cells& cells, const Rings& rings, const Surroundings& back) {
     if (!back.level[d]) continue;
     for (std::size_t i = cells[d].size() - outermost; i < cells[d].size(); ++i) {
       ++all;
-      other += !is_background(cells[d][i], *back.level[d], back);
+      other += !is_background(cells[d][i], level_at(back, d, i), back);
     }
   }
   return other < kBeyond.most_uneven * all;
@@ -221,16 +287,20 @@ Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
       with_neighbours(frame.type == PixelType::kU8 ? cells_beyond(frame.u8.view(), rim, rings)
                                                    : cells_beyond(frame.u16.view(), rim, rings));
   Surroundings back = background_of(cells, rings);
+  const double contrast_of_ball = contrast(frame, rim, back);
   if (back.apart < kBeyond.smoothed && back.variance < kBeyond.plain) {
-    back.least_level = std::max(back.least_level, kBeyond.of_contrast * contrast(frame, rim, back));
+    back.least_level = std::max(back.least_level, kBeyond.of_contrast * contrast_of_ball);
   }
+  state_scatter(cells, rings, contrast_of_ball, back);
   if (!is_even(cells, rings, back)) return {};
   int told = 0, beyond = 0;
   std::size_t farthest = 0;
   for (int d = 0; d < kWays; ++d) {
     if (!back.level[d]) continue;
     std::size_t out = 0;
-    while (out < cells[d].size() && !is_background(cells[d][out], *back.level[d], back)) ++out;
+    while (out < cells[d].size() && !is_background(cells[d][out], level_at(back, d, out), back)) {
+      ++out;
+    }
     if (out + static_cast<std::size_t>(kBeyond.background_rings) > cells[d].size()) continue;
     ++told;
     beyond += out > 0;

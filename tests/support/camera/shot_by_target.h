@@ -31,9 +31,7 @@ struct ShotByTarget {
   Camera camera;    // found
   int refused = 0;  // calibrations that were: other pictures were taken then
 
-  void conclude() {
-    run::conclude_through_camera(camera, shot.request, shot.result.rows, std::nullopt, shot.result);
-  }
+  void conclude() { conclude_through(camera, shot); }
 };
 
 namespace shot_by_target {

@@ -7,6 +7,8 @@
 
 #include "host/camera/ball_view.h"
 #include "host/dic/rim_margin.h"
+#include "host/run/metres/camera_part.h"
+#include "tests/support/filmed_shot.h"
 
 namespace impactdic::testing {
 
@@ -50,6 +52,11 @@ inline std::vector<TrackRow> through_lens(const Camera& camera, const std::vecto
     row.rot_deg = motion.angle * kDegPerRad;
   }
   return seen;
+}
+
+// The shot's figures, its rows being as the camera shows them.
+inline void conclude_through(const Camera& camera, FilmedShot& shot) {
+  run::conclude_through_camera(camera, shot.request, shot.result.rows, std::nullopt, shot.result);
 }
 
 }  // namespace impactdic::testing

@@ -180,8 +180,7 @@ TEST(CameraPart, AShotThroughTheLensHasTheSameFigures) {
     FilmedShot bent = made.shot;
     bent.request.mm_per_px = bent.request.mm_per_px_sd = 0;
     bent.result.rows = through_lens(made.camera, made.shot.result.rows, bent.filmed.metre_per_px);
-    run::conclude_through_camera(made.camera, bent.request, bent.result.rows, std::nullopt,
-                                 bent.result);
+    conclude_through(made.camera, bent);
     const ImpactFigures &a = straight.result.impact_si, &b = bent.result.impact_si;
     ASSERT_EQ(b.status, ImpactStatus::kFound);
     // Weights differ a little: a deviation is a little larger where the lens enlarges less.
@@ -283,8 +282,7 @@ TEST(CameraPart, TheBallsSizeTellsItsDepth) {
   constexpr double kNearer = 0.05;
   for (TrackRow& row : shot.result.rows) row.r_px /= 1 - kNearer;
   shot.result.rows = through_lens(made.camera, shot.result.rows, shot.filmed.metre_per_px);
-  run::conclude_through_camera(made.camera, shot.request, shot.result.rows, std::nullopt,
-                               shot.result);
+  conclude_through(made.camera, shot);
   const Measured& before = shot.result.camera->before_plane_m;
   EXPECT_NEAR(before.value, kNearer * distance, 4 * before.sd);
   EXPECT_LT(before.sd, 0.01 * distance);
