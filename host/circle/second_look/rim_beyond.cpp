@@ -209,17 +209,17 @@ double scatter_about(const Surroundings& back, const Cells& cells, const Rings& 
   return static_cast<double>(kLevels.noise_per_median * upper_median(std::move(off)));
 }
 
-// How cells scatter about the background. Slopes that are too steep, or leave them scattered as
-// widely, are not the background's.
+// How cells scatter about the background. Slopes that are too steep, or leave them scattered nearly
+// as widely, are not the background's.
 void state_scatter(const Cells& cells, const Rings& rings, double contrast, Surroundings& back) {
-  for (double& slope : back.slope) {
-    if (std::abs(slope) * rings.count > kBeyond.most_slope * contrast) slope = 0;
-  }
+  const auto steeper = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  const double steepest = *std::max_element(back.slope.begin(), back.slope.end(), steeper);
+  if (std::abs(steepest) * rings.count > kBeyond.most_slope * contrast) back.slope = {};
   Surroundings level = back;
   level.slope = {};
   double scatter = scatter_about(back, cells, rings);
   const double of_level = scatter_about(level, cells, rings);
-  if (of_level <= scatter) {
+  if (scatter > kBeyond.less_scatter * of_level) {
     scatter = of_level;
     back.slope = {};
   }

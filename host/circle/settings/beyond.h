@@ -23,7 +23,8 @@ struct BeyondSettings {
   double inside[3] = {0.6, 0.75, 0.9};  // of the radius [hand]
   // A background may grow brighter outwards by so much of the ball's contrast, over all rings: more
   // is not the background's [hand].
-  double most_slope = 0.05;
+  double most_slope = 0.1;
+  double less_scatter = 0.7;  // of that about one level: plainly brighter outwards, or not [hand]
   // An even background: its means scatter by no more than so many times what its noise makes of
   // them, and no more of it than this differs from its level, as beside an obstacle's edge.
   double even = 3, most_uneven = 0.19;  // [hand]

@@ -1,5 +1,7 @@
 // What of a ball shows outside a circle, the second look that it gives rise to, and outlines whose
 // rays are pooled.
+#include "host/circle/settings/beyond.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,6 +66,23 @@ TEST(BeyondRim, ACodersPatchesAreNoBall) {
     }
   }
   EXPECT_EQ(share_beyond(ball, 0, 0), 0);
+  EXPECT_GT(share_beyond(ball, 0, -6), 0.9);
+}
+
+// A lens shows less of the light away from the picture's middle. Speckled discs before such a
+// background were found in one frame of eight.
+TEST(BeyondRim, ABackgroundThatGrowsDarkerIsNoBall) {
+  Shown ball = shown({.name = "vignetted", .radius_px = 60});
+  const double x_middle = 0.5 * (ball.frame.width() - 1) - 30;
+  const double y_middle = 0.5 * (ball.frame.height() - 1) + 20;
+  for (int y = 0; y < ball.frame.height(); ++y) {
+    for (int x = 0; x < ball.frame.width(); ++x) {
+      const double far = std::hypot(x - x_middle, y - y_middle) / 180;
+      ball.frame.u8(x, y) =
+          static_cast<std::uint8_t>(std::lround((ball.frame.u8(x, y) + 30) * (1 - far * far / 2)));
+    }
+  }
+  EXPECT_LT(share_beyond(ball, 0, 0), circle::kBeyond.share);
   EXPECT_GT(share_beyond(ball, 0, -6), 0.9);
 }
 
