@@ -2,10 +2,15 @@
 
 #include <impactdic/units.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace impactdic {
 namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
 
 struct Point {
   double x, y;
@@ -39,36 +44,22 @@ void steady_step(const Point& from, const PictureShift& here, const PictureShift
   dy = b.y - a.y;
 }
 
-struct Quaternion {
-  double w, x, y, z;
-};
-
-Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-  return {
-      a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-      a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
-// About the line of sight, towards the camera.
-Quaternion about_z(double angle_rad) {
-  return {std::cos(0.5 * angle_rad), 0, 0, std::sin(0.5 * angle_rad)};
-}
-
 // A rotation between two pictures, as it is without their rolls: rolls are from x towards y, which
 // points down, so that a roll is a turn the other way about the axis towards the camera.
-Quaternion unrolled(const Quaternion& turn, double roll_from_rad, double roll_to_rad) {
-  return about_z(roll_to_rad) * turn * about_z(-roll_from_rad);
+Quaterniond unrolled(const Quaterniond& turn, double roll_from_rad, double roll_to_rad) {
+  const auto about_sight = [](double angle_rad) {
+    return AngleAxisd(angle_rad, Vector3d::UnitZ());
+  };
+  return about_sight(roll_to_rad) * turn * about_sight(-roll_from_rad);
 }
 
 void unroll_vector(double roll_from_rad, double roll_to_rad, double& x_deg, double& y_deg,
                    double& z_deg) {
-  const double angle = std::hypot(x_deg, y_deg, z_deg) * kRadPerDeg;
-  const double per = angle > 0 ? std::sin(0.5 * angle) / angle * kRadPerDeg : 0;
-  const Quaternion q = unrolled({std::cos(0.5 * angle), per * x_deg, per * y_deg, per * z_deg},
-                                roll_from_rad, roll_to_rad);
-  const double length = std::hypot(q.x, q.y, q.z);
-  const double times = length > 0 ? 2 * std::atan2(length, q.w) / length * kDegPerRad : 0;
-  x_deg = q.x * times, y_deg = q.y * times, z_deg = q.z * times;
+  const Vector3d turn = kRadPerDeg * Vector3d(x_deg, y_deg, z_deg);
+  const AngleAxisd seen(turn.norm(), turn.stableNormalized());
+  const AngleAxisd found(unrolled(Quaterniond(seen), roll_from_rad, roll_to_rad));
+  const Vector3d vector = found.angle() * kDegPerRad * found.axis();
+  x_deg = vector.x(), y_deg = vector.y(), z_deg = vector.z();
 }
 
 const PictureShift* shift_of_frame(std::int64_t frame, const TrackRow& row, std::size_t i,
@@ -104,9 +95,9 @@ void steady_pose(std::size_t i, const CameraMotion& motion, TrackRow& row) {
   pose.x_px = at.x, pose.y_px = at.y;
   pose.angle_rad += here.roll_rad - origin->roll_rad;
   pose.angle_sd_rad = std::hypot(pose.angle_sd_rad, here.roll_sd_rad);
-  const Quaternion q =
-      unrolled({pose.qw, pose.qx, pose.qy, pose.qz}, origin->roll_rad, here.roll_rad);
-  pose.qw = q.w, pose.qx = q.x, pose.qy = q.y, pose.qz = q.z;
+  const Quaterniond turn(pose.qw, pose.qx, pose.qy, pose.qz);
+  const Quaterniond q = unrolled(turn, origin->roll_rad, here.roll_rad);
+  pose.qw = q.w(), pose.qx = q.x(), pose.qy = q.y(), pose.qz = q.z();
 }
 
 void steady_motion(const TrackRow& seen, const PictureShift& here, const PictureShift& next,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/dic/frame_noise.h"
 
 namespace impactdic::shake {
 namespace {
@@ -43,23 +44,6 @@ cv::Mat smoothed(const Frame& frame) {
   whole.convertTo(picture, CV_32F);
   cv::GaussianBlur(picture, picture, {}, kSmooth_px);
   return picture;
-}
-
-// Deviation of the noise of a picture's pixels, by differences that an edge along x or y leaves
-// out.
-double noise_of(const Frame& frame) {
-  const int depth = frame.type == PixelType::kU8 ? CV_8U : CV_16U;
-  const cv::Mat whole(frame.height(), frame.width(), depth, const_cast<void*>(frame.bytes()));
-  cv::Mat picture, crossed;
-  whole.convertTo(picture, CV_32F);
-  const cv::Mat cross = (cv::Mat_<float>(2, 2) << 1, -1, -1, 1);
-  cv::filter2D(picture, crossed, CV_32F, cross);
-  std::vector<float> some;
-  const int step = std::max(1, static_cast<int>(std::sqrt(picture.total() / 20000.0)));
-  for (int y = 1; y < crossed.rows; y += step) {
-    for (int x = 1; x < crossed.cols; x += step) some.push_back(std::abs(crossed.at<float>(y, x)));
-  }
-  return 1.4826 * static_cast<double>(upper_median(std::move(some))) / 2;
 }
 
 // What a picture shows but for the ball and for light that varies slowly, at half the size.
@@ -283,7 +267,6 @@ std::optional<Says> Background::Impl::ask(const Square& square, const cv::Mat& p
 
 PictureShift Background::Impl::refine(const cv::Mat& picture, const Disc& ball,
                                       PictureShift at) const {
-  PictureShift result;
   for (int step = 0; step < kSteps; ++step) {
     std::vector<Says> says;
     for (const Square& square : squares) {
@@ -313,7 +296,8 @@ Background::Background(const Frame& reference, const Disc& ball) {
   impl->outline = outlined(impl->reference, ball);
   const int width = reference.width(), height = reference.height();
   impl->middle = {0.5 * (width - 1), 0.5 * (height - 1)};
-  const double noise = noise_of(reference);
+  const Image<float> levels = reference.to_float();
+  const double noise = dic::estimate_noise(levels.view(), reference.full_scale());
   const double least = kOverNoise * 2 * kSlopeOfNoise * noise * noise * kPixels;
   for (int y = 4; y + kSide + 4 <= height; y += kSide) {
     for (int x = 4; x + kSide + 4 <= width; x += kSide) {
@@ -329,8 +313,9 @@ Background::Background(const Frame& reference, const Disc& ball) {
   };
   std::stable_sort(impl->squares.begin(), impl->squares.end(),
                    [&](const Square& a, const Square& b) { return tells(a) > tells(b); });
-  if (impl->squares.size() > kMost)
+  if (impl->squares.size() > kMost) {
     impl->squares.erase(impl->squares.begin() + kMost, impl->squares.end());
+  }
   impl_ = std::move(impl);
 }
 

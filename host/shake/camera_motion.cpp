@@ -1,5 +1,7 @@
 #include "host/shake/camera_motion.h"
 
+#include <impactdic/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,11 +21,21 @@ constexpr std::size_t kSpread = 32, kBeside = 12;
 // deviations.
 constexpr std::size_t kFewest = 3;
 constexpr double kLeast_px = 0.03, kSds = 6;
-// A coder shows the background where it has shown it before, or some tenths of a pixel on, all of
-// it alike: shaken film in H.264 was off by 0.018 (CRF 12) to 0.07 px (28).
+// A coder shows the background where it has shown it before, or some hundredths of a pixel on, all
+// of it alike: shaken film in H.264 was off by 0.018 (CRF 12) to 0.07 px (28).
 constexpr double kCoded_px = 0.05;
 // A background that moves by itself is in few frames like that of the reference.
 constexpr double kKnownShare = 0.5;
+
+// What can no longer be read shows nothing, and the rows that were measured stay.
+bool is_read(FrameSource& source, std::int64_t index, Frame& frame) {
+  try {
+    source.read(index, frame);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 Disc ball_of(const TrackRow& row) {
   if (!row.circle_ok) return {};
@@ -126,7 +138,7 @@ class Look {
     if (was_cancelled()) return {};
     thread_local Frame frame;  // memory only
     const TrackRow row = rows_[i];
-    source_.read(row.frame, frame);
+    if (!is_read(source_, row.frame, frame)) return {};
     return background_.locate(frame, ball_of(row), guess);
   }
 
@@ -146,7 +158,7 @@ std::optional<CameraMotion> measure_camera_motion(FrameSource& source, const Tra
   if (first_row == rows.size() || rows.size() < 2 * kFewest) return std::nullopt;
   const TrackRow first = rows[first_row];
   Frame reference;
-  source.read(first.frame, reference);
+  if (!is_read(source, first.frame, reference)) return std::nullopt;
   const Background background(reference, ball_of(first));
   if (!background.shows_texture()) return std::nullopt;
   const Look look(source, rows, background, cancelled);

@@ -16,7 +16,7 @@ namespace impactdic::shake {
 // From some frames spread over the clip and about the sharpest turn of the ball's path; where these
 // show that the background moves beyond chance, from all. `rows`: one an analysed frame, in order.
 // nullopt where nothing shows it: before a background that stands still, or has no texture.
-// `cancelled` (may be empty) ends it early, with nullopt. Throws what reading throws.
+// `cancelled` (may be empty) ends it early, with nullopt.
 std::optional<CameraMotion> measure_camera_motion(FrameSource& source, const TrackRows& rows,
                                                   const std::function<bool()>& cancelled);
 

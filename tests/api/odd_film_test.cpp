@@ -14,6 +14,7 @@
 #include "host/video/frame_sink.h"
 #include "tests/support/program.h"
 #include "tests/support/rendered_clip.h"
+#include "tests/support/warnings.h"
 
 namespace impactdic::testing {
 namespace {
@@ -60,12 +61,6 @@ TrackResult track_film(std::vector<Frame> frames, std::int64_t step = 1) {
   request.clip.source = std::make_shared<MemoryClip>(std::move(frames));
   request.clip.fps = 10000;
   return track(request, session);
-}
-
-bool says(const TrackResult& result, const std::string& text) {
-  return std::any_of(
-      result.warnings.begin(), result.warnings.end(),
-      [&](const std::string& warning) { return warning.find(text) != std::string::npos; });
 }
 
 // Rows whose status is ok are right; `repeated` and those that lead to them say so, and are empty.

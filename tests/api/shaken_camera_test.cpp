@@ -12,6 +12,7 @@
 
 #include "host/clip/steady_rows.h"
 #include "tests/support/rendered_clip.h"
+#include "tests/support/warnings.h"
 
 namespace impactdic::testing {
 namespace {
@@ -115,11 +116,6 @@ Shake trembling(double k) {
   return {0.3 * std::sin(0.8 * k), 0.4 * std::cos(0.55 * k), 0.0015 * std::sin(0.31 * k)};
 }
 
-bool says(const TrackResult& result, const std::string& words) {
-  return std::any_of(result.warnings.begin(), result.warnings.end(), [&](const std::string& text) {
-    return text.find(words) != std::string::npos;
-  });
-}
 bool says_that_it_moves(const TrackResult& result) { return says(result, "the background moves"); }
 
 void expect_flight(const TrackResult& result) {
