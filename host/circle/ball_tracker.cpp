@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/base/parallel/parallel_for.h"
-#include "host/base/statistics.h"
+#include "host/circle/rim/rim_model.h"
 #include "host/circle/rim_in_view.h"
 #include "host/circle/scene/backdrop.h"
 #include "host/circle/settings/judgement.h"
@@ -17,6 +17,8 @@
 
 namespace impactdic::circle {
 namespace {
+
+bool is_flat(const RimModel* model) { return model && model->surface() == Surface::kFlat; }
 
 // The circle is the ball's as far as its radius tells.
 bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
@@ -53,34 +55,6 @@ void BallTrackerOptions::validate() const { circle.validate(); }
 
 BallTracker::BallTracker(BallTrackerOptions options) : options_(std::move(options)) {
   options_.validate();
-}
-
-std::optional<double> BallTracker::radius_px() const {
-  if (memory_.radii_px.size() < kTracking.least_radii) return std::nullopt;
-  return upper_median(std::vector<double>(memory_.radii_px.begin(), memory_.radii_px.end()));
-}
-
-double BallTracker::radius_sd_px() const {
-  if (memory_.radii_px.size() < kTracking.least_radii) return 0;
-  const double centre = *radius_px();
-  std::vector<double> off;
-  for (double r : memory_.radii_px) off.push_back(std::abs(r - centre));
-  // The ball's distance from the camera may change a little: not below a thousandth of a radius.
-  return std::hypot(kTracking.mad * upper_median(off), kTracking.radius_sd_of_r * centre);
-}
-
-// Frames share the ink under their rim and the rim's model, and so a part of their radii's errors:
-// the part of their deviations that does not show as scatter.
-double BallTracker::radius_bias_sd_px() const {
-  const std::deque<double>&own = memory_.own_radii_px, &sds = memory_.own_radii_sd_px;
-  if (own.size() < kTracking.least_radii) return 0;
-  const double centre = upper_median(std::vector<double>(own.begin(), own.end()));
-  const double stated = upper_median(std::vector<double>(sds.begin(), sds.end()));
-  std::vector<double> off;
-  for (const double r : own) off.push_back(std::abs(r - centre));
-  const double scatter = kTracking.mad * upper_median(off);
-  const double common = std::max(0.0, stated * stated - scatter * scatter);
-  return std::sqrt(common + scatter * scatter / static_cast<double>(own.size()));
 }
 
 std::optional<CirclePrior> BallTracker::predict(std::int64_t index) const {
@@ -143,23 +117,6 @@ std::pair<double, double> BallTracker::fall() const {
   return {x, y};
 }
 
-BallTracker::Radius BallTracker::radius() const {
-  const auto learnt = radius_px();
-  return {learnt, radius_sd_px(), radius_bias_sd_px(),
-          learnt ? learnt : options_.scouted_radius_px};
-}
-
-void BallTracker::learn_radius(const CircleFit& fit) {
-  if (fit.ellipse || fit.rim_fraction <= kTracking.whole_rim) return;
-  memory_.radii_px.push_back(fit.circle.r_px);
-  const bool owns = fit.own_r_sd_px > 0;  // or no other frame was asked
-  memory_.own_radii_px.push_back(owns ? fit.own_r_px : fit.circle.r_px);
-  memory_.own_radii_sd_px.push_back(owns ? fit.own_r_sd_px : fit.r_sd_px);
-  for (auto* radii : {&memory_.radii_px, &memory_.own_radii_px, &memory_.own_radii_sd_px}) {
-    if (radii->size() > kTracking.radii) radii->pop_front();
-  }
-}
-
 void BallTracker::learn_bias() {
   if (memory_.rim_bias || !options_.radius_by_turns || memory_.seen.empty()) return;
   if (memory_.radii_px.size() < kTracking.least_radii) return;
@@ -169,12 +126,22 @@ void BallTracker::learn_bias() {
   memory_.rim_bias = rim_bias(radii, like, *options_.radius_by_turns);
 }
 
+// A disc in contact may show too little of its rim in one frame; in the next the model may hold.
+CircleFit BallTracker::with_last_model(CircleFit fit) const {
+  if (fit.rim_model || memory_.seen.empty()) return fit;
+  const CircleFit& last = memory_.seen.back().fit;
+  if ((fit.ellipse || last.ellipse) && is_flat(last.rim_model.get())) {
+    fit.rim_model = last.rim_model;
+  }
+  return fit;
+}
+
 void BallTracker::remember(const CircleFit& fit, std::int64_t index) {
   if (!memory_.seen.empty() && memory_.seen.back().index == index) memory_.seen.pop_back();
-  memory_.seen.push_back({index, fit});
+  memory_.seen.push_back({index, with_last_model(fit)});
   if (memory_.seen.size() > 3) memory_.seen.pop_front();
   // Where the rim model could not be learnt it is tried again, but not in every frame.
-  if (fit.rim_model == nullptr && index >= memory_.next_learning) {
+  if (!memory_.seen.back().fit.rim_model && index >= memory_.next_learning) {
     memory_.next_learning = index + kTracking.learn_every;
   }
   learn_radius(fit);
@@ -334,13 +301,17 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure(frames[end - 1], prior);
-  if (!plausible(fit, prior.radius_px)) return false;
+  // One that the rim model of the frames before does not show may be another thing that lies there.
+  if (!plausible(fit, prior.radius_px) || (is_flat(prior.rim_model.get()) && !fit.rim_model)) {
+    return false;
+  }
   const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
                                    fit.circle.cy_px - prior.predicted.cy_px);
   if (off_px > kTracking.straight_px) return false;
   fits[end - 1] = fit;
+  const Seen ahead{index, with_last_model(fit)};
   for (std::size_t i = begin; i + 1 < end; ++i) {
-    plan.left.push_back({i, memory_.seen.back(), {index, fit}, off_px});
+    plan.left.push_back({i, memory_.seen.back(), ahead, off_px});
   }
   remember(fit, index);
   return true;

@@ -123,6 +123,7 @@ class BallTracker {
   void look_back(std::span<const Frame> frames, std::int64_t first_index, std::size_t begin,
                  std::size_t found, std::size_t end, std::span<CircleFit> fits) const;
 
+  CircleFit with_last_model(CircleFit fit) const;
   void remember(const CircleFit& fit, std::int64_t index);
   void learn_radius(const CircleFit& fit);
   void learn_bias();

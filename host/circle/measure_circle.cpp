@@ -115,6 +115,16 @@ void doubt_unlearnt(CircleFit& fit) {
         by_ink_px + (is_cut(fit) ? kJudge.cut_arc_px + kJudge.cut_arc_px3 * per_r2 : 0));
 }
 
+// What a rim model and crossings that know nothing of it differ by, either may err by.
+void doubt_by(const Rim& crossings, CircleFit& fit) {
+  const auto apart = [](double of_model, double of_crossings, double& sd) {
+    sd = std::hypot(sd, kJudge.of_apart * (of_model - of_crossings));
+  };
+  apart(fit.circle.cx_px, crossings.cx, fit.cx_sd_px);
+  apart(fit.circle.cy_px, crossings.cy, fit.cy_sd_px);
+  apart(fit.circle.r_px, crossings.r, fit.r_sd_px);
+}
+
 // What the crossings may misplace the rim of a sphere by: more where its radius is another than in
 // the frame before. Ink in most edges and no model of it may be a sphere's, too. A fit that still
 // moves as often as it is traced again is known no better than it moves.
@@ -173,6 +183,35 @@ std::optional<CircleFit> follow_found(const Crossings& crossings, const Rim& sea
   return std::nullopt;
 }
 
+// A ball in contact by the free ball's rim model, where what a floor leaves of the rim teaches
+// none.
+std::optional<CircleFit> follow_pressed(const Rim& crossings, const Frame& frame,
+                                        const CirclePrior& prior, const CircleOptions& options,
+                                        LineTrace& lines) {
+  auto followed = follow_disc_from(crossings, frame, prior, options, lines);
+  if (followed) doubt_by(crossings, *followed);
+  return followed;
+}
+
+// By its outline, where crossings and what was learnt from them tell little of the rim.
+std::optional<CircleFit> outlined_instead(const Crossings& crossings, const ModelFit& learnt,
+                                          int lines_in_view, const Frame& frame,
+                                          const CirclePrior& around, const CircleOptions& options) {
+  const RimFit& fit = crossings.fit;
+  const bool known = is_enough(learnt.fit);
+  const bool whole = known && (learnt.rim_model->surface() == Surface::kFlat ||
+                               learnt.fit.points > kSphere.most_left * lines_in_view);
+  // An outline is a circle: of a ball that is plainly pressed it is another thing's.
+  const bool oval = fit.ellipse && is_pressed(fit.rim, around) &&
+                    fit.residual_px < kJudge.clean_px && fit.arc > kJudge.much_rim;
+  if (whole || oval || fit.points >= kOutline.poor_rim * options.rays) return std::nullopt;
+  thread_local LineTrace others;  // memory only
+  const double least = kOutline.more_rim * fit.points;
+  const auto outlined = outlined_circle(frame, around, options, least, others);
+  const bool better = outlined && replaces(*outlined, known, around.learn);
+  return better ? outlined : std::nullopt;
+}
+
 // By search and crossings, or by its outline; its rim model learnt.
 CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const CircleOptions& options,
                        LineTrace& lines) {
@@ -208,15 +247,14 @@ CircleFit measure_anew(const Frame& frame, const CirclePrior& prior, const Circl
   ModelFit learnt;
   if (prior.learn) learnt = learn_rim(frame, fit, search, prior, options, lines);
   const bool known = is_enough(learnt.fit);
-  const bool whole = known && (learnt.rim_model->surface() == Surface::kFlat ||
-                               learnt.fit.points > kSphere.most_left * lines.in_view);
-  if (!whole && fit.points < kOutline.poor_rim * options.rays) {
-    thread_local LineTrace others;  // memory only
-    const double least = kOutline.more_rim * fit.points;
-    const auto outlined = outlined_circle(frame, around, options, least, others);
-    if (outlined && replaces(*outlined, known, prior.learn)) {
-      return accepted(*outlined, frame, options);
-    }
+  const bool flat = known && learnt.rim_model->surface() == Surface::kFlat;
+  if (as_before && !flat && fit.ellipse && is_pressed(fit.rim, prior)) {
+    const auto followed = follow_pressed(fit.rim, frame, prior, options, lines);
+    if (followed) return accepted(*followed, frame, options);
+  }
+  if (const auto outlined =
+          outlined_instead(crossings, learnt, lines.in_view, frame, around, options)) {
+    return accepted(*outlined, frame, options);
   }
   if (known) {
     result = describe(frame, learnt, lines, prior, learnt.polarity == Polarity::kBright);

@@ -34,6 +34,8 @@ struct JudgementSettings {
   // Shapes of a ball in contact that are looked for, as e/R: so far apart, and so much beyond the
   // last one [hand].
   double shapes_apart = 0.02, pressed_more = 0.06;
+  double of_apart =
+      0.7;  // of what crossings say otherwise than its rim model, in its deviation [hand]
   // Of circles whose clean points scatter by more, widths of the edge, or by so much where little
   // of the rim shows, half are wrong: what they err by on the mean, share of the radius.
   // [measured] light_accuracy random 3001 3320
