@@ -11,6 +11,7 @@
 #include "host/advice/frame_checks.h"
 #include "host/advice/looks.h"
 #include "host/advice/reflex.h"
+#include "host/base/statistics.h"
 
 namespace impactdic::advice {
 namespace {
@@ -68,6 +69,23 @@ void warn_of_light(const std::vector<Look>& looks, std::vector<std::string>& war
         "every pixel is shown more than once: the pictures were enlarged, and motions are wrong by "
         "more than they state; give the film as it was recorded");
   }
+}
+
+// Of what a recorder or a converter makes of pictures.
+void warn_of_memory(const std::vector<Look>& looks, std::vector<std::string>& warnings) {
+  constexpr double kLeast = 0.06, kSds = 6;
+  std::vector<double> shares;
+  for (const Look& look : looks) {
+    if (!look.memory) continue;
+    const bool plain = look.memory->share > std::max(kLeast, kSds * look.memory->sd);
+    if (plain) shares.push_back(look.memory->share);
+  }
+  if (shares.empty() || 2 * shares.size() <= looks.size()) return;
+  warnings.push_back(say(
+      "about %.0f %% of each picture is that of the one before, by their noise, as a recorder's "
+      "noise reduction makes it: the ball seems to lag behind, and motions are wrong by more "
+      "than they state; switch it off",
+      100 * upper_median(std::move(shares))));
 }
 
 void warn_of_motion(const AdviceRequest& request, const ClipAdvice& advice,
@@ -190,6 +208,7 @@ ClipAdvice advise_clip(FrameSource& source, const AdviceRequest& request,
     if (!request.ball || look.first_ball) judged.push_back(&look);
   }
   warn_of_light(looks, advice.warnings);
+  warn_of_memory(looks, advice.warnings);
   if (!judged.empty()) {
     const Look& look = *judged[judged.size() / 2];
     TextureRequest texture;

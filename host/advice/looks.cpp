@@ -110,6 +110,23 @@ Roi about(const Frame& frame, const std::optional<Circle>& ball) {
   return {left, top, std::max(0, right - left), std::max(0, bottom - top)};
 }
 
+// With the frame before the two, or behind them. A coder's pictures hold those before them by
+// design.
+std::optional<NoiseMemory> memory_of(FrameSource& source, const AdviceRequest& request,
+                                     const Look& look) {
+  if (source.info().lossy) return std::nullopt;
+  const bool behind = look.index == 0;
+  if (behind && request.frames.count() < 3) return std::nullopt;
+  const auto third = read_picture(source, request, behind ? 2 : look.index - 1);
+  if (!third) return std::nullopt;
+  std::vector<Circle> balls;
+  for (const auto& ball : {look.first_ball, look.second_ball}) {
+    if (ball) balls.push_back(*ball);
+  }
+  return behind ? noise_memory(look.first, look.second, *third, balls)
+                : noise_memory(*third, look.first, look.second, balls);
+}
+
 Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t index, bool two) {
   Look look;
   look.index = index;
@@ -135,6 +152,7 @@ Look look_at(FrameSource& source, const AdviceRequest& request, std::int64_t ind
   const Roi region = about(look.first, look.first_ball);
   look.interlaced = is_interlaced(look.first, region);
   look.repeats_pixels = repeats_pixels(look.first, region);
+  if (two) look.memory = memory_of(source, request, look);
   if (!request.ball || look.first_ball) {
     look.saturated = saturated_share(look.first, region, look.first_ball);
   }

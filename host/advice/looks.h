@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/advice/clip_advice.h"
+#include "host/advice/noise_memory.h"
 
 namespace impactdic::advice {
 
@@ -17,6 +18,7 @@ struct Look {
   double saturated = 0;
   std::optional<double> edge_px, turn_deg, shift_px;
   bool interlaced = false, repeats_pixels = false;
+  std::optional<NoiseMemory> memory;
 };
 
 // The start, the middle and the end of the range, as advise_clip says; where none of these shows

@@ -201,8 +201,9 @@ std::optional<CircleFit> outlined_instead(const Crossings& crossings, const Mode
   const bool known = is_enough(learnt.fit);
   const bool whole = known && (learnt.rim_model->surface() == Surface::kFlat ||
                                learnt.fit.points > kSphere.most_left * lines_in_view);
-  // An outline is a circle: of a ball that is plainly pressed it is another thing's.
-  const bool oval = fit.ellipse && is_pressed(fit.rim, around) &&
+  // An outline is a circle: of a disc that is plainly pressed it is another thing's.
+  const bool disc = around.rim_model && around.rim_model->surface() == Surface::kFlat;
+  const bool oval = disc && fit.ellipse && is_pressed(fit.rim, around) &&
                     fit.residual_px < kJudge.clean_px && fit.arc > kJudge.much_rim;
   if (whole || oval || fit.points >= kOutline.poor_rim * options.rays) return std::nullopt;
   thread_local LineTrace others;  // memory only

@@ -308,5 +308,25 @@ TEST(OddFilm, StepsOfAThrownBallStateWhatTheyErrBy) {
   }
 }
 
+// The ball lags behind by 0.4 of its steps where three tenths of each picture are the one before.
+TEST(OddFilm, PicturesThatHoldThoseBeforeThemAreNamed) {
+  const auto remembers = [](double share) {
+    std::vector<Frame> frames = film(evenly(24));
+    std::vector<double> shown(frames[0].u8.size());
+    for (Frame& frame : frames) {
+      const bool first = &frame == &frames[0];
+      for (std::size_t i = 0; i < shown.size(); ++i) {
+        const double level = frame.u8.data()[i];
+        shown[i] = first ? level : std::lerp(level, shown[i], share);
+        frame.u8.data()[i] = static_cast<std::uint8_t>(std::lround(shown[i]));
+      }
+    }
+    return says(track_film(std::move(frames)), "of each picture is that of the one before");
+  };
+  EXPECT_TRUE(remembers(0.3));
+  EXPECT_TRUE(remembers(0.2));
+  EXPECT_FALSE(remembers(0));
+}
+
 }  // namespace
 }  // namespace impactdic::testing

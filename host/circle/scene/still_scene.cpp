@@ -51,17 +51,20 @@ double gain(const cv::Mat& picture, const cv::Mat& still) {
   return ratios.empty() ? 1 : std::max(upper_median(std::move(ratios)), 1e-3);
 }
 
-// As in one light, where it changes: a lamp that dims would look like noise, behind which nothing
-// moves. Empty where it does not.
-std::vector<cv::Mat> in_one_light(const std::vector<cv::Mat>& pictures, const cv::Mat& still) {
-  std::vector<cv::Mat> even;
-  bool changes = false;
-  for (const cv::Mat& picture : pictures) {
-    const double brighter = gain(picture, still);
-    changes |= std::abs(brighter - 1) > kStill.other_light;
-    even.emplace_back(picture / brighter);
-  }
-  return changes ? even : std::vector<cv::Mat>{};
+// How pixels that stand still scatter: quartiles of a normal deviate. `planes`: sorted.
+double scatter_of(const std::vector<cv::Mat>& planes) {
+  const std::size_t n = planes.size();
+  return upper_median(some_values(planes[n - 1 - n / 4] - planes[n / 4])) / 1.35;
+}
+
+// Sorted as in one light where that is plainly what they differ by: a lamp that dims would look
+// like noise, behind which nothing moves.
+std::vector<cv::Mat> sorted_in_one_light(const std::vector<cv::Mat>& pictures) {
+  std::vector<cv::Mat> as_seen = sorted(pictures), even;
+  const cv::Mat& still = as_seen[as_seen.size() / 2];
+  for (const cv::Mat& picture : pictures) even.emplace_back(picture / gain(picture, still));
+  even = sorted(even);
+  return scatter_of(even) < kStill.other_light * scatter_of(as_seen) ? even : as_seen;
 }
 
 // What makes a difference: noise, edges that tremble with the camera, and a part of the contrast.
@@ -105,13 +108,10 @@ StillScene::Learnt StillScene::learn(const std::vector<cv::Mat>& pictures, int s
   if (pictures.size() < kStill.least_frames) return {};
   const std::shared_ptr<StillScene> scene(new StillScene);
   scene->shrink_ = shrink;
-  std::vector<cv::Mat> planes = sorted(pictures);
+  const std::vector<cv::Mat> planes = sorted_in_one_light(pictures);
   const std::size_t n = planes.size();
-  const std::vector<cv::Mat> even = in_one_light(pictures, planes[n / 2]);
-  if (!even.empty()) planes = sorted(even);
   scene->median_ = planes[n / 2];
-  const cv::Mat spread = planes[n - 1 - n / 4] - planes[n / 4];
-  const double noise = upper_median(some_values(spread)) / 1.35;  // quartiles of a normal deviate
+  const double noise = scatter_of(planes);
   scene->threshold_ = threshold_of(scene->median_, noise);
   std::vector<double> shares;
   for (const cv::Mat& picture : pictures) {

@@ -50,12 +50,11 @@ inline constexpr BallSearchSettings kBallSearch;
 struct StillSettings {
   // Learnt from: with fewer nothing is known [hand], more would take long.
   std::size_t least_frames = 6, most_frames = 24;
-  int longer_side_px = 640;  // of the reduced picture, at most [hand]
-  double blur_px = 0.8;      // σ, in the reduced picture [hand]
-  double other_light =
-      0.02;            // share by which it changes, or pictures are compared as they are [hand]
-  double some = 4000;  // pixels by which a picture is judged, at least [hand]
-  double noises = 6;   // deviations of the noise that make a difference … [hand]
+  int longer_side_px = 640;    // of the reduced picture, at most [hand]
+  double blur_px = 0.8;        // σ, in the reduced picture [hand]
+  double other_light = 0.5;    // of the scatter left in one light, or it is not the light [hand]
+  double some = 4000;          // pixels by which a picture is judged, at least [hand]
+  double noises = 6;           // deviations of the noise that make a difference … [hand]
   double tremble_px = 0.5;     // … beside an edge that moves by so much, reduced px … [hand]
   double of_range = 0.02;      // … and so much of the picture's contrast [hand]
   double least_moved_px = 20;  // in one frame, reduced px, or nothing moves [hand]
