@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "host/advice/frame_checks.h"
+#include "host/advice/frames/frame_checks.h"
 #include "host/advice/looks.h"
 #include "host/advice/reflex.h"
 #include "host/base/statistics.h"

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "host/advice/frame_checks.h"
+#include "host/advice/frames/frame_checks.h"
 #include "host/base/parallel/parallel_for.h"
 
 namespace impactdic::advice {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "host/advice/clip_advice.h"
-#include "host/advice/noise_memory.h"
+#include "host/advice/frames/noise_memory.h"
 
 namespace impactdic::advice {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/advice/frame_floats.h"
+#include "host/advice/frames/frame_floats.h"
 #include "host/base/parallel/parallel_for.h"
 #include "host/dic/sphere/rotation.h"
 

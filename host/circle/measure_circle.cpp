@@ -189,7 +189,11 @@ std::optional<CircleFit> follow_pressed(const Rim& crossings, const Frame& frame
                                         const CirclePrior& prior, const CircleOptions& options,
                                         LineTrace& lines) {
   auto followed = follow_disc_from(crossings, frame, prior, options, lines);
-  if (followed) doubt_by(crossings, *followed);
+  if (!followed) return std::nullopt;
+  doubt_by(crossings, *followed);
+  // The ink under the rim is no longer that of the free ball.
+  const double by_ink_px = kJudge.crossed_px3 / (followed->circle.r_px * followed->circle.r_px);
+  widen(*followed, by_ink_px, by_ink_px);
   return followed;
 }
 

@@ -1,7 +1,7 @@
 // Noise, texture and checks of single frames against pictures whose figures are known.
 #include <gtest/gtest.h>
 
-#include "host/advice/frame_checks.h"
+#include "host/advice/frames/frame_checks.h"
 #include "host/advice/texture_advice.h"
 #include "host/dic/frame_noise.h"
 #include "tests/support/speckle_frames.h"

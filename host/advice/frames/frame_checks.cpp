@@ -1,4 +1,4 @@
-#include "host/advice/frame_checks.h"
+#include "host/advice/frames/frame_checks.h"
 
 #include <impactdic/units.h>
 
@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "host/advice/frame_floats.h"
+#include "host/advice/frames/frame_floats.h"
 #include "host/base/statistics.h"
 
 namespace impactdic::advice {

@@ -1,10 +1,10 @@
-#include "host/advice/noise_memory.h"
+#include "host/advice/frames/noise_memory.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "host/advice/frame_floats.h"
+#include "host/advice/frames/frame_floats.h"
 #include "host/base/statistics.h"
 
 namespace impactdic::advice {
