@@ -74,10 +74,12 @@ void warn_of_light(const std::vector<Look>& looks, std::vector<std::string>& war
 // Of what a recorder or a converter makes of pictures.
 void warn_of_memory(const std::vector<Look>& looks, std::vector<std::string>& warnings) {
   constexpr double kLeast = 0.06, kSds = 6;
+  constexpr double kMost = 0.7;  // what moves slowly, or light, makes more
   std::vector<double> shares;
   for (const Look& look : looks) {
     if (!look.memory) continue;
-    const bool plain = look.memory->share > std::max(kLeast, kSds * look.memory->sd);
+    const bool plain =
+        look.memory->share > std::max(kLeast, kSds * look.memory->sd) && look.memory->share < kMost;
     if (plain) shares.push_back(look.memory->share);
   }
   if (shares.empty() || 2 * shares.size() <= looks.size()) return;
