@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t kMostFrames = 500;
 // Samples below which a path tells nothing.
 constexpr std::size_t kFewestSamples = 10;
+// Odds beyond which nothing that a thorough search finds turns the verdict.
+constexpr double kClear = 25;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 PathSpan near_contact(PathSpan span) {
@@ -175,16 +177,23 @@ double odds_of(PathFits& fits, const PathSpan& span, Search search) {
   return (best_smooth(paths, fits, span) - best_broken(paths, fits, span, search).score) / 2;
 }
 
+double odds_by(PathSource source, const ImpactSeries& series, const PathSpan& span,
+               double least_px) {
+  PathFits fits(series, span, least_px, source);
+  if (fits.size() < kFewestSamples) return 0;
+  const double quick = odds_of(fits, span, Search::kQuick);
+  return std::abs(quick) > kClear ? quick : odds_of(fits, span, Search::kThorough);
+}
+
 }  // namespace
 
 double odds_of_contact(const ImpactSeries& series, const PathSpan& whole, double least_px) {
   const PathSpan span = near_contact(whole);
-  PathFits fits(series, span, least_px);
-  if (fits.size() < kFewestSamples) return 0;
-  // Beyond these odds nothing that a thorough search finds turns the verdict.
-  constexpr double kClear = 25;
-  const double quick = odds_of(fits, span, Search::kQuick);
-  return std::abs(quick) > kClear ? quick : odds_of(fits, span, Search::kThorough);
+  const double both = odds_by(PathSource::kCentresAndSteps, series, span, least_px);
+  if (series.from_circle || !(both > 0) || both > kClear) return both;
+  // The rim of a pressed ball lies off by as much in all frames of a contact, and its centres bend
+  // what the steps say.
+  return std::max(both, odds_by(PathSource::kSteps, series, span, least_px));
 }
 
 ContactGuess sharpened(const ImpactSeries& series, ContactGuess guess) {

@@ -22,7 +22,7 @@ struct PathSpan {
 // pulse between ends that are sought where the odds are not clear. Smooth: polynomials, a circle
 // seen from its side with up to six harmonics, a release, cubic splines on even knots. The scatter
 // is what the paths leave, at least `least_px`, not what the track states; frames that err alike
-// count for fewer.
+// count for fewer. Where centres and steps together leave it in doubt, steps alone may tell it.
 double odds_of_contact(const ImpactSeries& series, const PathSpan& span, double least_px);
 
 // `guess` with a contact as long as the pulse of force that describes the path best, where that is

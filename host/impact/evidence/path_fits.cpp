@@ -52,9 +52,11 @@ void PathFits::add(const std::vector<double>& all, const PathSpan& span, Kind ki
   }
 }
 
-PathFits::PathFits(const ImpactSeries& series, const PathSpan& span, double least_px)
+PathFits::PathFits(const ImpactSeries& series, const PathSpan& span, double least_px,
+                   PathSource source)
     : least_px_(std::max(least_px, kLeastScatter)) {
-  add(series.position_n, span, kPlace);
+  const bool with_centres = source == PathSource::kCentresAndSteps || series.from_circle;
+  if (with_centres) add(series.position_n, span, kPlace);
   if (!series.from_circle) add(series.step_n, span, kStep);
   for (const Sample& s : samples_) ++count_[s.kind];
   scale_[kPlace] = noise_of(series.position_n);

@@ -19,11 +19,14 @@ struct PathFit {
   Eigen::VectorXd residuals;
 };
 
+enum class PathSource { kCentresAndSteps, kSteps };
+
 class PathFits {
  public:
-  // Centres and steps in `span`, less single frames that lie far from those about them; none is
-  // taken to scatter by less than `least_px`.
-  PathFits(const ImpactSeries& series, const PathSpan& span, double least_px = 0);
+  // What `source` names in `span`, less single frames that lie far from those about them; none is
+  // taken to scatter by less than `least_px`. Steps taken from centres are those.
+  PathFits(const ImpactSeries& series, const PathSpan& span, double least_px = 0,
+           PathSource source = PathSource::kCentresAndSteps);
 
   std::size_t size() const { return samples_.size(); }
 
