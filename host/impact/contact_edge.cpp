@@ -99,30 +99,39 @@ class EdgeFit {
     for (const Observation& o : data_) {
       if (o.to <= until) data.push_back(o);
     }
-    Solution s = least(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
+    std::vector<Solution> found =
+        minima(data, until, request_.end ? Damper::kFading : Damper::kStriking, starts_);
     ContactEdge edge;
-    if (!s.ok) return edge;
-    if (request_.end) s = averaged(s, least(data, until, Damper::kDragging, {s.x}));
+    if (found.empty()) return edge;
+    if (request_.end) {
+      std::vector<Vector> starts;
+      for (const Solution& one : found) starts.push_back(one.x);
+      const std::vector<Solution> more = minima(data, until, Damper::kDragging, starts);
+      found.insert(found.end(), more.begin(), more.end());
+    }
+    const Solution s = averaged(found);
     // Touch, height and exponent do not depend on the damper.
-    const OnsetLaw<double> found = law(s.x.data(), Damper::kStriking);
+    const OnsetLaw<double> l = law(s.x.data(), Damper::kStriking);
     edge.ok = true;
     edge.misfit = s.chi_square / s.freedom;
     edge.law_holds = holds(s);
     const double inflation = edge.law_holds ? 1 : std::sqrt(edge.misfit);
-    edge.instant = sign_ * found.touch;
+    edge.instant = sign_ * l.touch;
     edge.sd = s.sd[0] * inflation;
-    edge.exponent = found.exponent;
+    edge.exponent = l.exponent;
     edge.exponent_sd = s.sd[4] * inflation;
-    edge.height = found.height;
+    edge.height = l.height;
     edge.reach = reach;
     return edge;
   }
 
  private:
   static constexpr int kUnknowns = 6;
+  static constexpr double kSame = 0.3;  // deviations of the touch between searches that agree
 
-  Solution least(const std::vector<Observation>& data, double until, Damper damper,
-                 const std::vector<Vector>& starts) const {
+  // All that the searches from `starts` end in, each once.
+  std::vector<Solution> minima(const std::vector<Observation>& data, double until, Damper damper,
+                               const std::vector<Vector>& starts) const {
     const auto residuals = [&]<typename T>(const T* x, T* r) {
       const OnsetLaw<T> l = law(x, damper);
       const OnsetMotion<T> motion(l, until);
@@ -141,29 +150,45 @@ class EdgeFit {
       *r++ = std::min(T(0.0), x[5]) / kPushingSd;
     };
     const int count = static_cast<int>(data.size()) + (known_laws_ ? 5 : 2);
-    Solution s;
+    std::vector<Solution> found;
     for (const Vector& start : starts) {
       const Solution next =
           solve<kUnknowns>(residuals, count, start, known_laws_ ? kKnownTolerance : kTolerance);
       // The flight that was fitted ends where the data begin: nothing touches before.
       if (!next.ok || touch_ + next.x[0] < sign_ * static_cast<double>(request_.from)) continue;
-      if (!s.ok || next.chi_square < s.chi_square) s = next;
-      if (s.ok && holds(s) && !known_laws_) break;
+      const auto same = std::find_if(found.begin(), found.end(), [&](const Solution& other) {
+        return std::abs(next.x[0] - other.x[0]) < kSame * std::max(next.sd[0], other.sd[0]);
+      });
+      if (same == found.end()) {
+        found.push_back(next);
+      } else if (next.chi_square < same->chi_square) {
+        *same = next;
+      }
     }
-    return s;
+    return found;
   }
-  // The data can seldom tell whether the surface is still dented where the force has faded. Both
-  // laws have a say, each by its likelihood, and their distance is part of the deviation (Bayesian
-  // model averaging, Hoeting et al. 1999).
-  static Solution averaged(const Solution& a, const Solution& b) {
-    if (!b.ok) return a;
-    const double weight = 1 / (1 + std::exp((b.chi_square - a.chi_square) / 2));  // of b
-    const Vector apart = b.x - a.x;
-    Solution s = b.chi_square < a.chi_square ? b : a;
-    s.x = a.x + weight * apart;
-    s.sd = ((1 - weight) * a.sd.cwiseAbs2() + weight * b.sd.cwiseAbs2() +
-            weight * (1 - weight) * apart.cwiseAbs2())
-               .cwiseSqrt();
+  // A soft touch some frames before a hard one may describe the data as well, and the data can
+  // seldom tell whether the surface is still dented where the force has faded. All have a say, each
+  // by its likelihood, and their distances are part of the deviation (Bayesian model averaging,
+  // Hoeting et al. 1999).
+  static Solution averaged(const std::vector<Solution>& found) {
+    Solution s = *std::min_element(
+        found.begin(), found.end(),
+        [](const Solution& a, const Solution& b) { return a.chi_square < b.chi_square; });
+    const double scatter = holds(s) ? 1 : s.chi_square / s.freedom;
+    double weights = 0;
+    Vector mean = Vector::Zero(kUnknowns), variance = mean;
+    for (const Solution& one : found) {
+      const double weight = std::exp((s.chi_square - one.chi_square) / (2 * scatter));
+      weights += weight;
+      mean += weight * one.x;
+    }
+    mean /= weights;
+    for (const Solution& one : found) {
+      const double weight = std::exp((s.chi_square - one.chi_square) / (2 * scatter)) / weights;
+      variance += weight * (one.sd.cwiseAbs2() + (one.x - mean).cwiseAbs2());
+    }
+    s.x = mean, s.sd = variance.cwiseSqrt();
     return s;
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts
