@@ -184,8 +184,88 @@ def dims(shot, pictures):
     return pictures
 
 
+def mirrored(shot, picture):
+    """What a mirror in the surface shows of it."""
+    depth = shot.depth()
+    return sampled(picture, X + 2 * depth * shot.normal[0], Y + 2 * depth * shot.normal[1])
+
+
+def glossy(shot, pictures):
+    """A polished floor: in it the ball comes up to meet itself."""
+    for k, p in enumerate(pictures):
+        seen = 0.65 * shot.floor_picture + 0.35 * mirrored(shot, p)
+        p += step(shot.depth()) * step(shot.outside(k)) * (seen - p)
+    return pictures
+
+
+def shadowed(shot, pictures):
+    """On a floor seen from a little above the ball's shadow meets it at the touch."""
+    floor(shot, pictures)
+    for k, p in enumerate(pictures):
+        x, y = X - shot.centres[k][0], Y - shot.centres[k][1]
+        along = x * shot.along[0] + y * shot.along[1]
+        height = max(0.0, shot.centres[k] @ shot.normal - shot.surface - RADIUS * 0.9)
+        soft = 3 + 0.15 * height
+        dark = step(0.9 * RADIUS - np.hypot(along, 4 * (shot.depth() - 12)), soft)
+        p *= 1 - 0.7 * dark * step(shot.depth()) * step(shot.outside(k))
+    return pictures
+
+
+def recoils(shot, pictures):
+    """The floor is struck 3 px down and rings."""
+    still = shot.surface
+    for k, p in enumerate(pictures):
+        since = max(0, k - shot.first)
+        shot.surface = still - 3 * math.exp(-since / 50) * math.sin(2 * math.pi * since / 40)
+        shift = shot.surface - still
+        moved = sampled(shot.floor_picture, X - shift * shot.normal[0], Y - shift * shot.normal[1])
+        p += step(shot.depth()) * step(shot.outside(k)) * (moved - p)
+    shot.surface = still
+    return pictures
+
+
+def spare(shot, pictures):
+    """Another ball of the kind lies still in a corner."""
+    first, start = pictures[0].copy(), shot.centres[0]
+    corner = [SIDE - 62 if place < SIDE / 2 else 62 for place in start]
+    still = sampled(first, X - corner[0] + start[0], Y - corner[1] + start[1])
+    inside = step(RADIUS - np.hypot(X - corner[0], Y - corner[1]))
+    for k, p in enumerate(pictures):
+        p += inside * step(shot.outside(k)) * (still - p)
+    return pictures
+
+
+def hand(shot, pictures):
+    """The arm that let the ball go is drawn back, behind it."""
+    end = shot.centres[0] + 0.9 * RADIUS * shot.normal
+    rough = blurred(shot.random.normal(0, 1, (SIDE, SIDE)), 3)
+    skin = 150 + 15 * rough / rough.std()
+    for k, p in enumerate(pictures):
+        x, y = (at - place - 0.05 * k ** 1.5 * way
+                for at, place, way in zip((X, Y), end, shot.normal))
+        along = np.maximum(0, x * shot.normal[0] + y * shot.normal[1])
+        over = 28 - np.hypot(x - along * shot.normal[0], y - along * shot.normal[1])
+        p += step(over) * step(shot.outside(k)) * (skin - p)
+    return pictures
+
+
+def defocused(shot, pictures):
+    """A lens 1.5 px out of focus."""
+    for p in pictures:
+        p[:] = blurred(p, 1.5)
+    return pictures
+
+
+def saturated(shot, pictures):
+    """Light so bright that white paint is at the end of the scale."""
+    for p in pictures:
+        p *= 1.5
+    return pictures
+
+
 CHANGES = {change.__name__: change for change in (
-    plain, floor, front, rings, debris, flakes, dust, fuzz, flash, dims)}
+    plain, floor, front, rings, debris, flakes, dust, fuzz, flash, dims, glossy, shadowed, recoils,
+    spare, hand, defocused, saturated)}
 COLUMNS = {'cx_px': 'cx_sd_px', 'cy_px': 'cy_sd_px', 'dx_px': 'dx_sd_px', 'dy_px': 'dy_sd_px',
            'rot_deg': 'rot_sd_deg'}
 

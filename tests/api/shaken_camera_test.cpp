@@ -56,7 +56,8 @@ class Wall {
 struct Film {
   CameraPath camera = [](double) { return Shake{}; };
   bool textured = true;
-  double curtain_px = 0;  // a frame: of the left third of the wall
+  bool ball_shakes = true;  // false: the wall does by itself
+  double curtain_px = 0;    // a frame: of the left third of the wall
   double noise = 2;
 };
 
@@ -91,9 +92,11 @@ std::vector<Frame> taken(const Film& film) {
   for (int k = 0; k < kFrames; ++k) {
     const Shake at = film.camera(k);
     const double x = 80.3 + kStepX * k - kMiddleX, y = 130.8 + kStepY * k - kMiddleY;
-    const double c = std::cos(at.roll_rad), s = std::sin(at.roll_rad);
-    const BallPose ball = {kMiddleX + at.x_px + c * x - s * y, kMiddleY + at.y_px + s * x + c * y,
-                           kTurn * k - at.roll_rad * kDegPerRad};
+    const Shake of_ball = film.ball_shakes ? at : Shake{};
+    const double c = std::cos(of_ball.roll_rad), s = std::sin(of_ball.roll_rad);
+    const BallPose ball = {kMiddleX + of_ball.x_px + c * x - s * y,
+                           kMiddleY + of_ball.y_px + s * x + c * y,
+                           kTurn * k - of_ball.roll_rad * kDegPerRad};
     renderer.render(ball, k, frames[static_cast<std::size_t>(k)]);
     if (film.textured) {
       paint_wall(film, wall, at, ball, k, frames[static_cast<std::size_t>(k)]);
@@ -125,6 +128,15 @@ void expect_flight(const TrackResult& result) {
   EXPECT_NEAR(flight.spin.value, kTurn * kRadPerDeg, 4 * flight.spin.sd);
   EXPECT_LT(flight.vx.sd, 0.003);
   EXPECT_LT(flight.spin.sd, 1e-4);
+}
+
+// As a racket or a thin floor does that a ball strikes.
+TEST(ShakenCamera, AWallThatMovesByItselfIsNoCamera) {
+  const TrackResult result = tracked({.camera = trembling, .ball_shakes = false});
+  EXPECT_FALSE(result.camera_motion);
+  EXPECT_FALSE(says_that_it_moves(result));
+  EXPECT_TRUE(says(result, "a surface that gives way"));
+  expect_flight(result);
 }
 
 TEST(ShakenCamera, VelocitiesAreAgainstTheBackground) {

@@ -29,6 +29,7 @@
 #include "host/run/track/rough_path.h"
 #include "host/run/track/step_scatter.h"
 #include "host/shake/camera_motion.h"
+#include "host/shake/shared_motion.h"
 
 namespace impactdic {
 namespace run {
@@ -256,8 +257,7 @@ void TrackRun::conclude() {
     caller_.say(MessageKind::kWarning, text);
   };
   for (const std::string& text : frame_warnings(rows())) warn(text);
-  look_at_camera_motion();
-  if (result_.camera_motion) warn(shake::in_words(*result_.camera_motion));
+  warn(look_at_camera_motion());
   const TrackRows measured = steady_ ? TrackRows(*steady_) : rows();
   std::optional<Measured> sphere;
   if (options_.estimator.sphere && options_.estimator.sphere_radius_px > 0) {
@@ -293,12 +293,16 @@ void TrackRun::conclude() {
   if (!explained && !round_body_) warn(rough_path_warning(seen));
 }
 
-void TrackRun::look_at_camera_motion() {
+std::string TrackRun::look_at_camera_motion() {
   const bool wanted = request_.camera_motion == CameraMotionUse::kCorrect && !round_body_;
-  if (!wanted || info().sizes_differ) return;
-  result_.camera_motion =
+  if (!wanted || info().sizes_differ) return "";
+  std::optional<CameraMotion> motion =
       shake::measure_camera_motion(*source_, rows(), [this] { return caller_.cancelled(); });
-  if (result_.camera_motion) steady_.emplace(rows(), *result_.camera_motion);
+  if (!motion) return "";
+  if (!shake::moves_with_ball(*motion, rows())) return shake::by_itself_in_words(*motion);
+  result_.camera_motion = std::move(motion);
+  steady_.emplace(rows(), *result_.camera_motion);
+  return shake::in_words(*result_.camera_motion);
 }
 
 void TrackRun::restate_motions(const TrackRows& even) {

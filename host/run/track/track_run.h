@@ -79,7 +79,7 @@ class TrackRun {
   // What the look at the body tells the estimators and the circles.
   void take_up(const advice::BodyAdvice& judged);
   // Whether the background shows that the camera moved.
-  void look_at_camera_motion();
+  std::string look_at_camera_motion();  // what is said of it, or nothing
   // Where the flights show that motions err by more than they state.
   void restate_motions(const TrackRows& even);
   bool registers_ball() const {
