@@ -63,6 +63,49 @@ double brightest(const LineTrace::Levels& levels, Surface surface, bool bright) 
                                    : static_cast<double>(levels.light[0]);
 }
 
+double level_at(const Frame& frame, int x, int y) {
+  const std::size_t at = static_cast<std::size_t>(y) * frame.width() + x;
+  return frame.type == PixelType::kU8 ? frame.u8.data()[at] : frame.u16.data()[at];
+}
+
+// Where just inside of the rim the camera's scale ends: the first harmonic along x and y, 1 the
+// share of all directions.
+struct CutOff {
+  double x = 0, y = 0;
+};
+CutOff cut_off(const Frame& frame, const Circle& circle) {
+  constexpr int kPlaces = 48, kDeepest_px = 8;  // ink hides some of the depths
+  CutOff cut;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double c = std::cos(2 * kPi * k / kPlaces), s = std::sin(2 * kPi * k / kPlaces);
+    bool at_end = false;
+    for (int depth = 2; depth <= kDeepest_px && !at_end; depth += 2) {
+      const long x = std::lround(circle.cx_px + (circle.r_px - depth) * c);
+      const long y = std::lround(circle.cy_px + (circle.r_px - depth) * s);
+      at_end = x >= 0 && y >= 0 && x < frame.width() && y < frame.height() &&
+               level_at(frame, static_cast<int>(x), static_cast<int>(y)) >= frame.full_scale();
+    }
+    if (at_end) cut.x += c * 2 / kPlaces, cut.y += s * 2 / kPlaces;
+  }
+  return cut;
+}
+
+// Of a ball whose bright side alone is cut off, the rim moves outwards there, and with it the
+// centre.
+void doubt_over_exposed(const Frame& frame, double edge_sigma_px, double brightest,
+                        CircleFit& fit) {
+  const double by_px = kJudge.over_exposed_sd * edge_sigma_px;
+  bool over_exposed = is_over_exposed(brightest, frame);
+  const bool nearly = brightest > kJudge.nearly_over_exposed * frame.full_scale();
+  const CutOff cut = nearly ? cut_off(frame, fit.circle) : CutOff{};
+  if (std::hypot(cut.x, cut.y) > kJudge.cut_off_aside) {
+    over_exposed = true;
+    fit.cx_sd_px = std::hypot(fit.cx_sd_px, by_px * cut.x);
+    fit.cy_sd_px = std::hypot(fit.cy_sd_px, by_px * cut.y);
+  }
+  if (over_exposed) fit.r_sd_px = std::hypot(fit.r_sd_px, by_px);
+}
+
 // How much more than all of the rim noise misplaces single arcs, and with them centre and shape:
 // the paint's level and the ink that is learnt beside it err from place to place. A sphere's
 // foreshortened ink misplaces its rim alike all around.
@@ -132,9 +175,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
     widen(result, kSphere.outline_centre_px2 / r, kSphere.outline_radius_px2 / r);
     widen(result, arc_px, arc_px);
   }
-  if (is_over_exposed(brightest(trace.levels, m.rim_model->surface(), bright), frame)) {
-    result.r_sd_px = std::hypot(result.r_sd_px, kJudge.over_exposed_sd * sigma);
-  }
+  doubt_over_exposed(frame, sigma, brightest(trace.levels, m.rim_model->surface(), bright), result);
   // What lies just outside the rim is guessed from what lies beside it.
   const double texture = std::min(1.0, trace.breaks / (1.0 + kJudge.texture_breaks));
   widen(result, texture * kJudge.texture_px, texture * kJudge.texture_radius_px);

@@ -75,6 +75,9 @@ struct JudgementSettings {
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;
+  // Of a level that is an average: some places may reach the end. What of that lies on one side:
+  // ink hides where it does [hand].
+  double nearly_over_exposed = 0.8, cut_off_aside = 0.25;
 };
 inline constexpr JudgementSettings kJudge;
 
