@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "host/base/statistics.h"
@@ -113,9 +114,11 @@ StillScene::Learnt StillScene::learn(const std::vector<cv::Mat>& pictures, int s
   scene->median_ = planes[n / 2];
   const double noise = scatter_of(planes);
   scene->threshold_ = threshold_of(scene->median_, noise);
+  scene->times_moved_ = cv::Mat::zeros(scene->median_.size(), CV_8U);
   std::vector<double> shares;
   for (const cv::Mat& picture : pictures) {
     scene->movements_.push_back(scene->compare(picture));
+    scene->times_moved_ += scene->movements_.back() & 1;
     shares.push_back(changed_share(scene->movements_.back()));
   }
   const double most_px = *std::max_element(shares.begin(), shares.end()) * scene->median_.total();
@@ -162,7 +165,22 @@ double StillScene::moved_share(const cv::Mat& moved, const Circle& circle) const
   return share_of(moved, rows_of(circle, moved.size()));
 }
 
+bool StillScene::holds_all_that_moves(const Circle& circle) const {
+  Circle wider = circle;
+  wider.r_px += kStill.about_px * shrink_;
+  double inside = 0;
+  for (const DiscRow& at : rows_of(wider, times_moved_.size())) {
+    const std::uint8_t* row = times_moved_.ptr(at.y);
+    inside = std::accumulate(row + at.begin, row + at.end, inside);
+  }
+  return inside > kStill.of_all_moved * cv::sum(times_moved_)[0];
+}
+
 bool StillScene::is_still(const cv::Mat& moved, const Circle& circle) const {
+  return rests(moved, circle) && !holds_all_that_moves(circle);
+}
+
+bool StillScene::rests(const cv::Mat& moved, const Circle& circle) const {
   const std::vector<DiscRow> rows = rows_of(circle, moved.size());
   const auto same = [&](const cv::Mat& picture) {
     return share_of(picture, rows) < kStill.changed;
@@ -202,7 +220,7 @@ std::optional<Circle> StillScene::moved_disc(const cv::Mat& moved) const {
 }
 
 bool stands_still(const StillScene* scene, const Frame& frame, const Circle& circle) {
-  return scene != nullptr && scene->is_still(scene->moved(frame), circle);
+  return scene != nullptr && scene->rests(scene->moved(frame), circle);
 }
 
 }  // namespace impactdic::circle

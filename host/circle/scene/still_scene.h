@@ -36,7 +36,9 @@ class StillScene {
   // Share of the disc in which a picture of `moved` differs; 0 where the disc lies outside.
   double moved_share(const cv::Mat& moved, const Circle& circle) const;
   // Whether the disc is the same in this frame and in nearly all of the frames learnt from: what
-  // rests for a while is not still, what is covered for a while is.
+  // rests for a while does not count, what is covered for a while does.
+  bool rests(const cv::Mat& moved, const Circle& circle) const;
+  // The same, but for a disc that holds all that moves: a ball that turns, or moves by a pixel.
   bool is_still(const cv::Mat& moved, const Circle& circle) const;
 
   // The disc that moved, in pixels of the frame: the largest of what differs once specks are taken
@@ -52,12 +54,14 @@ class StillScene {
     int y, begin, end;  // pixels of the row that lie in the disc
   };
   StillScene() = default;
+  bool holds_all_that_moves(const Circle& circle) const;
   std::vector<DiscRow> rows_of(const Circle& circle, cv::Size size) const;
   static double share_of(const cv::Mat& moved, const std::vector<DiscRow>& rows);
 
   int shrink_ = 1;
   cv::Mat median_, threshold_;      // grey levels of the file
   std::vector<cv::Mat> movements_;  // of the frames learnt from
+  cv::Mat times_moved_;             // of each pixel, in those
 };
 
 }  // namespace impactdic::circle

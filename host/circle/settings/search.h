@@ -61,6 +61,8 @@ struct StillSettings {
   double most_moved = 0.5;     // of the picture in half of the frames: the camera moves [hand]
   double changed = 0.02;       // of a disc in which something else is to be seen [hand]
   double passing = 0.3;        // of the frames in which a still thing may be hidden [hand]
+  // So much of all that moves lies in the disc, or so near: it is what moves [hand].
+  double of_all_moved = 0.7, about_px = 2;
 };
 inline constexpr StillSettings kStill;
 
