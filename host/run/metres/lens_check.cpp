@@ -10,6 +10,7 @@
 
 #include "host/base/statistics.h"
 #include "host/clip/track_row.h"
+#include "host/run/metres/flight_rows.h"
 
 namespace impactdic::run {
 namespace {
@@ -35,22 +36,6 @@ constexpr double kNearest_widths =
     3;                         // from where balls are filmed, in widths of the picture there
 constexpr int kPerFlight = 6;  // place, speed and acceleration, along x and y
 
-struct Flight {
-  std::size_t first, last;
-};
-
-std::vector<Flight> flights_of(const TrackRows& rows, const ImpactAnalysis& analysis) {
-  std::vector<Flight> flights;
-  for (const FlightMotion* one : {&analysis.before, &analysis.after, &analysis.flight}) {
-    if (one->last < one->first + kFewestFrames || one->last >= rows.size()) continue;
-    const bool known = std::any_of(flights.begin(), flights.end(), [&](const Flight& flight) {
-      return flight.first == one->first;
-    });
-    if (!known) flights.push_back({one->first, one->last});
-  }
-  return flights;
-}
-
 // What a lens of corner share 1 does to a place, and to a small step there.
 struct Bending {
   Vector2d middle;
@@ -70,7 +55,7 @@ struct Bending {
 // share a speed. They are made anew whenever they are asked for: a clip may be long.
 class Equations {
  public:
-  Equations(const TrackRows& rows, const std::vector<Flight>& flights, bool motions,
+  Equations(const TrackRows& rows, const std::vector<FlightRows>& flights, bool motions,
             const Bending& bending)
       : rows_(rows), flights_(flights), motions_(motions), bending_(bending) {}
 
@@ -113,7 +98,7 @@ class Equations {
   }
 
   TrackRows rows_;
-  const std::vector<Flight>& flights_;
+  const std::vector<FlightRows>& flights_;
   bool motions_;
   Bending bending_;
 };
@@ -182,7 +167,7 @@ bool may_turn_by_itself(const Eigen::VectorXd& path, double frames, double share
 std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnalysis& analysis,
                                         int width, int height,
                                         const std::optional<FallInPicture>& gravity) {
-  std::vector<Flight> flights = flights_of(rows, analysis);
+  std::vector<FlightRows> flights = flights_of(rows, analysis, kFewestFrames);
   // A bent flight passes for none: all rows, if they turn out to be a steady one through a lens.
   const bool guessed = flights.empty();
   if (guessed) {
@@ -203,7 +188,7 @@ std::optional<LensBend> bend_of_flights(const TrackRows& rows, const ImpactAnaly
   if (std::abs(corner->value) > kMostCorner) return std::nullopt;
   LensBend bend{*corner, 0, 0};
   for (std::size_t f = 0; f < flights.size(); ++f) {
-    const Flight& flight = flights[f];
+    const FlightRows& flight = flights[f];
     double least = 1e300, most = -1e300;
     for (std::size_t i = flight.first; i <= flight.last; ++i) {
       const TrackRow row = rows[i];
@@ -240,7 +225,7 @@ struct Outline {
   bool used = true;
 };
 
-std::vector<Outline> outlines_of(const TrackRows& rows, const std::vector<Flight>& flights,
+std::vector<Outline> outlines_of(const TrackRows& rows, const std::vector<FlightRows>& flights,
                                  const Bending& bending, double mean_r_px) {
   std::vector<Outline> outlines;
   for (std::size_t f = 0; f < flights.size(); ++f) {
@@ -305,7 +290,7 @@ std::optional<OutlineFit> fit_outlines(std::vector<Outline> outlines, std::size_
 
 std::optional<Measured> corner_by_outline(const TrackRows& rows, const ImpactAnalysis& analysis,
                                           int width, int height) {
-  std::vector<Flight> flights = flights_of(rows, analysis);
+  std::vector<FlightRows> flights = flights_of(rows, analysis, kFewestFrames);
   const bool guessed = flights.empty();
   if (guessed && analysis.status == ImpactStatus::kNone && rows.size() > kFewestFrames) {
     flights.push_back({0, rows.size() - 1});

@@ -21,6 +21,7 @@
 #include "host/run/metres/impact_figures.h"
 #include "host/run/metres/lens_check.h"
 #include "host/run/metres/lost_frames.h"
+#include "host/run/metres/oval_outline.h"
 #include "host/run/metres/scale.h"
 #include "host/run/metres/sphere_sight.h"
 #include "host/run/metres/surface_edge.h"
@@ -287,6 +288,9 @@ void TrackRun::conclude() {
                            camera_.has_value());
   }
   warn(bend);
+  if (bend.empty() && !camera_) {
+    warn(oval_warning(oval_of_flights(seen, result_.impact, width, height)));
+  }
   for (const Contradiction& found : result_.impact_si.contradictions) warn(found.message);
   restate_motions(seen);
   const bool explained = result_.impact_si.found() || result_.impact.flight.last > 0;
