@@ -115,6 +115,7 @@ class ContainerSource : public FrameSource {
       info_.warnings.push_back("the pictures are turned by " + std::to_string(90 * *turns_) +
                                " degrees clockwise, as the film says it is to be shown");
     }
+    warn_of_aspect();
     info_.lossy = !is_lossless(code);
     if (info_.lossy) {
       info_.warnings.push_back("lossy compression (" + code + "): grey levels are not exact");
@@ -131,6 +132,17 @@ class ContainerSource : public FrameSource {
     const cv::Mat first = grab_next();
     if (is_colored(first)) info_.warnings.push_back(colour_warning(channel_));
     keep(first);
+  }
+
+  // Of analogue video, and of what some converters write.
+  void warn_of_aspect() {
+    const double wide = capture_.get(cv::CAP_PROP_SAR_NUM);
+    const double high = capture_.get(cv::CAP_PROP_SAR_DEN);
+    if (!(wide > 0 && high > 0) || wide == high) return;
+    info_.warnings.push_back("its pixels are not square but " + shortest(wide) + ":" +
+                             shortest(high) +
+                             ", wide to high: lengths along rows and columns differ; make them "
+                             "square first (ffmpeg -vf scale=iw*sar:ih,setsar=1)");
   }
 
   // Matroska does not store the number of frames: there they are counted once.
