@@ -38,6 +38,7 @@ struct AdviceRequest {
 // The ball's outline with the deviation of its centre about each axis, px.
 struct FoundBall : Circle {
   double centre_sd_px = 0;
+  double oval = 0;  // of an ellipse R ± e: e / R
 };
 
 // Neighbouring frames, cut to the region of interest, and the ball in both.

@@ -39,7 +39,8 @@ std::optional<FoundBall> measured(const Frame& frame, const Circle& near, double
   const circle::CircleFit fit =
       circle::measure_circle(frame, prior, request.circle, request.backdrop.get());
   if (fit.status != circle::CircleStatus::kOk) return std::nullopt;
-  return FoundBall{fit.circle, std::hypot(fit.cx_sd_px, fit.cy_sd_px) / std::numbers::sqrt2};
+  const double oval = fit.ellipse ? std::hypot(fit.e1_px, fit.e2_px) / fit.circle.r_px : 0;
+  return FoundBall{fit.circle, std::hypot(fit.cx_sd_px, fit.cy_sd_px) / std::numbers::sqrt2, oval};
 }
 
 // Whether the circle may be the ball, as far as scouts tell.

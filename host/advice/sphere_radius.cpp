@@ -28,6 +28,9 @@ constexpr double kMisfitCounts = 2;
 constexpr double kLeastCircleSd_px = 0.005;
 // The same of the radius over the distance (four patterns: 3e-4 at most), and from where to begin.
 constexpr double kFreeNearnessSd = 6e-4, kFirstNearness = 0.02;
+// What is an ellipse by more is no sphere, or pressed: turns of that tell another radius and
+// another distance.
+constexpr double kMostOval = 0.02;
 // No camera stands nearer; and what of a turn must lie across that which a flight would make.
 constexpr double kNearest = 0.12, kLeastAcross = 0.3;
 
@@ -279,6 +282,7 @@ std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPai
                                            const dic::RigidMotion& step,
                                            const motion::EstimatorOptions& options,
                                            const FarFrames& frames) {
+  if (pair.first_ball.oval > kMostOval) return std::nullopt;
   const Eigen::Vector3d turn(step.rot_x_rad, step.rot_y_rad, step.rot_rad);
   const std::int64_t ahead = frames.count - 1 - pair.index;
   std::int64_t n = frames_to_tilt(turn, std::max(ahead, pair.index));
@@ -292,7 +296,7 @@ std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPai
     near.cx_px += steps * step.dx_px;
     near.cy_px += steps * step.dy_px;
     const auto far = frames.find(pair.index + side * n, near);
-    if (!far) continue;
+    if (!far || far->ball.oval > kMostOval) continue;
     if (const auto told = registration.tell(*far, steps * turn)) return told;
   }
   return std::nullopt;

@@ -47,7 +47,8 @@ struct SphereTold {
 // makes of such a turn must also be that of the circles. So is the distance free where it is not
 // known: what is nearer moves by more in the picture than the turn makes it, and less than a larger
 // radius would. Light that does not turn looks like depth: what the turn shows of the lamp is taken
-// into account. nullopt where no picture a few frames away could be registered.
+// into account. nullopt where no picture a few frames away could be registered, and of a ball that
+// is seen as an ellipse.
 std::optional<SphereTold> sphere_from_turn(opencl::Engine& engine, const BallPair& pair,
                                            const dic::RigidMotion& step,
                                            const motion::EstimatorOptions& options,

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "host/run/metres/camera_part.h"
-#include "host/run/metres/lens_check.h"
+#include "host/run/metres/lens/lens_check.h"
 #include "tests/support/camera/test_camera.h"
 #include "tests/support/camera/through_lens.h"
 #include "tests/support/filmed_shot.h"

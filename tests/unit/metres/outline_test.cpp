@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "host/run/metres/lens_check.h"
+#include "host/run/metres/lens/lens_check.h"
 #include "tests/support/camera/through_lens.h"
 
 namespace impactdic::testing {

@@ -1,5 +1,5 @@
 // A ball in free flight that is seen as an ellipse.
-#include "host/run/metres/oval_outline.h"
+#include "host/run/metres/lens/oval_outline.h"
 
 #include <gtest/gtest.h>
 #include <impactdic/units.h>

@@ -1,4 +1,4 @@
-#include "host/run/metres/lens_check.h"
+#include "host/run/metres/lens/lens_check.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 #include "host/base/statistics.h"
 #include "host/clip/track_row.h"
-#include "host/run/metres/flight_rows.h"
+#include "host/run/metres/lens/flight_rows.h"
 
 namespace impactdic::run {
 namespace {

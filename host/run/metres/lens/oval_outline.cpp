@@ -1,4 +1,4 @@
-#include "host/run/metres/oval_outline.h"
+#include "host/run/metres/lens/oval_outline.h"
 
 #include <impactdic/units.h>
 
@@ -10,7 +10,7 @@
 
 #include "host/base/statistics.h"
 #include "host/clip/track_row.h"
-#include "host/run/metres/flight_rows.h"
+#include "host/run/metres/lens/flight_rows.h"
 
 namespace impactdic::run {
 namespace {
@@ -158,11 +158,12 @@ std::string oval_warning(const std::optional<OvalOutline>& oval) {
   if (stretch.value <= kOval.chance * stretch.sd + kOval.least + tangent * tangent / 2) return "";
   std::snprintf(
       text, sizeof text,
-      "the free ball's outline is an ellipse, %.2f +- %.2f %% longer at %.0f degrees than "
+      "the free ball's outline is an ellipse, %.2f +- %.2f %% longer at %ld degrees than "
       "across, in %zu frames: pixels that are not square, a rolling shutter, a "
       "disc that is seen at an angle, or a ball that is not round; lengths and velocities "
       "hold its share of that",
-      100 * stretch.value, 100 * stretch.sd, oval->towards_rad * kDegPerRad, oval->frames);
+      100 * stretch.value, 100 * stretch.sd, std::lround(oval->towards_rad * kDegPerRad) % 180,
+      oval->frames);
   return text;
 }
 
