@@ -173,8 +173,8 @@ class Search {
   }
 
  private:
-  bool is_still(const Circle& circle) const {
-    return scene_ != nullptr && scene_->is_still(moved_, circle);
+  bool is_still(const Circle& circle, double rim_fraction) const {
+    return scene_ != nullptr && scene_->is_still(moved_, circle, rim_fraction);
   }
 
   // Whether the candidate would only lead to a ball that is proved already: it is that ball, or it
@@ -194,7 +194,7 @@ class Search {
 
   void try_circles(const cv::Mat& picture, int shrink) {
     Candidates candidates;
-    const auto may_be = [&](const Circle& circle) { return !is_still(circle); };
+    const auto may_be = [&](const Circle& circle) { return !is_still(circle, 1); };
     propose(picture, shrink, low_, high_, may_be, candidates);
     for (const Circle& candidate : candidates) {
       if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate) ||
@@ -203,7 +203,7 @@ class Search {
       }
       tried_.push_back(candidate);
       const FoundBall ball = prove(frame_, candidate, options_);
-      if (ball.score <= 0 || is_still(ball.circle)) continue;
+      if (ball.score <= 0 || is_still(ball.circle, ball.rim_fraction)) continue;
       const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
         return other.score >= ball.score;
       });

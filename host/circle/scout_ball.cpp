@@ -210,17 +210,22 @@ class Scouting {
     std::vector<Glance> glances = glances_;
     std::sort(glances.begin(), glances.end(),
               [](const Glance& a, const Glance& b) { return a.index < b.index; });
+    bool any_rests = false;
     for (Glance& glance : glances) {
       if (glance.found.empty() || !learnt_.scene) continue;
       // What moves is known better than when it was searched.
       const cv::Mat moved = learnt_.scene->compare(glance.reduced);
       std::erase_if(glance.found, [&](const FoundBall& ball) {
-        return learnt_.scene->is_still(moved, ball.circle);
+        return learnt_.scene->is_still(moved, ball.circle, ball.rim_fraction);
       });
+      any_rests |= std::any_of(
+          glance.found.begin(), glance.found.end(),
+          [&](const FoundBall& ball) { return learnt_.scene->rests(moved, ball.circle); });
     }
     Scouted scouted;
     scouted.frames = static_cast<int>(glances.size());
-    scouted.scene = learnt_.scene;
+    // A scene in which the ball itself rests, as it moves too little, tells nothing of it.
+    if (!any_rests) scouted.scene = learnt_.scene;
     scouted.still = learnt_.nothing_moves;
     scouted.balls = rank(std::move(glances));
     return scouted;

@@ -176,8 +176,9 @@ bool StillScene::holds_all_that_moves(const Circle& circle) const {
   return inside > kStill.of_all_moved * cv::sum(times_moved_)[0];
 }
 
-bool StillScene::is_still(const cv::Mat& moved, const Circle& circle) const {
-  return rests(moved, circle) && !holds_all_that_moves(circle);
+bool StillScene::is_still(const cv::Mat& moved, const Circle& circle, double rim_fraction) const {
+  return rests(moved, circle) &&
+         !(rim_fraction >= kStill.enough_rim && holds_all_that_moves(circle));
 }
 
 bool StillScene::rests(const cv::Mat& moved, const Circle& circle) const {

@@ -38,8 +38,9 @@ class StillScene {
   // Whether the disc is the same in this frame and in nearly all of the frames learnt from: what
   // rests for a while does not count, what is covered for a while does.
   bool rests(const cv::Mat& moved, const Circle& circle) const;
-  // The same, but for a disc that holds all that moves: a ball that turns, or moves by a pixel.
-  bool is_still(const cv::Mat& moved, const Circle& circle) const;
+  // The same, but for a disc that holds all that moves, a ball that turns or moves by a pixel, if
+  // enough of its rim shows.
+  bool is_still(const cv::Mat& moved, const Circle& circle, double rim_fraction) const;
 
   // The disc that moved, in pixels of the frame: the largest of what differs once specks are taken
   // away and holes filled; about as large as the ball in this frame and in the still picture

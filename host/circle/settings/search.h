@@ -63,6 +63,7 @@ struct StillSettings {
   double passing = 0.3;        // of the frames in which a still thing may be hidden [hand]
   // So much of all that moves lies in the disc, or so near: it is what moves [hand].
   double of_all_moved = 0.7, about_px = 2;
+  double enough_rim = 0.4;  // or it may be an arc of something else [hand]
 };
 inline constexpr StillSettings kStill;
 

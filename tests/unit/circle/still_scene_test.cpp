@@ -76,7 +76,8 @@ TEST(StillScene, WhatAloneMovesIsNotStillHoweverLittle) {
     ASSERT_NE(scene, nullptr);
     const cv::Mat moved = scene->compare(pictures[3]);
     EXPECT_TRUE(scene->rests(moved, slow)) << other_moves;
-    EXPECT_EQ(scene->is_still(moved, slow), other_moves);
+    EXPECT_EQ(scene->is_still(moved, slow, 1), other_moves);
+    EXPECT_TRUE(scene->is_still(moved, slow, 0.2)) << other_moves;
   }
 }
 
