@@ -176,19 +176,17 @@ class EdgeFit {
         found.begin(), found.end(),
         [](const Solution& a, const Solution& b) { return a.chi_square < b.chi_square; });
     const double scatter = holds(s) ? 1 : s.chi_square / s.freedom;
+    const auto weight = [&](const Solution& one) {
+      return std::exp((s.chi_square - one.chi_square) / (2 * scatter));
+    };
     double weights = 0;
     Vector mean = Vector::Zero(kUnknowns), variance = mean;
-    for (const Solution& one : found) {
-      const double weight = std::exp((s.chi_square - one.chi_square) / (2 * scatter));
-      weights += weight;
-      mean += weight * one.x;
-    }
+    for (const Solution& one : found) weights += weight(one), mean += weight(one) * one.x;
     mean /= weights;
     for (const Solution& one : found) {
-      const double weight = std::exp((s.chi_square - one.chi_square) / (2 * scatter)) / weights;
-      variance += weight * (one.sd.cwiseAbs2() + (one.x - mean).cwiseAbs2());
+      variance += weight(one) * (one.sd.cwiseAbs2() + (one.x - mean).cwiseAbs2());
     }
-    s.x = mean, s.sd = variance.cwiseSqrt();
+    s.x = mean, s.sd = (variance / weights).cwiseSqrt();
     return s;
   }
   // Unknowns: touch (frames from the guess), speed and height (from those of the flight, in parts

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "host/shake/camera_motion.h"
