@@ -32,7 +32,18 @@ bool is_round(const BallTask& task) {
          std::all_of(std::begin(task.sight.second), std::end(task.sight.second), is_none);
 }
 
-// The pairs that fit better as round balls become such; returns the others.
+void add_difference(const BallMotion& other, BallMotion& motion, const BallMotion& before) {
+  const float by[5] = {other.dx - before.dx, other.dy - before.dy,
+                       other.rot_x_rad - before.rot_x_rad, other.rot_y_rad - before.rot_y_rad,
+                       other.rot_rad - before.rot_rad};
+  for (int i = 0, at = 0; i < 5; ++i) {
+    for (int j = 0; j <= i; ++j) motion.covariance[at++] += by[i] * by[j];
+  }
+}
+
+// The pairs that fit better as round balls become such, and the covariance gets what the two differ
+// by: pictures of a ball that is pressed alike in both fit about as well, and tell another turn.
+// Returns the others.
 std::vector<const ShapedPair*> keep_shaped(dic::BallRegistration& registration,
                                            dic::DeviceFrames& frames,
                                            std::span<const ShapedPair> pairs) {
@@ -51,7 +62,9 @@ std::vector<const ShapedPair*> keep_shaped(dic::BallRegistration& registration,
   for (std::size_t k = 0; k < round.size(); ++k) {
     BallMotion& motion = *of[k]->motion;
     if (is_ok(round[k]) && !(is_ok(motion) && motion.residual < round[k].residual)) {
+      const BallMotion as_shaped = motion;
       motion = round[k];
+      if (is_ok(as_shaped)) add_difference(as_shaped, motion, round[k]);
     } else if (is_ok(motion)) {
       shaped.push_back(of[k]);
     }
@@ -69,15 +82,6 @@ void change(int figure, const BallShape& shape, float* stretch) {
   }
   stretch[0] += by;
   stretch[2] += figure == 0 ? -by : by;
-}
-
-void add_difference(const BallMotion& other, BallMotion& motion, const BallMotion& before) {
-  const float by[5] = {other.dx - before.dx, other.dy - before.dy,
-                       other.rot_x_rad - before.rot_x_rad, other.rot_y_rad - before.rot_y_rad,
-                       other.rot_rad - before.rot_rad};
-  for (int i = 0, at = 0; i < 5; ++i) {
-    for (int j = 0; j <= i; ++j) motion.covariance[at++] += by[i] * by[j];
-  }
 }
 
 }  // namespace

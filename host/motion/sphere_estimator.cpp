@@ -71,10 +71,24 @@ class SphereEstimator : public MotionEstimator {
     std::vector<ShapedPair> shaped;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       if (!pairs[i].near_contact) continue;
-      shaped.push_back({tasks[i], &motions[i], {pairs[i].shape, pairs[i].second_shape}});
+      shaped.push_back({tasks[i],
+                        &motions[i],
+                        {as_small_as(pairs[i].first.r_px, pairs[i].shape),
+                         as_small_as(pairs[i].second.r_px, pairs[i].second_shape)}});
     }
     doubt_shapes(sphere_, frames_, shaped);
     return motions;
+  }
+
+  // A ball that is pressed along one axis is smaller by as much as its ellipse is long: an outline
+  // that is smaller and shows none hides it.
+  BallShape as_small_as(double r_px, BallShape shape) const {
+    constexpr double kPressed = 0.01;  // of the radius
+    const double smaller = 1 - r_px / rim_px_;
+    if (!shape.is_circle() || !(smaller > kPressed)) return shape;
+    shape.sd = std::hypot(shape.sd, smaller);
+    shape.size_sd = std::hypot(shape.size_sd, smaller);
+    return shape;
   }
 
   // Windows and registration once more, from the guess that the search left.

@@ -12,11 +12,14 @@
 namespace impactdic::pipeline {
 namespace {
 
-// Whether one of the outlines of pair `i`, or of the frames beside it, is an ellipse, or lost.
-bool near_contact(const TrackBatch& batch, std::size_t i) {
+// Whether one of the outlines of pair `i`, or of the frames beside it, is an ellipse, lost, or
+// smaller than that of the free ball, as an ellipse's is that does not show.
+bool near_contact(const TrackBatch& batch, std::size_t i, double radius_px) {
+  constexpr double kSmaller = 0.985;
   const std::size_t end = std::min(i + 3, batch.frames.size());
   for (std::size_t k = i > 0 ? i - 1 : 0; k < end; ++k) {
     if (!batch.rows[k].circle_ok || !batch.shapes[k].is_circle()) return true;
+    if (batch.circles[k].r_px < kSmaller * radius_px) return true;
   }
   return false;
 }
@@ -335,7 +338,7 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
     pair.second = ball(batch, i + 1);
     pair.shape = batch.shapes[i];
     pair.second_shape = batch.shapes[i + 1];
-    pair.near_contact = near_contact(batch, i);
+    pair.near_contact = near_contact(batch, i, radius_px_);
     motion::into_crops(pair, origins[k], origins[k + 1]);
     which.push_back(k);
   }
