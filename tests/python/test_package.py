@@ -142,7 +142,7 @@ def test_a_map_larger_than_memory_is_given_back(film, tmp_path):
 
 # What a notebook's cell `parameters` says, smaller: a figure of each, not the best of it.
 SMALL = {
-    "shot": {"radius_px": 40},
+    "shot": {"radius_px": 36},
     "calibrate": {"shot_count": 2, "radius_px": 30},
     "chapter2": {"patterns": ["e1", "b2"], "radius_px": 30, "frames": 4},
 }
