@@ -126,13 +126,18 @@ void BallTracker::learn_bias() {
   memory_.rim_bias = rim_bias(radii, like, *options_.radius_by_turns);
 }
 
-// A disc in contact may show too little of its rim in one frame; in the next the model may hold.
+// A ball in contact may show too little of its rim in one frame; in the next its model may hold, and
+// its shape about as before.
 CircleFit BallTracker::with_last_model(CircleFit fit) const {
   if (fit.rim_model || memory_.seen.empty()) return fit;
   const CircleFit& last = memory_.seen.back().fit;
-  if ((fit.ellipse || last.ellipse) && is_flat(last.rim_model.get())) {
-    fit.rim_model = last.rim_model;
-  }
+  if (!last.rim_model || !(fit.ellipse || last.ellipse)) return fit;
+  fit.rim_model = last.rim_model;
+  if (is_flat(last.rim_model.get()) || !last.ellipse) return fit;
+  fit.circle.r_px = last.circle.r_px;
+  fit.ellipse = true;
+  fit.e1_px = last.e1_px;
+  fit.e2_px = last.e2_px;
   return fit;
 }
 

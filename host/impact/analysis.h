@@ -34,6 +34,7 @@ class Analysis {
   bool is_evident(bool with_flights, double odds) const;
   bool is_impact() const;
   void find_contact();
+  bool back_off();
   void refit(double length);
   void find_edges(double start_guess, double end_guess);
   ContactEdge edge(bool end, double near) const;

@@ -21,6 +21,7 @@ namespace impactdic::impact {
 namespace {
 
 constexpr std::size_t kFewestContactFrames = 8;
+constexpr int kMoreGuards = 3;
 constexpr double kSignificant = 3;  // deviations that an impulse must stand out by
 // Logarithm of the odds: the sharpest of some hundred places, and two flights under one gravity.
 constexpr double kEvident = 7, kAsLikely = 0;
@@ -167,6 +168,28 @@ void Analysis::find_edges(double start_guess, double end_guess) {
   end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;
 }
 
+// A flight that begins before the contact is over leaves its end no place: it is begun later by a
+// guard, and the edges are looked for once more.
+bool Analysis::back_off() {
+  const std::size_t guard = guard_of(guess_, series_.size() - 1);
+  FlightRange before = before_, after = after_;
+  if (!start_.ok) before.last -= std::min(before.last, guard);
+  if (!end_.ok) after.first += guard;
+  if (before.last < before.first + kFewestFlightFrames ||
+      after.last < after.first + kFewestFlightFrames) {
+    return false;
+  }
+  const auto known = std::tuple(before_, after_, flights_);
+  before_ = before, after_ = after;
+  fit_both();
+  if (!flights_.ok) {
+    std::tie(before_, after_, flights_) = known;
+    return false;
+  }
+  find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
+  return true;
+}
+
 // Flights up to the contact, and the edges once more; those known so far where that fails.
 void Analysis::refit(double length) {
   const auto known = std::tuple(before_, after_, flights_);
@@ -200,6 +223,9 @@ void Analysis::find_contact() {
     return;
   }
   find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
+  for (int more = 0; more < kMoreGuards && !(start_.ok && end_.ok); ++more) {
+    if (!back_off()) break;
+  }
   if (start_.ok && end_.ok) refit(length);
   // One that may as well lie behind the turn was not found.
   start_.ok = start_.ok && start_.instant + start_.sd < turn_.instant;

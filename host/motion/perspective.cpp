@@ -5,12 +5,10 @@
 namespace impactdic::motion {
 namespace {
 
-// Two thousandths: a ball that is this much out of round is registered 0.001 px off as a round one.
-constexpr double kRound = 2e-3, kBeyondChance = 5;
+constexpr double kBeyondChance = 5;
 
 bool is_round(const BallShape& shape) {
-  const double out = std::hypot(shape.e1, shape.e2);
-  return !(out > kRound && out > kBeyondChance * shape.sd);
+  return !(std::hypot(shape.e1, shape.e2) > kBeyondChance * shape.sd);
 }
 
 void put_stretch(const SeenBall& ball, double rim_px, float* stretch) {
