@@ -158,6 +158,8 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
       *with_r *= even ? 0 : kSphere.bent_with_radius;
     }
     if (!even) widen(result, kSphere.lit_centre_sd_of_r * result.circle.r_px, 0);
+    // What light and foreshortened ink do to a rim that is pressed is not alike all around.
+    if (result.ellipse) widen(result, kSphere.pressed_of_light * m.rim_model->light_sd_px(), 0);
     const double usual = arc ? kSphere.radius_sd_of_r * result.circle.r_px : 0;
     widen(result, 0, std::max(m.rim_model->light_sd_px(), usual));
   } else if (arc) {

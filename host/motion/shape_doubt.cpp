@@ -1,6 +1,8 @@
 #include "host/motion/shape_doubt.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <vector>
 
 namespace impactdic::motion {
@@ -72,16 +74,29 @@ std::vector<const ShapedPair*> keep_shaped(dic::BallRegistration& registration,
   return shaped;
 }
 
-// The stretch of a picture, xx, xy, yy, changed by the deviation of e1, e2 or the size.
+// The stretch of a picture, xx, xy, yy, changed by e1, e2 or the size.
 constexpr int kFigures = 3;
-void change(int figure, const BallShape& shape, float* stretch) {
-  const auto by = static_cast<float>(figure == 2 ? shape.size_sd : shape.sd);
+void change(int figure, double by, float* stretch) {
+  const auto more = static_cast<float>(by);
   if (figure == 1) {
-    stretch[1] += by;
+    stretch[1] += more;
     return;
   }
-  stretch[0] += by;
-  stretch[2] += figure == 0 ? -by : by;
+  stretch[0] += more;
+  stretch[2] += figure == 0 ? -more : more;
+}
+
+// By how much the stretch of each picture is changed at once.
+struct Change {
+  double first = 0, second = 0;
+};
+std::array<Change, 2> changes(const std::array<BallShape, 2>& shapes, int figure) {
+  constexpr double kApart = 0.15;  // of a shape that both hide, from a frame to the next
+  const auto sd = [&](const BallShape& shape) { return figure == 2 ? shape.size_sd : shape.sd; };
+  const double first = sd(shapes[0]), second = sd(shapes[1]);
+  if (!hides_shape(shapes[0]) || !hides_shape(shapes[1])) return {{{first, 0}, {0, second}}};
+  const double both = std::sqrt((first * first + second * second) / 2);
+  return {{{both, both}, {0, kApart * both}}};
 }
 
 }  // namespace
@@ -92,11 +107,11 @@ void doubt_shapes(dic::BallRegistration& registration, dic::DeviceFrames& frames
   std::vector<BallTask> tasks;
   std::vector<BallMotion*> of;
   for (const ShapedPair* pair : keep_shaped(registration, frames, pairs)) {
-    for (int picture = 0; picture < 2; ++picture) {
-      for (int figure = 0; figure < kFigures; ++figure) {
+    for (int figure = 0; figure < kFigures; ++figure) {
+      for (const Change& by : changes(pair->shapes, figure)) {
         BallTask task = from(pair->task, *pair->motion);
-        change(figure, pair->shapes[static_cast<std::size_t>(picture)],
-               picture == 0 ? task.sight.first : task.sight.second);
+        change(figure, by.first, task.sight.first);
+        change(figure, by.second, task.sight.second);
         tasks.push_back(task);
         of.push_back(pair->motion);
       }

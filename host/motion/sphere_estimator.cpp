@@ -38,6 +38,9 @@ class SphereEstimator : public MotionEstimator {
 
   void measure(std::span<PairMotion> pairs) override {
     field_->measure(pairs);
+    for (PairMotion& pair : pairs) {
+      if (pair.near_contact) share_shape(pair);
+    }
     std::vector<BallMotion> motions = measure_all(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (!is_ok(motions[i]) && search(pairs[i])) motions[i] = measure_anew(pairs[i]);
@@ -80,10 +83,29 @@ class SphereEstimator : public MotionEstimator {
     return motions;
   }
 
+  // Of two outlines one of which hides that the ball is pressed the other tells the shape: from a
+  // frame to the next it changes by a part of itself.
+  void share_shape(PairMotion& pair) const {
+    constexpr double kChange = 0.15;
+    const BallShape first = as_small_as(pair.first.r_px, pair.shape);
+    const BallShape second = as_small_as(pair.second.r_px, pair.second_shape);
+    const auto take = [&](const Circle& known, BallShape shape, Circle& circle, BallShape& hidden) {
+      const double change = kChange * std::hypot(shape.e1, shape.e2);
+      shape.sd = std::hypot(shape.sd, change);
+      shape.size_sd = std::hypot(shape.size_sd, change);
+      hidden = shape;
+      circle.r_px = known.r_px;
+    };
+    if (hides_shape(first) && second.is_compressed()) {
+      take(pair.second, second, pair.first, pair.shape);
+    } else if (hides_shape(second) && first.is_compressed()) {
+      take(pair.first, first, pair.second, pair.second_shape);
+    }
+  }
+
   // A ball that is pressed along one axis is smaller by as much as its ellipse is long: an outline
   // that is smaller and shows none hides it.
   BallShape as_small_as(double r_px, BallShape shape) const {
-    constexpr double kPressed = 0.01;  // of the radius
     const double smaller = 1 - r_px / rim_px_;
     if (!shape.is_circle() || !(smaller > kPressed)) return shape;
     shape.sd = std::hypot(shape.sd, smaller);
