@@ -306,9 +306,10 @@ def look_at_impact(impact, simulated, found):
         found['statuses'][impact.get('status', 'none')] += 1
         return
     found['found'] += 1
+    aside = any(one['what'] == 'side_slip' for one in impact['contradictions'])
+    friction = impact['space']['friction'] if aside else impact['friction']['gravity_corrected']
     told = {'e': (impact['restitution'], simulated['restitution']),
-            'mu': (impact['friction']['gravity_corrected'],
-                   simulated['effective_friction']['sound']),
+            'mu': (friction, simulated['effective_friction']['sound']),
             'spin': (impact['after']['omega_rad_s'], simulated['final']['omega_rad_s'])}
     for name, (figure, right) in told.items():
         if figure and figure['value'] is not None:

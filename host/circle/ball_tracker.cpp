@@ -126,8 +126,8 @@ void BallTracker::learn_bias() {
   memory_.rim_bias = rim_bias(radii, like, *options_.radius_by_turns);
 }
 
-// A ball in contact may show too little of its rim in one frame; in the next its model may hold, and
-// its shape about as before.
+// A ball in contact may show too little of its rim in one frame; in the next its model may hold,
+// and its shape about as before.
 CircleFit BallTracker::with_last_model(CircleFit fit) const {
   if (fit.rim_model || memory_.seen.empty()) return fit;
   const CircleFit& last = memory_.seen.back().fit;

@@ -168,8 +168,8 @@ void Analysis::find_edges(double start_guess, double end_guess) {
   end_.ok = end_.ok && end_.instant < last && end_.instant > turn_.instant;
 }
 
-// A flight that begins before the contact is over leaves its end no place: it is begun later by a
-// guard, and the edges are looked for once more.
+// A flight that begins before the contact is over leaves its end no place: once more, a guard
+// later.
 bool Analysis::back_off() {
   const std::size_t guard = guard_of(guess_, series_.size() - 1);
   FlightRange before = before_, after = after_;
@@ -223,9 +223,7 @@ void Analysis::find_contact() {
     return;
   }
   find_edges(static_cast<double>(guess_.first), static_cast<double>(guess_.last));
-  for (int more = 0; more < kMoreGuards && !(start_.ok && end_.ok); ++more) {
-    if (!back_off()) break;
-  }
+  for (int k = 0; k < kMoreGuards && !(start_.ok && end_.ok) && back_off();) ++k;
   if (start_.ok && end_.ok) refit(length);
   // One that may as well lie behind the turn was not found.
   start_.ok = start_.ok && start_.instant + start_.sd < turn_.instant;

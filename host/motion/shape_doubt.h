@@ -11,9 +11,7 @@ namespace impactdic::motion {
 
 inline constexpr double kPressed = 0.01;  // of the radius
 // Whether an outline may hide that the ball is pressed.
-inline bool hides_shape(const BallShape& shape) {
-  return shape.is_circle() && shape.sd > kPressed;
-}
+inline bool hides_shape(const BallShape& shape) { return shape.is_circle() && shape.sd > kPressed; }
 
 // A pair of a sphere in or beside a contact, registered with the shapes of its outlines as far as
 // they show: its task, what came of it, and the shapes in both pictures.

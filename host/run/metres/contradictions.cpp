@@ -19,6 +19,9 @@ constexpr double kChance = 4;
 // of a flattened ball; a height taken with a ruler; a ball that comes nearer to the camera.
 constexpr double kFallTolerance = 0.05, kLeverTolerance = 0.02, kSpeedTolerance = 0.05,
                  kDriftTolerance = 0.005;
+// Slip out of the picture's plane that matters: of the slip in it, and of the normal velocity, for
+// a friction that is left out by it comes to 0.01 at most.
+constexpr double kSideOfSlip = 0.2, kSideOfSpeed = 0.05;
 constexpr double kLeastAngle_deg = 0.05;
 constexpr double kHollow = 2.0 / 3, kSolid = 2.0 / 5, kDisc = 1.0 / 2;
 constexpr double kSmallestBall_mm = 3, kLargestBall_mm = 1500;
@@ -74,6 +77,7 @@ class Search {
     surface();
     restitution();
     drop_height(falls);
+    side_slip();
     radius();
   }
 
@@ -91,6 +95,7 @@ class Search {
   void surface();
   void restitution();
   void drop_height(bool falls);
+  void side_slip();
   void radius();
   std::string likely_slip(double fall_over_g) const;
 
@@ -256,6 +261,23 @@ void Search::drop_height(bool falls) {
           fall_is_right ? "is --drop-height-mm right, to the touch and in mm?"
                         : "are scale and frame rate right?"),
       kVelocities);
+}
+
+// The picture's plane shows only a part of the friction where the contact point slips out of it.
+void Search::side_slip() {
+  if (!analysis_.space) return;
+  const Measured& side = analysis_.space->slip_b;
+  const double along = std::abs(analysis_.space->slip_t.value);
+  const double beyond = std::abs(side.value) - kChance * side.sd;
+  if (!(beyond > kSideOfSlip * along) ||
+      !(beyond > kSideOfSpeed * std::abs(analysis_.before.vn.value))) {
+    return;
+  }
+  add("side_slip",
+      say("the contact point slips out of the picture's plane, too: 'friction' is the part in it%s",
+          request_.inertia_factor > 0 ? ", 'space' has the whole"
+                                      : "; --inertia-factor tells the whole"),
+      {ImpactFigure::kFriction, ImpactFigure::kFrictionPublished, ImpactFigure::kRollingCap});
 }
 
 void Search::radius() {

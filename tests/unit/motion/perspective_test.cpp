@@ -55,8 +55,16 @@ TEST(Perspective, ARoundBallUnderParallelRaysIsPlain) {
   EXPECT_TRUE(is_plain(sight_of({}, 60, {circle, {}}, {circle, {}}, 100, 90)));
   const BallShape chance{0.003, 0.001, 0.001};
   EXPECT_TRUE(is_plain(sight_of({}, 60, {circle, chance}, {circle, {}}, 100, 90)));
-  const BallShape small{0.001, 0.001, 1e-5};
-  EXPECT_TRUE(is_plain(sight_of({}, 60, {circle, {}}, {circle, small}, 100, 90)));
+}
+
+// At a touch a pressing of 0.1 px put a sphere of 60 px 0.2 px off, where it was called round.
+TEST(Perspective, AShapeBeyondChanceIsStretchedHoweverSmall) {
+  const Circle circle{100, 90, 60};
+  const BallShape small{0.001, 0.0005, 1e-5};
+  const BallSight sight = sight_of({}, 60, {circle, {}}, {circle, small}, 100, 90);
+  for (const float strain : sight.first) EXPECT_EQ(strain, 0);
+  EXPECT_NEAR(sight.second[0], 0.001, 1e-6);
+  EXPECT_NEAR(sight.second[1], 0.0005, 1e-6);
 }
 
 // A ball that is 6 % shorter along y has an outline of the mean radius 0.97.
