@@ -11,9 +11,11 @@
 #include <vector>
 
 #include "host/advice/slow_tilt.h"
+#include "host/advice/turned_paint.h"
 #include "host/base/statistics.h"
 #include "host/base/weighted_mean.h"
 #include "host/dic/device/ball.h"
+#include "host/dic/frame_noise.h"
 #include "host/dic/sphere/rotation.h"
 #include "host/dic/sphere/sphere_fit.h"
 #include "host/motion/estimators.h"
@@ -215,6 +217,7 @@ class Verdict {
       radius_.add(tilt->radius_px, tilt->radius_sd_px);
     }
     out_of_plane_ |= tilt->is_out_of_plane;
+    if (by_turns_.count() == 0 && !(bare_light_.least > 0)) learn_from_paint(pair);
     if (!tilt->is_out_of_plane && tilt->motion.ok) flat_.emplace_back(&pair, tilt->motion);
     if (tilt->turn_deg < most_deg_) return;
     most_deg_ = tilt->turn_deg;
@@ -239,7 +242,7 @@ class Verdict {
       advice.radius_by_turns_px = {by_turns_.value(), advice.radius_sd_px};
     }
     if (blur_.count() > 0) advice.blur_px2 = blur_.value();
-    advice.light = light_;
+    advice.light = by_turns_.count() > 0 ? light_ : bare_light_;
     advice.moved = moved_;
     if (nearness_.count() > 0) {
       advice.nearness = {nearness_.value(), std::max(nearness_.sd(), kNearnessSd)};
@@ -259,6 +262,13 @@ class Verdict {
     if (told->light && told->radius_px.sd <= best_radius_sd_px_) light_ = *told->light;
     if (told->nearness) nearness_.add(told->nearness->value, told->nearness->sd);
     return true;
+  }
+
+  void learn_from_paint(const BallPair& pair) {
+    const Image<float> levels = pair.first.to_float();
+    const double noise = dic::estimate_noise(levels.view(), pair.first.full_scale());
+    const auto paint = seen_paint(pair.first, pair.first_ball);
+    bare_light_ = sphere::light_on_bare_paint(paint, noise).value_or(BallLight{});
   }
 
   // Whether the ball turns out of the plane, in words.
@@ -304,6 +314,7 @@ class Verdict {
   WeightedMean radius_, by_turns_, nearness_, blur_;
   std::vector<MovedBall> moved_;
   BallLight light_{};                                                   // by the best far pair
+  BallLight bare_light_{};                                              // by bare paint
   double weights_ = 0;                                                  // of by_turns_
   double best_radius_sd_px_ = std::numeric_limits<double>::infinity();  // of one far pair
   std::vector<std::pair<const BallPair*, dic::RigidMotion>> flat_;      // and what they moved by

@@ -57,4 +57,23 @@ std::vector<sphere::CarriedPaint> turned_paint(const Frame& first, const Frame& 
   return paint;
 }
 
+std::vector<sphere::SeenPaint> seen_paint(const Frame& picture, const Circle& ball) {
+  const dic::BSplineImage image(dic::to_double(picture), kDegree, kSmooth_px);
+  const double radius = ball.r_px;
+  const int step = std::max(1, static_cast<int>(std::lround(2 * radius / kAcross)));
+  std::vector<sphere::SeenPaint> paint;
+  for (double y = -radius; y < radius; y += step) {
+    for (double x = -radius; x < radius; x += step) {
+      const double z = std::sqrt(std::max(0.0, radius * radius - x * x - y * y));
+      const double at_x = ball.cx_px + x, at_y = ball.cy_px + y;
+      if (z < kFacing * radius || at_x < 0 || at_y < 0 || at_x > image.width() - 1 ||
+          at_y > image.height() - 1) {
+        continue;
+      }
+      paint.push_back({normal({x, y, z}, radius), image.value(at_x, at_y)});
+    }
+  }
+  return paint;
+}
+
 }  // namespace impactdic::advice

@@ -1,9 +1,10 @@
-// The paint that two pictures of a sphere both show.
+// The paint that pictures of a sphere show.
 #pragma once
 
 #include <vector>
 
 #include "host/motion/perspective.h"
+#include "host/sphere/bare_paint.h"
 #include "host/sphere/carried_paint.h"
 
 namespace impactdic::advice {
@@ -13,5 +14,8 @@ namespace impactdic::advice {
 std::vector<sphere::CarriedPaint> turned_paint(const Frame& first, const Frame& second,
                                                const BallMotion& found,
                                                const motion::Perspective& seen);
+
+// At places evenly over the ball of one picture.
+std::vector<sphere::SeenPaint> seen_paint(const Frame& picture, const Circle& ball);
 
 }  // namespace impactdic::advice

@@ -287,6 +287,11 @@ class ClipTracker {
       return;
     }
     motion::PairMotion& pair = batch.pairs[i];
+    // Of a ball that may be a sphere, few edges and no window look like the motion of a disc, too.
+    if (is_doubted() && pair.motion.used == 0 && pair.motion.ok) {
+      pair.motion.ok = false;
+      pair.status = TrackStatus::kNoTexture;
+    }
     state_motion(batch, i);
     if (row.status == TrackStatus::kOk) row.status = pair.status;
     compare_with_circles(row, batch.rows[i + 1]);

@@ -5,6 +5,9 @@
 
 #include "kernels/ball/blur.h"
 #include "kernels/ball/registration.h"
+#if LIT
+#include "kernels/ball/light.h"
+#endif
 
 // True where a coordinate that runs straight from `first` to `last` stays beyond the same border.
 static inline int beyond(const float first, const float last, const float most) {
@@ -150,7 +153,18 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
   // Light is a factor: its gradients go with the grey level itself.
   const REAL along_x = (f + shared->origin) * x * by_radius;
   const REAL along_y = (f + shared->origin) * y * by_radius;
-  const REAL slope_x = lit * LOAD_REAL(at + plane), slope_y = lit * LOAD_REAL(at + 2 * plane);
+  REAL slope_x = lit * LOAD_REAL(at + plane), slope_y = lit * LOAD_REAL(at + 2 * plane);
+#if LIT
+  // The light does not move with the ball: its slopes tell nothing of where that has gone.
+  REAL fading[3];
+  light_slopes(&shared->lamp, from_x * by_ball, from_y * by_ball, z * by_ball, fading);
+  for (int k = 0; k < 3; ++k) fading[k] *= (f + shared->origin) * by_ball;
+#if !SHAPED
+  const REAL in_depth = fading[2] / fmax(z, (REAL)(LEAST_DEPTH * shared->radius));
+  slope_x -= fading[0] - in_depth * x;
+  slope_y -= fading[1] - in_depth * y;
+#endif
+#endif
   const REAL g = spline_sample(origin, limits.pitch, to_x, to_y) - shared->origin;
   *weight = w;
   column[0] = one;
@@ -160,9 +174,14 @@ BARRIER_INLINE int see_pixels(__global const float* value, __global const float*
 #if PARAMETERS == SPHERE && SHAPED
   // The same as below with lines of sight that lean, where what is near moves farther. The centre's
   // displacement moves points by more than itself: 1 / (1 - k z) times.
-  const REAL slant_x = shared->seen[0].xx * slope_x + shared->seen[0].xy * slope_y;
-  const REAL slant_y = shared->seen[0].xy * slope_x + shared->seen[0].yy * slope_y;
-  const REAL slant_z = slant_x * on.ray_x + slant_y * on.ray_y;
+  REAL slant_x = shared->seen[0].xx * slope_x + shared->seen[0].xy * slope_y;
+  REAL slant_y = shared->seen[0].xy * slope_x + shared->seen[0].yy * slope_y;
+  REAL slant_z = slant_x * on.ray_x + slant_y * on.ray_y;
+#if LIT
+  slant_x -= fading[0] * (one - near * z);
+  slant_y -= fading[1] * (one - near * z);
+  slant_z -= fading[2] * (one - near * z);
+#endif
   const REAL first_closer = one / (one - near * z);
   REAL moved[3];  // by a px of the turned ball along each axis
   for (int k = 0; k < 3; ++k) {

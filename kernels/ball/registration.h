@@ -10,9 +10,6 @@
 #include "kernels/status.h"
 #include "kernels/types.h"
 #include "kernels/warp.h"
-#if LIT
-#include "kernels/ball/light.h"
-#endif
 #if SHAPED
 #include "kernels/ball/sight.h"
 #endif
@@ -36,8 +33,12 @@
 // A step after which no pixel is further than this from where further ones would take it is the
 // last: far below what noise of one grey level does to a ball. What is left of a step is taken to
 // be its share that the step before it had left, at least the first of these, and the second where
-// there was no such step.
+// there was no such step. Under a lamp the pictures change with the steps, which leave more.
+#if LIT
+#define LEFT_PX 6e-6f
+#else
 #define LEFT_PX 6e-5f
+#endif
 #define SMALLEST_PACE 0.01f
 #define UNKNOWN_PACE 0.2f
 #define SHORTEST_STEP_PX 3e-4f /* what remains of a step below this says nothing about pace */

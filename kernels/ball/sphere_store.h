@@ -116,11 +116,17 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   const float told = shared->told * by_gain * centre_sd;
   for (int k = REGRESSORS - 2; k < REGRESSORS; ++k) shared->scores[TRIANGLE(k, k)] += told * told;
 #endif
+  // Where few blocks hold all of the texture their scores hardly differ from what the fit makes of
+  // them: no figure is better known than noise of the residuals' size leaves it.
+  float more[PARAMETERS];
 #pragma unroll 1
   for (int k = 0; k < PARAMETERS; ++k) {
     __local const float* row = shared->inverse + k * REGRESSORS;
+    const float by_noise = ALIKE * shared->variance * row[LIGHT + k];
+    more[k] = sqrt(fmax(1.0f, by_noise / sandwich(shared->scores, row, row)));
     for (int j = 0; j <= k; ++j) {
-      const float found = sandwich(shared->scores, row, shared->inverse + j * REGRESSORS);
+      const float found =
+          more[k] * more[j] * sandwich(shared->scores, row, shared->inverse + j * REGRESSORS);
       out->covariance[TRIANGLE(k, j)] =
           unit[k] * unit[j] *
           (shared->stretch * shared->stretch * found + rounding * row[LIGHT + j]);

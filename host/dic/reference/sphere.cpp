@@ -217,6 +217,18 @@ class SphereRegistration {
            light_at(task_.light, here.first.on_ball(p, here.radius) / here.radius);
   }
 
+  // The first picture without the slopes of the light, which does not move with the ball.
+  void take_light_off(const Vector2d& p, const SphereWarp& here, BSplineImage::Sample& f) const {
+    if (!options_.lit) return;
+    const auto level = [&](const Vector2d& at) {
+      return light_at(task_.light, here.first.on_ball(at, here.radius) / here.radius);
+    };
+    const double share = f.value / level(p);
+    const Vector2d x = kStep * Vector2d::UnitX(), y = kStep * Vector2d::UnitY();
+    f.slope_x -= share * (level(p + x) - level(p - x)) / (2 * kStep);
+    f.slope_y -= share * (level(p + y) - level(p - y)) / (2 * kStep);
+  }
+
   // What moves the second picture there as much as each parameter does, on the first one.
   Eigen::Matrix<double, 2, kMotion> shifts(
       const Vector2d& p, const SphereWarp& here,
@@ -285,6 +297,7 @@ class SphereRegistration {
         const double g = second_.value(at.x(), at.y()) -
                          light_(1) * lit * task_.blur / 2 * (changed * curvature(x, y)).trace();
         BSplineImage::Sample f = first_.sample(x, y);
+        take_light_off(p, here, f);
         for (double* part : {&f.value, &f.slope_x, &f.slope_y}) *part *= lit;
         Row row;
         row.head<kLight>() << 1, f.value, f.value * p.x() / task_.radius,
