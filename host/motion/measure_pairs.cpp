@@ -1,5 +1,6 @@
 #include "host/motion/measure_pairs.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -83,6 +84,63 @@ void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> p
   }
 }
 
+constexpr double kDiffer = 0.25, kLeast_rad = 0.02;  // of turns that are alike
+
+double size(const Rotation& turn) { return between(turn, {}); }
+
+bool is_alike(const PairMotion& a, const PairMotion& b) {
+  return between(found(a), found(b)) < kLeast_rad + kDiffer * size(found(a));
+}
+
+// Whether the ball turned by any part or multiple of what it does in `b`: between them a picture
+// may be lost, or be there twice.
+bool is_along(const PairMotion& a, const PairMotion& b) {
+  const Rotation turn = found(a), axis = found(b);
+  const double square = std::pow(size(axis), 2);
+  if (!(square > 0)) return true;
+  const double times =
+      std::max(0.0, (turn.x * axis.x + turn.y * axis.y + turn.z * axis.z) / square);
+  const Rotation along = {times * axis.x, times * axis.y, times * axis.z};
+  return between(turn, along) < kLeast_rad + kDiffer * size(turn);
+}
+
+// The nearest measured pair before (-1) or behind (1) pair `i`.
+const PairMotion* nearest(std::span<const PairMotion> pairs, std::size_t i, int side) {
+  constexpr int kBeside = 4;
+  auto k = static_cast<std::ptrdiff_t>(i);
+  for (int n = 0; n < kBeside; ++n) {
+    k += side;
+    if (k < 0 || k >= static_cast<std::ptrdiff_t>(pairs.size())) return nullptr;
+    const PairMotion& pair = pairs[static_cast<std::size_t>(k)];
+    if (pair.motion.ok) return &pair;
+  }
+  return nullptr;
+}
+
+// Few marks, or marks that are alike, may be led onto each other by another turn than the ball's.
+// No ball turns so in one frame and otherwise in those beside it. One that was looked for
+// everywhere must be borne out where others were measured.
+bool is_lone(std::span<const PairMotion> pairs, std::size_t i) {
+  const PairMotion *before = nearest(pairs, i, -1), *behind = nearest(pairs, i, 1);
+  const auto differs = [&](const PairMotion* other) {
+    return !is_alike(pairs[i], *other) && !is_along(pairs[i], *other);
+  };
+  if (before && behind && is_alike(*before, *behind)) return differs(before) && differs(behind);
+  if (!pairs[i].sought || !(before || behind)) return false;
+  return !(before && is_alike(pairs[i], *before)) && !(behind && is_alike(pairs[i], *behind));
+}
+
+void drop_lone_turns(std::span<PairMotion> pairs) {
+  std::vector<std::size_t> lone;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].motion.ok && is_lone(pairs, i)) lone.push_back(i);
+  }
+  for (const std::size_t i : lone) {
+    pairs[i].motion.ok = false;
+    pairs[i].status = TrackStatus::kLowCorrelation;
+  }
+}
+
 }  // namespace
 
 void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairMotion> pairs) {
@@ -100,6 +158,7 @@ void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairM
   std::vector<std::size_t> all(pairs.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   aim_again([&](std::span<PairMotion> some) { estimator.measure(some); }, radius_px, pairs, all);
+  drop_lone_turns(pairs);
 }
 
 }  // namespace impactdic::motion

@@ -58,8 +58,16 @@ class SphereEstimator : public MotionEstimator {
   // Of the windows that could be found, the share that must agree for a start.
   static constexpr double kWellFound = 0.3;
 
+  // Few marks, or marks that are alike, may be led onto each other by several turns: by which is
+  // not known where another one leaves hardly more.
+  static constexpr double kAsGood = 1.2, kAnother_rad = 0.05;
+
   static bool is_ok(const BallMotion& motion) {
     return motion.status == static_cast<idic_int>(WindowStatus::kOk);
+  }
+  static bool is_another(const BallMotion& a, const BallMotion& b) {
+    return std::hypot(a.rot_x_rad - b.rot_x_rad, a.rot_y_rad - b.rot_y_rad, a.rot_rad - b.rot_rad) >
+           kAnother_rad;
   }
   static bool is_found(const PairMotion& pair) {
     return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
@@ -142,7 +150,12 @@ class SphereEstimator : public MotionEstimator {
       }
     }
     if (best == nullptr) return false;
+    const auto is_rival = [&](const BallMotion& other) {
+      return is_ok(other) && other.residual < kAsGood * best->residual && is_another(other, *best);
+    };
+    if (std::any_of(motions.begin(), motions.end(), is_rival)) return false;
     take_over(*best, pair);
+    pair.sought = true;
     pair.guess_rot_x_rad = best->rot_x_rad;
     pair.guess_rot_y_rad = best->rot_y_rad;
     pair.guess_rot_rad = best->rot_rad;

@@ -23,6 +23,17 @@ void expect_exact(const Summary& got, double in_depth_deg) {
 TEST(SphereAccuracy, PairsAboutAnyAxis) { expect_exact(measure_pairs(20, 8, 2, 5), 0.0018); }
 
 // As parallel rays have it, a turn of 2 degrees would read 2.09.
+// A ball with a few marks: where all that tells lies in some blocks of the picture, their scores
+// said a third of what the motions err by.
+TEST(SphereAccuracy, FewMarksStateWhatTheyLeaveOpen) {
+  const Summary got = measure_pairs(40, 3, 2, 8, {.pattern = "d1", .marks = 24});
+  EXPECT_LE(got.lost, 8);
+  for (const Errors* errors : {&got.shift, &got.in_depth_deg, &got.about_sight_deg}) {
+    EXPECT_LT(errors->rms_over_sd(), 1.35);
+    EXPECT_GT(errors->rms_over_sd(), 0.6);
+  }
+}
+
 TEST(SphereAccuracy, PairsFromNearBy) { expect_exact(measure_pairs(12, 2, 2, 6, {25, 0}), 0.0020); }
 
 TEST(SphereAccuracy, PairsOfACompressedBall) {

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/dic/device/ball.h"
 #include "host/dic/device/sphere_search.h"
@@ -51,7 +53,19 @@ struct PairView {
   double distance_radii = 0, compression = 0;
   bool told = true;
   std::string pattern = "e1";
+  std::size_t marks = 0;  // so many of its speckles are left, evenly; 0: all
 };
+
+inline sim::speckle::SpeckleSphere painted(const PairView& view, unsigned seed) {
+  sim::speckle::SpeckleSphere sphere = sim::speckle::paint_sphere(view.pattern, seed, kRadiusPx);
+  if (view.marks == 0) return sphere;
+  sphere.strips.clear();
+  std::vector<sim::speckle::InkCap> left;
+  const std::size_t every = sphere.caps.size() / view.marks;
+  for (std::size_t i = 0; i < view.marks; ++i) left.push_back(sphere.caps[i * every]);
+  sphere.caps = std::move(left);
+  return sphere;
+}
 
 // The registration of a pair, started beside the truth.
 inline BallTask task_near(const SpherePose& first, const SpherePose& second,
@@ -125,8 +139,7 @@ inline Summary measure_pairs(int count, double most_deg, double noise, unsigned 
     perspective = {1 / (view.distance_radii * kRadiusPx), middle, middle};
   scene.noise_sigma = noise;
   scene.noise_seed = seed;
-  const sim::speckle::SphereRenderer sphere(
-      sim::speckle::paint_sphere(view.pattern, seed, kRadiusPx), scene);
+  const sim::speckle::SphereRenderer sphere(painted(view, seed), scene);
   const auto render = [&](const SpherePose& pose, std::int64_t index, Frame& frame) {
     BallPose at{pose.cx_px, pose.cy_px};
     at.compression = pose.compression;
