@@ -5,7 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
-#include <optional>
+#include <utility>
+#include <vector>
 
 namespace impactdic::motion {
 namespace {
@@ -42,13 +43,13 @@ bool well_aimed(const PairMotion& pair, double radius_px) {
   return pair.motion.ok && between(found(pair), guessed(pair)) * radius_px < kAimed_px;
 }
 
-// The rotation of the nearest pair that has one.
-std::optional<Rotation> nearest_rotation(std::span<const PairMotion> pairs, std::size_t at) {
+// The nearest pair that has a rotation.
+const PairMotion* nearest_measured(std::span<const PairMotion> pairs, std::size_t at) {
   for (std::size_t d = 0; d < pairs.size(); ++d) {
-    if (at >= d && pairs[at - d].motion.ok) return found(pairs[at - d]);
-    if (at + d < pairs.size() && pairs[at + d].motion.ok) return found(pairs[at + d]);
+    if (at >= d && pairs[at - d].motion.ok) return &pairs[at - d];
+    if (at + d < pairs.size() && pairs[at + d].motion.ok) return &pairs[at + d];
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 // How some pairs are measured.
@@ -70,21 +71,25 @@ void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> p
                std::span<const std::size_t> candidates) {
   for (int round = 0; round < kRounds; ++round) {
     std::vector<std::size_t> again;
-    std::vector<Rotation> guesses;
+    std::vector<std::pair<Rotation, bool>> guesses;
     for (const std::size_t i : candidates) {
       if (well_aimed(pairs[i], radius_px)) continue;
-      const auto nearest = nearest_rotation(pairs, i);
-      if (!nearest || between(*nearest, guessed(pairs[i])) < 1e-3) continue;
+      const PairMotion* nearest = nearest_measured(pairs, i);
+      if (!nearest || between(found(*nearest), guessed(pairs[i])) < 1e-3) continue;
       again.push_back(i);
-      guesses.push_back(*nearest);
+      guesses.emplace_back(found(*nearest), nearest->sought);
     }
     if (again.empty()) return;
-    for (std::size_t k = 0; k < again.size(); ++k) guess(pairs[again[k]], guesses[k]);
+    for (std::size_t k = 0; k < again.size(); ++k) {
+      guess(pairs[again[k]], guesses[k].first);
+      pairs[again[k]].sought = guesses[k].second;
+    }
     measure_some(measure, pairs, again);
   }
 }
 
 constexpr double kDiffer = 0.25, kLeast_rad = 0.02;  // of turns that are alike
+constexpr std::size_t kBeside = 4;                   // pairs on either side that have a say
 
 double size(const Rotation& turn) { return between(turn, {}); }
 
@@ -104,30 +109,35 @@ bool is_along(const PairMotion& a, const PairMotion& b) {
   return between(turn, along) < kLeast_rad + kDiffer * size(turn);
 }
 
-// The nearest measured pair before (-1) or behind (1) pair `i`.
-const PairMotion* nearest(std::span<const PairMotion> pairs, std::size_t i, int side) {
-  constexpr int kBeside = 4;
-  auto k = static_cast<std::ptrdiff_t>(i);
-  for (int n = 0; n < kBeside; ++n) {
-    k += side;
-    if (k < 0 || k >= static_cast<std::ptrdiff_t>(pairs.size())) return nullptr;
+// The nearest measured pairs before (-1) or behind (1) pair `i`.
+std::vector<const PairMotion*> nearest(std::span<const PairMotion> pairs, std::size_t i, int side) {
+  std::vector<const PairMotion*> found;
+  auto k = static_cast<std::ptrdiff_t>(i) + side;
+  for (; k >= 0 && k < static_cast<std::ptrdiff_t>(pairs.size()) && found.size() < kBeside;
+       k += side) {
     const PairMotion& pair = pairs[static_cast<std::size_t>(k)];
-    if (pair.motion.ok) return &pair;
+    if (pair.motion.ok) found.push_back(&pair);
   }
-  return nullptr;
+  return found;
 }
 
 // Few marks, or marks that are alike, may be led onto each other by another turn than the ball's.
 // No ball turns so in one frame and otherwise in those beside it. One that was looked for
-// everywhere must be borne out where others were measured.
+// everywhere, or from such a one, must be borne out by more than it contradicts.
 bool is_lone(std::span<const PairMotion> pairs, std::size_t i) {
-  const PairMotion *before = nearest(pairs, i, -1), *behind = nearest(pairs, i, 1);
+  const auto before = nearest(pairs, i, -1), behind = nearest(pairs, i, 1);
   const auto differs = [&](const PairMotion* other) {
     return !is_alike(pairs[i], *other) && !is_along(pairs[i], *other);
   };
-  if (before && behind && is_alike(*before, *behind)) return differs(before) && differs(behind);
-  if (!pairs[i].sought || !(before || behind)) return false;
-  return !(before && is_alike(pairs[i], *before)) && !(behind && is_alike(pairs[i], *behind));
+  if (!before.empty() && !behind.empty() && is_alike(*before[0], *behind[0])) {
+    return differs(before[0]) && differs(behind[0]);
+  }
+  if (!pairs[i].sought) return false;
+  std::size_t alike = 0, others = 0;
+  for (const auto* side : {&before, &behind}) {
+    for (const PairMotion* pair : *side) ++(is_alike(pairs[i], *pair) ? alike : others);
+  }
+  return others > 0 && alike <= others && alike < kBeside;  // behind an impact it goes on so
 }
 
 void drop_lone_turns(std::span<PairMotion> pairs) {
@@ -151,7 +161,10 @@ void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairM
     measure_some(aiming, pairs, ends);
     aim_again(aiming, radius_px, pairs, ends);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      guess(pairs[i], nearest_rotation(pairs, i).value_or(guessed(pairs[i])));
+      const PairMotion* nearest = nearest_measured(pairs, i);
+      if (!nearest) continue;
+      guess(pairs[i], found(*nearest));
+      pairs[i].sought = nearest->sought;
     }
   }
   estimator.measure(pairs);

@@ -68,7 +68,7 @@ struct PairMotion {
   // Results.
   TrackStatus status = TrackStatus::kLowCorrelation;
   dic::RigidMotion motion;  // of the ball's centre in the first frame
-  bool sought = false;      // its turn was looked for everywhere, without a guess
+  bool sought = false;      // its turn was looked for everywhere, or from one that was
   Stretch stretch;          // of the ball's picture, as it was registered
   CentreMotion centre;      // the field interpolated there
   FieldStrain strain;       // of the ball's picture from frame to frame; asked for by `ball` alone

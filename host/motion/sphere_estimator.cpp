@@ -58,16 +58,13 @@ class SphereEstimator : public MotionEstimator {
   // Of the windows that could be found, the share that must agree for a start.
   static constexpr double kWellFound = 0.3;
 
-  // Few marks, or marks that are alike, may be led onto each other by several turns: by which is
-  // not known where another one leaves hardly more.
-  static constexpr double kAsGood = 1.2, kAnother_rad = 0.05;
-
   static bool is_ok(const BallMotion& motion) {
     return motion.status == static_cast<idic_int>(WindowStatus::kOk);
   }
-  static bool is_another(const BallMotion& a, const BallMotion& b) {
-    return std::hypot(a.rot_x_rad - b.rot_x_rad, a.rot_y_rad - b.rot_y_rad, a.rot_rad - b.rot_rad) >
-           kAnother_rad;
+  // One mark that lies on another one tells no turn, however well.
+  static bool is_well_told(const BallMotion& motion) {
+    constexpr double kWeak_rad = 0.005;
+    return std::sqrt(std::max(motion.covariance[5], motion.covariance[9])) < kWeak_rad;
   }
   static bool is_found(const PairMotion& pair) {
     return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
@@ -145,15 +142,10 @@ class SphereEstimator : public MotionEstimator {
     const std::vector<BallMotion> motions = sphere_.measure(frames_, tasks);
     const BallMotion* best = nullptr;
     for (const BallMotion& motion : motions) {
-      if (is_ok(motion) && (best == nullptr || motion.correlation > best->correlation)) {
-        best = &motion;
-      }
+      if (!is_ok(motion) || !is_well_told(motion)) continue;
+      if (best == nullptr || motion.correlation > best->correlation) best = &motion;
     }
     if (best == nullptr) return false;
-    const auto is_rival = [&](const BallMotion& other) {
-      return is_ok(other) && other.residual < kAsGood * best->residual && is_another(other, *best);
-    };
-    if (std::any_of(motions.begin(), motions.end(), is_rival)) return false;
     take_over(*best, pair);
     pair.sought = true;
     pair.guess_rot_x_rad = best->rot_x_rad;

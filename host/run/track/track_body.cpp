@@ -1,4 +1,5 @@
 // What the ball of a run is, and which of its pictures' pixels show it.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -11,6 +12,23 @@
 #include "host/run/track/track_run.h"
 
 namespace impactdic::run {
+namespace {
+
+// A ball whose dark half does not show before a dark background has another silhouette than its
+// rim: the rim is a circle of one size in all pictures, as that of no other body.
+bool shows_one_circle(const std::vector<advice::BallPair>& pairs) {
+  constexpr double kAlike = 0.01;  // fruits: 4 % and more from frame to frame
+  if (pairs.size() < 2) return false;
+  double least = pairs.front().first_ball.r_px, most = least;
+  for (const advice::BallPair& pair : pairs) {
+    if (pair.first_ball.oval > 0 || pair.second_ball.oval > 0) return false;
+    least = std::min({least, pair.first_ball.r_px, pair.second_ball.r_px});
+    most = std::max({most, pair.first_ball.r_px, pair.second_ball.r_px});
+  }
+  return most < (1 + kAlike) * least;
+}
+
+}  // namespace
 
 void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
                            const advice::AdviceRequest& looked) {
@@ -21,7 +39,7 @@ void TrackRun::choose_body(const std::vector<advice::BallPair>& pairs,
   const bool is_asked = request_.body != Body::kAuto;
   result_.body = is_asked ? request_.body : judged.body;
   result_.body_reason = is_asked ? "as was asked for" : judged.reason;
-  if (looks_at_body() && !judged.is_measured) look_for_round_body();
+  if (looks_at_body() && !judged.is_measured && !shows_one_circle(pairs)) look_for_round_body();
   take_up(judged);
   if (options_.with_field) {
     caller_.say(MessageKind::kNote,
