@@ -74,10 +74,10 @@ void aim_again(const Measure& measure, double radius_px, std::span<PairMotion> p
     std::vector<std::pair<Rotation, bool>> guesses;
     for (const std::size_t i : candidates) {
       if (well_aimed(pairs[i], radius_px)) continue;
-      const PairMotion* nearest = nearest_measured(pairs, i);
-      if (!nearest || between(found(*nearest), guessed(pairs[i])) < 1e-3) continue;
+      const PairMotion* known = nearest_measured(pairs, i);
+      if (!known || between(found(*known), guessed(pairs[i])) < 1e-3) continue;
       again.push_back(i);
-      guesses.emplace_back(found(*nearest), nearest->sought);
+      guesses.emplace_back(found(*known), known->sought);
     }
     if (again.empty()) return;
     for (std::size_t k = 0; k < again.size(); ++k) {
@@ -161,10 +161,10 @@ void measure_pairs(MotionEstimator& estimator, double radius_px, std::span<PairM
     measure_some(aiming, pairs, ends);
     aim_again(aiming, radius_px, pairs, ends);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const PairMotion* nearest = nearest_measured(pairs, i);
-      if (!nearest) continue;
-      guess(pairs[i], found(*nearest));
-      pairs[i].sought = nearest->sought;
+      const PairMotion* known = nearest_measured(pairs, i);
+      if (!known) continue;
+      guess(pairs[i], found(*known));
+      pairs[i].sought = known->sought;
     }
   }
   estimator.measure(pairs);

@@ -61,11 +61,6 @@ class SphereEstimator : public MotionEstimator {
   static bool is_ok(const BallMotion& motion) {
     return motion.status == static_cast<idic_int>(WindowStatus::kOk);
   }
-  // One mark that lies on another one tells no turn, however well.
-  static bool is_well_told(const BallMotion& motion) {
-    constexpr double kWeak_rad = 0.005;
-    return std::sqrt(std::max(motion.covariance[5], motion.covariance[9])) < kWeak_rad;
-  }
   static bool is_found(const PairMotion& pair) {
     return pair.motion.ok && agreeing_share(pair.motion, pair.field) > kWellFound;
   }
@@ -142,8 +137,9 @@ class SphereEstimator : public MotionEstimator {
     const std::vector<BallMotion> motions = sphere_.measure(frames_, tasks);
     const BallMotion* best = nullptr;
     for (const BallMotion& motion : motions) {
-      if (!is_ok(motion) || !is_well_told(motion)) continue;
-      if (best == nullptr || motion.correlation > best->correlation) best = &motion;
+      if (is_ok(motion) && (best == nullptr || motion.correlation > best->correlation)) {
+        best = &motion;
+      }
     }
     if (best == nullptr) return false;
     take_over(*best, pair);
