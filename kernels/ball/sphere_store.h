@@ -10,6 +10,11 @@
 #include "kernels/ball/step.h"
 #include "kernels/ball/turn.h"
 
+// Of a figure's variance by noise over that by scores: from where on texture is of few blocks, and
+// from where on it is wholly.
+#define FEW_FROM 1.5f
+#define FEW_TO 1.9f
+
 // Σ over blocks of the products of their scores Σ w ψ(r) column, into shared->scores; and what
 // bends give to the right side of the last step, into shared->bent.
 BARRIER_INLINE void sum_scores(__global const float* value, __global const float* second,
@@ -116,14 +121,17 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   const float told = shared->told * by_gain * centre_sd;
   for (int k = REGRESSORS - 2; k < REGRESSORS; ++k) shared->scores[TRIANGLE(k, k)] += told * told;
 #endif
-  // Where few blocks hold all of the texture their scores hardly differ from what the fit makes of
-  // them: no figure is better known than noise of the residuals' size leaves it.
+  // Where few blocks hold all of the texture the fit makes their scores vanish: what they say is far
+  // below what noise of the residuals' size leaves, and that is taken. Much fine texture is told by
+  // its scores, which are a little below it.
   float more[PARAMETERS];
 #pragma unroll 1
   for (int k = 0; k < PARAMETERS; ++k) {
     __local const float* row = shared->inverse + k * REGRESSORS;
     const float by_noise = ALIKE * shared->variance * row[LIGHT + k];
-    more[k] = sqrt(fmax(1.0f, by_noise / sandwich(shared->scores, row, row)));
+    const float above = by_noise / sandwich(shared->scores, row, row);
+    const float few = clamp((above - FEW_FROM) * (1.0f / (FEW_TO - FEW_FROM)), 0.0f, 1.0f);
+    more[k] = sqrt(1.0f + few * (above - 1.0f));
     for (int j = 0; j <= k; ++j) {
       const float found =
           more[k] * more[j] * sandwich(shared->scores, row, shared->inverse + j * REGRESSORS);
