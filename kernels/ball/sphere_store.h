@@ -100,8 +100,7 @@ BARRIER_INLINE void unbend(__local Shared* shared, const float radius) {
 // Lane 0: the motion and its covariance. `rounding`: variance of a pixel that a residual need not
 // show. shared->sums holds the factor of the last step's normal matrix.
 BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* shared,
-                                 const float radius, const float centre_sd,
-                                 const float rounding) {
+                                 const float radius, const float centre_sd, const float rounding) {
   const float by_gain = 1.0f / shared->light[1];
   const float unit[PARAMETERS] = {by_gain, by_gain, by_gain / radius, by_gain / radius,
                                   by_gain / radius};
@@ -121,9 +120,9 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   const float told = shared->told * by_gain * centre_sd;
   for (int k = REGRESSORS - 2; k < REGRESSORS; ++k) shared->scores[TRIANGLE(k, k)] += told * told;
 #endif
-  // Where few blocks hold all of the texture the fit makes their scores vanish: what they say is far
-  // below what noise of the residuals' size leaves, and that is taken. Much fine texture is told by
-  // its scores, which are a little below it.
+  // Where few blocks hold all of the texture the fit makes their scores vanish: what they say is
+  // far below what noise of the residuals' size leaves, and that is taken. Much fine texture is
+  // told by its scores, which are a little below it.
   float more[PARAMETERS];
 #pragma unroll 1
   for (int k = 0; k < PARAMETERS; ++k) {
@@ -170,8 +169,7 @@ BARRIER_INLINE void store_sphere(__global BallMotion* out, __local Shared* share
   __local const float* of_distance = shared->inverse + (PARAMETERS + 1) * REGRESSORS;
   out->by_distance_sd =
       by_gain / (radius * radius) *
-      sqrt(shared->stretch * shared->stretch *
-               sandwich(shared->scores, of_distance, of_distance) +
+      sqrt(shared->stretch * shared->stretch * sandwich(shared->scores, of_distance, of_distance) +
            rounding * of_distance[LIGHT + PARAMETERS + 1]);
 #endif
   float turn[3];
