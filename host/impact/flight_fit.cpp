@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/impact/flight/flat_links.h"
 #include "host/impact/flight/flight_data.h"
 #include "host/impact/flight/flight_links.h"
 #include "host/impact/flight/row_groups.h"
@@ -128,6 +129,9 @@ class FlightSolver {
       links.insert(links.end(), more.begin(), more.end());
     }
     unknowns_.link();
+    for (int flight = 0; !series_.sphere && flight < flights_; ++flight) {
+      unknowns_.follow(flight, followed_sd(series_, ranges_[static_cast<std::size_t>(flight)]));
+    }
     for (Datum& d : data_) d.fitted = d.kind == DatumKind::kCentre;
     data_.insert(data_.end(), links.begin(), links.end());
   }

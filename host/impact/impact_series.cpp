@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <ranges>
 
 #include "host/clip/track_row.h"
 
@@ -168,6 +170,14 @@ double ImpactSeries::step_sd(std::size_t i) const {
   if (from_circle && i + 1 < size()) return std::hypot(position_sd(i), position_sd(i + 1));
   const TrackRow row = rows_[i];
   return std::hypot(row.dx_sd_px, row.dy_sd_px) / std::sqrt(2.0);
+}
+
+double ImpactSeries::origin_sd(std::size_t i) const {
+  const std::int64_t origin = rows_[i].pose.origin;
+  const auto rows = std::views::iota(std::size_t{0}, i + 1);
+  const auto at =
+      std::ranges::lower_bound(rows, origin, {}, [this](std::size_t k) { return rows_[k].frame; });
+  return at != rows.end() && rows_[*at].frame == origin ? position_sd(*at) : kNotMeasured;
 }
 
 double ImpactSeries::turn(std::size_t i) const {

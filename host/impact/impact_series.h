@@ -93,6 +93,8 @@ class ImpactSeries {
   }
   // Of a flat ball against a keyframe; angle_rad is NaN where it was not placed.
   BodyPose pose(std::size_t i) const { return rows_[i].pose; }
+  // What the circle states that the pose of row `i` leads back to; NaN where no row has it.
+  double origin_sd(std::size_t i) const;
   std::size_t size() const { return position_n.size(); }
 
  private:

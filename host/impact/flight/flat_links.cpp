@@ -56,4 +56,17 @@ std::vector<Datum> flat_links(const ImpactSeries& series, const GravityDirection
   return rows;
 }
 
+double followed_sd(const ImpactSeries& series, const FlightRange& range) {
+  double largest = 0;
+  std::int64_t origin = -1;
+  for (std::size_t i = range.first + 1; i <= range.last; ++i) {
+    const BodyPose pose = series.pose(i);
+    if (!pose.ok || pose.origin == origin) continue;
+    origin = pose.origin;
+    const double sd = series.origin_sd(i);
+    if (sd > largest) largest = sd;
+  }
+  return largest;
+}
+
 }  // namespace impactdic::impact

@@ -6,15 +6,19 @@ namespace impactdic::impact {
 namespace {
 
 constexpr double kLeastNearnessSd = 1e-7;
-// How far off the centre the point lies that is followed. It is a circle's centre, which the
-// texture under the rim misplaces. It turns along with the ball, and neither centres nor motions,
-// which are about that place, tell it from a path.
+// How far off the centre the point lies that is followed, at least. It is a circle's centre, which
+// the texture under the rim misplaces. It turns along with the ball, and neither centres nor
+// motions, which are about that place, tell it from a path.
 constexpr double kOffsetSd_px = 0.05;
 // What foreshortening makes of a pose against its keyframe and of its turn in the picture's plane,
 // in proportion (sixteen flights of four patterns, R 115 px).
 constexpr double kLinkedTurnModel = 1.4e-4, kLinkedRollModel = 1e-4;
 
 }  // namespace
+
+void Unknowns::follow(int flight, double circle_sd_px) {
+  followed_sd_px_[static_cast<std::size_t>(flight)] = circle_sd_px;
+}
 
 Eigen::VectorXd Unknowns::row_of(const Datum& d) const {
   Eigen::VectorXd row = Eigen::VectorXd::Zero(count());
@@ -39,7 +43,10 @@ void Unknowns::add_priors(const ImpactSeries& series, double circle_sd_px,
   const auto add = [&normal](int column, int count, double sd) {
     normal.diagonal().segment(column, count).array() += 1 / (sd * sd);
   };
-  if (has_offsets()) add(offset(0), 2 * flights_, kOffsetSd_px);
+  for (int flight = 0; has_offsets() && flight < flights_; ++flight) {
+    const double followed = followed_sd_px_[static_cast<std::size_t>(flight)];
+    add(offset(flight), 2, std::max(kOffsetSd_px, followed));
+  }
   if (has_rims()) add(rim(0), 2 * flights_, circle_sd_px);
   if (!sphere_) return;
   add(radius(), 1, series.sphere->radius_sd_px());

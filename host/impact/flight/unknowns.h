@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 
 #include "host/impact/flight/flight_data.h"
 
@@ -18,6 +19,8 @@ class Unknowns {
   // By registrations against keyframes from now on.
   void link() { linked_ = true; }
   bool is_linked() const { return linked_; }
+  // The place that poses of a flat ball follow was a circle's centre with this deviation.
+  void follow(int flight, double circle_sd_px);
 
   int states() const { return flights_ * kStatesOfOne; }
   int radius() const { return states() + (free_ ? 1 : 0); }
@@ -41,6 +44,7 @@ class Unknowns {
  private:
   int flights_;
   bool sphere_, free_, across_, linked_ = false;
+  std::array<double, 2> followed_sd_px_{};
 };
 
 }  // namespace impactdic::impact
