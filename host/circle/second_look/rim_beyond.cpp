@@ -125,6 +125,9 @@ struct Surroundings {
   std::array<std::optional<float>, kWays> level;
   // By which it changes from ring to ring, and the ring that has that level.
   std::array<double, kWays> slope{}, at_ring{};
+  // What the levels, which differ all around, would have it change by: of light that falls off
+  // across the picture it is the same.
+  std::array<double, kWays> across{};
   double mean_sd = 0, variance = 0, variance_sd = 0, apart = 0;
   double least_level = kBeyond.least_level;  // grey levels that tell something else
 };
@@ -134,6 +137,11 @@ float level_at(const Surroundings& back, int direction, std::size_t ring) {
   return *back.level[direction] + static_cast<float>(back.slope[direction] * from);
 }
 
+Eigen::Vector3d wave(int direction) {
+  const double angle = 2 * kPi * (direction + 0.5) / kWays;
+  return {1, std::cos(angle), std::sin(angle)};
+}
+
 // How much brighter the background is farther out, ring by ring: what a lens that darkens the
 // picture's corners, or light from one side, makes of it. Least squares over all directions' outer
 // ends, even about the rim but for a first wave.
@@ -141,10 +149,6 @@ void find_slopes(const Cells& cells, const Rings& rings, Surroundings& back) {
   const auto outermost = static_cast<std::size_t>(rings.outermost());
   Eigen::Matrix3d square = Eigen::Matrix3d::Identity() * 1e-9;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const auto wave = [](int d) {
-    const double angle = 2 * kPi * (d + 0.5) / kWays;
-    return Eigen::Vector3d(1, std::cos(angle), std::sin(angle));
-  };
   for (int d = 0; d < kWays; ++d) {
     if (!back.level[d]) continue;
     const std::size_t first = cells[d].size() - outermost;
@@ -162,7 +166,24 @@ void find_slopes(const Cells& cells, const Rings& rings, Surroundings& back) {
   for (int d = 0; d < kWays; ++d) back.slope[d] = slopes.dot(wave(d));
 }
 
-Surroundings background_of(const Cells& cells, const Rings& rings) {
+// A plane through the levels: of a ring, and by how much it rises to the next one.
+void find_plane(const Rim& rim, const Rings& rings, Surroundings& back) {
+  Eigen::Matrix3d square = Eigen::Matrix3d::Identity() * 1e-9;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    const double at_px = rim.r + rings.first_px + (back.at_ring[d] + 0.5) * rings.width_px;
+    const Eigen::Vector3d place(1, at_px * wave(d)[1], at_px * wave(d)[2]);
+    square += place * place.transpose();
+    sum += static_cast<double>(*back.level[d]) * place;
+  }
+  const Eigen::Vector3d plane = square.ldlt().solve(sum);
+  for (int d = 0; d < kWays; ++d) {
+    back.across[d] = rings.width_px * (plane[1] * wave(d)[1] + plane[2] * wave(d)[2]);
+  }
+}
+
+Surroundings background_of(const Cells& cells, const Rim& rim, const Rings& rings) {
   const auto outermost = static_cast<std::size_t>(rings.outermost());
   std::array<std::optional<float>, kWays> own;
   std::vector<float> variances, apart;
@@ -190,6 +211,7 @@ Surroundings background_of(const Cells& cells, const Rings& rings) {
   back.apart = upper_median(apart);
   back.variance_sd = back.variance * std::sqrt(2 / (3.0 * rings.samples()));
   find_slopes(cells, rings, back);
+  find_plane(rim, rings, back);
   return back;
 }
 
@@ -212,9 +234,13 @@ double scatter_about(const Surroundings& back, const Cells& cells, const Rings& 
 // How cells scatter about the background. Slopes that are too steep, or leave them scattered nearly
 // as widely, are not the background's.
 void state_scatter(const Cells& cells, const Rings& rings, double contrast, Surroundings& back) {
-  const auto steeper = [](double a, double b) { return std::abs(a) < std::abs(b); };
-  const double steepest = *std::max_element(back.slope.begin(), back.slope.end(), steeper);
-  if (std::abs(steepest) * rings.count > kBeyond.most_slope * contrast) back.slope = {};
+  double steepest = 0, off_plane = 0;
+  for (int d = 0; d < kWays; ++d) {
+    steepest = std::max(steepest, std::abs(back.slope[d]));
+    off_plane = std::max(off_plane, std::abs(back.slope[d] - back.across[d]));
+  }
+  const double rise = std::min(steepest, off_plane) * rings.count;
+  if (rise > kBeyond.most_slope * contrast) back.slope = {};
   Surroundings level = back;
   level.slope = {};
   double scatter = scatter_about(back, cells, rings);
@@ -286,7 +312,7 @@ Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
   const Cells cells =
       with_neighbours(frame.type == PixelType::kU8 ? cells_beyond(frame.u8.view(), rim, rings)
                                                    : cells_beyond(frame.u16.view(), rim, rings));
-  Surroundings back = background_of(cells, rings);
+  Surroundings back = background_of(cells, rim, rings);
   const double contrast_of_ball = contrast(frame, rim, back);
   if (back.apart < kBeyond.smoothed && back.variance < kBeyond.plain) {
     back.least_level = std::max(back.least_level, kBeyond.of_contrast * contrast_of_ball);

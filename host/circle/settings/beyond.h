@@ -21,8 +21,9 @@ struct BeyondSettings {
   // is told so deep inside. [measured] bench/coded_film.py
   double smoothed = 0.25, plain = 0.7, of_contrast = 0.04;
   double inside[3] = {0.6, 0.75, 0.9};  // of the radius [hand]
-  // A background may grow brighter outwards by so much of the ball's contrast, over all rings: more
-  // is not the background's [hand].
+  // A background may grow brighter outwards by so much of the ball's contrast, over all rings, or
+  // by so much more than its levels on all sides tell: what is steeper is not the background's
+  // [hand].
   double most_slope = 0.1;
   double less_scatter = 0.7;  // of that about one level: plainly brighter outwards, or not [hand]
   // An even background: its means scatter by no more than so many times what its noise makes of
