@@ -33,6 +33,15 @@ double alike(const std::vector<double>& left, double squares) {
   return std::max(sum, 1.0);
 }
 
+// Whether the first or last value lies off the line and the parabola that the three beside it make.
+bool is_off_end(const std::vector<double>& values, std::size_t i, double limit) {
+  if (i != 0 && i + 1 != values.size()) return false;
+  const auto beside = [&](std::size_t k) { return values[i == 0 ? k : i - k]; };
+  const double line = 2 * beside(1) - beside(2);
+  const double parabola = line + beside(1) - 2 * beside(2) + beside(3);
+  return std::abs(values[i] - line) > limit && std::abs(values[i] - parabola) > limit;
+}
+
 }  // namespace
 
 void PathFits::add(const std::vector<double>& all, const PathSpan& span, Kind kind) {
@@ -48,6 +57,7 @@ void PathFits::add(const std::vector<double>& all, const PathSpan& span, Kind ki
     // A path bends within the five frames, at their ends more.
     const bool inner = i >= 2 && i + 2 < values.size();
     if (!std::isfinite(values[i]) || (inner && std::abs(values[i] - middle) > limit)) continue;
+    if (is_off_end(values, i, limit)) continue;
     samples_.push_back({static_cast<double>(span.begin + i), values[i], kind});
   }
 }
