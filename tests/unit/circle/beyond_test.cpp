@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -84,6 +85,23 @@ TEST(BeyondRim, ABackgroundThatGrowsDarkerIsNoBall) {
   }
   EXPECT_LT(share_beyond(ball, 0, 0), circle::kBeyond.share);
   EXPECT_GT(share_beyond(ball, 0, -6), 0.9);
+}
+
+// Light that falls off across a wall. Balls before such a one were lost in most frames.
+TEST(BeyondRim, ABackgroundThatRisesAcrossIsNoBall) {
+  for (const double rise : {0.2, 0.35, 0.5}) {  // grey levels a pixel
+    Shown ball = shown({.name = "across", .radius_px = 60});
+    for (int y = 0; y < ball.frame.height(); ++y) {
+      for (int x = 0; x < ball.frame.width(); ++x) {
+        const double out = std::hypot(x - ball.rim.cx, y - ball.rim.cy) - ball.rim.r;
+        if (out < 0) continue;
+        const double level = ball.frame.u8(x, y) + std::min(out, 1.0) * rise * x;
+        ball.frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(level));
+      }
+    }
+    EXPECT_LT(share_beyond(ball, 0, 0), circle::kBeyond.share) << rise;
+    EXPECT_GT(share_beyond(ball, 0, -6), 0.9) << rise;
+  }
 }
 
 TEST(BeyondRim, TellsNothingBesideATexture) {

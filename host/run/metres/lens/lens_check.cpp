@@ -57,7 +57,9 @@ class Equations {
  public:
   Equations(const TrackRows& rows, const std::vector<FlightRows>& flights, bool motions,
             const Bending& bending)
-      : rows_(rows), flights_(flights), motions_(motions), bending_(bending) {}
+      : rows_(rows), flights_(flights), motions_(motions), bending_(bending) {
+    for (const FlightRows& flight : flights) paths_.push_back(path_of(flight));
+  }
 
   Eigen::Index unknowns() const {
     return static_cast<Eigen::Index>(kPerFlight * flights_.size() + 1);
@@ -68,39 +70,75 @@ class Equations {
   void each(const Use& use) const {
     for (std::size_t f = 0; f < flights_.size(); ++f) {
       for (std::size_t i = flights_[f].first; i <= flights_[f].last; ++i) {
-        each_of_row(rows_[i], static_cast<double>(i - flights_[f].first),
-                    static_cast<Eigen::Index>(kPerFlight * f), use);
+        const TrackRow row = rows_[i];
+        if (!counts(row)) continue;
+        const Eigen::Vector3d powers = powers_at(flights_[f], i);
+        const Seen seen = seen_in(row);
+        const Vector2d bend = bend_of(row, paths_[f].transpose() * powers);
+        for (int axis = 0; axis < 2; ++axis) {
+          Eigen::VectorXd slope = Eigen::VectorXd::Zero(unknowns());
+          const auto at = static_cast<Eigen::Index>(kPerFlight * f);
+          slope.segment<3>(at + 3 * axis) = powers;
+          slope[unknowns() - 1] = bend[axis];
+          slope /= seen.sd[axis];
+          use(slope, seen.value[axis] / seen.sd[axis]);
+        }
       }
     }
   }
 
  private:
-  template <typename Use>
-  void each_of_row(const TrackRow& row, double t, Eigen::Index at, const Use& use) const {
-    if (!row.circle_ok || (motions_ && !row.motion_ok)) return;
+  using Path = Eigen::Matrix<double, 3, 2>;  // place, speed and acceleration, along x and y
+
+  struct Seen {
+    Vector2d value, sd;
+  };
+
+  bool counts(const TrackRow& row) const { return row.circle_ok && (!motions_ || row.motion_ok); }
+
+  Seen seen_in(const TrackRow& row) const {
     const RimCentre rim = rim_centre(row);
-    const Vector2d centre(rim.x_px, rim.y_px), motion(row.dx_px, row.dy_px);
-    const Vector2d value = motions_ ? motion : centre;
-    const Vector2d bend =
-        motions_ ? bending_.step(centre + motion / 2, motion) : bending_.place(centre);
-    const Vector2d sd =
-        motions_ ? Vector2d(row.dx_sd_px, row.dy_sd_px) : Vector2d(rim.x_sd_px, rim.y_sd_px);
-    const Eigen::Vector3d path =
-        motions_ ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
-    for (int axis = 0; axis < 2; ++axis) {
-      Eigen::VectorXd slope = Eigen::VectorXd::Zero(unknowns());
-      slope.segment<3>(at + 3 * axis) = path;
-      slope[unknowns() - 1] = bend[axis];
-      const double by = std::max(sd[axis], motions_ ? kLeastStepSd_px : kLeastCentreSd_px);
-      slope /= by;
-      use(slope, value[axis] / by);
+    if (motions_) {
+      return {{row.dx_px, row.dy_px},
+              Vector2d(row.dx_sd_px, row.dy_sd_px).cwiseMax(kLeastStepSd_px)};
     }
+    return {{rim.x_px, rim.y_px}, Vector2d(rim.x_sd_px, rim.y_sd_px).cwiseMax(kLeastCentreSd_px)};
+  }
+
+  Eigen::Vector3d powers_at(const FlightRows& flight, std::size_t i) const {
+    const auto t = static_cast<double>(i - flight.first);
+    return motions_ ? Eigen::Vector3d(0, 1, t + 0.5) : Eigen::Vector3d(1, t, t * t / 2);
+  }
+
+  // Of a row whose centre or motion is `on_path` but for its noise. What was measured itself would
+  // go along with its noise, and look like a lens.
+  Vector2d bend_of(const TrackRow& row, const Vector2d& on_path) const {
+    if (!motions_) return bending_.place(on_path);
+    const RimCentre rim = rim_centre(row);
+    return bending_.step(Vector2d(rim.x_px, rim.y_px) + on_path / 2, on_path);
+  }
+
+  // Of one flight without a lens.
+  Path path_of(const FlightRows& flight) const {
+    Eigen::Matrix3d normal = 1e-12 * Eigen::Matrix3d::Identity();
+    Path side = Path::Zero();
+    for (std::size_t i = flight.first; i <= flight.last; ++i) {
+      const TrackRow row = rows_[i];
+      if (!counts(row)) continue;
+      const Eigen::Vector3d powers = powers_at(flight, i);
+      const Seen seen = seen_in(row);
+      const double weight = 1 / seen.sd.squaredNorm();
+      normal += weight * powers * powers.transpose();
+      side += weight * powers * seen.value.transpose();
+    }
+    return normal.ldlt().solve(side);
   }
 
   TrackRows rows_;
   const std::vector<FlightRows>& flights_;
   bool motions_;
   Bending bending_;
+  std::vector<Path> paths_;
 };
 
 // Least squares, once more without what does not fit; the last unknown with its deviation, which
