@@ -12,6 +12,7 @@
 #include "host/impact/flight/flight_links.h"
 #include "host/impact/flight/row_groups.h"
 #include "host/impact/flight/unknowns.h"
+#include "host/impact/flight/velocity_sums.h"
 
 namespace impactdic::impact {
 namespace {
@@ -25,6 +26,7 @@ constexpr double kTurnModel = 2.5e-4;
 constexpr double kLinkedCentreModel = 6e-6;
 // A flat ball's steps that scatter by less than this share of what they state have much alike.
 constexpr double kMuchMore = 0.5;
+constexpr double kSlowed = 5;  // deviations beyond which a mean of steps is off
 constexpr std::array kVelocities = {kVn0, kVt0, kVn1, kVt1};
 
 using Vector = Eigen::VectorXd;
@@ -60,11 +62,7 @@ class FlightSolver {
     FlightFit fit;
     give_usual_deviations(data_);
     if (!settle()) return fit;
-    // A flat ball's poses, too, would add up a turn out of the picture's plane that nobody sees.
-    if (!series_.sphere && scale(DatumKind::kStep) > kMuchMore) {
-      add_links();
-      if (unknowns_.is_linked() && !settle()) return fit;
-    }
+    if (!series_.sphere && !settle_on_links()) return fit;
     const double position_scale = scale_[0];
     count_alike();
     if (!least_squares()) return fit;
@@ -134,6 +132,23 @@ class FlightSolver {
     }
     for (Datum& d : data_) d.fitted = d.kind == DatumKind::kCentre;
     data_.insert(data_.end(), links.begin(), links.end());
+  }
+
+  // A flat ball's places on keyframes instead of its steps, where they say more. Where they say
+  // something else a pattern that stands still slows steps, and places near a keyframe.
+  bool settle_on_links() {
+    // Poses, too, would add up a turn out of the picture's plane that nobody sees.
+    if (!(scatter_about_means(data_, residuals(), DatumKind::kStep) > kMuchMore)) return true;
+    add_links();
+    if (!unknowns_.is_linked()) return true;
+    if (!settle()) return false;
+    const double off = farthest_mean(data_, residuals(), DatumKind::kStep, kSlowed);
+    if (!(off > 0)) return true;
+    leaning_px2_ = std::pow(off * usual_deviation(data_, DatumKind::kStep), 2);
+    unknowns_.unlink();
+    std::erase_if(data_, [](const Datum& d) { return d.kind == DatumKind::kShift; });
+    for (Datum& d : data_) d.fitted = d.used = true;
+    return settle();
   }
 
   // Whether the row counts in the fit.
@@ -243,12 +258,14 @@ class FlightSolver {
   }
 
   // A flat ball's steps that state much more than they scatter by may all be off by the rest of
-  // it, as by a turn out of the picture's plane that nobody sees. Centres tell by how much, as
-  // independent as they are of each other. Whether it is so.
+  // it, as by a turn out of the picture's plane that nobody sees; or they are slowed. Centres tell
+  // by how much, as independent as they are of each other. Whether it is so.
   bool let_steps_lean() {
     const double scatter = scale(DatumKind::kStep);
-    if (series_.sphere || unknowns_.is_linked() || !(scatter < kMuchMore)) return false;
-    leaning_px2_ = common_variance(DatumKind::kStep);
+    if (series_.sphere || unknowns_.is_linked()) return false;
+    if (scatter < kMuchMore) {
+      leaning_px2_ = std::max(leaning_px2_, common_variance(DatumKind::kStep));
+    }
     if (!(leaning_px2_ > 0)) return false;
     scale_[0] = std::max(scale_[0], 1.0) *
                 std::sqrt(alike_in_a_row(data_, residuals(), DatumKind::kCentre, true));
@@ -306,38 +323,26 @@ class FlightSolver {
   }
 
   struct TwoVelocities {
-    double of_steps, of_centres, chance;  // chance: variance of their difference
+    double of_steps, of_centres;
+    double chance;  // variance of their difference, what a sphere's radius may do to steps included
   };
-  // Weighted mean of the steps and slope of the weighted line through the centres. What a sphere's
-  // radius may do to the steps counts as chance.
   std::optional<TwoVelocities> two_velocities(int column) const {
-    double step = 0, step_weight = 0, to_radius = 0, to_nearness = 0;
-    double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
+    VelocitySums sums;
     for (const Datum& d : data_) {
       const int place = kStatesOfOne * d.flight + (d.normal ? kN0 : kT0);
-      if (!d.used || d.kind > DatumKind::kStep || place + 1 != column) continue;
-      const double weight = 1 / (sd(d) * sd(d));
-      const double x = d.slope[static_cast<std::size_t>(d.normal ? kVn0 : kVt0)];
-      const double y = d.value - d.gravity_slope * gravity();
-      if (d.kind == DatumKind::kStep) {
-        step += weight * y, step_weight += weight;
-        to_radius += weight * d.radius_slope, to_nearness += weight * d.nearness_slope;
-      } else {
-        w += weight, wx += weight * x, wxx += weight * x * x;
-        wy += weight * y, wxy += weight * x * y;
-      }
+      if (!d.used || place + 1 != column) continue;
+      sums.add(d, sd(d), d.value - d.gravity_slope * gravity());
     }
-    const double spread = w * wxx - wx * wx;
-    if (!(step_weight > 0) || !(spread > 0)) return std::nullopt;
-    const double of_centres = (w * wxy - wx * wy) / spread;
+    if (!sums.tell_both()) return std::nullopt;
     // Keyframes tell no velocity apart from all the rest.
-    if (unknowns_.is_linked()) return TwoVelocities{solution_[column], of_centres, w / spread};
-    double chance = 1 / step_weight + leaning_px2_ + w / spread;
+    const double of_centres = sums.slope_of_centres(), variance = sums.variance_of_slope();
+    if (unknowns_.is_linked()) return TwoVelocities{solution_[column], of_centres, variance};
+    double chance = 1 / sums.steps + leaning_px2_ + variance;
     if (series_.sphere) {
-      chance += std::pow(to_radius / step_weight * series_.sphere->radius_sd_px(), 2) +
-                std::pow(to_nearness / step_weight * series_.sphere->nearness_sd(), 2);
+      chance += std::pow(sums.to_radius / sums.steps * series_.sphere->radius_sd_px(), 2) +
+                std::pow(sums.to_nearness / sums.steps * series_.sphere->nearness_sd(), 2);
     }
-    return TwoVelocities{step / step_weight, of_centres, chance};
+    return TwoVelocities{sums.step / sums.steps, of_centres, chance};
   }
 
   bool reject() {

@@ -15,7 +15,8 @@ namespace impactdic::impact {
 std::vector<Datum> flat_links(const ImpactSeries& series, const GravityDirection& direction,
                               const FlightRange& range, int flight, int first_group);
 
-// The largest deviation of a circle that poses of the flight lead back to, px; 0 where none has one.
+// The largest deviation of a circle that poses of the flight lead back to, px; 0 where none has
+// one.
 double followed_sd(const ImpactSeries& series, const FlightRange& range);
 
 }  // namespace impactdic::impact

@@ -1,10 +1,29 @@
 #include "host/impact/flight/row_groups.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace impactdic::impact {
 namespace {
+
+// Of residuals over deviations.
+struct Part {
+  double n = 0, sum = 0, squares = 0;
+  double about_mean() const { return squares - sum * sum / n; }
+};
+
+// By flight and axis.
+std::array<Part, 4> parts_of(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                             DatumKind kind) {
+  std::array<Part, 4> parts;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (!data[i].used || data[i].kind != kind) continue;
+    Part& part = parts[static_cast<std::size_t>(2 * data[i].flight + (data[i].normal ? 1 : 0))];
+    part.n += 1, part.sum += residuals[i], part.squares += residuals[i] * residuals[i];
+  }
+  return parts;
+}
 
 // Less the line through them, in order.
 void remove_line(std::vector<double>& values) {
@@ -51,6 +70,27 @@ std::vector<double> own_residuals(const std::vector<Datum>& data,
     if (found != shared.end()) own[i] -= alike(data[i]).dot(found->second);
   }
   return own;
+}
+
+double scatter_about_means(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                           DatumKind kind) {
+  double n = 0, squares = 0;
+  for (const Part& part : parts_of(data, residuals, kind)) {
+    if (part.n > 0) n += part.n, squares += part.about_mean();
+  }
+  return n > 0 ? std::sqrt(squares / n) : 0;
+}
+
+double farthest_mean(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                     DatumKind kind, double deviations) {
+  double farthest = 0;
+  for (const Part& part : parts_of(data, residuals, kind)) {
+    if (part.n < 2) continue;
+    const double mean = std::abs(part.sum) / part.n;
+    const double sd = std::sqrt(part.about_mean() / (part.n * (part.n - 1)));
+    if (mean > deviations * sd) farthest = std::max(farthest, mean);
+  }
+  return farthest;
 }
 
 double alike_in_a_row(const std::vector<Datum>& data, const std::vector<double>& residuals,

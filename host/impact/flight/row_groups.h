@@ -55,6 +55,15 @@ void lean(std::vector<Datum>& data, DatumKind kind, double px, double scale);
 std::vector<double> own_residuals(const std::vector<Datum>& data,
                                   const std::vector<double>& residuals);
 
+// Scatter over stated deviation, of each flight's rows of one kind about their own mean along each
+// axis: a pattern that stands still on the sensor slows all steps alike. 0 where there are none.
+double scatter_about_means(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                           DatumKind kind);
+
+// The farthest of those means from 0, where it is so many of its deviations and more; else 0.
+double farthest_mean(const std::vector<Datum>& data, const std::vector<double>& residuals,
+                     DatumKind kind, double deviations);
+
 // A sphere's circle errs as its texture turns under the rim, and compressed film as its coder goes
 // on from picture to picture: alike in frames that follow each other. How many of them count as
 // one: the sum of the residuals' correlations (Sokal 1997). Of independent errors of a flat ball

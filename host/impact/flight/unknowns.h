@@ -18,6 +18,7 @@ class Unknowns {
       : flights_(flights), sphere_(sphere), free_(free_acceleration), across_(across) {}
   // By registrations against keyframes from now on.
   void link() { linked_ = true; }
+  void unlink() { linked_ = false; }
   bool is_linked() const { return linked_; }
   // The place that poses of a flat ball follow was a circle's centre with this deviation.
   void follow(int flight, double circle_sd_px);
