@@ -19,6 +19,11 @@ struct SphereSettings {
   int envelope_passes = 12;      // of each start [hand]
   double start_deg[4] = {0, 25, 50, -15};  // elevations of the lamp to start from [hand]
   int settling_passes = 2;                 // of each window [hand]
+  // Of the light of an earlier frame: directions from one whose samples tell how bright it is now
+  // to the next, and how many times as many of them must be the paint's in another brightness
+  // [hand].
+  std::size_t brightness_every = 8;
+  double brighter_crowd = 1.5;
   // Weights of no light of a kind, in cells; and what a cell is worth in samples.
   double least_light = 0.1;  // at a rim, of its brightest, that grey levels are told in [hand]
   int layers = 8;            // of samples where the light of a clip is learnt [hand]

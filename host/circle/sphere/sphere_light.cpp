@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include "host/base/statistics.h"
 #include "host/circle/rim/rim_levels.h"
@@ -58,6 +59,40 @@ class Fit {
       }
     }
     return best;
+  }
+
+  // The light of an earlier frame as bright as it is now. A lamp may have lost more than the
+  // windows about the paint's level are wide.
+  SphereLight brightened(const SphereLight& light) const {
+    const double contrast = brightest(light) - ground_;
+    const double window = static_cast<double>(kLevels.window_first) * contrast;
+    std::vector<float> off;  // of some samples
+    for (std::size_t i = 0; i < samples_.directions.size(); i += kSphere.brightness_every) {
+      const auto& d = samples_.directions[i];
+      const auto &x = samples_.x[d.layer], &z = samples_.z[d.layer];
+      for (int k = 0; k < kRings; ++k) {
+        if (!(d.level[k] > kNoLevel)) continue;
+        off.push_back(d.level[k] - static_cast<float>(light.at(static_cast<double>(x[k] * d.cos),
+                                                               static_cast<double>(x[k] * d.sin),
+                                                               static_cast<double>(z[k]))));
+      }
+    }
+    if (off.empty()) return light;
+    const auto crowd = [&](double about) {
+      return std::count_if(off.begin(), off.end(), [&](float each) {
+        return std::abs(static_cast<double>(each) - about) < window;
+      });
+    };
+    const auto as_before = crowd(0);
+    const double by = static_cast<double>(quantile(off, kSphere.bright));
+    const bool changed =
+        std::abs(by) > window &&
+        static_cast<double>(crowd(by)) > kSphere.brighter_crowd * static_cast<double>(as_before);
+    const double middle = light.at(0, 0, 1);
+    if (!changed || !(std::abs(middle) > 0)) return light;
+    LightTerms terms = light.terms();
+    for (int m = 0; m < kLightTerms; ++m) terms[m] *= m == 4 ? 1 : 1 + by / middle;
+    return SphereLight(terms);
   }
 
   void settle(SphereLight& light) {
@@ -267,7 +302,7 @@ std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double
                                             double noise, const SphereLight* start) {
   Fit fit(samples, ground, noise, start == nullptr);
   if (!fit.has_enough()) return std::nullopt;
-  SphereLight light = start ? *start : fit.from_nothing();
+  SphereLight light = start ? fit.brightened(*start) : fit.from_nothing();
   fit.settle(light);
   for (const double term : light.terms()) {
     if (!std::isfinite(term)) return std::nullopt;
