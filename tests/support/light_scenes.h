@@ -18,7 +18,7 @@
 
 namespace impactdic::testing {
 
-enum class Backdrop { kEven, kWood, kTiles };
+enum class Backdrop { kEven, kWood, kTiles, kSlope };
 
 // Grey levels are of 255.
 struct LightScene {
@@ -58,6 +58,7 @@ inline double backdrop_level(Backdrop kind, std::uint64_t seed, double x, double
     const double joints = std::max(joint(u), joint(v));
     return 85 - 60 * joints + 4 * std::sin(u / 19) * std::sin(v / 23);
   }
+  if (kind == Backdrop::kSlope) return 45 + 0.27 * x;  // a wall lit from one side
   return 30;
 }
 

@@ -94,7 +94,8 @@ struct Behind {
 };
 // Samples at and behind this one tell a ray's background.
 inline int outer_end(const Profiles& p) { return p.length - p.length / 4; }
-Behind behind(Profiles& p);
+// Takes off the samples what light that falls off across the picture makes of the background.
+Behind behind(const Rim& rim, Profiles& p);
 
 // Finds where each ray leaves what lies behind the ball.
 void find_departures(Profiles& p, const Rim& rim);

@@ -13,6 +13,10 @@ struct OutlineSettings {
   double around_px = 8, around_of_r = 0.15;  // [hand]
   int of_usual_rays = 4;                     // one ray for so many of CircleOptions::rays [hand]
   int beside = 2;  // rays on either side whose outer ends tell a ray's background [hand]
+  // A plane through what lies at the outer ends of so many rays, or more, that leaves so much of
+  // its deviation is the light's [hand].
+  int least_across = 12;
+  double across = 0.35;
   // Samples of neighbouring rays are pooled over so much of the rim, from samples so far apart, px:
   // the dark side of a ball may differ from the background by less than the noise [hand].
   double pooled_px = 6, apart_px = 1.4;

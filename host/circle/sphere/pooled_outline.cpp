@@ -116,7 +116,7 @@ double half_way(const Pooled& pooled, int last, double noise) {
 }  // namespace
 
 bool find_pooled_departures(Profiles& p, const Rim& rim) {
-  const Behind back = behind(p);
+  const Behind back = behind(rim, p);
   // In so little noise a single sample tells, and blur far outside would be taken for the ball.
   if (kOutline.noises * back.noise < kOutline.least_level) return false;
   if (alike(p, back) > kOutline.alike) return false;

@@ -114,9 +114,51 @@ bool depart(const float* p, float ground, float least, Departure& out) {
   return false;
 }
 
+// Light that falls off across the picture, as a plane through what lies at the rays' outer ends,
+// taken off: along a ray it would be no background. An obstacle makes no plane.
+void level_out(const Rim& rim, Profiles& p) {
+  const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
+  std::vector<Eigen::Vector3d> places;
+  std::vector<double> levels;
+  double sum = 0;
+  for (int i = 0; i < n; ++i) {
+    if (p.valid[i] <= from) continue;
+    const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
+    p.scratch.assign(s + from, s + p.valid[i]);
+    const Ray& ray = p.rays[i];
+    const double out = rim.radius_at(ray.cos2, ray.sin2) + p.first + (from + p.valid[i] - 1) / 2.0;
+    places.emplace_back(1, out * ray.cos, out * ray.sin);
+    levels.push_back(static_cast<double>(upper_median(p.scratch)));
+    sum += levels.back();
+  }
+  if (static_cast<int>(levels.size()) < kOutline.least_across) return;
+  Eigen::Matrix3d square = 1e-9 * Eigen::Matrix3d::Identity();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    square += places[i] * places[i].transpose();
+    right += levels[i] * places[i];
+  }
+  const Eigen::Vector3d plane = square.ldlt().solve(right);
+  const double mean = sum / static_cast<double>(levels.size());
+  double flat = 0, left = 0;  // squares about the mean, and about the plane
+  for (std::size_t i = 0; i < levels.size(); ++i) {
+    flat += std::pow(levels[i] - mean, 2);
+    left += std::pow(levels[i] - plane.dot(places[i]), 2);
+  }
+  if (!(left < kOutline.across * kOutline.across * flat)) return;
+  for (int i = 0; i < n; ++i) {
+    const Ray& ray = p.rays[i];
+    float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
+    const double per_px = plane[1] * ray.cos + plane[2] * ray.sin;
+    const double first = rim.radius_at(ray.cos2, ray.sin2) + p.first;
+    for (int k = 0; k < p.valid[i]; ++k) s[k] -= static_cast<float>(per_px * (first + k));
+  }
+}
+
 }  // namespace
 
-Behind behind(Profiles& p) {
+Behind behind(const Rim& rim, Profiles& p) {
+  level_out(rim, p);
   const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
   Behind back;
   std::vector<float> off;
@@ -137,7 +179,7 @@ Behind behind(Profiles& p) {
 
 void find_departures(Profiles& p, const Rim& rim) {
   const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
-  const Behind back = behind(p);
+  const Behind back = behind(rim, p);
   const float least = kOutline.noises_of_two * back.noise;
   for (int i = 0; i < n; ++i) {
     Ray& ray = p.rays[i];
