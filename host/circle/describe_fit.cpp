@@ -117,27 +117,6 @@ double of_arcs(const RimModel& model, const LineTrace& trace) {
          std::hypot(kLearning.model_error, ink);
 }
 
-// By how much the background's level rises to the right and downwards over the radius, of the
-// contrast, where it rises evenly; an obstacle's does not.
-struct Rise {
-  double x = 0, y = 0;
-};
-Rise rise_of_ground(const LineTrace::Levels& levels) {
-  Rise rise;
-  double mean = 0, squares = 0;
-  for (int k = 0; k < kLevelSectors; ++k) {
-    const double angle = (k + 0.5) * 2 * kPi / kLevelSectors;
-    const auto level = static_cast<double>(levels.ground[static_cast<std::size_t>(k)]);
-    rise.x += level * std::cos(angle) * 2 / kLevelSectors;
-    rise.y += level * std::sin(angle) * 2 / kLevelSectors;
-    mean += level / kLevelSectors, squares += level * level / kLevelSectors;
-  }
-  const double variance = squares - mean * mean;
-  const double evenly = (rise.x * rise.x + rise.y * rise.y) / 2;
-  if (!(evenly > kJudge.rises_evenly * variance)) return {};
-  return {rise.x / static_cast<double>(levels.usual), rise.y / static_cast<double>(levels.usual)};
-}
-
 }  // namespace
 
 bool is_over_exposed(double brightest, const Frame& frame) {
@@ -204,9 +183,11 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   const double texture = std::min(1.0, trace.breaks / (1.0 + kJudge.texture_breaks));
   widen(result, texture * kJudge.texture_px, texture * kJudge.texture_radius_px);
   // Ink is mixed into a rim by how much it differs from what lies behind, which differs there.
-  const Rise rise = rise_of_ground(trace.levels);
-  result.cx_sd_px = std::hypot(result.cx_sd_px, kJudge.of_rise * rise.x * place);
-  result.cy_sd_px = std::hypot(result.cy_sd_px, kJudge.of_rise * rise.y * place);
+  const GroundRise rise = rise_of_ground(trace.levels.ground, trace.levels.usual);
+  const bool dark_sphere = !bright && m.rim_model->surface() != Surface::kFlat;
+  const double by_rise_px = kJudge.of_rise * place + (dark_sphere ? kSphere.dark_of_rise_px : 0);
+  result.cx_sd_px = std::hypot(result.cx_sd_px, by_rise_px * rise.x);
+  result.cy_sd_px = std::hypot(result.cy_sd_px, by_rise_px * rise.y);
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;

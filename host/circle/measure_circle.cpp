@@ -67,6 +67,7 @@ struct Crossings {
   double moved_px = 0;  // from the rim that this was cast about
   double edge_sigma_px = 0;
   bool over_exposed = false;
+  GroundRise rise;
 };
 
 Crossings trace_crossings(const Frame& frame, const RimSearch& search, const CirclePrior& prior,
@@ -92,6 +93,7 @@ Crossings trace_crossings(const Frame& frame, const RimSearch& search, const Cir
     sharp |= sharpen;
   }
   m.edge_sigma_px = trace.edge_sigma_px;
+  m.rise = trace.rise;
   m.over_exposed = is_over_exposed(trace.brightest, frame);
   return m;
 }
@@ -149,6 +151,8 @@ void doubt_crossings(const CirclePrior& prior, const CircleOptions& options,
   if (crossings.over_exposed) {
     fit.r_sd_px = std::hypot(fit.r_sd_px, kJudge.over_exposed_sd * crossings.edge_sigma_px);
   }
+  fit.cx_sd_px = std::hypot(fit.cx_sd_px, kJudge.crossed_of_rise_px * crossings.rise.x);
+  fit.cy_sd_px = std::hypot(fit.cy_sd_px, kJudge.crossed_of_rise_px * crossings.rise.y);
   if (prior.learn || prior.unlearnt) doubt_unlearnt(fit);
   // Of arcs of several things a circle was made as often as of one.
   const bool arc = fit.rim_fraction <= kJudge.much_rim;

@@ -172,7 +172,7 @@ double contrast_of(const Frame& frame) {
 
 std::optional<double> edge_width_px(const Frame& frame, const Circle& ball) {
   constexpr int kRays = 120, kPerPx = 8, kAxes = 4;
-  constexpr std::size_t kFewest = 4;   // of an axis
+  constexpr std::size_t kFewest = 8;   // of an axis
   constexpr double kLeastStep = 0.08;  // of white
   const double reach_px = std::min(16.0, 0.3 * ball.r_px);
   const cv::Mat picture = as_floats(frame);

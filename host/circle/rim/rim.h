@@ -158,12 +158,19 @@ struct RimPoint {
   float weight;  // usual error over this point's, from the contrast
   int sector;    // 0 … kRimSectors − 1, by the angle
 };
+// By how much the background's level rises to the right and downwards over the radius, of the
+// contrast.
+struct GroundRise {
+  double x = 0, y = 0;
+};
+
 struct RimTrace {
   std::vector<RimPoint> points;  // accepted only, in the order of the angle
   int rays_in_view = 0;
   double noise_px = 0;       // what the camera noise alone would scatter a crossing
   double edge_sigma_px = 0;  // width of the edge as a Gaussian's σ
   double brightest = 0;  // grey level of a bright ball's paint, or of what lies behind a dark one
+  GroundRise rise;
 };
 struct RayRequest {
   Polarity polarity = Polarity::kBright;

@@ -140,6 +140,7 @@ float profile_at(const float* p, float at) {
 struct EdgeLevels {
   float relative_noise = 0;     // of a sample, over the contrast
   float paint = 0, ground = 0;  // negative of a dark ball
+  GroundRise rise;
 };
 
 // The crossings of the rays that show the background outside as their neighbourhood has it: drops
@@ -155,7 +156,8 @@ EdgeLevels find_edges(Rays& rays, RayLight& light, int n, int count, double r_px
   const float ground = quantile(grounds, 0.5);
   light.fit(ground, of_camera, count, rays.scratch);
   const float usual = light.at(0, 0) - ground;
-  const EdgeLevels levels{of_camera / std::max(usual, 1e-6f), light.at(0, 0), ground};
+  const EdgeLevels levels{of_camera / std::max(usual, 1e-6f), light.at(0, 0), ground,
+                          rise_of_ground(grounds, std::max(usual, 1e-6f))};
   for (int i = 0; i < n; ++i) {
     rays.ball[i] = light.at(rays.cos[i], rays.sin[i]);
     const float seen = rays.row(i)[kLength - 1];
@@ -221,9 +223,11 @@ void trace_rim(const Frame& frame, const Rim& rim, const RayRequest& request, Ri
   trace.points.clear();
   trace.rays_in_view = n;
   trace.edge_sigma_px = trace.brightest = 0;
+  trace.rise = {};
   if (n < kCrossing.least_rays) return;
   const EdgeLevels levels = find_edges(rays, light, n, count, rim.r, request.textured, edges);
   trace.brightest = static_cast<double>(sign > 0 ? levels.paint : -levels.ground);
+  trace.rise = levels.rise;
   trace.edge_sigma_px = edge_sigma(edges, rays.scratch, step);
   const double noise = levels.relative_noise * std::sqrt(2 * kPi) * trace.edge_sigma_px;
   // Errors grow where the contrast falls.

@@ -306,6 +306,20 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
   return true;
 }
 
+GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast) {
+  double x = 0, y = 0, mean = 0, squares = 0;
+  for (int k = 0; k < kLevelSectors; ++k) {
+    const double angle = (k + 0.5) * 2 * kPi / kLevelSectors;
+    const auto level = static_cast<double>(ground[static_cast<std::size_t>(k)]);
+    x += level * std::cos(angle) * 2 / kLevelSectors;
+    y += level * std::sin(angle) * 2 / kLevelSectors;
+    mean += level / kLevelSectors, squares += level * level / kLevelSectors;
+  }
+  const double evenly = (x * x + y * y) / 2, variance = squares - mean * mean;
+  if (!(evenly > kLevels.rises_evenly * variance)) return {};
+  return {x / static_cast<double>(contrast), y / static_cast<double>(contrast)};
+}
+
 std::array<double, kLevelSectors> levels_at_rim(const SphereLight& light) {
   std::array<double, kLevelSectors> levels;
   for (int k = 0; k < kLevelSectors; ++k) {

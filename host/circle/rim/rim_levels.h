@@ -57,6 +57,9 @@ inline float ground_between(float a, float b, float t, float seen, float contras
   return std::abs(seen - a) < std::abs(seen - b) ? a : b;
 }
 
+// Where the background's level rises evenly; an obstacle's does not.
+GroundRise rise_of_ground(const std::array<float, kLevelSectors>& ground, float contrast);
+
 // Background is `seen` outside, and the ball can be told from it.
 inline bool is_clear(float contrast, float usual_contrast, float seen, float ground, float noise) {
   return contrast > kClear.least_contrast * usual_contrast &&

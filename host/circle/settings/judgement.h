@@ -72,11 +72,10 @@ struct JudgementSettings {
   // more [measured] (bars at most 2, wood and tiles 14 to 32); what that misplaces a rim by.
   int texture_breaks = 6;
   double texture_px = 0.022, texture_radius_px = 0.009;
-  // Share of the background's variance about a rim that a plane makes where light falls off across
-  // it [hand]; what that moves the centre by, over what the rim's place is known to and the
-  // background's rise over the radius, of the contrast. [measured] discs of six patterns, 60 px,
-  // 0.15 to 0.5 grey levels a pixel
-  double rises_evenly = 0.88, of_rise = 4.6;
+  // What a background that rises by its contrast over the radius moves the centre by, over what the
+  // rim's place is known to; and where crossings alone tell it, px. [measured] discs of six
+  // patterns, 60 px, 0.15 to 0.5 grey levels a pixel; the second bright and dark spheres
+  double of_rise = 4.6, crossed_of_rise_px = 0.4;
   // A level so near the end of the camera's scale is cut off [hand]; what that may do to the
   // radius, over the edge's width [measured]: white one half beyond the scale.
   double over_exposed = 0.985, over_exposed_sd = 0.25;

@@ -36,6 +36,9 @@ struct LevelSettings {
   // within less than the last two: deviations of the noise, share of the contrast.
   float window_first = 0.08f, window_next = 0.04f;   // [hand]
   float window_noise = 2.5f, window_least = 0.015f;  // [hand]
+  // Share of the background's variance about a rim that a plane makes where light falls off across
+  // it [hand].
+  double rises_evenly = 0.88;
   double held = 5;  // samples whose worth the level before counts: sectors without bare
                     // paint keep theirs [hand]
 };
