@@ -45,7 +45,8 @@ class FlightSolver {
         unknowns_(flights_, series.sphere.has_value(), !gravity || across, across) {
     for (int flight = 0; flight < flights_; ++flight) {
       const FlightRange& range = ranges[static_cast<std::size_t>(flight)];
-      const std::vector<Datum> more = flight_data(series_, direction_, range, flight);
+      std::vector<Datum> more = flight_data(series_, direction_, range, flight);
+      if (is_borne(series_, ranges_, flight)) take_weight_off(more);
       data_.insert(data_.end(), more.begin(), more.end());
     }
     if (series_.sphere) add_links();
@@ -120,10 +121,11 @@ class FlightSolver {
   void add_links() {
     std::vector<Datum> links;
     for (int flight = 0; flight < flights_; ++flight) {
-      const std::vector<Datum> more =
+      std::vector<Datum> more =
           flight_links(series_, direction_, ranges_[static_cast<std::size_t>(flight)], flight,
                        static_cast<int>(links.size()));
       if (more.empty()) return;
+      if (is_borne(series_, ranges_, flight)) take_weight_off(more);
       links.insert(links.end(), more.begin(), more.end());
     }
     unknowns_.link();

@@ -1,6 +1,8 @@
 #include "host/impact/flight/flight_data.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/base/statistics.h"
 
@@ -25,6 +27,30 @@ double usual_turn(const ImpactSeries& series, const FlightRange& range) {
   for (std::size_t i = range.first; i < range.last; ++i) turns.push_back(series.turn(i));
   turns = finite(turns);
   return turns.empty() ? 0 : upper_median(std::move(turns));
+}
+
+// Whether the ball lies still.
+bool rests(const ImpactSeries& series, const FlightRange& range) {
+  constexpr std::size_t kFewest = 9;  // frames
+  constexpr double kStill_px = 0.1;
+  if (range.last - range.first + 1 < kFewest) return false;
+  const std::size_t third = (range.last - range.first + 1) / 3;
+  std::array<double, 3> t{}, n{};
+  for (std::size_t part = 0; part < 3; ++part) {
+    std::vector<double> along, above;
+    for (std::size_t i = range.first + part * third; i < range.first + (part + 1) * third; ++i) {
+      along.push_back(series.position_t(i));
+      above.push_back(series.position_n[i]);
+    }
+    along = finite(along), above = finite(above);
+    if (along.empty()) return false;
+    t[part] = upper_median(std::move(along)), n[part] = upper_median(std::move(above));
+  }
+  const auto spread = [](const std::array<double, 3>& places) {
+    return *std::max_element(places.begin(), places.end()) -
+           *std::min_element(places.begin(), places.end());
+  };
+  return spread(t) < kStill_px && spread(n) < kStill_px;
 }
 
 class FlightData {
@@ -166,6 +192,16 @@ void give_usual_deviations(std::vector<Datum>& data) {
       if (d.kind == kind && !(d.sd > kLeastSd_px)) d.sd = usual;
     }
   }
+}
+
+bool is_borne(const ImpactSeries& series, const std::vector<FlightRange>& ranges, int flight) {
+  if (ranges.size() != 2) return false;
+  const auto at = static_cast<std::size_t>(flight);
+  return rests(series, ranges[at]) && !rests(series, ranges[1 - at]);
+}
+
+void take_weight_off(std::vector<Datum>& rows) {
+  for (Datum& row : rows) row.gravity_slope = row.across_slope = 0;
 }
 
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,

@@ -54,6 +54,12 @@ std::array<double, 2> turned_place(double turned, bool normal);
 // Takes `factor` times the row `other` off `row`.
 void take_off(Datum& row, double factor, const Datum& other);
 
+// Whether the ball rests in one of two flights, as on a tee until it is struck: it does not fall
+// meanwhile, for something bears its weight. Of a single flight nothing tells.
+bool is_borne(const ImpactSeries& series, const std::vector<FlightRange>& ranges, int flight);
+// Rows of a ball that does not fall.
+void take_weight_off(std::vector<Datum>& rows);
+
 // Centres, steps and, of a sphere, turns of flight number `flight` (0: before); what was not
 // measured is left out.
 std::vector<Datum> flight_data(const ImpactSeries& series, const GravityDirection& direction,
