@@ -184,10 +184,8 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   widen(result, texture * kJudge.texture_px, texture * kJudge.texture_radius_px);
   // Ink is mixed into a rim by how much it differs from what lies behind, which differs there.
   const GroundRise rise = rise_of_ground(trace.levels.ground, trace.levels.usual);
-  const bool dark_sphere = !bright && m.rim_model->surface() != Surface::kFlat;
-  const double by_rise_px = kJudge.of_rise * place + (dark_sphere ? kSphere.dark_of_rise_px : 0);
-  result.cx_sd_px = std::hypot(result.cx_sd_px, by_rise_px * rise.x);
-  result.cy_sd_px = std::hypot(result.cy_sd_px, by_rise_px * rise.y);
+  result.cx_sd_px = std::hypot(result.cx_sd_px, kJudge.of_rise * rise.x * place);
+  result.cy_sd_px = std::hypot(result.cy_sd_px, kJudge.of_rise * rise.y * place);
   result.circle.free_px =
       free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
   result.bright = bright;

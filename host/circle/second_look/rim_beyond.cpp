@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/circle/rays/ground_plane.h"
 #include "host/circle/settings/beyond.h"
 #include "host/circle/settings/levels.h"
 
@@ -166,20 +167,17 @@ void find_slopes(const Cells& cells, const Rings& rings, Surroundings& back) {
   for (int d = 0; d < kWays; ++d) back.slope[d] = slopes.dot(wave(d));
 }
 
-// A plane through the levels: of a ring, and by how much it rises to the next one.
+// By how much a plane through the levels rises from ring to ring.
 void find_plane(const Rim& rim, const Rings& rings, Surroundings& back) {
-  Eigen::Matrix3d square = Eigen::Matrix3d::Identity() * 1e-9;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  PlaneSums sums;
   for (int d = 0; d < kWays; ++d) {
     if (!back.level[d]) continue;
     const double at_px = rim.r + rings.first_px + (back.at_ring[d] + 0.5) * rings.width_px;
-    const Eigen::Vector3d place(1, at_px * wave(d)[1], at_px * wave(d)[2]);
-    square += place * place.transpose();
-    sum += static_cast<double>(*back.level[d]) * place;
+    sums.add(at_px * wave(d)[1], at_px * wave(d)[2], static_cast<double>(*back.level[d]));
   }
-  const Eigen::Vector3d plane = square.ldlt().solve(sum);
+  const GroundPlane plane = sums.plane();
   for (int d = 0; d < kWays; ++d) {
-    back.across[d] = rings.width_px * (plane[1] * wave(d)[1] + plane[2] * wave(d)[2]);
+    back.across[d] = rings.width_px * (plane.x_px * wave(d)[1] + plane.y_px * wave(d)[2]);
   }
 }
 

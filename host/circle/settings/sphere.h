@@ -52,9 +52,6 @@ struct SphereSettings {
   // What light that is not the model's moves the centre by where most of the rim shows, share of
   // the radius; and how far it goes with the radius, of what an arc would make of that.
   double lit_centre_sd_of_r = 6e-5, bent_with_radius = 0.7;  // [measured] light_accuracy, 11 to 40
-  // What a background that rises by its contrast over the radius moves the centre of a dark sphere
-  // by, whose ink is nearly as bright as it. [measured] three patterns, 60 px, seven balls
-  double dark_of_rise_px = 0.4;
   // How much of what light and foreshortened ink may misplace the radius by goes into the centre of
   // an oval. [measured] spheres of 60 px, eight patterns, pressed by 9 % at 30 degrees
   double pressed_of_light = 0.45;

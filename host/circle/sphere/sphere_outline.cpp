@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/circle/rays/ground_plane.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/rim/rim_rays.h"
@@ -117,39 +118,37 @@ bool depart(const float* p, float ground, float least, Departure& out) {
 // Light that falls off across the picture, as a plane through what lies at the rays' outer ends,
 // taken off: along a ray it would be no background. An obstacle makes no plane.
 void level_out(const Rim& rim, Profiles& p) {
+  struct End {
+    double x, y, level;
+  };
   const int n = static_cast<int>(p.rays.size()), from = outer_end(p);
-  std::vector<Eigen::Vector3d> places;
-  std::vector<double> levels;
-  double sum = 0;
+  std::vector<End> ends;
+  PlaneSums sums;
+  double mean = 0;
   for (int i = 0; i < n; ++i) {
     if (p.valid[i] <= from) continue;
     const float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
     p.scratch.assign(s + from, s + p.valid[i]);
     const Ray& ray = p.rays[i];
     const double out = rim.radius_at(ray.cos2, ray.sin2) + p.first + (from + p.valid[i] - 1) / 2.0;
-    places.emplace_back(1, out * ray.cos, out * ray.sin);
-    levels.push_back(static_cast<double>(upper_median(p.scratch)));
-    sum += levels.back();
+    const auto level = static_cast<double>(upper_median(p.scratch));
+    ends.push_back({out * ray.cos, out * ray.sin, level});
+    sums.add(ends.back().x, ends.back().y, level);
+    mean += level;
   }
-  if (static_cast<int>(levels.size()) < kOutline.least_across) return;
-  Eigen::Matrix3d square = 1e-9 * Eigen::Matrix3d::Identity();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    square += places[i] * places[i].transpose();
-    right += levels[i] * places[i];
-  }
-  const Eigen::Vector3d plane = square.ldlt().solve(right);
-  const double mean = sum / static_cast<double>(levels.size());
+  if (static_cast<int>(ends.size()) < kOutline.least_across) return;
+  mean /= static_cast<double>(ends.size());
+  const GroundPlane plane = sums.plane();
   double flat = 0, left = 0;  // squares about the mean, and about the plane
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    flat += std::pow(levels[i] - mean, 2);
-    left += std::pow(levels[i] - plane.dot(places[i]), 2);
+  for (const End& end : ends) {
+    flat += std::pow(end.level - mean, 2);
+    left += std::pow(end.level - plane.at(end.x, end.y), 2);
   }
   if (!(left < kOutline.across * kOutline.across * flat)) return;
   for (int i = 0; i < n; ++i) {
     const Ray& ray = p.rays[i];
     float* s = p.samples.data() + static_cast<std::ptrdiff_t>(i) * p.length;
-    const double per_px = plane[1] * ray.cos + plane[2] * ray.sin;
+    const double per_px = plane.x_px * ray.cos + plane.y_px * ray.sin;
     const double first = rim.radius_at(ray.cos2, ray.sin2) + p.first;
     for (int k = 0; k < p.valid[i]; ++k) s[k] -= static_cast<float>(per_px * (first + k));
   }

@@ -87,19 +87,24 @@ TEST(BeyondRim, ABackgroundThatGrowsDarkerIsNoBall) {
   EXPECT_GT(share_beyond(ball, 0, -6), 0.9);
 }
 
+// Light on what lies behind the ball: so much more at its centre, and so much a pixel to the right.
+void light_wall(double more, double rise, Shown& ball) {
+  for (int y = 0; y < ball.frame.height(); ++y) {
+    for (int x = 0; x < ball.frame.width(); ++x) {
+      const double out = std::hypot(x - ball.rim.cx, y - ball.rim.cy) - ball.rim.r;
+      const double share = std::clamp(out + 0.5, 0.0, 1.0);
+      const double level = ball.frame.u8(x, y) + share * (more + rise * (x - ball.rim.cx));
+      ball.frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(level));
+    }
+  }
+}
+
 // An outline that took a wall lit from one side for more of the ball made circles a tenth too large
 // of discs whose paint is on the mean as bright as the wall, up to 8 px off.
 TEST(Outline, IsTheBallsBeforeABackgroundThatRisesAcross) {
   for (const double rise : {0.2, 0.35, 0.5}) {  // grey levels a pixel
     Shown ball = shown({.name = "across", .radius_px = 60});
-    for (int y = 0; y < ball.frame.height(); ++y) {
-      for (int x = 0; x < ball.frame.width(); ++x) {
-        const double out = std::hypot(x - ball.rim.cx, y - ball.rim.cy) - ball.rim.r;
-        const double share = std::clamp(out + 0.5, 0.0, 1.0);
-        const double level = ball.frame.u8(x, y) + share * (60 + rise * (x - ball.rim.cx));
-        ball.frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(level));
-      }
-    }
+    light_wall(60, rise, ball);
     circle::CirclePrior prior;
     prior.predicted = {ball.rim.cx, ball.rim.cy, ball.rim.r};
     prior.centre_sd_px = 0.1 * ball.rim.r;
@@ -117,14 +122,7 @@ TEST(Outline, IsTheBallsBeforeABackgroundThatRisesAcross) {
 TEST(BeyondRim, ABackgroundThatRisesAcrossIsNoBall) {
   for (const double rise : {0.2, 0.35, 0.5}) {  // grey levels a pixel
     Shown ball = shown({.name = "across", .radius_px = 60});
-    for (int y = 0; y < ball.frame.height(); ++y) {
-      for (int x = 0; x < ball.frame.width(); ++x) {
-        const double out = std::hypot(x - ball.rim.cx, y - ball.rim.cy) - ball.rim.r;
-        if (out < 0) continue;
-        const double level = ball.frame.u8(x, y) + std::min(out, 1.0) * rise * x;
-        ball.frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(level));
-      }
-    }
+    light_wall(20, rise, ball);
     EXPECT_LT(share_beyond(ball, 0, 0), circle::kBeyond.share) << rise;
     EXPECT_GT(share_beyond(ball, 0, -6), 0.9) << rise;
   }
