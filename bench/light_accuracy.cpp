@@ -19,6 +19,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -326,6 +327,12 @@ void measure_random(Way way, Session& session) {
   spheres.print("random spheres");
 }
 
+bool is_condition(const std::string& name) {
+  return name == "all" || name == "random" ||
+         std::any_of(std::begin(kScenes), std::end(kScenes),
+                     [&](const LightScene& scene) { return name == scene.name; });
+}
+
 int run(int argc, char** argv) {
   const auto argument = [&](int i, const char* usual) {
     return std::string(argc > i ? argv[i] : usual);
@@ -341,6 +348,9 @@ int run(int argc, char** argv) {
     std::getline(parts, one.condition, ':');
     std::getline(parts, one.pattern, ':');
     std::getline(parts, one.radius_px);
+    if (is_condition(one.condition)) continue;
+    std::fprintf(stderr, "light_accuracy: no condition is called '%s'\n", one.condition.c_str());
+    return 2;
   }
   Way way;
   way.first = std::atoi(argument(2, "1").c_str());
