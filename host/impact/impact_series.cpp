@@ -3,8 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <ranges>
+#include <optional>
 
 #include "host/clip/track_row.h"
 
@@ -173,11 +172,8 @@ double ImpactSeries::step_sd(std::size_t i) const {
 }
 
 double ImpactSeries::origin_sd(std::size_t i) const {
-  const std::int64_t origin = rows_[i].pose.origin;
-  const auto rows = std::views::iota(std::size_t{0}, i + 1);
-  const auto at =
-      std::ranges::lower_bound(rows, origin, {}, [this](std::size_t k) { return rows_[k].frame; });
-  return at != rows.end() && rows_[*at].frame == origin ? position_sd(*at) : kNotMeasured;
+  const std::optional<std::size_t> at = rows_.find_frame(rows_[i].pose.origin);
+  return at && *at <= i ? position_sd(*at) : kNotMeasured;
 }
 
 double ImpactSeries::turn(std::size_t i) const {
