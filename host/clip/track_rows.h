@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace impactdic {
@@ -64,6 +65,26 @@ class TrackRows {
   const TrackRow* array_ = nullptr;
   const RowSource* source_ = nullptr;
   std::size_t first_ = 0, size_ = 0;  // first_ of an array is 0
+};
+
+// What is done to the row of that number.
+using RowChange = std::function<void(std::size_t, TrackRow&)>;
+
+// The rows with something changed in each that is given out.
+class ChangedRows final : public RowSource {
+ public:
+  // What `rows` were made from must outlive the object.
+  ChangedRows(const TrackRows& rows, RowChange change) : rows_(rows), change_(std::move(change)) {}
+  std::size_t size() const override { return rows_.size(); }
+  TrackRow row(std::size_t i) const override {
+    TrackRow row = rows_[i];
+    change_(i, row);
+    return row;
+  }
+
+ private:
+  TrackRows rows_;
+  RowChange change_;
 };
 
 // The rows with an empty one for every frame that is missing between them, and without motions

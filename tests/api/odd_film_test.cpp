@@ -152,7 +152,12 @@ TEST(OddFilm, ABallAtRestIsNoRepeatedFrame) {
 TEST(OddFilm, FramesThatAreMissingAreNamed) {
   std::vector<double> moments = evenly(24);
   for (std::size_t k = 10; k < moments.size(); ++k) moments[k] += 2;
-  EXPECT_TRUE(says(track_film(film(moments)), "behind frame 9: 2 frames are missing there"));
+  const TrackResult result = track_film(film(moments));
+  EXPECT_TRUE(says(result, "behind frame 9: 2 frames are missing there"));
+  EXPECT_EQ(result.rows[9].periods, 3);
+  EXPECT_DOUBLE_EQ(result.rows[9].time_s, 9e-4);
+  EXPECT_DOUBLE_EQ(result.rows[10].time_s, 12e-4);
+  expect_flight(result);
   EXPECT_FALSE(says(track_film(film(evenly(24))), "missing"));
 }
 

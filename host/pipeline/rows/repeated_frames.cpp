@@ -12,8 +12,9 @@
 namespace impactdic::pipeline {
 namespace {
 
-// A ball moves plainly that goes so far a step, and by so many deviations.
-constexpr double kPlain_px = 0.1, kPlainSds = 10;
+// A ball moves plainly that goes so far a step, and by so many deviations, which hold what all
+// steps have alike, too. Beside pictures that are the same it takes fewer: no noise made those.
+constexpr double kPlain_px = 0.1, kPlainSds = 10, kBesideSameSds = 2;
 // It stands that goes no farther, or by no more deviations, and by no more of the steps beside.
 constexpr double kStands_px = 0.02, kStandsSds = 5, kStandsOfStep = 0.05;
 
@@ -61,8 +62,8 @@ bool is_torn(const Frame& a, const Frame& b, const Circle& ball) {
                                   : shares_rows(a.u16.view(), b.u16.view(), ball);
 }
 
-bool is_plain(const TrackRow& row) {
-  return SurfaceStep(row).length() > std::max(kPlain_px, kPlainSds * SurfaceStep::sd_px(row));
+bool is_plain(const TrackRow& row, double sds = kPlainSds) {
+  return SurfaceStep(row).length() > std::max(kPlain_px, sds * SurfaceStep::sd_px(row));
 }
 bool is_none_beside(const TrackRow& row, const TrackRow& other) {
   const double stands_px = std::max(kStands_px, kStandsSds * SurfaceStep::sd_px(row));
@@ -104,7 +105,8 @@ bool leads_to_repeat(const TrackBatch& batch, std::size_t from, const TrackRow* 
   if (before == nullptr && after == nullptr) return false;
   for (const TrackRow* other : {before, after}) {
     if (other == nullptr) continue;
-    if (!is_plain(*other) || !(same || is_none_beside(row, *other))) return false;
+    if (!is_plain(*other, same ? kBesideSameSds : kPlainSds)) return false;
+    if (!same && !is_none_beside(row, *other)) return false;
   }
   const bool both = before != nullptr && after != nullptr;
   return same || !both || !lead_back(*before, *after);

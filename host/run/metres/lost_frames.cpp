@@ -1,5 +1,6 @@
 #include "host/run/metres/lost_frames.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -14,7 +15,8 @@ constexpr std::size_t kBeside = 2;
 // A ball that moves by less shows no gap.
 constexpr double kLeast_px = 0.2;
 // How far steps may lie from the mean of those beside, or from a multiple of it: of that mean. They
-// must be known so well that so many deviations are no more.
+// must be known so well that so many deviations are no more, of what they state or, since that may
+// be alike in all of them, of what those beside scatter by.
 constexpr double kEven = 0.1, kSds = 5;
 constexpr double kMostMissing = 9;
 
@@ -31,20 +33,26 @@ int missing_behind(const std::array<TrackRow, 2 * kBeside + 1>& rows) {
   }
   const double usual = mean.length();
   if (!(usual > kLeast_px)) return 0;
-  const auto is_near = [&](const TrackRow& row, double times) {
-    SurfaceStep off(row);
-    off.add(mean, -times);
-    return kSds * SurfaceStep::sd_px(row) < kEven * usual && off.length() < kEven * usual;
+  const auto off = [&](const TrackRow& row, double times) {
+    SurfaceStep rest(row);
+    rest.add(mean, -times);
+    return rest.length();
   };
+  double scatter = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (i != kBeside && !is_near(rows[i], 1)) return 0;
+    if (i != kBeside) scatter = std::max(scatter, off(rows[i], 1));
   }
-  const double times = std::round(SurfaceStep(rows[kBeside]).length() / usual);
-  if (times < 2 || times > 1 + kMostMissing || !is_near(rows[kBeside], times)) return 0;
+  const TrackRow& row = rows[kBeside];
+  const double times = std::round(SurfaceStep(row).length() / usual);
+  if (times < 2 || times > 1 + kMostMissing) return 0;
+  const bool known = kSds * std::min(SurfaceStep::sd_px(row), scatter) < kEven * usual;
+  if (!known || !(std::max(scatter, off(row, times)) < kEven * usual)) return 0;
   return static_cast<int>(times) - 1;
 }
 
-std::string of_repeats(const TrackRows& rows) {
+}  // namespace
+
+std::string repeats_warning(const TrackRows& rows) {
   std::int64_t count = 0, first = 0;
   std::vector<double> steps;  // behind a repeated frame, in those before it
   TrackRow before, last;
@@ -75,8 +83,8 @@ std::string of_repeats(const TrackRows& rows) {
   return text;
 }
 
-std::string of_gaps(const TrackRows& rows) {
-  std::int64_t gaps = 0, missing = 0, first = 0;
+std::vector<MissingFrames> missing_frames(const TrackRows& rows) {
+  std::vector<MissingFrames> missing;
   std::array<TrackRow, 2 * kBeside + 1> beside;
   std::size_t seen = 0;
   for (const TrackRow& row : rows) {
@@ -84,27 +92,34 @@ std::string of_gaps(const TrackRows& rows) {
     beside.back() = row;
     if (++seen < beside.size()) continue;
     const int here = missing_behind(beside);
-    if (here > 0 && gaps++ == 0) first = beside[kBeside].frame;
-    missing += here;
+    if (here > 0) missing.push_back({seen - 1 - kBeside, here});
   }
-  if (gaps == 0) return "";
-  return "the ball goes a whole number of times as far as in the steps beside at " +
-         std::to_string(gaps) +
-         (gaps == 1 ? " place, behind frame " : " places, the first behind frame ") +
-         std::to_string(first) + ": " + std::to_string(missing) +
-         (missing == 1 ? " frame is" : " frames are") +
-         " missing there, the file tells no times, and all that is measured over time is wrong "
-         "about them: analyse the frames on one side (--frames)";
+  return missing;
 }
 
-}  // namespace
-
-std::vector<std::string> frame_warnings(const TrackRows& rows) {
-  std::vector<std::string> warnings;
-  for (std::string (*say)(const TrackRows&) : {of_repeats, of_gaps}) {
-    if (std::string text = say(rows); !text.empty()) warnings.push_back(std::move(text));
+void count(const std::vector<MissingFrames>& missing, double fps, std::size_t i, TrackRow& row) {
+  int before = 0;
+  for (const MissingFrames& gap : missing) {
+    if (gap.behind > i) break;
+    if (gap.behind == i) {
+      row.periods += gap.count;
+    } else {
+      before += gap.count;
+    }
   }
-  return warnings;
+  row.time_s += before / fps;
+}
+
+std::string missing_warning(const std::vector<MissingFrames>& missing, const TrackRows& rows) {
+  int frames = 0;
+  for (const MissingFrames& gap : missing) frames += gap.count;
+  return "the ball goes a whole number of times as far as in the steps beside at " +
+         std::to_string(missing.size()) +
+         (missing.size() == 1 ? " place, behind frame " : " places, the first behind frame ") +
+         std::to_string(rows[missing.front().behind].frame) + ": " + std::to_string(frames) +
+         (frames == 1 ? " frame is" : " frames are") +
+         " missing there, of which the file tells no times; times and velocities of the track "
+         "count them, frame numbers do not";
 }
 
 }  // namespace impactdic::run

@@ -163,21 +163,6 @@ class Flights {
   Scatter move_, turn_, tilt_;
 };
 
-class Restated final : public RowSource {
- public:
-  Restated(const TrackRows& rows, const StepScatter& scatter) : rows_(rows), scatter_(scatter) {}
-  std::size_t size() const override { return rows_.size(); }
-  TrackRow row(std::size_t i) const override {
-    TrackRow row = rows_[i];
-    scatter_.widen(row);
-    return row;
-  }
-
- private:
-  TrackRows rows_;
-  StepScatter scatter_;
-};
-
 }  // namespace
 
 void StepScatter::widen(TrackRow& row) const {
@@ -206,10 +191,6 @@ StepScatter scatter_of_steps(const TrackRows& rows, const ImpactAnalysis& impact
   flights.add(impact.after);
   flights.add_whole(impact.flight);
   return flights.found();
-}
-
-std::unique_ptr<RowSource> restated(const TrackRows& rows, const StepScatter& scatter) {
-  return std::make_unique<Restated>(rows, scatter);
 }
 
 }  // namespace impactdic::run

@@ -28,7 +28,4 @@ struct StepScatter {
 StepScatter scatter_of_steps(const TrackRows& rows, const ImpactAnalysis& impact,
                              double surface_angle_rad);
 
-// The rows with motions that state it. What `rows` were made from must outlive it.
-std::unique_ptr<RowSource> restated(const TrackRows& rows, const StepScatter& scatter);
-
 }  // namespace impactdic::run

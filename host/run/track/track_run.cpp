@@ -13,6 +13,7 @@
 #include "host/clip/ball_by_hand.h"
 #include "host/clip/frame_range.h"
 #include "host/clip/roi.h"
+#include "host/pipeline/rows/fill_row.h"
 #include "host/pipeline/track_round.h"
 #include "host/report/words.h"
 #include "host/run/expected_programs.h"
@@ -186,8 +187,11 @@ void TrackRun::keep(const TrackRow& row) {
 void TrackRun::take_up(std::vector<TrackRow> rows) {
   const std::vector<std::int64_t>& periods = options_.periods;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    // The table does not hold it.
-    if (i + 1 < periods.size()) rows[i].periods = static_cast<int>(periods[i + 1] - periods[i]);
+    // The table does not hold the periods, and its times may count frames that are missing.
+    const TrackRow timed = pipeline::row_without_ball(options_.frames, options_.fps, periods,
+                                                      static_cast<std::int64_t>(i));
+    rows[i].periods = timed.periods;
+    rows[i].time_s = timed.time_s;
     keep(rows[i]);
   }
 }
@@ -257,7 +261,8 @@ void TrackRun::conclude() {
     result_.warnings.push_back(text);
     caller_.say(MessageKind::kWarning, text);
   };
-  for (const std::string& text : frame_warnings(rows())) warn(text);
+  warn(repeats_warning(rows()));
+  warn(count_missing_frames());
   warn(look_at_camera_motion());
   const TrackRows measured = steady_ ? TrackRows(*steady_) : rows();
   std::optional<Measured> sphere;
@@ -297,6 +302,22 @@ void TrackRun::conclude() {
   if (!explained && !round_body_) warn(rough_path_warning(seen));
 }
 
+void TrackRun::change_rows(const RowChange& change) {
+  if (store_ != nullptr) {
+    changed_.push_back(std::make_unique<ChangedRows>(rows(), change));
+    return;
+  }
+  for (std::size_t i = 0; i < result_.rows.size(); ++i) change(i, result_.rows[i]);
+}
+
+std::string TrackRun::count_missing_frames() {
+  const std::vector<MissingFrames> missing = missing_frames(rows());
+  if (missing.empty()) return "";
+  const double rate = result_.scale.fps > 0 ? result_.scale.fps : kNotMeasured;
+  change_rows([missing, rate](std::size_t i, TrackRow& row) { count(missing, rate, i, row); });
+  return missing_warning(missing, rows());
+}
+
 std::string TrackRun::look_at_camera_motion() {
   const bool wanted = request_.camera_motion == CameraMotionUse::kCorrect && !round_body_;
   if (!wanted || info().sizes_differ) return "";
@@ -315,11 +336,10 @@ void TrackRun::restate_motions(const TrackRows& even) {
   if (!scatter.is_more()) return;
   result_.warnings.push_back(scatter.warning());
   caller_.say(MessageKind::kWarning, result_.warnings.back());
-  for (TrackRow& row : result_.rows) scatter.widen(row);
+  change_rows([scatter](std::size_t, TrackRow& row) { scatter.widen(row); });
   if (result_.camera) {
     for (TrackRow& row : result_.camera->rows) scatter.widen(row);
   }
-  if (store_ != nullptr) restated_ = restated(*store_, scatter);
 }
 
 void TrackRun::look_for_surface() {

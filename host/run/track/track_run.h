@@ -53,7 +53,7 @@ class TrackRun {
   void take_up(std::vector<TrackRow> rows);
   // All rows so far.
   TrackRows rows() const {
-    if (restated_) return *restated_;
+    if (!changed_.empty()) return *changed_.back();
     return store_ != nullptr ? TrackRows(*store_) : TrackRows(result_.rows);
   }
   // Measures. What was measured before an error is in the result.
@@ -94,6 +94,10 @@ class TrackRun {
   void look_for_round_body();
 
   void keep(const TrackRow& row);
+  // Changes all rows so far.
+  void change_rows(const RowChange& change);
+  // Has periods and times count the frames that the film lacks; what is said of them, or nothing.
+  std::string count_missing_frames();
   void count_rows();
 
   // Tells the estimators from where a sphere of this radius is seen, as far as that is known:
@@ -105,8 +109,9 @@ class TrackRun {
   Caller& caller_;
   TrackResult& result_;
   RowStore* store_ = nullptr;
-  std::unique_ptr<RowSource> restated_;  // the rows there, as the flights show them
-  std::optional<SteadyRows> steady_;     // where the camera moved
+  // The rows there, as the whole track shows them: each those before it with one thing changed.
+  std::vector<std::unique_ptr<RowSource>> changed_;
+  std::optional<SteadyRows> steady_;  // where the camera moved
   std::shared_ptr<FrameSource> source_;
   pipeline::TrackOptions options_;
   std::vector<std::string> clock_warnings_;
