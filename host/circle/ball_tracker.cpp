@@ -27,6 +27,14 @@ bool plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
           std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
 }
 
+// Whether a circle is larger than a ball grows from a frame to the next: a shadow beside it, or
+// another thing, is taken in.
+bool is_grown(const CircleFit& fit, const CirclePrior& prior) {
+  const double last_px = prior.predicted.r_px + std::hypot(prior.e1_px, prior.e2_px);
+  const double most_px = kTracking.most_growth * std::max(last_px, prior.radius_px.value_or(0));
+  return fit.circle.r_px - kTracking.growth_sds * fit.r_sd_px > most_px;
+}
+
 // On the line between two measured frames, the second `off_px` from where it was predicted.
 CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const CircleFit& b,
                           std::int64_t index_b, double off_px, std::int64_t index) {
@@ -204,7 +212,7 @@ CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
   const bool was_lost = !memory_.seen.empty() && index > memory_.seen.back().index + 1;
   // Little of a rim where nothing ever moves: the ball has gone.
   const auto is_ball = [&](const CircleFit& fit) {
-    return plausible(fit, radius.rough_px) &&
+    return plausible(fit, radius.rough_px) && !(prior && is_grown(fit, *prior)) &&
            (!was_lost || stands_out(fit, frame, radius.rough_px)) &&
            (fit.rim_fraction >= kTracking.plain_rim ||
             !stands_still(options_.scene.get(), frame, fit.circle));
@@ -307,9 +315,8 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
   const CirclePrior prior = prior_ahead(index);
   const CircleFit fit = measure(frames[end - 1], prior);
   // One that the rim model of the frames before does not show may be another thing that lies there.
-  if (!plausible(fit, prior.radius_px) || (is_flat(prior.rim_model.get()) && !fit.rim_model)) {
-    return false;
-  }
+  const bool unlike = is_flat(prior.rim_model.get()) && !fit.rim_model;
+  if (!plausible(fit, prior.radius_px) || is_grown(fit, prior) || unlike) return false;
   const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
                                    fit.circle.cy_px - prior.predicted.cy_px);
   if (off_px > kTracking.straight_px) return false;

@@ -10,6 +10,7 @@
 
 #include "host/circle/circle.h"
 #include "host/circle/scene/ball_choice.h"
+#include "host/circle/scene/cast_shadow.h"
 #include "host/circle/scene/still_scene.h"
 #include "host/circle/settings/search.h"
 
@@ -70,12 +71,11 @@ void propose(const cv::Mat& picture, int shrink, double low, double high, const 
 
 // Measures around the candidate. The score is the length of rim that carried the fit, so that of
 // two concentric circles the larger wins.
-FoundBall prove(const Frame& frame, const Circle& candidate, CircleOptions options) {
+FoundBall prove(const Frame& frame, const Circle& candidate, double sd_px, CircleOptions options) {
   options.rays = kBallSearch.rays;
   CirclePrior prior;
   prior.predicted = candidate;
-  prior.centre_sd_px =
-      std::max(kBallSearch.least_candidate_sd_px, kBallSearch.candidate_sd_of_r * candidate.r_px);
+  prior.centre_sd_px = sd_px;
   prior.rim_sd_px = prior.centre_sd_px;
   prior.learn = false;
   const CircleFit fit = measure_circle(frame, prior, options);
@@ -138,6 +138,28 @@ class Search {
     }
   }
 
+  // Tries what lies before the shadows among the circles, and drops the shadow of each ball.
+  void by_shadows() {
+    for (const FoundBall& dark : std::vector(found_)) {
+      const auto before = what_casts(frame_, dark.circle);
+      if (!before) continue;
+      for (const double sd : kCastShadow.found_sd) {
+        try_circle(*before, sd * before->r_px, kBallSearch.proved);
+      }
+      // A circle about both of them lies off the rims of either.
+      const bool about_both = dark.residual_px > kCastShadow.ragged_px;
+      const bool cast = std::any_of(found_.begin(), found_.end(), [&](const FoundBall& ball) {
+        const bool as_much = ball.rim_fraction > dark.rim_fraction - kCastShadow.rim;
+        const bool cleaner = ball.residual_px < kCastShadow.of_ragged * dark.residual_px;
+        return may_cast(ball.circle, dark.circle) && (as_much || (about_both && cleaner));
+      });
+      if (!cast) continue;
+      std::erase_if(found_, [&](const FoundBall& ball) {
+        return ball.circle.cx_px == dark.circle.cx_px && ball.circle.cy_px == dark.circle.cy_px;
+      });
+    }
+  }
+
   int proofs() const { return static_cast<int>(tried_.size()); }
   bool is_proved() const { return best_ >= kBallSearch.proved; }
   // Whether more has moved than the balls that were found: `share` of the largest one's disc, or
@@ -197,19 +219,26 @@ class Search {
     const auto may_be = [&](const Circle& circle) { return !is_still(circle, 1); };
     propose(picture, shrink, low_, high_, may_be, candidates);
     for (const Circle& candidate : candidates) {
-      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate) ||
-          is_known(candidate)) {
-        continue;
+      if (candidate.r_px >= kBallSearch.least_candidate_r_px && !seen(tried_, candidate) &&
+          !is_known(candidate)) {
+        tried_.push_back(candidate);
+        try_circle(candidate, std::max(kBallSearch.least_candidate_sd_px,
+                                       kBallSearch.candidate_sd_of_r * candidate.r_px));
       }
-      tried_.push_back(candidate);
-      const FoundBall ball = prove(frame_, candidate, options_);
-      if (ball.score <= 0 || is_still(ball.circle, ball.rim_fraction)) continue;
-      const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
-        return other.score >= ball.score;
-      });
-      if (best) best_ = ball.rim_fraction;
-      found_.push_back(ball);
     }
+  }
+
+  void try_circle(const Circle& candidate, double sd_px, double least_rim = 0) {
+    const FoundBall ball = prove(frame_, candidate, sd_px, options_);
+    if (ball.score <= 0 || ball.rim_fraction < least_rim ||
+        is_still(ball.circle, ball.rim_fraction)) {
+      return;
+    }
+    const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
+      return other.score >= ball.score;
+    });
+    if (best) best_ = ball.rim_fraction;
+    found_.push_back(ball);
   }
 
   const Frame& frame_;
@@ -231,6 +260,7 @@ std::vector<FoundBall> find_balls(const Frame& frame, const CircleOptions& optio
   Search search(frame, options, scene);
   search.by_shape();
   if (scene != nullptr && (!search.is_proved() || (all && search.more_moved()))) search.by_motion();
+  search.by_shadows();
   if (proofs != nullptr) *proofs = search.proofs();
   return search.take();
 }

@@ -303,6 +303,69 @@ bool is_even(const Cells& cells, const Rings& rings, const Surroundings& back) {
   return other < kBeyond.most_uneven * all;
 }
 
+// How many cells from the rim outwards are no background; nullopt where that is not told.
+using Outs = std::array<std::optional<std::size_t>, kWays>;
+
+Outs outs_of(const Cells& cells, const Surroundings& back) {
+  Outs outs;
+  for (int d = 0; d < kWays; ++d) {
+    if (!back.level[d]) continue;
+    std::size_t out = 0;
+    while (out < cells[d].size() && !is_background(cells[d][out], level_at(back, d, out), back)) {
+      ++out;
+    }
+    if (out + static_cast<std::size_t>(kBeyond.background_rings) <= cells[d].size()) outs[d] = out;
+  }
+  return outs;
+}
+
+// Of the cells about one, how far apart their means are.
+float range_about(const Cells& cells, int direction, std::size_t ring) {
+  float least = cells[direction][ring].mean, most = least;
+  for (int side = -1; side <= 1; ++side) {
+    const std::vector<Cell>& ray = cells[(direction + side + kWays) % kWays];
+    for (std::size_t i = ring - std::min<std::size_t>(ring, 1); i < ring + 2 && i < ray.size();
+         ++i) {
+      least = std::min(least, ray[i].mean), most = std::max(most, ray[i].mean);
+    }
+  }
+  return most - least;
+}
+
+// Whether the cells from the rim to the background grow brighter without a texture.
+bool brightens(const Cells& cells, int direction, std::size_t out, const Surroundings& back) {
+  const std::vector<Cell>& ray = cells[direction];
+  const double noise = kBeyond.of_mean * back.mean_sd + back.least_level;
+  for (std::size_t i = 0; i < out; ++i) {
+    const double smooth =
+        kBeyond.shadow_smooth * static_cast<double>(range_about(cells, direction, i));
+    const double spread = static_cast<double>(ray[i].variance) - back.variance;
+    if (spread > kBeyond.of_scatter * back.variance_sd + smooth * smooth) return false;
+    const double next = static_cast<double>(i + 1 < out ? ray[i + 1].mean : *back.level[direction]);
+    if (static_cast<double>(ray[i].mean) > next + noise) return false;
+  }
+  return true;
+}
+
+// Whether what adjoins the rim is a shadow that the ball casts on what lies behind it: on one side,
+// and nothing but darker, less and less up to the background.
+bool is_shadow(const Cells& cells, const Outs& outs, const Surroundings& back) {
+  int told = 0, dark = 0, begins = 0, brighter = 0;
+  float deepest = 1;  // share of the background's light
+  for (int d = 0; d < kWays; ++d) {
+    if (!outs[d]) continue;
+    ++told;
+    if (*outs[d] == 0) continue;
+    ++dark;
+    const auto& before = outs[(d + kWays - 1) % kWays];
+    begins += before && *before == 0;
+    brighter += brightens(cells, d, *outs[d], back);
+    deepest = std::min(deepest, cells[d][0].mean / level_at(back, d, 0));
+  }
+  return dark < kBeyond.shadow_share * told && begins <= 1 &&
+         brighter >= kBeyond.shadow_most * dark && deepest < kBeyond.shadow_darker;
+}
+
 }  // namespace
 
 Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
@@ -317,20 +380,16 @@ Beyond beyond_rim(const Frame& frame, const Rim& rim, double edge_sigma_px) {
   }
   state_scatter(cells, rings, contrast_of_ball, back);
   if (!is_even(cells, rings, back)) return {};
+  const Outs outs = outs_of(cells, back);
   int told = 0, beyond = 0;
   std::size_t farthest = 0;
-  for (int d = 0; d < kWays; ++d) {
-    if (!back.level[d]) continue;
-    std::size_t out = 0;
-    while (out < cells[d].size() && !is_background(cells[d][out], level_at(back, d, out), back)) {
-      ++out;
-    }
-    if (out + static_cast<std::size_t>(kBeyond.background_rings) > cells[d].size()) continue;
+  for (const auto& out : outs) {
+    if (!out) continue;
     ++told;
-    beyond += out > 0;
-    farthest = std::max(farthest, out);
+    beyond += *out > 0;
+    farthest = std::max(farthest, *out);
   }
-  if (told < kBeyond.least_told) return {};
+  if (told < kBeyond.least_told || is_shadow(cells, outs, back)) return {};
   return {static_cast<double>(beyond) / told,
           farthest == 0 ? 0 : rings.first_px + static_cast<double>(farthest) * rings.width_px};
 }

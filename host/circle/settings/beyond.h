@@ -32,6 +32,10 @@ struct BeyondSettings {
   // Its variance over half of the mean square of what neighbouring pixels differ by: 0.9 to 1.15 in
   // noise, 1.8 and more before wood, tiles, in compressed film. [measured] light_accuracy random
   double alike = 1.4;
+  // A shadow that the ball casts lies in no more of the directions, leaves in one no more of the
+  // background's light, and grows brighter outwards in most of them; without a texture: a cell
+  // scatters by no more than so much of what those about it differ by [hand].
+  double shadow_share = 0.65, shadow_darker = 0.93, shadow_most = 0.8, shadow_smooth = 0.25;
   int least_told = 8;  // directions [hand]
   double share = 0.1;  // of them that no chance explains [hand]
   // A circle that shows so much of its rim is a rim, whatever lies beside it [hand].

@@ -116,6 +116,8 @@ struct TrackingSettings {
   double hand_px = 1, hand_sd_of_r = 0.02, hand_of_r = 0.5;
   std::int64_t longest_gap = 5;   // frames without a ball before the picture is searched [hand]
   double radius_tolerance = 0.2;  // of the radius: another circle, not this ball [hand]
+  // As large as the ball's last one, or its usual one, at most, less so many of its deviations.
+  double most_growth = 1.06, growth_sds = 2;  // [hand]
   // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
   std::size_t run = 16, shortest_run = 4;  // [hand]
   // From the prediction, px; the frames between then lie within an eighth of it from the line, if

@@ -46,6 +46,30 @@ struct BallSearchSettings {
 };
 inline constexpr BallSearchSettings kBallSearch;
 
+// what_casts: a round shadow and the ball before it. Lengths without px are shares of the shadow's
+// radius.
+struct CastShadowSettings {
+  int rays = 128;                  // along which it is looked at [hand]
+  double begin = 0.97, end = 0.1;  // of a ray, from the rim inwards [hand]
+  double outer = 1.3;              // where the surroundings are seen [hand]
+  double darker = 0.9;             // a shadow is, than so much of what is about it [hand]
+  double belt = 0.3,
+         of_belt = 0.15;  // under the rim, and the least share of it that is flat [hand]
+  double near = 0.15;  // flat is what lies so near the shadow's level, share of its contrast [hand]
+  double soft = 0.25;  // width of the shadow's edge, at most [hand]
+  std::size_t least_px = 3;  // of a flat belt on a ray [hand]
+  double least_arc = 0.15;   // share of the rays that show one [hand]
+  double on_rim_px = 1.5;    // ends of the belt lie so near the rim of what casts it … [hand]
+  double agree = 0.6;        // … so many of them [hand]
+  double same_size = 0.45;   // radii differ by no more [hand]
+  double least_off = 0.15;   // and centres by no less [hand]
+  double found_sd[2] = {0.015, 0.04};  // scatter of the centre of what casts it, tried [hand]
+  // A circle about both scatters by so much, and that of what casts the shadow by so much of it.
+  double ragged_px = 1, of_ragged = 0.4;  // [hand]
+  double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much [hand]
+};
+inline constexpr CastShadowSettings kCastShadow;
+
 // StillScene: what stands still in some frames of a clip.
 struct StillSettings {
   // Learnt from: with fewer nothing is known [hand], more would take long.

@@ -1,0 +1,162 @@
+#include "host/circle/scene/cast_shadow.h"
+
+#include <impactdic/units.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "host/base/statistics.h"
+#include "host/circle/settings/search.h"
+
+namespace impactdic::circle {
+namespace {
+
+std::optional<double> grey_at(const Frame& frame, double x_px, double y_px) {
+  const int x = static_cast<int>(std::lround(x_px)), y = static_cast<int>(std::lround(y_px));
+  if (x < 0 || y < 0 || x >= frame.width() || y >= frame.height()) return std::nullopt;
+  return frame.type == PixelType::kU8 ? frame.u8(x, y) : frame.u16(x, y);
+}
+
+// Along a radius of the circle, pixel by pixel inwards; short where the picture ends.
+struct Radius {
+  double cosine = 1, sine = 0;
+  double from_px = 0;
+  std::vector<double> greys;
+};
+
+class Radii {
+ public:
+  Radii(const Frame& frame, const Circle& circle) : circle_(circle) {
+    std::vector<double> outside;
+    for (int k = 0; k < kCastShadow.rays; ++k) {
+      const double at = 2 * kPi * k / kCastShadow.rays;
+      Radius ray{std::cos(at), std::sin(at), kCastShadow.begin * circle.r_px, {}};
+      for (double r_px = ray.from_px; r_px > kCastShadow.end * circle.r_px; r_px -= 1) {
+        const auto grey = grey_at(frame, x_of(ray, r_px), y_of(ray, r_px));
+        if (!grey) break;
+        ray.greys.push_back(*grey);
+      }
+      const double r_px = kCastShadow.outer * circle.r_px;
+      if (const auto grey = grey_at(frame, x_of(ray, r_px), y_of(ray, r_px))) {
+        outside.push_back(*grey);
+      }
+      rays_.push_back(std::move(ray));
+    }
+    about_ = outside.empty() ? 0 : upper_median(std::move(outside));
+  }
+
+  // Where the flat dark belt under the rim ends inwards, on every ray that shows one.
+  std::vector<Eigen::Vector2d> ends() const {
+    std::vector<Eigen::Vector2d> ends;
+    const auto dark = level();
+    if (!dark) return ends;
+    for (const Radius& ray : rays_) {
+      if (const auto r_px = end_of(ray, *dark))
+        ends.emplace_back(x_of(ray, *r_px), y_of(ray, *r_px));
+    }
+    return ends;
+  }
+
+ private:
+  double x_of(const Radius& ray, double r_px) const { return circle_.cx_px + r_px * ray.cosine; }
+  double y_of(const Radius& ray, double r_px) const { return circle_.cy_px + r_px * ray.sine; }
+
+  // The shadow's: of what is darker than the surroundings, the middle of the narrowest interval
+  // that holds so many samples (Rousseeuw, Leroy 1988: the shorth is the same of a half).
+  std::optional<double> level() const {
+    std::vector<double> greys;
+    std::size_t all = 0;
+    for (const Radius& ray : rays_) {
+      const auto belt = static_cast<std::size_t>(kCastShadow.belt * circle_.r_px);
+      for (std::size_t i = 0; i < std::min(belt, ray.greys.size()); ++i, ++all) {
+        if (ray.greys[i] < kCastShadow.darker * about_) greys.push_back(ray.greys[i]);
+      }
+    }
+    const auto many = static_cast<std::size_t>(kCastShadow.of_belt * static_cast<double>(all));
+    if (greys.size() <= many) return std::nullopt;
+    std::sort(greys.begin(), greys.end());
+    std::size_t best = 0;
+    for (std::size_t i = 0; i + many < greys.size(); ++i) {
+      if (greys[i + many] - greys[i] < greys[best + many] - greys[best]) best = i;
+    }
+    return (greys[best] + greys[best + many]) / 2;
+  }
+
+  std::optional<double> end_of(const Radius& ray, double dark) const {
+    const auto is_flat = [&](double grey) {
+      return std::abs(grey - dark) < kCastShadow.near * (about_ - dark);
+    };
+    // The shadow's own edge is soft.
+    const auto soft = static_cast<std::size_t>(kCastShadow.soft * circle_.r_px);
+    std::size_t first = 0;
+    while (first < std::min(soft, ray.greys.size()) && !is_flat(ray.greys[first])) ++first;
+    std::size_t last = first;
+    while (last < ray.greys.size() && is_flat(ray.greys[last])) ++last;
+    if (last - first < kCastShadow.least_px || last == ray.greys.size()) return std::nullopt;
+    return ray.from_px - static_cast<double>(last) + 0.5;
+  }
+
+  Circle circle_;
+  std::vector<Radius> rays_;
+  double about_ = 0;
+};
+
+// Least squares of x^2 + y^2 = 2 a x + 2 b y + c (Kåsa 1976).
+std::optional<Circle> circle_through(const std::vector<Eigen::Vector2d>& points) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& p : points) {
+    const Eigen::Vector3d row(2 * (p - points[0]).x(), 2 * (p - points[0]).y(), 1);
+    normal += row * row.transpose();
+    right += (p - points[0]).squaredNorm() * row;
+  }
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(normal);
+  if (!lu.isInvertible()) return std::nullopt;
+  const Eigen::Vector3d x = lu.solve(right);
+  const double squared = x[2] + x[0] * x[0] + x[1] * x[1];
+  if (!(squared > 0)) return std::nullopt;
+  return Circle{points[0].x() + x[0], points[0].y() + x[1], std::sqrt(squared)};
+}
+
+std::vector<Eigen::Vector2d> near(const std::vector<Eigen::Vector2d>& points, const Circle& c) {
+  std::vector<Eigen::Vector2d> found;
+  for (const Eigen::Vector2d& p : points) {
+    const double off_px = std::hypot(p.x() - c.cx_px, p.y() - c.cy_px) - c.r_px;
+    if (std::abs(off_px) < kCastShadow.on_rim_px) found.push_back(p);
+  }
+  return found;
+}
+
+bool same_size(double a_px, double b_px) {
+  return std::abs(a_px - b_px) < kCastShadow.same_size * b_px;
+}
+
+}  // namespace
+
+bool may_cast(const Circle& thing, const Circle& shadow) {
+  const double off = std::hypot(thing.cx_px - shadow.cx_px, thing.cy_px - shadow.cy_px);
+  return same_size(thing.r_px, shadow.r_px) && off > kCastShadow.least_off * shadow.r_px &&
+         off < thing.r_px + shadow.r_px;
+}
+
+std::optional<Circle> what_casts(const Frame& frame, const Circle& shadow) {
+  const std::vector<Eigen::Vector2d> ends = Radii(frame, shadow).ends();
+  const std::size_t count = ends.size(), third = count / 3;
+  if (static_cast<double>(count) < kCastShadow.least_arc * kCastShadow.rays) return std::nullopt;
+  std::vector<Eigen::Vector2d> most;
+  for (std::size_t i = 0; i < third; ++i) {
+    const auto through = circle_through({ends[i], ends[i + third], ends[i + 2 * third]});
+    if (!through || !same_size(through->r_px, shadow.r_px)) continue;
+    std::vector<Eigen::Vector2d> on = near(ends, *through);
+    if (on.size() > most.size()) most = std::move(on);
+  }
+  if (static_cast<double>(most.size()) < kCastShadow.agree * static_cast<double>(count)) {
+    return std::nullopt;
+  }
+  const auto thing = circle_through(most);
+  return thing && may_cast(*thing, shadow) ? thing : std::nullopt;
+}
+
+}  // namespace impactdic::circle

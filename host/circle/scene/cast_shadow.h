@@ -1,0 +1,21 @@
+// A ball's shadow on a wall behind it: as round and as large as the ball, and it moves along.
+// Internal to host/circle.
+#pragma once
+
+#include <impactdic/circle.h>
+
+#include <optional>
+
+#include "host/video/frame_source.h"
+
+namespace impactdic::circle {
+
+// The circle of the thing that lies before a round shadow, by the edge of what the thing leaves of
+// it: a belt under the shadow's rim that is flat and darker than what is about it. nullopt where
+// the circle is no such shadow.
+std::optional<Circle> what_casts(const Frame& frame, const Circle& shadow);
+
+// Whether one circle may be the shadow and the other what casts it, by place and size.
+bool may_cast(const Circle& thing, const Circle& shadow);
+
+}  // namespace impactdic::circle
