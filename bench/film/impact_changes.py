@@ -249,6 +249,14 @@ def sloping(shot, pictures):
     return pictures
 
 
+def cast(shot, pictures):
+    """The ball's own shadow lies on a bright wall behind it, soft at its edge."""
+    for k, (p, behind) in enumerate(zip(pictures, shot.behind())):
+        x, y = shot.centres[k] + (40, 25)
+        p += behind * (150 * (1 - 0.6 * step(RADIUS - np.hypot(X - x, Y - y), 2.5)) - BACKGROUND)
+    return pictures
+
+
 def sensor(shot, pictures):
     """Columns of other gains (2 %) and offsets (3 grey levels); 20 hot and 20 dead pixels."""
     gains, offsets = shot.random.normal(1, 0.02, SIDE), shot.random.normal(0, 3, SIDE)
@@ -270,4 +278,4 @@ def strings(shot, pictures):
 
 CHANGES = {change.__name__: change for change in (
     plain, floor, front, rings, debris, flakes, dust, fuzz, flash, dims, glossy, shadowed, recoils,
-    spare, hand, defocused, saturated, sloping, sensor, strings)}
+    spare, hand, defocused, saturated, sloping, cast, sensor, strings)}

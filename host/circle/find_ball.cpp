@@ -138,25 +138,20 @@ class Search {
     }
   }
 
-  // Tries what lies before the shadows among the circles, and drops the shadow of each ball.
+  // Puts what lies before a shadow in the shadow's place.
   void by_shadows() {
-    for (const FoundBall& dark : std::vector(found_)) {
+    for (FoundBall& dark : found_) {
       const auto before = what_casts(frame_, dark.circle);
       if (!before) continue;
       for (const double sd : kCastShadow.found_sd) {
-        try_circle(*before, sd * before->r_px, kBallSearch.proved);
+        const FoundBall ball = prove(frame_, *before, sd * before->r_px, options_);
+        if (!casts(ball, dark)) continue;
+        const Circle shadow = dark.circle;
+        for (FoundBall& other : found_) {
+          if (same_circle(other.circle, shadow)) other = ball;
+        }
+        break;
       }
-      // A circle about both of them lies off the rims of either.
-      const bool about_both = dark.residual_px > kCastShadow.ragged_px;
-      const bool cast = std::any_of(found_.begin(), found_.end(), [&](const FoundBall& ball) {
-        const bool as_much = ball.rim_fraction > dark.rim_fraction - kCastShadow.rim;
-        const bool cleaner = ball.residual_px < kCastShadow.of_ragged * dark.residual_px;
-        return may_cast(ball.circle, dark.circle) && (as_much || (about_both && cleaner));
-      });
-      if (!cast) continue;
-      std::erase_if(found_, [&](const FoundBall& ball) {
-        return ball.circle.cx_px == dark.circle.cx_px && ball.circle.cy_px == dark.circle.cy_px;
-      });
     }
   }
 
@@ -219,26 +214,39 @@ class Search {
     const auto may_be = [&](const Circle& circle) { return !is_still(circle, 1); };
     propose(picture, shrink, low_, high_, may_be, candidates);
     for (const Circle& candidate : candidates) {
-      if (candidate.r_px >= kBallSearch.least_candidate_r_px && !seen(tried_, candidate) &&
-          !is_known(candidate)) {
-        tried_.push_back(candidate);
-        try_circle(candidate, std::max(kBallSearch.least_candidate_sd_px,
-                                       kBallSearch.candidate_sd_of_r * candidate.r_px));
+      if (candidate.r_px < kBallSearch.least_candidate_r_px || seen(tried_, candidate) ||
+          is_known(candidate)) {
+        continue;
       }
+      tried_.push_back(candidate);
+      const double sd_px = std::max(kBallSearch.least_candidate_sd_px,
+                                    kBallSearch.candidate_sd_of_r * candidate.r_px);
+      const FoundBall ball = prove(frame_, candidate, sd_px, options_);
+      if (ball.score <= 0 || is_still(ball.circle, ball.rim_fraction)) continue;
+      const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
+        return other.score >= ball.score;
+      });
+      if (best) best_ = ball.rim_fraction;
+      found_.push_back(ball);
     }
   }
 
-  void try_circle(const Circle& candidate, double sd_px, double least_rim = 0) {
-    const FoundBall ball = prove(frame_, candidate, sd_px, options_);
-    if (ball.score <= 0 || ball.rim_fraction < least_rim ||
+  static bool same_circle(const Circle& a, const Circle& b) {
+    const double near = kBallSearch.known_of_r * b.r_px;
+    return std::abs(a.r_px - b.r_px) < near &&
+           std::hypot(a.cx_px - b.cx_px, a.cy_px - b.cy_px) < near;
+  }
+
+  // Whether a circle that was proved before another one, which looks like its shadow, shows as much
+  // of a rim. A circle about both of them lies off the rims of either.
+  bool casts(const FoundBall& ball, const FoundBall& dark) const {
+    if (ball.rim_fraction < kCastShadow.least_rim || !may_cast(ball.circle, dark.circle) ||
         is_still(ball.circle, ball.rim_fraction)) {
-      return;
+      return false;
     }
-    const bool best = std::none_of(found_.begin(), found_.end(), [&](const FoundBall& other) {
-      return other.score >= ball.score;
-    });
-    if (best) best_ = ball.rim_fraction;
-    found_.push_back(ball);
+    const bool about_both = dark.residual_px > kCastShadow.ragged_px &&
+                            ball.residual_px < kCastShadow.of_ragged * dark.residual_px;
+    return about_both || ball.rim_fraction > dark.rim_fraction - kCastShadow.rim;
   }
 
   const Frame& frame_;

@@ -19,6 +19,16 @@ std::optional<double> grey_at(const Frame& frame, double x_px, double y_px) {
   return frame.type == PixelType::kU8 ? frame.u8(x, y) : frame.u16(x, y);
 }
 
+// The middle of the narrowest interval that holds so many of some values, which are sorted
+// (Rousseeuw, Leroy 1988: the shorth is the same of a half).
+double densest(const std::vector<double>& sorted, std::size_t many) {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + many < sorted.size(); ++i) {
+    if (sorted[i + many] - sorted[i] < sorted[best + many] - sorted[best]) best = i;
+  }
+  return (sorted[best] + sorted[best + many]) / 2;
+}
+
 // Along a radius of the circle, pixel by pixel inwards; short where the picture ends.
 struct Radius {
   double cosine = 1, sine = 0;
@@ -42,19 +52,32 @@ class Radii {
       if (const auto grey = grey_at(frame, x_of(ray, r_px), y_of(ray, r_px))) {
         outside.push_back(*grey);
       }
+      in_belt_ +=
+          std::min(static_cast<std::size_t>(kCastShadow.belt * circle.r_px), ray.greys.size());
       rays_.push_back(std::move(ray));
     }
     about_ = outside.empty() ? 0 : upper_median(std::move(outside));
   }
 
-  // Where the flat dark belt under the rim ends inwards, on every ray that shows one.
-  std::vector<Eigen::Vector2d> ends() const {
+  // Of what is darker than the surroundings under the rim, the levels that most of it has, at most
+  // so many: the shadow's and the ink's.
+  std::vector<double> levels(int most) const {
+    std::vector<double> levels, greys = belt();
+    const auto many = static_cast<std::size_t>(kCastShadow.of_belt * static_cast<double>(in_belt_));
+    while (static_cast<int>(levels.size()) < most && greys.size() > many) {
+      levels.push_back(densest(greys, many));
+      std::erase_if(greys, [&](double grey) { return is_flat(grey, levels.back()); });
+    }
+    return levels;
+  }
+
+  // Where the belt of that level under the rim ends inwards, on every ray that shows one.
+  std::vector<Eigen::Vector2d> ends(double level) const {
     std::vector<Eigen::Vector2d> ends;
-    const auto dark = level();
-    if (!dark) return ends;
     for (const Radius& ray : rays_) {
-      if (const auto r_px = end_of(ray, *dark))
+      if (const auto r_px = end_of(ray, level)) {
         ends.emplace_back(x_of(ray, *r_px), y_of(ray, *r_px));
+      }
     }
     return ends;
   }
@@ -63,43 +86,37 @@ class Radii {
   double x_of(const Radius& ray, double r_px) const { return circle_.cx_px + r_px * ray.cosine; }
   double y_of(const Radius& ray, double r_px) const { return circle_.cy_px + r_px * ray.sine; }
 
-  // The shadow's: of what is darker than the surroundings, the middle of the narrowest interval
-  // that holds so many samples (Rousseeuw, Leroy 1988: the shorth is the same of a half).
-  std::optional<double> level() const {
+  bool is_flat(double grey, double level) const {
+    return std::abs(grey - level) < kCastShadow.near * (about_ - level);
+  }
+
+  // Of the samples under the rim the dark ones, ascending.
+  std::vector<double> belt() const {
     std::vector<double> greys;
-    std::size_t all = 0;
     for (const Radius& ray : rays_) {
       const auto belt = static_cast<std::size_t>(kCastShadow.belt * circle_.r_px);
-      for (std::size_t i = 0; i < std::min(belt, ray.greys.size()); ++i, ++all) {
+      for (std::size_t i = 0; i < std::min(belt, ray.greys.size()); ++i) {
         if (ray.greys[i] < kCastShadow.darker * about_) greys.push_back(ray.greys[i]);
       }
     }
-    const auto many = static_cast<std::size_t>(kCastShadow.of_belt * static_cast<double>(all));
-    if (greys.size() <= many) return std::nullopt;
     std::sort(greys.begin(), greys.end());
-    std::size_t best = 0;
-    for (std::size_t i = 0; i + many < greys.size(); ++i) {
-      if (greys[i + many] - greys[i] < greys[best + many] - greys[best]) best = i;
-    }
-    return (greys[best] + greys[best + many]) / 2;
+    return greys;
   }
 
-  std::optional<double> end_of(const Radius& ray, double dark) const {
-    const auto is_flat = [&](double grey) {
-      return std::abs(grey - dark) < kCastShadow.near * (about_ - dark);
-    };
+  std::optional<double> end_of(const Radius& ray, double level) const {
     // The shadow's own edge is soft.
     const auto soft = static_cast<std::size_t>(kCastShadow.soft * circle_.r_px);
     std::size_t first = 0;
-    while (first < std::min(soft, ray.greys.size()) && !is_flat(ray.greys[first])) ++first;
+    while (first < std::min(soft, ray.greys.size()) && !is_flat(ray.greys[first], level)) ++first;
     std::size_t last = first;
-    while (last < ray.greys.size() && is_flat(ray.greys[last])) ++last;
+    while (last < ray.greys.size() && is_flat(ray.greys[last], level)) ++last;
     if (last - first < kCastShadow.least_px || last == ray.greys.size()) return std::nullopt;
     return ray.from_px - static_cast<double>(last) + 0.5;
   }
 
   Circle circle_;
   std::vector<Radius> rays_;
+  std::size_t in_belt_ = 0;
   double about_ = 0;
 };
 
@@ -133,6 +150,23 @@ bool same_size(double a_px, double b_px) {
   return std::abs(a_px - b_px) < kCastShadow.same_size * b_px;
 }
 
+// Of points in order those on the circle that most lie on; none where these are few.
+std::vector<Eigen::Vector2d> on_one_circle(const std::vector<Eigen::Vector2d>& points,
+                                           double about_r_px) {
+  const std::size_t count = points.size(), apart = count / 4;
+  if (static_cast<double>(count) < kCastShadow.least_arc * kCastShadow.rays) return {};
+  std::vector<Eigen::Vector2d> most;
+  for (std::size_t i = 0; i + 2 * apart < count; ++i) {
+    const auto through = circle_through({points[i], points[i + apart], points[i + 2 * apart]});
+    if (!through || !same_size(through->r_px, about_r_px)) continue;
+    std::vector<Eigen::Vector2d> on = near(points, *through);
+    if (on.size() > most.size()) most = std::move(on);
+  }
+  const bool agree =
+      static_cast<double>(most.size()) >= kCastShadow.agree * static_cast<double>(count);
+  return agree ? most : std::vector<Eigen::Vector2d>{};
+}
+
 }  // namespace
 
 bool may_cast(const Circle& thing, const Circle& shadow) {
@@ -142,19 +176,13 @@ bool may_cast(const Circle& thing, const Circle& shadow) {
 }
 
 std::optional<Circle> what_casts(const Frame& frame, const Circle& shadow) {
-  const std::vector<Eigen::Vector2d> ends = Radii(frame, shadow).ends();
-  const std::size_t count = ends.size(), third = count / 3;
-  if (static_cast<double>(count) < kCastShadow.least_arc * kCastShadow.rays) return std::nullopt;
+  const Radii radii(frame, shadow);
   std::vector<Eigen::Vector2d> most;
-  for (std::size_t i = 0; i < third; ++i) {
-    const auto through = circle_through({ends[i], ends[i + third], ends[i + 2 * third]});
-    if (!through || !same_size(through->r_px, shadow.r_px)) continue;
-    std::vector<Eigen::Vector2d> on = near(ends, *through);
+  for (const double level : radii.levels(kCastShadow.levels)) {
+    std::vector<Eigen::Vector2d> on = on_one_circle(radii.ends(level), shadow.r_px);
     if (on.size() > most.size()) most = std::move(on);
   }
-  if (static_cast<double>(most.size()) < kCastShadow.agree * static_cast<double>(count)) {
-    return std::nullopt;
-  }
+  if (most.empty()) return std::nullopt;
   const auto thing = circle_through(most);
   return thing && may_cast(*thing, shadow) ? thing : std::nullopt;
 }

@@ -57,6 +57,7 @@ struct CastShadowSettings {
          of_belt = 0.15;  // under the rim, and the least share of it that is flat [hand]
   double near = 0.15;  // flat is what lies so near the shadow's level, share of its contrast [hand]
   double soft = 0.25;  // width of the shadow's edge, at most [hand]
+  int levels = 2;      // of what is dark under the rim, tried: shadow, ink [hand]
   std::size_t least_px = 3;  // of a flat belt on a ray [hand]
   double least_arc = 0.15;   // share of the rays that show one [hand]
   double on_rim_px = 1.5;    // ends of the belt lie so near the rim of what casts it … [hand]
@@ -65,7 +66,8 @@ struct CastShadowSettings {
   double least_off = 0.15;   // and centres by no less [hand]
   double found_sd[2] = {0.015, 0.04};  // scatter of the centre of what casts it, tried [hand]
   // A circle about both scatters by so much, and that of what casts the shadow by so much of it.
-  double ragged_px = 1, of_ragged = 0.4;  // [hand]
+  double ragged_px = 1, of_ragged = 0.6;  // [hand]
+  double least_rim = 0.4;                 // of what casts it [hand]
   double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much [hand]
 };
 inline constexpr CastShadowSettings kCastShadow;

@@ -1,0 +1,96 @@
+// A ball before a wall on which its own shadow lies, as round and as large as the ball.
+#include "host/circle/scene/cast_shadow.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "host/circle/circle.h"
+#include "host/circle/second_look/rim_beyond.h"
+#include "tests/support/tracks/light_tracks.h"
+
+namespace impactdic::testing {
+namespace {
+
+constexpr double kWall = 90;   // grey levels more than the scene's background
+constexpr double kLeft = 0.6;  // of its light in the shadow, which is then brighter than ink
+
+struct Offset {
+  double x_px, y_px;
+};
+constexpr Offset kOffsets[] = {{40, 25}, {15, 10}, {-30, -34}, {20, -8}};
+
+struct Shown {
+  Frame frame;
+  Circle ball;
+};
+
+// A disc of 60 px before a wall that is bright but for its shadow, whose edge is soft.
+Shown shown(const char* pattern, Offset shadow, double left) {
+  LightClip clip({.name = "shadow", .pattern = pattern, .radius_px = 60}, 3, 1);
+  Shown out;
+  clip.render(0, out.frame);
+  const BallPose& pose = clip.poses()[0];
+  out.ball = {pose.cx_px, pose.cy_px, 60};
+  for (int y = 0; y < out.frame.height(); ++y) {
+    for (int x = 0; x < out.frame.width(); ++x) {
+      const double off = std::hypot(x - pose.cx_px, y - pose.cy_px) - 60;
+      const double in = 60 - std::hypot(x - pose.cx_px - shadow.x_px, y - pose.cy_px - shadow.y_px);
+      const double light = 1 - (1 - left) / (1 + std::exp(-in / 2));
+      const double behind = std::clamp(off + 0.5, 0.0, 1.0);
+      const double level = out.frame.u8(x, y);
+      out.frame.u8(x, y) = static_cast<std::uint8_t>(
+          std::lround(level + behind * ((level + kWall) * light - level)));
+    }
+  }
+  return out;
+}
+
+double off_px(const Circle& a, const Circle& b) {
+  return std::hypot(a.cx_px - b.cx_px, a.cy_px - b.cy_px);
+}
+
+TEST(CastShadow, TellsWhatLiesBeforeIt) {
+  for (const Offset& at : kOffsets) {
+    const Shown s = shown("e1", at, kLeft);
+    const Circle shadow{s.ball.cx_px + at.x_px, s.ball.cy_px + at.y_px, 60};
+    const auto thing = circle::what_casts(s.frame, shadow);
+    ASSERT_TRUE(thing) << at.x_px;
+    EXPECT_LT(off_px(*thing, s.ball), 3) << at.x_px;
+    EXPECT_NEAR(thing->r_px, 60, 3) << at.x_px;
+  }
+}
+
+TEST(CastShadow, NoBallIsOne) {
+  for (const char* pattern : {"a1", "a2", "b2", "c3", "d1", "d2", "e1", "e2", "f1"}) {
+    const Shown s = shown(pattern, {300, 0}, 1);
+    EXPECT_FALSE(circle::what_casts(s.frame, s.ball)) << pattern;
+  }
+}
+
+// It was found for the ball, or a circle about both.
+TEST(CastShadow, IsNotFoundForTheBall) {
+  for (const char* pattern : {"a2", "d2", "e1", "f1"}) {
+    for (const Offset& at : kOffsets) {
+      const Shown s = shown(pattern, at, kLeft);
+      const auto found = circle::find_ball(s.frame, {});
+      ASSERT_TRUE(found) << pattern << at.x_px;
+      EXPECT_LT(off_px(*found, s.ball), 2) << pattern << at.x_px;
+      EXPECT_NEAR(found->r_px, 60, 2) << pattern << at.x_px;
+    }
+  }
+}
+
+// A circle that fits was given up for what it left out.
+TEST(CastShadow, IsNothingOfTheBallBeyondItsRim) {
+  for (const Offset& at : {kOffsets[1], kOffsets[3]}) {
+    const Shown s = shown("e1", at, kLeft);
+    const circle::Rim rim{s.ball.cx_px, s.ball.cy_px, 60, 0, 0};
+    EXPECT_EQ(beyond_rim(s.frame, rim, 0.7).share, 0) << at.x_px;
+  }
+}
+
+}  // namespace
+}  // namespace impactdic::testing
