@@ -240,8 +240,10 @@ class Search {
   // Whether a circle that was proved before another one, which looks like its shadow, shows as much
   // of a rim. A circle about both of them lies off the rims of either.
   bool casts(const FoundBall& ball, const FoundBall& dark) const {
-    if (ball.rim_fraction < kCastShadow.least_rim || !may_cast(ball.circle, dark.circle) ||
-        is_still(ball.circle, ball.rim_fraction)) {
+    const bool plain =
+        ball.rim_fraction > kCastShadow.much_rim ||
+        (ball.rim_fraction > kCastShadow.least_rim && ball.residual_px < kCastShadow.clean_px);
+    if (!plain || !may_cast(ball.circle, dark.circle) || is_still(ball.circle, ball.rim_fraction)) {
       return false;
     }
     const bool about_both = dark.residual_px > kCastShadow.ragged_px &&

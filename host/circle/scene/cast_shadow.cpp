@@ -176,6 +176,7 @@ bool may_cast(const Circle& thing, const Circle& shadow) {
 }
 
 std::optional<Circle> what_casts(const Frame& frame, const Circle& shadow) {
+  if (shadow.r_px < kCastShadow.least_r_px) return std::nullopt;
   const Radii radii(frame, shadow);
   std::vector<Eigen::Vector2d> most;
   for (const double level : radii.levels(kCastShadow.levels)) {

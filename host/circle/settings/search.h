@@ -62,12 +62,14 @@ struct CastShadowSettings {
   double least_arc = 0.15;   // share of the rays that show one [hand]
   double on_rim_px = 1.5;    // ends of the belt lie so near the rim of what casts it … [hand]
   double agree = 0.6;        // … so many of them [hand]
-  double same_size = 0.45;   // radii differ by no more [hand]
+  double same_size = 0.3;    // radii differ by no more [hand]
   double least_off = 0.15;   // and centres by no less [hand]
   double found_sd[2] = {0.015, 0.04};  // scatter of the centre of what casts it, tried [hand]
   // A circle about both scatters by so much, and that of what casts the shadow by so much of it.
   double ragged_px = 1, of_ragged = 0.6;  // [hand]
-  double least_rim = 0.4;                 // of what casts it [hand]
+  // What casts it shows so much of its rim, or less of one that is clean [hand].
+  double much_rim = 0.6, least_rim = 0.4, clean_px = 0.15;
+  double least_r_px = 20;  // of a shadow that pixels tell [hand]
   double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much [hand]
 };
 inline constexpr CastShadowSettings kCastShadow;
