@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "host/circle/rays/frame_level.h"
 #include "host/circle/rim/rim_levels.h"
 #include "host/circle/settings/rim_model.h"
 #include "host/circle/settings/sphere.h"
@@ -62,11 +63,6 @@ double brightest(const LineTrace::Levels& levels, Surface surface, bool bright) 
   if (!bright) return -*std::min_element(levels.ground.begin(), levels.ground.end());
   return surface != Surface::kFlat ? levels.sphere.at(0, 0, 1)
                                    : static_cast<double>(levels.light[0]);
-}
-
-double level_at(const Frame& frame, int x, int y) {
-  const std::size_t at = static_cast<std::size_t>(y) * frame.width() + x;
-  return frame.type == PixelType::kU8 ? frame.u8.data()[at] : frame.u16.data()[at];
 }
 
 // Where just inside of the rim the camera's scale ends: the first harmonic along x and y, 1 the

@@ -98,6 +98,13 @@ bool same_place(const Circle& a, const Circle& b) {
          kBallSearch.overlap * std::max(a.r_px, b.r_px);
 }
 
+// Whether a circle lies so near another, in place and radius, that it is the same.
+bool same_circle(const Circle& a, const Circle& known) {
+  const double near = kBallSearch.known_of_r * known.r_px;
+  return std::abs(a.r_px - known.r_px) < near &&
+         std::hypot(a.cx_px - known.cx_px, a.cy_px - known.cy_px) < near;
+}
+
 // The search in one frame.
 class Search {
  public:
@@ -202,9 +209,8 @@ class Search {
       const Circle& circle = ball.circle;
       const double by = std::abs(circle.r_px - candidate.r_px);
       const double off = std::hypot(circle.cx_px - candidate.cx_px, circle.cy_px - candidate.cy_px);
-      const double near = kBallSearch.known_of_r * circle.r_px;
       const bool touches = std::abs(off - by) < kBallSearch.touches_of_r * circle.r_px;
-      return (by < near && off < near) ||
+      return same_circle(candidate, circle) ||
              (touches && off < kBallSearch.touching_of_r * circle.r_px);
     });
   }
@@ -229,12 +235,6 @@ class Search {
       if (best) best_ = ball.rim_fraction;
       found_.push_back(ball);
     }
-  }
-
-  static bool same_circle(const Circle& a, const Circle& b) {
-    const double near = kBallSearch.known_of_r * b.r_px;
-    return std::abs(a.r_px - b.r_px) < near &&
-           std::hypot(a.cx_px - b.cx_px, a.cy_px - b.cy_px) < near;
   }
 
   // Whether a circle that was proved before another one, which looks like its shadow, shows as much

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/circle/rays/frame_level.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
@@ -16,7 +17,7 @@ namespace {
 std::optional<double> grey_at(const Frame& frame, double x_px, double y_px) {
   const int x = static_cast<int>(std::lround(x_px)), y = static_cast<int>(std::lround(y_px));
   if (x < 0 || y < 0 || x >= frame.width() || y >= frame.height()) return std::nullopt;
-  return frame.type == PixelType::kU8 ? frame.u8(x, y) : frame.u16(x, y);
+  return level_at(frame, x, y);
 }
 
 // The middle of the narrowest interval that holds so many of some values, which are sorted
