@@ -107,7 +107,8 @@ void count(const std::vector<MissingFrames>& missing, double fps, std::size_t i,
       before += gap.count;
     }
   }
-  row.time_s += before / fps;
+  // In whole periods: a sum of two times would differ from the clock's in its last digit.
+  if (before > 0) row.time_s = (std::round(row.time_s * fps) + before) / fps;
 }
 
 std::string missing_warning(const std::vector<MissingFrames>& missing, const TrackRows& rows) {
