@@ -46,9 +46,13 @@ CircleFit measure_circle(const Frame& frame, const CirclePrior& prior, const Cir
     return CircleFit{.bright = fit.bright};
   }
   // What is left of a texture misplaces single pieces of the rim, and a longer one by less.
-  const double off_px =
-      std::sqrt(kBackdrop.evened_of_r_px / fit.circle.r_px) *
-      std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * backdrop->guessed_share(about));
+  const double guessed = backdrop->guessed_share(about);
+  double off_px = std::sqrt(kBackdrop.evened_of_r_px / fit.circle.r_px) *
+                  std::hypot(kBackdrop.evened_sd_px, kBackdrop.guessed_sd_px * guessed);
+  // Where what is guessed ends there is an edge, and no model tells it from the rim.
+  if (!fit.rim_model && guessed > kBackdrop.much_guessed) {
+    off_px = std::hypot(off_px, kJudge.ragged_sd_of_r * fit.circle.r_px);
+  }
   for (double* sd : {&fit.cx_sd_px, &fit.cy_sd_px, &fit.r_sd_px}) *sd = std::hypot(*sd, off_px);
   return fit;
 }

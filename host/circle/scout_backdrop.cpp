@@ -24,12 +24,12 @@ std::vector<View> showing_balls(const std::vector<View>& views) {
   return showing;
 }
 
-CirclePrior prior_at(const Backdrop::Outline& ball) {
+CirclePrior prior_at(const Backdrop::Outline& ball, double centre_sd_px = kScout.found_sd_px) {
   CirclePrior prior;
   prior.predicted = ball.circle;
   prior.e1_px = ball.e1_px;
   prior.e2_px = ball.e2_px;
-  prior.centre_sd_px = kScout.found_sd_px;
+  prior.centre_sd_px = centre_sd_px;
   return prior;
 }
 
@@ -85,14 +85,49 @@ std::shared_ptr<const Backdrop> learn_better(std::shared_ptr<const Backdrop> kno
   return known;
 }
 
+// That of most discs that moved; the others are taken out of the views. nullopt of too few.
+std::optional<AboutRadius> agreed_radius(std::vector<View>& views) {
+  std::vector<double> radii_px;
+  for (const View& view : showing_balls(views)) radii_px.push_back(view.balls.front().circle.r_px);
+  if (radii_px.empty()) return std::nullopt;
+  const AboutRadius radius{upper_median(std::move(radii_px)), kBackdrop.moved_within};
+  for (View& view : views) {
+    std::erase_if(view.balls, [&](const Backdrop::Outline& disc) {
+      return std::abs(disc.circle.r_px - radius.px) > radius.within * radius.px;
+    });
+  }
+  const bool few = showing_balls(views).size() < kBackdrop.least_views;
+  if (few || radius.px < kBallSearch.least_r_px) return std::nullopt;
+  return radius;
+}
+
+// The ball about the disc that moved, before what is roughly known of the background; none where
+// no rim shows there.
+void look_about(const Backdrop& backdrop, const CircleOptions& options, View& view) {
+  if (view.balls.empty()) return;
+  const Circle disc = view.balls.front().circle;
+  CirclePrior prior = prior_at({disc}, kBackdrop.moved_sd * disc.r_px);
+  prior.rim_sd_px = prior.centre_sd_px;
+  prior.learn = false;
+  const CircleFit fit = measure_circle(*view.frame, prior, options, &backdrop);
+  view.balls.clear();
+  if (fit.status == CircleStatus::kOk) view.balls.push_back({fit.circle, fit.e1_px, fit.e2_px});
+}
+
 // The ball of a view before what lies behind it, where it is plainly one: before an evened
-// background whatever comes is plain, arms have round ends, too.
+// background whatever comes is plain, arms have round ends, too. Where the ball is as the wall is,
+// less of a rim will do about the disc that moved.
 std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOptions& options,
-                                    const View& view) {
+                                    const View& view, const std::optional<Circle>& moved) {
   if (view.balls.empty()) return std::nullopt;
   const CircleFit fit =
       measure_circle(*view.frame, prior_at(view.balls.front()), options, &backdrop);
-  const bool plain = fit.status == CircleStatus::kOk && fit.rim_fraction >= kBackdrop.plain_rim &&
+  const bool as_moved =
+      moved &&
+      std::max(std::hypot(fit.circle.cx_px - moved->cx_px, fit.circle.cy_px - moved->cy_px),
+               std::abs(fit.circle.r_px - moved->r_px)) < kBackdrop.moved_beyond * moved->r_px;
+  const double least_rim = as_moved ? kBackdrop.as_moved_rim : kBackdrop.plain_rim;
+  const bool plain = fit.status == CircleStatus::kOk && fit.rim_fraction >= least_rim &&
                      std::hypot(fit.e1_px, fit.e2_px) <= kBackdrop.plain_oval * fit.circle.r_px;
   if (!plain) return std::nullopt;
   return FoundBall{fit.circle, fit.rim_fraction, fit.rim_fraction * fit.circle.r_px, fit.bright,
@@ -112,19 +147,23 @@ std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double r
 std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<View> views,
                                                      const CircleOptions& options,
                                                      std::vector<std::optional<FoundBall>>& found) {
-  std::vector<View> moved = showing_balls(views);
-  if (moved.size() < kBackdrop.least_views) return nullptr;
-  std::vector<double> radii_px;
-  for (const View& view : moved) radii_px.push_back(view.balls.front().circle.r_px);
-  const AboutRadius radius{upper_median(std::move(radii_px)), kBackdrop.moved_within};
-  const std::shared_ptr<const Backdrop> roughly = Backdrop::learn(moved, Backdrop::Known::kWithin);
+  const std::optional<AboutRadius> radius = agreed_radius(views);
+  if (!radius) return nullptr;
+  std::vector<View> holding = showing_balls(views);
+  for (View& view : holding) view.balls.front().circle.r_px *= 1 + kBackdrop.moved_beyond;
+  const std::shared_ptr<const Backdrop> roughly =
+      Backdrop::learn(holding, Backdrop::Known::kWithin);
   if (!roughly) return nullptr;
-  for (View& view : views) view.balls.clear();
-  std::shared_ptr<const Backdrop> known = learn_better(roughly, radius, options, views);
+  std::vector<std::optional<Circle>> moved(views.size());
+  parallel_for(views.size(), [&](std::size_t k) {
+    if (!views[k].balls.empty()) moved[k] = views[k].balls.front().circle;
+    look_about(*roughly, options, views[k]);
+  });
+  std::shared_ptr<const Backdrop> known = learn_better(roughly, *radius, options, views);
   if (!known) return nullptr;
   found.resize(views.size());
   parallel_for(views.size(),
-               [&](std::size_t k) { found[k] = plain_ball(*known, options, views[k]); });
+               [&](std::size_t k) { found[k] = plain_ball(*known, options, views[k], moved[k]); });
   return known;
 }
 

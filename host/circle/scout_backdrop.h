@@ -17,7 +17,7 @@ std::shared_ptr<const Backdrop> scout_backdrop(std::vector<Backdrop::View> views
                                                const CircleOptions& options);
 
 // The same where no ball is seen before the texture. The views' circles are the discs that moved
-// (StillScene::moved_disc), somewhat larger than the ball. `found`: the balls that are plain before
+// (StillScene::moved_disc). `found`: the balls that are plain before
 // what is learnt, view by view; left alone where nothing is.
 std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<Backdrop::View> views,
                                                      const CircleOptions& options,

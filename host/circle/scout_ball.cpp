@@ -206,6 +206,23 @@ class Scouting {
     return learnt;
   }
 
+  // Whether the candidate is a mark on what moves: nearly wherever it is seen, it lies within a
+  // disc that moved and is much larger.
+  bool is_mark(const BallCandidate& ball) const {
+    if (!learnt_.scene) return false;
+    int discs = 0, within = 0;
+    for (const Sighting& one : ball.sightings) {
+      const auto glance = std::ranges::find(glances_, one.index, &Glance::index);
+      const auto disc = learnt_.scene->moved_disc(learnt_.scene->compare(glance->reduced));
+      if (!disc) continue;
+      ++discs;
+      const Circle& mark = one.ball.circle;
+      within += mark.r_px < kBackdrop.mark_of_r * disc->r_px &&
+                std::hypot(mark.cx_px - disc->cx_px, mark.cy_px - disc->cy_px) < disc->r_px;
+    }
+    return discs >= kBackdrop.plain_views && within > kBackdrop.mostly * discs;
+  }
+
   Scouted result() const {
     std::vector<Glance> glances = glances_;
     std::sort(glances.begin(), glances.end(),
@@ -284,6 +301,19 @@ class Scouting {
   std::size_t kept_bytes_ = 0;
 };
 
+// Whether it is believed and seen in frames enough to learn what lies behind it.
+bool seen_often(const Scouted& scouted) {
+  const std::vector<const BallCandidate*> believed = scouted.believed();
+  return !believed.empty() && believed.front()->sightings.size() >= kBackdrop.least_views;
+}
+
+// Whether there is no need to look for another ball in what moved.
+bool is_plain(const Scouted& scouted, const Scouting& scouting) {
+  if (!seen_often(scouted)) return false;
+  const BallCandidate& best = *scouted.believed().front();
+  return best.rim_fraction >= kBackdrop.seen_rim && !scouting.is_mark(best);
+}
+
 }  // namespace
 
 std::optional<double> Scouted::radius_px() const {
@@ -345,22 +375,21 @@ Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
                    const CircleOptions& options) {
   Scouting scouting(source, range, roi, options);
   Scouted scouted;
+  std::shared_ptr<const Backdrop> moved;
   for (std::int64_t wanted = kScout.first_frames; wanted <= kScout.most_frames; wanted *= 2) {
     const std::int64_t n = std::min(wanted, range.count());
     scouting.look_at(n);
     scouted = scouting.result();
+    if (!is_plain(scouted, scouting)) moved = scouting.moved_backdrop();
     const bool agree = !scouted.balls.empty() &&
                        static_cast<int>(scouted.balls.front().sightings.size()) >= kScout.agree;
-    if (agree || n == range.count()) break;
+    if (moved || agree || n == range.count()) break;
   }
-  const std::vector<const BallCandidate*> believed = scouted.believed();
-  const bool seen =
-      !believed.empty() && believed.front()->sightings.size() >= kBackdrop.least_views;
-  if (seen) {
-    scouted.backdrop = scouting.backdrop(scouted);
-  } else if (auto moved = scouting.moved_backdrop()) {
+  if (moved) {
     scouted = scouting.result();
     scouted.backdrop = std::move(moved);
+  } else if (seen_often(scouted)) {
+    scouted.backdrop = scouting.backdrop(scouted);
   }
   return scouted;
 }

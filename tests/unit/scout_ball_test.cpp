@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <impactdic/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -83,6 +84,73 @@ TEST(ScoutBall, LivesWithADamagedFrameAndAnEmptyClip) {
   clip.read(0, grey);
   PictureList empty(std::vector<Frame>(5, grey));
   EXPECT_FALSE(circle::scout_ball(empty, empty.range(), empty.whole(), {}).radius_px());
+}
+
+// Down and up again by less than the ball's width, so that much of the wall is never seen.
+BallPose bounce_at(int frame) {
+  const double fall = frame < 20 ? 2.2 * frame : 44 - 1.6 * (frame - 20);
+  return {150 + 1.1 * frame, 110.2 + fall, 0.4 * frame};
+}
+
+// Before graph paper: squares of 12 px, whose lines are as dark as the ball's ink and which are
+// about as bright as its paint. `moves_px`: of the paper, from frame to frame.
+PictureList clip_before_paper(const char* pattern, double moves_px) {
+  SynthScene scene;
+  scene.width = 340;
+  scene.height = 280;
+  scene.noise_sigma = 2;
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball(pattern, 3, kRadius), scene);
+  std::vector<Frame> frames(40);
+  for (int k = 0; k < 40; ++k) {
+    Frame& frame = frames[static_cast<std::size_t>(k)];
+    const BallPose pose = bounce_at(k);
+    renderer.render(pose, k, frame);
+    for (int y = 0; y < scene.height; ++y) {
+      for (int x = 0; x < scene.width; ++x) {
+        const double behind =
+            std::clamp(std::hypot(x - pose.cx_px, y - pose.cy_px) - kRadius + 0.5, 0.0, 1.0);
+        const double along = std::abs(std::fmod(x + moves_px * k, 12.0) - 6);
+        const double down = std::abs(std::fmod(y, 12.0) - 6);
+        const bool line = std::min(along, down) < 0.8;
+        const double paper = line ? 0 : 130;  // more than the scene's background
+        frame.u8(x, y) = static_cast<std::uint8_t>(std::lround(frame.u8(x, y) + behind * paper));
+      }
+    }
+  }
+  return PictureList(std::move(frames));
+}
+
+// No ball was found, or one of its marks, or an arc of it.
+TEST(ScoutBall, GraphPaperBehindTheBallIsLearnt) {
+  for (const char* pattern : {"a2", "d1", "e1"}) {
+    PictureList clip = clip_before_paper(pattern, 0);
+    const circle::Scouted scouted = circle::scout_ball(clip, clip.range(), clip.whole(), {});
+    ASSERT_TRUE(scouted.radius_px()) << pattern;
+    EXPECT_NEAR(*scouted.radius_px(), kRadius, 1) << pattern;
+    ASSERT_NE(scouted.backdrop, nullptr) << pattern;
+
+    circle::BallTracker tracker({.scouted_radius_px = scouted.radius_px(),
+                                 .scene = scouted.scene,
+                                 .backdrop = scouted.backdrop});
+    int measured = 0;
+    for (int k = 0; k < 40; ++k) {
+      Frame frame;
+      clip.read(k, frame);
+      const circle::CircleFit fit = tracker.track(frame, k);
+      if (fit.status != circle::CircleStatus::kOk) continue;
+      ++measured;
+      const BallPose truth = bounce_at(k);
+      EXPECT_LT(std::hypot(fit.circle.cx_px - truth.cx_px, fit.circle.cy_px - truth.cy_px),
+                5 * std::hypot(fit.cx_sd_px, fit.cy_sd_px))
+          << pattern << ", frame " << k;
+    }
+    EXPECT_GE(measured, 36) << pattern;
+  }
+}
+
+TEST(ScoutBall, PaperThatMovesIsNoBackdrop) {
+  PictureList clip = clip_before_paper("e1", 0.7);
+  EXPECT_EQ(circle::scout_ball(clip, clip.range(), clip.whole(), {}).backdrop, nullptr);
 }
 
 }  // namespace

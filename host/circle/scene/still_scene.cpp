@@ -202,20 +202,22 @@ std::optional<Circle> StillScene::moved_disc(const cv::Mat& moved) const {
   cv::drawContours(blob, outlines, -1, 255, cv::FILLED);
   cv::morphologyEx(blob, blob, cv::MORPH_OPEN, disc);
   cv::findContours(blob, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-  double largest = 0;
-  const std::vector<cv::Point>* outline = nullptr;
-  for (const std::vector<cv::Point>& one : outlines) {
-    const double area = cv::contourArea(one);
-    if (area > largest) largest = area, outline = &one;
-  }
-  if (outline == nullptr) return std::nullopt;
-  const cv::Rect box = cv::boundingRect(*outline);
+  if (outlines.empty()) return std::nullopt;
+  const auto area = [](const auto& outline) { return cv::contourArea(outline); };
+  const auto& largest = *std::ranges::max_element(outlines, {}, area);
+  const cv::Rect box = cv::boundingRect(largest);
   const bool whole = box.x > 0 && box.y > 0 && box.br().x < blob.cols && box.br().y < blob.rows;
-  cv::Point2f centre;
-  float radius = 0;
-  cv::minEnclosingCircle(*outline, centre, radius);
-  const double r = radius;
-  if (!whole || largest < kBackdrop.moved_round * kPi * r * r) return std::nullopt;
+  // Where the ball is as the wall is, the blob has gaps; its hull has none.
+  std::vector<cv::Point> hull;
+  cv::convexHull(largest, hull);
+  blob.setTo(0);
+  cv::fillConvexPoly(blob, hull, 255);
+  cv::Mat depth;
+  cv::distanceTransform(blob, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  double r = 0;
+  cv::Point centre;
+  cv::minMaxLoc(depth, nullptr, &r, nullptr, &centre);
+  if (!whole || kPi * r * r < kBackdrop.moved_round * cv::contourArea(hull)) return std::nullopt;
   const double half = 0.5 * (shrink_ - 1);
   return Circle{centre.x * shrink_ + half, centre.y * shrink_ + half, r * shrink_};
 }

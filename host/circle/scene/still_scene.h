@@ -42,9 +42,10 @@ class StillScene {
   // enough of its rim shows.
   bool is_still(const cv::Mat& moved, const Circle& circle, double rim_fraction) const;
 
-  // The disc that moved, in pixels of the frame: the largest of what differs once specks are taken
-  // away and holes filled; about as large as the ball in this frame and in the still picture
-  // together. nullopt where that is no disc or reaches the picture's edge.
+  // The disc that moved, in pixels of the frame: the largest within the hull of the largest blob of
+  // what differs. That blob is the ball in this frame, with gaps, and what of it the still picture
+  // holds. nullopt where the disc fills too little of the hull, or the blob reaches the picture's
+  // edge.
   std::optional<Circle> moved_disc(const cv::Mat& moved) const;
 
   // Full pixels to one of the reduced picture.

@@ -18,6 +18,7 @@ struct BackdropSettings {
   int plane_half_px = 4, plane_least = 12;  // [hand]
   double plane_px = 3;                      // [hand]
   int spread_px = 24;       // what no frame has shown is taken from so near, at most [hand]
+  double mean_sd_px = 6;    // σ of that mean [hand]
   int beside_px = 16;       // so far beside the rim a texture matters [hand]
   int around_px = 15;       // side of the square over which texture is judged [hand]
   double noises = 1.0;      // of noise's deviation: a texture that matters is stronger … [hand]
@@ -30,16 +31,27 @@ struct BackdropSettings {
   // ball, beside its rim, it looks as it does outside.
   double same_noises = 4;     // levels that are the same differ by so many deviations [hand]
   double most_hidden = 0.04;  // of the rim, or nothing is evened [hand]
-  // Where no ball was seen: a disc that moved fills so much of the circle about it, and its radius
-  // is right to so much of itself. The ball is believed that then shows so much of its rim, with
-  // e/R no more than that, in so many views.
-  double moved_round = 0.8, moved_within = 0.2;  // [hand]
-  double plain_rim = 0.6, plain_oval = 0.1;      // [hand]
-  int plain_views = 3;                           // [hand]
+  // More of what the views show is not what was learnt: the background moves [hand]; 0.1 beside a
+  // shadow that moves, less than 0.0001 before paper, a floor, strings.
+  double most_changing = 0.03;
+  // Where no ball was plainly seen: a disc that moved fills so much of the hull of what moved.
+  // Shares of its radius: what that is right to, its scatter about the ball, and how far about it
+  // all of the ball lies.
+  double moved_round = 0.65, moved_within = 0.2, moved_sd = 0.04, moved_beyond = 0.1;  // [hand]
+  // The ball is believed that then shows so much of its rim, or so much about the disc that moved,
+  // with e/R no more than that, in so many views.
+  double plain_rim = 0.6, as_moved_rim = 0.35, plain_oval = 0.1;  // [hand]
+  int plain_views = 3;                                            // [hand]
+  // What was seen with less of its rim is looked for so, too; and what in more than so many of the
+  // views lies in a disc that moved, and is smaller than so much of it: a mark.
+  double seen_rim = 0.5, mostly = 0.5, mark_of_r = 0.5;  // [hand]
   int learnings = 3;  // of the background, each by circles measured before what was learnt [hand]
   // Evening about a circle, which is measured again where it has moved by more.
   // Inside the rim all of the texture is taken away, and so far again less and less [hand].
-  double inside_px = 4;
+  double inside_px = 1.5;
+  // Inside the rim the background shows where so much of such a square is as it [hand].
+  int alike_px = 5;
+  double alike_share = 0.7;
   double settled_px = 1;   // [hand]
   double less_rim = 0.7;   // of the rim that carried the fit before: it was the better one [hand]
   double least_rim = 0.3;  // share of the rim that must carry a fit without a model of it [hand]
@@ -47,7 +59,8 @@ struct BackdropSettings {
   // ball of such a radius; larger ones by the root less. [measured]: docs/log/accuracy.md, "Before
   // wood and tiles", and light_accuracy sphere_wood and sphere_wood_far, balls 1 to 60.
   double evened_sd_px = 0.06, guessed_sd_px = 0.12, evened_of_r_px = 60;
-  int rounds = 3;  // of measuring, at most [hand]
+  double much_guessed = 0.05;  // of the rim: no circle is exact that no model holds for [hand]
+  int rounds = 3;              // of measuring, at most [hand]
 };
 inline constexpr BackdropSettings kBackdrop;
 
