@@ -163,6 +163,16 @@ double roughness(const cv::Mat& level, const cv::Mat& where) {
   return std::sqrt(std::max(0.0, cv::mean(variance, where)[0]));
 }
 
+float median_of(const cv::Mat& level, const cv::Mat& where) {
+  std::vector<float> levels;
+  for (int y = 0; y < where.rows; ++y) {
+    for (int x = 0; x < where.cols; ++x) {
+      if (where.at<std::uint8_t>(y, x) != 0) levels.push_back(level.at<float>(y, x));
+    }
+  }
+  return upper_median(std::move(levels));
+}
+
 // What makes a texture that matters, at least.
 double least_roughness(double noise, double full_scale) {
   return kBackdrop.noises * noise + kBackdrop.of_range * full_scale;
@@ -235,12 +245,37 @@ double hidden_share(const View& view, const Learnt& learnt, const Outline& ball)
   return seen > 0 ? static_cast<double>(hidden) / seen : 0;
 }
 
-bool is_hidden(std::span<const View> views, const Learnt& learnt) {
-  std::vector<double> shares;
-  for (const View& view : views) {
-    for (const Outline& ball : view.balls) shares.push_back(hidden_share(view, learnt, ball));
+// Of the pixels of a view under a rim whose texture is plain, the share that shows it: of wires in
+// front of the ball all do, of lines behind it those do on which ink happens to lie.
+double through_share(const View& view, const Learnt& learnt, const Outline& ball, double even) {
+  const cv::Rect all(0, 0, learnt.level.cols, learnt.level.rows);
+  const double same = same_level(learnt, view.frame->full_scale());
+  int textured = 0, shown = 0;
+  for (int k = 0; k < kRimPoints; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kRimPoints;
+    for (double deep = kBackdrop.rough_px; deep < kBackdrop.deep_of_r * ball.circle.r_px; ++deep) {
+      const cv::Point in = rim_point(ball, angle, -deep);
+      if (!all.contains(in) || learnt.unseen.at<std::uint8_t>(in) != 0) continue;
+      const double there = learnt.level.at<float>(in);
+      if (std::abs(there - even) < kBackdrop.plain_levels * same) continue;
+      ++textured;
+      shown += std::abs(level_at(*view.frame, in.x, in.y) - there) < same;
+    }
   }
-  return upper_median(std::move(shares)) > kBackdrop.most_hidden;
+  return textured >= kRimPoints ? static_cast<double>(shown) / textured : 0;
+}
+
+// Whether something stands still in front of the balls.
+bool is_hidden(std::span<const View> views, const Learnt& learnt, double even) {
+  std::vector<double> shares, through;
+  for (const View& view : views) {
+    for (const Outline& ball : view.balls) {
+      shares.push_back(hidden_share(view, learnt, ball));
+      through.push_back(through_share(view, learnt, ball, even));
+    }
+  }
+  return upper_median(std::move(shares)) > kBackdrop.most_hidden ||
+         upper_median(std::move(through)) > kBackdrop.most_through;
 }
 
 // The share of what the views show beside their balls that is not what was learnt: of a background
@@ -275,15 +310,9 @@ std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, Kno
   if (cv::countNonZero(beside) == 0) return nullptr;
   const double least = least_roughness(learnt.noise, views.front().frame->full_scale());
   if (roughness(learnt.level, beside) < least) return nullptr;
-  if (known != Known::kWithin && is_hidden(views, learnt)) return nullptr;
+  const float even = median_of(learnt.level, beside);
+  if (known != Known::kWithin && is_hidden(views, learnt, even)) return nullptr;
   if (changing_share(views, learnt, beside) > kBackdrop.most_changing) return nullptr;
-  std::vector<double> levels;
-  for (int y = 0; y < beside.rows; ++y) {
-    for (int x = 0; x < beside.cols; ++x) {
-      if (beside.at<std::uint8_t>(y, x) != 0) levels.push_back(learnt.level.at<float>(y, x));
-    }
-  }
-  const auto even = static_cast<float>(upper_median(std::move(levels)));
   Image<float> texture(beside.cols, beside.rows);
   Image<std::uint8_t> guessed(beside.cols, beside.rows);
   for (int y = 0; y < beside.rows; ++y) {

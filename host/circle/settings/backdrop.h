@@ -31,6 +31,9 @@ struct BackdropSettings {
   // ball, beside its rim, it looks as it does outside.
   double same_noises = 4;     // levels that are the same differ by so many deviations [hand]
   double most_hidden = 0.04;  // of the rim, or nothing is evened [hand]
+  // Texture so far from the even level, in levels that are the same, is plain; under the rim, so
+  // deep, share of the radius, no more of it shows than so much.
+  double plain_levels = 2, deep_of_r = 0.4, most_through = 0.7;  // [hand]
   // More of what the views show is not what was learnt: the background moves [hand]; 0.1 beside a
   // shadow that moves, less than 0.0001 before paper, a floor, strings.
   double most_changing = 0.03;
