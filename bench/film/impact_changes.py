@@ -257,6 +257,14 @@ def cast(shot, pictures):
     return pictures
 
 
+def paper(shot, pictures):
+    """Squared paper behind, about as bright as the ball, its lines about as dark as ink."""
+    lines = np.maximum(step(0.7 - np.abs(X % 12 - 6)), step(0.7 - np.abs(Y % 12 - 6)))
+    for p, behind in zip(pictures, shot.behind()):
+        p += behind * (170 - 110 * lines - BACKGROUND)
+    return pictures
+
+
 def sensor(shot, pictures):
     """Columns of other gains (2 %) and offsets (3 grey levels); 20 hot and 20 dead pixels."""
     gains, offsets = shot.random.normal(1, 0.02, SIDE), shot.random.normal(0, 3, SIDE)
@@ -278,4 +286,5 @@ def strings(shot, pictures):
 
 CHANGES = {change.__name__: change for change in (
     plain, floor, front, rings, debris, flakes, dust, fuzz, flash, dims, glossy, shadowed, recoils,
-    spare, hand, defocused, saturated, sloping, cast, sensor, strings)}
+    spare, hand, defocused, saturated, sloping, cast, paper, sensor,
+    strings)}

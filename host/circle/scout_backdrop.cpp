@@ -125,7 +125,7 @@ std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOption
   const bool as_moved =
       moved &&
       std::max(std::hypot(fit.circle.cx_px - moved->cx_px, fit.circle.cy_px - moved->cy_px),
-               std::abs(fit.circle.r_px - moved->r_px)) < kBackdrop.moved_beyond * moved->r_px;
+               std::abs(fit.circle.r_px - moved->r_px)) < kBackdrop.as_moved * moved->r_px;
   const double least_rim = as_moved ? kBackdrop.as_moved_rim : kBackdrop.plain_rim;
   const bool plain = fit.status == CircleStatus::kOk && fit.rim_fraction >= least_rim &&
                      std::hypot(fit.e1_px, fit.e2_px) <= kBackdrop.plain_oval * fit.circle.r_px;
@@ -134,37 +134,62 @@ std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOption
                    fit.residual_px};
 }
 
-}  // namespace
-
-std::shared_ptr<const Backdrop> scout_backdrop(std::vector<View> views, double radius_px,
-                                               const CircleOptions& options) {
-  std::shared_ptr<const Backdrop> known =
-      Backdrop::learn(showing_balls(views), Backdrop::Known::kRoughly);
-  if (!known || are_discs(showing_balls(views), options)) return nullptr;
-  return learn_better(known, {radius_px, kScout.same_radius}, options, views);
+// What was learnt from the views, and which of their balls are plain before it. `moved`: the discs
+// that moved, view by view, where they are known.
+ScoutedBackdrop judged(std::shared_ptr<const Backdrop> known, const CircleOptions& options,
+                       const std::vector<View>& views,
+                       const std::vector<std::optional<Circle>>& moved) {
+  ScoutedBackdrop scouted{std::move(known), {}};
+  if (!scouted.backdrop) return scouted;
+  scouted.plain.resize(views.size());
+  parallel_for(views.size(), [&](std::size_t k) {
+    scouted.plain[k] = plain_ball(*scouted.backdrop, options, views[k], moved[k]);
+  });
+  return scouted;
 }
 
-std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<View> views,
-                                                     const CircleOptions& options,
-                                                     std::vector<std::optional<FoundBall>>& found) {
-  const std::optional<AboutRadius> radius = agreed_radius(views);
-  if (!radius) return nullptr;
+// By discs so much larger than what moved, share of their radius.
+ScoutedBackdrop scout_within(double beyond, const AboutRadius& radius, const CircleOptions& options,
+                             std::vector<View> views) {
   std::vector<View> holding = showing_balls(views);
-  for (View& view : holding) view.balls.front().circle.r_px *= 1 + kBackdrop.moved_beyond;
-  const std::shared_ptr<const Backdrop> roughly =
-      Backdrop::learn(holding, Backdrop::Known::kWithin);
-  if (!roughly) return nullptr;
+  for (View& view : holding) view.balls.front().circle.r_px *= 1 + beyond;
+  const auto roughly = Backdrop::learn(holding, Backdrop::Known::kWithin);
+  if (!roughly) return {};
   std::vector<std::optional<Circle>> moved(views.size());
   parallel_for(views.size(), [&](std::size_t k) {
     if (!views[k].balls.empty()) moved[k] = views[k].balls.front().circle;
     look_about(*roughly, options, views[k]);
   });
-  std::shared_ptr<const Backdrop> known = learn_better(roughly, *radius, options, views);
-  if (!known) return nullptr;
-  found.resize(views.size());
-  parallel_for(views.size(),
-               [&](std::size_t k) { found[k] = plain_ball(*known, options, views[k], moved[k]); });
-  return known;
+  auto known = learn_better(roughly, radius, options, views);
+  return judged(std::move(known), options, views, moved);
+}
+
+}  // namespace
+
+double ScoutedBackdrop::shown() const {
+  double sum = 0;
+  for (const auto& ball : plain) sum += ball ? ball->rim_fraction : 0;
+  return sum;
+}
+
+ScoutedBackdrop scout_backdrop(std::vector<View> views, double radius_px,
+                               const CircleOptions& options) {
+  std::shared_ptr<const Backdrop> known =
+      Backdrop::learn(showing_balls(views), Backdrop::Known::kRoughly);
+  if (!known || are_discs(showing_balls(views), options)) return {};
+  known = learn_better(known, {radius_px, kScout.same_radius}, options, views);
+  return judged(std::move(known), options, views, std::vector<std::optional<Circle>>(views.size()));
+}
+
+ScoutedBackdrop scout_moved_backdrop(std::vector<View> views, const CircleOptions& options) {
+  const std::optional<AboutRadius> radius = agreed_radius(views);
+  ScoutedBackdrop best;
+  if (!radius) return best;
+  for (const double beyond : kBackdrop.moved_beyond) {
+    ScoutedBackdrop scouted = scout_within(beyond, *radius, options, views);
+    if (scouted.shown() > best.shown()) best = std::move(scouted);
+  }
+  return best;
 }
 
 }  // namespace impactdic::circle

@@ -10,17 +10,22 @@
 
 namespace impactdic::circle {
 
+struct ScoutedBackdrop {
+  std::shared_ptr<const Backdrop> backdrop;     // nullptr where nothing is learnt
+  std::vector<std::optional<FoundBall>> plain;  // of each view the ball, where it is plainly one
+  // Of their rims, the shares that show, in sum.
+  double shown() const;
+};
+
 // Learns it from the views in which balls are seen, roughly; measures these before what is learnt,
-// looks for those that were not seen, of radius `radius_px`, and learns anew. nullptr as
+// looks for those that were not seen, of radius `radius_px`, and learns anew. Nothing as
 // Backdrop::learn says, and where the balls are discs, whose rims show before any texture.
-std::shared_ptr<const Backdrop> scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
-                                               const CircleOptions& options);
+ScoutedBackdrop scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
+                               const CircleOptions& options);
 
 // The same where no ball is seen before the texture. The views' circles are the discs that moved
-// (StillScene::moved_disc). `found`: the balls that are plain before
-// what is learnt, view by view; left alone where nothing is.
-std::shared_ptr<const Backdrop> scout_moved_backdrop(std::vector<Backdrop::View> views,
-                                                     const CircleOptions& options,
-                                                     std::vector<std::optional<FoundBall>>& found);
+// (StillScene::moved_disc).
+ScoutedBackdrop scout_moved_backdrop(std::vector<Backdrop::View> views,
+                                     const CircleOptions& options);
 
 }  // namespace impactdic::circle

@@ -166,9 +166,9 @@ class Scouting {
   }
 
   // What lies behind the balls that `scouted` believes in, from the frames kept.
-  std::shared_ptr<const Backdrop> backdrop(const Scouted& scouted) const {
+  ScoutedBackdrop backdrop(const Scouted& scouted) const {
     const std::vector<const BallCandidate*> believed = scouted.believed();
-    if (!learnt_.scene || believed.empty()) return nullptr;
+    if (!learnt_.scene || believed.empty()) return {};
     std::vector<Backdrop::View> views;
     for (const Kept& kept : kept_) {
       Backdrop::View& view = views.emplace_back();
@@ -182,10 +182,9 @@ class Scouting {
     return scout_backdrop(std::move(views), believed.front()->radius_px, options_);
   }
 
-  // The same where too few frames show one, from what moved. What is seen before it is added to
-  // what was found.
-  std::shared_ptr<const Backdrop> moved_backdrop() {
-    if (!learnt_.scene) return nullptr;
+  // The same where too few frames show one, from what moved.
+  ScoutedBackdrop moved_backdrop() const {
+    if (!learnt_.scene) return {};
     std::vector<Backdrop::View> views;
     for (const Kept& kept : kept_) {
       Backdrop::View& view = views.emplace_back();
@@ -193,17 +192,19 @@ class Scouting {
       const auto disc = learnt_.scene->moved_disc(learnt_.scene->moved(kept.frame));
       if (disc) view.balls.push_back({*disc});
     }
-    std::vector<std::optional<FoundBall>> found;
-    const auto learnt = scout_moved_backdrop(std::move(views), options_, found);
-    const auto plain = std::count_if(found.begin(), found.end(),
+    ScoutedBackdrop moved = scout_moved_backdrop(std::move(views), options_);
+    const auto plain = std::count_if(moved.plain.begin(), moved.plain.end(),
                                      [](const auto& ball) { return ball.has_value(); });
-    if (!learnt || plain < kBackdrop.plain_views) return nullptr;
-    for (std::size_t k = 0; k < found.size(); ++k) {
+    return plain < kBackdrop.plain_views ? ScoutedBackdrop() : moved;
+  }
+
+  // Adds the balls that are plain before a background to what was found.
+  void take(const ScoutedBackdrop& seen) {
+    for (std::size_t k = 0; k < seen.plain.size(); ++k) {
       for (Glance& glance : glances_) {
-        if (found[k] && glance.index == kept_[k].index) glance.found = {*found[k]};
+        if (seen.plain[k] && glance.index == kept_[k].index) glance.found = {*seen.plain[k]};
       }
     }
-    return learnt;
   }
 
   // Whether the candidate is a mark on what moves: nearly wherever it is seen, it lies within a
@@ -314,68 +315,27 @@ bool is_plain(const Scouted& scouted, const Scouting& scouting) {
   return best.rim_fraction >= kBackdrop.seen_rim && !scouting.is_mark(best);
 }
 
+// What lies behind the ball: as it was seen, or as what moved shows it, whichever shows more.
+void learn_backdrop(const ScoutedBackdrop& moved, Scouting& scouting, Scouted& scouted) {
+  ScoutedBackdrop seen;
+  const bool is_ball = seen_often(scouted) && !scouting.is_mark(*scouted.believed().front());
+  if (is_ball) seen = scouting.backdrop(scouted);
+  if (moved.shown() > seen.shown()) {
+    scouting.take(moved);
+    scouted = scouting.result();
+    scouted.backdrop = moved.backdrop;
+  } else {
+    scouted.backdrop = seen.backdrop;
+  }
+}
+
 }  // namespace
-
-std::optional<double> Scouted::radius_px() const {
-  if (balls.empty()) return std::nullopt;
-  return balls.front().radius_px;
-}
-
-bool Scouted::is_believed(const BallCandidate& ball) const {
-  const int enough = std::min(kScout.agree, (frames + 1) / 2);
-  if (static_cast<int>(ball.sightings.size()) < enough) return false;
-  const double moves = std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
-  return ball.moved_px > moves || ball.rim_fraction >= kScout.resting_rim;
-}
-
-std::vector<const BallCandidate*> Scouted::believed() const {
-  std::vector<const BallCandidate*> found;
-  for (const BallCandidate& ball : balls) {
-    if (is_believed(ball)) found.push_back(&ball);
-  }
-  return found;
-}
-
-std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) const {
-  const auto places = [](const BallCandidate& one) {
-    BallChoice::Places seen;
-    for (const BallCandidate::Sighting& sighting : one.sightings) {
-      seen.emplace(sighting.index, sighting.ball.circle);
-    }
-    return seen;
-  };
-  std::vector<BallChoice::Places> others;
-  for (const BallCandidate* other : believed()) {
-    if (other != &ball) others.push_back(places(*other));
-  }
-  if (others.empty()) return nullptr;
-  return std::make_shared<BallChoice>(places(ball), std::move(others));
-}
-
-const BallCandidate* Scouted::second_ball() const {
-  // Seen at once: the same ball may look larger in a hand, or nearer to the camera.
-  const auto beside_the_best = [&](const Sighting& one) {
-    const std::vector<Sighting>& best = balls.front().sightings;
-    return std::any_of(best.begin(), best.end(),
-                       [&](const Sighting& other) { return other.index == one.index; });
-  };
-  for (std::size_t i = 1; i < balls.size(); ++i) {
-    const BallCandidate& ball = balls[i];
-    const auto at_once =
-        std::count_if(ball.sightings.begin(), ball.sightings.end(), beside_the_best);
-    if (at_once >= kScout.at_once && ball.rim_fraction >= kScout.other_rim && is_believed(ball) &&
-        ball.radius_px >= kScout.other_of_r * balls.front().radius_px) {
-      return &ball;
-    }
-  }
-  return nullptr;
-}
 
 Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
                    const CircleOptions& options) {
   Scouting scouting(source, range, roi, options);
   Scouted scouted;
-  std::shared_ptr<const Backdrop> moved;
+  ScoutedBackdrop moved;
   for (std::int64_t wanted = kScout.first_frames; wanted <= kScout.most_frames; wanted *= 2) {
     const std::int64_t n = std::min(wanted, range.count());
     scouting.look_at(n);
@@ -383,14 +343,9 @@ Scouted scout_ball(FrameSource& source, const FrameRange& range, const Roi& roi,
     if (!is_plain(scouted, scouting)) moved = scouting.moved_backdrop();
     const bool agree = !scouted.balls.empty() &&
                        static_cast<int>(scouted.balls.front().sightings.size()) >= kScout.agree;
-    if (moved || agree || n == range.count()) break;
+    if (moved.backdrop || agree || n == range.count()) break;
   }
-  if (moved) {
-    scouted = scouting.result();
-    scouted.backdrop = std::move(moved);
-  } else if (seen_often(scouted)) {
-    scouted.backdrop = scouting.backdrop(scouted);
-  }
+  learn_backdrop(moved, scouting, scouted);
   return scouted;
 }
 

@@ -220,7 +220,7 @@ TEST(LightAccuracy, ASphereBeforeWood) {
   CircleErrors evened, as_it_is;
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
     const BeforeWood clip(seed);
-    const auto backdrop = circle::scout_backdrop(clip.views(), 60, {});
+    const auto backdrop = circle::scout_backdrop(clip.views(), 60, {}).backdrop;
     ASSERT_NE(backdrop, nullptr);
     evened.add(clip.circles(backdrop.get()));
     as_it_is.add(clip.circles(nullptr));
@@ -249,8 +249,9 @@ TEST(LightAccuracy, ASphereBeforeWoodThatNoScoutSees) {
     EXPECT_NEAR(disc->r_px, 60, 6) << k;
     views.back().balls.push_back({*disc});
   }
-  std::vector<std::optional<circle::FoundBall>> found;
-  ASSERT_NE(circle::scout_moved_backdrop(views, {}, found), nullptr);
+  const circle::ScoutedBackdrop scouted = circle::scout_moved_backdrop(views, {});
+  ASSERT_NE(scouted.backdrop, nullptr);
+  const auto& found = scouted.plain;
   ASSERT_EQ(found.size(), views.size());
   int plain = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
@@ -263,7 +264,7 @@ TEST(LightAccuracy, ASphereBeforeWoodThatNoScoutSees) {
   EXPECT_GE(plain, 6);
   // Where nothing is a disc that moved there is nothing to learn from.
   for (circle::Backdrop::View& view : views) view.balls.clear();
-  EXPECT_EQ(circle::scout_moved_backdrop(views, {}, found), nullptr);
+  EXPECT_EQ(circle::scout_moved_backdrop(views, {}).backdrop, nullptr);
   EXPECT_FALSE(scene->moved_disc(cv::Mat::zeros(reduced[0].size(), CV_8U)));
 }
 
@@ -279,7 +280,7 @@ TEST(LightAccuracy, NothingIsEvenedBeforeAnEvenWallOrBehindABar) {
       const BallPose& pose = clip.poses()[k];
       views.push_back({&frames[k], {{{pose.cx_px + 0.5, pose.cy_px, 60}}}});
     }
-    EXPECT_EQ(circle::scout_backdrop(views, 60, {}), nullptr) << hidden;
+    EXPECT_EQ(circle::scout_backdrop(views, 60, {}).backdrop, nullptr) << hidden;
   }
 }
 

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "host/circle/rays/frame_level.h"
 #include "host/circle/scene/outline_places.h"
 #include "host/circle/settings/backdrop.h"
 
@@ -47,34 +46,10 @@ void Backdrop::even(const Frame& frame, const Outline& ball, Frame& out) const {
   even(frame, ball, static_cast<float>(texture_about(ball)), out);
 }
 
-// 1 where the background itself shows inside a rim, as other views have shown it. One pixel may be
-// as the background by chance, most of those about it are not.
-Image<std::uint8_t> Backdrop::shows_inside(const Frame& frame, const Outline& ball) const {
-  Image<std::uint8_t> shows(frame.width(), frame.height());
-  const cv::Rect box = box_about(ball, 1, {frame.width(), frame.height()});
-  if (box.empty()) return shows;
-  cv::Mat alike = cv::Mat::zeros(box.size(), CV_8U), share;
-  for (int y = box.y; y < box.br().y; ++y) {
-    for (int x = box.x; x < box.br().x; ++x) {
-      if (guessed_(x, y) != 0 || ball.distance_to(x, y) > 0) continue;
-      const double off = level_at(frame, x, y) - static_cast<double>(texture_(x, y) + even_);
-      alike.at<std::uint8_t>(y - box.y, x - box.x) = std::abs(off) < same_ ? 1 : 0;
-    }
-  }
-  cv::boxFilter(alike, share, CV_32F, {kBackdrop.alike_px, kBackdrop.alike_px});
-  for (int y = 0; y < box.height; ++y) {
-    for (int x = 0; x < box.width; ++x) {
-      shows(x + box.x, y + box.y) = share.at<float>(y, x) > kBackdrop.alike_share ? 1 : 0;
-    }
-  }
-  return shows;
-}
-
 void Backdrop::even(const Frame& frame, const Outline& ball, float usual, Frame& out) const {
   out = frame;
   const double to_px = -kBackdrop.inside_px, from_px = 2 * to_px;
   const auto whole = static_cast<float>(frame.full_scale());
-  const Image<std::uint8_t> shows = shows_inside(frame, ball);
   const auto even_rows = [&](auto& picture) {
     using Pixel = std::remove_reference_t<decltype(*picture.data())>;
     for (int y = 0; y < picture.height(); ++y) {
@@ -82,11 +57,8 @@ void Backdrop::even(const Frame& frame, const Outline& ball, float usual, Frame&
       const float* texture = texture_.row(y);
       for (int x = 0; x < picture.width(); ++x) {
         const double off = ball.distance_to(x, y);
-        const bool background = shows(x, y) != 0;
-        if (off < from_px && !background) continue;
-        const auto share =
-            background ? 1.0f
-                       : static_cast<float>(std::min(1.0, (off - from_px) / (to_px - from_px)));
+        if (off < from_px) continue;
+        const auto share = static_cast<float>(std::min(1.0, (off - from_px) / (to_px - from_px)));
         const float level = static_cast<float>(row[x]) - share * (texture[x] - usual);
         row[x] = static_cast<Pixel>(std::lround(std::clamp(level, 0.0f, whole)));
       }

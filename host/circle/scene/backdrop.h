@@ -36,10 +36,9 @@ class Backdrop {
   // hold it that is not asked).
   static std::shared_ptr<const Backdrop> learn(std::span<const View> views, Known known);
 
-  // The frame without the texture. It is taken away from the rim of `ball`, too, a little inside
-  // it, and wherever the background itself shows inside it, so that no edge arises where the rim is
-  // not; the rest of the ball stays as it is, and so does the texture's mean about the rim: where
-  // no ball is no disc may arise.
+  // The frame without the texture. It is taken away from the rim of `ball`, too, and a little
+  // inside it, so that no edge arises where the rim is not; the rest of the ball stays as it is,
+  // and so does the texture's mean about the rim: where no ball is no disc may arise.
   void even(const Frame& frame, const Outline& ball, Frame& out) const;
   // The frame without the texture anywhere, within balls too.
   void even(const Frame& frame, Frame& out) const;
@@ -48,15 +47,12 @@ class Backdrop {
   double guessed_share(const Outline& ball) const;
 
  private:
-  Backdrop(Image<float> texture, Image<std::uint8_t> guessed, float even, float same)
-      : texture_(std::move(texture)), guessed_(std::move(guessed)), even_(even), same_(same) {}
-  Image<std::uint8_t> shows_inside(const Frame& frame, const Outline& ball) const;
+  Backdrop(Image<float> texture, Image<std::uint8_t> guessed)
+      : texture_(std::move(texture)), guessed_(std::move(guessed)) {}
   void even(const Frame& frame, const Outline& ball, float usual, Frame& out) const;
   double texture_about(const Outline& ball) const;  // mean about its rim
   Image<float> texture_;                            // grey levels of the file, about their median
   Image<std::uint8_t> guessed_;                     // 1 where no view has shown it
-  float even_;                                      // the median about the balls
-  float same_;                                      // levels that are the same differ by less
 };
 
 }  // namespace impactdic::circle

@@ -220,7 +220,7 @@ double same_level(const Learnt& learnt, double full_scale) {
 
 // The share of a rim within which the background goes on, in a view, as other views show it there,
 // or as it is outside: what is in front of the ball.
-double hidden_share(const View& view, const Learnt& learnt, const Outline& ball) {
+double hidden_share(const View& view, const Learnt& learnt, const Outline& ball, bool as_outside) {
   const cv::Mat picture = header_of(*view.frame);
   const double clear = kBackdrop.rough_px;
   const double same = same_level(learnt, view.frame->full_scale());
@@ -235,7 +235,8 @@ double hidden_share(const View& view, const Learnt& learnt, const Outline& ball)
       if (!all.contains(in) || !all.contains(out)) continue;
       const double level =
           picture.depth() == CV_8U ? picture.at<std::uint8_t>(in) : picture.at<std::uint16_t>(in);
-      const cv::Point shown = learnt.unseen.at<std::uint8_t>(in) == 0 ? in : out;
+      const bool known = !as_outside && learnt.unseen.at<std::uint8_t>(in) == 0;
+      const cv::Point shown = known ? in : out;
       ++inside;
       alike += std::abs(level - learnt.level.at<float>(shown)) < same;
     }
@@ -266,11 +267,11 @@ double through_share(const View& view, const Learnt& learnt, const Outline& ball
 }
 
 // Whether something stands still in front of the balls.
-bool is_hidden(std::span<const View> views, const Learnt& learnt, double even) {
+bool is_hidden(std::span<const View> views, const Learnt& learnt, double even, bool as_outside) {
   std::vector<double> shares, through;
   for (const View& view : views) {
     for (const Outline& ball : view.balls) {
-      shares.push_back(hidden_share(view, learnt, ball));
+      shares.push_back(hidden_share(view, learnt, ball, as_outside));
       through.push_back(through_share(view, learnt, ball, even));
     }
   }
@@ -311,7 +312,8 @@ std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, Kno
   const double least = least_roughness(learnt.noise, views.front().frame->full_scale());
   if (roughness(learnt.level, beside) < least) return nullptr;
   const float even = median_of(learnt.level, beside);
-  if (known != Known::kWithin && is_hidden(views, learnt, even)) return nullptr;
+  if (known != Known::kWithin && is_hidden(views, learnt, even, known == Known::kRoughly))
+    return nullptr;
   if (changing_share(views, learnt, beside) > kBackdrop.most_changing) return nullptr;
   Image<float> texture(beside.cols, beside.rows);
   Image<std::uint8_t> guessed(beside.cols, beside.rows);
@@ -322,9 +324,7 @@ std::shared_ptr<const Backdrop> Backdrop::learn(std::span<const View> views, Kno
       guessed(x, y) = learnt.unseen.at<std::uint8_t>(y, x) != 0;
     }
   }
-  const auto same = static_cast<float>(same_level(learnt, views.front().frame->full_scale()));
-  return std::shared_ptr<const Backdrop>(
-      new Backdrop(std::move(texture), std::move(guessed), even, same));
+  return std::shared_ptr<const Backdrop>(new Backdrop(std::move(texture), std::move(guessed)));
 }
 
 }  // namespace impactdic::circle

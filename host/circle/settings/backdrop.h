@@ -38,9 +38,10 @@ struct BackdropSettings {
   // shadow that moves, less than 0.0001 before paper, a floor, strings.
   double most_changing = 0.03;
   // Where no ball was plainly seen: a disc that moved fills so much of the hull of what moved.
-  // Shares of its radius: what that is right to, its scatter about the ball, and how far about it
-  // all of the ball lies.
-  double moved_round = 0.65, moved_within = 0.2, moved_sd = 0.04, moved_beyond = 0.1;  // [hand]
+  // Shares of its radius: what that is right to, its scatter about the ball, how far about it all
+  // of the ball lies, tried in turn, and how near it a ball is the one that moved.
+  double moved_round = 0.65, moved_within = 0.2, moved_sd = 0.04;  // [hand]
+  double moved_beyond[2] = {0.1, 0.3}, as_moved = 0.1;             // [hand]
   // The ball is believed that then shows so much of its rim, or so much about the disc that moved,
   // with e/R no more than that, in so many views.
   double plain_rim = 0.6, as_moved_rim = 0.35, plain_oval = 0.1;  // [hand]
@@ -52,9 +53,6 @@ struct BackdropSettings {
   // Evening about a circle, which is measured again where it has moved by more.
   // Inside the rim all of the texture is taken away, and so far again less and less [hand].
   double inside_px = 1.5;
-  // Inside the rim the background shows where so much of such a square is as it [hand].
-  int alike_px = 5;
-  double alike_share = 0.7;
   double settled_px = 1;   // [hand]
   double less_rim = 0.7;   // of the rim that carried the fit before: it was the better one [hand]
   double least_rim = 0.3;  // share of the rim that must carry a fit without a model of it [hand]

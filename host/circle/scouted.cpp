@@ -1,0 +1,71 @@
+// What the scouts of a clip believe.
+#include <algorithm>
+#include <utility>
+
+#include "host/circle/scene/ball_choice.h"
+#include "host/circle/scout_ball.h"
+#include "host/circle/settings/search.h"
+
+namespace impactdic::circle {
+namespace {
+
+using Sighting = BallCandidate::Sighting;
+
+}  // namespace
+
+std::optional<double> Scouted::radius_px() const {
+  if (balls.empty()) return std::nullopt;
+  return balls.front().radius_px;
+}
+
+bool Scouted::is_believed(const BallCandidate& ball) const {
+  const int enough = std::min(kScout.agree, (frames + 1) / 2);
+  if (static_cast<int>(ball.sightings.size()) < enough) return false;
+  const double moves = std::max(kScout.moved_px, kScout.moved_of_r * ball.radius_px);
+  return ball.moved_px > moves || ball.rim_fraction >= kScout.resting_rim;
+}
+
+std::vector<const BallCandidate*> Scouted::believed() const {
+  std::vector<const BallCandidate*> found;
+  for (const BallCandidate& ball : balls) {
+    if (is_believed(ball)) found.push_back(&ball);
+  }
+  return found;
+}
+
+std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) const {
+  const auto places = [](const BallCandidate& one) {
+    BallChoice::Places seen;
+    for (const BallCandidate::Sighting& sighting : one.sightings) {
+      seen.emplace(sighting.index, sighting.ball.circle);
+    }
+    return seen;
+  };
+  std::vector<BallChoice::Places> others;
+  for (const BallCandidate* other : believed()) {
+    if (other != &ball) others.push_back(places(*other));
+  }
+  if (others.empty()) return nullptr;
+  return std::make_shared<BallChoice>(places(ball), std::move(others));
+}
+
+const BallCandidate* Scouted::second_ball() const {
+  // Seen at once: the same ball may look larger in a hand, or nearer to the camera.
+  const auto beside_the_best = [&](const Sighting& one) {
+    const std::vector<Sighting>& best = balls.front().sightings;
+    return std::any_of(best.begin(), best.end(),
+                       [&](const Sighting& other) { return other.index == one.index; });
+  };
+  for (std::size_t i = 1; i < balls.size(); ++i) {
+    const BallCandidate& ball = balls[i];
+    const auto at_once =
+        std::count_if(ball.sightings.begin(), ball.sightings.end(), beside_the_best);
+    if (at_once >= kScout.at_once && ball.rim_fraction >= kScout.other_rim && is_believed(ball) &&
+        ball.radius_px >= kScout.other_of_r * balls.front().radius_px) {
+      return &ball;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace impactdic::circle
