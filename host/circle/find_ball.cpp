@@ -248,7 +248,8 @@ class Search {
     }
     const bool about_both = dark.residual_px > kCastShadow.ragged_px &&
                             ball.residual_px < kCastShadow.of_ragged * dark.residual_px;
-    return about_both || ball.rim_fraction > dark.rim_fraction - kCastShadow.rim;
+    return about_both || ball.rim_fraction > dark.rim_fraction - kCastShadow.rim ||
+           shows_beside(frame_, ball.circle, dark.circle);
   }
 
   const Frame& frame_;

@@ -168,7 +168,57 @@ std::vector<Eigen::Vector2d> on_one_circle(const std::vector<Eigen::Vector2d>& p
   return agree ? most : std::vector<Eigen::Vector2d>{};
 }
 
+// The mean level of some pixels along a radius of a circle.
+std::optional<double> level_along(const Frame& frame, const Circle& circle, double angle,
+                                  double from_px, double to_px) {
+  double sum = 0, count = 0;
+  for (double off_px = from_px; off_px <= to_px; off_px += 1) {
+    const double r_px = circle.r_px + off_px;
+    const auto grey = grey_at(frame, circle.cx_px + r_px * std::cos(angle),
+                              circle.cy_px + r_px * std::sin(angle));
+    if (!grey) return std::nullopt;
+    sum += *grey, ++count;
+  }
+  return sum / count;
+}
+
+// How far a point at that angle on the rim of a circle lies outside another one, shares of its
+// radius.
+double beyond(const Circle& circle, double angle, const Circle& other) {
+  const double x = circle.cx_px + circle.r_px * std::cos(angle) - other.cx_px;
+  const double y = circle.cy_px + circle.r_px * std::sin(angle) - other.cy_px;
+  return std::hypot(x, y) / other.r_px - 1;
+}
+
 }  // namespace
+
+bool shows_beside(const Frame& frame, const Circle& thing, const Circle& shadow) {
+  std::vector<double> steps, walls, darks;
+  for (int k = 0; k < kCastShadow.rays; ++k) {
+    const double angle = 2 * kPi * k / kCastShadow.rays;
+    const auto [near_px, far_px] = kCastShadow.beside_px;
+    if (beyond(shadow, angle, thing) > kCastShadow.soft) {
+      const auto dark = level_along(frame, shadow, angle, -kCastShadow.soft * shadow.r_px - far_px,
+                                    -kCastShadow.soft * shadow.r_px);
+      if (dark) darks.push_back(*dark);
+    }
+    if (beyond(thing, angle, shadow) < kCastShadow.soft) continue;
+    const auto inside = level_along(frame, thing, angle, -far_px, -near_px);
+    const auto outside = level_along(frame, thing, angle, near_px, far_px);
+    if (!inside || !outside) continue;
+    steps.push_back(std::abs(*inside - *outside));
+    walls.push_back(*outside);
+  }
+  if (darks.empty() ||
+      static_cast<double>(steps.size()) < kCastShadow.least_arc * kCastShadow.rays) {
+    return false;
+  }
+  const double contrast = upper_median(std::move(walls)) - upper_median(std::move(darks));
+  const auto plain =
+      std::ranges::count_if(steps, [&](double step) { return step > kCastShadow.step * contrast; });
+  return contrast > 0 &&
+         static_cast<double>(plain) > kCastShadow.agree * static_cast<double>(steps.size());
+}
 
 bool may_cast(const Circle& thing, const Circle& shadow) {
   const double off = std::hypot(thing.cx_px - shadow.cx_px, thing.cy_px - shadow.cy_px);

@@ -18,4 +18,8 @@ std::optional<Circle> what_casts(const Frame& frame, const Circle& shadow);
 // Whether one circle may be the shadow and the other what casts it, by place and size.
 bool may_cast(const Circle& thing, const Circle& shadow);
 
+// Whether the thing's rim is plain where it lies beside the shadow: what is a part of another ball
+// (its unlit side, dark paint) has none there.
+bool shows_beside(const Frame& frame, const Circle& thing, const Circle& shadow);
+
 }  // namespace impactdic::circle

@@ -107,29 +107,27 @@ std::optional<float> by_plane(const Learnt& learnt, const cv::Mat& known, int x,
   return static_cast<float>((a.inv() * cv::Vec3d(sl, sul, svl))[0]);
 }
 
-// The mean of what is known about each pixel; of the nearest ones where none is near.
-cv::Mat mean_about(const Learnt& learnt, const cv::Mat& known) {
-  cv::Mat share, sum, level;
-  known.convertTo(share, CV_32F, 1.0 / 255);
-  cv::multiply(learnt.level, share, sum);
-  cv::GaussianBlur(sum, sum, {}, kBackdrop.mean_sd_px);
-  cv::GaussianBlur(share, share, {}, kBackdrop.mean_sd_px);
-  cv::divide(sum, share + 1e-12f, level);
-  return level;
-}
-
-// What no view shows: by a plane beside what is known, farther in as the mean of what is near.
-// Returns where nothing is.
+// What no view shows: by a plane beside what is known, farther in as the nearest pixel. Returns
+// where none is near.
 cv::Mat spread(Learnt& learnt) {
-  const cv::Mat known = learnt.unseen == 0, mean = mean_about(learnt, known);
-  cv::Mat distance;
-  cv::distanceTransform(learnt.unseen, distance, cv::DIST_L2, cv::DIST_MASK_5);
-  for (int y = 0; y < known.rows; ++y) {
-    for (int x = 0; x < known.cols; ++x) {
+  const cv::Mat known = learnt.unseen == 0;
+  cv::Mat distance, labels;
+  cv::distanceTransform(learnt.unseen, distance, labels, cv::DIST_L2, cv::DIST_MASK_5,
+                        cv::DIST_LABEL_PIXEL);
+  std::vector<float> levels(learnt.unseen.total() + 1);
+  for (int y = 0; y < labels.rows; ++y) {
+    for (int x = 0; x < labels.cols; ++x) {
+      const auto label = static_cast<std::size_t>(labels.at<int>(y, x));
+      if (known.at<std::uint8_t>(y, x) != 0) levels[label] = learnt.level.at<float>(y, x);
+    }
+  }
+  for (int y = 0; y < labels.rows; ++y) {
+    for (int x = 0; x < labels.cols; ++x) {
       if (known.at<std::uint8_t>(y, x) != 0) continue;
       std::optional<float> level;
       if (distance.at<float>(y, x) < kBackdrop.plane_px) level = by_plane(learnt, known, x, y);
-      learnt.level.at<float>(y, x) = level.value_or(mean.at<float>(y, x));
+      const auto label = static_cast<std::size_t>(labels.at<int>(y, x));
+      learnt.level.at<float>(y, x) = level.value_or(levels[label]);
     }
   }
   return distance > kBackdrop.spread_px;

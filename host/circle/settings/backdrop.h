@@ -18,7 +18,6 @@ struct BackdropSettings {
   int plane_half_px = 4, plane_least = 12;  // [hand]
   double plane_px = 3;                      // [hand]
   int spread_px = 24;       // what no frame has shown is taken from so near, at most [hand]
-  double mean_sd_px = 6;    // σ of that mean [hand]
   int beside_px = 16;       // so far beside the rim a texture matters [hand]
   int around_px = 15;       // side of the square over which texture is judged [hand]
   double noises = 1.0;      // of noise's deviation: a texture that matters is stronger … [hand]
@@ -52,7 +51,7 @@ struct BackdropSettings {
   int learnings = 3;  // of the background, each by circles measured before what was learnt [hand]
   // Evening about a circle, which is measured again where it has moved by more.
   // Inside the rim all of the texture is taken away, and so far again less and less [hand].
-  double inside_px = 1.5;
+  double inside_px = 4;
   double settled_px = 1;   // [hand]
   double less_rim = 0.7;   // of the rim that carried the fit before: it was the better one [hand]
   double least_rim = 0.3;  // share of the rim that must carry a fit without a model of it [hand]

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace impactdic::circle {
 
@@ -70,7 +71,11 @@ struct CastShadowSettings {
   // What casts it shows so much of its rim, or less of one that is clean [hand].
   double much_rim = 0.6, least_rim = 0.4, clean_px = 0.15;
   double least_r_px = 20;  // of a shadow that pixels tell [hand]
-  double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much [hand]
+  double rim = 0.1;  // what casts it shows no less of its rim than the shadow less so much, [hand]
+  // or beside the shadow its rim is plain: so near it levels differ by so much of the shadow's
+  // contrast [hand].
+  std::pair<double, double> beside_px = {2, 4};
+  double step = 0.1;
 };
 inline constexpr CastShadowSettings kCastShadow;
 

@@ -27,9 +27,9 @@ struct Shown {
   Circle ball;
 };
 
-// A disc of 60 px before a wall that is bright but for its shadow, whose edge is soft.
-Shown shown(const char* pattern, Offset shadow, double left) {
-  LightClip clip({.name = "shadow", .pattern = pattern, .radius_px = 60}, 3, 1);
+// A ball of 60 px before a wall that is bright but for its shadow, whose edge is soft.
+Shown shown(const LightScene& scene, Offset shadow, double left) {
+  LightClip clip(scene, 3, 1);
   Shown out;
   clip.render(0, out.frame);
   const BallPose& pose = clip.poses()[0];
@@ -46,6 +46,11 @@ Shown shown(const char* pattern, Offset shadow, double left) {
     }
   }
   return out;
+}
+
+// A disc.
+Shown shown(const char* pattern, Offset shadow, double left) {
+  return shown(LightScene{.name = "shadow", .pattern = pattern, .radius_px = 60}, shadow, left);
 }
 
 double off_px(const Circle& a, const Circle& b) {
@@ -80,6 +85,23 @@ TEST(CastShadow, IsNotFoundForTheBall) {
       EXPECT_LT(off_px(*found, s.ball), 2) << pattern << at.x_px;
       EXPECT_NEAR(found->r_px, 60, 2) << pattern << at.x_px;
     }
+  }
+}
+
+// The marks of a lit sphere leave less of its rim than its shadow has.
+TEST(CastShadow, IsNotFoundForASphereOfLargeMarks) {
+  const LightScene scene{
+      .name = "shadow", .sphere = true, .pattern = "d1", .radius_px = 60, .lamp_share = 0.2};
+  for (const Offset& at : kOffsets) {
+    const Shown s = shown(scene, at, kLeft);
+    const auto found = circle::find_ball(s.frame, {});
+    ASSERT_TRUE(found) << at.x_px;
+    EXPECT_LT(off_px(*found, s.ball), 2) << at.x_px;
+    const Circle shadow{s.ball.cx_px + at.x_px, s.ball.cy_px + at.y_px, 60};
+    EXPECT_TRUE(circle::shows_beside(s.frame, s.ball, shadow)) << at.x_px;
+    // The other way round, or where nothing lies, there is no rim.
+    const Circle nothing{s.ball.cx_px - at.x_px, s.ball.cy_px - at.y_px, 60};
+    EXPECT_FALSE(circle::shows_beside(s.frame, nothing, s.ball)) << at.x_px;
   }
 }
 
