@@ -216,8 +216,9 @@ double same_level(const Learnt& learnt, double full_scale) {
   return kBackdrop.same_noises * learnt.noise + kBackdrop.of_range * full_scale;
 }
 
-// The share of a rim within which the background goes on, in a view, as other views show it there,
-// or as it is outside: what is in front of the ball.
+// The share of a rim within which the background goes on, in a view: what is in front of the ball.
+// As other views show it there; or, `as_outside`, as it is outside the rim, for other views show
+// little of it where their balls are known roughly.
 double hidden_share(const View& view, const Learnt& learnt, const Outline& ball, bool as_outside) {
   const cv::Mat picture = header_of(*view.frame);
   const double clear = kBackdrop.rough_px;
