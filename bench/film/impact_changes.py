@@ -286,5 +286,4 @@ def strings(shot, pictures):
 
 CHANGES = {change.__name__: change for change in (
     plain, floor, front, rings, debris, flakes, dust, fuzz, flash, dims, glossy, shadowed, recoils,
-    spare, hand, defocused, saturated, sloping, cast, paper, sensor,
-    strings)}
+    spare, hand, defocused, saturated, sloping, cast, paper, sensor, strings)}

@@ -7,11 +7,6 @@
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {
-namespace {
-
-using Sighting = BallCandidate::Sighting;
-
-}  // namespace
 
 std::optional<double> Scouted::radius_px() const {
   if (balls.empty()) return std::nullopt;
@@ -51,10 +46,11 @@ std::shared_ptr<const BallChoice> Scouted::choose(const BallCandidate& ball) con
 
 const BallCandidate* Scouted::second_ball() const {
   // Seen at once: the same ball may look larger in a hand, or nearer to the camera.
-  const auto beside_the_best = [&](const Sighting& one) {
-    const std::vector<Sighting>& best = balls.front().sightings;
-    return std::any_of(best.begin(), best.end(),
-                       [&](const Sighting& other) { return other.index == one.index; });
+  const auto beside_the_best = [&](const BallCandidate::Sighting& one) {
+    const std::vector<BallCandidate::Sighting>& best = balls.front().sightings;
+    return std::any_of(best.begin(), best.end(), [&](const BallCandidate::Sighting& other) {
+      return other.index == one.index;
+    });
   };
   for (std::size_t i = 1; i < balls.size(); ++i) {
     const BallCandidate& ball = balls[i];

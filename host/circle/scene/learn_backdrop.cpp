@@ -42,9 +42,10 @@ cv::Mat distances(const View& view) {
 
 // What the views that show a pixel's background agree on.
 struct Learnt {
-  cv::Mat level;     // 32-bit floats; 0 where no view shows it
-  cv::Mat unseen;    // 255 where no view shows it
-  double noise = 0;  // of one view
+  cv::Mat level;             // 32-bit floats; 0 where no view shows it
+  cv::Mat unseen;            // 255 where no view shows it
+  double noise = 0;          // of one view
+  std::vector<cv::Mat> off;  // of each view: how far a pixel lies outside its balls
 };
 
 // `clear_px`: from there on a pixel outside the rim shows no ball. The median of the views in which
@@ -84,6 +85,7 @@ Learnt agreed(std::span<const View> views, double clear_px) {
   if (!steps.empty()) {
     learnt.noise = kSdOfMad * upper_median(std::move(steps)) / std::numbers::sqrt2;
   }
+  learnt.off = std::move(off);
   return learnt;
 }
 
@@ -220,7 +222,7 @@ double same_level(const Learnt& learnt, double full_scale) {
 // As other views show it there; or, `as_outside`, as it is outside the rim, for other views show
 // little of it where their balls are known roughly.
 double hidden_share(const View& view, const Learnt& learnt, const Outline& ball, bool as_outside) {
-  const cv::Mat picture = header_of(*view.frame);
+  const cv::Rect all(0, 0, learnt.level.cols, learnt.level.rows);
   const double clear = kBackdrop.rough_px;
   const double same = same_level(learnt, view.frame->full_scale());
   int seen = 0, hidden = 0;
@@ -230,10 +232,8 @@ double hidden_share(const View& view, const Learnt& learnt, const Outline& ball,
     for (const double deep : {1.0, 2.0, 3.0, 4.0}) {
       const cv::Point in = rim_point(ball, angle, -deep * clear);
       const cv::Point out = rim_point(ball, angle, clear + 1);
-      const cv::Rect all(0, 0, picture.cols, picture.rows);
       if (!all.contains(in) || !all.contains(out)) continue;
-      const double level =
-          picture.depth() == CV_8U ? picture.at<std::uint8_t>(in) : picture.at<std::uint16_t>(in);
+      const double level = level_at(*view.frame, in.x, in.y);
       const bool known = !as_outside && learnt.unseen.at<std::uint8_t>(in) == 0;
       const cv::Point shown = known ? in : out;
       ++inside;
@@ -283,16 +283,15 @@ bool is_hidden(std::span<const View> views, const Learnt& learnt, double even, b
 double changing_share(std::span<const View> views, const Learnt& learnt, const cv::Mat& beside) {
   const double same = same_level(learnt, views.front().frame->full_scale());
   double seen = 0, changed = 0;
-  for (const View& view : views) {
-    const cv::Mat off = distances(view);
+  for (std::size_t k = 0; k < views.size(); ++k) {
     for (int y = 0; y < beside.rows; ++y) {
       for (int x = 0; x < beside.cols; ++x) {
         if (beside.at<std::uint8_t>(y, x) == 0 || learnt.unseen.at<std::uint8_t>(y, x) != 0 ||
-            off.at<float>(y, x) < kBackdrop.well_clear_px) {
+            learnt.off[k].at<float>(y, x) < kBackdrop.well_clear_px) {
           continue;
         }
         ++seen;
-        const double level = level_at(*view.frame, x, y);
+        const double level = level_at(*views[k].frame, x, y);
         changed += std::abs(level - static_cast<double>(learnt.level.at<float>(y, x))) > same;
       }
     }

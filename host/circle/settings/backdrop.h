@@ -34,7 +34,7 @@ struct BackdropSettings {
   // deep, share of the radius, no more of it shows than so much.
   double plain_levels = 2, deep_of_r = 0.4, most_through = 0.7;  // [hand]
   // More of what the views show is not what was learnt: the background moves [hand]; 0.1 beside a
-  // shadow that moves, less than 0.0001 before paper, a floor, strings.
+  // shadow that moves, 0.004 at most before tiles, paper, a floor, strings.
   double most_changing = 0.03;
   // Where no ball was plainly seen: a disc that moved fills so much of the hull of what moved.
   // Shares of its radius: what that is right to, its scatter about the ball, how far about it all
