@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/circle/ball_tracker.h"
+#include "host/circle/scene/backdrop.h"
 #include "sim/speckle/render.h"
 
 namespace impactdic {
@@ -149,8 +150,19 @@ TEST(ScoutBall, GraphPaperBehindTheBallIsLearnt) {
 }
 
 TEST(ScoutBall, PaperThatMovesIsNoBackdrop) {
-  PictureList clip = clip_before_paper("e1", 0.7);
-  EXPECT_EQ(circle::scout_ball(clip, clip.range(), clip.whole(), {}).backdrop, nullptr);
+  for (const double moves_px : {0.0, 0.4}) {
+    PictureList clip = clip_before_paper("e1", moves_px);
+    std::vector<Frame> frames(10);
+    std::vector<circle::Backdrop::View> views;
+    for (int k = 0; k < 10; ++k) {
+      Frame& frame = frames[static_cast<std::size_t>(k)];
+      clip.read(2 * k, frame);
+      const BallPose ball = bounce_at(2 * k);
+      views.push_back({&frame, {{{ball.cx_px, ball.cy_px, kRadius}}}});
+    }
+    const auto learnt = circle::Backdrop::learn(views, circle::Backdrop::Known::kWell);
+    EXPECT_EQ(learnt != nullptr, moves_px == 0) << moves_px;
+  }
 }
 
 }  // namespace

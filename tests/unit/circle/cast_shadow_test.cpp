@@ -28,8 +28,8 @@ struct Shown {
 };
 
 // A ball of 60 px before a wall that is bright but for its shadow, whose edge is soft.
-Shown shown(const LightScene& scene, Offset shadow, double left) {
-  LightClip clip(scene, 3, 1);
+Shown shown(const LightScene& scene, Offset shadow, double left, std::uint64_t seed = 3) {
+  LightClip clip(scene, seed, 1);
   Shown out;
   clip.render(0, out.frame);
   const BallPose& pose = clip.poses()[0];
@@ -92,16 +92,17 @@ TEST(CastShadow, IsNotFoundForTheBall) {
 TEST(CastShadow, IsNotFoundForASphereOfLargeMarks) {
   const LightScene scene{
       .name = "shadow", .sphere = true, .pattern = "d1", .radius_px = 60, .lamp_share = 0.2};
-  for (const Offset& at : kOffsets) {
-    const Shown s = shown(scene, at, kLeft);
+  const Offset at = kOffsets[0];
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+    const Shown s = shown(scene, at, 0.4, seed);
     const auto found = circle::find_ball(s.frame, {});
-    ASSERT_TRUE(found) << at.x_px;
-    EXPECT_LT(off_px(*found, s.ball), 2) << at.x_px;
+    ASSERT_TRUE(found) << seed;
+    EXPECT_LT(off_px(*found, s.ball), 2) << seed;
     const Circle shadow{s.ball.cx_px + at.x_px, s.ball.cy_px + at.y_px, 60};
-    EXPECT_TRUE(circle::shows_beside(s.frame, s.ball, shadow)) << at.x_px;
+    EXPECT_TRUE(circle::shows_beside(s.frame, s.ball, shadow)) << seed;
     // The other way round, or where nothing lies, there is no rim.
     const Circle nothing{s.ball.cx_px - at.x_px, s.ball.cy_px - at.y_px, 60};
-    EXPECT_FALSE(circle::shows_beside(s.frame, nothing, s.ball)) << at.x_px;
+    EXPECT_FALSE(circle::shows_beside(s.frame, nothing, s.ball)) << seed;
   }
 }
 
