@@ -88,8 +88,8 @@ TEST(CastShadow, IsNotFoundForTheBall) {
   }
 }
 
-// The marks of a lit sphere leave less of its rim than its shadow has.
-TEST(CastShadow, IsNotFoundForASphereOfLargeMarks) {
+// Of a lit sphere of large marks, too, the rim is plain where it lies beside its shadow.
+TEST(CastShadow, LeavesTheBallsRimPlainBesideIt) {
   const LightScene scene{
       .name = "shadow", .sphere = true, .pattern = "d1", .radius_px = 60, .lamp_share = 0.2};
   const Offset at = kOffsets[0];
