@@ -117,11 +117,11 @@ void look_about(const Backdrop& backdrop, const CircleOptions& options, View& vi
 // The ball of a view before what lies behind it, where it is plainly one: before an evened
 // background whatever comes is plain, arms have round ends, too. Where the ball is as the wall is,
 // less of a rim will do about the disc that moved.
-std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOptions& options,
+std::optional<FoundBall> plain_ball(const Backdrop* backdrop, const CircleOptions& options,
                                     const View& view, const std::optional<Circle>& moved) {
   if (view.balls.empty()) return std::nullopt;
   const CircleFit fit =
-      measure_circle(*view.frame, prior_at(view.balls.front()), options, &backdrop);
+      measure_circle(*view.frame, prior_at(view.balls.front()), options, backdrop);
   const bool as_moved =
       moved &&
       std::max(std::hypot(fit.circle.cx_px - moved->cx_px, fit.circle.cy_px - moved->cy_px),
@@ -134,16 +134,15 @@ std::optional<FoundBall> plain_ball(const Backdrop& backdrop, const CircleOption
                    fit.residual_px};
 }
 
-// What was learnt from the views, and which of their balls are plain before it. `moved`: the discs
-// that moved, view by view, where they are known.
+// What was learnt from the views, if anything, and which of their balls are plain before it.
+// `moved`: the discs that moved, view by view, where they are known.
 ScoutedBackdrop judged(std::shared_ptr<const Backdrop> known, const CircleOptions& options,
                        const std::vector<View>& views,
                        const std::vector<std::optional<Circle>>& moved) {
   ScoutedBackdrop scouted{std::move(known), {}};
-  if (!scouted.backdrop) return scouted;
   scouted.plain.resize(views.size());
   parallel_for(views.size(), [&](std::size_t k) {
-    scouted.plain[k] = plain_ball(*scouted.backdrop, options, views[k], moved[k]);
+    scouted.plain[k] = plain_ball(scouted.backdrop.get(), options, views[k], moved[k]);
   });
   return scouted;
 }
@@ -161,6 +160,7 @@ ScoutedBackdrop scout_within(double beyond, const AboutRadius& radius, const Cir
     look_about(*roughly, options, views[k]);
   });
   auto known = learn_better(roughly, radius, options, views);
+  if (!known) return {};
   return judged(std::move(known), options, views, moved);
 }
 
@@ -178,7 +178,13 @@ ScoutedBackdrop scout_backdrop(std::vector<View> views, double radius_px,
       Backdrop::learn(showing_balls(views), Backdrop::Known::kRoughly);
   if (!known || are_discs(showing_balls(views), options)) return {};
   known = learn_better(known, {radius_px, kScout.same_radius}, options, views);
+  if (!known) return {};
   return judged(std::move(known), options, views, std::vector<std::optional<Circle>>(views.size()));
+}
+
+ScoutedBackdrop scout_without_backdrop(const std::vector<View>& views,
+                                       const CircleOptions& options) {
+  return judged(nullptr, options, views, std::vector<std::optional<Circle>>(views.size()));
 }
 
 ScoutedBackdrop scout_moved_backdrop(std::vector<View> views, const CircleOptions& options) {

@@ -23,8 +23,12 @@ struct ScoutedBackdrop {
 ScoutedBackdrop scout_backdrop(std::vector<Backdrop::View> views, double radius_px,
                                const CircleOptions& options);
 
-// The same where no ball is seen before the texture. The views' circles are the discs that moved
-// (StillScene::moved_disc).
+// Nothing is learnt: which of the views' balls are plain before what lies behind them as it is.
+ScoutedBackdrop scout_without_backdrop(const std::vector<Backdrop::View>& views,
+                                       const CircleOptions& options);
+
+// As scout_backdrop where no ball is seen before the texture. The views' circles are the discs that
+// moved (StillScene::moved_disc).
 ScoutedBackdrop scout_moved_backdrop(std::vector<Backdrop::View> views,
                                      const CircleOptions& options);
 

@@ -167,19 +167,13 @@ class Scouting {
 
   // What lies behind the balls that `scouted` believes in, from the frames kept.
   ScoutedBackdrop backdrop(const Scouted& scouted) const {
-    const std::vector<const BallCandidate*> believed = scouted.believed();
-    if (!learnt_.scene || believed.empty()) return {};
-    std::vector<Backdrop::View> views;
-    for (const Kept& kept : kept_) {
-      Backdrop::View& view = views.emplace_back();
-      view.frame = &kept.frame;
-      for (const BallCandidate* ball : believed) {
-        for (const Sighting& one : ball->sightings) {
-          if (one.index == kept.index) view.balls.push_back({one.ball.circle});
-        }
-      }
-    }
-    return scout_backdrop(std::move(views), believed.front()->radius_px, options_);
+    if (!learnt_.scene || scouted.believed().empty()) return {};
+    return scout_backdrop(showing(scouted), scouted.believed().front()->radius_px, options_);
+  }
+
+  // The same if nothing does: which of the balls are plain as they are.
+  ScoutedBackdrop without_backdrop(const Scouted& scouted) const {
+    return scout_without_backdrop(showing(scouted), options_);
   }
 
   // The same where too few frames show one, from what moved.
@@ -250,6 +244,21 @@ class Scouting {
   }
 
  private:
+  // The frames kept, with the balls that `scouted` believes in.
+  std::vector<Backdrop::View> showing(const Scouted& scouted) const {
+    std::vector<Backdrop::View> views;
+    for (const Kept& kept : kept_) {
+      Backdrop::View& view = views.emplace_back();
+      view.frame = &kept.frame;
+      for (const BallCandidate* ball : scouted.believed()) {
+        for (const Sighting& one : ball->sightings) {
+          if (one.index == kept.index) view.balls.push_back({one.ball.circle});
+        }
+      }
+    }
+    return views;
+  }
+
   void read(Glance& glance, Frame& frame) const {
     Frame whole;
     try {
@@ -320,6 +329,9 @@ void learn_backdrop(const ScoutedBackdrop& moved, Scouting& scouting, Scouted& s
   ScoutedBackdrop seen;
   const bool is_ball = seen_often(scouted) && !scouting.is_mark(*scouted.believed().front());
   if (is_ball) seen = scouting.backdrop(scouted);
+  // What moved may have shown a texture that is the ball's own: a slow ball hides what is behind
+  // it.
+  if (is_ball && !seen.backdrop && moved.backdrop) seen = scouting.without_backdrop(scouted);
   if (moved.shown() > seen.shown()) {
     scouting.take(moved);
     scouted = scouting.result();
