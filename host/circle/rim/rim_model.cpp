@@ -41,10 +41,11 @@ RimModel::RimModel(const RimTexture& texture, double noise, double edge_sigma_px
 namespace {
 
 constexpr std::size_t kStoredNumbers = 4 + kKinds * (1 + kTexture + kTexture * kTexture);
+// Of a sphere behind these: the light's terms, SphereLight::shown, light_sd_px, 1 of an outline.
+constexpr std::size_t kLightNumbers = kLightTerms + 3;
 
 RimTexture texture_of(const std::vector<double>& numbers) {
-  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightTerms + 1 &&
-      numbers.size() != kStoredNumbers + kLightTerms + 2) {
+  if (numbers.size() != kStoredNumbers && numbers.size() != kStoredNumbers + kLightNumbers) {
     throw InvalidArgument("a rim model has another count of numbers", "resume");
   }
   RimTexture texture;
@@ -67,9 +68,9 @@ RimModel::RimModel(const std::vector<double>& numbers)
   if (numbers.size() == kStoredNumbers) return;
   LightTerms terms;
   std::copy_n(numbers.begin() + kStoredNumbers, kLightTerms, terms.begin());
-  light_sd_px_ = numbers[kStoredNumbers + kLightTerms];
-  const bool outline = numbers.size() > kStoredNumbers + kLightTerms + 1;
-  set_surface(outline ? Surface::kOutline : Surface::kSphere, SphereLight(terms));
+  const double* const behind = numbers.data() + kStoredNumbers + kLightTerms;
+  light_sd_px_ = behind[1];
+  set_surface(behind[2] > 0 ? Surface::kOutline : Surface::kSphere, SphereLight(terms, behind[0]));
 }
 
 std::vector<double> RimModel::numbers() const {
@@ -84,9 +85,9 @@ std::vector<double> RimModel::numbers() const {
   if (light_) {
     const LightTerms& terms = light_->terms();
     numbers.insert(numbers.end(), terms.begin(), terms.end());
-    numbers.push_back(light_sd_px_);
+    numbers.insert(numbers.end(),
+                   {light_->shown(), light_sd_px_, surface_ == Surface::kOutline ? 1.0 : 0.0});
   }
-  if (surface_ == Surface::kOutline) numbers.push_back(1);
   return numbers;
 }
 

@@ -34,6 +34,11 @@ Terms slope_of(const SphereLight& light, double x, double y, double z) {
   return slope;
 }
 
+bool is_finite(const SphereLight& light) {
+  return std::isfinite(light.shown()) &&
+         std::ranges::all_of(light.terms(), [](double term) { return std::isfinite(term); });
+}
+
 // The fit. Cells are parts of a sector between two circles. They count by the square of the cosine
 // to the line of sight: the nearer to the rim, the more ink is mixed into all that is seen.
 class Fit {
@@ -90,9 +95,70 @@ class Fit {
         static_cast<double>(crowd(by)) > kSphere.brighter_crowd * static_cast<double>(as_before);
     const double middle = light.at(0, 0, 1);
     if (!changed || !(std::abs(middle) > 0)) return light;
-    LightTerms terms = light.terms();
-    for (int m = 0; m < kLightTerms; ++m) terms[m] *= m == 4 ? 1 : 1 + by / middle;
-    return SphereLight(terms);
+    return times(light, 1 + by / middle, 0);
+  }
+
+  // Whether bare paint shows in too little of the ball to tell the light.
+  bool is_hidden(const SphereLight& light) const {
+    std::size_t bare = 0, all = 0;
+    for_each_seen(light, [&](double share) {
+      ++all;
+      bare += std::abs(share - 1) < kSphere.bare;
+    });
+    return static_cast<double>(bare) < kSphere.least_bare * static_cast<double>(all);
+  }
+
+  // Whether what the ball shows in the mean contradicts the light: it changes with the direction by
+  // more than it scatters from sector to sector.
+  bool is_contradicted(const SphereLight& light) const {
+    std::array<double, kLevelSectors> sum{}, weight{};
+    for (const Cell& cell : cells_) {
+      const int sector = samples_.directions[cell.begin].sector;
+      const double ink = std::hypot(cell.x, cell.y);
+      sum[sector] += ink * cell.mean / light.at(cell.x, cell.y, cell.z);
+      weight[sector] += ink;
+    }
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+    double squares = 0, sectors = 0;
+    for (int k = 0; k < kLevelSectors; ++k) {
+      if (weight[k] == 0) continue;
+      const double angle = 2 * kPi * k / kLevelSectors, shown = sum[k] / weight[k];
+      const Eigen::Vector3d j{1, std::cos(angle), std::sin(angle)};
+      a += j * j.transpose();
+      b += shown * j;
+      squares += shown * shown;
+      ++sectors;
+    }
+    if (sectors < kLevelSectors / 2) return false;
+    const Eigen::Matrix3d inverse = a.inverse();
+    const Eigen::Vector3d w = inverse * b;
+    const double variance = std::max(0.0, squares - w.dot(b)) / (sectors - 3);
+    const Eigen::Vector2d along = w.tail<2>();
+    const double chi_sq = along.dot(inverse.bottomRightCorner<2, 2>().inverse() * along);
+    return chi_sq > kSphere.contradiction * kSphere.contradiction * variance;
+  }
+
+  // By what the ball shows in the mean, as bright as its brightest places. nullopt where nothing of
+  // it is bright.
+  std::optional<SphereLight> by_means(const SphereLight& near) const {
+    SphereLight shape = near;
+    for (int pass = 0; pass < kSphere.mean_passes; ++pass) step_to_means(shape);
+    std::vector<float> shares;
+    for_each_seen(shape, [&](double share) { shares.push_back(static_cast<float>(share)); });
+    if (shares.empty()) return std::nullopt;
+    const auto paint = static_cast<double>(quantile(shares, kSphere.bright));
+    const SphereLight light = times(shape, paint, 1 / paint);
+    return is_finite(light) ? std::optional(light) : std::nullopt;
+  }
+
+  // The same light, told by the mean, as bright as it is now.
+  SphereLight as_bright(const SphereLight& light) const {
+    std::vector<double> shares;
+    for (const Cell& cell : cells_) {
+      shares.push_back(cell.mean / light.at(cell.x, cell.y, cell.z));
+    }
+    return times(light, upper_median(std::move(shares)) / light.shown(), light.shown());
   }
 
   void settle(SphereLight& light) {
@@ -109,6 +175,7 @@ class Fit {
     int ring;                // first of kRingsOfCell
     double x, y, z;
     double bright;  // that one sample in twenty exceeds
+    double mean;    // of all samples
   };
   // Normal equations of a step: row by row, of which those columns count that are no less.
   struct Normal {
@@ -143,8 +210,10 @@ class Fit {
       const auto& middle = all[(begin + end) / 2];
       for (int ring = 0; ring < kRings; ring += kRingsOfCell) {
         levels.clear();
+        double sum = 0;
         for (std::size_t i = begin; i < end; ++i) {
           for (int k = ring; k < ring + kRingsOfCell; ++k) {
+            sum += static_cast<double>(all[i].seen[k]);
             if (all[i].level[k] > kNoLevel) levels.push_back(all[i].level[k]);
           }
         }
@@ -153,8 +222,9 @@ class Fit {
         const double x = 0.5 * static_cast<double>(ring_x[ring] + ring_x[ring + 1]);
         const double bright =
             with_brightness ? static_cast<double>(quantile(levels, kSphere.bright)) : 0;
+        const double mean = sum / static_cast<double>(kRingsOfCell * (end - begin));
         cells_.push_back(
-            {begin, end, ring, x * middle.cos, x * middle.sin, std::sqrt(1 - x * x), bright});
+            {begin, end, ring, x * middle.cos, x * middle.sin, std::sqrt(1 - x * x), bright, mean});
       }
       begin = end;
     }
@@ -200,6 +270,38 @@ class Fit {
       normal.b[m] -= weight * light.terms()[m];
     }
     normal.diagonal(0) += 1e-6;
+  }
+
+  static SphereLight times(const SphereLight& light, double by, double shown) {
+    LightTerms terms = light.terms();
+    for (int m = 0; m < kLightTerms; ++m) terms[m] *= m == 4 ? 1 : by;
+    return SphereLight(terms, shown);
+  }
+
+  // Every sample as a share of the light there.
+  template <typename Use>
+  void for_each_seen(const SphereLight& light, const Use& use) const {
+    for (const auto& d : samples_.directions) {
+      const auto &x = samples_.x[d.layer], &z = samples_.z[d.layer];
+      for (int k = 0; k < kRings; ++k) {
+        const double level = light.at(static_cast<double>(x[k] * d.cos),
+                                      static_cast<double>(x[k] * d.sin), static_cast<double>(z[k]));
+        if (level > 0) use(static_cast<double>(d.seen[k]) / level);
+      }
+    }
+  }
+
+  // A step towards the means of the cells. Those far off show something else.
+  void step_to_means(SphereLight& light) const {
+    Normal normal;
+    hold(light, kSphere.mean_held, normal);
+    for (const Cell& cell : cells_) {
+      const double level = light.at(cell.x, cell.y, cell.z), off = cell.mean - level;
+      const double sds = off / (kSphere.mean_sd * std::max(level, 1.0));
+      const double ink = std::hypot(cell.x, cell.y);
+      normal.add(slope_of(light, cell.x, cell.y, cell.z), ink / (1 + sds * sds), off);
+    }
+    light = stepped(light, normal.solution());
   }
 
   static SphereLight stepped(const SphereLight& light, Terms step) {
@@ -302,12 +404,26 @@ std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double
                                             double noise, const SphereLight* start) {
   Fit fit(samples, ground, noise, start == nullptr);
   if (!fit.has_enough()) return std::nullopt;
-  SphereLight light = start ? fit.brightened(*start) : fit.from_nothing();
-  fit.settle(light);
-  for (const double term : light.terms()) {
-    if (!std::isfinite(term)) return std::nullopt;
+  SphereLight light;
+  if (start && start->shown() > 0) {
+    light = fit.as_bright(*start);
+  } else {
+    light = start ? fit.brightened(*start) : fit.from_nothing();
+    fit.settle(light);
   }
-  return light;
+  return is_finite(light) ? std::optional(light) : std::nullopt;
+}
+
+bool hides_paint(const SphereSamples& samples, double ground, double noise,
+                 const SphereLight& light) {
+  return Fit(samples, ground, noise, false).is_hidden(light);
+}
+
+SphereLight checked_by_means(const SphereSamples& samples, double ground, double noise,
+                             const SphereLight& light) {
+  const Fit fit(samples, ground, noise, false);
+  if (!fit.has_enough() || !fit.is_contradicted(light)) return light;
+  return fit.by_means(light).value_or(light);
 }
 
 }  // namespace impactdic::circle

@@ -6,7 +6,9 @@
 // with n = (x, y, z), x right, y down, z towards the camera: ambient light and a far lamp (Lambert,
 // 1760), limb darkening (Milne, 1921), and harmonics of the second order for lamps that are broad
 // or many (Ramamoorthi and Hanrahan, 2001). It is found as the flat paint's level is
-// (rim_levels.h): an upper envelope of cells that settles on the crowd about it.
+// (rim_levels.h): an upper envelope of cells that settles on the crowd about it. Fine and dense ink
+// leaves no such crowd. It darkens all of the ball alike, so that what the ball shows in the mean
+// tells the light there.
 #pragma once
 
 #include <array>
@@ -39,12 +41,16 @@ template <typename T>
 class SphereLight {
  public:
   SphereLight() = default;
-  explicit SphereLight(const LightTerms& terms) : w_(terms) {}
+  explicit SphereLight(const LightTerms& terms, double shown = 0) : w_(terms), shown_(shown) {}
   const LightTerms& terms() const { return w_; }
   double at(double x, double y, double z) const;
+  // Where ink leaves too little bare paint to tell the light: the mean of what the ball shows over
+  // it, which told the light instead. 0 elsewhere.
+  double shown() const { return shown_; }
 
  private:
   LightTerms w_{};
+  double shown_ = 0;
 };
 
 // Samples of a sphere's inside along directions from the centre, at kRings normals of the surface.
@@ -54,8 +60,9 @@ struct SphereSamples {
   struct Direction {
     float cos, sin;
     int layer;
-    int sector;                       // of kLevelSectors
-    std::array<float, kRings> level;  // kNoLevel where ink ends beside it
+    int sector;  // of kLevelSectors
+    std::array<float, kRings> seen;
+    std::array<float, kRings> level;  // the same, kNoLevel where ink ends beside it
   };
   std::vector<Direction> directions;  // those that show the ball, in the order of the angle
   // Of the normals: distance from the axis of sight, and along. Each layer has its own circles.
@@ -71,5 +78,13 @@ void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double
 // nullopt where too little of the ball is seen.
 std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double ground,
                                             double noise, const SphereLight* start);
+
+// Whether ink leaves too little bare paint in the samples to be sure of a light that was fitted to
+// nothing else.
+bool hides_paint(const SphereSamples& samples, double ground, double noise,
+                 const SphereLight& light);
+// The light by what the ball shows in the mean where that contradicts `light`.
+SphereLight checked_by_means(const SphereSamples& samples, double ground, double noise,
+                             const SphereLight& light);
 
 }  // namespace impactdic::circle

@@ -84,6 +84,7 @@ float sample_along(const ImageView<const T>& picture, const Rim& rim, float sign
       (inwards < uneven) & (inwards > -uneven) & (outwards < uneven) & (outwards > -uneven);
   const Lanes kept = flat ? here : Lanes{} + kNoLevel;
   std::memcpy(d.level.data(), &kept, sizeof(kept));
+  std::memcpy(d.seen.data(), &here, sizeof(here));
   float brightest = kNoLevel;
   for (int k = 0; k <= kOutermost; ++k) brightest = std::max(brightest, here[k]);
   const Sampler<T> sampler(picture);
@@ -104,7 +105,7 @@ void sample_inside(ImageView<const T> picture, const Rim& rim, float sign, doubl
   for (int i = 0; i < layers * kDirections; ++i) {
     const int layer = i % layers;
     const Side& side = sides()[i / layers];
-    SphereSamples::Direction d{side.cos, side.sin, layer, side.sector, {}};
+    SphereSamples::Direction d{side.cos, side.sin, layer, side.sector, {}, {}};
     const auto reach = static_cast<float>(
         rim.radius_at(d.cos * d.cos - d.sin * d.sin, 2.0 * static_cast<double>(d.cos * d.sin)));
     const auto x = [&](float share) { return static_cast<float>(rim.cx) + share * reach * d.cos; };
