@@ -24,11 +24,11 @@ struct SphereSettings {
   // [hand].
   std::size_t brightness_every = 8;
   double brighter_crowd = 1.5;
-  // Paint whose level is within this share of the light is bare. Where less of the samples are, and
-  // the means of the sectors change with the direction by more than so many deviations, the means
-  // tell the light. [measured] spheres of eight patterns, 60 px: e1, e2 show 0 to 0.12 of it, a2
-  // 0.26, all others more; e2 contradicts by 2 to 16 deviations, e1 by 2 at most.
-  double bare = 0.06, least_bare = 0.18, contradiction = 4;
+  // Paint whose level is within this share of the light is bare. A light that so much of it has
+  // told may be wrong by (paint_tells / share)² from side to side. The means tell it where they are
+  // surely better and differ by more than so many deviations. [measured] spheres of 16 patterns, 60
+  // px: e1, e2 show 0 to 0.12 bare, b3 0.2, f1, a2, a3 0.26 to 0.35, all others more.
+  double bare = 0.06, much_bare = 0.4, paint_tells = 0.042, surely = 3, contradiction = 4;
   // Cells' means scatter by some of this, and no shading is held by so much more than by paint.
   double mean_sd = 0.3, mean_held = 20;  // [hand]
   int mean_passes = 8;                   // [hand]

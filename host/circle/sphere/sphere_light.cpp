@@ -98,18 +98,19 @@ class Fit {
     return times(light, 1 + by / middle, 0);
   }
 
-  // Whether bare paint shows in too little of the ball to tell the light.
-  bool is_hidden(const SphereLight& light) const {
+  // Share of what the ball shows that is bare paint in this light.
+  double bare_share(const SphereLight& light) const {
     std::size_t bare = 0, all = 0;
     for_each_seen(light, [&](double share) {
       ++all;
       bare += std::abs(share - 1) < kSphere.bare;
     });
-    return static_cast<double>(bare) < kSphere.least_bare * static_cast<double>(all);
+    return static_cast<double>(bare) / static_cast<double>(std::max<std::size_t>(all, 1));
   }
 
   // Whether what the ball shows in the mean contradicts the light: it changes with the direction by
-  // more than it scatters from sector to sector.
+  // more than it scatters from sector to sector, and it scatters by less than the light may be
+  // wrong that so much bare paint has told.
   bool is_contradicted(const SphereLight& light) const {
     std::array<double, kLevelSectors> sum{}, weight{};
     for (const Cell& cell : cells_) {
@@ -134,9 +135,12 @@ class Fit {
     const Eigen::Matrix3d inverse = a.inverse();
     const Eigen::Vector3d w = inverse * b;
     const double variance = std::max(0.0, squares - w.dot(b)) / (sectors - 3);
+    const Eigen::Matrix2d covariance = variance * inverse.bottomRightCorner<2, 2>();
+    const double told = std::pow(kSphere.paint_tells / bare_share(light), 2);
+    if (kSphere.surely * std::sqrt(covariance.trace() / 2) > told * w[0]) return false;
     const Eigen::Vector2d along = w.tail<2>();
-    const double chi_sq = along.dot(inverse.bottomRightCorner<2, 2>().inverse() * along);
-    return chi_sq > kSphere.contradiction * kSphere.contradiction * variance;
+    return along.dot(covariance.ldlt().solve(along)) >
+           kSphere.contradiction * kSphere.contradiction;
   }
 
   // By what the ball shows in the mean, as bright as its brightest places. nullopt where nothing of
@@ -416,7 +420,7 @@ std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double
 
 bool hides_paint(const SphereSamples& samples, double ground, double noise,
                  const SphereLight& light) {
-  return Fit(samples, ground, noise, false).is_hidden(light);
+  return Fit(samples, ground, noise, false).bare_share(light) < kSphere.much_bare;
 }
 
 SphereLight checked_by_means(const SphereSamples& samples, double ground, double noise,
