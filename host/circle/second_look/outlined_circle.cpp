@@ -25,6 +25,22 @@ struct LeastOutline {
   Departures departures = Departures::kPooled;
 };
 
+// The rim model about an outline. Before a background between a ball's paint and its ink, that
+// does not tell which of them is to be taken for the paint: the one that differs more from the
+// background, for all beyond the background is cut off.
+ModelFit learn_either_way(const Frame& frame, const RimFit& known, RimSearch search,
+                          const CirclePrior& prior, const CircleOptions& options,
+                          LineTrace& lines) {
+  ModelFit learnt = learn_rim(frame, known, search, prior, options, lines);
+  search.polarity = opposite(search.polarity);
+  thread_local LineTrace others;  // memory only
+  ModelFit other = learn_rim(frame, known, search, prior, options, others);
+  if (!is_enough(other.fit)) return learnt;
+  if (is_enough(learnt.fit) && lines.levels.usual > others.levels.usual) return learnt;
+  std::swap(lines, others);
+  return other;
+}
+
 std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior,
                                     const CircleOptions& options, const LeastOutline& least,
                                     LineTrace& lines) {
@@ -57,7 +73,9 @@ std::optional<CircleFit> by_outline(const Frame& frame, const CirclePrior& prior
   ModelFit learnt;
   // A ball that is followed is worth the time: without a model an outline knows little.
   const bool followed = prior.radius_px.has_value();
-  if (prior.learn || followed) learnt = learn_rim(frame, fit, search, prior, options, lines);
+  if (prior.learn || followed) {
+    learnt = learn_either_way(frame, fit, search, prior, options, lines);
+  }
   CircleFit result;
   if (is_enough(learnt.fit)) {
     result = describe(frame, learnt, lines, prior, learnt.polarity == Polarity::kBright);
