@@ -27,7 +27,7 @@ struct LeastOutline {
 
 // The rim model about an outline. Before a background between a ball's paint and its ink, that
 // does not tell which of them is to be taken for the paint: the one that differs more from the
-// background, for all beyond the background is cut off.
+// background stands out of the noise more.
 ModelFit learn_either_way(const Frame& frame, const RimFit& known, RimSearch search,
                           const CirclePrior& prior, const CircleOptions& options,
                           LineTrace& lines) {
