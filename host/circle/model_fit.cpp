@@ -102,6 +102,10 @@ class Learner {
     return texture;
   }
 
+  TextureSums no_texture() const {
+    return TextureSums(options_.evened ? kInk.least_evened : kInk.least);
+  }
+
   // Fits under the present texture and width, from `start` if there is one.
   bool fit(const Rim* start) {
     model_ = std::make_shared<RimModel>(texture(), trace_.noise, sigma_px_, trace_.step_px);
@@ -116,7 +120,7 @@ class Learner {
   bool find_place() {
     for (int pass = 0; pass < kLearning.traces; ++pass) {
       from_ = fit_.rim;
-      texture_ = {};
+      texture_ = no_texture();
       LineRequest request{polarity_, step_px_of(sigma_px_, from_.r), options_.rays};
       request.texture = &texture_;
       request.surface = surface_;
@@ -205,7 +209,7 @@ class Learner {
   double sigma_px_ = 1;  // of the edge
   std::optional<double> rival_;
   Rim from_;  // that the lines were traced about
-  TextureSums texture_;
+  TextureSums texture_ = no_texture();
   std::shared_ptr<RimModel> model_;
   LineFit fit_;
 };

@@ -28,7 +28,7 @@ constexpr double kKernel = circle::kRimModel.kernel_px / kStep_px;
 
 // As of a ball with some ink: every kind is there.
 circle::RimTexture inked_texture() {
-  circle::TextureSums sums;
+  circle::TextureSums sums(-0.3f);
   std::mt19937_64 random(5);
   std::uniform_real_distribution<float> level(0, 1);
   for (int window = 0; window < 400; ++window) {

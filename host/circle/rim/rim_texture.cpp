@@ -53,7 +53,7 @@ void TextureSums::add(const float* samples, float noise) {
   for (int k = 0; k < kTexture; ++k) {
     bare = bare && std::abs(samples[k] - 1) < tolerance;
     bare_ += samples[k] > 1 - tolerance;
-    b[k] = std::clamp(samples[k], kInk.least, kInk.most);
+    b[k] = std::clamp(samples[k], least_, kInk.most);
   }
   ++windows_;
   if (std::max({samples[0], samples[1], samples[2]}) > kClear.nothing) {

@@ -25,6 +25,8 @@ void brighten(RimTexture& texture, double by);
 // Learns a texture from windows of the ball's inside.
 class TextureSums {
  public:
+  // `least`: levels below are cut off.
+  explicit TextureSums(float least) : least_(least) {}
   // kTexture samples from the innermost on, 0 background, 1 bare paint.
   void add(const float* samples, float noise);
   // `paint_sd`: of the level of bare paint from place to place.
@@ -39,6 +41,7 @@ class TextureSums {
     double n = 0;
     double sum[kTexture] = {}, product[kTexture][kTexture] = {};
   };
+  float least_;
   double windows_ = 0, bare_ = 0, shown_ = 0, shown_sum_ = 0;
   std::array<Sums, kKinds> kinds_;
 };

@@ -9,8 +9,9 @@ namespace impactdic::circle {
 struct TextureSettings {
   float dark = 0.3f, bright = 0.85f;  // levels apart [hand]
   float bare_noise = 3.5f,
-        bare_least = 0.02f;          // bare paint lies so near 1: noises, plus level [hand]
-  float least = -1.5f, most = 1.5f;  // levels beyond are cut off: glints and dead pixels [hand]
+        bare_least = 0.02f;  // bare paint lies so near 1: noises, plus level [hand]
+  // Levels beyond are cut off: glints and dead pixels, and what evening a texture leaves [hand].
+  float least = -1.5f, least_evened = -0.3f, most = 1.5f;
   // What a kind looks like before any window was seen: inner and outer level, and a covariance
   // typical_variance · exp(−decay · samples apart). Kinds as in kKindOf.
   double inner[8] = {1, 0.4, 0.95, 0.15, 0.6, 0.95, 0.5, 0.95};  // [hand]
