@@ -19,7 +19,7 @@ using circle::RimBias;
 
 std::shared_ptr<const circle::RimModel> rim_model(circle::Surface surface) {
   const auto model =
-      std::make_shared<circle::RimModel>(circle::TextureSums{}.result(0.01), 0.0125, 0.9, 1.0);
+      std::make_shared<circle::RimModel>(circle::TextureSums(-0.3f).result(0.01), 0.0125, 0.9, 1.0);
   if (surface != circle::Surface::kFlat) model->set_surface(surface, {});
   return model;
 }
