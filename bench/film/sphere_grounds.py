@@ -5,7 +5,8 @@ Paints a sphere that flies by 4 px in six frames and does not turn, so that the 
 rim in all of them, and compares the mean of each ball's errors with the median of what is stated.
 
     bench/film/sphere_grounds.py build/release/impactdic FIRST LAST [--patterns e1,...]
-                                 [--backgrounds 30,60,90] [--lamp 0.2] [--radius-px 60] [--body sphere]
+                                 [--backgrounds 30,60,90] [--lamp 0.2] [--elevation-deg 0]
+                                 [--radius-px 60] [--noise 2] [--body sphere]
 
 One line a pattern and background, over the seeds: balls measured; rms error of the centre (px, both
 axes), over stated, its mean along x and y; the same of the radius; balls that are more than four
@@ -22,7 +23,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
 FIGURES = ('cx_px', 'cy_px', 'r_px')
-FRAMES, MOVES, NOISE = 6, '0.37,0.7', 2
+FRAMES, MOVES = 6, '0.37,0.7'
 
 
 def parsed():
@@ -33,7 +34,9 @@ def parsed():
     parser.add_argument('--patterns', default='e1,a2,d2,b2,c3,f1,e2,d1')
     parser.add_argument('--backgrounds', default='30,60,90')
     parser.add_argument('--lamp', default='0.2')
+    parser.add_argument('--elevation-deg', default='0', help='of the lamp, towards the camera')
     parser.add_argument('--radius-px', type=float, default=60)
+    parser.add_argument('--noise', default='2')
     parser.add_argument('--body', default='sphere', choices=('sphere', 'disc'))
     return parser.parse_args()
 
@@ -42,12 +45,15 @@ def errors(arguments, pattern, background, seed):
     """Of each figure its error in the mean of the frames and the deviation stated; none of a ball
     that was not measured."""
     side = int(2.4 * arguments.radius_px) + 60
-    light = ['--body', 'sphere', '--lamp', arguments.lamp] if arguments.body == 'sphere' else []
+    light = []
+    if arguments.body == 'sphere':
+        light = ['--body', 'sphere', '--lamp', arguments.lamp, '--lamp-elevation-deg',
+                 arguments.elevation_deg]
     with tempfile.TemporaryDirectory() as temporary:
         clip, out = pathlib.Path(temporary) / 'clip', pathlib.Path(temporary) / 'track'
         subprocess.run([arguments.program, 'synth', '-o', clip, '--frames', str(FRAMES), '--size',
                         f'{side}x{side}', '--radius-px', str(arguments.radius_px), '--seed', str(seed),
-                        '--pattern', pattern, '--background', str(background), '--noise', str(NOISE),
+                        '--pattern', pattern, '--background', str(background), '--noise', arguments.noise,
                         '--velocity-px', MOVES, '--format', 'mraw', '-q', *light], check=True)
         subprocess.run([arguments.program, 'track', clip / 'video.cihx', '-o', out, '--no-field', '-q'],
                        check=False, capture_output=True)
