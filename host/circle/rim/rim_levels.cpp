@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/circle/settings/sphere.h"
+#include "host/circle/sphere/light_by_means.h"
 
 namespace impactdic::circle {
 namespace {
@@ -297,10 +298,10 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
     if (!light) return false;
     levels.sphere = *light;
     if (request.surface == Surface::kSphere && !request.light &&
-        hides_paint(samples, ground, levels.noise, *light)) {
+        hides_paint(samples, ground, *light)) {
       sample_sphere(frame, rim, request.polarity, request.step_px, levels.noise, kSphere.layers,
                     samples);
-      levels.sphere = checked_by_means(samples, ground, levels.noise, *light);
+      levels.sphere = checked_by_means(samples, ground, *light);
     }
   }
   levels.usual = kLineLevels.least_contrast;

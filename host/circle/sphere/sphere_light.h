@@ -79,12 +79,4 @@ void sample_sphere(const Frame& frame, const Rim& rim, Polarity polarity, double
 std::optional<SphereLight> fit_sphere_light(const SphereSamples& samples, double ground,
                                             double noise, const SphereLight* start);
 
-// Whether ink leaves too little bare paint in the samples to be sure of a light that was fitted to
-// nothing else.
-bool hides_paint(const SphereSamples& samples, double ground, double noise,
-                 const SphereLight& light);
-// The light by what the ball shows in the mean where that contradicts `light`.
-SphereLight checked_by_means(const SphereSamples& samples, double ground, double noise,
-                             const SphereLight& light);
-
 }  // namespace impactdic::circle
