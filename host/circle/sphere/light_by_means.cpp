@@ -56,7 +56,7 @@ class Means : public LightCells {
       squares += shown * shown;
       ++sectors;
     }
-    if (sectors < kLevelSectors / 2) return false;
+    if (sectors < 0.5 * kLevelSectors) return false;
     const Eigen::Matrix3d inverse = a.inverse();
     const Eigen::Vector3d w = inverse * b;
     const double variance = std::max(0.0, squares - w.dot(b)) / (sectors - 3);
