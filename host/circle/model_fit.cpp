@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "host/circle/rim/rim_levels.h"
@@ -69,7 +70,11 @@ class Learner {
     fit_.rim.r += grown_px;
     sigma_px_ = first_sigma_px_;
     rival_ = rival;
-    if (!find_place() || !find_width() || !holds()) return {};
+    if (!find_place() || !find_width()) return {};
+    if (surface_ == Surface::kSphere && is_likelier_wider() && !(find_place() && find_width())) {
+      return {};
+    }
+    if (!holds()) return {};
     state_place_sd();
     return {fit_, model_, polarity_};
   }
@@ -159,6 +164,25 @@ class Learner {
       if (!fit(&last)) return false;
     }
     return true;
+  }
+
+  // Whether a wider edge about a smaller ball makes the lines likelier, which is then taken up: the
+  // width that is asked for has several roots where ink lies along the rim, and those of narrow
+  // edges are found first.
+  bool is_likelier_wider() {
+    const auto before = std::tuple(sigma_px_, fit_, model_);
+    auto best = before;
+    double most = *log_likelihood() + kLearning.likelier_wider;
+    for (const double wider : kLearning.wider_edges) {
+      sigma_px_ = wider * std::get<0>(before);
+      const Rim last = fit_.rim;
+      if (!fit(&last)) break;
+      if (*log_likelihood() < most) continue;
+      most = *log_likelihood();
+      best = {sigma_px_, fit_, model_};
+    }
+    std::tie(sigma_px_, fit_, model_) = best;
+    return sigma_px_ != std::get<0>(before);
   }
 
   bool holds() const {
