@@ -42,7 +42,7 @@ struct LearningSettings {
   // First σ from the search's: that mixes the steepest slope with noise and ink.
   // A sphere's edge that is so much wider, and makes a line's ln p so much likelier, is the right
   // one [hand].
-  double wider_edges[4] = {1.15, 1.35, 1.6, 1.9}, likelier_wider = 0.05;
+  double wider_edges[2] = {1.35, 1.7}, likelier_wider = 0.05;
   double sigma_of_blur = 0.8, least_sigma_px = 0.6;  // [hand]
   double most_change = 0.3;                          // of ln σ from trace to trace [hand]
   double most_asked = 0.2;                           // of ln σ from fit to fit [hand]
