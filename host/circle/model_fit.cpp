@@ -71,7 +71,7 @@ class Learner {
     sigma_px_ = first_sigma_px_;
     rival_ = rival;
     if (!find_place() || !find_width()) return {};
-    if (surface_ == Surface::kSphere && is_likelier_wider() && !(find_place() && find_width())) {
+    if (surface_ == Surface::kSphere && take_likelier_width() && !(find_place() && find_width())) {
       return {};
     }
     if (!holds()) return {};
@@ -166,15 +166,15 @@ class Learner {
     return true;
   }
 
-  // Whether a wider edge about a smaller ball makes the lines likelier, which is then taken up: the
-  // width that is asked for has several roots where ink lies along the rim, and those of narrow
-  // edges are found first.
-  bool is_likelier_wider() {
-    const auto before = std::tuple(sigma_px_, fit_, model_);
-    auto best = before;
+  // A wider edge about a smaller ball, where it makes the lines likelier: the width that is asked
+  // for has several roots where ink lies along the rim, and those of narrow edges are found first.
+  // Returns whether it was taken.
+  bool take_likelier_width() {
+    const double narrow_px = sigma_px_;
+    auto best = std::tuple(sigma_px_, fit_, model_);
     double most = *log_likelihood() + kLearning.likelier_wider;
     for (const double wider : kLearning.wider_edges) {
-      sigma_px_ = wider * std::get<0>(before);
+      sigma_px_ = wider * narrow_px;
       const Rim last = fit_.rim;
       if (!fit(&last)) break;
       if (*log_likelihood() < most) continue;
@@ -182,7 +182,7 @@ class Learner {
       best = {sigma_px_, fit_, model_};
     }
     std::tie(sigma_px_, fit_, model_) = best;
-    return sigma_px_ != std::get<0>(before);
+    return sigma_px_ != narrow_px;
   }
 
   bool holds() const {

@@ -297,8 +297,7 @@ bool find_sphere_levels(const Frame& frame, const Rim& rim, const LineRequest& r
     const auto light = fit_sphere_light(samples, ground, levels.noise, request.light);
     if (!light) return false;
     levels.sphere = *light;
-    if (request.surface == Surface::kSphere && !request.light &&
-        hides_paint(samples, ground, *light)) {
+    if (request.surface == Surface::kSphere && !request.light && hides_paint(samples, *light)) {
       sample_sphere(frame, rim, request.polarity, request.step_px, levels.noise, kSphere.layers,
                     samples);
       levels.sphere = checked_by_means(samples, ground, *light);

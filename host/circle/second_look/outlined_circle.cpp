@@ -27,12 +27,13 @@ struct LeastOutline {
 
 // The rim model about an outline. Before a background between a ball's paint and its ink, that
 // does not tell which of them is to be taken for the paint: the one that differs more from the
-// background stands out of the noise more. What an evened texture leaves is of either kind.
+// background stands out of the noise more. What an evened texture leaves is of either kind, and a
+// ball that was learnt before is as it was.
 ModelFit learn_either_way(const Frame& frame, const RimFit& known, RimSearch search,
                           const CirclePrior& prior, const CircleOptions& options,
                           LineTrace& lines) {
   ModelFit learnt = learn_rim(frame, known, search, prior, options, lines);
-  if (options.evened) return learnt;
+  if (options.evened || prior.rim_model) return learnt;
   search.polarity = opposite(search.polarity);
   thread_local LineTrace others;  // memory only
   ModelFit other = learn_rim(frame, known, search, prior, options, others);

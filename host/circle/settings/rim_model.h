@@ -40,14 +40,14 @@ inline constexpr RimModelSettings kRimModel;
 struct LearningSettings {
   int traces = 6, widths = 5;  // at most [hand]
   // First σ from the search's: that mixes the steepest slope with noise and ink.
+  double sigma_of_blur = 0.8, least_sigma_px = 0.6;  // [hand]
   // A sphere's edge that is so much wider, and makes a line's ln p so much likelier, is the right
   // one [hand].
   double wider_edges[2] = {1.35, 1.7}, likelier_wider = 0.05;
-  double sigma_of_blur = 0.8, least_sigma_px = 0.6;  // [hand]
-  double most_change = 0.3;                          // of ln σ from trace to trace [hand]
-  double most_asked = 0.2;                           // of ln σ from fit to fit [hand]
-  double overshoot = 1.5;  // of the change asked for: it asks for less than is missing [hand]
-  double settled = 0.01;   // of ln σ [hand]
+  double most_change = 0.3;  // of ln σ from trace to trace [hand]
+  double most_asked = 0.2;   // of ln σ from fit to fit [hand]
+  double overshoot = 1.5;    // of the change asked for: it asks for less than is missing [hand]
+  double settled = 0.01;     // of ln σ [hand]
   // Whether the model holds.
   double misfit = 20;       // RimModel::misfit at most; 7 where the model holds exactly [hand]
   double explained = 0.7;   // share of the lines that must have to do with the rim [hand]

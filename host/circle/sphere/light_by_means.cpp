@@ -18,20 +18,33 @@
 namespace impactdic::circle {
 namespace {
 
+// Every sample as a share of the light there.
+template <typename Use>
+void for_each_seen(const SphereSamples& samples, const SphereLight& light, const Use& use) {
+  for (const auto& d : samples.directions) {
+    const auto &x = samples.x[d.layer], &z = samples.z[d.layer];
+    for (int k = 0; k < kRings; ++k) {
+      const double level = light.at(static_cast<double>(x[k] * d.cos),
+                                    static_cast<double>(x[k] * d.sin), static_cast<double>(z[k]));
+      if (level > 0) use(static_cast<double>(d.seen[k]) / level);
+    }
+  }
+}
+
+// Share of what the ball shows that is bare paint in this light.
+double bare_share(const SphereSamples& samples, const SphereLight& light) {
+  std::size_t bare = 0, all = 0;
+  for_each_seen(samples, light, [&](double share) {
+    ++all;
+    bare += std::abs(share - 1) < kSphere.bare;
+  });
+  return static_cast<double>(bare) / static_cast<double>(std::max<std::size_t>(all, 1));
+}
+
 // Cells count by how much ink they hold: by the surface, and not by what is seen of it.
 class Means : public LightCells {
  public:
   Means(const SphereSamples& samples, double ground) : LightCells(samples, ground, false) {}
-
-  // Share of what the ball shows that is bare paint in this light.
-  double bare_share(const SphereLight& light) const {
-    std::size_t bare = 0, all = 0;
-    for_each_seen(light, [&](double share) {
-      ++all;
-      bare += std::abs(share - 1) < kSphere.bare;
-    });
-    return static_cast<double>(bare) / static_cast<double>(std::max<std::size_t>(all, 1));
-  }
 
   // Whether what the ball shows in the mean contradicts the light: it changes with the direction by
   // more than it scatters from sector to sector, and it scatters by less than the light may be
@@ -61,7 +74,7 @@ class Means : public LightCells {
     const Eigen::Vector3d w = inverse * b;
     const double variance = std::max(0.0, squares - w.dot(b)) / (sectors - 3);
     const Eigen::Matrix2d covariance = variance * inverse.bottomRightCorner<2, 2>();
-    const double told = std::pow(kSphere.paint_tells / bare_share(light), 2);
+    const double told = std::pow(kSphere.paint_tells / bare_share(samples_, light), 2);
     if (kSphere.surely * std::sqrt(covariance.trace() / 2) > told * w[0]) return false;
     const Eigen::Vector2d along = w.tail<2>();
     return along.dot(covariance.ldlt().solve(along)) >
@@ -74,7 +87,8 @@ class Means : public LightCells {
     SphereLight shape = near;
     for (int pass = 0; pass < kSphere.mean_passes; ++pass) step_to_means(shape);
     std::vector<float> shares;
-    for_each_seen(shape, [&](double share) { shares.push_back(static_cast<float>(share)); });
+    for_each_seen(samples_, shape,
+                  [&](double share) { shares.push_back(static_cast<float>(share)); });
     if (shares.empty()) return std::nullopt;
     const auto paint = static_cast<double>(quantile(shares, kSphere.bright));
     const SphereLight light = times(shape, paint, 1 / paint);
@@ -91,19 +105,6 @@ class Means : public LightCells {
   }
 
  private:
-  // Every sample as a share of the light there.
-  template <typename Use>
-  void for_each_seen(const SphereLight& light, const Use& use) const {
-    for (const auto& d : samples_.directions) {
-      const auto &x = samples_.x[d.layer], &z = samples_.z[d.layer];
-      for (int k = 0; k < kRings; ++k) {
-        const double level = light.at(static_cast<double>(x[k] * d.cos),
-                                      static_cast<double>(x[k] * d.sin), static_cast<double>(z[k]));
-        if (level > 0) use(static_cast<double>(d.seen[k]) / level);
-      }
-    }
-  }
-
   // A step towards the means of the cells. Those far off show something else.
   void step_to_means(SphereLight& light) const {
     Normal normal;
@@ -120,8 +121,8 @@ class Means : public LightCells {
 
 }  // namespace
 
-bool hides_paint(const SphereSamples& samples, double ground, const SphereLight& light) {
-  return Means(samples, ground).bare_share(light) < kSphere.much_bare;
+bool hides_paint(const SphereSamples& samples, const SphereLight& light) {
+  return bare_share(samples, light) < kSphere.much_bare;
 }
 
 SphereLight checked_by_means(const SphereSamples& samples, double ground,

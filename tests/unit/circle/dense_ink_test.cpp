@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <string>
 #include <vector>
 
 #include "host/circle/ball_tracker.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/circle/scout_ball.h"
 #include "sim/speckle/sphere/sphere_render.h"
+#include "tests/support/rendered_clip.h"
 
 namespace impactdic {
 namespace {
@@ -21,10 +20,10 @@ constexpr double kRadius = 60;
 constexpr int kSide = 204;
 
 // A lamp from the upper left gives a fifth of the light.
-SynthScene lit_scene(double background, std::uint64_t seed) {
+SynthScene lit_scene(double background, std::uint64_t seed, double noise) {
   SynthScene scene;
   scene.width = scene.height = kSide;
-  scene.noise_sigma = 2;
+  scene.noise_sigma = noise;
   scene.noise_seed = seed + 1;
   scene.background = background;
   scene.lamp_share = 0.2;
@@ -34,9 +33,10 @@ SynthScene lit_scene(double background, std::uint64_t seed) {
 
 BallPose pose_at(int frame) { return {100.6 + 0.37 * frame, 99.75 + 0.7 * frame, 0}; }
 
-std::vector<Frame> pictures(const char* pattern, double background, std::uint64_t seed, int count) {
+std::vector<Frame> pictures(const char* pattern, double background, std::uint64_t seed, int count,
+                            double noise = 2) {
   const sim::speckle::SphereRenderer renderer(sim::speckle::paint_sphere(pattern, seed, kRadius),
-                                              lit_scene(background, seed));
+                                              lit_scene(background, seed, noise));
   std::vector<Frame> frames(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) {
     renderer.render(pose_at(k), k, frames[static_cast<std::size_t>(k)]);
@@ -55,27 +55,11 @@ double off_px(const circle::CircleFit& fit, const BallPose& pose) {
   return std::hypot(fit.circle.cx_px - pose.cx_px, fit.circle.cy_px - pose.cy_px);
 }
 
-class PictureList : public FrameSource {
- public:
-  explicit PictureList(std::vector<Frame> frames) : frames_(std::move(frames)) {
-    info_.width = info_.height = kSide;
-    info_.frame_count = static_cast<std::int64_t>(frames_.size());
-  }
-  const ClipInfo& info() const override { return info_; }
-  void read(std::int64_t index, Frame& frame) override {
-    frame = frames_[static_cast<std::size_t>(index)];
-  }
-
- private:
-  ClipInfo info_;
-  std::vector<Frame> frames_;
-};
-
 // Of a ball that moves by 4 px in all, no frame shows what lies behind its rim: its own ink was
 // taken for a texture there, and the circle was 0.5 to 1 px off.
 TEST(DenseInk, ASlowSphereShowsNoTextureBehindIt) {
   for (const std::uint64_t seed : {7, 29}) {
-    PictureList clip(pictures("e1", 30, seed, 6));
+    testing::MemoryClip clip(pictures("e1", 30, seed, 6));
     const circle::Scouted scouted = circle::scout_ball(clip, {0, 6, 1}, {0, 0, kSide, kSide}, {});
     EXPECT_EQ(scouted.backdrop, nullptr) << seed;
     circle::BallTracker tracker({.scouted_radius_px = scouted.radius_px(),
@@ -133,11 +117,7 @@ TEST(DenseInk, PaintAndInkMayLieOnEitherSideOfTheBackground) {
 // ball was 0.5 to 0.65 px too large.
 TEST(DenseInk, NarrowEdgesAreNotTakenWhereWiderOnesAreLikelier) {
   for (const std::uint64_t seed : {102, 108}) {
-    SynthScene scene = lit_scene(30, seed);
-    scene.noise_sigma = 0.75;
-    Frame frame;
-    sim::speckle::SphereRenderer(sim::speckle::paint_sphere("e1", seed, kRadius), scene)
-        .render(pose_at(0), 0, frame);
+    const Frame frame = pictures("e1", 30, seed, 1, 0.75)[0];
     const circle::CircleFit fit = measured(frame, pose_at(0));
     EXPECT_LT(std::abs(fit.circle.r_px - kRadius), std::max(0.25, 2 * fit.r_sd_px)) << seed;
   }
@@ -145,8 +125,7 @@ TEST(DenseInk, NarrowEdgesAreNotTakenWhereWiderOnesAreLikelier) {
 
 // A rim model that was learnt so is the same when it is taken up again from its numbers.
 TEST(DenseInk, AModelKeepsWhatToldItsLight) {
-  const std::vector<Frame> frames = pictures("e2", 60, 1, 2);
-  circle::CircleFit first = measured(frames[0], pose_at(0));
+  const circle::CircleFit first = measured(pictures("e2", 60, 1, 1)[0], pose_at(0));
   ASSERT_TRUE(first.rim_model);
   const circle::RimModel again(first.rim_model->numbers());
   ASSERT_TRUE(again.light());
