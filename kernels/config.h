@@ -98,4 +98,12 @@
 #define MASKED 0
 #endif
 
+// follow.cl: lines across a rim, and how many of them reach deep, at most.
+#ifndef MAX_LINES
+#define MAX_LINES 736
+#endif
+#ifndef MAX_DEEP
+#define MAX_DEEP 192
+#endif
+
 #endif  // IMPACTDIC_KERNELS_CONFIG_H_

@@ -205,11 +205,11 @@ CirclePrior BallTracker::prior_found(const Circle& found, const Radius& radius) 
   return prior;
 }
 
-CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
-                              const std::optional<CirclePrior>& prior, const Radius& radius,
+CircleFit BallTracker::locate(const Frame& frame, const Place& place, const Radius& radius,
                               bool* searched) const {
+  const std::optional<CirclePrior>& prior = place.prior;
   // Where it was not seen just before it may have bounced: any arc may lie where it would be.
-  const bool was_lost = !memory_.seen.empty() && index > memory_.seen.back().index + 1;
+  const bool was_lost = place.was_lost;
   // Little of a rim where nothing ever moves: the ball has gone.
   const auto is_ball = [&](const CircleFit& fit) {
     return plausible(fit, radius.rough_px) && !(prior && is_grown(fit, *prior)) &&
@@ -219,7 +219,7 @@ CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
   };
   bool left = false;
   if (prior) {
-    CircleFit fit = measure(frame, *prior);
+    CircleFit fit = place.followed ? *place.followed : measure(frame, *prior);
     if (!is_ball(fit) && fit.status != CircleStatus::kOutOfView) {
       // A stronger change than predicted: search farther before searching everywhere.
       CirclePrior wide = *prior;
@@ -236,7 +236,7 @@ CircleFit BallTracker::locate(const Frame& frame, std::int64_t index,
     if (left && !was_lost) return fit;
   }
   if (searched != nullptr) *searched = true;
-  CircleFit found = search(frame, index, radius);
+  CircleFit found = search(frame, place.index, radius);
   if (left && found.status != CircleStatus::kOk) found.status = CircleStatus::kOutOfView;
   return found;
 }
@@ -255,7 +255,8 @@ CircleFit BallTracker::track(const Frame& frame, std::int64_t index) {
     return fit;
   }
   bool searched = false;
-  const CircleFit fit = locate(frame, index, predict(index), radius(), &searched);
+  const bool was_lost = !memory_.seen.empty() && index > memory_.seen.back().index + 1;
+  const CircleFit fit = locate(frame, {index, predict(index), was_lost}, radius(), &searched);
   if (fit.status != CircleStatus::kOk) return fit;
   if (searched) memory_.seen.clear();
   remember(fit, index);
@@ -329,21 +330,50 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
   return true;
 }
 
+std::vector<CirclePrior> BallTracker::expected(const Plan& plan) const {
+  std::vector<CirclePrior> priors;
+  priors.reserve(plan.left.size());
+  for (const Plan::Left& left : plan.left) {
+    const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
+    CirclePrior& prior = priors.emplace_back(prior_between(
+        left.from.fit, left.from.index, left.to.fit, left.to.index, left.off_px, index));
+    prior.radius_px = plan.radius.px;
+    prior.radius_sd_px = plan.radius.sd_px;
+    prior.radius_bias_sd_px = plan.radius.bias_sd_px;
+    prior.compression_axis_rad = options_.compression_axis_rad;
+  }
+  return priors;
+}
+
+bool BallTracker::any_to_follow(const Plan& plan) const {
+  // Of a ball that may be a sphere a texture behind it is taken away first.
+  if (options_.backdrop && options_.circle.sphere != false) return false;
+  return std::any_of(plan.left.begin(), plan.left.end(), [](const Plan::Left& left) {
+    return is_flat(left.to.fit.rim_model.get());
+  });
+}
+
 void BallTracker::complete(const Plan& plan, std::span<const Frame> frames,
-                           std::span<CircleFit> fits) const {
+                           std::span<CircleFit> fits,
+                           std::span<const std::optional<CircleFit>> followed) const {
+  const std::vector<CirclePrior> priors = expected(plan);
+  const auto locate_left = [&](std::size_t k, const CircleFit* known) {
+    const std::size_t frame = plan.left[k].frame;
+    const std::int64_t index = plan.first_index + static_cast<std::int64_t>(frame);
+    fits[frame] = locate(frames[frame], {index, priors[k], false, known}, plan.radius);
+  };
+  std::vector<std::size_t> others;
+  for (std::size_t k = 0; k < plan.left.size(); ++k) {
+    if (!followed.empty() && followed[k]) {
+      locate_left(k, &*followed[k]);
+    } else {
+      others.push_back(k);
+    }
+  }
+  if (others.empty()) return;
   // Alone: a thread that waits here must not take up work that waits for this.
   tbb::this_task_arena::isolate([&] {
-    parallel_for(plan.left.size(), [&](std::size_t k) {
-      const Plan::Left& left = plan.left[k];
-      const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
-      CirclePrior prior = prior_between(left.from.fit, left.from.index, left.to.fit, left.to.index,
-                                        left.off_px, index);
-      prior.radius_px = plan.radius.px;
-      prior.radius_sd_px = plan.radius.sd_px;
-      prior.radius_bias_sd_px = plan.radius.bias_sd_px;
-      prior.compression_axis_rad = options_.compression_axis_rad;
-      fits[left.frame] = locate(frames[left.frame], index, prior, plan.radius);
-    });
+    parallel_for(others.size(), [&](std::size_t i) { locate_left(others[i], nullptr); });
   });
 }
 

@@ -75,9 +75,15 @@ class BallTracker {
   // that, and tells nothing of where the ball goes.
   Plan lead(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits,
             const std::vector<bool>& repeats = {});
+  // What is expected of the frames that `lead` left, in the order of the plan.
+  std::vector<CirclePrior> expected(const Plan& plan) const;
+  // Whether a device may follow some of them (RimFollower), which see the pictures as they are.
+  bool any_to_follow(const Plan& plan) const;
   // Measures the frames that `lead` left, in parallel; safe beside anything, on several batches at
-  // once. The fits are the same on any number of threads.
-  void complete(const Plan& plan, std::span<const Frame> frames, std::span<CircleFit> fits) const;
+  // once. The fits are the same on any number of threads. `followed` (may be empty): one for each
+  // of them, where a device has followed it.
+  void complete(const Plan& plan, std::span<const Frame> frames, std::span<CircleFit> fits,
+                std::span<const std::optional<CircleFit>> followed = {}) const;
   // Both.
   void follow(std::span<const Frame> frames, std::int64_t first_index, std::span<CircleFit> fits);
 
@@ -99,9 +105,17 @@ class BallTracker {
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
   std::pair<double, double> fall() const;
-  // Measures frame number `index`, from the prior or by searching all of it, without a memory.
-  CircleFit locate(const Frame& frame, std::int64_t index, const std::optional<CirclePrior>& prior,
-                   const Radius& radius, bool* searched = nullptr) const;
+  // Of frame number `index`, which no memory of others has a part in. `was_lost`: the ball was not
+  // seen just before it. `followed`: its circle from the prior, where a device has told it.
+  struct Place {
+    std::int64_t index = 0;
+    std::optional<CirclePrior> prior;
+    bool was_lost = false;
+    const CircleFit* followed = nullptr;
+  };
+  // Measures a frame, from the prior or by searching all of it.
+  CircleFit locate(const Frame& frame, const Place& place, const Radius& radius,
+                   bool* searched = nullptr) const;
   CircleFit search(const Frame& frame, std::int64_t index, const Radius& radius) const;
   // Of a circle that the search has found.
   CirclePrior prior_found(const Circle& found, const Radius& radius) const;

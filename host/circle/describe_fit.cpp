@@ -17,10 +17,10 @@
 namespace impactdic::circle {
 namespace {
 
-// See Circle::free_px. Ink on the rim makes gaps too: those are narrow. Points in the order of the
-// angle.
-double free_distance(const std::vector<float>& cos, const std::vector<float>& sin,
-                     std::size_t points, const Rim& rim) {
+// Between neighbours, rad. Ink on the rim makes gaps too: those are narrow, and count for none.
+// Points in the order of the angle; all around where there is none.
+double widest_gap(const std::vector<float>& cos, const std::vector<float>& sin,
+                  std::size_t points) {
   const float narrow = static_cast<float>(std::cos(kJudge.gap_deg * kRadPerDeg));
   double widest = 0;
   for (std::size_t a = 0; a < points; ++a) {
@@ -30,7 +30,12 @@ double free_distance(const std::vector<float>& cos, const std::vector<float>& si
     const double gap = std::atan2(cos[a] * sin[b] - sin[a] * cos[b], along);
     widest = std::max(widest, gap < 0 ? gap + 2 * kPi : gap);
   }
-  return points == 0 ? 0 : rim.r * std::max(0.0, std::cos(widest / 2));
+  return points == 0 ? 2 * kPi : widest;
+}
+
+// See Circle::free_px.
+double free_distance(double gap_rad, const Rim& rim) {
+  return rim.r * std::max(0.0, std::cos(gap_rad / 2));
 }
 
 // What both kinds of fit have. A blurred disc crosses its half level inside its rim: at R − σ²/2R
@@ -130,10 +135,16 @@ double free_distance(const RimTrace& trace, const Rim& rim) {
     cos.push_back(p.cos);
     sin.push_back(p.sin);
   }
-  return free_distance(cos, sin, cos.size(), rim);
+  return free_distance(widest_gap(cos, sin, cos.size()), rim);
 }
 
 CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace,
+                   const CirclePrior& prior, bool bright) {
+  const RimLines& lines = trace.lines;
+  return describe(frame, m, trace, widest_gap(lines.cos, lines.sin, lines.size()), prior, bright);
+}
+
+CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace, double gap_rad,
                    const CirclePrior& prior, bool bright) {
   CircleFit result;
   const double sigma = m.rim_model->edge_sigma_px();
@@ -182,8 +193,7 @@ CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace
   const GroundRise rise = rise_of_ground(trace.levels.ground, trace.levels.usual);
   result.cx_sd_px = std::hypot(result.cx_sd_px, kJudge.of_rise * rise.x * place);
   result.cy_sd_px = std::hypot(result.cy_sd_px, kJudge.of_rise * rise.y * place);
-  result.circle.free_px =
-      free_distance(trace.lines.cos, trace.lines.sin, trace.lines.size(), m.fit.rim);
+  result.circle.free_px = free_distance(gap_rad, m.fit.rim);
   result.bright = bright;
   result.rim_model = m.rim_model;
   result.rim_fraction = static_cast<double>(m.fit.points) / trace.cast;

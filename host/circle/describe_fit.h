@@ -28,6 +28,9 @@ double free_distance(const RimTrace& trace, const Rim& rim);
 // Of a rim model's fit.
 CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace,
                    const CirclePrior& prior, bool bright);
+// The same where the lines themselves are elsewhere; `gap_rad`: the widest between two of them.
+CircleFit describe(const Frame& frame, const ModelFit& m, const LineTrace& trace, double gap_rad,
+                   const CirclePrior& prior, bool bright);
 
 // The fit with the status that its circle deserves.
 CircleFit accepted(CircleFit fit, const Frame& frame, const CircleOptions& options);

@@ -1,9 +1,11 @@
 #include "host/pipeline/device_workers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "host/base/stopwatch.h"
+#include "host/circle/device/rim_follower.h"
 #include "host/motion/estimators.h"
 #include "host/motion/measure_pairs.h"
 #include "host/opencl/engine.h"
@@ -39,6 +41,8 @@ constexpr std::size_t kWaiting = 2;
 constexpr std::size_t kBytesPerPixel = 4 + 2 * 16;
 // Share of a device's memory that all workers may take.
 constexpr double kMemoryShare = 0.5;
+// A ball this far from where it was expected may leave the part of its frame about that.
+constexpr double kAsExpected_px = 2;
 
 int workers_of(const opencl::Engine& engine) {
   return engine.device().is_gpu ? kWorkersOfGpu : kWorkersOfCpu;
@@ -94,6 +98,7 @@ struct DeviceWorkers::Worker {
   std::unique_ptr<motion::MotionEstimator> estimator;
   std::optional<motion::KeyframeSlots> keyframes;  // with the ball estimator
   std::optional<motion::TurnedCentres> centres;    // of a sphere
+  std::optional<circle::RimFollower> rims;         // once circles are left to it
 
   Worker(std::unique_ptr<opencl::Engine> own, const motion::EstimatorOptions& options,
          const motion::KeyframeAim& aim, double radius_px, int count)
@@ -172,11 +177,12 @@ class DeviceWorkers::Turn {
 
 DeviceWorkers::DeviceWorkers(std::span<opencl::Engine* const> engines,
                              const motion::EstimatorOptions& options, const Clip& clip, int ahead,
-                             std::function<bool()> cancelled, StageTimes* times,
-                             const WorkerStages& stages)
+                             CircleWork circles, std::function<bool()> cancelled,
+                             StageTimes* times, const WorkerStages& stages)
     : radius_px_(clip.radius_px),
       cancelled_(std::move(cancelled)),
       crop_(options, clip.radius_px, clip.width, clip.height),
+      circles_(std::move(circles)),
       times_(times),
       stages_(stages),
       aim_(clip.radius_px, crop_, options),
@@ -269,7 +275,13 @@ bool DeviceWorkers::measure(Worker& worker, TrackBatch& batch, Turn& planning, T
 
 bool DeviceWorkers::measure_parts(Worker& worker, TrackBatch& batch, Turn& planning,
                                   Turn& placing) {
+  Origins origins;
+  if (batch.circles_left) origins = complete_circles(worker, batch);
+  const bool is_there = !origins.empty();
   const std::size_t count = batch.frames.size();
+  for (std::size_t i = origins.size(); i < count; ++i) {
+    origins.push_back(crop_.about(ball(batch.circles[i])));
+  }
   batch.pairs.resize(count);
   batch.measured.assign(count, false);
   const auto slots = static_cast<std::size_t>(worker.slots);
@@ -278,11 +290,12 @@ bool DeviceWorkers::measure_parts(Worker& worker, TrackBatch& batch, Turn& plann
   for (std::size_t first = 0; first + 1 < count; first += slots - 1) {
     const std::size_t frames = std::min(slots, count - first);
     if (is_cancelled()) return false;
-    measure_part(worker, batch, first, frames);
+    const auto cut = std::span(origins).subspan(first, frames);
+    measure_part(worker, batch, first, cut, is_there);
     if (!keyframes_) continue;
     if (is_cancelled()) return false;
     motion::Keyframes::Ahead ahead;
-    ahead.frames = chained(batch, first, frames);
+    ahead.frames = chained(batch, first, cut);
     if (ahead_ > 1) register_ahead(worker, batch, ahead, planning, placing);
     if (worker.centres) {
       for (motion::TurnedCentre centre : worker.centres->measure(ahead.frames)) {
@@ -314,18 +327,62 @@ void DeviceWorkers::register_ahead(Worker& worker, const TrackBatch& batch,
       aim_.measure(std::span(ahead.frames).subspan(1), ahead.near, ahead.plan, *worker.keyframes);
 }
 
-Circle DeviceWorkers::ball(const TrackBatch& batch, std::size_t i) const {
-  return motion::about_centre(batch.circles[i], options_.perspective);
+Circle DeviceWorkers::ball(const Circle& circle) const {
+  return motion::about_centre(circle, options_.perspective);
+}
+
+void DeviceWorkers::upload(Worker& worker, std::span<const Frame* const> frames,
+                           std::span<const motion::CropOrigin> origins) {
+  const StageTimes::Scope timed(times_, stages_.upload);
+  std::vector<dic::FramePart> parts;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    parts.push_back({frames[k], origins[k].x, origins[k].y});
+  }
+  worker.frames.set(0, parts, crop_.width(), crop_.height());
+}
+
+DeviceWorkers::Origins DeviceWorkers::complete_circles(Worker& worker, TrackBatch& batch) {
+  batch.circles_left = false;
+  std::vector<const Frame*> frames = batch.frames;  // that of the batch before, where there is one
+  const std::size_t before = frames.size();
+  for (const Frame& frame : batch.own->frames) frames.push_back(&frame);
+  if (frames.size() > static_cast<std::size_t>(worker.slots)) {
+    circles_.complete(batch, {});
+    return {};
+  }
+  const std::vector<circle::CirclePrior> expected = circles_.expected(batch);
+  std::vector<Circle> circles = batch.circles;
+  for (const circle::CircleFit& fit : batch.fits) circles.push_back(fit.circle);
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    circles[before + batch.plan.left[k].frame] = expected[k].predicted;
+  }
+  Origins origins;
+  for (const Circle& circle : circles) origins.push_back(crop_.about(ball(circle)));
+  upload(worker, frames, origins);
+  {
+    const StageTimes::Scope timed(times_, stages_.circles);
+    std::vector<circle::RimToFollow> rims;
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+      const std::size_t i = before + batch.plan.left[k].frame;
+      const auto [x, y] = origins[i];
+      rims.push_back({frames[i], static_cast<int>(i), x, y, expected[k]});
+    }
+    if (!worker.rims) worker.rims.emplace(*worker.engine, circles_.options);
+    circles_.complete(batch, worker.rims->follow(worker.frames, rims));
+  }
+  // One that is elsewhere, as behind an impact, may be cut by its part.
+  for (std::size_t i = 0; i < circles.size(); ++i) {
+    const Circle& found = batch.circles[i];
+    const double off_px =
+        std::hypot(found.cx_px - circles[i].cx_px, found.cy_px - circles[i].cy_px);
+    if (off_px > kAsExpected_px) return {};
+  }
+  return origins;
 }
 
 void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t first,
-                                 std::size_t count) {
-  std::vector<dic::FramePart> parts;
-  std::vector<motion::CropOrigin> origins;
-  for (std::size_t k = 0; k < count; ++k) {
-    origins.push_back(crop_.about(ball(batch, first + k)));
-    parts.push_back({batch.frames[first + k], origins[k].x, origins[k].y});
-  }
+                                 std::span<const motion::CropOrigin> origins, bool is_there) {
+  const std::size_t count = origins.size();
   std::vector<motion::PairMotion> pairs;
   std::vector<std::size_t> which;
   for (std::size_t k = 0; k + 1 < count; ++k) {
@@ -334,8 +391,8 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
     motion::PairMotion& pair = pairs.emplace_back();
     pair.first_slot = static_cast<int>(k);
     pair.second_slot = static_cast<int>(k + 1);
-    pair.first = ball(batch, i);
-    pair.second = ball(batch, i + 1);
+    pair.first = ball(batch.circles[i]);
+    pair.second = ball(batch.circles[i + 1]);
     pair.shape = batch.shapes[i];
     pair.second_shape = batch.shapes[i + 1];
     pair.near_contact = near_contact(batch, i, radius_px_);
@@ -347,10 +404,7 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
   const bool any_ball =
       std::any_of(rows.begin(), rows.end(), [](const TrackRow& row) { return row.circle_ok; });
   if (which.empty() && !(keyframes_ && any_ball)) return;
-  {
-    const StageTimes::Scope timed(times_, stages_.upload);
-    worker.frames.set(0, parts, crop_.width(), crop_.height());
-  }
+  if (!is_there) upload(worker, std::span(batch.frames).subspan(first, count), origins);
   const double fits_before = worker.estimator->fit_seconds();
   const Stopwatch watch;
   measure_pairs(*worker.estimator, radius_px_, pairs);
@@ -366,22 +420,23 @@ void DeviceWorkers::measure_part(Worker& worker, TrackBatch& batch, std::size_t 
   }
 }
 
-std::vector<motion::ChainedFrame> DeviceWorkers::chained(const TrackBatch& batch, std::size_t first,
-                                                         std::size_t count) const {
+std::vector<motion::ChainedFrame> DeviceWorkers::chained(
+    const TrackBatch& batch, std::size_t first,
+    std::span<const motion::CropOrigin> origins) const {
   std::vector<motion::ChainedFrame> frames;
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = 0; k < origins.size(); ++k) {
     const std::size_t i = first + k;
     motion::ChainedFrame& frame = frames.emplace_back();
     frame.index = batch.first_index + static_cast<std::int64_t>(i);
     frame.circle_ok = batch.rows[i].circle_ok;
-    frame.circle = ball(batch, i);
+    frame.circle = ball(batch.circles[i]);
     const double circle_sd_px = std::hypot(batch.rows[i].cx_sd_px, batch.rows[i].cy_sd_px);
     if (circle_sd_px > 0) frame.circle_sd_px = circle_sd_px / std::sqrt(2.0);
     frame.shape = batch.shapes[i];
     frame.frame = batch.frames[i];
     if (batch.measured[i]) frame.next = &batch.pairs[i].motion;
     frame.slot = static_cast<int>(k);
-    frame.origin = crop_.about(frame.circle);
+    frame.origin = origins[k];
   }
   return frames;
 }

@@ -21,7 +21,7 @@ namespace impactdic::pipeline {
 
 // Stages that the workers are timed under.
 struct WorkerStages {
-  int upload = 0, device = 0, fit = 0, ahead = 0, poses = 0;
+  int upload = 0, circles = 0, device = 0, fit = 0, ahead = 0, poses = 0;
 };
 
 class DeviceWorkers {
@@ -43,8 +43,8 @@ class DeviceWorkers {
   // more: a batch that is not done is dropped, and with it all behind it. The engines and `times`
   // (may be null) must outlive the workers.
   DeviceWorkers(std::span<opencl::Engine* const> engines, const motion::EstimatorOptions& options,
-                const Clip& clip, int ahead, std::function<bool()> cancelled, StageTimes* times,
-                const WorkerStages& stages);
+                const Clip& clip, int ahead, CircleWork circles, std::function<bool()> cancelled,
+                StageTimes* times, const WorkerStages& stages);
   ~DeviceWorkers();
 
   std::span<const Window> grid() const;
@@ -66,7 +66,7 @@ class DeviceWorkers {
   Batch take();
 
  private:
-  Circle ball(const TrackBatch& batch, std::size_t i) const;  // about its centre
+  Circle ball(const Circle& circle) const;  // about its centre
   struct Worker;
   class Turn;
   class Use;
@@ -74,20 +74,30 @@ class DeviceWorkers {
   bool measure(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
   bool measure_parts(Worker& worker, TrackBatch& batch, Turn& planning, Turn& placing);
   bool is_cancelled();
-  void measure_part(Worker& worker, TrackBatch& batch, std::size_t first, std::size_t count);
+  // The parts of a batch's frames that go to the device.
+  typedef std::vector<motion::CropOrigin> Origins;
+  // Completes the circles of a batch that has left them, its frames in the worker's slots where
+  // they all fit in. Returns where they were cut, empty where they are not there.
+  Origins complete_circles(Worker& worker, TrackBatch& batch);
+  void upload(Worker& worker, std::span<const Frame* const> frames,
+              std::span<const motion::CropOrigin> origins);
+  // `origins`: of the part's frames; `is_there`: whether they are in the slots.
+  void measure_part(Worker& worker, TrackBatch& batch, std::size_t first,
+                    std::span<const motion::CropOrigin> origins, bool is_there);
   // Registers the batch's frames against keyframes as soon as it is known about where they are.
   void register_ahead(Worker& worker, const TrackBatch& batch, motion::Keyframes::Ahead& ahead,
                       Turn& planning, Turn& placing);
   void place_part(Worker& worker, TrackBatch& batch, std::size_t first,
                   const motion::Keyframes::Ahead& ahead);
   std::vector<motion::ChainedFrame> chained(const TrackBatch& batch, std::size_t first,
-                                            std::size_t count) const;
+                                            std::span<const motion::CropOrigin> origins) const;
   // 0 of a group's first batch.
   std::int64_t place_in_group(const TrackBatch& batch) const;
 
   double radius_px_;
   std::function<bool()> cancelled_;
   motion::BallCrop crop_;
+  CircleWork circles_;
   StageTimes* times_;
   WorkerStages stages_;
   std::vector<std::unique_ptr<Worker>> workers_;

@@ -9,6 +9,7 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/parallel/pipeline.h"
+#include "host/circle/device/rim_follower.h"
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
@@ -35,6 +36,15 @@ Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t 
   return frame;
 }
 
+// Whether the devices follow circles.
+bool follow_on(std::span<opencl::Engine* const> engines, const TrackOptions& options) {
+  return std::all_of(engines.begin(), engines.end(), [&](const opencl::Engine* engine) {
+    const opencl::Device& device = engine->device();
+    return options.circles_on_device.value_or(device.is_gpu) &&
+           circle::RimFollower::serves(device, options.ball.circle);
+  });
+}
+
 // The stages behind the reader; but for `complete` each runs on one thread at a time, in the order
 // of the frames.
 class ClipTracker {
@@ -49,7 +59,8 @@ class ClipTracker {
         grid_ready_(grid_ready),
         sink_(sink),
         progress_(progress),
-        tracker_(options.ball) {
+        tracker_(options.ball),
+        on_device_(options.with_field && follow_on(engines, options)) {
     if (options.from) go_on(*options.from);
     if (options.times == nullptr) return;
     const int workers = options.with_field ? DeviceWorkers::count(engines) : 1;
@@ -58,6 +69,7 @@ class ClipTracker {
     circle_stage_ = options.times->add_stage("circle, between", kBatchesAhead);
     if (options.with_field) {
       worker_stages_.upload = options.times->add_stage("upload", workers);
+      worker_stages_.circles = options.times->add_stage("circles on device", workers);
       worker_stages_.device = options.times->add_stage("kernels, results", workers);
       worker_stages_.fit = options.times->add_stage("fits", workers);
       if (options.estimator.estimator == Estimator::kBall) {
@@ -87,6 +99,9 @@ class ClipTracker {
     batch->repeats.insert(batch->repeats.end(), own->repeats.begin(), own->repeats.end());
     batch->fits.resize(own->frames.size());
     batch->plan = tracker_.lead(own->frames, own->first_index, batch->fits, own->repeats);
+    // There are workers once an earlier batch has shown a ball.
+    batch->circles_left = on_device_ && has_ball_ && tracker_.any_to_follow(batch->plan);
+    has_ball_ = has_ball_ || std::any_of(batch->fits.begin(), batch->fits.end(), is_ball);
     batch->tracker = tracker_.memory();
     last_fit_ = stated(batch->fits.back(), batch->tracker);
     batch->before = std::move(last_frames_);
@@ -98,13 +113,7 @@ class ClipTracker {
   Batch complete(Batch batch) const {
     if (!batch || is_cancelled()) return nullptr;
     const StageTimes::Scope timed(options_.times, circle_stage_);
-    const FrameBatch& own = *batch->own;
-    tracker_.complete(batch->plan, own.frames, batch->fits);
-    for (std::size_t i = 0; i < own.frames.size(); ++i) {
-      add_frame(*batch, own.frames[i], stated(batch->fits[i], batch->tracker),
-                own.first_index + static_cast<std::int64_t>(i));
-    }
-    if (!source_.info().lossy) note_torn(*batch);
+    if (!batch->circles_left) complete_circles(*batch, {});
     return batch;
   }
 
@@ -179,6 +188,7 @@ class ClipTracker {
     point_ = from;
     tracker_.restore(from.tracker);
     last_fit_ = from.circle;
+    has_ball_ = from.grid_radius_px.has_value();
     last_frames_ = std::make_shared<FrameBatch>();
     last_frames_->first_index = from.next_row;
     last_frames_->frames.push_back(read_frame(source_, options_, from.next_row));
@@ -199,6 +209,33 @@ class ClipTracker {
     point_.tracker = batch.tracker;
     if (batch.keyframes) point_.keyframes = batch.keyframes;
     options_.checkpoint(point_);
+  }
+
+  static bool is_ball(const circle::CircleFit& fit) {
+    return fit.status == circle::CircleStatus::kOk;
+  }
+
+  void complete_circles(TrackBatch& batch,
+                        std::span<const std::optional<circle::CircleFit>> followed) const {
+    const FrameBatch& own = *batch.own;
+    tracker_.complete(batch.plan, own.frames, batch.fits, followed);
+    for (std::size_t i = 0; i < own.frames.size(); ++i) {
+      add_frame(batch, own.frames[i], stated(batch.fits[i], batch.tracker),
+                own.first_index + static_cast<std::int64_t>(i));
+    }
+    if (!source_.info().lossy) note_torn(batch);
+  }
+
+  // Of batches whose circles are left to the workers.
+  CircleWork circle_work() const {
+    CircleWork work;
+    work.options = options_.ball.circle;
+    work.expected = [this](const TrackBatch& batch) { return tracker_.expected(batch.plan); };
+    work.complete = [this](TrackBatch& batch,
+                           std::span<const std::optional<circle::CircleFit>> followed) {
+      complete_circles(batch, followed);
+    };
+    return work;
   }
 
   // `fit` is as stated().
@@ -236,8 +273,9 @@ class ClipTracker {
     clip.height = options_.roi.height;
     clip.batch = batch_;
     clip.batches = (options_.frames.count() - batch.first_index + batch_ - 1) / batch_;
-    workers_ = std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead,
-                                               options_.cancelled, options_.times, worker_stages_);
+    workers_ =
+        std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead, circle_work(),
+                                        options_.cancelled, options_.times, worker_stages_);
     if (point_.keyframes) {
       workers_->restore(*point_.keyframes,
                         [&](std::int64_t index) { return read_frame(source_, options_, index); });
@@ -328,6 +366,8 @@ class ClipTracker {
   WorkerStages worker_stages_;
   // Of `locate`.
   circle::BallTracker tracker_;
+  bool on_device_;         // circles may be left to the workers
+  bool has_ball_ = false;  // a batch has shown one
   std::shared_ptr<FrameBatch> last_frames_;
   circle::CircleFit last_fit_;  // as stated()
   std::exception_ptr error_;

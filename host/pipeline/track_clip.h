@@ -38,6 +38,9 @@ struct TrackOptions {
   int batch = 0;  // frames handed on at once; 0: as many as fill 16 MB
   // Batches whose frames are registered against keyframes ahead of their poses: see DeviceWorkers.
   int poses_ahead = 0;
+  // Whether devices follow the circles of frames that lie where they are expected; without a value:
+  // GPUs do.
+  std::optional<bool> circles_on_device;
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.
   std::optional<ResumePoint> from;

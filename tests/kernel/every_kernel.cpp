@@ -11,12 +11,14 @@
 #include <map>
 #include <string>
 
+#include "host/circle/device/rim_follower.h"
 #include "host/dic/device/ball.h"
 #include "host/dic/device/equal.h"
 #include "host/dic/device/icgn.h"
 #include "host/dic/device/published.h"
 #include "host/dic/device/ring.h"
 #include "host/dic/device/zncc.h"
+#include "sim/speckle/render.h"
 #include "sim/speckle/speckle_field.h"
 
 namespace impactdic {
@@ -126,6 +128,30 @@ void run_ring() {
   std::printf("status %d, %.4f rad\n", static_cast<int>(motion.status), motion.rot_rad);
 }
 
+void run_rim() {
+  SynthScene scene;
+  scene.width = scene.height = 112;
+  scene.noise_sigma = 2;
+  const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("c2", 7, 40), scene);
+  Frame frame;
+  renderer.render({55.6, 56.2, 0}, 0, frame);
+  circle::CirclePrior prior;
+  prior.predicted = {55.6, 56.2, 40};
+  prior.centre_sd_px = 0.05;
+  prior.rim_sd_px = 0.3;
+  const circle::CircleFit learnt = circle::measure_circle(frame, prior, {});
+  prior.rim_model = learnt.rim_model;
+  prior.bright = learnt.bright;
+  opencl::Engine engine("auto", Setting::options());
+  dic::DeviceFrames frames(engine, 1);
+  frames.set(0, frame);
+  circle::RimFollower follower(engine, {});
+  const circle::RimToFollow rim{&frame, 0, 0, 0, prior};
+  const auto fit = follower.follow(frames, {&rim, 1})[0];
+  std::printf("followed %d, (%.4f, %.4f) px\n", fit.has_value(), fit ? fit->circle.cx_px : 0,
+              fit ? fit->circle.cy_px : 0);
+}
+
 const std::map<std::string, std::function<void()>> kCases = {
     {"zncc_pairs_scalar",
      [] {
@@ -178,6 +204,7 @@ const std::map<std::string, std::function<void()>> kCases = {
      }},
     {"ball_affine", [] { run_ball(dic::BallModel::kAffine); }},
     {"ring", run_ring},
+    {"rim", run_rim},
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "host/circle/rim/line_estimate.h"
 #include "host/circle/rim/line_sums.h"
 #include "host/circle/rim/rim_lines.h"
 #include "host/circle/rim/rim_model.h"
@@ -19,25 +20,6 @@
 
 namespace impactdic::circle {
 namespace {
-
-// One fit: corrections to the rim, their covariance, and what the lines say.
-struct LineEstimate {
-  bool ok = false;
-  Shape shape = Shape::kCircle;
-  Vector5 delta = Vector5::Zero();
-  Matrix5 covariance = Matrix5::Zero();
-  Matrix5 misplaced = Matrix5::Zero();  // covariance that a place_sd_px of 1 px adds
-  RadiusOfFrame own;
-  double wider = 1, scatter = 0;  // see inflation; of the bare lines
-  int points = 0;
-  double arc = 0;
-  double oval = 0;  // of a circle: χ² that its lines hold against it, 2 degrees of freedom
-  // What the next estimate can start from: the shares of the kinds over those inside the ball, the
-  // corrections about which the evidence in the workspace is linear, and the last sums.
-  KindShares shares{};
-  Vector5 about = Vector5::Zero(), summed_at = Vector5::Zero();
-  LineSums sums;
-};
 
 using Evidence = RimModel::Evidence;
 
@@ -102,7 +84,6 @@ class Climb {
   Step next_step(const Occasion& on, double newton) const;
   Vector5 solve(const Matrix5& curvature, Shape shape, Knowledge& known) const;
   void learn_shares();
-  void describe(const Knowledge& known);
   bool settled() const;
   void prepare_next_round();
 
@@ -208,7 +189,11 @@ bool Climb::follow_evidence() {
     last_moved = moved;
     const bool goes_on = left > px(enough) || step.lost || on.quick;
     if (!held_ && goes_on && pass + 1 < kLineFit.steps) continue;
-    if (sees_all_wanted()) describe(step.known);
+    if (sees_all_wanted()) {
+      const int lines = static_cast<int>(task_.trace.lines.size());
+      describe(task_.rim, delta_, step.known, task_.trace.step_px, result_);
+      result_.points = std::min(lines, s.points * stride_);
+    }
     return true;
   }
 }
@@ -265,22 +250,6 @@ void Climb::learn_shares() {
   }
 }
 
-void Climb::describe(const Knowledge& known) {
-  const LineSums& s = result_.sums;
-  const Matrix5 precision = s.hessian / wider_ + known.precision;
-  result_.covariance = Eigen::LDLT<Matrix5>(precision).solve(Matrix5::Identity());
-  result_.misplaced = misplaced(s, wider_, result_.covariance);
-  result_.wider = wider_;
-  const RadiusShare share = radius_share(known, precision, result_.covariance, delta_);
-  result_.own = own_radius(share, task_.rim.r + delta_[2]);
-  result_.own.misplaced = misplaced(s, wider_, share.alone)(2, 2);
-  if (task_.shape == Shape::kCircle) result_.oval = score_test(s.hessian, s.score, wider_);
-  result_.scatter = task_.trace.step_px * std::sqrt(s.scatter / std::max(s.kinds[0], 1e-9f));
-  result_.points = std::min(static_cast<int>(task_.trace.lines.size()), s.points * stride_);
-  result_.arc = 0;
-  for (int count : s.sectors.points) result_.arc += count > 0 ? 1.0 / kRimSectors : 0;
-}
-
 bool Climb::settled() const {
   if (!sees_all_wanted()) return false;
   const double moved = (delta_ - result_.about).cwiseAbs().maxCoeff();
@@ -332,10 +301,7 @@ LineEstimate choose_shape(LineTask task, Shapes shapes, Workspace& work) {
   }
   const LineEstimate oval = by(Shape::kEllipse, circle.ok ? &circle : nullptr);
   if (task.start.how == Thoroughness::kFinely && !oval.ok) return {};
-  // What the model may misplace makes ellipses of circles too.
-  const double place = task.model.place_sd_px();
-  const Matrix5 covariance = oval.covariance + place * place * oval.misplaced;
-  if (oval.ok && wald(rim, oval.delta, covariance) > kPrior.significant) return oval;
+  if (oval.ok && is_plainly_oval(rim, oval, task.model)) return oval;
   return circle.ok ? circle : by(Shape::kCircle, oval.ok && !thorough ? &oval : nullptr);
 }
 
@@ -369,25 +335,14 @@ LineFit fit_lines(const LineTrace& trace, const RimModel& model, const Rim& rim,
   thread_local Workspace work;
   const LineEstimate best = choose_shape({trace, model, rim, prior, start}, shapes, work);
   if (!best.ok) return fit;
-  fit.ok = true;
-  fit.ellipse = best.shape == Shape::kEllipse;
-  fit.rim = {rim.cx + best.delta[0], rim.cy + best.delta[1], rim.r + best.delta[2],
-             fit.ellipse ? rim.e1 + best.delta[3] : 0, fit.ellipse ? rim.e2 + best.delta[4] : 0};
-  Matrix5 covariance = best.covariance;
+  fit = fit_of(best, rim);
   if (const Surface of = model.surface(); of != Surface::kFlat) {
     const bool ink = of == Surface::kOutline || is_plainly_lit(trace);
-    covariance += wavy_light(best.sums.sectors, best.wider, best.covariance, ink);
+    const Matrix5 light = wavy_light(best.sums.sectors, best.wider, best.covariance, ink);
+    for (int i = 0; i < 5; ++i) {
+      fit.sd[i] = std::sqrt(std::max(0.0, best.covariance(i, i) + light(i, i)));
+    }
   }
-  for (int i = 0; i < 5; ++i) {
-    fit.sd[i] = std::sqrt(std::max(0.0, covariance(i, i)));
-    fit.misplaced[i] = std::max(0.0, best.misplaced(i, i));
-  }
-  for (int i = 0; i < 2; ++i) fit.with_radius[i] = best.covariance(i, 2) / best.covariance(2, 2);
-  fit.own = best.own;
-  fit.residual_px = best.scatter;
-  fit.shares = best.shares;
-  fit.points = best.points;
-  fit.arc = best.arc;
   if (start.how == Thoroughness::kWithWidth) {
     const WidthChange change = change_of_width(trace, model, best.delta, work);
     fit.width = change.even;

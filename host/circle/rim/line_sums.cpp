@@ -17,11 +17,11 @@ namespace {
 constexpr int kWaves = 9, kJacobian = 5;
 
 // Products of the jacobian (cos φ, sin φ, 1, cos 2φ, sin 2φ) from Σ w cos kφ and Σ w sin kφ.
-Matrix5 products(const Lanes (&waves)[kWaves], float per_step_sq) {
+Matrix5 products(const float (&waves)[kWaves], float per_step_sq) {
   double cos[5], sin[5];
   for (int k = 0; k < 5; ++k) {
-    cos[k] = per_step_sq * total_of(waves[std::max(2 * k - 1, 0)]);
-    sin[k] = k > 0 ? per_step_sq * total_of(waves[2 * k]) : 0;
+    cos[k] = per_step_sq * waves[std::max(2 * k - 1, 0)];
+    sin[k] = k > 0 ? per_step_sq * waves[2 * k] : 0;
   }
   const int order[5] = {1, 1, 0, 2, 2};
   const bool sine[5] = {false, true, false, false, true};
@@ -150,23 +150,15 @@ struct BlockSays {
   }
 }
 
-// Totals of all lanes, by px instead of steps.
-void total(const LaneSums& lanes, double step_px, LineSums& s) {
-  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
-  for (int b = 0; b < kRimSectors; ++b) {
-    s.sectors.score[b] *= per_step;
-    s.sectors.information[b] *= per_step_sq;
-    s.points += s.sectors.points[b];
+// Of all lanes; the sectors' sums and `far` stand there already.
+void total(const LaneSums& lanes, RimShape& all) {
+  for (int m = 0; m < kJacobian; ++m) all.score[m] = total_of(lanes.scores[m]);
+  for (int m = 0; m < kWaves; ++m) {
+    all.information[m] = total_of(lanes.curvatures[m]);
+    all.hessian[m] = total_of(lanes.hessians[m]);
   }
-  s.curvature = products(lanes.curvatures, per_step_sq);
-  s.hessian = products(lanes.hessians, per_step_sq);
-  s.hessian_sum = s.hessian(2, 2);
-  const int order[kJacobian] = {1, 2, 0, 3, 4};
-  for (int m = 0; m < kJacobian; ++m) s.score[m] = per_step * total_of(lanes.scores[order[m]]);
-  for (int k = 0; k < kKinds; ++k) s.kinds[k] = total_of(lanes.kinds[k]);
-  s.scatter = total_of(lanes.scatter);
-  s.lines = total_of(lanes.lines);
-  for (int lane = 0; lane < kLanes; ++lane) s.far = std::max(s.far, lanes.far[lane]);
+  for (int k = 0; k < kKinds; ++k) all.kinds[k] = total_of(lanes.kinds[k]);
+  all.scatter = total_of(lanes.scatter);
 }
 
 }  // namespace
@@ -177,12 +169,33 @@ RimModel::Shift shift_of(const Vector5& delta, double step_px) {
   return shift;
 }
 
+LineSums in_px(const RimShape& all, const SectorSums& sectors, float lines, double step_px) {
+  const float per_step = static_cast<float>(1 / step_px), per_step_sq = per_step * per_step;
+  LineSums s;
+  s.sectors = sectors;
+  for (int b = 0; b < kRimSectors; ++b) {
+    s.sectors.score[b] *= per_step;
+    s.sectors.information[b] *= per_step_sq;
+    s.points += s.sectors.points[b];
+  }
+  s.curvature = products(all.information, per_step_sq);
+  s.hessian = products(all.hessian, per_step_sq);
+  s.hessian_sum = s.hessian(2, 2);
+  const int order[kJacobian] = {1, 2, 0, 3, 4};
+  for (int m = 0; m < kJacobian; ++m) s.score[m] = per_step * all.score[order[m]];
+  std::copy_n(all.kinds, kKinds, s.kinds.begin());
+  s.scatter = all.scatter;
+  s.lines = lines;
+  s.far = all.far;
+  return s;
+}
+
 IMPACTDIC_WIDE LineSums sum_lines(std::span<const RimModel::Evidence> blocks, const Vector5& delta,
                                   double step_px, const KindShares& shares, float stray,
                                   int every) {
   const RimModel::Shift d = shift_of(delta, step_px);
   LaneSums lanes;
-  LineSums sums;
+  SectorSums sectors;
   for (std::size_t block = 0; block < blocks.size(); block += static_cast<std::size_t>(every)) {
     const RimModel::Evidence& e = blocks[block];
     const Lanes c = e.cos, s = e.sin, c2 = c * c - s * s, s2 = 2 * c * s;
@@ -192,10 +205,14 @@ IMPACTDIC_WIDE LineSums sum_lines(std::span<const RimModel::Evidence> blocks, co
     const BlockSays says = ask(e, off, shares, stray, lanes);
     add_waves(says, c, s, c2, s2, lanes);
     add_to_sectors(e.sector, says.score, says.hessian, says.other < 0.5f ? e.present : Lanes{},
-                   sums.sectors);
+                   sectors);
   }
-  total(lanes, step_px, sums);
-  return sums;
+  RimShape all;
+  total(lanes, all);
+  float far = 0;
+  for (int lane = 0; lane < kLanes; ++lane) far = std::max(far, lanes.far[lane]);
+  all.far = far;
+  return in_px(all, sectors, total_of(lanes.lines), step_px);
 }
 
 WidthChange sum_widths(std::span<RimModel::Evidence> blocks,

@@ -7,6 +7,7 @@
 #include "host/circle/rim/rim_lines.h"
 #include "host/circle/rim/rim_model.h"
 #include "host/circle/rim/rim_prior.h"
+#include "kernels/rim/rim.h"
 
 namespace impactdic::circle {
 
@@ -24,6 +25,9 @@ struct LineSums {
   float lines = 0;
   float far = 0;  // of a line from where its evidence is exact, at most; steps of the trace
 };
+
+// By px from sums by steps of the trace: those by waves, and those over sectors.
+LineSums in_px(const RimShape& all, const SectorSums& sectors, float lines, double step_px);
 
 // In steps of the trace.
 RimModel::Shift shift_of(const Vector5& delta, double step_px);

@@ -65,18 +65,8 @@ struct Courses {
   std::memcpy(out.data() + at, &v, sizeof(v));
 }
 
-// A quarter of the rim: lines along v, one every so many u.
-struct Quarter {
-  float a, b, c;       // Conic with u for X and v for Y
-  float u0, v0;        // the first line's u and the pixel from which v is told, from the centre
-  float u_step, side;  // side: the sign of v
-  int turn;            // 0 … 3
-  float least, most;   // v of pixels that have their neighbours
-  int origin, to_u;    // of the first line, and to the next one
-};
-
 // Where the lines of a quarter run, and where they cross the rim: into `lines` from `first` on.
-IMPACTDIC_WIDE void lay(const Quarter& q, float step, Courses& courses, CastLines& lines,
+IMPACTDIC_WIDE void lay(const RimQuarter& q, float step, Courses& courses, CastLines& lines,
                         int first) {
   const float det = q.a * q.c - q.b * q.b, per_c = 1 / q.c;
   const float order = q.u_step > 0 ? 1 : -1;
@@ -201,12 +191,10 @@ struct Axes {
   int width, height;  // of the picture, along u and v
   int to_u, to_v;     // elements from a pixel to the next one along u and v
 
-  template <typename T>
-  Axes(ImageView<const T> picture, const Rim& rim, Along along) : conic(rim) {
-    const int pitch = static_cast<int>(picture.pitch);
+  Axes(const PictureSize& picture, const Rim& rim, Along along) : conic(rim) {
     u0 = rim.cx, v0 = rim.cy;
     width = picture.width, height = picture.height;
-    to_u = 1, to_v = pitch;
+    to_u = 1, to_v = picture.pitch;
     if (along == Along::kColumns) return;
     conic = conic.transposed();
     std::swap(u0, v0);
@@ -215,77 +203,75 @@ struct Axes {
   }
 };
 
+// Lines of quarter `turn`; `side` is the sign of v, `order` that of u from line to line. `cast`
+// gains those outside the picture, too.
+RimQuarter quarter_of(const PictureSize& picture, const Rim& rim, const Casting& how, int turn,
+                      Along along, int side, int order, int& cast) {
+  const Axes at(picture, rim, along);
+  const Conic& conic = at.conic;
+  RimQuarter q = {};
+  // The normal lies along v rather than along u between the points where it does so by 45°.
+  const auto end = [&](int sign) {
+    const double det = conic.a * conic.c - conic.b * conic.b;
+    return (conic.c * sign - conic.b * side) /
+           std::sqrt(det * (conic.a + conic.c - 2 * conic.b * side * sign));
+  };
+  const int low = static_cast<int>(std::ceil(at.u0 + end(-1)));
+  const int high = static_cast<int>(std::floor(at.u0 + end(1)));
+  if (high < low) return q;
+  const int stride =
+      std::max(1, static_cast<int>(std::ceil(4 * std::sqrt(2.0) * rim.r / how.most_lines)));
+  const int all = (high - low) / stride + 1, step = order * stride;
+  cast += all;
+  int start = order > 0 ? low : high, n = all;
+  const auto in = [&](int u) { return u >= 0 && u < at.width; };
+  for (; n > 0 && !in(start); --n) start += step;
+  while (n > 0 && !in(start + (n - 1) * step)) --n;
+  if (n == 0) return q;
+  // v is told from a pixel so far out that it is positive, and small as numbers go.
+  const double reach = rim.r + std::hypot(rim.e1, rim.e2) + 2 * kOutside * how.step_px + 4;
+  const int from = static_cast<int>(std::floor(at.v0 - reach));
+  q.a = static_cast<float>(conic.a);
+  q.b = static_cast<float>(conic.b);
+  q.c = static_cast<float>(conic.c);
+  q.u0 = static_cast<float>(start - at.u0);
+  q.v0 = static_cast<float>(from - at.v0);
+  q.u_step = static_cast<float>(step);
+  q.side = static_cast<float>(side);
+  q.least = kLine.least_v_px - static_cast<float>(from);
+  q.most = static_cast<float>(at.height - from) - kLine.most_v_px;
+  q.turn = turn;
+  q.origin = start * at.to_u + from * at.to_v;
+  q.to_u = step * at.to_u;
+  q.to_v = at.to_v;
+  q.lines = n;
+  return q;
+}
+
 template <typename T>
 class Caster {
  public:
   Caster(ImageView<const T> picture, const Rim& rim, const Casting& how, CastLines& lines)
       : picture_(picture), rim_(rim), sign_(sign_of(how.polarity)), how_(how), lines_(lines) {}
 
-  // The lines of quarter `turn`; `side` is the sign of v, `order` that of u from line to line.
-  void cast(int turn, Along along, int side, int order) {
-    const Axes at(picture_, rim_, along);
-    const Conic& conic = at.conic;
-    const auto [start, n, step] = lines_in_view(at, side, order);
-    if (n == 0) return;
-
-    // v is told from a pixel so far out that it is positive, and small as numbers go.
-    const double reach = rim_.r + std::hypot(rim_.e1, rim_.e2) + 2 * kOutside * how_.step_px + 4;
-    const int from = static_cast<int>(std::floor(at.v0 - reach));
+  void cast(const RimQuarter& q) {
+    if (q.lines == 0) return;
     static thread_local Scratch scratch;  // memory only
     const int first = static_cast<int>(lines_.level.size());
-    scratch.courses.resize(n);
-    lines_.resize(first + n);
-    const Quarter q = {static_cast<float>(conic.a),
-                       static_cast<float>(conic.b),
-                       static_cast<float>(conic.c),
-                       static_cast<float>(start - at.u0),
-                       static_cast<float>(from - at.v0),
-                       static_cast<float>(step),
-                       static_cast<float>(side),
-                       turn,
-                       kLine.least_v_px - static_cast<float>(from),
-                       static_cast<float>(at.height - from) - kLine.most_v_px,
-                       start * at.to_u + from * at.to_v,
-                       step * at.to_u};
+    scratch.courses.resize(q.lines);
+    lines_.resize(first + q.lines);
     lay(q, static_cast<float>(how_.step_px), scratch.courses, lines_, first);
     lines_.resize(first + scratch.courses.n);
     const Lanes inwards = {-3, -2, -1, 0, 1, 2, 3, 3};
     static_assert(kInside == 3 && kOutside == 3);
-    sample(picture_.data, at.to_v, scratch.courses, inwards * static_cast<float>(how_.step_px),
+    sample(picture_.data, q.to_v, scratch.courses, inwards * static_cast<float>(how_.step_px),
            sign_, scratch, lines_.level.data() + first);
-    if (how_.deep_every > 0) deepen(q, first, at.to_v, scratch);
+    if (how_.deep_every > 0) deepen(q, first, scratch);
   }
 
  private:
-  // Lines from u = first on, `step` apart.
-  struct Range {
-    int first, n, step;
-  };
-  Range lines_in_view(const Axes& at, int side, int order) {
-    const Conic& conic = at.conic;
-    // The normal lies along v rather than along u between the points where it does so by 45°.
-    const auto end = [&](int sign) {
-      const double det = conic.a * conic.c - conic.b * conic.b;
-      return (conic.c * sign - conic.b * side) /
-             std::sqrt(det * (conic.a + conic.c - 2 * conic.b * side * sign));
-    };
-    const int low = static_cast<int>(std::ceil(at.u0 + end(-1)));
-    const int high = static_cast<int>(std::floor(at.u0 + end(1)));
-    if (high < low) return {0, 0, 0};
-    const int stride =
-        std::max(1, static_cast<int>(std::ceil(4 * std::sqrt(2.0) * rim_.r / how_.most_lines)));
-    const int all = (high - low) / stride + 1, step = order * stride;
-    lines_.cast += all;
-    int start = order > 0 ? low : high, n = all;
-    const auto in = [&](int u) { return u >= 0 && u < at.width; };
-    for (; n > 0 && !in(start); --n) start += step;
-    while (n > 0 && !in(start + (n - 1) * step)) --n;
-    return {start, n, step};
-  }
-
-  void deepen(const Quarter& q, int first, int to_v, Scratch& scratch) {
-    const float step =
-        std::min(static_cast<float>(how_.step_px), static_cast<float>(rim_.r) / kLine.deep_per_r);
+  void deepen(const RimQuarter& q, int first, Scratch& scratch) {
+    const float step = deep_step_px(rim_, how_);
     const Courses& all = scratch.courses;
     Courses& deep = scratch.deep;
     const auto before = lines_.deep_line.size();
@@ -311,7 +297,7 @@ class Caster {
     }
     deep.n = n;
     lines_.deep_level.resize(before + n);
-    sample(picture_.data, to_v, deep, -step * (static_cast<float>(kInside + 1) + kCount), sign_,
+    sample(picture_.data, q.to_v, deep, -step * (static_cast<float>(kInside + 1) + kCount), sign_,
            scratch, lines_.deep_level.data() + before);
   }
 
@@ -325,13 +311,25 @@ class Caster {
 template <typename T>
 void cast(ImageView<const T> picture, const Rim& rim, const Casting& how, CastLines& lines) {
   Caster<T> caster(picture, rim, how, lines);
-  caster.cast(0, Along::kRows, 1, 1);
-  caster.cast(1, Along::kColumns, 1, -1);
-  caster.cast(2, Along::kRows, -1, -1);
-  caster.cast(3, Along::kColumns, -1, 1);
+  const PictureSize size = {picture.width, picture.height, static_cast<int>(picture.pitch)};
+  for (const RimQuarter& q : quarters_of(size, rim, how, lines.cast)) caster.cast(q);
 }
 
 }  // namespace
+
+float deep_step_px(const Rim& rim, const Casting& how) {
+  return std::min(static_cast<float>(how.step_px), static_cast<float>(rim.r) / kLine.deep_per_r);
+}
+
+std::array<RimQuarter, 4> quarters_of(const PictureSize& picture, const Rim& rim,
+                                      const Casting& how, int& cast) {
+  cast = 0;
+  const auto quarter = [&](int turn, Along along, int side, int order) {
+    return quarter_of(picture, rim, how, turn, along, side, order, cast);
+  };
+  return {quarter(0, Along::kRows, 1, 1), quarter(1, Along::kColumns, 1, -1),
+          quarter(2, Along::kRows, -1, -1), quarter(3, Along::kColumns, -1, 1)};
+}
 
 void CastLines::resize(int lines) {
   const auto blocks = static_cast<std::size_t>(lines) + kLanes - 1;
@@ -342,7 +340,6 @@ void CastLines::resize(int lines) {
 }
 
 void cast_lines(const Frame& frame, const Rim& rim, const Casting& how, CastLines& lines) {
-  lines.cast = 0;
   lines.resize(0);
   lines.deep_line.clear();
   lines.deep_x.clear();

@@ -2,9 +2,11 @@
 // contrast of them.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "host/circle/rim/rim_lines.h"
+#include "kernels/rim/rim.h"
 
 namespace impactdic::circle {
 
@@ -37,6 +39,16 @@ struct Casting {
   int most_lines;
   int deep_every;  // lines from one that reaches deep to the next; 0: none does
 };
+struct PictureSize {
+  int width, height;
+  int pitch;  // elements from a row to the next one
+};
+// The lines of a rim, a quarter after the other. `cast` gets how many there are, in the picture or
+// not; a quarter holds those that begin in it.
+std::array<RimQuarter, 4> quarters_of(const PictureSize& picture, const Rim& rim,
+                                      const Casting& how, int& cast);
+// From a deep sample to the next one.
+float deep_step_px(const Rim& rim, const Casting& how);
 // `lines` keeps its memory from call to call.
 void cast_lines(const Frame& frame, const Rim& rim, const Casting& how, CastLines& lines);
 

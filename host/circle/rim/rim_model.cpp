@@ -10,6 +10,7 @@
 
 #include "host/circle/rim/blurred_edge.h"
 #include "host/circle/settings/rim_model.h"
+#include "kernels/rim/rim.h"
 
 namespace impactdic::circle {
 
@@ -87,6 +88,27 @@ std::vector<double> RimModel::numbers() const {
     numbers.insert(numbers.end(), terms.begin(), terms.end());
     numbers.insert(numbers.end(),
                    {light_->shown(), light_sd_px_, surface_ == Surface::kOutline ? 1.0 : 0.0});
+  }
+  return numbers;
+}
+
+std::vector<float> RimModel::device_numbers() const {
+  static_assert(kSamples == RIM_SAMPLES && kInside == RIM_INSIDE && kKinds == RIM_KINDS);
+  static_assert(kReach == RIM_MODEL_REACH && kNumbers == RIM_FORMS);
+  static_assert(sizeof(Quadratic) == RIM_FORM * sizeof(float));
+  reach(kReach);
+  std::vector<float> numbers(RIM_MODEL_HEAD);
+  numbers.reserve(RIM_MODEL);
+  numbers[0] = log_stray_;
+  for (int k = 0; k < kKinds; ++k) {
+    numbers[RIM_KINDS + k] = static_cast<float>(texture_.kinds[k].share);
+  }
+  for (const Table& table : tables_) {
+    for (const Quadratic* form : {&table.value, &table.slope}) {
+      numbers.insert(numbers.end(), &form->number[0][0], &form->number[0][0] + kNumbers * kKinds);
+      numbers.insert(numbers.end(), std::begin(form->offset), std::end(form->offset));
+    }
+    numbers.insert(numbers.end(), std::begin(table.information), std::end(table.information));
   }
   return numbers;
 }

@@ -32,6 +32,8 @@ class RimModel {
   // From and to plain numbers, bit for bit. Throws InvalidArgument for another count of them.
   explicit RimModel(const std::vector<double>& numbers);
   std::vector<double> numbers() const;
+  // The tables as kernels/rim/rim.h lays them out: RIM_MODEL numbers.
+  std::vector<float> device_numbers() const;
 
   double edge_sigma_px() const { return edge_sigma_px_; }
   double step_px() const { return step_px_; }
