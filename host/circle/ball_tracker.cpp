@@ -35,14 +35,14 @@ bool is_grown(const CircleFit& fit, const CirclePrior& prior) {
   return fit.circle.r_px - kTracking.growth_sds * fit.r_sd_px > most_px;
 }
 
-// On the line between two measured frames, the second `off_px` from where it was predicted.
-CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const CircleFit& b,
-                          std::int64_t index_b, double off_px, std::int64_t index) {
-  const double steps = static_cast<double>(index_b - index_a);
-  const double t = static_cast<double>(index - index_a) / steps;
+// Between two measured frames, on the parabola that a steady force makes of the way.
+CirclePrior prior_between(const BallTracker::Plan::Left& left, std::int64_t index) {
+  const CircleFit &a = left.from.fit, &b = left.to.fit;
+  const double steps = static_cast<double>(left.to.index - left.from.index);
+  const double t = static_cast<double>(index - left.from.index) / steps, bend = t * (1 - t);
   CirclePrior prior;
-  prior.predicted = {std::lerp(a.circle.cx_px, b.circle.cx_px, t),
-                     std::lerp(a.circle.cy_px, b.circle.cy_px, t),
+  prior.predicted = {std::lerp(a.circle.cx_px, b.circle.cx_px, t) - bend * left.bend_x_px,
+                     std::lerp(a.circle.cy_px, b.circle.cy_px, t) - bend * left.bend_y_px,
                      std::lerp(a.circle.r_px, b.circle.r_px, t)};
   prior.e1_px = std::lerp(a.e1_px, b.e1_px, t);
   prior.e2_px = std::lerp(a.e2_px, b.e2_px, t);
@@ -52,7 +52,7 @@ CirclePrior prior_between(const CircleFit& a, std::int64_t index_a, const Circle
   prior.rim_fraction = std::min(a.rim_fraction, b.rim_fraction);
   prior.learn = false;
   prior.unlearnt = !b.rim_model;
-  prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * off_px);
+  prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * left.off_px);
   prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * prior.predicted.r_px);
   return prior;
 }
@@ -318,13 +318,19 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
   // One that the rim model of the frames before does not show may be another thing that lies there.
   const bool unlike = is_flat(prior.rim_model.get()) && !fit.rim_model;
   if (!plausible(fit, prior.radius_px) || is_grown(fit, prior) || unlike) return false;
-  const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
-                                   fit.circle.cy_px - prior.predicted.cy_px);
+  const double off_x_px = fit.circle.cx_px - prior.predicted.cx_px;
+  const double off_y_px = fit.circle.cy_px - prior.predicted.cy_px;
+  const double off_px = std::hypot(off_x_px, off_y_px);
   if (off_px > kTracking.straight_px) return false;
   fits[end - 1] = fit;
   const Seen ahead{index, with_last_model(fit)};
+  const Seen& last = memory_.seen.back();
+  // A steady force moves the ball by as much again as the steps before are long.
+  const double steps = static_cast<double>(index - last.index);
+  const double all = static_cast<double>(index - memory_.seen[memory_.seen.size() - 2].index);
+  const double of_off = steps / all;
   for (std::size_t i = begin; i + 1 < end; ++i) {
-    plan.left.push_back({i, memory_.seen.back(), ahead, off_px});
+    plan.left.push_back({i, last, ahead, off_px, of_off * off_x_px, of_off * off_y_px});
   }
   remember(fit, index);
   return true;
@@ -335,8 +341,7 @@ std::vector<CirclePrior> BallTracker::expected(const Plan& plan) const {
   priors.reserve(plan.left.size());
   for (const Plan::Left& left : plan.left) {
     const std::int64_t index = plan.first_index + static_cast<std::int64_t>(left.frame);
-    CirclePrior& prior = priors.emplace_back(prior_between(
-        left.from.fit, left.from.index, left.to.fit, left.to.index, left.off_px, index));
+    CirclePrior& prior = priors.emplace_back(prior_between(left, index));
     prior.radius_px = plan.radius.px;
     prior.radius_sd_px = plan.radius.sd_px;
     prior.radius_bias_sd_px = plan.radius.bias_sd_px;

@@ -151,6 +151,7 @@ struct BallTracker::Plan {
     std::size_t frame;  // of the batch
     Seen from, to;      // the measured frames before and behind
     double off_px;      // of the latter from where it was predicted
+    double bend_x_px, bend_y_px;  // of the way between them: four times its arrow
   };
   std::int64_t first_index = 0;
   Radius radius;

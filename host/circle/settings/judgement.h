@@ -100,8 +100,9 @@ struct TrackingSettings {
   double falls_px = 4, falls_of_r = 0.5;
   double rim_px = 0.3, rim_of_r = 0.005;  // of the shape [hand]
   double back_sds = 3;  // scatters from where the frames after it put a first frame's ball [hand]
-  double between_px = 0.05, between_of_off = 0.125;  // on the line between two frames; the share
-                                                     // is that of a parabola's middle over its end
+  // On the parabola between two frames; the share of how far the second one is from its prediction
+  // is half of the parabola's arrow.
+  double between_px = 0.05, between_of_off = 0.0625;
   // Before the whole picture is searched: px, over what was predicted; then as a share of the
   // radius, for in slow film gravity changes a step by a third of it [hand].
   double lost_px = 3, lost_factor = 3, lost_of_r = 0.15;
@@ -120,8 +121,7 @@ struct TrackingSettings {
   double most_growth = 1.06, growth_sds = 2;  // [hand]
   // Frames left behind one that is measured ahead; fewer where that does not lie as predicted.
   std::size_t run = 16, shortest_run = 4;  // [hand]
-  // From the prediction, px; the frames between then lie within an eighth of it from the line, if
-  // what bends it is steady.
+  // From the prediction, px; the frames between then lie within an eighth of it from a line.
   double straight_px = 2.5;  // [hand]
   std::int64_t learn_every =
       256;  // frames from one vain attempt to learn the rim to the next [hand]
