@@ -125,6 +125,28 @@ std::pair<double, double> BallTracker::fall() const {
   return {x, y};
 }
 
+// Some frames ahead, where the last three that were measured show a steady force, as gravity.
+CirclePrior BallTracker::prior_steady(std::int64_t index) const {
+  CirclePrior prior = prior_ahead(index);
+  if (memory_.seen.size() < 3) return prior;
+  const Seen &a = memory_.seen[0], &b = memory_.seen[1], &c = memory_.seen[2];
+  const auto first = static_cast<double>(b.index - a.index);
+  const auto second = static_cast<double>(c.index - b.index);
+  const auto ahead = static_cast<double>(index - c.index);
+  // The second difference over half of the time that it is of: the change of the velocity a frame.
+  const auto bend = [&](double at_a, double at_b, double at_c) {
+    return ((at_c - at_b) / second - (at_b - at_a) / first) / (0.5 * (first + second));
+  };
+  const double x = bend(a.fit.circle.cx_px, b.fit.circle.cx_px, c.fit.circle.cx_px);
+  const double y = bend(a.fit.circle.cy_px, b.fit.circle.cy_px, c.fit.circle.cy_px);
+  const double frames = 0.5 * ahead * (ahead + second);
+  if (!(std::hypot(x, y) * frames < kTracking.straight_px)) return prior;
+  prior.predicted.cx_px += x * frames;
+  prior.predicted.cy_px += y * frames;
+  prior.centre_sd_px = std::min(prior.centre_sd_px, kTracking.steady_bend_px);
+  return prior;
+}
+
 void BallTracker::learn_bias() {
   if (memory_.rim_bias || !options_.radius_by_turns || memory_.seen.empty()) return;
   if (memory_.radii_px.size() < kTracking.least_radii) return;
@@ -313,25 +335,27 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
                                 std::span<CircleFit> fits, Plan& plan) {
   if (memory_.seen.size() < 2 || memory_.radii_px.size() < kTracking.least_radii) return false;
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
-  const CirclePrior prior = prior_ahead(index);
+  const CirclePrior prior = prior_steady(index);
   const CircleFit fit = measure(frames[end - 1], prior);
   // One that the rim model of the frames before does not show may be another thing that lies there.
   const bool unlike = is_flat(prior.rim_model.get()) && !fit.rim_model;
   if (!plausible(fit, prior.radius_px) || is_grown(fit, prior) || unlike) return false;
-  const double off_x_px = fit.circle.cx_px - prior.predicted.cx_px;
-  const double off_y_px = fit.circle.cy_px - prior.predicted.cy_px;
-  const double off_px = std::hypot(off_x_px, off_y_px);
+  const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
+                                   fit.circle.cy_px - prior.predicted.cy_px);
   if (off_px > kTracking.straight_px) return false;
   fits[end - 1] = fit;
   const Seen ahead{index, with_last_model(fit)};
-  const Seen& last = memory_.seen.back();
-  // A steady force moves the ball by as much again as the steps before are long.
-  const double steps = static_cast<double>(index - last.index);
-  const double all = static_cast<double>(index - memory_.seen[memory_.seen.size() - 2].index);
-  const double of_off = steps / all;
-  for (std::size_t i = begin; i + 1 < end; ++i) {
-    plan.left.push_back({i, last, ahead, off_px, of_off * off_x_px, of_off * off_y_px});
-  }
+  const Seen &last = memory_.seen.back(), &before = memory_.seen[memory_.seen.size() - 2];
+  // By a steady force, which has bent the way since `before`.
+  const auto steps = static_cast<double>(index - last.index);
+  const auto first = static_cast<double>(last.index - before.index);
+  const auto bend = [&](double at_before, double at_last, double at_ahead) {
+    const double off = at_ahead - at_last - (at_last - at_before) * steps / first;
+    return off * steps / (steps + first);
+  };
+  const Circle &a = before.fit.circle, &b = last.fit.circle, &c = fit.circle;
+  const double x = bend(a.cx_px, b.cx_px, c.cx_px), y = bend(a.cy_px, b.cy_px, c.cy_px);
+  for (std::size_t i = begin; i + 1 < end; ++i) plan.left.push_back({i, last, ahead, off_px, x, y});
   remember(fit, index);
   return true;
 }

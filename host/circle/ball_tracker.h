@@ -104,6 +104,7 @@ class BallTracker {
   };
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
+  CirclePrior prior_steady(std::int64_t index) const;
   std::pair<double, double> fall() const;
   // Of frame number `index`, which no memory of others has a part in. `was_lost`: the ball was not
   // seen just before it. `followed`: its circle from the prior, where a device has told it.

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "host/circle/device/rim_follower.h"
 #include "host/dic/window_correlator.h"
 #include "host/motion/estimators.h"
 #include "host/motion/pose/turned_centres.h"
@@ -24,6 +25,9 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
   const bool looks = is_ball && (any_body || options.sphere);
   std::vector<opencl::ProgramRequest> all;
   if (looks) all.push_back(ball(kSphere, false));
+  if (engine.device().is_gpu && !options.sphere) {  // of discs
+    all.push_back(circle::RimFollower::program({}, type));
+  }
   const auto windows = dic::WindowCorrelator::programs(engine, options.field, type);
   all.insert(all.end(), windows.begin(), windows.end());
   if (is_ball) {

@@ -94,6 +94,7 @@ struct TrackingSettings {
   double radius_sd_of_r = 2e-4;  // the ball's distance from the camera may change a little [hand]
   // Scatter of a prediction: px, and of the velocity (an impact apart).
   double steady_px = 0.3, steady_of_step = 0.05;  // from two frames [hand]
+  double steady_bend_px = 0.1;                    // from three that a steady force bends [hand]
   double first_px = 3, first_of_r = 0.05;         // from one [hand]
   // Steps that differ by so much, px, and at most so much of the radius, are those of a ball that
   // falls in slow film: the next step differs by as much [hand]. An impact's differ by more.
