@@ -149,9 +149,9 @@ class BallTracker {
 
 struct BallTracker::Plan {
   struct Left {
-    std::size_t frame;  // of the batch
-    Seen from, to;      // the measured frames before and behind
-    double off_px;      // of the latter from where it was predicted
+    std::size_t frame;            // of the batch
+    Seen from, to;                // the measured frames before and behind
+    double off_px;                // of the latter from where it was predicted
     double bend_x_px, bend_y_px;  // of the way between them: four times its arrow
   };
   std::int64_t first_index = 0;

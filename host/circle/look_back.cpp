@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/circle/ball_tracker.h"
+#include "host/circle/judge_circle.h"
 #include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
@@ -25,11 +26,6 @@ CirclePrior prior_behind(const CircleFit& next, const CircleFit& after) {
   return prior;
 }
 
-bool is_plausible(const CircleFit& fit, double radius_px) {
-  return fit.status == CircleStatus::kOk &&
-         std::abs(fit.circle.r_px - radius_px) < kTracking.radius_tolerance * radius_px;
-}
-
 }  // namespace
 
 void BallTracker::look_back(std::span<const Frame> frames, std::int64_t first_index,
@@ -38,7 +34,7 @@ void BallTracker::look_back(std::span<const Frame> frames, std::int64_t first_in
   const Radius known = radius();
   if (!known.px || end - found < kTracking.least_radii + 1) return;
   for (std::size_t k = 1; k < kTracking.least_radii + 1; ++k) {
-    if (!is_plausible(fits[found + k], *known.px)) return;
+    if (!is_plausible(fits[found + k], known.px)) return;
   }
   for (std::size_t i = found + 2; i-- > begin;) {
     CirclePrior prior = prior_behind(fits[i + 1], fits[i + 2]);
@@ -49,7 +45,7 @@ void BallTracker::look_back(std::span<const Frame> frames, std::int64_t first_in
     const CircleFit fit = measure(frames[i], prior);
     const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
                                      fit.circle.cy_px - prior.predicted.cy_px);
-    const bool foretold = is_plausible(fit, *known.px) &&
+    const bool foretold = is_plausible(fit, known.px) &&
                           off_px < kTracking.back_sds * prior.centre_sd_px &&
                           fit.rim_fraction > kJudge.followed_rim * fits[i].rim_fraction;
     const std::int64_t index = first_index + static_cast<std::int64_t>(i);

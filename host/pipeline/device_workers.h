@@ -49,6 +49,9 @@ class DeviceWorkers {
 
   std::span<const Window> grid() const;
   double radius_px() const { return radius_px_; }
+  // Whether all of them follow such circles: GPUs do, and others where that is `wanted`.
+  static bool follow_circles(std::span<opencl::Engine* const> engines,
+                             const circle::CircleOptions& options, std::optional<bool> wanted);
   // Workers that `engines` will get: as many batches are measured at once.
   static int count(std::span<opencl::Engine* const> engines);
 

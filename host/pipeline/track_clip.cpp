@@ -9,7 +9,6 @@
 
 #include "host/base/parallel/parallel_for.h"
 #include "host/base/parallel/pipeline.h"
-#include "host/circle/device/rim_follower.h"
 #include "host/circle/scout_ball.h"
 #include "host/circle/sphere/disc_doubt.h"
 #include "host/opencl/engine.h"
@@ -20,6 +19,7 @@
 #include "host/pipeline/rows/settle_centres.h"
 #include "host/pipeline/run_size.h"
 #include "host/pipeline/track_batch.h"
+#include "host/pipeline/track_round.h"
 
 namespace impactdic::pipeline {
 namespace {
@@ -28,22 +28,6 @@ namespace {
 constexpr int kBatchesAhead = 8;
 
 using Batch = std::shared_ptr<TrackBatch>;
-
-Frame read_frame(FrameSource& source, const TrackOptions& options, std::int64_t index) {
-  Frame whole, frame;
-  source.read(options.frames.at(index), whole);
-  crop(whole, options.roi, frame);
-  return frame;
-}
-
-// Whether the devices follow circles.
-bool follow_on(std::span<opencl::Engine* const> engines, const TrackOptions& options) {
-  return std::all_of(engines.begin(), engines.end(), [&](const opencl::Engine* engine) {
-    const opencl::Device& device = engine->device();
-    return options.circles_on_device.value_or(device.is_gpu) &&
-           circle::RimFollower::serves(device, options.ball.circle);
-  });
-}
 
 // The stages behind the reader; but for `complete` each runs on one thread at a time, in the order
 // of the frames.
@@ -60,7 +44,8 @@ class ClipTracker {
         sink_(sink),
         progress_(progress),
         tracker_(options.ball),
-        on_device_(options.with_field && follow_on(engines, options)) {
+        on_device_(options.with_field && DeviceWorkers::follow_circles(engines, options.ball.circle,
+                                                                       options.circles_on_device)) {
     if (options.from) go_on(*options.from);
     if (options.times == nullptr) return;
     const int workers = options.with_field ? DeviceWorkers::count(engines) : 1;
@@ -191,7 +176,7 @@ class ClipTracker {
     has_ball_ = from.grid_radius_px.has_value();
     last_frames_ = std::make_shared<FrameBatch>();
     last_frames_->first_index = from.next_row;
-    last_frames_->frames.push_back(read_frame(source_, options_, from.next_row));
+    last_frames_->frames.push_back(read_cut(source_, options_.frames, options_.roi, from.next_row));
     note_repeats(*last_frames_);
   }
 
@@ -277,8 +262,9 @@ class ClipTracker {
         std::make_unique<DeviceWorkers>(engines_, options_.estimator, clip, ahead, circle_work(),
                                         options_.cancelled, options_.times, worker_stages_);
     if (point_.keyframes) {
-      workers_->restore(*point_.keyframes,
-                        [&](std::int64_t index) { return read_frame(source_, options_, index); });
+      workers_->restore(*point_.keyframes, [&](std::int64_t index) {
+        return read_cut(source_, options_.frames, options_.roi, index);
+      });
     }
     grid_is_new_ = true;
   }
@@ -300,20 +286,16 @@ class ClipTracker {
     }
   }
 
-  // With what its circles state.
-  void state_motion(TrackBatch& batch, std::size_t i) const {
-    TrackRow& row = batch.rows[i];
-    set_motion(row, batch.pairs[i].motion, batch.pairs[i].stretch, options_.estimator.sphere_light);
-    if (is_doubted()) doubt_motion(row, batch.rows[i + 1]);
-  }
   bool is_doubted() const { return options_.tilt_is_unknown && !options_.estimator.sphere; }
+  const BallLight& light() const { return options_.estimator.sphere_light; }
 
   // By what circles and motions say of each other, and with them what motions state.
   void state_centres(TrackBatch& batch) const {
     // A motion that states no more than circles do tells nothing of them.
     const std::vector<bool> changed = settle_centres(batch.rows, batch.pairs, !is_doubted());
     for (std::size_t i = 0; i + 1 < changed.size(); ++i) {
-      if (changed[i] && is_measured(batch, i)) state_motion(batch, i);
+      if (!changed[i] || !is_measured(batch, i)) continue;
+      state_motion(batch.rows[i], batch.rows[i + 1], batch.pairs[i], light(), is_doubted());
     }
   }
 
@@ -324,21 +306,7 @@ class ClipTracker {
       if (options_.with_field && row.circle_ok) row.status = TrackStatus::kNoBall;
       return;
     }
-    motion::PairMotion& pair = batch.pairs[i];
-    // Of a ball that may be a sphere, few edges and no window look like the motion of a disc, too.
-    if (is_doubted() && pair.motion.used == 0 && pair.motion.ok) {
-      pair.motion.ok = false;
-      pair.status = TrackStatus::kNoTexture;
-    }
-    state_motion(batch, i);
-    if (row.status == TrackStatus::kOk) row.status = pair.status;
-    compare_with_circles(row, batch.rows[i + 1]);
-    if (pair.centre.ok) {
-      row.centre_u_px = pair.centre.u_px;
-      row.centre_v_px = pair.centre.v_px;
-      row.centre_u_sd_px = pair.centre.u_sd_px;
-      row.centre_v_sd_px = pair.centre.v_sd_px;
-    }
+    set_pair(row, batch.rows[i + 1], batch.pairs[i], light(), is_doubted());
   }
 
   void emit(TrackBatch& batch, std::size_t i, const motion::PairMotion* pair) {

@@ -134,7 +134,7 @@ void run_rim() {
   scene.noise_sigma = 2;
   const sim::speckle::BallRenderer renderer(sim::speckle::paint_ball("c2", 7, 40), scene);
   Frame frame;
-  renderer.render({55.6, 56.2, 0}, 0, frame);
+  renderer.render(BallPose{55.6, 56.2, 0}, 0, frame);
   circle::CirclePrior prior;
   prior.predicted = {55.6, 56.2, 40};
   prior.centre_sd_px = 0.05;

@@ -66,8 +66,9 @@ std::string bits(const pipeline::TrackedFrame& frame) {
 
 Outcome run(FrameSource& clip, Estimator estimator, int batch,
             const std::optional<pipeline::ResumePoint>& from, int poses_ahead = 0,
-            const std::vector<BallByHand>& by_hand = {}) {
+            const std::vector<BallByHand>& by_hand = {}, bool circles_on_device = false) {
   pipeline::TrackOptions options;
+  options.circles_on_device = circles_on_device;
   options.poses_ahead = poses_ahead;
   options.estimator.estimator = estimator;
   options.frames = {0, clip.info().frame_count, 1};
@@ -126,6 +127,24 @@ TEST(Resume, GoesOnToTheSameBitsWherePosesAreRegisteredAhead) {
       run(clip, Estimator::kBall, 5, report::read_resume_point(folder / "resume.json"), 2);
   for (std::size_t i = 19; i < whole.rows.size(); ++i) {
     ASSERT_EQ(rest.rows.at(i - 19), whole.rows[i]) << "row " << i;
+  }
+}
+
+TEST(Resume, GoesOnToTheSameBitsWhereTheDeviceFollowsCircles) {
+  const ScratchFolder folder;
+  MemoryClip clip = eventful_clip();
+  const auto from = [&](const std::optional<pipeline::ResumePoint>& point) {
+    return run(clip, Estimator::kBall, 10, point, 0, {}, true);
+  };
+  const Outcome whole = from(std::nullopt);
+  EXPECT_NE(whole.rows, run(clip, Estimator::kBall, 10, std::nullopt).rows);  // it has had a part
+  for (const pipeline::ResumePoint& point : whole.points) {
+    report::write_resume_point(folder / "resume.json", point);
+    const Outcome rest = from(report::read_resume_point(folder / "resume.json"));
+    const auto first = static_cast<std::size_t>(point.next_row);
+    for (std::size_t i = first; i < whole.rows.size(); ++i) {
+      ASSERT_EQ(rest.rows.at(i - first), whole.rows[i]) << "row " << i << " from row " << first;
+    }
   }
 }
 

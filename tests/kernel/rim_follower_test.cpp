@@ -82,8 +82,8 @@ Both follow(const Shot& shot, double radius_px, const circle::CircleOptions& opt
   return both;
 }
 
-// Sums in another order, exponentials that are exact: hundredths of a deviation. How many frames the
-// device has told.
+// Sums in another order, exponentials that are exact: hundredths of a deviation. How many frames
+// the device has told.
 int expect_alike(const Both& both, const std::string& what) {
   int told = 0;
   for (std::size_t k = 0; k < both.device.size(); ++k) {
@@ -138,8 +138,6 @@ TEST(RimFollower, FollowsEveryPatternAsTheHostDoes) {
 TEST(RimFollower, FollowsInOtherLightAsTheHostDoes) {
   SynthScene deep = usual_scene();
   deep.bits = 12;
-  deep.white = 3000, deep.ink = 600, deep.background = 400;
-  deep.noise_sigma = 20;
   SynthScene lit = usual_scene();
   lit.background = 90;
   lit.shading = 0.3;

@@ -20,7 +20,7 @@ namespace impactdic::circle {
 namespace {
 
 constexpr int kGroup = 128;
-constexpr int kRoomRows = 45;       // ROOM_ROWS of follow.cl
+constexpr int kRoomRows = 45;  // ROOM_ROWS of follow.cl
 // Of local memory there.
 constexpr std::size_t kBytesOfLine = 11, kBytesOfDeepLine = 42, kOtherBytes = 10240;
 
@@ -169,8 +169,7 @@ bool RimFollower::takes(const CirclePrior& prior) {
   if (!prior.rim_model || !prior.bright || !prior.rim_sd_px) return false;
   const RimModel& model = *prior.rim_model;
   const double oval = std::hypot(prior.e1_px, prior.e2_px);
-  return model.surface() == Surface::kFlat &&
-         oval < kJudge.followed_oval * prior.predicted.r_px &&
+  return model.surface() == Surface::kFlat && oval < kJudge.followed_oval * prior.predicted.r_px &&
          std::hypot(prior.centre_sd_px, *prior.rim_sd_px) < kJudge.close_steps * model.step_px() &&
          prior.centre_sd_px < kJudge.near_steps * model.step_px();
 }
@@ -189,8 +188,8 @@ std::optional<RimTask> RimFollower::task_of(const dic::DeviceFrames& frames,
     return std::nullopt;
   }
   RimTask task = {};
-  const auto quarters = quarters_of({frames.width(), frames.height(), frames.width()}, at, how,
-                                    task.cast);
+  const auto quarters =
+      quarters_of({frames.width(), frames.height(), frames.width()}, at, how, task.cast);
   std::copy(quarters.begin(), quarters.end(), task.quarter);
   int lines = 0;
   for (const RimQuarter& quarter : quarters) lines += quarter.lines;
@@ -208,8 +207,7 @@ std::optional<RimTask> RimFollower::task_of(const dic::DeviceFrames& frames,
   if (prior.radius_px && prior.radius_sd_px) {
     const double shrink_px = model.edge_sigma_px() * model.edge_sigma_px() / (2 * at.r);
     task.radius_off = static_cast<float>(*prior.radius_px - shrink_px - at.r);
-    task.radius_sd =
-        static_cast<float>(std::max(*prior.radius_sd_px, kPrior.least_radius_sd_px));
+    task.radius_sd = static_cast<float>(std::max(*prior.radius_sd_px, kPrior.least_radius_sd_px));
   }
   if (prior.compression_axis_rad) {
     task.axis1 = static_cast<float>(-std::cos(2 * *prior.compression_axis_rad));

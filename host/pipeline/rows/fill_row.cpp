@@ -5,6 +5,7 @@
 
 #include "host/dic/sphere/sphere_errors.h"
 #include "host/motion/unseen_tilt.h"
+#include "host/pipeline/rows/compare_rows.h"
 
 namespace impactdic::pipeline {
 
@@ -92,6 +93,29 @@ void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Str
   };
   row.dx_sd_px = with_centre(row.dx_sd_px, by.xx - 1, by.xy);
   row.dy_sd_px = with_centre(row.dy_sd_px, by.yx, by.yy - 1);
+}
+
+void state_motion(TrackRow& row, const TrackRow& next, const motion::PairMotion& pair,
+                  const BallLight& light, bool doubted) {
+  set_motion(row, pair.motion, pair.stretch, light);
+  if (doubted) doubt_motion(row, next);
+}
+
+void set_pair(TrackRow& row, const TrackRow& next, motion::PairMotion& pair, const BallLight& light,
+              bool doubted) {
+  // Of a ball that may be a sphere, few edges and no window look like the motion of a disc, too.
+  if (doubted && pair.motion.used == 0 && pair.motion.ok) {
+    pair.motion.ok = false;
+    pair.status = TrackStatus::kNoTexture;
+  }
+  state_motion(row, next, pair, light, doubted);
+  if (row.status == TrackStatus::kOk) row.status = pair.status;
+  compare_with_circles(row, next);
+  if (!pair.centre.ok) return;
+  row.centre_u_px = pair.centre.u_px;
+  row.centre_v_px = pair.centre.v_px;
+  row.centre_u_sd_px = pair.centre.u_sd_px;
+  row.centre_v_sd_px = pair.centre.v_sd_px;
 }
 
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion) {

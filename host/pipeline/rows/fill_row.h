@@ -7,6 +7,7 @@
 #include "host/clip/track_row.h"
 #include "host/dic/rigid_fit.h"
 #include "host/motion/ball_shape.h"
+#include "host/motion/motion_estimator.h"
 
 namespace impactdic::pipeline {
 
@@ -20,6 +21,13 @@ void set_circle(TrackRow& row, const circle::CircleFit& fit);
 // where it is known.
 void set_motion(TrackRow& row, const dic::RigidMotion& motion, const motion::Stretch& stretch,
                 const BallLight& light = {});
+// The same of a pair, and with what the circles of both frames state of it where it is `doubted`:
+// it may be a turn out of the picture's plane.
+void state_motion(TrackRow& row, const TrackRow& next, const motion::PairMotion& pair,
+                  const BallLight& light, bool doubted);
+// All that a measured pair tells, held against its circles.
+void set_pair(TrackRow& row, const TrackRow& next, motion::PairMotion& pair, const BallLight& light,
+              bool doubted);
 // The turn of a body that is no sphere, and the way from one of its outlines to the next.
 void set_round_motion(TrackRow& row, const dic::RigidMotion& motion);
 // Where there is no frame to move to.

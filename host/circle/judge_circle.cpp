@@ -1,10 +1,11 @@
-#include "host/circle/rim_in_view.h"
+#include "host/circle/judge_circle.h"
 
 #include <impactdic/units.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "host/circle/rim/rim_model.h"
 #include "host/circle/settings/judgement.h"
 
 namespace impactdic::circle {
@@ -30,6 +31,20 @@ double rim_in_view(const CircleFit& fit, const Frame& frame) {
 
 bool is_round(const CircleFit& fit) {
   return std::hypot(fit.e1_px, fit.e2_px) <= kTracking.found_oval * fit.circle.r_px;
+}
+
+bool is_flat(const RimModel* model) { return model && model->surface() == Surface::kFlat; }
+
+bool is_plausible(const CircleFit& fit, const std::optional<double>& radius_px) {
+  return fit.status == CircleStatus::kOk &&
+         (!radius_px ||
+          std::abs(fit.circle.r_px - *radius_px) < kTracking.radius_tolerance * *radius_px);
+}
+
+bool is_grown(const CircleFit& fit, const CirclePrior& prior) {
+  const double last_px = prior.predicted.r_px + std::hypot(prior.e1_px, prior.e2_px);
+  const double most_px = kTracking.most_growth * std::max(last_px, prior.radius_px.value_or(0));
+  return fit.circle.r_px - kTracking.growth_sds * fit.r_sd_px > most_px;
 }
 
 bool stands_out(const CircleFit& fit, const Frame& frame, const std::optional<double>& radius_px) {
