@@ -80,12 +80,14 @@ BARRIER_INLINE int cast_lines(__global const PIXEL* picture, const RimTask* task
       COS(lines)[line] = c;
       SIN(lines)[line] = s;
       TURN(lines)[line] = turn;
+#pragma unroll 1
       for (int m = 0; m < RIM_SAMPLES; ++m) {
         const float excess = (float)(m - RIM_INSIDE) * task->step;
         LEVEL(lines, m)[line] = task->sign * sample_course(picture, course, excess);
       }
       if (i % n->deep_every != 0) continue;
       const int at = first_deep + i / n->deep_every;
+#pragma unroll 1
       for (int m = 0; m < RIM_DEEP; ++m) {
         const float excess = -task->deep_step * (float)(RIM_INSIDE + 1 + m);
         deep[at * RIM_DEEP + m] = task->sign * sample_course(picture, course, excess);

@@ -32,6 +32,7 @@ typedef struct Known {
 BARRIER_INLINE void add_known(Known* known, const float* direction, const float value,
                              const float sd) {
   const float weight = 1.0f / (sd * sd);
+#pragma unroll 1
   for (int i = 0; i < 5; ++i) {
     for (int j = 0; j < 5; ++j) known->precision[i][j] += weight * direction[i] * direction[j];
     known->pull[i] += weight * value * direction[i];
@@ -40,6 +41,7 @@ BARRIER_INLINE void add_known(Known* known, const float* direction, const float 
 
 BARRIER_INLINE void know(const RimTask* task, __constant const RimNumbers* n,
                         __local const float* delta, const int ellipse, Known* known) {
+#pragma unroll 1
   for (int i = 0; i < 5; ++i) {
     for (int j = 0; j < 5; ++j) known->precision[i][j] = 0.0f;
     known->pull[i] = 0.0f;
@@ -104,6 +106,7 @@ BARRIER_INLINE int solve_step(const RimTask* task, __constant const RimNumbers* 
   __local const float* curvature = sums->of + 5;
   __local const float* hessian = sums->of + 5 + RIM_WAVES;
   const float per_sq = per_px * per_px / wider;
+#pragma unroll 1
   for (int i = 0; i < 5; ++i) {
     gradient[i] = per_px * sums->of[row_of[i]] / wider + known.pull[i];
     for (int j = 0; j < 5; ++j) {
@@ -113,25 +116,20 @@ BARRIER_INLINE int solve_step(const RimTask* task, __constant const RimNumbers* 
       gradient[i] -= known.precision[i][j] * climb->delta[j];
     }
   }
-  int regular;
-  if (ellipse) {
-    for (int i = 0; i < 5; ++i) {
-      climb->right[i] = gradient[i];
-      for (int j = 0; j <= i; ++j) climb->curvature[TRIANGLE(i, j)] = full[i][j];
+  // A circle's e1 and e2 are where they must be.
+  const float pinned[2] = {-task->e1 - climb->delta[3], -task->e2 - climb->delta[4]};
+#pragma unroll 1
+  for (int i = 0; i < 5; ++i) {
+    const int is_pinned = !ellipse && i > 2;
+    float right = is_pinned ? pinned[i - 3] : gradient[i];
+    if (!ellipse && i < 3) right -= full[i][3] * pinned[0] + full[i][4] * pinned[1];
+    climb->right[i] = right;
+    for (int j = 0; j <= i; ++j) {
+      climb->curvature[TRIANGLE(i, j)] = !is_pinned ? full[i][j] : i == j ? 1.0f : 0.0f;
     }
-    regular = cholesky(climb->curvature, 5, 1e-7f);
-    if (regular) cholesky_solve(climb->curvature, 5, climb->right);
-  } else {
-    const float e1 = -task->e1 - climb->delta[3], e2 = -task->e2 - climb->delta[4];
-    for (int i = 0; i < 3; ++i) {
-      climb->right[i] = gradient[i] - full[i][3] * e1 - full[i][4] * e2;
-      for (int j = 0; j <= i; ++j) climb->curvature[TRIANGLE(i, j)] = full[i][j];
-    }
-    regular = cholesky(climb->curvature, 3, 1e-7f);
-    if (regular) cholesky_solve(climb->curvature, 3, climb->right);
-    climb->right[3] = e1;
-    climb->right[4] = e2;
   }
+  const int regular = cholesky(climb->curvature, 5, 1e-7f);
+  if (regular) cholesky_solve(climb->curvature, 5, climb->right);
   for (int i = 0; i < 5; ++i) by[i] = climb->right[i];
   return regular;
 }
@@ -228,9 +226,7 @@ BARRIER_INLINE void climb_up(const RimTask* task, __global const float* kept,
       climb->last_way[i] = 0.0f;
     }
     for (int k = 0; k < RIM_KINDS && first; ++k) climb->shares[k] = 0.0f;
-    climb->next = CLIMB_EVIDENCE;
-    // Evidence and first sums are those of the other shape.
-    if (!first) take_step(task, model, n, sums, ellipse, first, climb);
+    climb->next = first ? CLIMB_EVIDENCE : CLIMB_SUM;  // evidence is that of the other shape
   }
   barrier(CLK_LOCAL_MEM_FENCE);
   int next = climb->next;

@@ -61,16 +61,22 @@ BARRIER_INLINE void drop_hidden_deep_lines(__global const float* lines, const in
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// Noise of one sample: from one line to another, so many farther, outside the ball.
-BARRIER_INLINE float noise_between(__global const float* outermost, const int count,
-                                   const int apart, __constant const RimNumbers* n,
-                                   __local float* values, __local float* scalar) {
-  const int steps = count > apart ? (count - apart + 1) / 2 : 0;
-  barrier(CLK_LOCAL_MEM_FENCE);
-  for (int i = (int)get_local_id(0); i < steps; i += GROUP) {
-    values[i] = fabs(outermost[apart + 2 * i] - outermost[2 * i]);
+// Noise of one sample: of lines side by side, or of those some pixels apart.
+BARRIER_INLINE float sample_noise(__global const float* outermost, const int count,
+                                  __constant const RimNumbers* n, __local float* values,
+                                  __local float* scalar) {
+  float noise[3];
+  for (int k = 0; k < 3; ++k) {
+    const int apart = k == 0 ? 1 : k * n->noise_apart;
+    const int steps = count > apart ? (count - apart + 1) / 2 : 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (int i = (int)get_local_id(0); i < steps; i += GROUP) {
+      values[i] = fabs(outermost[apart + 2 * i] - outermost[2 * i]);
+    }
+    noise[k] = n->noise_per_median / sqrt(2.0f) * ranked(values, steps, steps / 2, scalar);
   }
-  return n->noise_per_median / sqrt(2.0f) * ranked(values, steps, steps / 2, scalar);
+  const int alike = noise[1] > n->noise_alike * noise[0] && noise[2] < n->noise_even * noise[1];
+  return alike ? noise[1] : noise[0];
 }
 
 // Counts the lines of each sector, which lie in the order of the sectors.
@@ -144,9 +150,10 @@ BARRIER_INLINE void ground_levels(__global const float* lines, const int count,
   barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-// Solves for the corrections of the paint's coefficients, or for them, from the sectors' weights and
-// weighted levels. `held`: of the diagonal.
-BARRIER_INLINE void solve_light(__local Levels* levels, const float* held, const int added) {
+// Solves for the paint's coefficients, or where it settles for their corrections, from the sectors'
+// weights and weighted levels.
+BARRIER_INLINE void solve_light(__local Levels* levels, __constant const RimNumbers* n,
+                                const int settles) {
   const int item = (int)get_local_id(0);
   barrier(CLK_LOCAL_MEM_FENCE);
   for (int k = item; k < TRIANGLE(5, 0) + 5; k += GROUP) {
@@ -154,7 +161,8 @@ BARRIER_INLINE void solve_light(__local Levels* levels, const float* held, const
     while (row < 4 && TRIANGLE(row + 1, 0) <= k) ++row;
     const int column = k - TRIANGLE(row, 0);
     const int right = k - TRIANGLE(5, 0);
-    float sum = right < 0 && row == column ? held[row] : 0.0f;
+    const float held = settles ? n->held : n->no_shading[(row + 1) / 2];
+    float sum = right < 0 && row == column ? held : 0.0f;
     for (int b = 0; b < RIM_LEVEL_SECTORS; ++b) {
       sum += right < 0 ? levels->weight[b] * levels->basis[b][row] * levels->basis[b][column]
                        : levels->weighted[b] * levels->basis[b][right];
@@ -170,7 +178,7 @@ BARRIER_INLINE void solve_light(__local Levels* levels, const float* held, const
     cholesky(levels->normal, 5, 0.0f);
     cholesky_solve(levels->normal, 5, levels->right);
     for (int m = 0; m < 5; ++m) {
-      levels->light[m] = levels->right[m] + (added ? levels->light[m] : 0.0f);
+      levels->light[m] = levels->right[m] + (settles ? levels->light[m] : 0.0f);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
@@ -197,47 +205,42 @@ BARRIER_INLINE void fit_light(__global const float* lines, __constant const RimN
                      : near_quantile(deep + begin * RIM_DEEP, (end - begin) * RIM_DEEP, n->bright,
                                      n->bright_noise * levels->noise + n->bright_least);
   }
-  // Upper envelope of the sectors.
   for (int m = item; m < 5; m += GROUP) levels->light[m] = 0.0f;
-  const float no_shading[5] = {n->no_shading[0], n->no_shading[1], n->no_shading[1],
-                               n->no_shading[2], n->no_shading[2]};
-  for (int pass = 0; pass < n->envelope_passes; ++pass) {
-    barrier(CLK_LOCAL_MEM_FENCE);
+  barrier(CLK_LOCAL_MEM_FENCE);
+  // First the upper envelope of the sectors; then it settles on what lies within a window about it
+  // that shrinks to the noise.
+  float contrast = 0.0f;
+  for (int pass = 0; pass < n->envelope_passes + 3; ++pass) {
+    const int settles = pass - n->envelope_passes;
+    if (settles == 0) contrast = levels->light[0] - levels->ground_median;
+    const float last = fmax(n->window_noise * levels->noise, n->window_least * contrast);
+    const float first = settles == 0 ? n->window_first : settles == 1 ? n->window_next : 0.0f;
+    const float window = fmax(first * contrast, last);
     for (int b = item; b < RIM_LEVEL_SECTORS; b += GROUP) {
-      const float level = levels->medians[b];
-      float off = level;
-      for (int m = 0; m < 5; ++m) off -= levels->light[m] * levels->basis[b][m];
-      const int below = pass > 0 && off <= -n->below * (levels->light[0] - levels->ground_median);
-      levels->weight[b] = levels->count[b] == 0 ? 0.0f : below ? n->below_weight : 1.0f;
-      levels->weighted[b] = levels->weight[b] * level;
-    }
-    solve_light(levels, no_shading, 0);  // the same once more where no sector has changed
-  }
-  // It settles on what lies within a window about it that shrinks to the noise.
-  const float contrast = levels->light[0] - levels->ground_median;
-  const float last = fmax(n->window_noise * levels->noise, n->window_least * contrast);
-  const float windows[3] = {fmax(n->window_first * contrast, last),
-                            fmax(n->window_next * contrast, last), last};
-  const float held[5] = {n->held, n->held, n->held, n->held, n->held};
-  for (int pass = 0; pass < 3; ++pass) {
-    const float window = windows[pass];
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (int b = item; b < RIM_LEVEL_SECTORS; b += GROUP) {
-      float count = 0.0f, sum = 0.0f;
-      for (int i = levels->begin[b]; i < levels->begin[b + 1]; ++i) {
-        const float light = light_at(levels->light, deep_x[i], deep_y[i]);
-        for (int m = 0; m < RIM_DEEP; ++m) {
-          const float off = deep[i * RIM_DEEP + m] - light;
-          if (fabs(off) <= window) {
-            sum += off;
-            count += 1.0f;
+      float weight = 0.0f, weighted = 0.0f;
+      if (settles >= 0) {
+        for (int i = levels->begin[b]; i < levels->begin[b + 1]; ++i) {
+          const float light = light_at(levels->light, deep_x[i], deep_y[i]);
+          for (int m = 0; m < RIM_DEEP; ++m) {
+            const float off = deep[i * RIM_DEEP + m] - light;
+            if (fabs(off) <= window) {
+              weighted += off;
+              weight += 1.0f;
+            }
           }
         }
+      } else if (levels->count[b] > 0) {
+        float off = levels->medians[b];
+        for (int m = 0; m < 5; ++m) off -= levels->light[m] * levels->basis[b][m];
+        const int dark =
+            pass > 0 && off <= -n->below * (levels->light[0] - levels->ground_median);
+        weight = dark ? n->below_weight : 1.0f;
+        weighted = weight * levels->medians[b];
       }
-      levels->weight[b] = count;
-      levels->weighted[b] = count > 0.0f ? sum : 0.0f;
+      levels->weight[b] = weight;
+      levels->weighted[b] = weighted;
     }
-    solve_light(levels, held, 1);
+    solve_light(levels, n, settles >= 0);
   }
 }
 
@@ -249,13 +252,9 @@ BARRIER_INLINE int find_levels(__global const float* lines, const int count,
   const int item = (int)get_local_id(0);
   drop_hidden_deep_lines(lines, count, n, values, deep, deep_x, deep_y, deep_line, levels);
   __global const float* outermost = LEVEL(lines, RIM_SAMPLES - 1);
-  __local float* scalar = &levels->scalar;
-  const float near = noise_between(outermost, count, 1, n, values, scalar);
-  const float far = noise_between(outermost, count, n->noise_apart, n, values, scalar);
-  const float farther = noise_between(outermost, count, 2 * n->noise_apart, n, values, scalar);
-  const int alike = far > n->noise_alike * near && farther < n->noise_even * far;
+  const float noise = sample_noise(outermost, count, n, values, &levels->scalar);
   barrier(CLK_LOCAL_MEM_FENCE);
-  if (item == 0) levels->noise = alike ? far : near;
+  if (item == 0) levels->noise = noise;
   barrier(CLK_LOCAL_MEM_FENCE);
   ground_levels(lines, count, n, values, levels);
   fit_light(lines, n, deep, deep_x, deep_y, deep_line, levels);
