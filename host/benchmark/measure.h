@@ -64,6 +64,7 @@ void bench_equal_windows(opencl::Engine& engine, const BenchOptions& options, co
 void bench_zncc(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 void bench_icgn(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 void bench_ball(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
+void bench_circle(opencl::Engine& engine, const BenchOptions& options, const RowSink& sink);
 // The stream of frames on all of the engines, the rest on the first.
 void bench_methods(std::span<opencl::Engine* const> engines, const BenchOptions& options,
                    const RowSink& sink);

@@ -68,6 +68,7 @@ void write_bench_table(std::span<opencl::Engine* const> engines, const BenchOpti
   bench_zncc(engine, options, sink);
   bench_icgn(engine, options, sink);
   bench_ball(engine, options, sink);
+  bench_circle(engine, options, sink);
   bench_methods(engines, options, sink);
 #ifdef IMPACTDIC_WITH_FFTW
   bench_references(engine, options, sink);

@@ -104,7 +104,13 @@ class BallTracker {
   };
   Radius radius() const;
   CirclePrior prior_ahead(std::int64_t index) const;
-  CirclePrior prior_steady(std::int64_t index) const;
+  // By how much farther than on a line the ball comes, px, and whether the frames before tell that.
+  struct Bend {
+    double x_px = 0, y_px = 0;
+    double sd_px = 0;  // by what the frames err, of the place
+    bool is_told = false;
+  };
+  Bend bend_ahead(double ahead) const;
   std::pair<double, double> fall() const;
   // Of frame number `index`, which no memory of others has a part in. `was_lost`: the ball was not
   // seen just before it. `followed`: its circle from the prior, where a device has told it.
@@ -149,10 +155,10 @@ class BallTracker {
 
 struct BallTracker::Plan {
   struct Left {
-    std::size_t frame;            // of the batch
-    Seen from, to;                // the measured frames before and behind
-    double off_px;                // of the latter from where it was predicted
-    double bend_x_px, bend_y_px;  // of the way between them: four times its arrow
+    std::size_t frame;                    // of the batch
+    Seen from, to;                        // the measured frames before and behind
+    double centre_sd_px;                  // from the way between them
+    double bend_x_px = 0, bend_y_px = 0;  // of that: four times its arrow; 0 of a line
   };
   std::int64_t first_index = 0;
   Radius radius;

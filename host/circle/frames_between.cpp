@@ -15,7 +15,7 @@
 namespace impactdic::circle {
 namespace {
 
-// Between two measured frames, on the parabola that a steady force makes of the way.
+// Between two measured frames, on the line or the parabola that leads from one to the other.
 CirclePrior prior_between(const BallTracker::Plan::Left& left, std::int64_t index) {
   const CircleFit &a = left.from.fit, &b = left.to.fit;
   const double steps = static_cast<double>(left.to.index - left.from.index);
@@ -32,33 +32,35 @@ CirclePrior prior_between(const BallTracker::Plan::Left& left, std::int64_t inde
   prior.rim_fraction = std::min(a.rim_fraction, b.rim_fraction);
   prior.learn = false;
   prior.unlearnt = !b.rim_model;
-  prior.centre_sd_px = std::hypot(kTracking.between_px, kTracking.between_of_off * left.off_px);
+  prior.centre_sd_px = left.centre_sd_px;
   prior.rim_sd_px = std::max(kTracking.rim_px, kTracking.rim_of_r * prior.predicted.r_px);
   return prior;
 }
 
 }  // namespace
 
-// Some frames ahead, where the last three that were measured show a steady force, as gravity.
-CirclePrior BallTracker::prior_steady(std::int64_t index) const {
-  CirclePrior prior = prior_ahead(index);
-  if (memory_.seen.size() < 3) return prior;
+// The last three frames that were measured, and how they foretell one that lies `ahead` of them
+// where a steady force, as gravity, bends the way.
+BallTracker::Bend BallTracker::bend_ahead(double ahead) const {
+  Bend bend;
+  if (memory_.seen.size() < 3) return bend;
   const Seen &a = memory_.seen[0], &b = memory_.seen[1], &c = memory_.seen[2];
   const auto first = static_cast<double>(b.index - a.index);
   const auto second = static_cast<double>(c.index - b.index);
-  const auto ahead = static_cast<double>(index - c.index);
-  // The second difference over half of the time that it is of: the change of the velocity a frame.
-  const auto bend = [&](double at_a, double at_b, double at_c) {
-    return ((at_c - at_b) / second - (at_b - at_a) / first) / (0.5 * (first + second));
+  // What the velocity's change between them makes of the way ahead.
+  const double frames = ahead * (ahead + second) / (first + second);
+  const auto along = [&](double at_a, double at_b, double at_c) {
+    return frames * ((at_c - at_b) / second - (at_b - at_a) / first);
   };
-  const double x = bend(a.fit.circle.cx_px, b.fit.circle.cx_px, c.fit.circle.cx_px);
-  const double y = bend(a.fit.circle.cy_px, b.fit.circle.cy_px, c.fit.circle.cy_px);
-  const double frames = 0.5 * ahead * (ahead + second);
-  if (!(std::hypot(x, y) * frames < kTracking.straight_px)) return prior;
-  prior.predicted.cx_px += x * frames;
-  prior.predicted.cy_px += y * frames;
-  prior.centre_sd_px = std::min(prior.centre_sd_px, kTracking.steady_bend_px);
-  return prior;
+  bend.x_px = along(a.fit.circle.cx_px, b.fit.circle.cx_px, c.fit.circle.cx_px);
+  bend.y_px = along(a.fit.circle.cy_px, b.fit.circle.cy_px, c.fit.circle.cy_px);
+  // By the errors of the three.
+  const auto sd = [](const Seen& seen) { return std::max(seen.fit.cx_sd_px, seen.fit.cy_sd_px); };
+  const double of_a = frames / first, of_c = 1 + (ahead + frames) / second;
+  bend.sd_px = std::hypot(of_a * sd(a), (of_c - 1 + of_a) * sd(b), of_c * sd(c));
+  bend.is_told =
+      bend.sd_px < kTracking.bend_sd_px && std::hypot(bend.x_px, bend.y_px) < kTracking.straight_px;
+  return bend;
 }
 
 void BallTracker::follow(std::span<const Frame> frames, std::int64_t first_index,
@@ -111,27 +113,34 @@ bool BallTracker::measure_ahead(std::span<const Frame> frames, std::size_t begin
                                 std::span<CircleFit> fits, Plan& plan) {
   if (memory_.seen.size() < 2 || memory_.radii_px.size() < kTracking.least_radii) return false;
   const std::int64_t index = plan.first_index + static_cast<std::int64_t>(end) - 1;
-  const CirclePrior prior = prior_steady(index);
+  const auto steps = static_cast<double>(index - memory_.seen.back().index);
+  CirclePrior prior = prior_ahead(index);
+  const Bend bend = bend_ahead(steps);
+  if (bend.is_told) {
+    prior.predicted.cx_px += bend.x_px;
+    prior.predicted.cy_px += bend.y_px;
+    prior.centre_sd_px = std::min(prior.centre_sd_px, std::hypot(kTracking.between_px, bend.sd_px));
+  }
   const CircleFit fit = measure(frames[end - 1], prior);
   // One that the rim model of the frames before does not show may be another thing that lies there.
   const bool unlike = is_flat(prior.rim_model.get()) && !fit.rim_model;
   if (!is_plausible(fit, prior.radius_px) || is_grown(fit, prior) || unlike) return false;
-  const double off_px = std::hypot(fit.circle.cx_px - prior.predicted.cx_px,
-                                   fit.circle.cy_px - prior.predicted.cy_px);
+  const double off_x_px = fit.circle.cx_px - prior.predicted.cx_px;
+  const double off_y_px = fit.circle.cy_px - prior.predicted.cy_px;
+  const double off_px = std::hypot(off_x_px, off_y_px);
   if (off_px > kTracking.straight_px) return false;
   fits[end - 1] = fit;
   const Seen ahead{index, with_last_model(fit)};
-  const Seen &last = memory_.seen.back(), &before = memory_.seen[memory_.seen.size() - 2];
-  // By a steady force, which has bent the way since `before`.
-  const auto steps = static_cast<double>(index - last.index);
-  const auto first = static_cast<double>(last.index - before.index);
-  const auto bend = [&](double at_before, double at_last, double at_ahead) {
-    const double off = at_ahead - at_last - (at_last - at_before) * steps / first;
-    return off * steps / (steps + first);
-  };
-  const Circle &a = before.fit.circle, &b = last.fit.circle, &c = fit.circle;
-  const double x = bend(a.cx_px, b.cx_px, c.cx_px), y = bend(a.cy_px, b.cy_px, c.cy_px);
-  for (std::size_t i = begin; i + 1 < end; ++i) plan.left.push_back({i, last, ahead, off_px, x, y});
+  const Seen& last = memory_.seen.back();
+  Plan::Left left{0, last, ahead, std::hypot(kTracking.between_px, kTracking.of_off * off_px)};
+  if (bend.is_told) {
+    // All of it, by the frame ahead too, as it bends the way since the frame before the last one.
+    const auto all = static_cast<double>(index - memory_.seen[memory_.seen.size() - 2].index);
+    left.bend_x_px = steps / all * (bend.x_px + off_x_px);
+    left.bend_y_px = steps / all * (bend.y_px + off_y_px);
+    left.centre_sd_px = std::hypot(kTracking.between_px, kTracking.of_off_bent * off_px);
+  }
+  for (left.frame = begin; left.frame + 1 < end; ++left.frame) plan.left.push_back(left);
   remember(fit, index);
   return true;
 }

@@ -143,6 +143,7 @@ BARRIER_INLINE float farthest(__local const Climb* climb, const float* by) {
 // The shares of the kinds at this rim over those of the model.
 BARRIER_INLINE void learn_shares(__global const float* model, __constant const RimNumbers* n,
                                  __local const LineSums* sums, __local Climb* climb) {
+#pragma unroll 1
   for (int k = 0; k < RIM_KINDS; ++k) {
     const float share = model[RIM_KINDS + k];
     const float here = sums->of[5 + 2 * RIM_WAVES + k] + n->share_worth * share;

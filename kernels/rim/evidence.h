@@ -17,14 +17,15 @@
 // Excesses with a table, per step of the lines.
 #define RIM_PER_STEP(n) (0.5f / (n)->near)
 
-// A model's quadratics in the profile, ln p or its slope, by kind.
+// A model's quadratics in the profile, ln p or its slope, by kind. What is long and not often run
+// stays a loop in these files, which is less for a driver to compile.
 BARRIER_INLINE float8 form_of(__global const float* form, const float* profile, const float weight) {
   float8 sum = vload8(0, form);
   int row = 1;
-#pragma unroll
+#pragma unroll 1
   for (int i = 0; i < RIM_SAMPLES; ++i) {
     sum += profile[i] * vload8(row++, form);
-#pragma unroll
+#pragma unroll 1
     for (int j = 0; j <= i; ++j) sum += profile[i] * profile[j] * vload8(row++, form);
   }
   sum.s0 *= weight;  // how much bare paint tells goes with the contrast
@@ -67,7 +68,7 @@ BARRIER_INLINE void make_evidence(__global const float* kept, const int count,
     AT(evidence)[i] = ((float)place - most) / RIM_PER_STEP(n);
     __global const float* table = model + RIM_MODEL_HEAD + place * RIM_TABLE;
     float profile[RIM_SAMPLES];
-#pragma unroll
+#pragma unroll 1
     for (int m = 0; m < RIM_SAMPLES; ++m) profile[m] = PROFILE(kept, m)[i];
     const float weight = KEPT_WEIGHT(kept)[i];
     float8 information = vload8(0, table + 2 * RIM_FORM);

@@ -66,6 +66,7 @@ BARRIER_INLINE float sample_noise(__global const float* outermost, const int cou
                                   __constant const RimNumbers* n, __local float* values,
                                   __local float* scalar) {
   float noise[3];
+#pragma unroll 1
   for (int k = 0; k < 3; ++k) {
     const int apart = k == 0 ? 1 : k * n->noise_apart;
     const int steps = count > apart ? (count - apart + 1) / 2 : 0;
@@ -92,6 +93,7 @@ BARRIER_INLINE void count_sectors(__global const float* turn, __local const shor
   barrier(CLK_LOCAL_MEM_FENCE);
   if (item == 0) {
     levels->begin[0] = 0;
+#pragma unroll 1
     for (int b = 0; b < RIM_LEVEL_SECTORS; ++b) {
       levels->begin[b + 1] = levels->begin[b] + levels->count[b];
     }
@@ -221,6 +223,7 @@ BARRIER_INLINE void fit_light(__global const float* lines, __constant const RimN
       if (settles >= 0) {
         for (int i = levels->begin[b]; i < levels->begin[b + 1]; ++i) {
           const float light = light_at(levels->light, deep_x[i], deep_y[i]);
+#pragma unroll 1
           for (int m = 0; m < RIM_DEEP; ++m) {
             const float off = deep[i * RIM_DEEP + m] - light;
             if (fabs(off) <= window) {

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "host/circle/rays/crossing_density.h"
 #include "host/circle/rim/blurred_edge.h"
-#include "host/circle/rim/crossing_density.h"
 #include "host/circle/rim/line_sums.h"
 #include "host/circle/rim/rim_cast.h"
 #include "host/circle/rim/rim_levels.h"

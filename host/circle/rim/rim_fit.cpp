@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "host/base/statistics.h"
-#include "host/circle/rim/crossing_density.h"
+#include "host/circle/rays/crossing_density.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/rim/rim_prior.h"
 #include "host/circle/settings/crossings.h"

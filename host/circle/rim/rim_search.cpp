@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "host/base/statistics.h"
+#include "host/circle/rays/rim_rays.h"
 #include "host/circle/rim/rim.h"
-#include "host/circle/rim/rim_rays.h"
 #include "host/circle/settings/search.h"
 
 namespace impactdic::circle {

@@ -94,16 +94,16 @@ struct TrackingSettings {
   double radius_sd_of_r = 2e-4;  // the ball's distance from the camera may change a little [hand]
   // Scatter of a prediction: px, and of the velocity (an impact apart).
   double steady_px = 0.3, steady_of_step = 0.05;  // from two frames [hand]
-  double steady_bend_px = 0.1;                    // from three that a steady force bends [hand]
-  double first_px = 3, first_of_r = 0.05;         // from one [hand]
+  double bend_sd_px = 0.3;  // from three that a steady force bends, by their errors: no more [hand]
+  double first_px = 3, first_of_r = 0.05;  // from one [hand]
   // Steps that differ by so much, px, and at most so much of the radius, are those of a ball that
   // falls in slow film: the next step differs by as much [hand]. An impact's differ by more.
   double falls_px = 4, falls_of_r = 0.5;
   double rim_px = 0.3, rim_of_r = 0.005;  // of the shape [hand]
   double back_sds = 3;  // scatters from where the frames after it put a first frame's ball [hand]
-  // On the parabola between two frames; the share of how far the second one is from its prediction
-  // is half of the parabola's arrow.
-  double between_px = 0.05, between_of_off = 0.0625;
+  // On the way between two frames: px, and of the second one's distance from its prediction, of
+  // which a parabola's arrow is an eighth; where the bend is known, half of that [hand].
+  double between_px = 0.05, of_off = 0.125, of_off_bent = 0.0625;
   // Before the whole picture is searched: px, over what was predicted; then as a share of the
   // radius, for in slow film gravity changes a step by a third of it [hand].
   double lost_px = 3, lost_factor = 3, lost_of_r = 0.15;

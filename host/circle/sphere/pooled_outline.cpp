@@ -9,8 +9,8 @@
 #include <cmath>
 #include <vector>
 
+#include "host/circle/rays/rim_rays.h"
 #include "host/circle/rim/rim.h"
-#include "host/circle/rim/rim_rays.h"
 #include "host/circle/settings/levels.h"
 #include "host/circle/settings/outline.h"
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "host/circle/rays/ground_plane.h"
+#include "host/circle/rays/rim_rays.h"
 #include "host/circle/rim/rim.h"
 #include "host/circle/rim/rim_levels.h"
-#include "host/circle/rim/rim_rays.h"
 #include "host/circle/settings/crossings.h"
 #include "host/circle/settings/outline.h"
 
