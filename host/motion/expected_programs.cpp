@@ -25,9 +25,6 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
   const bool looks = is_ball && (any_body || options.sphere);
   std::vector<opencl::ProgramRequest> all;
   if (looks) all.push_back(ball(kSphere, false));
-  if (engine.device().is_gpu && !options.sphere) {  // of discs
-    all.push_back(circle::RimFollower::program({}, type));
-  }
   const auto windows = dic::WindowCorrelator::programs(engine, options.field, type);
   all.insert(all.end(), windows.begin(), windows.end());
   if (is_ball) {
@@ -37,6 +34,9 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
         all.end() - (windows.empty() ? 0 : static_cast<std::ptrdiff_t>(windows.size()) - 1);
     all.insert(place, {ball(kRigid, false), dic::SplineFrames::program(engine, whole.spline_degree,
                                                                        whole.presmooth_sigma_px)});
+  }
+  if (engine.device().is_gpu && !options.sphere) {  // discs' circles, from the second batch on
+    all.push_back(circle::RimFollower::program({}, type));
   }
   // What unpacks pictures is asked for at once, and takes no time.
   if (looks) {

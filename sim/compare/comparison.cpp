@@ -168,6 +168,7 @@ CompareResult compare_shots(const CompareRequest& request, const RunControl& con
                       {}, rows[i - request.shots.size()].shot, rows[i - request.shots.size()].shot};
     const std::string name = tracked ? loaded.shot.file : rows[i - request.shots.size()].name;
     result.shots[i].shot = loaded.shot;
+    result.shots[i].initial = fit::job_of_shot(result.laws, loaded.timed).initial;
     for (const ComparedModel& model : request.models) {
       ModelOutcome outcome = compare_model(request, result, loaded, model);
       outcome.printed = shot::printed_for(printed, name, std::string(name_of(model)));

@@ -79,6 +79,9 @@ struct ModelOutcome {
 
 struct ComparedShot {
   MeasuredShot shot;
+  // That the models begin with: the motion before, at the touch that the law puts, which may be
+  // some microseconds from the track's.
+  InitialMotion initial;
   std::vector<ModelOutcome> models;
 };
 

@@ -132,7 +132,11 @@ void write_comparison(const std::filesystem::path& folder, const CompareRequest&
   for (const ComparedShot& c : result.shots) {
     Json models = Json::array();
     for (const ModelOutcome& m : c.models) models.push_back(outcome_json(m));
-    summary["shots"].push_back({{"measured", shot_json(c.shot)}, {"models", models}});
+    const Json initial{{"vt_m_s", json_number(c.initial.vt_m_s)},
+                       {"vn_m_s", json_number(c.initial.vn_m_s)},
+                       {"omega_rad_s", json_number(c.initial.omega_rad_s)}};
+    summary["shots"].push_back(
+        {{"measured", shot_json(c.shot)}, {"initial", initial}, {"models", models}});
   }
   write_ordered_json(folder / "summary.json", summary);
   write_comparison_table(folder / "comparison.csv", result);

@@ -152,11 +152,11 @@ def _add_path(panels, measured):
 
 def integrate(result, shot, model, program):
     """trajectory.csv of `impactdic simulate` with the law and the friction of `model` from the
-    measured motion before the touch."""
+    motion that it began with."""
     if program is None:
         raise ResultError("models are integrated by the program", "report",
                           "call it as impactdic report")
-    job, before = result.job, shot["measured"]["before"]
+    job = result.job
     contact = {**job["contact"], **result.summary["contact"]}
     contact["friction_kinetic"] = model["friction_kinetic"]
     for key, owner in OWN_KEYS.items():
@@ -168,8 +168,7 @@ def integrate(result, shot, model, program):
         "body": job["body"],
         "contact": contact,
         "surface": {"angle_deg": shot["measured"]["surface_angle_deg"]},
-        "initial": {key: before[key]["value"] or 0.0
-                    for key in ("vt_m_s", "vn_m_s", "omega_rad_s")},
+        "initial": shot["initial"],
         "environment": job.get("environment", {}),
         "output": {"rate_hz": 50000.0},
     }
