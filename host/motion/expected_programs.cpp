@@ -11,7 +11,7 @@ namespace impactdic::motion {
 
 std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engine,
                                                       const EstimatorOptions& options,
-                                                      PixelType type, bool any_body) {
+                                                      const ExpectedClip& clip) {
   if (options.estimator == Estimator::kRing) return {};
   using enum dic::BallModel;
   const auto ball = [&](dic::BallModel model, bool shaped) {
@@ -22,10 +22,10 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
   const dic::BallOptions turned =
       TurnedCentres::with_free_centre(ball_options(options.field, kSphere));
   const bool is_ball = options.estimator == Estimator::kBall;
-  const bool looks = is_ball && (any_body || options.sphere);
+  const bool looks = is_ball && (clip.any_body || options.sphere);
   std::vector<opencl::ProgramRequest> all;
   if (looks) all.push_back(ball(kSphere, false));
-  const auto windows = dic::WindowCorrelator::programs(engine, options.field, type);
+  const auto windows = dic::WindowCorrelator::programs(engine, options.field, clip.type);
   all.insert(all.end(), windows.begin(), windows.end());
   if (is_ball) {
     const dic::BallOptions whole = ball_options(options.field, kRigid);
@@ -35,8 +35,10 @@ std::vector<opencl::ProgramRequest> expected_programs(const opencl::Engine& engi
     all.insert(place, {ball(kRigid, false), dic::SplineFrames::program(engine, whole.spline_degree,
                                                                        whole.presmooth_sigma_px)});
   }
-  if (engine.device().is_gpu && !options.sphere) {  // discs' circles, from the second batch on
-    all.push_back(circle::RimFollower::program({}, type));
+  // Discs' circles, from the second batch on.
+  const bool is_long = clip.frames >= circle::RimFollower::kLongClip;
+  if (engine.device().is_gpu && is_long && !options.sphere) {
+    all.push_back(circle::RimFollower::program({}, clip.type));
   }
   // What unpacks pictures is asked for at once, and takes no time.
   if (looks) {

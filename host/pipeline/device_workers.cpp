@@ -155,11 +155,13 @@ DeviceWorkers::~DeviceWorkers() {
 std::span<const Window> DeviceWorkers::grid() const { return workers_.front()->estimator->grid(); }
 
 bool DeviceWorkers::follow_circles(std::span<opencl::Engine* const> engines,
-                                   const circle::CircleOptions& options,
+                                   const circle::CircleOptions& options, std::int64_t frames,
                                    std::optional<bool> wanted) {
+  const bool is_long = frames >= circle::RimFollower::kLongClip;
   return std::all_of(engines.begin(), engines.end(), [&](const opencl::Engine* engine) {
     const opencl::Device& device = engine->device();
-    return wanted.value_or(device.is_gpu) && circle::RimFollower::serves(device, options);
+    return wanted.value_or(device.is_gpu && is_long) &&
+           circle::RimFollower::serves(device, options);
   });
 }
 

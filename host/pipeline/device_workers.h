@@ -49,9 +49,11 @@ class DeviceWorkers {
 
   std::span<const Window> grid() const;
   double radius_px() const { return radius_px_; }
-  // Whether all of them follow such circles: GPUs do, and others where that is `wanted`.
+  // Whether all of them follow such circles of a clip of so many frames: GPUs do of a long one, and
+  // any where that is `wanted`.
   static bool follow_circles(std::span<opencl::Engine* const> engines,
-                             const circle::CircleOptions& options, std::optional<bool> wanted);
+                             const circle::CircleOptions& options, std::int64_t frames,
+                             std::optional<bool> wanted);
   // Workers that `engines` will get: as many batches are measured at once.
   static int count(std::span<opencl::Engine* const> engines);
 

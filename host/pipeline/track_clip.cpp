@@ -45,6 +45,7 @@ class ClipTracker {
         progress_(progress),
         tracker_(options.ball),
         on_device_(options.with_field && DeviceWorkers::follow_circles(engines, options.ball.circle,
+                                                                       options.frames.count(),
                                                                        options.circles_on_device)) {
     if (options.from) go_on(*options.from);
     if (options.times == nullptr) return;

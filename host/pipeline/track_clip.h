@@ -39,7 +39,7 @@ struct TrackOptions {
   // Batches whose frames are registered against keyframes ahead of their poses: see DeviceWorkers.
   int poses_ahead = 0;
   // Whether devices follow the circles of frames that lie where they are expected; without a value:
-  // GPUs do.
+  // GPUs do in long clips.
   std::optional<bool> circles_on_device;
   StageTimes* times = nullptr;  // gets the stages' times where given
   // Goes on where an earlier run of the same options and batches was.

@@ -9,11 +9,11 @@
 
 namespace impactdic::run {
 
-// For Session::Impl: what `request` will need of pictures of the depth that somebody is about to
-// tell. Empty where nothing is measured on a device.
+// For Session::Impl: what `request` will need of the clip that somebody is about to tell. Empty
+// where nothing is measured on a device.
 Session::Impl::Expects expected_programs(const TrackRequest& request,
-                                         std::shared_future<PixelType> depth);
-// The same of pictures of 8 bits, which most clips hold.
+                                         std::shared_future<ClipInfo> clip);
+// The same of a short clip of 8 bits, as most are.
 Session::Impl::Expects expected_programs(const TrackRequest& request);
 
 }  // namespace impactdic::run

@@ -39,7 +39,7 @@ std::set<std::string> expected(bool sure) {
     motion::EstimatorOptions estimator;
     estimator.estimator = Estimator::kBall;
     estimator.field.window_px = 17;
-    const auto all = motion::expected_programs(engine, estimator, PixelType::kU8, true);
+    const auto all = motion::expected_programs(engine, estimator, {PixelType::kU8, 10, true});
     for (const opencl::ProgramRequest& program : all) {
       if (program.is_sure != sure) continue;
       std::string text = "\"kernels/" + program.file + "\"-cl-std=CL1.2";

@@ -3,6 +3,7 @@
 // settle there at once is left to `measure_circle`.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -28,6 +29,8 @@ class RimFollower {
   RimFollower(opencl::Engine& engine, const CircleOptions& options);
   // What is compiled for pictures of this depth.
   static opencl::ProgramRequest program(const CircleOptions& options, PixelType type);
+  // Clips with at least so many frames gain more than it takes to compile it once.
+  static constexpr std::int64_t kLongClip = 4096;
   // Whether such a device and such circles are for it.
   static bool serves(const opencl::Device& device, const CircleOptions& options);
   // Whether a rim like that is followed at once: a disc's, known well enough.

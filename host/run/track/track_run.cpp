@@ -40,12 +40,12 @@ TrackRun::TrackRun(const TrackRequest& request, Session& session, Caller& caller
                    TrackResult& result, const std::string& needs_rate)
     : request_(request), session_(session), caller_(caller), result_(result) {
   request.validate();
-  std::promise<PixelType> depth;
+  std::promise<ClipInfo> clip;
   if (request.with_field) {
-    session.impl().open_beside(expected_programs(request, depth.get_future().share()));
+    session.impl().open_beside(expected_programs(request, clip.get_future().share()));
   }
   source_ = open_requested(request.clip);
-  depth.set_value(info().bits > 8 ? PixelType::kU16 : PixelType::kU8);
+  clip.set_value(info());
   result_ = {};
   result_.clip = info();
   if (!request.camera.empty()) {
