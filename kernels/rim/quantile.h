@@ -21,8 +21,8 @@ BARRIER_INLINE float ranked(__local const float* values, const int count, const 
   return *found;
 }
 
-// The value below which the share `q` of the values lies, to half of `tolerance`: of one work-item
-// alone. `stride` elements lie between two values.
+// The value below which the share `q` of the values, one at least, lies, to half of `tolerance`; of
+// one work-item alone.
 BARRIER_INLINE float near_quantile(__local const float* values, const int count, const float q,
                                   const float tolerance) {
   float low = values[0], high = values[0];
